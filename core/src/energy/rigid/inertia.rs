@@ -1,0 +1,171 @@
+//! From the network's outputs o to energies, L = ½vᵀH(o)v − V(o), with derivatives in o and v.
+
+use crate::network::{Activation, Jet};
+use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
+
+/// How the outputs o = (diagonal, strict lower triangle row by row, V) give the inertia matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Inertia {
+    /// H = diag(softplus(o)): decoupled coordinates, and the form SyMo uses for one coordinate.
+    Diagonal,
+    /// H = LLᵀ + εI, L lower triangular with softplus on its diagonal (SyMo, DeLaN).
+    Cholesky {
+        /// ε ≥ 0, in the units of H.
+        epsilon: f32,
+    },
+}
+
+impl Inertia {
+    /// Outputs of the network for `n` coordinates, V included.
+    pub const fn outputs(&self, n: usize) -> usize {
+        match self {
+            Self::Diagonal => n + 1,
+            Self::Cholesky { .. } => n * (n + 1) / 2 + 1,
+        }
+    }
+}
+
+/// A vector of N jets.
+pub(super) type Jets<S, const T: usize, const N: usize> = [Jet<S, T>; N];
+
+/// The outputs of the network read as energies, with tangents.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outputs<S, const T: usize, const N: usize> {
+    inertia: Inertia,
+    /// softplus of the diagonal outputs.
+    diagonal: Jets<S, T, N>,
+    /// softplus′ of the diagonal outputs.
+    slopes: Jets<S, T, N>,
+    /// The strict lower triangle of L; zero elsewhere.
+    lower: [Jets<S, T, N>; N],
+    /// V, J.
+    pub potential: Jet<S, T>,
+}
+
+/// Room for the adjoint of the outputs: 2N² ≥ N(N + 1)/2 + 1.
+pub(super) type OutputBar<S, const T: usize, const N: usize> = [[Jets<S, T, N>; N]; 2];
+
+impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
+    #[inline]
+    pub fn new(inertia: Inertia, o: &[Jet<S, T>]) -> Self {
+        let mut diagonal = [Jet::zero(); N];
+        let mut slopes = [Jet::zero(); N];
+        let mut lower = [[Jet::zero(); N]; N];
+        let mut o = o.iter().copied();
+        for (d, o) in diagonal.iter_mut().zip(&mut o) {
+            *d = o;
+        }
+        Activation::Softplus.apply(&mut diagonal, &mut slopes);
+        if inertia != Inertia::Diagonal {
+            for l in strict_lower(&mut lower) {
+                *l = o.next().unwrap_or(Jet::zero());
+            }
+        }
+        Self { inertia, diagonal, slopes, lower, potential: o.next().unwrap_or(Jet::zero()) }
+    }
+
+    /// The same without tangents.
+    #[inline]
+    pub fn without_tangents(&self) -> Outputs<S, 0, N> {
+        let plain = |x: &Jets<S, T, N>| core::array::from_fn(|i| x[i].without_tangents());
+        Outputs {
+            inertia: self.inertia,
+            diagonal: plain(&self.diagonal),
+            slopes: plain(&self.slopes),
+            lower: core::array::from_fn(|i| plain(&self.lower[i])),
+            potential: self.potential.without_tangents(),
+        }
+    }
+
+    /// L_ij, with the diagonal.
+    #[inline(always)]
+    fn factor(&self, i: usize, j: usize) -> Jet<S, T> {
+        if i == j { self.diagonal[i] } else { self.lower[i][j] }
+    }
+
+    /// Lᵀv.
+    #[inline]
+    fn transposed(&self, v: &Jets<S, T, N>) -> Jets<S, T, N> {
+        core::array::from_fn(|j| {
+            (j..N).fold(Jet::zero(), |sum: Jet<S, T>, i| sum.plus(&self.factor(i, j).times(&v[i])))
+        })
+    }
+
+    /// p = Hv and its tangents.
+    #[inline]
+    pub fn momentum(&self, v: &Jets<S, T, N>) -> Jets<S, T, N> {
+        match self.inertia {
+            Inertia::Diagonal => core::array::from_fn(|i| self.diagonal[i].times(&v[i])),
+            Inertia::Cholesky { epsilon } => {
+                let y = self.transposed(v);
+                let epsilon = S::constant(f64::from(epsilon));
+                core::array::from_fn(|i| {
+                    (0..=i).fold(v[i].scaled(epsilon), |sum, j| sum.plus(&self.factor(i, j).times(&y[j])))
+                })
+            }
+        }
+    }
+
+    /// H.
+    #[inline]
+    pub fn mass_matrix(&self) -> [[S; N]; N] {
+        let plain = self.without_tangents();
+        let columns = core::array::from_fn(|j| {
+            let unit = core::array::from_fn(|i| Jet::constant(if i == j { S::one() } else { S::zero() }));
+            plain.momentum(&unit).map(|p| p.value)
+        });
+        // H is symmetric: its columns are its rows.
+        columns
+    }
+
+    /// ∂/∂o of aᵀHb, with tangents; the place of V stays 0.
+    #[inline]
+    pub fn bilinear_bar(&self, a: &Jets<S, T, N>, b: &Jets<S, T, N>) -> OutputBar<S, T, N> {
+        match self.inertia {
+            Inertia::Diagonal => self.pack(|i, _| a[i].times(&b[i])),
+            Inertia::Cholesky { .. } => {
+                let (alpha, beta) = (self.transposed(a), self.transposed(b));
+                self.pack(|i, j| a[i].times(&beta[j]).plus(&b[i].times(&alpha[j])))
+            }
+        }
+    }
+
+    /// ∂L/∂o at (o, v), with tangents.
+    #[inline]
+    pub fn lagrangian_bar(&self, v: &Jets<S, T, N>) -> OutputBar<S, T, N> {
+        let mut bar = match self.inertia {
+            Inertia::Diagonal => self.pack(|i, _| v[i].times(&v[i]).scaled(S::constant(0.5))),
+            Inertia::Cholesky { .. } => {
+                let y = self.transposed(v);
+                self.pack(|i, j| v[i].times(&y[j]))
+            }
+        };
+        if let Some(potential) = bar.as_flattened_mut().as_flattened_mut().get_mut(self.inertia.outputs(N) - 1) {
+            potential.value = S::constant(-1.0);
+        }
+        bar
+    }
+
+    /// Lays ∂/∂L_ij out in the order of the outputs, through softplus on the diagonal.
+    #[inline]
+    fn pack(&self, entry: impl Fn(usize, usize) -> Jet<S, T>) -> OutputBar<S, T, N> {
+        let mut bar = [[[Jet::zero(); N]; N]; 2];
+        let mut slots = bar.as_flattened_mut().as_flattened_mut().iter_mut();
+        for (i, (slot, slope)) in (&mut slots).zip(&self.slopes).take(N).enumerate() {
+            *slot = entry(i, i).times(slope);
+        }
+        if self.inertia != Inertia::Diagonal {
+            let pairs = (0..N).flat_map(|i| (0..i).map(move |j| (i, j)));
+            for (slot, (i, j)) in slots.zip(pairs) {
+                *slot = entry(i, j);
+            }
+        }
+        bar
+    }
+}
+
+/// The entries below the diagonal, row by row.
+fn strict_lower<X, const N: usize>(matrix: &mut [[X; N]; N]) -> impl Iterator<Item = &mut X> {
+    matrix.iter_mut().enumerate().flat_map(|(i, row)| row.iter_mut().take(i))
+}

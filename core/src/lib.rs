@@ -1,0 +1,38 @@
+//! Learned Lagrangians on a microcontroller.
+//!
+//! Evaluate the acceleration of a mechanical system from a learned Lagrangian L(q, v) = T − V, or step it by the
+//! discrete Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
+//!
+//! Data flows one way through the rooms of this crate:
+//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] → [`forces`] → [`continuous`] and [`discrete`] → [`model`].
+//!
+//! # Notation
+//!
+//! | symbol | name in code | meaning | unit |
+//! |---|---|---|---|
+//! | q | `q` | generalised coordinates, `[S; N]` | m or rad |
+//! | v = q̇ | `v` | generalised velocities | m/s or rad/s |
+//! | u | `u` | generalised control force | N or N m |
+//! | h | `h` | step | s |
+//! | M = L_vv, H(q) | `mass_matrix` | inertia matrix | kg, kg m, kg m² |
+//! | p = L_v | `p`, `l_v` | generalised momentum | kg m/s or kg m²/s |
+//! | L_q | `l_q` | ∂L/∂q | N or N m |
+//! | L_qq, L_vq, L_vv | `l_qq`, `l_vq`, `l_vv` | second derivatives; `l_vq[i][j]` = ∂²L/∂v_i∂q_j | |
+//! | Q | `force` | generalised non-conservative force: control, damping | N or N m |
+//! | L_d(q₀, q₁) | `d1_ld`, `d2_ld` | discrete Lagrangian ≈ ∫L dt and its slot derivatives | J s |
+//! | w = (q₁ − q₀)/h | `w` | increment, the unknown of a DEL step | m/s or rad/s |
+//! | s | `bubble` | mid-path deviation of the order-4 path over h | m/s or rad/s |
+//!
+//! The papers: **SyMo** (Santos, Ekal, Ventura, L4DC 2022), **ModLaNet** (Lu, Lin, Shi, Chen, ICML 2022),
+//! **LGNN** (Bhattoo, Ranu, Krishnan, MLST 2023); variational integration after Marsden and West (Acta Numerica 2001).
+#![no_std]
+
+pub mod continuous;
+pub mod discrete;
+pub mod energy;
+pub mod forces;
+pub mod lagrangian;
+pub mod linear;
+pub mod model;
+pub mod network;
+pub mod scalar;

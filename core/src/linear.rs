@@ -1,0 +1,100 @@
+//! Small dense linear algebra in fixed-size arrays: just what a Newton step and a mass solve need, without a panic branch
+//! and in one order of operations on every target.
+
+use crate::scalar::{Real, Scalar};
+
+/// A pivot of the elimination was zero or not a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Singular {
+    /// The column, from 0, in which no usable pivot was left.
+    pub column: u8,
+}
+
+/// Σ a_i b_i.
+#[inline]
+pub fn dot<S: Scalar, const N: usize>(a: &[S; N], b: &[S; N]) -> S {
+    a.iter().zip(b).fold(S::zero(), |sum, (a, b)| sum + *a * *b)
+}
+
+/// Av.
+#[inline]
+pub fn multiply<S: Scalar, const N: usize>(a: &[[S; N]; N], v: &[S; N]) -> [S; N] {
+    core::array::from_fn(|i| dot(&a[i], v))
+}
+
+/// Aᵀ.
+#[inline]
+pub fn transpose<S: Scalar, const N: usize>(a: &[[S; N]; N]) -> [[S; N]; N] {
+    core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
+}
+
+/// a + cb.
+#[inline]
+pub fn add_scaled<S: Scalar, const N: usize>(a: &[S; N], c: S, b: &[S; N]) -> [S; N] {
+    core::array::from_fn(|i| a[i] + c * b[i])
+}
+
+/// A + cB.
+#[inline]
+pub fn add_scaled_matrix<S: Scalar, const N: usize>(a: &[[S; N]; N], c: S, b: &[[S; N]; N]) -> [[S; N]; N] {
+    core::array::from_fn(|i| add_scaled(&a[i], c, &b[i]))
+}
+
+/// A⁻¹b by Gaussian elimination with partial pivoting.
+pub fn solve<R: Real, const N: usize>(a: [[R; N]; N], b: [R; N]) -> Result<[R; N], Singular> {
+    let [x] = solve_many(a, [b])?;
+    Ok(x)
+}
+
+/// A⁻¹b for each b of `rhs`, in one elimination.
+pub fn solve_many<R: Real, const N: usize, const C: usize>(
+    mut a: [[R; N]; N],
+    mut rhs: [[R; N]; C],
+) -> Result<[[R; N]; C], Singular> {
+    for k in 0..N {
+        pivot(&mut a, &mut rhs, k)?;
+        for i in k + 1..N {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..N {
+                a[i][j] = a[i][j] - factor * a[k][j];
+            }
+            for b in &mut rhs {
+                b[i] = b[i] - factor * b[k];
+            }
+        }
+    }
+    for b in &mut rhs {
+        substitute(&a, b);
+    }
+    Ok(rhs)
+}
+
+/// Brings the row with the largest entry of column k, among rows k and below, to row k.
+#[inline]
+fn pivot<R: Real, const N: usize, const C: usize>(
+    a: &mut [[R; N]; N],
+    rhs: &mut [[R; N]; C],
+    k: usize,
+) -> Result<(), Singular> {
+    for i in k + 1..N {
+        if a[i][k].abs() > a[k][k].abs() {
+            a.swap(i, k);
+            for b in rhs.iter_mut() {
+                b.swap(i, k);
+            }
+        }
+    }
+    if a[k][k].abs() > R::zero() && a[k][k].is_finite() { Ok(()) } else { Err(Singular { column: k as u8 }) }
+}
+
+/// Back substitution in the upper triangle.
+#[inline]
+fn substitute<R: Real, const N: usize>(a: &[[R; N]; N], b: &mut [R; N]) {
+    for i in (0..N).rev() {
+        let mut sum = b[i];
+        for j in i + 1..N {
+            sum = sum - a[i][j] * b[j];
+        }
+        b[i] = sum / a[i][i];
+    }
+}

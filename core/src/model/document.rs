@@ -1,0 +1,175 @@
+use super::ModelError;
+use crate::energy::rigid::{Coordinate, Inertia, feature_count};
+use crate::network::{Activation, Mlp};
+use serde::{Deserialize, Serialize};
+
+/// The first four bytes of every model file.
+pub const MAGIC: [u8; 4] = *b"LACT";
+/// The format this build reads and writes.
+pub const FORMAT_VERSION: u8 = 1;
+/// Hidden layers at most.
+pub const MAX_HIDDEN: usize = 4;
+/// Coordinates at most.
+const MAX_COORDINATES: usize = 16;
+
+/// The whole file as postcard sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Document<'a> {
+    /// [`MAGIC`].
+    pub magic: [u8; 4],
+    /// [`FORMAT_VERSION`].
+    pub version: u8,
+    /// What the model is.
+    #[serde(borrow)]
+    pub header: Header<'a>,
+    /// 0 to 3 zero bytes that bring the weights to a multiple of 4 from the start of the file.
+    pub padding: &'a [u8],
+    /// The weights, f32 little-endian.
+    pub weights: &'a [u8],
+    /// CRC-32/ISO-HDLC of everything before, little-endian.
+    pub checksum: [u8; 4],
+}
+
+/// What a model is, apart from its weights.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header<'a> {
+    /// The family and its shape.
+    #[serde(borrow)]
+    pub family: Family<'a>,
+    /// The step and order the model was trained for, where it was.
+    pub discretisation: Option<Discretisation>,
+    /// Where the model comes from: free text for people.
+    pub provenance: &'a str,
+}
+
+/// The step that a model was trained with; with another it is less accurate, for a model of a discrete Lagrangian absorbs
+/// the integrator's error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Discretisation {
+    /// 2 or 4.
+    pub order: u8,
+    /// h > 0, s.
+    pub h: f32,
+}
+
+/// A family of energies and its shape.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Family<'a> {
+    /// Inertia matrix and potential from one network.
+    #[serde(borrow)]
+    Rigid(RigidHeader<'a>),
+}
+
+/// The shape of a rigid model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RigidHeader<'a> {
+    /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
+    pub coordinates: &'a str,
+    /// Units of the hidden layers; the first 0 ends the list.
+    pub widths: [u16; MAX_HIDDEN],
+    /// Of the hidden layers.
+    pub activation: Activation,
+    /// Of the inertia matrix.
+    pub inertia: Inertia,
+    /// Whether n damping coefficients follow the network in the weight block.
+    pub damped: bool,
+}
+
+impl Coordinate {
+    /// The letter that stands for this kind in a model file and on the command line.
+    pub const fn letter(self) -> char {
+        match self {
+            Self::Translation => 't',
+            Self::Angle => 'a',
+            Self::Cyclic => 'c',
+        }
+    }
+
+    /// The kind that a letter stands for.
+    pub const fn from_letter(letter: char) -> Option<Self> {
+        match letter {
+            't' => Some(Self::Translation),
+            'a' => Some(Self::Angle),
+            'c' => Some(Self::Cyclic),
+            _ => None,
+        }
+    }
+}
+
+impl Header<'_> {
+    /// Checks what the lengths do not say.
+    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+        if let Some(Discretisation { order, h }) = self.discretisation {
+            require(order == 2 || order == 4, "order")?;
+            require(h.is_finite() && h > 0.0, "step h")?;
+        }
+        match self.family {
+            Family::Rigid(rigid) => rigid.validate(weights),
+        }
+    }
+}
+
+impl Family<'_> {
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        match self {
+            Self::Rigid(rigid) => rigid.parameters(),
+        }
+    }
+}
+
+impl<'a> RigidHeader<'a> {
+    /// Number of coordinates n.
+    pub fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// The kinds of coordinates, which must be N.
+    pub fn kinds<const N: usize>(&self) -> Result<[Coordinate; N], ModelError> {
+        let mut kinds = [Coordinate::Cyclic; N];
+        if self.n() != N {
+            return Err(ModelError::Shape { what: "coordinates", found: self.n(), compiled: N });
+        }
+        for (kind, letter) in kinds.iter_mut().zip(self.coordinates.chars()) {
+            *kind = Coordinate::from_letter(letter).ok_or(ModelError::OutOfRange { what: "coordinate kind" })?;
+        }
+        Ok(kinds)
+    }
+
+    /// Units of each hidden layer, and how many layers there are.
+    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
+        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
+        (self.widths.map(usize::from), depth)
+    }
+
+    /// Inputs of the network: one a translation, two an angle.
+    pub fn features(&self) -> usize {
+        self.coordinates.chars().filter_map(Coordinate::from_letter).map(|c| feature_count(&[c])).sum()
+    }
+
+    /// Numbers in the weight block: the network, then the damping.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        require((1..=MAX_COORDINATES).contains(&self.n()), "number of coordinates")?;
+        let (widths, depth) = self.widths();
+        let widths = widths.get(..depth).unwrap_or(&[]);
+        let network = Mlp::<f32, 0>::parameters(self.features(), widths, self.inertia.outputs(self.n()));
+        let damping = if self.damped { self.n() } else { 0 };
+        network.and_then(|p| p.checked_add(damping)).ok_or(ModelError::OutOfRange { what: "number of weights" })
+    }
+
+    fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+        require(self.coordinates.chars().all(|c| Coordinate::from_letter(c).is_some()), "coordinate kind")?;
+        let (_, depth) = self.widths();
+        require(self.widths.iter().skip(depth).all(|w| *w == 0), "hidden width")?;
+        if let Inertia::Cholesky { epsilon } = self.inertia {
+            require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")?;
+        }
+        let damping = if self.damped { weights.len().saturating_sub(self.n()) } else { weights.len() };
+        require(weights.iter().skip(damping).all(|c| *c >= 0.0), "damping coefficient")
+    }
+}
+
+fn require(condition: bool, what: &'static str) -> Result<(), ModelError> {
+    if condition { Ok(()) } else { Err(ModelError::OutOfRange { what }) }
+}

@@ -1,0 +1,95 @@
+use core::fmt;
+
+/// Why a model file was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// Fewer bytes than the smallest file has.
+    TooShort {
+        /// Bytes given.
+        bytes: usize,
+    },
+    /// The file does not begin with the magic letters.
+    Magic,
+    /// A format version that this build does not read.
+    Version {
+        /// The version in the file.
+        found: u8,
+    },
+    /// The file was damaged.
+    Checksum {
+        /// In the file.
+        stored: u32,
+        /// Of the bytes as they are.
+        computed: u32,
+    },
+    /// The header is not a postcard document of this format.
+    Malformed,
+    /// Bytes after the end of the document.
+    TrailingBytes {
+        /// How many.
+        bytes: usize,
+    },
+    /// The weight block does not begin at a multiple of 4: align the array that holds the file.
+    Unaligned {
+        /// Its address modulo 4.
+        offset: u8,
+    },
+    /// Weights are little-endian and borrowed in place, which this processor cannot read.
+    BigEndian,
+    /// The shape asks for another number of weights than the block has.
+    WeightCount {
+        /// In the block.
+        found: usize,
+        /// By the shape.
+        needed: usize,
+    },
+    /// A weight is infinite or not a number.
+    NotFinite {
+        /// Its position in the block.
+        index: usize,
+    },
+    /// A number of the header is out of range.
+    OutOfRange {
+        /// Which.
+        what: &'static str,
+    },
+    /// The file's shape is not the one the program was compiled for.
+    Shape {
+        /// Which dimension: coordinates, hidden layers, or hidden width.
+        what: &'static str,
+        /// In the file.
+        found: usize,
+        /// Compiled in: exact for coordinates, at most for the others.
+        compiled: usize,
+    },
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::TooShort { bytes } => write!(f, "only {bytes} bytes: not a whole model file"),
+            Self::Magic => write!(f, "not a leastaction model file (it does not begin with LACT)"),
+            Self::Version { found } => {
+                write!(f, "format version {found} is not {}, the one this build reads", super::FORMAT_VERSION)
+            }
+            Self::Checksum { stored, computed } => {
+                write!(f, "damaged: checksum {computed:08x}, but the file says {stored:08x}")
+            }
+            Self::Malformed => write!(f, "the header is malformed"),
+            Self::TrailingBytes { bytes } => write!(f, "{bytes} bytes after the end of the model"),
+            Self::Unaligned { offset } => {
+                write!(f, "the weights lie {offset} bytes off a multiple of 4: align the array that holds the file")
+            }
+            Self::BigEndian => write!(f, "weights are little-endian and cannot be read in place here"),
+            Self::WeightCount { found, needed } => write!(f, "{found} weights where the shape needs {needed}"),
+            Self::NotFinite { index } => write!(f, "weight {index} is infinite or not a number"),
+            Self::OutOfRange { what } => write!(f, "{what} is out of range"),
+            Self::Shape { what, found, compiled } => {
+                write!(f, "{found} {what}, but this program was compiled for {compiled}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ModelError {}

@@ -1,0 +1,58 @@
+use super::{Discretisation, Family, ModelError, RigidHeader, parse};
+use crate::energy::rigid::{Rigid, Shape};
+use crate::forces::{System, Viscous};
+use crate::scalar::Scalar;
+
+/// A loaded rigid model in N coordinates, with at most `D` hidden layers of at most `H` units, ready for the solvers.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidModel<'a, const N: usize, const H: usize, const D: usize> {
+    /// Energies over the file's weights, and damping.
+    pub system: System<Rigid<'a, f32, N, H, D>, Viscous<f32, N>>,
+    /// The step and order the model was trained for.
+    pub discretisation: Option<Discretisation>,
+}
+
+impl<'a, const N: usize, const H: usize, const D: usize> RigidModel<'a, N, H, D> {
+    /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
+    pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        let parsed = parse(bytes)?;
+        let Family::Rigid(header) = parsed.header.family;
+        let system = header.system(parsed.weights)?;
+        Ok(Self { system, discretisation: parsed.header.discretisation })
+    }
+}
+
+impl RigidHeader<'_> {
+    /// The system of this shape over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in training.
+    #[allow(clippy::type_complexity, reason = "a Lagrangian and its forces, spelled out once")]
+    pub fn system<'w, S: Scalar, const N: usize, const H: usize, const D: usize>(
+        &self,
+        weights: &'w [S::Weight],
+    ) -> Result<System<Rigid<'w, S::Weight, N, H, D>, Viscous<S, N>>, ModelError> {
+        let (widths, depth) = self.widths();
+        let widths = widths.get(..depth).unwrap_or(&[]);
+        let width = widths.iter().copied().max().unwrap_or(0);
+        require_at_most("hidden layers", depth, D)?;
+        require_at_most("units in a hidden layer", width, H)?;
+        let shape = Shape {
+            coordinates: self.kinds()?,
+            widths,
+            activation: self.activation,
+            inertia: self.inertia,
+        };
+        let mut block = weights;
+        let needed = self.parameters()?;
+        let short = ModelError::WeightCount { found: weights.len(), needed };
+        let lagrangian = Rigid::take(&mut block, &shape).ok_or(short)?;
+        let mut forces = Viscous::none();
+        if self.damped {
+            let damping = block.split_first_chunk::<N>().ok_or(short)?.0;
+            forces.coefficients = damping.map(S::weight);
+        }
+        Ok(System { lagrangian, forces })
+    }
+}
+
+fn require_at_most(what: &'static str, found: usize, compiled: usize) -> Result<(), ModelError> {
+    if found <= compiled { Ok(()) } else { Err(ModelError::Shape { what, found, compiled }) }
+}

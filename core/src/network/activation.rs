@@ -1,0 +1,103 @@
+use super::Jet;
+use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
+
+/// The smooth functions that hidden units apply to their input z.
+///
+/// Slopes and curvatures are exact. `Squareplus` and `Isru` need only a square root, which a floating-point unit has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Activation {
+    /// tanh z: σ′ = 1 − σ², σ″ = −2σσ′.
+    Tanh,
+    /// ln(1 + e^z): σ′ = 1/(1 + e^−z), σ″ = σ′(1 − σ′).
+    Softplus,
+    /// ½(z + √(z² + 4)) (LGNN): σ′ = ½(1 + z/√(z² + 4)), σ″ = 2/(z² + 4)^{3/2}.
+    Squareplus,
+    /// z/√(1 + z²): σ′ = (1 + z²)^{−3/2}, σ″ = −3z(1 + z²)^{−5/2}.
+    Isru,
+    /// z: σ′ = 1, σ″ = 0.
+    Identity,
+}
+
+/// σ(z), σ′(z), σ″(z).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curve<S> {
+    /// σ(z).
+    pub value: S,
+    /// σ′(z).
+    pub slope: S,
+    /// σ″(z).
+    pub curvature: S,
+}
+
+impl Activation {
+    /// σ, σ′ and σ″ at z, for every finite z.
+    #[inline(always)]
+    pub fn curve<S: Scalar>(self, z: S) -> Curve<S> {
+        match self {
+            Self::Tanh => tanh(z),
+            Self::Softplus => softplus(z),
+            Self::Squareplus => squareplus(z),
+            Self::Isru => isru(z),
+            Self::Identity => Curve { value: z, slope: S::one(), curvature: S::zero() },
+        }
+    }
+
+    /// Replaces every z by σ(z) with its tangents, and writes σ′(z) with its tangents σ″ż into `slopes`.
+    #[inline(always)]
+    pub fn apply<S: Scalar, const T: usize>(self, units: &mut [Jet<S, T>], slopes: &mut [Jet<S, T>]) {
+        match self {
+            Self::Tanh => apply(tanh, units, slopes),
+            Self::Softplus => apply(softplus, units, slopes),
+            Self::Squareplus => apply(squareplus, units, slopes),
+            Self::Isru => apply(isru, units, slopes),
+            Self::Identity => apply(|z| Self::Identity.curve(z), units, slopes),
+        }
+    }
+}
+
+#[inline(always)]
+fn apply<S: Scalar, const T: usize>(
+    sigma: impl Fn(S) -> Curve<S>,
+    units: &mut [Jet<S, T>],
+    slopes: &mut [Jet<S, T>],
+) {
+    for (unit, slope) in units.iter_mut().zip(slopes) {
+        let c = sigma(unit.value);
+        *slope = unit.chain(c.slope, c.curvature);
+        *unit = unit.chain(c.value, c.slope);
+    }
+}
+
+#[inline(always)]
+fn tanh<S: Scalar>(z: S) -> Curve<S> {
+    let value = z.tanh();
+    let slope = S::one() - value * value;
+    Curve { value, slope, curvature: S::constant(-2.0) * value * slope }
+}
+
+/// e^−|z| never overflows; e^{min(z, 0)} keeps the relative accuracy of the slope where it is small.
+#[inline(always)]
+fn softplus<S: Scalar>(z: S) -> Curve<S> {
+    let e = z.neg_abs().exp();
+    let negative_part = -(-z).max(S::zero());
+    let slope = negative_part.exp() / (S::one() + e);
+    Curve { value: z.max(S::zero()) + e.ln_1p(), slope, curvature: slope * (S::one() - slope) }
+}
+
+/// ½(z + √(z² + 4)) = max(z, 0) + 2/(|z| + √(z² + 4)), in which nothing cancels.
+#[inline(always)]
+fn squareplus<S: Scalar>(z: S) -> Curve<S> {
+    let two = S::constant(2.0);
+    let square = z * z + S::constant(4.0);
+    let root = square.sqrt();
+    let value = z.max(S::zero()) + two / (root - z.neg_abs());
+    Curve { value, slope: value / root, curvature: two / (square * root) }
+}
+
+#[inline(always)]
+fn isru<S: Scalar>(z: S) -> Curve<S> {
+    let r = S::one() / (S::one() + z * z).sqrt();
+    let slope = r * r * r;
+    Curve { value: z * r, slope, curvature: S::constant(-3.0) * z * slope * r * r }
+}

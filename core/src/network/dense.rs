@@ -1,0 +1,218 @@
+use super::Jet;
+use crate::scalar::Scalar;
+
+/// A fully connected layer y = Wx + b over borrowed weights.
+///
+/// Weights lie in *panels*, so that both the product and its transpose read them once, in order: outputs are taken eight
+/// at a time, then four, then one; a panel of P outputs holds, input by input, the P weights of that input. Every output
+/// is the sum ((b + w₀x₀) + w₁x₁) + … in this order, on every target and at every vector width.
+#[derive(Clone, Copy, Debug)]
+pub struct Dense<'a, W> {
+    weights: &'a [W],
+    bias: &'a [W],
+    inputs: usize,
+}
+
+impl<'a, W: Copy> Dense<'a, W> {
+    /// Numbers that a layer of this shape takes from the weight block.
+    pub const fn parameters(inputs: usize, outputs: usize) -> Option<usize> {
+        match inputs.checked_add(1) {
+            Some(columns) => columns.checked_mul(outputs),
+            None => None,
+        }
+    }
+
+    /// Takes the layer from the front of `block`: its weights in panels, then its biases; the rest is left in `block`.
+    /// `None` where the block is too short.
+    pub fn take(block: &mut &'a [W], inputs: usize, outputs: usize) -> Option<Self> {
+        let (weights, rest) = block.split_at_checked(inputs.checked_mul(outputs)?)?;
+        let (bias, rest) = rest.split_at_checked(outputs)?;
+        *block = rest;
+        Some(Self { weights, bias, inputs })
+    }
+
+    /// Inputs.
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// Outputs.
+    pub fn outputs(&self) -> usize {
+        self.bias.len()
+    }
+
+    /// Numbers of the layer in the weight block.
+    pub fn len(&self) -> usize {
+        self.weights.len() + self.bias.len()
+    }
+
+    /// Whether the layer has no outputs.
+    pub fn is_empty(&self) -> bool {
+        self.bias.is_empty()
+    }
+
+    /// Where the weight from input `j` to output `i` lies in a layer's weights.
+    pub fn position(inputs: usize, outputs: usize, i: usize, j: usize) -> usize {
+        let (mut start, mut width) = (0, 8);
+        while i >= start + width || outputs - start < width {
+            if outputs - start < width {
+                width = if width == 8 { 4 } else { 1 };
+            } else {
+                start += width;
+            }
+        }
+        start * inputs + j * width + (i - start)
+    }
+
+    /// y = Wx + b and ẏ_k = Wẋ_k.
+    #[inline]
+    pub fn forward<S: Scalar<Weight = W>, const T: usize>(&self, x: &[Jet<S, T>], y: &mut [Jet<S, T>]) {
+        let (weights, bias, y) = forward_panels::<S, T, 8>(self.weights, self.bias, x, y);
+        let (weights, bias, y) = forward_panels::<S, T, 4>(weights, bias, x, y);
+        forward_panels::<S, T, 1>(weights, bias, x, y);
+    }
+
+    /// x̄ = Wᵀȳ and the same for every tangent of the adjoint; `x_bar` is overwritten.
+    #[inline]
+    pub fn adjoint<S: Scalar<Weight = W>, const T: usize>(&self, y_bar: &[Jet<S, T>], x_bar: &mut [Jet<S, T>]) {
+        x_bar.fill(Jet::zero());
+        let (weights, y_bar) = adjoint_panels::<S, T, 8>(self.weights, y_bar, x_bar);
+        let (weights, y_bar) = adjoint_panels::<S, T, 4>(weights, y_bar, x_bar);
+        adjoint_panels::<S, T, 1>(weights, y_bar, x_bar);
+    }
+
+    /// Visits ∂/∂W of the first tangent of a scalar: for every weight, in storage order, then every bias, calls
+    /// `row` with its position in the layer and ȧ_j ȳ_i + a_j ẏ̄_i, where `y_bar` is the adjoint (with one tangent) of the
+    /// layer's outputs and `x` its inputs (with one tangent).
+    #[inline]
+    pub fn tangent_gradient<S: Scalar<Weight = W>>(
+        &self,
+        x: &[Jet<S, 1>],
+        y_bar: &[Jet<S, 1>],
+        mut row: impl FnMut(usize, S),
+    ) {
+        let mut position = 0;
+        let mut panels = |y_bar: &[Jet<S, 1>]| {
+            for x in x {
+                for y in y_bar {
+                    row(position, derivative(y, x));
+                    position += 1;
+                }
+            }
+        };
+        let (eights, rest) = y_bar.as_chunks::<8>();
+        let (fours, ones) = rest.as_chunks::<4>();
+        eights.iter().for_each(|y| panels(y));
+        fours.iter().for_each(|y| panels(y));
+        ones.iter().for_each(|y| panels(core::slice::from_ref(y)));
+        for (y, position) in y_bar.iter().zip(position..) {
+            let [tangent] = y.tangent;
+            row(position, tangent);
+        }
+    }
+}
+
+/// The tangent of the product xy.
+#[inline(always)]
+fn derivative<S: Scalar>(y: &Jet<S, 1>, x: &Jet<S, 1>) -> S {
+    let [derivative] = x.times(y).tangent;
+    derivative
+}
+
+/// What is left of weights, biases and outputs after a pass.
+type Rest<'w, 'y, W, S, const T: usize> = (&'w [W], &'w [W], &'y mut [Jet<S, T>]);
+
+/// All full panels of P outputs.
+#[inline(always)]
+fn forward_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
+    weights: &'w [S::Weight],
+    bias: &'w [S::Weight],
+    x: &[Jet<S, T>],
+    y: &'y mut [Jet<S, T>],
+) -> Rest<'w, 'y, S::Weight, S, T> {
+    let (panels, y) = y.as_chunks_mut::<P>();
+    let (bias, bias_rest) = bias.split_at_checked(panels.len() * P).unwrap_or((bias, &[]));
+    let (rows, rest) = weights.split_at_checked(panels.len() * P * x.len()).unwrap_or((weights, &[]));
+    let mut rows = rows.as_chunks::<P>().0.iter();
+    for (y, bias) in panels.iter_mut().zip(bias.as_chunks::<P>().0) {
+        forward_panel(&mut rows, bias, x, y);
+    }
+    (rest, bias_rest, y)
+}
+
+#[inline(always)]
+fn forward_panel<S: Scalar, const T: usize, const P: usize>(
+    rows: &mut core::slice::Iter<[S::Weight; P]>,
+    bias: &[S::Weight; P],
+    x: &[Jet<S, T>],
+    y: &mut [Jet<S, T>; P],
+) {
+    let mut value = bias.map(S::weight);
+    let mut tangent = [[S::zero(); P]; T];
+    for (x, row) in x.iter().zip(rows) {
+        let row = row.map(S::weight);
+        accumulate(&mut value, &row, x.value);
+        for (sum, x) in tangent.iter_mut().zip(&x.tangent) {
+            accumulate(sum, &row, *x);
+        }
+    }
+    for (l, y) in y.iter_mut().enumerate() {
+        *y = Jet { value: value[l], tangent: tangent.map(|t| t[l]) };
+    }
+}
+
+#[inline(always)]
+fn accumulate<S: Scalar, const P: usize>(sum: &mut [S; P], row: &[S; P], x: S) {
+    for (sum, w) in sum.iter_mut().zip(row) {
+        *sum += *w * x;
+    }
+}
+
+#[inline(always)]
+fn adjoint_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
+    weights: &'w [S::Weight],
+    y_bar: &'y [Jet<S, T>],
+    x_bar: &mut [Jet<S, T>],
+) -> (&'w [S::Weight], &'y [Jet<S, T>]) {
+    let (panels, y_rest) = y_bar.as_chunks::<P>();
+    let (rows, rest) = weights.split_at_checked(panels.len() * P * x_bar.len()).unwrap_or((weights, &[]));
+    let mut rows = rows.as_chunks::<P>().0.iter();
+    for y_bar in panels {
+        adjoint_panel(&mut rows, y_bar, x_bar);
+    }
+    (rest, y_rest)
+}
+
+#[inline(always)]
+fn adjoint_panel<S: Scalar, const T: usize, const P: usize>(
+    rows: &mut core::slice::Iter<[S::Weight; P]>,
+    y_bar: &[Jet<S, T>; P],
+    x_bar: &mut [Jet<S, T>],
+) {
+    let value: [S; P] = core::array::from_fn(|l| y_bar[l].value);
+    let tangent: [[S; P]; T] = core::array::from_fn(|k| core::array::from_fn(|l| y_bar[l].tangent[k]));
+    for (x, row) in x_bar.iter_mut().zip(rows) {
+        let row = row.map(S::weight);
+        x.value += dot(&row, &value);
+        for (x, y) in x.tangent.iter_mut().zip(&tangent) {
+            *x += dot(&row, y);
+        }
+    }
+}
+
+/// Σ_l a_l b_l, added in halves: lane l with lane l + P/2, and so on; the order that vector registers fold in.
+#[inline(always)]
+fn dot<S: Scalar, const P: usize>(a: &[S; P], b: &[S; P]) -> S {
+    let mut product = *a;
+    for (p, b) in product.iter_mut().zip(b) {
+        *p = *p * *b;
+    }
+    let mut width = P / 2;
+    while width > 0 {
+        for l in 0..width {
+            product[l] = product[l] + product[l + width];
+        }
+        width /= 2;
+    }
+    product[0]
+}

@@ -1,0 +1,65 @@
+use crate::scalar::Scalar;
+
+/// A value with its derivatives along `T` directions: x and ẋ₁ … ẋ_T.
+///
+/// `T` = 0 is a plain value, `T` = 1 carries one directional derivative, `T` = N a whole gradient or row of a Hessian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jet<S, const T: usize> {
+    /// x.
+    pub value: S,
+    /// ẋ_k, the derivative along direction k.
+    pub tangent: [S; T],
+}
+
+impl<S: Scalar, const T: usize> Jet<S, T> {
+    /// The constant 0.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { value: S::zero(), tangent: [S::zero(); T] }
+    }
+
+    /// f(x) and its tangents f′ẋ, from the two numbers f(x) and f′(x).
+    #[inline(always)]
+    pub fn chain(&self, value: S, slope: S) -> Self {
+        Self { value, tangent: self.tangent.map(|x| slope * x) }
+    }
+
+    /// The product rule: xy and ẋ_k y + x ẏ_k, for as many tangents as `self` has; `other` has at least as many.
+    #[inline(always)]
+    pub fn times<const U: usize>(&self, other: &Jet<S, U>) -> Self {
+        let mut product = Self { value: self.value * other.value, tangent: [S::zero(); T] };
+        for ((p, x), y) in product.tangent.iter_mut().zip(&self.tangent).zip(&other.tangent) {
+            *p = *x * other.value + self.value * *y;
+        }
+        product
+    }
+
+    /// A constant: all tangents zero.
+    #[inline(always)]
+    pub fn constant(value: S) -> Self {
+        Self { value, tangent: [S::zero(); T] }
+    }
+
+    /// x + y and the sums of their tangents.
+    #[inline(always)]
+    pub fn plus(&self, other: &Self) -> Self {
+        let mut sum = *self;
+        sum.value += other.value;
+        for (s, t) in sum.tangent.iter_mut().zip(&other.tangent) {
+            *s += *t;
+        }
+        sum
+    }
+
+    /// cx and cẋ_k for a constant c.
+    #[inline(always)]
+    pub fn scaled(&self, c: S) -> Self {
+        self.chain(c * self.value, c)
+    }
+
+    /// The value alone.
+    #[inline(always)]
+    pub fn without_tangents(&self) -> Jet<S, 0> {
+        Jet { value: self.value, tangent: [] }
+    }
+}

@@ -1,0 +1,108 @@
+use super::Scalar;
+use core::array;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Samples that one [`Lanes`] value carries.
+pub const LANES: usize = 8;
+
+/// Eight samples side by side, in double precision: the same operations in the same order as for one sample in `f64`,
+/// so every lane has the bits that the scalar evaluation of its sample has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes(
+    /// One value a lane.
+    pub [f64; LANES],
+);
+
+impl Lanes {
+    /// Applies `f` to every lane.
+    #[inline(always)]
+    pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Self(array::from_fn(|i| f(self.0[i])))
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self(array::from_fn(|i| f(self.0[i], other.0[i])))
+    }
+}
+
+macro_rules! lanewise {
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl $trait for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $op b)
+            }
+        }
+    };
+}
+lanewise!(Add, add, +);
+lanewise!(Sub, sub, -);
+lanewise!(Mul, mul, *);
+lanewise!(Div, div, /);
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+impl AddAssign for Lanes {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl SubAssign for Lanes {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl Scalar for Lanes {
+    type Weight = f64;
+
+    #[inline(always)]
+    fn weight(w: f64) -> Self {
+        Self([w; LANES])
+    }
+    #[inline(always)]
+    fn constant(x: f64) -> Self {
+        Self([x; LANES])
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(Scalar::sqrt)
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        self.map(Scalar::exp)
+    }
+    #[inline]
+    fn ln_1p(self) -> Self {
+        self.map(Scalar::ln_1p)
+    }
+    #[inline]
+    fn tanh(self) -> Self {
+        self.map(Scalar::tanh)
+    }
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let both = self.0.map(Scalar::sin_cos);
+        (Self(both.map(|(sin, _)| sin)), Self(both.map(|(_, cos)| cos)))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, Scalar::max)
+    }
+    #[inline(always)]
+    fn neg_abs(self) -> Self {
+        self.map(Scalar::neg_abs)
+    }
+}

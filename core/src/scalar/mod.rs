@@ -1,0 +1,97 @@
+//! Scalars: `f32` for the chip, `f64` for the host, [`Lanes`] of f64 for the trainer, and whatever a test brings.
+//!
+//! Addition, subtraction, multiplication, division and square root are exact IEEE operations on every target and Rust
+//! never contracts them; the elementary functions are software. One program therefore gives the same bits everywhere.
+
+mod compensated;
+mod float32;
+mod float64;
+mod lanes;
+#[cfg(feature = "micromath")]
+mod micro;
+mod tanh;
+mod trigonometry;
+
+pub use compensated::Compensated;
+pub use lanes::{LANES, Lanes};
+#[cfg(feature = "micromath")]
+pub use micro::Micro;
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// What the energies are evaluated in: a field with the elementary functions.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// The type in which network weights are stored: `f32` in flash, `f64` in training.
+    type Weight: Copy + Debug + Default + PartialEq;
+
+    /// The weight as a scalar (broadcast to every lane).
+    fn weight(w: Self::Weight) -> Self;
+    /// The nearest scalar to a constant; folded at compile time where the argument is a literal.
+    fn constant(x: f64) -> Self;
+    /// √x, correctly rounded; NaN for x < 0.
+    fn sqrt(self) -> Self;
+    /// eˣ.
+    fn exp(self) -> Self;
+    /// ln(1 + x), for x > −1.
+    fn ln_1p(self) -> Self;
+    /// tanh x.
+    fn tanh(self) -> Self;
+    /// (sin x, cos x), x in radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// The larger of the two; `other` where `self` is not a number.
+    fn max(self, other: Self) -> Self;
+    /// −|x|.
+    fn neg_abs(self) -> Self;
+
+    /// 0.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::constant(0.0)
+    }
+    /// 1.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::constant(1.0)
+    }
+    /// ½x.
+    #[inline(always)]
+    fn half(self) -> Self {
+        self * Self::constant(0.5)
+    }
+}
+
+/// What the solvers run in: an ordered scalar whose rounding error is known.
+pub trait Real: Scalar + PartialOrd {
+    /// The distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// |x|.
+    fn abs(self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The value in double precision, for reports on the host.
+    fn to_f64(self) -> f64;
+}
+
+/// Largest absolute value, NaN if any component is not finite.
+pub fn max_abs<R: Real, const N: usize>(x: &[R; N]) -> R {
+    x.iter().fold(R::zero(), |largest, x| {
+        let sum = largest + *x - *x;
+        if sum == sum { largest.max(x.abs()) } else { sum }
+    })
+}
+
+/// Whether every component is finite.
+pub fn all_finite<R: Real, const N: usize>(x: &[R; N]) -> bool {
+    x.iter().all(|x| x.is_finite())
+}

@@ -1,0 +1,2 @@
+//! Fixed-step control loops.
+#![no_std]

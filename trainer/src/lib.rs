@@ -1,0 +1,4 @@
+//! Host training.
+
+pub mod atomic;
+pub mod data;
