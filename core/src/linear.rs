@@ -3,6 +3,9 @@
 
 use crate::scalar::{Real, Scalar};
 
+/// A square matrix, row by row.
+pub type Matrix<S, const N: usize> = [[S; N]; N];
+
 /// A pivot of the elimination was zero or not a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
@@ -53,13 +56,14 @@ pub fn solve_many<R: Real, const N: usize, const C: usize>(
 ) -> Result<[[R; N]; C], Singular> {
     for k in 0..N {
         pivot(&mut a, &mut rhs, k)?;
+        let row_k = a[k];
         for i in k + 1..N {
-            let factor = a[i][k] / a[k][k];
-            for j in k + 1..N {
-                a[i][j] = a[i][j] - factor * a[k][j];
+            let factor = a[i][k] / row_k[k];
+            for (entry, above) in a[i].iter_mut().zip(&row_k).skip(k + 1) {
+                *entry -= factor * *above;
             }
             for b in &mut rhs {
-                b[i] = b[i] - factor * b[k];
+                b[i] -= factor * b[k];
             }
         }
     }
@@ -93,7 +97,7 @@ fn substitute<R: Real, const N: usize>(a: &[[R; N]; N], b: &mut [R; N]) {
     for i in (0..N).rev() {
         let mut sum = b[i];
         for j in i + 1..N {
-            sum = sum - a[i][j] * b[j];
+            sum -= a[i][j] * b[j];
         }
         b[i] = sum / a[i][i];
     }

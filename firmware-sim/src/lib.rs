@@ -1,2 +1,36 @@
-//! Fixed-step control loops.
+//! A deterministic fixed-step control loop around a learned Lagrangian, in f32, as it runs on a microcontroller.
+//!
+//! The loop has two halves that meet only in encoder readings and force commands:
+//!
+//! - the **world**: a [`plant::Plant`] stepped finely, and the [`devices`]: quantised, noisy, dropping encoders; a
+//!   saturating actuator at the end of a delay line; a clock whose ticks come late or not at all. Each draws from a
+//!   random stream of its own, so that changing one leaves the others as they were.
+//! - the **firmware**: an [`observer`] that steps the model by the discrete Euler–Lagrange equation and corrects it by
+//!   the encoders, and a [`control`]ler that knows nothing but the model.
+//!
+//! A [`scenario`] puts the halves together, runs them for so many ticks, hands every [`Tick`] to a sink and
+//! returns a [`Summary`] whose hash is a fingerprint of the whole trace. There is no allocation and no panic;
+//! where the model cannot be stepped, the firmware holds its last good state, commands no force, and counts it.
+//!
+//! Positions are in m or rad, velocities in m/s or rad/s, forces in N or N m, times in s. A coordinate whose actuator
+//! limit is 0 is not actuated.
 #![no_std]
+
+mod angle;
+pub mod control;
+pub mod devices;
+mod error;
+mod firmware;
+mod mechanism;
+pub mod observer;
+pub mod plant;
+pub mod scenario;
+mod summary;
+mod tick;
+
+pub use angle::{wrap, wrap_where};
+pub use error::SetupError;
+pub use firmware::{Firmware, Outcome};
+pub use mechanism::Mechanism;
+pub use summary::{Goal, Incidents, Summary};
+pub use tick::{Mode, Tick, TraceHash};

@@ -51,14 +51,12 @@ pub struct Balance<R, const N: usize> {
     pub dm_ld: [R; N],
     /// h Σ b F, what the momentum gains: D₁L_d + D₂L_d with their forces.
     pub impulse: [R; N],
-    /// Σ b (|L_v| + h|F|): the size of the terms, against which rounding is measured.
-    pub scale: [R; N],
 }
 
 impl<R: Real, const N: usize> Balance<R, N> {
     fn zero() -> Self {
         let zero = [R::zero(); N];
-        Self { d1_ld: zero, dm_ld: zero, impulse: zero, scale: zero }
+        Self { d1_ld: zero, dm_ld: zero, impulse: zero }
     }
 
     /// p₁ = D₂L_d + f⁺, the momentum at the end of the interval, from the path alone.
@@ -66,17 +64,17 @@ impl<R: Real, const N: usize> Balance<R, N> {
         core::array::from_fn(|i| self.impulse[i] - self.d1_ld[i])
     }
 
-    /// Adds a node's share.
+    /// Adds a node's share. The step multiplies last, so that no constant such as h(1 − τ) is rounded once for all steps.
     #[inline(always)]
     fn add(&mut self, node: &Node<R>, h: R, force: &[R; N], l_v: &[R; N], bubble: bool) {
-        let b = node.weight;
-        add_variation(&mut self.d1_ld, b, Variation::start(node, h), force, l_v);
-        if bubble {
-            add_variation(&mut self.dm_ld, b, Variation::bubble(node, h), force, l_v);
-        }
-        self.impulse = add_scaled(&self.impulse, h * b, force);
-        for ((scale, force), l_v) in self.scale.iter_mut().zip(force).zip(l_v) {
-            *scale += b * (l_v.abs() + h * force.abs());
+        let (b, early) = (node.weight, R::one() - node.tau);
+        let (beta, gamma) = (node.bubble(), node.bubble_rate());
+        for i in 0..N {
+            self.d1_ld[i] += b * (h * (early * force[i]) - l_v[i]);
+            if bubble {
+                self.dm_ld[i] += b * (h * (beta * force[i]) + gamma * l_v[i]);
+            }
+            self.impulse[i] += h * (b * force[i]);
         }
     }
 }
@@ -94,6 +92,9 @@ pub struct Linearised<R, const N: usize> {
     pub bubble_w: [[R; N]; N],
     /// ∂ dm_ld/∂s.
     pub bubble_s: [[R; N]; N],
+    /// Σ b (Σ_j |M_ij v_j| + h|F_i| + h Σ_j |∂F_i/∂q_j| max(1, |q_j|)): the size of the terms that rounding acts on, also
+    /// where they cancel (a momentum of zero, a force in equilibrium); it does not vanish with the equations.
+    pub scale: [R; N],
 }
 
 /// How a first variation weighs F and L_v at a node: Σ b (force · F + momentum · L_v).
@@ -146,21 +147,25 @@ impl<R: Real, const N: usize> NodeDerivatives<R, N> {
         };
         (mix(&self.force_q, &self.force_v), mix(&self.l_vq, &self.l_vv))
     }
+
+    /// The terms of [`Linearised::scale`] at this node.
+    #[inline]
+    fn size(&self, q: &[R; N], v: &[R; N], h: R) -> [R; N] {
+        core::array::from_fn(|i| {
+            let momentum = sum(&self.l_vv[i], v, |m, v| (m * v).abs());
+            let stiffness = sum(&self.force_q[i], q, |k, q| k.abs() * q.abs().max(R::one()));
+            momentum + h * (self.force[i].abs() + stiffness)
+        })
+    }
 }
 
-/// Adds b(row.force · F + row.momentum · L_v).
+/// Σ_j f(a_j, b_j).
 #[inline(always)]
-fn add_variation<R: Real, const N: usize>(
-    sum: &mut [R; N],
-    weight: R,
-    row: Variation<R>,
-    force: &[R; N],
-    l_v: &[R; N],
-) {
-    *sum = add_scaled(&add_scaled(sum, weight * row.force, force), weight * row.momentum, l_v);
+fn sum<R: Real, const N: usize>(a: &[R; N], b: &[R; N], f: impl Fn(R, R) -> R) -> R {
+    a.iter().zip(b).fold(R::zero(), |sum, (a, b)| sum + f(*a, *b))
 }
 
-/// Adds the same combination of two matrices.
+/// Adds b(row.force · ∂F + row.momentum · ∂L_v).
 #[inline(always)]
 fn add_block<R: Real, const N: usize>(
     sum: &mut [[R; N]; N],
@@ -219,17 +224,22 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     }
 
     #[inline]
-    fn derivatives<L, F>(&self, system: &System<L, F>, node: &Node<R>) -> NodeDerivatives<R, N>
+    fn derivatives<L, F>(
+        &self,
+        system: &System<L, F>,
+        node: &Node<R>,
+        q: &[R; N],
+        v: &[R; N],
+    ) -> NodeDerivatives<R, N>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        let (q, v) = self.point(node);
-        let d = system.lagrangian.hessian(&q, &v);
-        let (q_q, q_v) = system.forces.derivatives(&q, &v);
+        let d = system.lagrangian.hessian(q, v);
+        let (q_q, q_v) = system.forces.derivatives(q, v);
         let one = R::one();
         NodeDerivatives {
-            force: self.total_force(system, node, &q, &v, &d.l_q),
+            force: self.total_force(system, node, q, v, &d.l_q),
             l_v: d.l_v,
             force_q: add_scaled_matrix(&d.l_qq, one, &q_q),
             force_v: add_scaled_matrix(&transpose(&d.l_vq), one, &q_v),
@@ -263,11 +273,14 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         let zero = [[R::zero(); N]; N];
         let balance = Balance::zero();
         let mut sum =
-            Linearised { balance, momentum_w: zero, momentum_s: zero, bubble_w: zero, bubble_s: zero };
+            Linearised { balance, momentum_w: zero, momentum_s: zero, bubble_w: zero, bubble_s: zero, scale: [R::zero(); N] };
         for node in P::nodes().as_ref() {
-            let d = self.derivatives(system, node);
+            let (q, v) = self.point(node);
+            let d = self.derivatives(system, node, &q, &v);
             let (start, along_w) = (Variation::start(node, self.h), d.along(Variation::end(node, self.h)));
             sum.balance.add(node, self.h, &d.force, &d.l_v, P::BUBBLE);
+            let size = d.size(&q, &v, self.h);
+            sum.scale = add_scaled(&sum.scale, node.weight, &size);
             add_block(&mut sum.momentum_w, node.weight, start, &along_w);
             if P::BUBBLE {
                 let bubble = Variation::bubble(node, self.h);
@@ -288,7 +301,8 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     {
         let mut sum = [[R::zero(); N]; N];
         for node in P::nodes().as_ref() {
-            let along_s = self.derivatives(system, node).along(Variation::bubble(node, self.h));
+            let (q, v) = self.point(node);
+            let along_s = self.derivatives(system, node, &q, &v).along(Variation::bubble(node, self.h));
             add_block(&mut sum, node.weight, Variation::end(node, self.h), &along_s);
         }
         sum

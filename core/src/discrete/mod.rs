@@ -69,7 +69,7 @@ impl<R: Real, P: Path> Del<R, P> {
         F: Forces<R, N>,
     {
         let guess = Interval::<R, P, N>::new(state.q(), state.initial_guess(), self.h, *u);
-        let solved = self.newton.solve_step(system, guess, &state.p())?;
+        let solved = self.newton.solve_carried(system, guess, state.momenta())?;
         *state = state.advanced(self.h, &solved.interval.increment(), &solved.balance.impulse)?;
         Ok(solved.report)
     }

@@ -43,6 +43,11 @@ impl<R: Real, const N: usize> State<R, N> {
         self.p.map(|p| p.value())
     }
 
+    /// p with what rounding took from it.
+    pub(super) fn momenta(&self) -> &[Compensated<R>; N] {
+        &self.p
+    }
+
     /// The last increment (q_k − q_{k−1})/h, or the guess the state was made with.
     pub fn last_increment(&self) -> [R; N] {
         self.increments[0]

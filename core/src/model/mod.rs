@@ -82,7 +82,7 @@ fn check_sum(bytes: &[u8]) -> Result<(), ModelError> {
 
 /// Why a block cannot be read as f32 in place.
 fn unaligned(block: &[u8]) -> ModelError {
-    if block.len() % 4 == 0 {
+    if block.len().is_multiple_of(4) {
         ModelError::Unaligned { offset: (block.as_ptr() as usize % 4) as u8 }
     } else {
         ModelError::Malformed

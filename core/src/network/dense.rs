@@ -210,7 +210,7 @@ fn dot<S: Scalar, const P: usize>(a: &[S; P], b: &[S; P]) -> S {
     let mut width = P / 2;
     while width > 0 {
         for l in 0..width {
-            product[l] = product[l] + product[l + width];
+            product[l] += product[l + width];
         }
         width /= 2;
     }

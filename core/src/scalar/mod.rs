@@ -86,8 +86,9 @@ pub trait Real: Scalar + PartialOrd {
 /// Largest absolute value, NaN if any component is not finite.
 pub fn max_abs<R: Real, const N: usize>(x: &[R; N]) -> R {
     x.iter().fold(R::zero(), |largest, x| {
-        let sum = largest + *x - *x;
-        if sum == sum { largest.max(x.abs()) } else { sum }
+        // 0x is 0, or NaN where x is not finite.
+        let largest = largest + *x * R::zero();
+        if largest.is_finite() { largest.max(x.abs()) } else { largest }
     })
 }
 

@@ -10,23 +10,23 @@ const TWO_OVER_PI: f32 = core::f32::consts::FRAC_2_PI;
 const ROUND: f32 = 12_582_912.0;
 // π/2 in parts of few bits, so that k times a part is exact for |k| < 2¹³.
 const PIO2_1: f32 = 1.570_312_5;
-const PIO2_2: f32 = 4.837_512_969_970_703e-4;
-const PIO2_3: f32 = 7.549_789_415_861_596e-8;
-const PIO2_4: f32 = 5.390_302_529_957_764e-15;
+const PIO2_2: f32 = 4.837_513e-4;
+const PIO2_3: f32 = 7.549_789_4e-8;
+const PIO2_4: f32 = 5.390_302_5e-15;
 
 /// Largest angle accepted, rad.
 const LIMIT: f32 = 65_536.0;
 
 /// (sin x, cos x); NaN where x is not a number in ±65,536.
 pub(super) fn sin_cos(x: f32) -> (f32, f32) {
-    let x = if -LIMIT <= x && x <= LIMIT { x } else { f32::NAN };
+    let x = if (-LIMIT..=LIMIT).contains(&x) { x } else { f32::NAN };
     let turns = x * TWO_OVER_PI + ROUND;
     let k = turns - ROUND;
     let r = (((x - k * PIO2_1) - k * PIO2_2) - k * PIO2_3) - k * PIO2_4;
     let (sin, cos) = (sine(r), cosine(r));
     let quadrant = turns.to_bits();
     let (a, b) = if quadrant & 1 == 0 { (sin, cos) } else { (cos, sin) };
-    (flip(a, quadrant & 2), flip(b, (quadrant + 1) & 2))
+    (flip(a, quadrant & 2), flip(b, quadrant.wrapping_add(1) & 2))
 }
 
 /// `x` with its sign changed where `bit` is 2 and not 0.

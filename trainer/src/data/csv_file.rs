@@ -89,7 +89,8 @@ impl Columns {
     }
 
     fn refuse_others(&self) -> Result<(), Problem> {
-        let used: Vec<_> = self.fields.iter().flatten().copied().chain(self.t).chain(self.trajectory).collect();
+        let used: Vec<_> =
+            self.fields.iter().flatten().copied().chain(self.t).chain(self.trajectory).collect();
         match (0..).zip(&self.names).find(|(i, name)| !used.contains(i) && !name.starts_with('_')) {
             Some((_, name)) => Err(Problem::UnknownName { name: name.clone(), known: KNOWN }),
             None => Ok(()),
@@ -112,10 +113,11 @@ fn field_columns(names: &[String], field: &'static str, n: usize) -> Result<Vec<
     if given == 0 {
         return Ok(Vec::new());
     }
-    if n == 1 && given == 1 {
-        if let Some(position) = single(names, field)? {
-            return Ok(vec![position]);
-        }
+    if n == 1
+        && given == 1
+        && let Some(position) = single(names, field)?
+    {
+        return Ok(vec![position]);
     }
     let position = |i: usize| {
         let column = format!("{field}{i}");
@@ -155,7 +157,8 @@ impl Cells {
         if found != expected {
             return Err((Place::Line(line), Problem::CellCount { found, expected }));
         }
-        let at = |position: usize| move |problem| (Place::Cell { line, column: columns.name(position) }, problem);
+        let at =
+            |position: usize| move |problem| (Place::Cell { line, column: columns.name(position) }, problem);
         for (values, positions) in self.fields.iter_mut().zip(&columns.fields) {
             for &position in positions {
                 values.push(real(record, position).map_err(at(position))?);

@@ -102,7 +102,9 @@ pub enum Problem {
         n: usize,
     },
     /// A name outside the layout.
-    #[error("{name:?} is not a known name; known are {known}; rename it, or put _ before it to have it ignored")]
+    #[error(
+        "{name:?} is not a known name; known are {known}; rename it, or put _ before it to have it ignored"
+    )]
     UnknownName {
         /// The name as it stands.
         name: String,
@@ -162,7 +164,9 @@ pub enum Problem {
         measured: f64,
     },
     /// Stamps whose rounding hides the step.
-    #[error("the stamps are rounded by {rounding} s, too much for a step of {h} s; let t start near 0, in float64")]
+    #[error(
+        "the stamps are rounded by {rounding} s, too much for a step of {h} s; let t start near 0, in float64"
+    )]
     CoarseTime {
         /// What two stamps may be off (s).
         rounding: f64,
@@ -247,7 +251,7 @@ impl fmt::Display for Note {
         match self {
             Self::Gap { place, trajectory, missing, continues_as } => write!(
                 f,
-                "trajectory {trajectory}{place}: {missing} samples are missing; it continues as trajectory {continues_as}"
+                "trajectory {trajectory}{place}: samples missing: {missing}; it continues as trajectory {continues_as}"
             ),
             Self::Dropped { place, trajectory, samples } => write!(
                 f,

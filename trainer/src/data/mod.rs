@@ -15,8 +15,8 @@
 //! order, compressed or not. CSV files have one header line; lines beginning with `#` are comments. A name that begins with
 //! `_` is ignored; any other name is an error, so that a misspelt one is not lost in silence.
 //!
-//! **Time.** Samples are uniform. A stated `h` is exact. Else the step is the mean interval, taken as the shortest decimal
-//! number that the stamps cannot tell from it. Every interval must be h, to 10⁻⁶ of it plus the rounding of the stamps, which
+//! **Time.** Samples are uniform. A stated `h` is exact. Else the step is the mean of the intervals that agree with
+//! the median one, taken as the shortest decimal number the stamps cannot tell from it. Every interval must be h, to 10⁻⁶ of it plus the rounding of the stamps, which
 //! is 4 ε max|t|, at most h/4, with ε = 2⁻²⁴ when all of them are single-precision numbers (or printed ones), else 2⁻⁵³.
 //!
 //! **Gaps.** An interval of a whole multiple of h is a gap: the trajectory is split there, what follows it gets a fresh id

@@ -28,6 +28,12 @@ impl Rows {
         Self::from_flat(width, values)
     }
 
+    /// Copies samples of a width known at compile time.
+    #[must_use]
+    pub fn from_arrays<const N: usize>(rows: &[[f64; N]]) -> Self {
+        Self { width: N, values: rows.as_flattened().to_vec() }
+    }
+
     /// Entries of a sample, n.
     #[must_use]
     pub fn width(&self) -> usize {

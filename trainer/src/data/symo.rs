@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use super::error::{DataError, Fault, Place, Problem};
-use super::npz::{Archive, Entry, Writer};
+use super::npz::{Archive, Array, Writer};
 use super::{Dataset, MIN_SAMPLES, Rows, Trajectory, expect, located, positive, store};
 
 /// The three parts of a data set.
@@ -42,16 +42,15 @@ pub fn read(path: impl AsRef<Path>, h: f64, actuated: usize) -> Result<SymoSet, 
         let [train, test, integration] = PARTS;
         let part = |keys| Part::find(&archive, keys)?.into_dataset(h, actuated);
         let set = SymoSet { train: part(train)?, test: part(test)?, integration: part(integration)? };
-        let same = [("test_x", &set.test), ("int_x", &set.integration)];
-        match same.into_iter().find(|(_, part)| part.n != set.train.n) {
-            Some((key, part)) => Err((Place::Key(key.to_owned()), other_width(part.n, set.train.n))),
-            None => Ok(set),
+        for (key, part) in [("test_x", &set.test), ("int_x", &set.integration)] {
+            same_width(key, part.n, set.train.n)?;
         }
+        Ok(set)
     })
 }
 
-fn other_width(found: usize, expected: usize) -> Problem {
-    Problem::Inconsistent { name: "q", what: "columns", found, expected }
+fn same_width(key: &str, found: usize, expected: usize) -> Result<(), Fault> {
+    expect("q", "columns", found, expected).map_err(|problem| (Place::Key(key.to_owned()), problem))
 }
 
 /// Writes the layout; the control must be zero everywhere but at coordinate `actuated` (from 0).
@@ -66,9 +65,7 @@ pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(
         let mut writer = Writer::new();
         for (keys, part) in PARTS.into_iter().zip([&set.train, &set.test, &set.integration]) {
             part.check()?;
-            if part.n != set.train.n {
-                return Err((Place::Key(keys.0.to_owned()), other_width(part.n, set.train.n)));
-            }
+            same_width(keys.0, part.n, set.train.n)?;
             add_part(&mut writer, keys, part, actuated)?;
         }
         store(path, &writer.finish()?)
@@ -77,8 +74,8 @@ pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(
 
 /// The arrays of a part, their shapes checked.
 struct Part<'a> {
-    states: &'a Entry,
-    controls: &'a Entry,
+    states: Array<'a>,
+    controls: Array<'a>,
     samples: usize,
     n: usize,
 }
@@ -86,17 +83,15 @@ struct Part<'a> {
 impl<'a> Part<'a> {
     fn find(archive: &'a Archive, (states, controls): (&'static str, &'static str)) -> Result<Self, Fault> {
         let (states, controls) = (archive.require(states)?, archive.require(controls)?);
-        let shape = states.shape()?;
-        let [trajectories, samples, width] = *shape.as_slice() else {
-            return Err(shape_fault(states, shape, "[trajectories, samples, 2n]".to_owned()));
+        let [trajectories, samples, width] = *states.shape.as_slice() else {
+            return Err(states.wrong_shape("[trajectories, samples, 2n]".to_owned()));
         };
         if trajectories == 0 || samples < MIN_SAMPLES || width == 0 || width % 2 != 0 {
             let expected = format!("[trajectories, samples, 2n] with at least {MIN_SAMPLES} samples");
-            return Err(shape_fault(states, shape, expected));
+            return Err(states.wrong_shape(expected));
         }
-        let found = controls.shape()?;
-        if found != [trajectories, samples] && found != [trajectories, samples, 1] {
-            return Err(shape_fault(controls, found, format!("[{trajectories}, {samples}]")));
+        if controls.shape != [trajectories, samples] && controls.shape != [trajectories, samples, 1] {
+            return Err(controls.wrong_shape(format!("[{trajectories}, {samples}]")));
         }
         Ok(Self { states, controls, samples, n: width / 2 })
     }
@@ -106,7 +101,10 @@ impl<'a> Part<'a> {
         if actuated >= n {
             return Err(self.controls.fault(Problem::BadActuated { index: actuated, n }));
         }
-        let (x, u) = (finite_values(self.states, self.samples * 2 * n)?, finite_values(self.controls, self.samples)?);
+        let (x, u) = (
+            finite_values(&self.states, self.samples * 2 * n)?,
+            finite_values(&self.controls, self.samples)?,
+        );
         let states = x.chunks_exact(self.samples * 2 * n);
         let trajectories = (0..).zip(states.zip(u.chunks_exact(self.samples)));
         let trajectories = trajectories.map(|(id, (x, u))| trajectory(id, n, x, u, actuated));
@@ -115,15 +113,11 @@ impl<'a> Part<'a> {
     }
 }
 
-fn shape_fault(entry: &Entry, found: Vec<usize>, expected: String) -> Fault {
-    entry.fault(Problem::Shape { found, expected })
-}
-
 /// Values of an array, or the place of one that is not finite.
-fn finite_values(entry: &Entry, stride: usize) -> Result<Vec<f64>, Fault> {
-    let values = entry.reals()?;
+fn finite_values(array: &Array<'_>, stride: usize) -> Result<Vec<f64>, Fault> {
+    let values = array.reals()?;
     match values.iter().zip(0..).find(|(x, _)| !x.is_finite()) {
-        Some((&x, i)) => Err(entry.row_fault(i / stride, Problem::NotFinite(x))),
+        Some((&x, i)) => Err(array.row_fault(i / stride, Problem::NotFinite(x))),
         None => Ok(values),
     }
 }

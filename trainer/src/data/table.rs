@@ -47,7 +47,8 @@ impl Table {
     }
 
     fn check_finite(&self) -> Result<(), Fault> {
-        let fields = [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())];
+        let fields =
+            [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())];
         for (key, field) in fields {
             let values = field.map_or(&[][..], Rows::as_flat);
             self.check_values(key, values, self.q.width())?;

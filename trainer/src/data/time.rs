@@ -56,15 +56,20 @@ impl<'a> Stamps<'a> {
         intervals.get(intervals.len() / 2).copied().ok_or((0, Problem::Empty))
     }
 
-    /// The step: the mean interval, gaps counted as the steps they span, as the shortest decimal number within rounding.
+    /// The step: the mean of the intervals that agree with the median, as the shortest decimal number within rounding.
     pub(super) fn step(&self, runs: &[Range<usize>]) -> Result<f64, RowFault> {
         let median = self.median(runs)?;
-        let (mut span, mut steps) = (0.0, 0.0);
+        // Rounding cancels between neighbours, so it counts once for each unbroken stretch.
+        let (mut span, mut steps, mut stretches) = (0.0, 0.0, runs.len() as f64);
         for (_, before, after) in runs.iter().flat_map(|run| self.intervals(run)) {
-            span += after - before;
-            steps += ((after - before) / median).round();
+            if matches!(self.steps(after - before, median), Ok(1)) {
+                span += after - before;
+                steps += 1.0;
+            } else {
+                stretches += 1.0;
+            }
         }
-        Ok(shortest_decimal(span / steps, self.rounding * runs.len() as f64 / steps))
+        Ok(shortest_decimal(span / steps, self.rounding * stretches / steps))
     }
 
     /// How many steps an interval spans.
@@ -136,7 +141,7 @@ mod tests {
     use super::*;
 
     fn step(t: &[f64]) -> f64 {
-        Stamps::new(t).step(&[0..t.len()]).unwrap()
+        Stamps::new(t).step(std::slice::from_ref(&(0..t.len()))).unwrap()
     }
 
     fn grid(h: f64, rows: usize) -> Vec<f64> {
@@ -187,7 +192,7 @@ mod tests {
     #[test]
     fn equal_stamps_are_unsorted() {
         let stamps = [0.0, 0.1, 0.1, 0.2];
-        let (row, problem) = Stamps::new(&stamps).median(&[(0..4)]).unwrap_err();
+        let (row, problem) = Stamps::new(&stamps).median(std::slice::from_ref(&(0..4))).unwrap_err();
         assert!(matches!((row, problem), (2, Problem::Unsorted { before: 0.1, after: 0.1 })));
     }
 

@@ -1,0 +1,137 @@
+//! Rigid models of every kind, with a naive evaluation of their energies.
+
+use super::Random;
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape, feature_count};
+use leastaction_core::network::{Activation, Dense};
+
+pub use Coordinate::{Angle, Cyclic, Translation};
+
+/// Room of the compiled model: more than any shape here needs, so that unused room is covered too.
+pub const WIDTH: usize = 13;
+pub const DEPTH: usize = 3;
+
+/// A rigid model that owns its weights.
+#[derive(Clone, Debug)]
+pub struct Model<const N: usize> {
+    pub coordinates: [Coordinate; N],
+    pub widths: Vec<usize>,
+    pub activation: Activation,
+    pub inertia: Inertia,
+    pub weights: Vec<f64>,
+}
+
+impl<const N: usize> Model<N> {
+    pub fn new(
+        coordinates: [Coordinate; N],
+        widths: &[usize],
+        activation: Activation,
+        inertia: Inertia,
+        seed: u64,
+    ) -> Self {
+        let mut model = Self { coordinates, widths: widths.to_vec(), activation, inertia, weights: vec![] };
+        model.weights = Random(seed).vector(model.shape().parameters().unwrap(), 0.8);
+        model
+    }
+
+    pub fn shape(&self) -> Shape<'_, N> {
+        Shape {
+            coordinates: self.coordinates,
+            widths: &self.widths,
+            activation: self.activation,
+            inertia: self.inertia,
+        }
+    }
+
+    /// The model over a weight block of any type, of this shape.
+    pub fn over<'a, W: Copy>(&self, mut weights: &'a [W]) -> Rigid<'a, W, N, WIDTH, DEPTH> {
+        let rigid = Rigid::take(&mut weights, &self.shape()).expect("weights of this shape");
+        assert!(weights.is_empty(), "{} weights too many", weights.len());
+        rigid
+    }
+
+    pub fn in_f64(&self) -> Rigid<'_, f64, N, WIDTH, DEPTH> {
+        self.over(&self.weights)
+    }
+
+    /// T and V by the formulas as they are printed, from row-major matrices.
+    pub fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
+        let of = |kind| (0..N).filter(move |i| self.coordinates[*i] == kind);
+        let mut x: Vec<f64> = of(Translation).map(|i| q[i]).collect();
+        x.extend(of(Angle).map(|i| q[i].cos()));
+        x.extend(of(Angle).map(|i| q[i].sin()));
+        let mut block = &self.weights[..];
+        for width in &self.widths {
+            x = naive_layer(&mut block, &x, *width).into_iter().map(|z| naive_activation(self.activation, z)).collect();
+        }
+        let o = naive_layer(&mut block, &x, self.inertia.outputs(N));
+        let softplus = |z: f64| (1.0 + z.exp()).ln();
+        let mut factor = [[0.0; N]; N];
+        let mut rest = o[N..].iter();
+        for i in 0..N {
+            for j in 0..i {
+                factor[i][j] = if self.inertia == Inertia::Diagonal { 0.0 } else { *rest.next().unwrap() };
+            }
+            factor[i][i] = softplus(o[i]);
+        }
+        let kinetic = match self.inertia {
+            Inertia::Diagonal => (0..N).map(|i| factor[i][i] * v[i] * v[i]).sum::<f64>() / 2.0,
+            Inertia::Cholesky { epsilon } => {
+                let y = |j: usize| (0..N).map(|i| factor[i][j] * v[i]).sum::<f64>();
+                let speed: f64 = v.iter().map(|v| v * v).sum();
+                ((0..N).map(|j| y(j) * y(j)).sum::<f64>() + f64::from(epsilon) * speed) / 2.0
+            }
+        };
+        (kinetic, *rest.next().unwrap())
+    }
+}
+
+/// Wx + b from the front of a block in panel order.
+pub fn naive_layer(block: &mut &[f64], x: &[f64], outputs: usize) -> Vec<f64> {
+    let (weights, rest) = block.split_at(x.len() * outputs);
+    let (bias, rest) = rest.split_at(outputs);
+    *block = rest;
+    let weight = |i, j| weights[Dense::<f64>::position(x.len(), outputs, i, j)];
+    (0..outputs).map(|i| bias[i] + (0..x.len()).map(|j| weight(i, j) * x[j]).sum::<f64>()).collect()
+}
+
+pub fn naive_activation(activation: Activation, z: f64) -> f64 {
+    match activation {
+        Activation::Tanh => z.tanh(),
+        Activation::Softplus => (1.0 + z.exp()).ln(),
+        Activation::Squareplus => 0.5 * (z + (z * z + 4.0).sqrt()),
+        Activation::Isru => z / (1.0 + z * z).sqrt(),
+        Activation::Identity => z,
+    }
+}
+
+const CHOLESKY: Inertia = Inertia::Cholesky { epsilon: 0.01 };
+
+pub fn of_one() -> Vec<Model<1>> {
+    vec![
+        Model::new([Angle], &[5], Activation::Tanh, Inertia::Diagonal, 1),
+        Model::new([Translation], &[3, 4], Activation::Softplus, CHOLESKY, 2),
+        Model::new([Cyclic], &[6], Activation::Isru, CHOLESKY, 3),
+    ]
+}
+
+pub fn of_two() -> Vec<Model<2>> {
+    vec![
+        Model::new([Angle, Translation], &[7, 5], Activation::Tanh, CHOLESKY, 4),
+        Model::new([Cyclic, Angle], &[9, 4, 6], Activation::Squareplus, CHOLESKY, 5),
+        Model::new([Angle, Angle], &[12], Activation::Isru, Inertia::Diagonal, 6),
+        Model::new([Translation, Cyclic], &[13, 2], Activation::Identity, CHOLESKY, 7),
+    ]
+}
+
+pub fn of_three() -> Vec<Model<3>> {
+    vec![
+        Model::new([Angle, Translation, Angle], &[13, 8, 5], Activation::Tanh, CHOLESKY, 8),
+        Model::new([Angle, Cyclic, Translation], &[10], Activation::Softplus, Inertia::Diagonal, 9),
+        Model::new([Cyclic, Angle, Translation], &[6, 11], Activation::Squareplus, CHOLESKY, 10),
+    ]
+}
+
+/// Features of a shape, for tests of sizes.
+pub fn features<const N: usize>(coordinates: &[Coordinate; N]) -> usize {
+    feature_count(coordinates)
+}

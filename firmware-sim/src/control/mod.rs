@@ -1,0 +1,39 @@
+//! Controllers that know a mechanism only through its model.
+
+mod pump;
+mod regulator;
+mod riccati;
+mod swing_up;
+mod track;
+
+pub use pump::{CartPump, JointPump, Pump, PumpConfig};
+pub use regulator::{Regulator, Tolerance};
+pub use riccati::{Linear, riccati};
+pub use swing_up::{Catch, SwingUp};
+pub use track::{Gains, Reference, Setpoint, Track};
+
+use crate::tick::Mode;
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::linear::Singular;
+
+/// What a controller asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Command<const N: usize> {
+    /// Force, N or N m; the firmware limits it.
+    pub u: [f32; N],
+    /// What the controller is doing.
+    pub mode: Mode,
+}
+
+/// A feedback law over a model.
+pub trait Controller<M, const N: usize> {
+    /// Where the mechanism should be at time t, s.
+    fn reference(&self, t: f32) -> [f32; N];
+    /// The force for the estimated state at which it will act, time t (s). An error where the model cannot say.
+    fn command(
+        &mut self,
+        model: &M,
+        t: f32,
+        state: &ContinuousState<f32, N>,
+    ) -> Result<Command<N>, Singular>;
+}

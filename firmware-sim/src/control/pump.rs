@@ -1,0 +1,133 @@
+use crate::Mechanism;
+use crate::error::{SetupError, require};
+use leastaction_core::continuous::ContinuousState;
+
+/// How energy is pumped into a swinging coordinate. Bands are where the effort falls off linearly, so that noise about
+/// zero does not switch it at full strength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PumpConfig {
+    /// Strongest effort: of a joint, N m; of a cart, m/s². Positive.
+    pub effort: f32,
+    /// Missing energy at which the effort is full, as a fraction of the energy between hanging and upright. Positive.
+    pub energy_band: f32,
+    /// Velocity at which the effort is full, rad/s. Positive.
+    pub rate_band: f32,
+    /// ω, rad/s, of the pull that brings a cart back to the middle (critically damped); a joint has none. Not negative.
+    pub centring: f32,
+}
+
+impl PumpConfig {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        let positive = [("pump effort", self.effort), ("energy band", self.energy_band), ("rate band", self.rate_band)];
+        for (what, x) in positive {
+            require(what, x, x.is_finite() && x > 0.0, "finite and positive")?;
+        }
+        let centring = self.centring;
+        require("centring frequency", centring, centring.is_finite() && centring >= 0.0, "finite and not negative")
+    }
+
+    /// Between −1 and 1: with the sign of `rate` while energy is missing, against it while there is too much. A mechanism
+    /// exactly at rest is pushed in the positive direction.
+    fn drive(&self, missing: f32, rate: f32) -> f32 {
+        let direction = if rate == 0.0 { 1.0 } else { unit(rate / self.rate_band) };
+        unit(missing / self.energy_band) * direction
+    }
+}
+
+/// `x` within ±1.
+fn unit(x: f32) -> f32 {
+    x.max(-1.0).min(1.0)
+}
+
+/// An energy-based swing-up law, from the model's own energies.
+pub trait Pump<M, const N: usize> {
+    /// The force at an estimated state.
+    fn force(&self, model: &M, state: &ContinuousState<f32, N>) -> [f32; N];
+}
+
+/// Pumps a single joint: u = ±effort with the sign of θ̇ while energy is missing, for Ė = uθ̇.
+///
+/// Source: K. J. Åström and K. Furuta, "Swinging up a pendulum by energy control", Automatica 36, 2000.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointPump {
+    config: PumpConfig,
+    upright: f32,
+    height: f32,
+}
+
+impl JointPump {
+    /// A pump towards the model's potential at `upright` (rad); the joint hangs half a turn away.
+    pub fn new<M: Mechanism<1>>(model: &M, upright: f32, config: PumpConfig) -> Result<Self, SetupError> {
+        config.validate()?;
+        let potential = |theta| model.energies(&[theta], &[0.0]).potential;
+        let height = positive_height(potential(upright) - potential(upright + core::f32::consts::PI))?;
+        Ok(Self { config, upright: potential(upright), height })
+    }
+}
+
+impl<M: Mechanism<1>> Pump<M, 1> for JointPump {
+    fn force(&self, model: &M, state: &ContinuousState<f32, 1>) -> [f32; 1] {
+        let energies = model.energies(&state.q, &state.v);
+        let missing = (self.upright - energies.kinetic - energies.potential) / self.height;
+        [self.config.effort * self.config.drive(missing, state.v[0])]
+    }
+}
+
+/// Pumps a pole by accelerating the cart that carries it; q = (x, θ), the force acts on the cart alone.
+///
+/// In the frame of the cart the pole gains Ė = −M₁₂ẍθ̇, so ẍ takes the sign of −M₁₂θ̇ while energy is missing; a
+/// critically damped pull keeps the cart near the middle. The force for a wanted ẍ follows from the model's inverse
+/// dynamics with the pole left free. Sources: Åström and Furuta, as above; M. W. Spong, "Partial feedback linearization
+/// of underactuated mechanical systems", IROS 1994.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CartPump {
+    config: PumpConfig,
+    upright: f32,
+    height: f32,
+}
+
+impl CartPump {
+    /// A pump towards the model's potential at the angle `upright` (rad); the pole hangs half a turn away.
+    pub fn new<M: Mechanism<2>>(model: &M, upright: f32, config: PumpConfig) -> Result<Self, SetupError> {
+        config.validate()?;
+        let potential = |theta| model.energies(&[0.0, theta], &[0.0; 2]).potential;
+        let height = positive_height(potential(upright) - potential(upright + core::f32::consts::PI))?;
+        Ok(Self { config, upright, height })
+    }
+
+    /// Missing energy of the pole in the frame of the cart, as a fraction of the height. Both potentials are taken at the
+    /// cart's own place, where a learned model may be a little higher or lower.
+    fn missing<M: Mechanism<2>>(&self, model: &M, [x, theta]: [f32; 2], theta_dot: f32) -> f32 {
+        let now = model.energies(&[x, theta], &[0.0, theta_dot]);
+        let upright = model.energies(&[x, self.upright], &[0.0; 2]).potential;
+        (upright - now.kinetic - now.potential) / self.height
+    }
+
+    /// The cart's wanted acceleration, m/s².
+    fn acceleration<M: Mechanism<2>>(&self, model: &M, state: &ContinuousState<f32, 2>) -> f32 {
+        let ([x, theta], [x_dot, theta_dot]) = (state.q, state.v);
+        let [_, coupling] = model.inertial_force(&state.q, &[1.0, 0.0]);
+        let [_, pole] = model.inertial_force(&state.q, &[0.0, 1.0]);
+        let missing = self.missing(model, [x, theta], theta_dot);
+        let swing = self.config.effort * self.config.drive(missing, -theta_dot * coupling / pole);
+        let omega = self.config.centring;
+        swing - omega * omega * x - 2.0 * omega * x_dot
+    }
+}
+
+impl<M: Mechanism<2>> Pump<M, 2> for CartPump {
+    fn force(&self, model: &M, state: &ContinuousState<f32, 2>) -> [f32; 2] {
+        let x_ddot = self.acceleration(model, state);
+        let [_, on_pole] = model.inverse_dynamics(&state.q, &state.v, &[x_ddot, 0.0]);
+        let [_, pole] = model.inertial_force(&state.q, &[0.0, 1.0]);
+        let [force, _] = model.inverse_dynamics(&state.q, &state.v, &[x_ddot, -on_pole / pole]);
+        [force, 0.0]
+    }
+}
+
+/// The energy between hanging and upright, which must be there.
+fn positive_height(height: f32) -> Result<f32, SetupError> {
+    let sensible = height.is_finite() && height > 0.0;
+    require("potential of the model, upright minus hanging", height, sensible, "positive, J: is upright at q = 0?")?;
+    Ok(height)
+}

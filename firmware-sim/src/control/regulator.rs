@@ -1,0 +1,98 @@
+use super::riccati::{Linear, riccati};
+use crate::Mechanism;
+use crate::angle::difference;
+use crate::error::{SetupError, require};
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::linear::{dot, solve_many, transpose};
+use nalgebra::{SMatrix, SVector};
+
+/// The deviations that count alike in the regulator's cost (Bryson's rule): each weight is one over its square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance<const N: usize> {
+    /// Of positions, rad or m, > 0.
+    pub q: [f32; N],
+    /// Of velocities, rad/s or m/s, > 0.
+    pub v: [f32; N],
+    /// Of the force, N or N m, > 0.
+    pub u: f32,
+}
+
+impl<const N: usize> Tolerance<N> {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        for x in self.q.iter().chain(&self.v).chain([&self.u]) {
+            require("regulator tolerance", *x, x.is_finite() && *x > 0.0, "finite and positive")?;
+        }
+        Ok(())
+    }
+
+    /// Q.
+    fn weights<const D: usize>(&self) -> SMatrix<f32, D, D> {
+        let mut tolerances = self.q.iter().chain(&self.v);
+        let weights = SVector::from_fn(|_, _| tolerances.next().map_or(0.0, |x| 1.0 / (x * x)));
+        SMatrix::from_diagonal(&weights)
+    }
+}
+
+/// Linear-quadratic feedback about an equilibrium, through one coordinate's actuator: u = u₀ − K_q(q − q₀) − K_v v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Regulator<const N: usize> {
+    /// q₀.
+    pub target: [f32; N],
+    /// Which coordinate is actuated.
+    pub input: usize,
+    /// u₀, what the model needs to stand still there.
+    pub bias: f32,
+    /// K_q.
+    pub gain_q: [f32; N],
+    /// K_v.
+    pub gain_v: [f32; N],
+}
+
+impl<const N: usize> Regulator<N> {
+    /// Designs the feedback for ticks of h seconds from the model's own second derivatives at `target`; D is 2N.
+    pub fn design<M: Mechanism<N>, const D: usize>(
+        model: &M,
+        target: [f32; N],
+        input: usize,
+        tolerance: &Tolerance<N>,
+        h: f32,
+    ) -> Result<Self, SetupError> {
+        const { assert!(D == 2 * N, "the state has N positions and N velocities") };
+        tolerance.validate()?;
+        let system = linearise::<M, N, D>(model, &target, input)?.sampled(h);
+        let k = riccati(&system, &tolerance.weights(), 1.0 / (tolerance.u * tolerance.u))?;
+        let bias = -model.hessian(&target, &[0.0; N]).l_q.get(input).copied().unwrap_or(0.0);
+        let part = |from: usize| core::array::from_fn(|i| k.get(from + i).copied().unwrap_or(0.0));
+        Ok(Self { target, input, bias, gain_q: part(0), gain_v: part(N) })
+    }
+
+    /// The force at a state, N or N m, not limited; `angle` says which coordinates are angles.
+    pub fn force(&self, state: &ContinuousState<f32, N>, angle: &[bool; N]) -> f32 {
+        let deviation = difference(&state.q, &self.target, angle);
+        self.bias - dot(&self.gain_q, &deviation) - dot(&self.gain_v, &state.v)
+    }
+}
+
+/// The model about a rest at q₀: v̇ = M⁻¹((L_qq + Q_q)δq + Q_v v + u), exactly; L_vq vanishes with v.
+fn linearise<M: Mechanism<N>, const N: usize, const D: usize>(
+    model: &M,
+    target: &[f32; N],
+    input: usize,
+) -> Result<Linear<D>, SetupError> {
+    let rest = [0.0; N];
+    let d = model.hessian(target, &rest);
+    let (q_q, q_v) = model.damping(target, &rest);
+    let stiffness: [[f32; N]; N] = core::array::from_fn(|i| core::array::from_fn(|j| d.l_qq[i][j] + q_q[i][j]));
+    let unit = core::array::from_fn(|i| if i == input { 1.0 } else { 0.0 });
+    let singular = |_| SetupError::SingularInertia;
+    let columns_q = solve_many(d.l_vv, transpose(&stiffness)).map_err(singular)?;
+    let columns_v = solve_many(d.l_vv, transpose(&q_v)).map_err(singular)?;
+    let [column_u] = solve_many(d.l_vv, [unit]).map_err(singular)?;
+    let a = SMatrix::from_fn(|i, j| match (i < N, j < N) {
+        (true, _) => f32::from(u8::from(j == i + N)),
+        (false, true) => columns_q[j][i - N],
+        (false, false) => columns_v[j - N][i - N],
+    });
+    let b = SVector::from_fn(|i, _| if i < N { 0.0 } else { column_u[i - N] });
+    Ok(Linear { a, b })
+}

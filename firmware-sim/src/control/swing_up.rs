@@ -1,0 +1,71 @@
+use super::{Command, Controller, Pump, Regulator};
+use crate::angle::difference;
+use crate::error::{SetupError, require};
+use crate::tick::Mode;
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::linear::Singular;
+
+/// When the regulator takes over from the pump, and when it gives up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Catch {
+    /// It takes over within this angle of upright, rad, if its force is within the actuator's limit.
+    pub angle: f32,
+    /// It gives up beyond this angle, rad; at least `angle`.
+    pub release: f32,
+}
+
+impl Catch {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        require("catch angle", self.angle, self.angle.is_finite() && self.angle > 0.0, "finite and positive")?;
+        require("release angle", self.release, self.release >= self.angle, "at least the catch angle")
+    }
+}
+
+/// Pumps energy until the mechanism is near upright, then holds it there.
+#[derive(Clone, Copy, Debug)]
+pub struct SwingUp<P, const N: usize> {
+    /// Brings it up.
+    pub pump: P,
+    /// Holds it.
+    pub regulator: Regulator<N>,
+    /// When to change between them.
+    pub catch: Catch,
+    /// Which coordinate swings.
+    pub swinging: usize,
+    /// Which coordinates are angles.
+    pub angle: [bool; N],
+    /// Limit of the actuator, N or N m.
+    pub limit: f32,
+    /// Whether the regulator is at work.
+    pub holding: bool,
+}
+
+impl<P, const N: usize> SwingUp<P, N> {
+    /// Whether the regulator, which asks for so much force, should be at work.
+    fn holds(&self, state: &ContinuousState<f32, N>, force: f32) -> bool {
+        let deviation = difference(&state.q, &self.regulator.target, &self.angle);
+        let angle = deviation.get(self.swinging).map_or(0.0, |x| x.abs());
+        if self.holding { angle < self.catch.release } else { angle < self.catch.angle && force.abs() <= self.limit }
+    }
+}
+
+impl<M, P: Pump<M, N>, const N: usize> Controller<M, N> for SwingUp<P, N> {
+    fn reference(&self, _: f32) -> [f32; N] {
+        self.regulator.target
+    }
+
+    fn command(
+        &mut self,
+        model: &M,
+        _: f32,
+        state: &ContinuousState<f32, N>,
+    ) -> Result<Command<N>, Singular> {
+        let force = self.regulator.force(state, &self.angle);
+        self.holding = self.holds(state, force);
+        if !self.holding {
+            return Ok(Command { u: self.pump.force(model, state), mode: Mode::Swing });
+        }
+        let u = core::array::from_fn(|i| if i == self.regulator.input { force } else { 0.0 });
+        Ok(Command { u, mode: Mode::Hold })
+    }
+}

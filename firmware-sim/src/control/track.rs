@@ -1,0 +1,109 @@
+use super::{Command, Controller};
+use crate::Mechanism;
+use crate::angle::difference;
+use crate::error::{SetupError, require};
+use crate::tick::Mode;
+use core::f32::consts::TAU;
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::linear::Singular;
+use leastaction_core::scalar::Scalar;
+
+/// A smooth motion there and back, q_i = from + ½(to − from)(1 − cos 2πft): at rest at t = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference<const N: usize> {
+    /// Position at t = 0, rad or m.
+    pub from: [f32; N],
+    /// Farthest position, rad or m.
+    pub to: [f32; N],
+    /// f > 0, Hz.
+    pub frequency: [f32; N],
+}
+
+/// A point of a reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoint<const N: usize> {
+    /// Position.
+    pub q: [f32; N],
+    /// Velocity.
+    pub v: [f32; N],
+    /// Acceleration.
+    pub a: [f32; N],
+}
+
+impl<const N: usize> Reference<N> {
+    /// Position, velocity and acceleration at time t, s.
+    pub fn at(&self, t: f32) -> Setpoint<N> {
+        let mut point = Setpoint { q: self.from, v: [0.0; N], a: [0.0; N] };
+        for i in 0..N {
+            let (half, omega) = (0.5 * (self.to[i] - self.from[i]), TAU * self.frequency[i]);
+            let (sin, cos) = (omega * t).sin_cos();
+            point.q[i] += half * (1.0 - cos);
+            point.v[i] = half * omega * sin;
+            point.a[i] = half * omega * omega * cos;
+        }
+        point
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        for i in 0..N {
+            let finite = self.from[i].is_finite() && self.to[i].is_finite();
+            require("reference", self.from[i] + self.to[i], finite, "finite")?;
+            let f = self.frequency[i];
+            require("reference frequency", f, f.is_finite() && f > 0.0, "finite and positive")?;
+        }
+        Ok(())
+    }
+}
+
+/// Feedback of the tracking error as a desired acceleration −ω²e − 2ζωė, the same in every coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains {
+    /// ω, rad/s, of the error's decay.
+    pub frequency: f32,
+    /// ζ; 1 does not overshoot.
+    pub damping: f32,
+}
+
+/// Inverse-dynamics feed-forward along a reference, with PD feedback through the model's inertia matrix.
+///
+/// u = ID(q_r, v_r, a_r) − M(q)(ω²e + 2ζωė), e = q − q_r. Source: Siciliano et al., "Robotics", 2009, section 8.5.
+#[derive(Clone, Copy, Debug)]
+pub struct Track<const N: usize> {
+    /// The motion.
+    pub reference: Reference<N>,
+    /// The feedback.
+    pub gains: Gains,
+    /// Which coordinates are angles.
+    pub angle: [bool; N],
+    /// From a command to its effect, s: the state that the controller sees is the one by then.
+    pub delay: f32,
+    /// From there to the middle of the interval over which the force is held, s.
+    pub middle: f32,
+}
+
+impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
+    fn reference(&self, t: f32) -> [f32; N] {
+        self.reference.at(t).q
+    }
+
+    fn command(
+        &mut self,
+        model: &M,
+        t: f32,
+        state: &ContinuousState<f32, N>,
+    ) -> Result<Command<N>, Singular> {
+        let t = t + self.delay;
+        let (now, middle) = (self.reference.at(t), self.reference.at(t + self.middle));
+        let error = difference(&state.q, &now.q, &self.angle);
+        let (stiffness, damping) = (square(self.gains.frequency), 2.0 * self.gains.damping * self.gains.frequency);
+        let wanted = core::array::from_fn(|i| stiffness * error[i] + damping * (state.v[i] - now.v[i]));
+        let feedback = model.inertial_force(&state.q, &wanted);
+        let feedforward = model.inverse_dynamics(&middle.q, &middle.v, &middle.a);
+        let u = core::array::from_fn(|i| feedforward[i] - feedback[i]);
+        Ok(Command { u, mode: Mode::Track })
+    }
+}
+
+fn square(x: f32) -> f32 {
+    x * x
+}

@@ -1,0 +1,52 @@
+//! What lies between the firmware and the mechanism: encoders, actuators and the clock, with their faults.
+
+mod actuator;
+mod clock;
+mod encoder;
+mod random;
+
+pub use actuator::{Actuator, ActuatorConfig, DelayLine, MAX_DELAY};
+pub use clock::{Arrival, Clock, ClockConfig};
+pub use encoder::{EncoderConfig, Encoders};
+pub use random::{Device, Stream};
+
+use crate::error::SetupError;
+
+/// All devices of a loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Devices<const N: usize> {
+    /// One encoder a coordinate.
+    pub encoders: [EncoderConfig; N],
+    /// The actuators.
+    pub actuator: ActuatorConfig<N>,
+    /// The clock.
+    pub clock: ClockConfig,
+}
+
+impl<const N: usize> Devices<N> {
+    /// Realistic devices: these encoders, actuators of these limits (N or N m) with one tick of delay, a perfect clock.
+    pub const fn new(encoders: [EncoderConfig; N], limit: [f32; N]) -> Self {
+        Self { encoders, actuator: ActuatorConfig::new(limit), clock: ClockConfig::perfect() }
+    }
+
+    /// The same mechanism with ideal devices: exact encoders, no delay, a perfect clock. The limits stay.
+    #[must_use]
+    pub fn perfect(self) -> Self {
+        Self {
+            encoders: self.encoders.map(EncoderConfig::perfect),
+            actuator: ActuatorConfig { delay: 0, ..self.actuator },
+            clock: ClockConfig::perfect(),
+        }
+    }
+
+    /// Which coordinates are angles.
+    pub fn angles(&self) -> [bool; N] {
+        self.encoders.map(|encoder| encoder.angle)
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        self.encoders.iter().try_for_each(EncoderConfig::validate)?;
+        self.actuator.validate()?;
+        self.clock.validate()
+    }
+}

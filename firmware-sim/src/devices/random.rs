@@ -1,0 +1,50 @@
+use core::f32::consts::TAU;
+use leastaction_core::scalar::Scalar;
+use rand_pcg::Pcg32;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+
+/// Whose random numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Device {
+    /// The initial state.
+    Start,
+    /// The encoders.
+    Encoder,
+    /// The clock.
+    Clock,
+}
+
+/// A device's own stream of random numbers: the same for the same seed, whatever the other devices draw.
+#[derive(Clone, Debug)]
+pub struct Stream(Pcg32);
+
+impl Stream {
+    /// The stream of a device under a seed.
+    pub fn new(seed: u64, device: Device) -> Self {
+        // `seed_from_u64` hashes its argument into state and increment, so neighbouring numbers give unrelated streams.
+        Self(Pcg32::seed_from_u64(seed.rotate_left(8) ^ device as u64))
+    }
+
+    /// Uniform in [0, 1), a multiple of 2⁻²⁴.
+    pub fn uniform(&mut self) -> f32 {
+        (self.0.next_u32() >> 8) as f32 / 16_777_216.0
+    }
+
+    /// Uniform in [−1, 1).
+    pub fn symmetric(&mut self) -> f32 {
+        2.0 * self.uniform() - 1.0
+    }
+
+    /// Standard normal (Box–Muller, in single precision: at most 5.8 in size).
+    pub fn normal(&mut self) -> f32 {
+        let radius = (-2.0 * (-self.uniform()).ln_1p()).sqrt();
+        let (_, cos) = (TAU * self.uniform()).sin_cos();
+        radius * cos
+    }
+
+    /// True with the given probability; draws one number whatever it is.
+    pub fn happens(&mut self, probability: f32) -> bool {
+        self.uniform() < probability
+    }
+}

@@ -1,0 +1,46 @@
+use core::fmt;
+
+/// Why a scenario cannot begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SetupError {
+    /// A number of the configuration is out of its range.
+    OutOfRange {
+        /// Which.
+        what: &'static str,
+        /// What it was set to.
+        value: f32,
+        /// What it must be.
+        range: &'static str,
+    },
+    /// The model's inertia matrix at the upright position cannot be inverted.
+    SingularInertia,
+    /// The Riccati equation has no finite solution for the model: its upright position cannot be held by this input.
+    NotStabilisable,
+}
+
+impl fmt::Display for SetupError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::OutOfRange { what, value, range } => write!(f, "{what} is {value}, but must be {range}"),
+            Self::SingularInertia => {
+                write!(f, "the model's inertia matrix at the upright position is singular: train it further")
+            }
+            Self::NotStabilisable => {
+                write!(f, "no feedback holds the model upright: train it further, or check its coordinates")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SetupError {}
+
+/// `value` if it satisfies the condition, which `range` says in words.
+pub(crate) fn require(
+    what: &'static str,
+    value: f32,
+    condition: bool,
+    range: &'static str,
+) -> Result<(), SetupError> {
+    if condition { Ok(()) } else { Err(SetupError::OutOfRange { what, value, range }) }
+}

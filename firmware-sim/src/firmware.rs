@@ -1,0 +1,126 @@
+use crate::Mechanism;
+use crate::control::{Command, Controller};
+use crate::devices::{ActuatorConfig, DelayLine};
+use crate::observer::{Observer, ObserverConfig};
+use crate::tick::Mode;
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::discrete::{Report, StepError};
+use leastaction_core::scalar::all_finite;
+
+/// What the firmware made of a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome<const N: usize> {
+    /// Estimated position and velocity now.
+    pub estimate: ContinuousState<f32, N>,
+    /// Force and mode.
+    pub command: Command<N>,
+    /// The model's last step.
+    pub newton: Report<f32>,
+    /// Steps of the model, or commands computed from it, that failed in this tick.
+    pub errors: u32,
+}
+
+impl<const N: usize> Outcome<N> {
+    /// Before anything was measured.
+    pub const fn waiting() -> Self {
+        let zero = [0.0; N];
+        Self {
+            estimate: ContinuousState { q: zero, v: zero },
+            command: Command { u: zero, mode: Mode::Wait },
+            newton: Report { iterations: 0, residual: 0.0 },
+            errors: 0,
+        }
+    }
+}
+
+/// The program on the microcontroller: an observer, a controller, and its own record of the commands under way.
+///
+/// It steps the model ahead over the commands that are already decided, so that the controller sees the state its force
+/// will meet. Where a step of the model fails it holds the last good state, commands no force in that tick, and
+/// counts the error.
+#[derive(Clone, Debug)]
+pub struct Firmware<'a, M, C, const N: usize> {
+    model: &'a M,
+    controller: C,
+    observer: Observer<'a, M, N>,
+    limit: ActuatorConfig<N>,
+    line: DelayLine<N>,
+    force: [f32; N],
+    last: Outcome<N>,
+}
+
+impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C, N> {
+    /// A program of ticks of h seconds for actuators of these limits (its delay is the observer's, not the actuator's);
+    /// `angle` says which encoders forget whole turns.
+    pub fn new(
+        model: &'a M,
+        controller: C,
+        h: f32,
+        angle: [bool; N],
+        observer: &ObserverConfig,
+        limit: ActuatorConfig<N>,
+    ) -> Self {
+        let line = DelayLine::new(observer.delay);
+        let observer = Observer::new(model, h, angle, observer);
+        Self { model, controller, observer, limit, line, force: [0.0; N], last: Outcome::waiting() }
+    }
+
+    /// The last outcome.
+    pub fn last(&self) -> &Outcome<N> {
+        &self.last
+    }
+
+    /// Where the mechanism should be at time t, s.
+    pub fn reference(&self, t: f32) -> [f32; N] {
+        self.controller.reference(t)
+    }
+
+    /// Runs at time t (s), `elapsed` ticks after the last run, on the samples that arrived.
+    pub fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Outcome<N> {
+        let mut outcome = Outcome { errors: 0, ..self.last };
+        let estimated = self.estimate(elapsed, measured, &mut outcome);
+        let command = estimated.and_then(|()| self.command(t));
+        if command.is_err() {
+            outcome.errors += 1;
+        }
+        outcome.command = command.unwrap_or(Command { u: [0.0; N], mode: Mode::Safe });
+        self.force = self.line.advance(Some(outcome.command.u));
+        self.last = outcome;
+        outcome
+    }
+
+    /// Predicts over the elapsed ticks and corrects; the first error is returned after all was tried.
+    fn estimate(
+        &mut self,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        outcome: &mut Outcome<N>,
+    ) -> Result<(), StepError<f32>> {
+        let mut result = Ok(());
+        for tick in 0..elapsed {
+            if tick > 0 {
+                self.force = self.line.advance(None);
+            }
+            match self.observer.predict(&self.force) {
+                Ok(report) => outcome.newton = report.unwrap_or(outcome.newton),
+                Err(error) => result = result.and(Err(error)),
+            }
+        }
+        let corrected = self.observer.correct(measured);
+        if let Some(estimate) = self.observer.ahead(core::iter::empty())? {
+            outcome.estimate = estimate;
+        }
+        result.and(corrected)
+    }
+
+    fn command(&mut self, t: f32) -> Result<Command<N>, StepError<f32>> {
+        let Some(state) = self.observer.ahead(self.line.decided())? else {
+            return Ok(Outcome::waiting().command);
+        };
+        let Command { u, mode } = self.controller.command(self.model, t, &state)?;
+        if !all_finite(&u) {
+            return Err(StepError::NotFinite);
+        }
+        Ok(Command { u: self.limit.saturate(&u), mode })
+    }
+}

@@ -1,0 +1,146 @@
+//! Positions and velocities from encoder readings alone, by way of the model.
+//!
+//! Between samples the estimate moves by the model's discrete Euler–Lagrange step. A sample y corrects it by its
+//! innovation e = y − q̂ (the short way round, for an angle): q̂ ← q̂ + αe, v̂ ← v̂ + βe/h. The gains are those of the
+//! growing-memory filter over n samples, α = 2(2n + 1)/((n + 1)(n + 2)) and β = 6/((n + 1)(n + 2)), which is the
+//! least-squares fit to the samples so far; n stops growing at the configured memory and shrinks by one with every sample
+//! that is missing, so that after a gap the encoder is believed more than the model. No velocity is ever measured.
+//!
+//! Source: E. Brookner, "Tracking and Kalman Filtering Made Easy", 1998, section 1.2.10.
+
+mod integrator;
+
+pub use integrator::{Integrator, Order};
+
+use crate::Mechanism;
+use crate::angle::wrap;
+use crate::error::{SetupError, require};
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::discrete::{Newton, Report, State, StepError};
+
+/// How the observer steps the model and how much it believes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObserverConfig {
+    /// Order of the discrete Euler–Lagrange step; a model of a discrete Lagrangian names its own.
+    pub order: Order,
+    /// Bounds of Newton's method.
+    pub newton: Newton<f32>,
+    /// Most samples in memory, at least 1: more smooth the noise more and follow a wrong model longer.
+    pub memory: u8,
+    /// Ticks from a command to its effect, as far as the firmware knows.
+    pub delay: u8,
+}
+
+impl Default for ObserverConfig {
+    /// Order 2, Newton's default bounds, a memory of 10 samples, one tick of delay.
+    fn default() -> Self {
+        Self { order: Order::Two, newton: Newton::default(), memory: 10, delay: 1 }
+    }
+}
+
+impl ObserverConfig {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")
+    }
+}
+
+/// The growing-memory filter's (α, β) with n samples in memory.
+fn gains(n: u8) -> (f32, f32) {
+    let n = f32::from(n);
+    let both = (n + 1.0) * (n + 2.0);
+    let beta = if n > 0.0 { 6.0 / both } else { 0.0 };
+    (2.0 * (2.0 * n + 1.0) / both, beta)
+}
+
+/// The state estimate of the firmware.
+#[derive(Clone, Debug)]
+pub struct Observer<'a, M, const N: usize> {
+    model: &'a M,
+    integrator: Integrator,
+    angle: [bool; N],
+    memory: u8,
+    /// Samples in memory, coordinate by coordinate.
+    samples: [u8; N],
+    /// First readings, until every coordinate has one.
+    first: [Option<f32>; N],
+    state: Option<State<f32, N>>,
+}
+
+impl<'a, M: Mechanism<N>, const N: usize> Observer<'a, M, N> {
+    /// An observer that steps `model` by ticks of h seconds; `angle` says which encoders forget whole turns.
+    pub fn new(model: &'a M, h: f32, angle: [bool; N], config: &ObserverConfig) -> Self {
+        let integrator = Integrator::new(config.order, h, config.newton);
+        let memory = config.memory.max(1);
+        Self { model, integrator, angle, memory, samples: [0; N], first: [None; N], state: None }
+    }
+
+    /// The discrete state, once every coordinate was measured.
+    pub fn state(&self) -> Option<&State<f32, N>> {
+        self.state.as_ref()
+    }
+
+    /// Steps the model by one tick under the force that acted. On error the estimate is what it was.
+    pub fn predict(&mut self, u: &[f32; N]) -> Result<Option<Report<f32>>, StepError<f32>> {
+        let Some(state) = &mut self.state else { return Ok(None) };
+        self.integrator.step(self.model, state, u).map(Some)
+    }
+
+    /// Takes the samples of a tick, `None` where one is missing. On error the estimate is what it was.
+    pub fn correct(&mut self, measured: &[Option<f32>; N]) -> Result<(), StepError<f32>> {
+        match self.state {
+            None => self.begin(measured)?,
+            Some(state) => self.update(&state, measured)?,
+        }
+        for (n, sample) in self.samples.iter_mut().zip(measured) {
+            *n = if sample.is_some() { (*n + 1).min(self.memory) } else { n.saturating_sub(1) };
+        }
+        Ok(())
+    }
+
+    /// The estimate after further ticks under forces already decided.
+    pub fn ahead<'u>(
+        &self,
+        forces: impl Iterator<Item = &'u [f32; N]>,
+    ) -> Result<Option<ContinuousState<f32, N>>, StepError<f32>> {
+        let Some(mut state) = self.state else { return Ok(None) };
+        for u in forces {
+            self.integrator.step(self.model, &mut state, u)?;
+        }
+        self.continuous(&state).map(Some)
+    }
+
+    /// Position and velocity of a discrete state.
+    fn continuous(&self, state: &State<f32, N>) -> Result<ContinuousState<f32, N>, StepError<f32>> {
+        let q = state.q();
+        Ok(ContinuousState { q, v: self.model.velocity(&q, &state.p())? })
+    }
+
+    /// Starts at rest where every coordinate was first seen.
+    fn begin(&mut self, measured: &[Option<f32>; N]) -> Result<(), StepError<f32>> {
+        for (first, sample) in self.first.iter_mut().zip(measured) {
+            *first = sample.or(*first);
+        }
+        if self.first.iter().all(Option::is_some) {
+            let q = self.first.map(Option::unwrap_or_default);
+            self.state = Some(self.model.state(q, [0.0; N])?);
+        }
+        Ok(())
+    }
+
+    fn update(&mut self, state: &State<f32, N>, measured: &[Option<f32>; N]) -> Result<(), StepError<f32>> {
+        if measured.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let ContinuousState { mut q, mut v } = self.continuous(state)?;
+        for i in 0..N {
+            if let Some(y) = measured[i] {
+                let (alpha, beta) = gains(self.samples[i]);
+                let innovation = if self.angle[i] { wrap(y - q[i]) } else { y - q[i] };
+                q[i] += alpha * innovation;
+                v[i] += beta * innovation / self.integrator.h();
+            }
+        }
+        self.state = Some(self.model.state(q, v)?);
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! The true mechanism.
+
+use crate::Mechanism;
+use leastaction_core::continuous::ContinuousState;
+use leastaction_core::discrete::StepError;
+use leastaction_core::scalar::all_finite;
+
+/// A mechanism in motion, integrated by Runge–Kutta steps much finer than a tick.
+#[derive(Clone, Debug)]
+pub struct Plant<'a, M, const N: usize> {
+    mechanism: &'a M,
+    state: ContinuousState<f32, N>,
+    substeps: u16,
+}
+
+impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
+    /// A mechanism at (q, v), with so many integration steps (at least 1) to each call of [`Plant::advance`].
+    pub fn new(mechanism: &'a M, state: ContinuousState<f32, N>, substeps: u16) -> Self {
+        Self { mechanism, state, substeps: substeps.max(1) }
+    }
+
+    /// Where it is, and how fast it moves.
+    pub fn state(&self) -> &ContinuousState<f32, N> {
+        &self.state
+    }
+
+    /// Moves on for a time (s) under a held force; on error it stays at the last finite state.
+    pub fn advance(&mut self, duration: f32, u: &[f32; N]) -> Result<(), StepError<f32>> {
+        if duration <= 0.0 {
+            return Ok(());
+        }
+        let h = duration / f32::from(self.substeps);
+        for _ in 0..self.substeps {
+            let next = self.mechanism.rk4_step(&self.state, u, h)?;
+            if !all_finite(&next.q) || !all_finite(&next.v) {
+                return Err(StepError::NotFinite);
+            }
+            self.state = next;
+        }
+        Ok(())
+    }
+}

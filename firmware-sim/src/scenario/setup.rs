@@ -1,0 +1,90 @@
+use crate::devices::{Device, Devices, EncoderConfig, Stream};
+use crate::error::{SetupError, require};
+use crate::observer::ObserverConfig;
+use crate::summary::Goal;
+use leastaction_core::continuous::ContinuousState;
+
+/// Longest run, ticks: beyond it f32 no longer tells every tick's time from the next.
+const MAX_TICKS: f32 = 16_777_216.0;
+
+/// Where a run begins: each component uniform in centre ± spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<const N: usize> {
+    /// Centre of the position, rad or m.
+    pub q: [f32; N],
+    /// Spread of the position, rad or m.
+    pub q_spread: [f32; N],
+    /// Spread of the velocity about rest, rad/s or m/s.
+    pub v_spread: [f32; N],
+}
+
+impl<const N: usize> Start<N> {
+    /// At rest at a position.
+    pub const fn at_rest(q: [f32; N]) -> Self {
+        Self { q, q_spread: [0.0; N], v_spread: [0.0; N] }
+    }
+
+    /// The state that a seed begins with.
+    pub fn draw(&self, seed: u64) -> ContinuousState<f32, N> {
+        let mut stream = Stream::new(seed, Device::Start);
+        let q = core::array::from_fn(|i| self.q[i] + self.q_spread[i] * stream.symmetric());
+        ContinuousState { q, v: self.v_spread.map(|spread| spread * stream.symmetric()) }
+    }
+
+    fn validate(&self) -> Result<(), SetupError> {
+        for x in self.q.iter().chain(&self.q_spread).chain(&self.v_spread) {
+            require("start", *x, x.is_finite(), "finite")?;
+        }
+        Ok(())
+    }
+}
+
+/// What all scenarios share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup<const N: usize> {
+    /// Of all random numbers.
+    pub seed: u64,
+    /// The tick h > 0, s.
+    pub tick: f32,
+    /// Length of the run, s; at least one tick.
+    pub seconds: f32,
+    /// Integration steps of the plant in a tick, at least 1.
+    pub substeps: u16,
+    /// The initial state.
+    pub start: Start<N>,
+    /// Encoders, actuators and clock.
+    pub devices: Devices<N>,
+    /// How the firmware steps its model and estimates the state.
+    pub observer: ObserverConfig,
+    /// When the run counts as a success.
+    pub goal: Goal<N>,
+}
+
+impl<const N: usize> Setup<N> {
+    /// Ticks of the run.
+    pub fn ticks(&self) -> u32 {
+        libm::roundf(self.seconds / self.tick) as u32
+    }
+
+    /// The same run with ideal devices and a firmware that knows of no delay.
+    #[must_use]
+    pub fn perfect(self) -> Self {
+        let observer = ObserverConfig { delay: 0, ..self.observer };
+        Self { devices: self.devices.perfect(), observer, ..self }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
+        let ticks = self.seconds / self.tick;
+        let sensible = (1.0..=MAX_TICKS).contains(&ticks);
+        require("length of the run", self.seconds, sensible, "from 1 to 16,777,216 ticks, in s")?;
+        require("plant substeps", f32::from(self.substeps), self.substeps > 0, "at least 1")?;
+        self.start.validate()?;
+        self.devices.validate()?;
+        self.observer.validate()?;
+        self.goal.validate()
+    }
+}
+
+/// The encoders of a cart and a pole.
+pub(super) const CART_AND_POLE: [EncoderConfig; 2] = [EncoderConfig::linear(), EncoderConfig::rotary()];

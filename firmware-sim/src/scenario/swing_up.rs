@@ -1,0 +1,122 @@
+use super::run::run;
+use super::setup::CART_AND_POLE;
+use super::{Setup, Start};
+use crate::Mechanism;
+use crate::control::{CartPump, Catch, JointPump, PumpConfig, Regulator, SwingUp, Tolerance};
+use crate::devices::{Devices, EncoderConfig};
+use crate::error::SetupError;
+use crate::observer::ObserverConfig;
+use crate::summary::{Goal, Summary};
+use crate::tick::Tick;
+use core::f32::consts::PI;
+
+/// A swing-up: a pendulum by a joint too weak to lift it, or a pole by the cart that carries it. Upright is θ = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SwingUpConfig<const N: usize> {
+    /// Loop, devices, goal.
+    pub setup: Setup<N>,
+    /// How energy is pumped in.
+    pub pump: PumpConfig,
+    /// What the regulator weighs.
+    pub tolerance: Tolerance<N>,
+    /// When the regulator takes over.
+    pub catch: Catch,
+}
+
+/// Within 0.1 rad of upright over the last 2 s.
+const UPRIGHT: f32 = 0.1;
+const HOLD: f32 = 2.0;
+
+impl SwingUpConfig<1> {
+    /// The pendulum from about hanging, 10 s of 10 ms, with at most 2 N m (lifting [`PENDULUM`] takes 4.9 N m).
+    ///
+    /// [`PENDULUM`]: leastaction_core::energy::trigonometric::PENDULUM
+    pub fn pendulum() -> Self {
+        let setup = Setup {
+            seed: 0,
+            tick: 0.01,
+            seconds: 10.0,
+            substeps: 8,
+            start: Start { q: [PI], q_spread: [0.5], v_spread: [0.5] },
+            devices: Devices::new([EncoderConfig::rotary()], [2.0]),
+            observer: ObserverConfig::default(),
+            goal: Goal { tolerance: [UPRIGHT], hold: HOLD, bounds: [f32::INFINITY] },
+        };
+        Self {
+            setup,
+            pump: PumpConfig { effort: 2.0, energy_band: 0.1, rate_band: 0.3, centring: 0.0 },
+            tolerance: Tolerance { q: [0.1], v: [0.5], u: 1.0 },
+            catch: Catch { angle: 0.35, release: 0.7 },
+        }
+    }
+}
+
+impl SwingUpConfig<2> {
+    /// The cart-pole from about hanging, 10 s of 10 ms, with at most 10 N on the cart, on a track of ±2.4 m.
+    pub fn cartpole() -> Self {
+        let setup = Setup {
+            seed: 0,
+            tick: 0.01,
+            seconds: 10.0,
+            substeps: 8,
+            start: Start { q: [0.0, PI], q_spread: [0.2, 0.5], v_spread: [0.05, 0.5] },
+            devices: Devices::new(CART_AND_POLE, [10.0, 0.0]),
+            observer: ObserverConfig::default(),
+            goal: Goal { tolerance: [f32::INFINITY, UPRIGHT], hold: HOLD, bounds: [2.4, f32::INFINITY] },
+        };
+        Self {
+            setup,
+            pump: PumpConfig { effort: 5.0, energy_band: 0.1, rate_band: 0.3, centring: 1.5 },
+            tolerance: Tolerance { q: [0.3, 0.1], v: [0.6, 0.5], u: 3.0 },
+            catch: Catch { angle: 0.35, release: 0.7 },
+        }
+    }
+}
+
+impl<const N: usize> SwingUpConfig<N> {
+    fn validate(&self) -> Result<(), SetupError> {
+        self.setup.validate()?;
+        self.catch.validate()
+    }
+
+    /// The controller of a pump, with the force on coordinate 0 and the last coordinate swinging; D is 2N.
+    fn controller<M: Mechanism<N>, P, const D: usize>(&self, model: &M, pump: P) -> Result<SwingUp<P, N>, SetupError> {
+        let Setup { devices, tick, .. } = &self.setup;
+        Ok(SwingUp {
+            pump,
+            regulator: Regulator::design::<M, D>(model, [0.0; N], 0, &self.tolerance, *tick)?,
+            catch: self.catch,
+            swinging: N - 1,
+            angle: devices.angles(),
+            limit: devices.actuator.limit.first().copied().unwrap_or(0.0),
+            holding: false,
+        })
+    }
+}
+
+/// Swings a pendulum up by its joint and holds it, by energies and derivatives of the model alone. q = θ, upright at 0.
+pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
+    plant: &P,
+    model: &M,
+    config: &SwingUpConfig<1>,
+    sink: impl FnMut(&Tick<1>),
+) -> Result<Summary<1>, SetupError> {
+    config.validate()?;
+    let pump = JointPump::new(model, 0.0, config.pump)?;
+    let controller = config.controller::<M, _, 2>(model, pump)?;
+    Ok(run(plant, model, controller, &config.setup, sink))
+}
+
+/// Swings a pole up by the cart that carries it and holds it, by energies and derivatives of the model alone.
+/// q = (x, θ), upright at 0.
+pub fn swing_up_cartpole<P: Mechanism<2>, M: Mechanism<2>>(
+    plant: &P,
+    model: &M,
+    config: &SwingUpConfig<2>,
+    sink: impl FnMut(&Tick<2>),
+) -> Result<Summary<2>, SetupError> {
+    config.validate()?;
+    let pump = CartPump::new(model, 0.0, config.pump)?;
+    let controller = config.controller::<M, _, 4>(model, pump)?;
+    Ok(run(plant, model, controller, &config.setup, sink))
+}

@@ -1,0 +1,88 @@
+use super::run::run;
+use super::setup::CART_AND_POLE;
+use super::{Setup, Start};
+use crate::Mechanism;
+use crate::control::{Gains, Reference, Track};
+use crate::devices::{Devices, EncoderConfig};
+use crate::error::{SetupError, require};
+use crate::observer::ObserverConfig;
+use crate::summary::{Goal, Summary};
+use crate::tick::Tick;
+use core::f32::consts::PI;
+
+/// A fully actuated mechanism following a reference from its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackConfig<const N: usize> {
+    /// Loop, devices, goal; the limits of the actuators must suffice for the motion.
+    pub setup: Setup<N>,
+    /// The motion.
+    pub reference: Reference<N>,
+    /// The feedback.
+    pub gains: Gains,
+}
+
+impl<const N: usize> TrackConfig<N> {
+    /// A motion from rest, 10 s of 10 ms, errors within 0.05 rad or m throughout.
+    fn new(encoders: [EncoderConfig; N], limit: [f32; N], reference: Reference<N>) -> Self {
+        let setup = Setup {
+            seed: 0,
+            tick: 0.01,
+            seconds: 10.0,
+            substeps: 8,
+            start: Start::at_rest(reference.from),
+            devices: Devices::new(encoders, limit),
+            observer: ObserverConfig::default(),
+            goal: Goal { tolerance: [0.05; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
+        };
+        Self { setup, reference, gains: Gains { frequency: 8.0, damping: 1.0 } }
+    }
+
+    fn validate(&self) -> Result<(), SetupError> {
+        self.setup.validate()?;
+        self.reference.validate()?;
+        let Gains { frequency, damping } = self.gains;
+        require("tracking frequency", frequency, frequency.is_finite() && frequency >= 0.0, "finite and not negative")?;
+        require("tracking damping", damping, damping.is_finite() && damping >= 0.0, "finite and not negative")
+    }
+}
+
+impl TrackConfig<1> {
+    /// The pendulum from hanging to upright and back every 4 s, at most 10 N m.
+    pub fn pendulum() -> Self {
+        let reference = Reference { from: [PI], to: [0.0], frequency: [0.25] };
+        Self::new([EncoderConfig::rotary()], [10.0], reference)
+    }
+}
+
+impl TrackConfig<2> {
+    /// The cart-pole, cart and pole both actuated: the cart 1 m to and fro, the pole from hanging to upright and back.
+    pub fn cartpole() -> Self {
+        let reference = Reference { from: [-0.5, PI], to: [0.5, 0.0], frequency: [0.4, 0.25] };
+        Self::new(CART_AND_POLE, [15.0, 2.0], reference)
+    }
+
+    /// The acrobot, both joints actuated, from hanging at most 40 N m.
+    pub fn acrobot() -> Self {
+        let reference = Reference { from: [0.0, 0.0], to: [2.0, -1.5], frequency: [0.25, 0.4] };
+        Self::new([EncoderConfig::rotary(); 2], [40.0, 40.0], reference)
+    }
+}
+
+/// Follows a reference by the model's inverse dynamics and PD feedback.
+pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
+    plant: &P,
+    model: &M,
+    config: &TrackConfig<N>,
+    sink: impl FnMut(&Tick<N>),
+) -> Result<Summary<N>, SetupError> {
+    config.validate()?;
+    let Setup { devices, tick, observer, .. } = &config.setup;
+    let controller = Track {
+        reference: config.reference,
+        gains: config.gains,
+        angle: devices.angles(),
+        delay: f32::from(observer.delay) * tick,
+        middle: 0.5 * tick,
+    };
+    Ok(run(plant, model, controller, &config.setup, sink))
+}

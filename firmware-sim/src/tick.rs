@@ -1,0 +1,106 @@
+use crc::{CRC_64_XZ, Crc, Digest, NoTable};
+use leastaction_core::discrete::Report;
+
+/// What the firmware was doing in a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Mode {
+    /// Waiting for the first reading of every encoder; no force.
+    Wait,
+    /// Stepping the model without feedback.
+    Open,
+    /// Following a reference.
+    Track,
+    /// Pumping energy.
+    Swing,
+    /// Holding the upright position.
+    Hold,
+    /// The model could not be stepped or asked for a force that is not finite; no force.
+    Safe,
+}
+
+/// Everything that happened in one tick. Angles are not wrapped, except as measured and in `error`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick<const N: usize> {
+    /// Ticks before this one.
+    pub index: u32,
+    /// When it was due, s.
+    pub time: f32,
+    /// True position when it was due, rad or m.
+    pub q: [f32; N],
+    /// True velocity when it was due, rad/s or m/s.
+    pub v: [f32; N],
+    /// Encoder readings, rad or m; `None` where dropped or where the tick was missed.
+    pub measured: [Option<f32>; N],
+    /// Estimated position; the last one where the tick was missed.
+    pub q_estimate: [f32; N],
+    /// Estimated velocity; the last one where the tick was missed.
+    pub v_estimate: [f32; N],
+    /// Where the mechanism should be.
+    pub reference: [f32; N],
+    /// q − reference, angles in [−π, π]. (In `predict` the reference is the model's position.)
+    pub error: [f32; N],
+    /// Force that the firmware asked for in this tick, within the limits, N or N m.
+    pub commanded: [f32; N],
+    /// Force that acts from this tick on, N or N m.
+    pub applied: [f32; N],
+    /// Newton's iterations and residual in the model's step; zero where none was taken.
+    pub newton: Report<f32>,
+    /// How late the tick came, s.
+    pub lateness: f32,
+    /// The firmware did not run.
+    pub missed: bool,
+    /// What the firmware was doing.
+    pub mode: Mode,
+}
+
+impl<const N: usize> Tick<N> {
+    /// Readings that did not arrive, of a tick that was not missed.
+    pub fn dropped(&self) -> usize {
+        if self.missed { 0 } else { self.measured.iter().filter(|sample| sample.is_none()).count() }
+    }
+}
+
+static CRC: Crc<u64, NoTable> = Crc::<u64, NoTable>::new(&CRC_64_XZ);
+
+/// Fingerprint of a trace: CRC-64/XZ over the little-endian bits of every tick, field by field as declared.
+#[derive(Clone)]
+pub struct TraceHash(Digest<'static, u64, NoTable>);
+
+impl Default for TraceHash {
+    fn default() -> Self {
+        Self(CRC.digest())
+    }
+}
+
+impl TraceHash {
+    /// Takes in one tick.
+    pub fn update<const N: usize>(&mut self, tick: &Tick<N>) {
+        self.0.update(&tick.index.to_le_bytes());
+        self.numbers(&[tick.time]);
+        self.numbers(&tick.q);
+        self.numbers(&tick.v);
+        for sample in tick.measured {
+            self.0.update(&[u8::from(sample.is_some())]);
+            self.numbers(&[sample.unwrap_or(0.0)]);
+        }
+        for numbers in [&tick.q_estimate, &tick.v_estimate, &tick.reference, &tick.error] {
+            self.numbers(numbers);
+        }
+        self.numbers(&tick.commanded);
+        self.numbers(&tick.applied);
+        self.numbers(&[tick.newton.residual, tick.lateness]);
+        self.0.update(&[tick.newton.iterations, tick.missed.into(), tick.mode as u8]);
+    }
+
+    /// The hash of what was taken in.
+    pub fn finish(self) -> u64 {
+        self.0.finalize()
+    }
+
+    fn numbers(&mut self, x: &[f32]) {
+        for x in x {
+            self.0.update(&x.to_le_bytes());
+        }
+    }
+}

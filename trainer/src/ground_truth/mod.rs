@@ -1,0 +1,94 @@
+//! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot.
+
+mod generate;
+mod integrate;
+
+pub use generate::{Settings, generate, symo_set};
+pub use integrate::{IntegrationError, Integrator};
+
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
+
+/// A mechanism by its name on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Mechanism {
+    /// A rod on a pivot, θ = 0 upright, torque u: θ̈ = 1.5 g sin θ + 3u.
+    Pendulum,
+    /// A pole on a cart, θ = 0 upright, force u on the cart.
+    Cartpole,
+    /// Two links hanging at 0, torque u at the second joint.
+    Acrobot,
+}
+
+/// One box of the distribution that initial states are drawn from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spread {
+    /// q ∈ ±.
+    pub q: f64,
+    /// v ∈ ±.
+    pub v: f64,
+}
+
+/// The exact Lagrangian, with its number of coordinates.
+#[derive(Clone, Copy, Debug)]
+pub enum Exact {
+    /// One coordinate.
+    One(Trigonometric<'static, 1>),
+    /// Two coordinates.
+    Two(Trigonometric<'static, 2>),
+}
+
+impl Mechanism {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pendulum => "pendulum",
+            Self::Cartpole => "cartpole",
+            Self::Acrobot => "acrobot",
+        }
+    }
+
+    /// The exact Lagrangian.
+    pub fn exact(self) -> Exact {
+        match self {
+            Self::Pendulum => Exact::One(PENDULUM),
+            Self::Cartpole => Exact::Two(CARTPOLE),
+            Self::Acrobot => Exact::Two(ACROBOT),
+        }
+    }
+
+    /// What each coordinate is.
+    pub fn coordinates(self) -> &'static [Coordinate] {
+        match self {
+            Self::Pendulum => &[Coordinate::Angle],
+            Self::Cartpole => &[Coordinate::Translation, Coordinate::Angle],
+            Self::Acrobot => &[Coordinate::Angle, Coordinate::Angle],
+        }
+    }
+
+    /// The coordinate that the control acts on.
+    pub fn actuated(self) -> usize {
+        match self {
+            Self::Pendulum | Self::Cartpole => 0,
+            Self::Acrobot => 1,
+        }
+    }
+
+    /// SyMo's step, s.
+    pub fn step(self) -> f64 {
+        match self {
+            Self::Pendulum => 0.1,
+            Self::Cartpole | Self::Acrobot => 0.05,
+        }
+    }
+
+    /// SyMo's distribution of initial states.
+    pub(crate) fn spread(self) -> &'static [Spread] {
+        use std::f64::consts::{PI, TAU};
+        match self {
+            Self::Pendulum => &[Spread { q: PI, v: TAU }],
+            Self::Cartpole => &[Spread { q: 0.5, v: 0.05 }, Spread { q: 3.14, v: 3.0 }],
+            Self::Acrobot => &[Spread { q: 3.14, v: 3.14 }, Spread { q: 3.14, v: 3.14 }],
+        }
+    }
+}

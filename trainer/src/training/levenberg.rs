@@ -1,0 +1,99 @@
+//! Levenberg–Marquardt: damped Gauss–Newton on the normal equations.
+//!
+//! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in
+//! Marquardt's method", 1999.
+
+use super::{NormalEquations, Objective};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use serde::{Deserialize, Serialize};
+
+/// The damping grows beyond any use: no direction lowers the loss in double precision.
+const MU_LIMIT: f64 = 1e12;
+/// Smallest damping, relative to the mean diagonal of JᵀJ.
+const MU_FLOOR: f64 = 1e-15;
+
+/// The state of an optimisation: enough to continue it bit for bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Levenberg {
+    /// The best weights so far.
+    pub weights: Vec<f64>,
+    /// Their loss.
+    pub loss: f64,
+    /// Damping μ, relative to the mean diagonal of JᵀJ.
+    mu: f64,
+    /// The factor by which the next refused step raises μ.
+    raise: f64,
+}
+
+/// How an iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// The loss fell.
+    Lower,
+    /// No step lowers it any more.
+    Converged,
+    /// The loss cannot be evaluated at the current weights.
+    Stuck,
+}
+
+impl Levenberg {
+    /// Starts at these weights.
+    pub fn new(objective: &dyn Objective, weights: Vec<f64>) -> Self {
+        let loss = objective.loss(&weights);
+        Self { weights, loss, mu: 1e-2, raise: 2.0 }
+    }
+
+    /// One iteration: normal equations once, then steps of growing damping until one lowers the loss.
+    pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
+        let Some(equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
+        let scale = mean_diagonal(&equations);
+        while self.mu < MU_LIMIT {
+            if self.try_step(objective, &equations, scale) {
+                return Progress::Lower;
+            }
+            self.mu *= self.raise;
+            self.raise *= 2.0;
+        }
+        Progress::Converged
+    }
+
+    fn try_step(&mut self, objective: &dyn Objective, equations: &NormalEquations, scale: f64) -> bool {
+        let Some(step) = damped_step(equations, self.mu * scale) else { return false };
+        let mut trial: Vec<f64> = self.weights.iter().zip(&step).map(|(w, s)| w + s).collect();
+        objective.project(&mut trial);
+        let loss = objective.loss(&trial);
+        if !(loss < self.loss) {
+            return false;
+        }
+        let gain = (self.loss - loss) / predicted_decrease(equations, &step, self.mu * scale);
+        self.mu = (self.mu * (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1)).max(MU_FLOOR);
+        self.raise = 2.0;
+        (self.weights, self.loss) = (trial, loss);
+        true
+    }
+}
+
+fn mean_diagonal(equations: &NormalEquations) -> f64 {
+    let p = equations.gradient.len();
+    (0..p).map(|i| equations.gram[(i, i)]).sum::<f64>() / p as f64
+}
+
+/// −(JᵀJ + μI)⁻¹Jᵀr; `None` where the matrix is not positive definite in double precision.
+fn damped_step(equations: &NormalEquations, mu: f64) -> Option<Vec<f64>> {
+    let p = equations.gradient.len();
+    let mut matrix = equations.gram.clone();
+    for i in 0..p {
+        matrix[(i, i)] += mu;
+    }
+    let factor = matrix.llt(Side::Lower).ok()?;
+    let right = Mat::from_fn(p, 1, |i, _| -equations.gradient[i]);
+    let step = factor.solve(&right);
+    Some(step.col_as_slice(0).to_vec())
+}
+
+/// How much the linear model says the mean square falls: ½δ·(μδ − Jᵀr)·2/rows.
+fn predicted_decrease(equations: &NormalEquations, step: &[f64], mu: f64) -> f64 {
+    let sum: f64 = step.iter().zip(&equations.gradient).map(|(s, g)| s * (mu * s - g)).sum();
+    sum / equations.rows as f64
+}

@@ -1,0 +1,270 @@
+//! The losses, sample by sample: a residual of n components, and each component's derivative in the weights as a short
+//! sum of derivatives of the Lagrangian.
+//!
+//! By the chain rule through an implicit step the derivative of every residual component in θ is
+//! Σ ∂/∂θ [F(q, v)·δq + L_v(q, v)·δv] over the Gauss points of the intervals involved, with F = L_q + Q; the implicit
+//! function theorem only chooses the δq and δv. One kernel in core does the rest.
+
+use leastaction_core::continuous::acceleration;
+use leastaction_core::discrete::{Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation};
+use leastaction_core::forces::System;
+use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::forces::Forces;
+use leastaction_core::linear::{Singular, add_scaled, multiply, solve_many, transpose};
+use serde::{Deserialize, Serialize};
+
+/// What is minimised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum LossKind {
+    /// The residual of the three-point DEL equation at logged positions (SyMo), in units of momentum.
+    DelResidual,
+    /// The next position that the implicit step gives (E2E-SyMo), by the implicit function theorem.
+    NextPosition,
+    /// The acceleration at logged positions and velocities.
+    Acceleration,
+}
+
+/// One term of a residual's derivative in the weights.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term<const N: usize> {
+    /// Where.
+    pub q: [f64; N],
+    /// Where.
+    pub v: [f64; N],
+    /// Weight of F = L_q + Q.
+    pub dq: [f64; N],
+    /// Weight of L_v; for [`Rate`](TermKind::Rate) the acceleration.
+    pub dv: [f64; N],
+}
+
+/// Which derivative a term stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TermKind {
+    /// ∂/∂θ [F·dq + L_v·dv].
+    Along,
+    /// −∂/∂θ [dq·(L_vq v + L_vv dv)].
+    Rate,
+}
+
+/// The residual of one sample could not be computed at these weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Failed;
+
+impl From<StepError<f64>> for Failed {
+    fn from(_: StepError<f64>) -> Self {
+        Self
+    }
+}
+
+impl From<Singular> for Failed {
+    fn from(_: Singular) -> Self {
+        Self
+    }
+}
+
+/// A loss over one kind of sample. States and controls are those of [`Samples`](super::Samples).
+pub(super) trait Loss<const N: usize>: Sync {
+    /// The kinds of the terms that each component has, in order.
+    fn kinds(&self) -> &'static [TermKind];
+    /// The residual.
+    fn residual<L, F>(
+        &self,
+        system: &System<L, F>,
+        states: &[[f64; N]; 3],
+        controls: &[[f64; N]; 3],
+    ) -> Result<[f64; N], Failed>
+    where
+        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+        F: Forces<f64, N>;
+    /// The residual, and for every component its terms: `terms[component * kinds + k]`.
+    fn linearise<L, F>(
+        &self,
+        system: &System<L, F>,
+        states: &[[f64; N]; 3],
+        controls: &[[f64; N]; 3],
+        terms: &mut Vec<Term<N>>,
+    ) -> Result<[f64; N], Failed>
+    where
+        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+        F: Forces<f64, N>;
+}
+
+/// v̇(q, v, u) − a.
+pub(super) struct AccelerationLoss;
+
+impl<const N: usize> Loss<N> for AccelerationLoss {
+    fn kinds(&self) -> &'static [TermKind] {
+        &[TermKind::Along, TermKind::Rate]
+    }
+
+    fn residual<L, F>(
+        &self,
+        system: &System<L, F>,
+        [q, v, a]: &[[f64; N]; 3],
+        [u, ..]: &[[f64; N]; 3],
+    ) -> Result<[f64; N], Failed>
+    where
+        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+        F: Forces<f64, N>,
+    {
+        Ok(add_scaled(&acceleration(system, q, v, u)?, -1.0, a))
+    }
+
+    /// ∂v̇ = M⁻¹ ∂(L_q + Q − d/dt L_v) with v̇ held on the right.
+    fn linearise<L, F>(
+        &self,
+        system: &System<L, F>,
+        [q, v, a]: &[[f64; N]; 3],
+        [u, ..]: &[[f64; N]; 3],
+        terms: &mut Vec<Term<N>>,
+    ) -> Result<[f64; N], Failed>
+    where
+        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+        F: Forces<f64, N>,
+    {
+        let predicted = acceleration(system, q, v, u)?;
+        let mass = system.lagrangian.dynamics(q, v).mass.0;
+        let rows = solve_many(transpose(&mass), identity())?;
+        for y in rows {
+            terms.push(Term { q: *q, v: *v, dq: y, dv: [0.0; N] });
+            terms.push(Term { q: *q, v: *v, dq: y, dv: predicted });
+        }
+        Ok(add_scaled(&predicted, -1.0, a))
+    }
+}
+
+/// A loss of three consecutive positions under the discrete dynamics of path P.
+pub(super) struct DelLoss<P> {
+    /// The integrator.
+    pub del: Del<f64, P>,
+    /// Newton's bounds in training.
+    pub newton: Newton<f64>,
+    /// Whether the residual is that of the next position; else that of the DEL equation.
+    pub next_position: bool,
+}
+
+/// The two intervals of a triple, solved as far as the loss wants, and the residual.
+struct Pair<P, const N: usize> {
+    before: Solved<f64, P, N>,
+    after: Solved<f64, P, N>,
+    residual: [f64; N],
+}
+
+impl<P: Path + Sync> DelLoss<P> {
+    fn solve<L, F, const N: usize>(
+        &self,
+        system: &System<L, F>,
+        [q0, q1, q2]: &[[f64; N]; 3],
+        [u0, u1, u2]: &[[f64; N]; 3],
+    ) -> Result<Pair<P, N>, Failed>
+    where
+        L: Lagrangian<f64, N>,
+        F: Forces<f64, N>,
+    {
+        let h = self.del.h();
+        let increment = |a: &[f64; N], b: &[f64; N]| std::array::from_fn(|i| (b[i] - a[i]) / h);
+        let (w0, w1): ([f64; N], [f64; N]) = (increment(q0, q1), increment(q1, q2));
+        let before = Interval::new(*q0, w0, h, Control { start: *u0, end: *u1 });
+        let before = self.newton.solve_bubble(system, before)?;
+        let p = before.balance.end_momentum();
+        let after = Interval::new(*q1, w1, h, Control { start: *u1, end: *u2 });
+        if self.next_position {
+            let after = self.newton.solve_step(system, after, &p)?;
+            let w = after.interval.increment();
+            return Ok(Pair { before, after, residual: std::array::from_fn(|i| h * (w[i] - w1[i])) });
+        }
+        let after = self.newton.solve_bubble(system, after)?;
+        Ok(Pair { before, after, residual: add_scaled(&p, 1.0, &after.balance.d1_ld) })
+    }
+}
+
+impl<P: Path + Sync, const N: usize> Loss<N> for DelLoss<P> {
+    fn kinds(&self) -> &'static [TermKind] {
+        if P::BUBBLE { &[TermKind::Along; 4] } else { &[TermKind::Along; 2] }
+    }
+
+    fn residual<L, F>(
+        &self,
+        system: &System<L, F>,
+        states: &[[f64; N]; 3],
+        controls: &[[f64; N]; 3],
+    ) -> Result<[f64; N], Failed>
+    where
+        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+        F: Forces<f64, N>,
+    {
+        Ok(self.solve(system, states, controls)?.residual)
+    }
+
+    /// With G = p₁ + d1_ld the DEL residual, dG = ∂G + G_s₀ ds₀ + G_s₁ ds₁ and the bubbles follow their own equations; the
+    /// next position follows from 0 = dG + K dw.
+    fn linearise<L, F>(
+        &self,
+        system: &System<L, F>,
+        states: &[[f64; N]; 3],
+        controls: &[[f64; N]; 3],
+        terms: &mut Vec<Term<N>>,
+    ) -> Result<[f64; N], Failed>
+    where
+        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+        F: Forces<f64, N>,
+    {
+        let pair = self.solve(system, states, controls)?;
+        let (before, after) = (&pair.before.interval, &pair.after.interval);
+        let ahead = after.linearise(system);
+        let rows = if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { identity() };
+        let (mut slaved_before, mut slaved_after) = ([[0.0; N]; N], [[0.0; N]; N]);
+        if P::BUBBLE {
+            let momentum_s = before.end_momentum_s(system);
+            slaved_before = slaved(&momentum_s, &before.linearise(system).bubble_s)?;
+            slaved_after = slaved(&ahead.momentum_s, &ahead.bubble_s)?;
+        }
+        for y in &rows {
+            push_terms(before, y, &multiply(&slaved_before, y), Variation::end, self.del.h(), terms);
+            push_terms(after, y, &multiply(&slaved_after, y), Variation::start, self.del.h(), terms);
+        }
+        Ok(pair.residual)
+    }
+}
+
+/// Rows y of −h K⁻¹, K = ∂G/∂w with the bubble following.
+fn next_position_rows<P: Path, const N: usize>(ahead: &Linearised<f64, N>, h: f64) -> Result<[[f64; N]; N], Singular> {
+    let k = if P::BUBBLE { ahead.reduced()?.1 } else { ahead.momentum_w };
+    let rows = solve_many(transpose(&k), identity())?;
+    Ok(rows.map(|row| row.map(|x| -h * x)))
+}
+
+/// (A B⁻¹)ᵀ: applied to y it gives the weight of the bubble's equation.
+fn slaved<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> Result<[[f64; N]; N], Singular> {
+    // Rows of A B⁻¹ solve Bᵀx = (row of A).
+    Ok(transpose(&solve_many(transpose(b), *a)?))
+}
+
+/// The terms of one interval for the weight y of its end's (or start's) momentum and z of its bubble's equation.
+fn push_terms<P: Path, const N: usize>(
+    interval: &Interval<f64, P, N>,
+    y: &[f64; N],
+    z: &[f64; N],
+    end: fn(&leastaction_core::discrete::Node<f64>, f64) -> Variation<f64>,
+    h: f64,
+    terms: &mut Vec<Term<N>>,
+) {
+    for node in P::nodes().as_ref() {
+        let (q, v) = interval.point(node);
+        let (end, bubble) = (end(node, h), Variation::bubble(node, h));
+        let weigh = |end: f64, bubble: f64| -> [f64; N] {
+            std::array::from_fn(|i| node.weight * (end * y[i] - bubble * z[i]))
+        };
+        terms.push(Term {
+            q,
+            v,
+            dq: weigh(end.force, bubble.force),
+            dv: weigh(end.momentum, bubble.momentum),
+        });
+    }
+}
+
+fn identity<const N: usize>() -> [[f64; N]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
+}

@@ -1,0 +1,13 @@
+//! Learning the weights of a model from motion: the losses and the optimisers.
+
+mod levenberg;
+mod loss;
+mod normal;
+mod objective;
+mod samples;
+
+pub use levenberg::{Levenberg, Progress};
+pub use loss::LossKind;
+pub use normal::NormalEquations;
+pub use objective::{Objective, objective};
+pub use samples::{SampleError, Samples};

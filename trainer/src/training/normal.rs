@@ -1,0 +1,63 @@
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, Par};
+
+/// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (its lower triangle), Jᵀr and rᵀr.
+/// Memory is that of JᵀJ, whatever the number of samples.
+#[derive(Clone, Debug)]
+pub struct NormalEquations {
+    /// JᵀJ; only the lower triangle is meaningful.
+    pub gram: Mat<f64>,
+    /// Jᵀr.
+    pub gradient: Vec<f64>,
+    /// rᵀr.
+    pub squares: f64,
+    /// Residual components.
+    pub rows: usize,
+}
+
+impl NormalEquations {
+    /// Nothing yet, for p parameters.
+    pub fn zero(p: usize) -> Self {
+        Self { gram: Mat::zeros(p, p), gradient: vec![0.0; p], squares: 0.0, rows: 0 }
+    }
+
+    /// Adds the rows of a chunk. Sequential, and so the same on any number of threads.
+    pub fn add(&mut self, jacobian: &Mat<f64>, residual: &[f64]) {
+        matmul(
+            self.gram.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            jacobian.transpose(),
+            BlockStructure::Rectangular,
+            jacobian.as_ref(),
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
+        self.add_gradient(jacobian, residual);
+    }
+
+    /// Adds the rows of a chunk to the gradient and the sum of squares alone.
+    pub fn add_gradient(&mut self, jacobian: &Mat<f64>, residual: &[f64]) {
+        for (j, g) in self.gradient.iter_mut().enumerate() {
+            *g += jacobian.col_as_slice(j).iter().zip(residual).map(|(a, b)| a * b).sum::<f64>();
+        }
+        self.squares += residual.iter().map(|r| r * r).sum::<f64>();
+        self.rows += residual.len();
+    }
+
+    /// Adds another part.
+    pub fn merge(&mut self, other: &Self) {
+        self.gram += &other.gram;
+        for (a, b) in self.gradient.iter_mut().zip(&other.gradient) {
+            *a += b;
+        }
+        self.squares += other.squares;
+        self.rows += other.rows;
+    }
+
+    /// Mean square of a residual component: the loss.
+    pub fn mean_square(&self) -> f64 {
+        self.squares / self.rows as f64
+    }
+}

@@ -1,0 +1,274 @@
+//! A loss over all samples, as the optimisers see it: sums over fixed parts, each computed in order on one thread, added
+//! in order. Results do not depend on the number of threads.
+
+use super::loss::{AccelerationLoss, DelLoss, Failed, Loss, Term, TermKind};
+use super::{LossKind, NormalEquations, Samples};
+use crate::architecture::{Architecture, HostSystem, Visitor};
+use faer::Mat;
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
+use leastaction_core::model::ModelError;
+use leastaction_core::scalar::{LANES, Lanes};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Samples whose rows are multiplied at once.
+const CHUNK: usize = 256;
+/// Parts whose sums are computed apart: as many threads as this can help.
+const PARTS: usize = 8;
+
+/// A sum of squares to minimise over the weights.
+pub trait Objective: Sync {
+    /// Numbers in the weight block.
+    fn parameters(&self) -> usize;
+    /// Samples.
+    fn samples(&self) -> usize;
+    /// Mean squared residual component; infinite where a sample cannot be evaluated at these weights.
+    fn loss(&self, weights: &[f64]) -> f64;
+    /// The normal equations at these weights; `None` where a sample cannot be evaluated.
+    fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations>;
+    /// Jᵀr and rᵀr alone, over some samples; `None` where one cannot be evaluated.
+    fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations>;
+    /// Brings weights that have a range (damping ≥ 0) back into it.
+    fn project(&self, weights: &mut [f64]);
+}
+
+/// The objective of a loss over samples for a model of this shape; `order` (2 or 4) matters to the discrete losses.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn objective(
+    architecture: &Architecture,
+    samples: Samples,
+    kind: LossKind,
+    order: u8,
+) -> Result<Box<dyn Objective>, ModelError> {
+    architecture.parameters()?;
+    architecture.dispatch(Build { architecture: architecture.clone(), samples, kind, order })
+}
+
+struct Build {
+    architecture: Architecture,
+    samples: Samples,
+    kind: LossKind,
+    order: u8,
+}
+
+impl Visitor for Build {
+    type Output = Box<dyn Objective>;
+
+    fn visit<const N: usize, const H: usize>(self) -> Self::Output {
+        match (self.kind, self.order) {
+            (LossKind::Acceleration, _) => self.boxed::<_, N, H>(AccelerationLoss),
+            (kind, 4) => {
+                let loss = del_loss::<Galerkin>(self.samples.h, kind);
+                self.boxed::<_, N, H>(loss)
+            }
+            (kind, _) => {
+                let loss = del_loss::<Midpoint>(self.samples.h, kind);
+                self.boxed::<_, N, H>(loss)
+            }
+        }
+    }
+}
+
+impl Build {
+    fn boxed<T: Loss<N> + 'static, const N: usize, const H: usize>(self, loss: T) -> Box<dyn Objective> {
+        Box::new(Sum::<T, N, H> { architecture: self.architecture, samples: self.samples, loss })
+    }
+}
+
+fn del_loss<P: Path>(h: f64, kind: LossKind) -> DelLoss<P> {
+    let newton = Newton { max_iterations: 12, stop: 1e-14, accept: 1e-9 };
+    DelLoss { del: Del::with_newton(h, newton), newton, next_position: kind == LossKind::NextPosition }
+}
+
+struct Sum<T, const N: usize, const H: usize> {
+    architecture: Architecture,
+    samples: Samples,
+    loss: T,
+}
+
+impl<T: Loss<N>, const N: usize, const H: usize> Sum<T, N, H> {
+    /// The chunks of each part.
+    fn parts(&self, samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
+        let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(LANES)).max(LANES);
+        let chunks: Vec<_> = samples
+            .clone()
+            .step_by(chunk)
+            .map(|start| start..samples.end.min(start + chunk))
+            .collect();
+        let per_part = chunks.len().div_ceil(PARTS).max(1);
+        chunks.chunks(per_part).map(<[_]>::to_vec).collect()
+    }
+
+    /// Sums over parts: each on one thread, merged in order.
+    fn sum(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        add: impl Fn(&mut NormalEquations, &Mat<f64>, &[f64]) + Sync,
+        zero: impl Fn() -> NormalEquations + Sync,
+    ) -> Option<NormalEquations> {
+        let parts = self.parts(samples);
+        let sums: Vec<Option<NormalEquations>> = parts
+            .par_iter()
+            .map(|chunks| {
+                let mut sum = zero();
+                let mut chunk_rows = ChunkRows::new();
+                for chunk in chunks {
+                    self.linearise(weights, chunk.clone(), &mut chunk_rows).ok()?;
+                    add(&mut sum, &chunk_rows.jacobian, &chunk_rows.residual);
+                }
+                Some(sum)
+            })
+            .collect();
+        sums.into_iter().reduce(|total, part| {
+            let (mut total, part) = (total?, part?);
+            total.merge(&part);
+            Some(total)
+        })?
+    }
+
+    fn system<'w>(&self, weights: &'w [f64]) -> Result<HostSystem<'w, f64, N, H>, Failed> {
+        self.architecture.system::<f64, N, H>(weights).map_err(|_| Failed)
+    }
+
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let system = self.system(weights)?;
+        let mut sum = 0.0;
+        for k in samples {
+            let (states, controls) = self.samples.get(k);
+            let residual = self.loss.residual(&system, &states, &controls)?;
+            sum += residual.iter().map(|r| r * r).sum::<f64>();
+        }
+        Ok(sum)
+    }
+
+    /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let system = self.system(weights)?;
+        let count = samples.len();
+        let kinds = self.loss.kinds();
+        rows.reset(count * N, weights.len());
+        for start in (0..count).step_by(LANES) {
+            let mut lanes = [const { Vec::new() }; LANES];
+            for (lane, terms) in lanes.iter_mut().enumerate() {
+                let k = start + lane;
+                // The last group is filled up with its last sample; those lanes are not written.
+                let (states, controls) = self.samples.get(samples.start + k.min(count - 1));
+                let residual = self.loss.linearise(&system, &states, &controls, terms)?;
+                if k < count {
+                    for i in 0..N {
+                        rows.residual[i * count + k] = residual[i];
+                    }
+                }
+            }
+            for i in 0..N {
+                let terms = |k| lanes.each_ref().map(|terms: &Vec<Term<N>>| terms[i * kinds.len() + k]);
+                self.row(weights, kinds, terms, &mut rows.buffer)?;
+                rows.store(i * count + start, (count - start).min(LANES));
+            }
+        }
+        Ok(())
+    }
+
+    /// Derivatives in the weights of one residual component of eight samples.
+    fn row(
+        &self,
+        weights: &[f64],
+        kinds: &[TermKind],
+        terms: impl Fn(usize) -> [Term<N>; LANES],
+        row: &mut [Lanes],
+    ) -> Result<(), Failed> {
+        let system = self.architecture.system::<Lanes, N, H>(weights).map_err(|_| Failed)?;
+        let network = row.len() - if self.architecture.damped { N } else { 0 };
+        row.fill(Lanes([0.0; LANES]));
+        for (k, kind) in kinds.iter().enumerate() {
+            let terms = terms(k);
+            let lanes = |field: fn(&Term<N>) -> &[f64; N]| -> [Lanes; N] {
+                std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane])[i])))
+            };
+            let (q, v, dq, dv) = (lanes(|t| &t.q), lanes(|t| &t.v), lanes(|t| &t.dq), lanes(|t| &t.dv));
+            match kind {
+                TermKind::Along => {
+                    system.lagrangian.directional_gradient((&q, &v), (&dq, &dv), |i, g| row[i] += g);
+                    for (i, row) in row[network..].iter_mut().enumerate() {
+                        *row -= dq[i] * v[i];
+                    }
+                }
+                TermKind::Rate => {
+                    system.lagrangian.momentum_rate_gradient((&q, &v), &dv, &dq, |i, g| row[i] -= g);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Room for the rows of one chunk.
+struct ChunkRows {
+    residual: Vec<f64>,
+    jacobian: Mat<f64>,
+    buffer: Vec<Lanes>,
+}
+
+impl ChunkRows {
+    fn new() -> Self {
+        Self { residual: Vec::new(), jacobian: Mat::new(), buffer: Vec::new() }
+    }
+
+    fn reset(&mut self, rows: usize, parameters: usize) {
+        self.residual.clear();
+        self.residual.resize(rows, 0.0);
+        self.buffer.resize(parameters, Lanes([0.0; LANES]));
+        if self.jacobian.shape() != (rows, parameters) {
+            self.jacobian = Mat::zeros(rows, parameters);
+        }
+    }
+
+    /// Copies the first `count` lanes of the buffer to rows from `row` on.
+    fn store(&mut self, row: usize, count: usize) {
+        for (j, lanes) in self.buffer.iter().enumerate() {
+            self.jacobian.col_as_slice_mut(j)[row..row + count].copy_from_slice(&lanes.0[..count]);
+        }
+    }
+}
+
+impl<T: Loss<N>, const N: usize, const H: usize> Objective for Sum<T, N, H> {
+    fn parameters(&self) -> usize {
+        self.architecture.parameters().unwrap_or(0)
+    }
+
+    fn samples(&self) -> usize {
+        self.samples.len()
+    }
+
+    fn loss(&self, weights: &[f64]) -> f64 {
+        let parts = self.parts(0..self.samples.len());
+        let sums: Vec<Result<f64, Failed>> = parts
+            .par_iter()
+            .map(|chunks| chunks.iter().map(|chunk| self.squares(weights, chunk.clone())).sum())
+            .collect();
+        match sums.into_iter().sum::<Result<f64, Failed>>() {
+            Ok(sum) if sum.is_finite() => sum / (self.samples.len() * N) as f64,
+            _ => f64::INFINITY,
+        }
+    }
+
+    fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
+        let p = weights.len();
+        self.sum(weights, 0..self.samples.len(), NormalEquations::add, || NormalEquations::zero(p))
+    }
+
+    fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations> {
+        let p = weights.len();
+        let zero = || NormalEquations { gram: Mat::new(), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
+        self.sum(weights, samples, NormalEquations::add_gradient, zero)
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        for c in self.architecture.damping(weights) {
+            *c = c.max(0.0);
+        }
+    }
+}

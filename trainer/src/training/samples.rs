@@ -1,0 +1,89 @@
+use crate::data::{Dataset, Rows, Trajectory};
+use thiserror::Error;
+
+/// What a loss needs is not in the data.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SampleError {
+    /// A quantity is missing.
+    #[error("this loss needs {0}, which the data does not have")]
+    Missing(&'static str),
+}
+
+/// Three consecutive positions with the controls at them, or one state with its acceleration: what a loss is a mean over.
+///
+/// All numbers are [samples][n], flat.
+#[derive(Clone, Debug, Default)]
+pub struct Samples {
+    /// Coordinates.
+    pub n: usize,
+    /// Step, s.
+    pub h: f64,
+    /// Positions: (q₋, q, q₊) for the discrete losses; (q, v, v̇) for the acceleration loss.
+    pub states: [Vec<f64>; 3],
+    /// Controls at the same times; for the acceleration loss the first is u.
+    pub controls: [Vec<f64>; 3],
+}
+
+impl Samples {
+    /// Every three consecutive positions of every trajectory. Velocities are never read.
+    pub fn triples(data: &Dataset) -> Self {
+        let mut samples = Self { n: data.n, h: data.h, ..Self::default() };
+        for trajectory in &data.trajectories {
+            let count = trajectory.samples().saturating_sub(2);
+            for k in 0..3 {
+                samples.states[k].extend(rows(&trajectory.q, k, count));
+                samples.controls[k].extend(control(trajectory, data.n, k, count));
+            }
+        }
+        samples
+    }
+
+    /// Every state with its acceleration.
+    ///
+    /// # Errors
+    /// Where velocities or accelerations are missing.
+    pub fn accelerations(data: &Dataset) -> Result<Self, SampleError> {
+        let mut samples = Self { n: data.n, h: data.h, ..Self::default() };
+        for trajectory in &data.trajectories {
+            let count = trajectory.samples();
+            let v = trajectory.v.as_ref().ok_or(SampleError::Missing("velocities (v)"))?;
+            let a = trajectory.a.as_ref().ok_or(SampleError::Missing("accelerations (a)"))?;
+            for (states, source) in samples.states.iter_mut().zip([&trajectory.q, v, a]) {
+                states.extend(rows(source, 0, count));
+            }
+            for controls in &mut samples.controls {
+                controls.extend(control(trajectory, data.n, 0, count));
+            }
+        }
+        Ok(samples)
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.states[0].len() / self.n.max(1)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Sample `k` as arrays: states, controls.
+    pub(super) fn get<const N: usize>(&self, k: usize) -> ([[f64; N]; 3], [[f64; N]; 3]) {
+        let row = |x: &Vec<f64>| std::array::from_fn(|i| x[k * N + i]);
+        (std::array::from_fn(|j| row(&self.states[j])), std::array::from_fn(|j| row(&self.controls[j])))
+    }
+}
+
+/// `count` samples from `start` on.
+fn rows(source: &Rows, start: usize, count: usize) -> impl Iterator<Item = f64> {
+    source.iter().skip(start).take(count).flatten().copied()
+}
+
+/// The controls, zero where the log has none.
+fn control(trajectory: &Trajectory, n: usize, start: usize, count: usize) -> Vec<f64> {
+    match &trajectory.u {
+        Some(u) => rows(u, start, count).collect(),
+        None => vec![0.0; n * count],
+    }
+}
