@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 pub trait Forces<S: Scalar, const N: usize> {
     /// Q(q, v), N or N m, with the sign of a force: damping opposes v.
     fn force(&self, q: &[S; N], v: &[S; N]) -> [S; N];
-    /// (∂Q/∂q, ∂Q/∂v), entry [i][j] = ∂Q_i/∂x_j.
+    /// (∂Q/∂q, ∂Q/∂v), entry \[i\]\[j\] = ∂Q_i/∂x_j.
     fn derivatives(&self, q: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]);
 }
 

@@ -82,9 +82,19 @@ fn first_derivatives_are_the_finite_differences() {
         for i in 0..N {
             let along = dual::unit(i);
             let (forth, back) = (linear::add_scaled(q, STEP, &along), linear::add_scaled(q, -STEP, &along));
-            assert_close("l_q", found.l_q[i], (lagrangian(&forth, v) - lagrangian(&back, v)) / (2.0 * STEP), 1e-8);
+            assert_close(
+                "l_q",
+                found.l_q[i],
+                (lagrangian(&forth, v) - lagrangian(&back, v)) / (2.0 * STEP),
+                1e-8,
+            );
             let (forth, back) = (linear::add_scaled(v, STEP, &along), linear::add_scaled(v, -STEP, &along));
-            assert_close("l_v", found.l_v[i], (lagrangian(q, &forth) - lagrangian(q, &back)) / (2.0 * STEP), 1e-8);
+            assert_close(
+                "l_v",
+                found.l_v[i],
+                (lagrangian(q, &forth) - lagrangian(q, &back)) / (2.0 * STEP),
+                1e-8,
+            );
         }
     }
     everywhere!(check);
@@ -215,7 +225,13 @@ fn a_block_that_does_not_fit_is_refused() {
     let mut short = &model.weights[1..];
     assert!(leastaction_core::energy::rigid::Rigid::<f64, 2, 13, 3>::take(&mut short, &shape).is_none());
     let mut block = &model.weights[..];
-    assert!(leastaction_core::energy::rigid::Rigid::<f64, 2, 6, 3>::take(&mut block, &shape).is_none(), "too wide");
+    assert!(
+        leastaction_core::energy::rigid::Rigid::<f64, 2, 6, 3>::take(&mut block, &shape).is_none(),
+        "too wide"
+    );
     let mut block = &model.weights[..];
-    assert!(leastaction_core::energy::rigid::Rigid::<f64, 2, 13, 1>::take(&mut block, &shape).is_none(), "too deep");
+    assert!(
+        leastaction_core::energy::rigid::Rigid::<f64, 2, 13, 1>::take(&mut block, &shape).is_none(),
+        "too deep"
+    );
 }

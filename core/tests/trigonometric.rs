@@ -77,8 +77,18 @@ fn first_derivatives_are_the_finite_differences() {
         let along = common::dual::unit(i);
         let at = |c: f64| (linear::add_scaled(&q, c, &along), linear::add_scaled(&v, c, &along));
         let ((q_forth, v_forth), (q_back, v_back)) = (at(STEP), at(-STEP));
-        assert_close("l_q", found.l_q[i], (lagrangian(&q_forth, &v) - lagrangian(&q_back, &v)) / (2.0 * STEP), 1e-8);
-        assert_close("l_v", found.l_v[i], (lagrangian(&q, &v_forth) - lagrangian(&q, &v_back)) / (2.0 * STEP), 1e-8);
+        assert_close(
+            "l_q",
+            found.l_q[i],
+            (lagrangian(&q_forth, &v) - lagrangian(&q_back, &v)) / (2.0 * STEP),
+            1e-8,
+        );
+        assert_close(
+            "l_v",
+            found.l_v[i],
+            (lagrangian(&q, &v_forth) - lagrangian(&q, &v_back)) / (2.0 * STEP),
+            1e-8,
+        );
     }
 }
 
@@ -99,7 +109,12 @@ fn cartpole_is_symos() {
     for theta in [0.0, 0.5, -1.9, 3.0] {
         let q = [0.7, theta];
         let coupling = 0.05 * f64::cos(theta);
-        assert_matrices_close("H", &CARTPOLE.mass_matrix(&q), &[[1.1, coupling], [coupling, 0.1 / 3.0]], EXACT);
+        assert_matrices_close(
+            "H",
+            &CARTPOLE.mass_matrix(&q),
+            &[[1.1, coupling], [coupling, 0.1 / 3.0]],
+            EXACT,
+        );
         assert_close("V", CARTPOLE.energies(&q, &[0.0, 0.0]).potential, 0.4905 * theta.cos(), EXACT);
     }
 }
@@ -113,4 +128,14 @@ fn acrobot_is_symos() {
         let v = -(G / 2.0) * a.cos() - G * (a.cos() + (a + b).cos() / 2.0);
         assert_close("V", ACROBOT.energies(&q, &[0.0, 0.0]).potential, v, EXACT);
     }
+}
+
+#[test]
+fn terms_outside_the_matrix_are_left_out() {
+    let wave = Wave { amplitude: 2.0, wave: [1.0, 0.5] };
+    let inertia = [(0, 0, wave), (2, 0, wave), (1, 7, wave), (1, 1, wave)];
+    let system = Trigonometric { inertia: &inertia, potential: &[wave] };
+    let inside = Trigonometric { inertia: &[(0, 0, wave), (1, 1, wave)], potential: &[wave] };
+    let (q, v) = ([0.3, -0.8], [1.0, 2.0]);
+    assert_eq!(system.hessian(&q, &v), inside.hessian(&q, &v));
 }

@@ -54,6 +54,10 @@ pub fn energy<R: Real, L: Lagrangian<R, N>, const N: usize>(lagrangian: &L, q: &
 }
 
 /// The generalised momentum p = L_v.
-pub fn momentum<R: Real, L: Lagrangian<R, N>, const N: usize>(lagrangian: &L, q: &[R; N], v: &[R; N]) -> [R; N] {
+pub fn momentum<R: Real, L: Lagrangian<R, N>, const N: usize>(
+    lagrangian: &L,
+    q: &[R; N],
+    v: &[R; N],
+) -> [R; N] {
     lagrangian.gradient(q, v).l_v
 }

@@ -92,8 +92,8 @@ pub struct Linearised<R, const N: usize> {
     pub bubble_w: [[R; N]; N],
     /// ∂ dm_ld/∂s.
     pub bubble_s: [[R; N]; N],
-    /// Σ b (Σ_j |M_ij v_j| + h|F_i| + h Σ_j |∂F_i/∂q_j| max(1, |q_j|)): the size of the terms that rounding acts on, also
-    /// where they cancel (a momentum of zero, a force in equilibrium); it does not vanish with the equations.
+    /// Σ b Σ_j (|M_ij v_j| + |∂L_v,i/∂q_j| max(1, |q_j|)) + h Σ b (|F_i| + Σ_j |∂F_i/∂q_j| max(1, |q_j|)): the size of the
+    /// terms that rounding acts on, also where they cancel (a momentum of zero, a force in equilibrium).
     pub scale: [R; N],
 }
 
@@ -152,9 +152,9 @@ impl<R: Real, const N: usize> NodeDerivatives<R, N> {
     #[inline]
     fn size(&self, q: &[R; N], v: &[R; N], h: R) -> [R; N] {
         core::array::from_fn(|i| {
-            let momentum = sum(&self.l_vv[i], v, |m, v| (m * v).abs());
-            let stiffness = sum(&self.force_q[i], q, |k, q| k.abs() * q.abs().max(R::one()));
-            momentum + h * (self.force[i].abs() + stiffness)
+            let in_q = |row: &[R; N]| sum(row, q, |slope, q| slope.abs() * q.abs().max(R::one()));
+            let momentum = sum(&self.l_vv[i], v, |m, v| (m * v).abs()) + in_q(&self.l_vq[i]);
+            momentum + h * (self.force[i].abs() + in_q(&self.force_q[i]))
         })
     }
 }
@@ -272,8 +272,14 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     {
         let zero = [[R::zero(); N]; N];
         let balance = Balance::zero();
-        let mut sum =
-            Linearised { balance, momentum_w: zero, momentum_s: zero, bubble_w: zero, bubble_s: zero, scale: [R::zero(); N] };
+        let mut sum = Linearised {
+            balance,
+            momentum_w: zero,
+            momentum_s: zero,
+            bubble_w: zero,
+            bubble_s: zero,
+            scale: [R::zero(); N],
+        };
         for node in P::nodes().as_ref() {
             let (q, v) = self.point(node);
             let d = self.derivatives(system, node, &q, &v);

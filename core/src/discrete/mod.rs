@@ -68,9 +68,9 @@ impl<R: Real, P: Path> Del<R, P> {
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        let guess = Interval::<R, P, N>::new(state.q(), state.initial_guess(), self.h, *u);
-        let solved = self.newton.solve_carried(system, guess, state.momenta())?;
-        *state = state.advanced(self.h, &solved.interval.increment(), &solved.balance.impulse)?;
+        let guess = state.initial_guess::<P>(self.h, u);
+        let solved = self.newton.solve_target(system, guess, &state.target())?;
+        *state = state.advanced(self.h, &solved)?;
         Ok(solved.report)
     }
 

@@ -1,8 +1,9 @@
-use super::StepError;
+use super::newton::{Residual, Target};
+use super::{Control, Interval, Path, Solved, StepError};
 use crate::lagrangian::Lagrangian;
 use crate::scalar::{Compensated, Real, all_finite};
 
-/// Increments that the initial guess extrapolates from.
+/// Steps that the initial guess extrapolates from.
 const HISTORY: usize = 3;
 
 /// Where a discrete trajectory is: position and momentum, both summed with compensation, and the last increments.
@@ -10,9 +11,18 @@ const HISTORY: usize = 3;
 pub struct State<R, const N: usize> {
     q: [Compensated<R>; N],
     p: [Compensated<R>; N],
-    /// w of the last steps, newest first; the first `known` are real.
-    increments: [[R; N]; HISTORY],
+    /// Increment and bubble of the last steps, newest first; the first `known` are real.
+    history: [Shape<R, N>; HISTORY],
     known: u8,
+    /// What Newton's method left over of the last step's equations.
+    owed: Residual<R, N>,
+}
+
+/// w and s of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Shape<R, const N: usize> {
+    w: [R; N],
+    s: [R; N],
 }
 
 impl<R: Real, const N: usize> State<R, N> {
@@ -27,8 +37,9 @@ impl<R: Real, const N: usize> State<R, N> {
         let state = Self {
             q: q.map(Compensated::new),
             p: p.map(Compensated::new),
-            increments: [w, [R::zero(); N], [R::zero(); N]],
+            history: [Shape { w, s: [R::zero(); N] }; HISTORY],
             known: 1,
+            owed: Residual::zero(),
         };
         state.checked()
     }
@@ -43,42 +54,51 @@ impl<R: Real, const N: usize> State<R, N> {
         self.p.map(|p| p.value())
     }
 
-    /// p with what rounding took from it.
-    pub(super) fn momenta(&self) -> &[Compensated<R>; N] {
-        &self.p
+    /// What the next step starts from.
+    pub(super) fn target(&self) -> Target<R, N> {
+        let Residual { momentum, bubble } = self.owed;
+        let momentum = core::array::from_fn(|i| self.p[i].carry() + momentum[i]);
+        Target { p0: self.p(), owed: Residual { momentum, bubble } }
     }
 
     /// The last increment (q_k − q_{k−1})/h, or the guess the state was made with.
     pub fn last_increment(&self) -> [R; N] {
-        self.increments[0]
+        self.history[0].w
     }
 
-    /// The next increment, extrapolated by the polynomial through the last ones.
-    pub(super) fn initial_guess(&self) -> [R; N] {
-        let [a, b, c] = &self.increments;
-        let three = R::constant(3.0);
-        core::array::from_fn(|i| match self.known {
-            0 | 1 => a[i],
-            2 => a[i] + (a[i] - b[i]),
-            _ => three * (a[i] - b[i]) + c[i],
-        })
+    /// The next path, its increment and bubble extrapolated by the polynomials through the last ones.
+    pub(super) fn initial_guess<P: Path>(&self, h: R, u: &Control<R, N>) -> Interval<R, P, N> {
+        let [a, b, c] = &self.history;
+        let w = core::array::from_fn(|i| self.extrapolated(a.w[i], b.w[i], c.w[i]));
+        let s = core::array::from_fn(|i| self.extrapolated(a.s[i], b.s[i], c.s[i]));
+        Interval::new(self.q(), w, h, *u).moved(&[R::zero(); N], &s)
+    }
+
+    #[inline(always)]
+    fn extrapolated(&self, a: R, b: R, c: R) -> R {
+        match self.known {
+            0 | 1 => a,
+            2 => a + (a - b),
+            _ => R::constant(3.0) * (a - b) + c,
+        }
     }
 
     /// The state one step on.
-    pub(super) fn advanced(&self, h: R, w: &[R; N], impulse: &[R; N]) -> Result<Self, StepError<R>> {
-        let [a, b, _] = self.increments;
-        let increments = [*w, a, b];
+    pub(super) fn advanced<P: Path>(&self, h: R, solved: &Solved<R, P, N>) -> Result<Self, StepError<R>> {
+        let [a, b, _] = self.history;
+        let (w, s) = (solved.interval.increment(), solved.interval.bubble());
         let advanced = Self {
             q: core::array::from_fn(|i| self.q[i].plus(h * w[i])),
-            p: core::array::from_fn(|i| self.p[i].plus(impulse[i])),
-            increments,
+            p: core::array::from_fn(|i| self.p[i].plus(solved.balance.impulse[i])),
+            history: [Shape { w, s }, a, b],
             known: (self.known + 1).min(HISTORY as u8),
+            owed: solved.owed,
         };
         advanced.checked()
     }
 
     fn checked(self) -> Result<Self, StepError<R>> {
-        let finite = all_finite(&self.q()) && all_finite(&self.p()) && all_finite(&self.increments[0]);
+        let finite = all_finite(&self.q()) && all_finite(&self.p()) && all_finite(&self.history[0].w);
         if finite { Ok(self) } else { Err(StepError::NotFinite) }
     }
 }

@@ -17,7 +17,7 @@ pub struct Wave<const N: usize> {
 /// A mechanism given by its waves.
 #[derive(Clone, Copy, Debug)]
 pub struct Trigonometric<'a, const N: usize> {
-    /// Terms of M: (row, column ≤ row, wave).
+    /// Terms of M: (row, column ≤ row, wave). Terms outside the N × N matrix are left out.
     pub inertia: &'a [(usize, usize, Wave<N>)],
     /// Terms of V.
     pub potential: &'a [Wave<N>],
@@ -50,7 +50,10 @@ pub const ACROBOT: Trigonometric<'static, 2> = Trigonometric {
         (1, 0, Wave { amplitude: 0.5, wave: [0.0, 1.0] }),
         (1, 1, Wave { amplitude: 1.25, wave: [0.0, 0.0] }),
     ],
-    potential: &[Wave { amplitude: -1.5 * G, wave: [1.0, 0.0] }, Wave { amplitude: -0.5 * G, wave: [1.0, 1.0] }],
+    potential: &[
+        Wave { amplitude: -1.5 * G, wave: [1.0, 0.0] },
+        Wave { amplitude: -0.5 * G, wave: [1.0, 1.0] },
+    ],
 };
 
 /// c cos(k·q) with the factors of its derivatives: ∂ = −c sin(k·q) k, ∂∂ = −c cos(k·q) kkᵀ.
@@ -89,14 +92,19 @@ impl<const N: usize> Trigonometric<'_, N> {
     /// M(q), symmetric.
     pub fn mass_matrix<S: Scalar>(&self, q: &[S; N]) -> [[S; N]; N] {
         let mut mass = [[S::zero(); N]; N];
-        for (i, j, wave) in self.inertia {
+        for (i, j, wave) in self.entries() {
             let value = wave.at(q).value;
-            mass[*i][*j] += value;
+            mass[i][j] += value;
             if i != j {
-                mass[*j][*i] += value;
+                mass[j][i] += value;
             }
         }
         mass
+    }
+
+    /// The terms of M that lie in the matrix.
+    fn entries(&self) -> impl Iterator<Item = (usize, usize, &Wave<N>)> {
+        self.inertia.iter().map(|(i, j, wave)| (*i, *j, wave)).filter(|(i, j, _)| *i < N && *j < N)
     }
 
     /// The total energy T + V, J.
@@ -140,13 +148,13 @@ impl<S: Scalar, const N: usize> Lagrangian<S, N> for Trigonometric<'_, N> {
             add(&mut l_q, -w.slope, &w.wave);
             add_outer(&mut l_qq, w.value, &w.wave);
         }
-        for (i, j, wave) in self.inertia {
-            let (w, weight) = (wave.at(q), kinetic_weight(v, *i, *j));
+        for (i, j, wave) in self.entries() {
+            let (w, weight) = (wave.at(q), kinetic_weight(v, i, j));
             add(&mut l_q, w.slope * weight, &w.wave);
             add_outer(&mut l_qq, -(w.value * weight), &w.wave);
-            add(&mut l_vq[*i], w.slope * v[*j], &w.wave);
+            add(&mut l_vq[i], w.slope * v[j], &w.wave);
             if i != j {
-                add(&mut l_vq[*j], w.slope * v[*i], &w.wave);
+                add(&mut l_vq[j], w.slope * v[i], &w.wave);
             }
         }
         Hessian { l_q, l_v: multiply(&l_vv, v), l_qq, l_vq, l_vv }

@@ -132,7 +132,8 @@ impl<'a> RigidHeader<'a> {
             return Err(ModelError::Shape { what: "coordinates", found: self.n(), compiled: N });
         }
         for (kind, letter) in kinds.iter_mut().zip(self.coordinates.chars()) {
-            *kind = Coordinate::from_letter(letter).ok_or(ModelError::OutOfRange { what: "coordinate kind" })?;
+            *kind =
+                Coordinate::from_letter(letter).ok_or(ModelError::OutOfRange { what: "coordinate kind" })?;
         }
         Ok(kinds)
     }
@@ -155,7 +156,9 @@ impl<'a> RigidHeader<'a> {
         let widths = widths.get(..depth).unwrap_or(&[]);
         let network = Mlp::<f32, 0>::parameters(self.features(), widths, self.inertia.outputs(self.n()));
         let damping = if self.damped { self.n() } else { 0 };
-        network.and_then(|p| p.checked_add(damping)).ok_or(ModelError::OutOfRange { what: "number of weights" })
+        network
+            .and_then(|p| p.checked_add(damping))
+            .ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
     fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {

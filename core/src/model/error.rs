@@ -79,10 +79,15 @@ impl fmt::Display for ModelError {
             Self::Malformed => write!(f, "the header is malformed"),
             Self::TrailingBytes { bytes } => write!(f, "{bytes} bytes after the end of the model"),
             Self::Unaligned { offset } => {
-                write!(f, "the weights lie {offset} bytes off a multiple of 4: align the array that holds the file")
+                write!(
+                    f,
+                    "the weights lie {offset} bytes off a multiple of 4: align the array that holds the file"
+                )
             }
             Self::BigEndian => write!(f, "weights are little-endian and cannot be read in place here"),
-            Self::WeightCount { found, needed } => write!(f, "{found} weights where the shape needs {needed}"),
+            Self::WeightCount { found, needed } => {
+                write!(f, "{found} weights where the shape needs {needed}")
+            }
             Self::NotFinite { index } => write!(f, "weight {index} is infinite or not a number"),
             Self::OutOfRange { what } => write!(f, "{what} is out of range"),
             Self::Shape { what, found, compiled } => {

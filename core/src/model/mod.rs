@@ -7,7 +7,9 @@ mod document;
 mod error;
 mod rigid;
 
-pub use document::{Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_HIDDEN, RigidHeader};
+pub use document::{
+    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_HIDDEN, RigidHeader,
+};
 pub use error::ModelError;
 pub use rigid::RigidModel;
 
@@ -16,6 +18,8 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 /// CRC-32/ISO-HDLC without a table: 0 bytes of RAM, no table in flash.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;
+/// Bytes that bring the weights to a multiple of 4.
+const MAX_PADDING: usize = 3;
 const PREFIX_BYTES: usize = MAGIC.len() + 1;
 
 /// The checksum that closes a file whose other bytes are `body`.
@@ -42,8 +46,12 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
     if !rest.is_empty() {
         return Err(ModelError::TrailingBytes { bytes: rest.len() });
     }
+    if document.padding.len() > MAX_PADDING || document.padding.iter().any(|byte| *byte != 0) {
+        return Err(ModelError::OutOfRange { what: "padding" });
+    }
     let needed = document.header.family.parameters()?;
-    let weights = bytemuck::try_cast_slice::<u8, f32>(document.weights).map_err(|_| unaligned(document.weights))?;
+    let weights =
+        bytemuck::try_cast_slice::<u8, f32>(document.weights).map_err(|_| unaligned(document.weights))?;
     if cfg!(target_endian = "big") {
         return Err(ModelError::BigEndian);
     }

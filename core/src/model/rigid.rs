@@ -34,12 +34,8 @@ impl RigidHeader<'_> {
         let width = widths.iter().copied().max().unwrap_or(0);
         require_at_most("hidden layers", depth, D)?;
         require_at_most("units in a hidden layer", width, H)?;
-        let shape = Shape {
-            coordinates: self.kinds()?,
-            widths,
-            activation: self.activation,
-            inertia: self.inertia,
-        };
+        let shape =
+            Shape { coordinates: self.kinds()?, widths, activation: self.activation, inertia: self.inertia };
         let mut block = weights;
         let needed = self.parameters()?;
         let short = ModelError::WeightCount { found: weights.len(), needed };

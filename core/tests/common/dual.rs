@@ -129,7 +129,11 @@ pub fn unit<const N: usize>(i: usize) -> [f64; N] {
     core::array::from_fn(|j| f64::from(i == j))
 }
 
-pub fn derivatives<L: Lagrangian<Dual, N>, const N: usize>(l: &L, q: &[f64; N], v: &[f64; N]) -> Derivatives<N> {
+pub fn derivatives<L: Lagrangian<Dual, N>, const N: usize>(
+    l: &L,
+    q: &[f64; N],
+    v: &[f64; N],
+) -> Derivatives<N> {
     let zero = [0.0; N];
     let still = (zero, zero);
     let second = |a: Direction<N>, b: Direction<N>| lagrangian(l, q, v, [a, b, still]).eps1eps2;

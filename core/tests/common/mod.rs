@@ -2,18 +2,27 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod dual;
+pub mod file;
 pub mod shapes;
 
 /// The largest |a − b| relative to 1 + |b|.
 #[track_caller]
 pub fn assert_close(name: &str, found: f64, expected: f64, tolerance: f64) {
     let error = (found - expected).abs() / (1.0 + expected.abs());
-    assert!(error <= tolerance, "{name}: {found:e} instead of {expected:e}, off by {error:e} (at most {tolerance:e})");
+    assert!(
+        error <= tolerance,
+        "{name}: {found:e} instead of {expected:e}, off by {error:e} (at most {tolerance:e})"
+    );
 }
 
 /// [`assert_close`] entry by entry.
 #[track_caller]
-pub fn assert_vectors_close<const N: usize>(name: &str, found: &[f64; N], expected: &[f64; N], tolerance: f64) {
+pub fn assert_vectors_close<const N: usize>(
+    name: &str,
+    found: &[f64; N],
+    expected: &[f64; N],
+    tolerance: f64,
+) {
     for i in 0..N {
         assert_close(&format!("{name}[{i}]"), found[i], expected[i], tolerance);
     }

@@ -61,15 +61,18 @@ impl<const N: usize> Model<N> {
         x.extend(of(Angle).map(|i| q[i].sin()));
         let mut block = &self.weights[..];
         for width in &self.widths {
-            x = naive_layer(&mut block, &x, *width).into_iter().map(|z| naive_activation(self.activation, z)).collect();
+            x = naive_layer(&mut block, &x, *width)
+                .into_iter()
+                .map(|z| naive_activation(self.activation, z))
+                .collect();
         }
         let o = naive_layer(&mut block, &x, self.inertia.outputs(N));
         let softplus = |z: f64| (1.0 + z.exp()).ln();
         let mut factor = [[0.0; N]; N];
         let mut rest = o[N..].iter();
         for i in 0..N {
-            for j in 0..i {
-                factor[i][j] = if self.inertia == Inertia::Diagonal { 0.0 } else { *rest.next().unwrap() };
+            if self.inertia != Inertia::Diagonal {
+                factor[i][..i].fill_with(|| *rest.next().unwrap());
             }
             factor[i][i] = softplus(o[i]);
         }

@@ -29,6 +29,14 @@ impl Inertia {
 /// A vector of N jets.
 pub(super) type Jets<S, const T: usize, const N: usize> = [Jet<S, T>; N];
 
+/// The values alone.
+#[inline(always)]
+pub(super) fn without_tangents<S: Scalar, const T: usize, const N: usize>(
+    x: &Jets<S, T, N>,
+) -> Jets<S, 0, N> {
+    core::array::from_fn(|i| x[i].without_tangents())
+}
+
 /// The outputs of the network read as energies, with tangents.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outputs<S, const T: usize, const N: usize> {
@@ -68,12 +76,11 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
     /// The same without tangents.
     #[inline]
     pub fn without_tangents(&self) -> Outputs<S, 0, N> {
-        let plain = |x: &Jets<S, T, N>| core::array::from_fn(|i| x[i].without_tangents());
         Outputs {
             inertia: self.inertia,
-            diagonal: plain(&self.diagonal),
-            slopes: plain(&self.slopes),
-            lower: core::array::from_fn(|i| plain(&self.lower[i])),
+            diagonal: without_tangents(&self.diagonal),
+            slopes: without_tangents(&self.slopes),
+            lower: core::array::from_fn(|i| without_tangents(&self.lower[i])),
             potential: self.potential.without_tangents(),
         }
     }
@@ -141,7 +148,9 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
                 self.pack(|i, j| v[i].times(&y[j]))
             }
         };
-        if let Some(potential) = bar.as_flattened_mut().as_flattened_mut().get_mut(self.inertia.outputs(N) - 1) {
+        if let Some(potential) =
+            bar.as_flattened_mut().as_flattened_mut().get_mut(self.inertia.outputs(N) - 1)
+        {
             potential.value = S::constant(-1.0);
         }
         bar
@@ -152,13 +161,20 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
     fn pack(&self, entry: impl Fn(usize, usize) -> Jet<S, T>) -> OutputBar<S, T, N> {
         let mut bar = [[[Jet::zero(); N]; N]; 2];
         let mut slots = bar.as_flattened_mut().as_flattened_mut().iter_mut();
-        for (i, (slot, slope)) in (&mut slots).zip(&self.slopes).take(N).enumerate() {
-            *slot = entry(i, i).times(slope);
+        // Plain loops over const bounds: no panic branch is left at any optimisation level.
+        for (i, slope) in self.slopes.iter().enumerate() {
+            if let Some(slot) = slots.next() {
+                *slot = entry(i, i).times(slope);
+            }
         }
-        if self.inertia != Inertia::Diagonal {
-            let pairs = (0..N).flat_map(|i| (0..i).map(move |j| (i, j)));
-            for (slot, (i, j)) in slots.zip(pairs) {
-                *slot = entry(i, j);
+        if self.inertia == Inertia::Diagonal {
+            return bar;
+        }
+        for i in 0..N {
+            for j in 0..i {
+                if let Some(slot) = slots.next() {
+                    *slot = entry(i, j);
+                }
             }
         }
         bar

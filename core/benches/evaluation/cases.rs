@@ -1,0 +1,92 @@
+//! What is measured: a cart-pole network and one call of everything.
+
+use leastaction_core::continuous;
+use leastaction_core::discrete::{Control, Del, Path, State};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::network::Activation;
+use leastaction_core::scalar::{Real, Scalar};
+
+/// f32 and f64: scalars that are their own weights.
+pub trait Plain: Real<Weight = Self> + Default {}
+impl Plain for f32 {}
+impl Plain for f64 {}
+
+pub type CartPole<'a, S> = System<Rigid<'a, <S as Scalar>::Weight, 2, 32, 2>, Viscous<S, 2>>;
+
+/// Weights of (x, cos θ, sin θ) → width tanh → width tanh → 4.
+pub struct Network<W> {
+    block: Vec<W>,
+    widths: [usize; 2],
+}
+
+impl<W: Plain> Network<W> {
+    /// Weights uniform in ±0.3, from a fixed linear congruential generator.
+    pub fn new(width: usize) -> Self {
+        let widths = [width; 2];
+        let length = shape(&widths).parameters().expect("a small network");
+        let mut bits = 1_u32;
+        let mut next = || {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            W::constant(0.6 * (f64::from(bits) / f64::from(u32::MAX) - 0.5))
+        };
+        Self { block: (0..length).map(|_| next()).collect(), widths }
+    }
+
+    /// The mechanism, in this or another scalar with these weights.
+    pub fn system<S: Real<Weight = W>>(&self) -> CartPole<'_, S> {
+        let rigid = Rigid::take(&mut self.block.as_slice(), &shape(&self.widths));
+        System::conservative(rigid.expect("a block of this length"))
+    }
+}
+
+fn shape(widths: &[usize]) -> Shape<'_, 2> {
+    Shape {
+        coordinates: [Coordinate::Translation, Coordinate::Angle],
+        widths,
+        activation: Activation::Tanh,
+        inertia: Inertia::Cholesky { epsilon: 1e-9 },
+    }
+}
+
+/// (q, v, u).
+pub fn state<S: Scalar>() -> [[S; 2]; 3] {
+    [[0.2, 0.7], [-0.5, 1.5], [1.0, 0.0]].map(|x| x.map(S::constant))
+}
+
+/// v̇; not a number where the mass matrix is singular.
+pub fn acceleration<R: Real>(system: &CartPole<R>, [q, v, u]: &[[R; 2]; 3]) -> [R; 2] {
+    let invalid = R::constant(f64::NAN);
+    continuous::acceleration(system, q, v, u).unwrap_or([invalid; 2])
+}
+
+/// A trajectory under way: what a step extrapolates from is there.
+pub fn moving<R: Real>(system: &CartPole<R>) -> State<R, 2> {
+    let [q, v, _] = state();
+    State::new(&system.lagrangian, q, v).expect("finite numbers")
+}
+
+/// One step of 20 ms with the default bounds of Newton's method; the number of its updates.
+pub fn del_step<R: Real, P: Path>(system: &CartPole<R>, mut state: State<R, 2>) -> (State<R, 2>, u8) {
+    let [_, _, u] = self::state();
+    let report = Del::<R, P>::new(R::constant(0.02)).step(system, &mut state, &Control::held(u));
+    (state, report.map_or(0, |report| report.iterations))
+}
+
+/// 64 numbers in ±3.
+pub fn angles<S: Scalar>() -> [S; 64] {
+    core::array::from_fn(|i| S::constant(-3.0 + 6.0 * i as f64 / 63.0))
+}
+
+/// tanh in place.
+pub fn tanh<S: Scalar>(angles: &mut [S; 64]) {
+    angles.iter_mut().for_each(|x| *x = x.tanh());
+}
+
+/// sin x cos x in place: both are needed.
+pub fn sin_cos<S: Scalar>(angles: &mut [S; 64]) {
+    for x in angles {
+        let (sin, cos) = x.sin_cos();
+        *x = sin * cos;
+    }
+}

@@ -1,0 +1,112 @@
+//! The table after divan's: counts and the share of the peak.
+
+use crate::WIDTHS;
+use crate::cases::{self, Network, Plain};
+use crate::counted::{Counted, Operations, count};
+use crate::peak::{fastest, flops};
+use leastaction_core::discrete::{Galerkin, Midpoint, Path};
+use leastaction_core::scalar::Real;
+use std::hint::black_box;
+
+/// Multiplications and additions of one `tanh`, from the source; its division is not among them.
+const TANH_F32: u64 = 25;
+const TANH_F64: u64 = 37;
+/// Of one `sin_cos` in f32; in f64 it is libm's.
+const SIN_COS_F32: u64 = 28;
+
+/// Measured calls are bundled, so that the clock's own time vanishes.
+const BUNDLE: u32 = 100;
+const REPETITIONS: u32 = 200;
+
+/// Prints peaks, then a row for every case.
+pub fn print() {
+    let (single, double) = (flops::<f32>(), flops::<f64>());
+    println!(
+        "\nmeasured peak of one thread, fused operations excluded: {} in f32, {} in f64",
+        rate(single),
+        rate(double)
+    );
+    println!(
+        "multiply-adds: counted multiplications and additions, halved; divisions and elementary functions apart\n"
+    );
+    println!(
+        "{:<24}{:>10}{:>9}{:>15}{:>11}{:>12}{:>10}",
+        "", "ns", "updates", "multiply-adds", "divisions", "elementary", "of peak"
+    );
+    for width in WIDTHS {
+        network::<f32>("f32", width, single);
+        network::<f64>("f64", width, double);
+    }
+    kernels(single, double);
+}
+
+fn rate(flops: f64) -> String {
+    format!("{:.2}e9 multiply-adds/s", 0.5e-9 * flops)
+}
+
+struct Row {
+    name: String,
+    seconds: f64,
+    updates: Option<u8>,
+    done: Operations,
+}
+
+impl Row {
+    fn print(&self, peak: f64) {
+        let Operations { flops, divisions, elementary } = self.done;
+        let share = 100.0 * flops as f64 / self.seconds / peak;
+        println!(
+            "{:<24}{:>10.0}{:>9}{:>15}{:>11}{:>12}{:>9.1}%",
+            self.name,
+            1e9 * self.seconds,
+            self.updates.map_or(String::new(), |updates| updates.to_string()),
+            flops / 2,
+            divisions,
+            elementary,
+            share
+        );
+    }
+}
+
+/// Seconds of one call.
+fn seconds<O>(call: impl Fn() -> O) -> f64 {
+    let bundle = || (0..BUNDLE).for_each(|_| drop(black_box(call())));
+    fastest(REPETITIONS, bundle) / f64::from(BUNDLE)
+}
+
+fn network<R: Plain>(scalar: &str, width: usize, peak: f64) {
+    let network = Network::<R>::new(width);
+    let system = network.system::<R>();
+    let counted = network.system::<Counted<R>>();
+    let (_, done) = count(|| cases::acceleration(&counted, &cases::state()));
+    let seconds = seconds(|| cases::acceleration(&system, black_box(&cases::state())));
+    Row { name: format!("acceleration {scalar} 2x{width}"), seconds, updates: None, done }.print(peak);
+    step::<R, Midpoint>(scalar, &network, width, peak);
+    step::<R, Galerkin>(scalar, &network, width, peak);
+}
+
+fn step<R: Plain, P: Path>(scalar: &str, network: &Network<R>, width: usize, peak: f64) {
+    let system = network.system::<R>();
+    let counted = network.system::<Counted<R>>();
+    let (state, counted_state) = (cases::moving(&system), cases::moving(&counted));
+    let ((_, updates), done) = count(|| cases::del_step::<_, P>(&counted, counted_state));
+    let seconds = seconds(|| cases::del_step::<R, P>(&system, black_box(state)));
+    let name = format!("DEL order {} {scalar} 2x{width}", P::ORDER);
+    Row { name, seconds, updates: Some(updates), done }.print(peak);
+}
+
+fn kernels(single: f64, double: f64) {
+    kernel("tanh f32", cases::tanh::<f32>, TANH_F32, single);
+    kernel("tanh f64", cases::tanh::<f64>, TANH_F64, double);
+    kernel("sin_cos f32", cases::sin_cos::<f32>, SIN_COS_F32, single);
+    kernel("sin_cos f64 (libm)", cases::sin_cos::<f64>, 0, double);
+}
+
+/// 64 calls on neighbouring numbers.
+fn kernel<R: Real>(name: &str, call: fn(&mut [R; 64]), flops: u64, peak: f64) {
+    let mut numbers = cases::angles::<R>();
+    let seconds =
+        fastest(REPETITIONS, || (0..BUNDLE).for_each(|_| call(black_box(&mut numbers)))) / f64::from(BUNDLE);
+    let done = Operations { flops: 64 * flops, divisions: 0, elementary: 64 };
+    Row { name: format!("64 {name}"), seconds, updates: None, done }.print(peak);
+}

@@ -1,0 +1,341 @@
+//! The model file: what is right loads, and everything else is a typed error.
+
+mod common;
+
+use common::assert_close;
+use common::file::{self, Aligned, CARTPOLE, HEADER};
+use common::shapes::{Angle, Model, Translation};
+use leastaction_core::continuous::acceleration;
+use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::{
+    Discretisation, FORMAT_VERSION, Family, Header, ModelError, RigidHeader, RigidModel, parse,
+};
+use leastaction_core::network::Activation;
+use proptest::prelude::*;
+use std::path::PathBuf;
+
+/// What loading as the golden cart-pole says.
+fn load_error(bytes: &[u8]) -> ModelError {
+    let aligned = Aligned::new(bytes);
+    let loaded = RigidModel::<2, 8, 2>::load(aligned.bytes());
+    loaded.map(|_| ()).expect_err("the file must be refused")
+}
+
+fn with_family(rigid: RigidHeader<'static>) -> Header<'static> {
+    Header { family: Family::Rigid(rigid), ..HEADER }
+}
+
+#[test]
+fn a_valid_file_loads_and_is_what_was_written() {
+    let file = Aligned::new(&file::golden());
+    let parsed = parse(file.bytes()).unwrap();
+    assert_eq!(parsed.header, HEADER);
+    assert_eq!(parsed.weights, file::weights(&CARTPOLE));
+    let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
+    assert_eq!(model.discretisation, HEADER.discretisation);
+    assert_eq!(model.system.forces.coefficients, [0.125; 2]);
+    assert_eq!(model.system.lagrangian.coordinates(), &[Translation, Angle]);
+    // Borrowed in place.
+    let range = file.bytes().as_ptr_range();
+    assert!(range.contains(&parsed.weights.as_ptr().cast()));
+}
+
+#[test]
+fn a_loaded_model_is_the_network_of_its_weights() {
+    let file = Aligned::new(&file::golden());
+    let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
+    let weights: Vec<f64> = file::weights(&CARTPOLE).into_iter().map(f64::from).collect();
+    let twin = Model::<2> {
+        coordinates: [Translation, Angle],
+        widths: vec![7, 5],
+        activation: Activation::Tanh,
+        inertia: Inertia::Cholesky { epsilon: 1e-3 },
+        weights: weights[..weights.len() - 2].to_vec(),
+    };
+    for (q, v) in [([0.3_f32, 1.25], [0.5_f32, -2.0]), ([-1.5, -3.0], [0.0, 1.0])] {
+        let found = model.system.lagrangian.energies(&q, &v);
+        let (kinetic, potential) = twin.naive_energies(&q.map(f64::from), &v.map(f64::from));
+        assert_close("T", found.kinetic.into(), kinetic, 3e-6);
+        assert_close("V", found.potential.into(), potential, 3e-6);
+        assert!(acceleration(&model.system, &q, &v, &[1.0, 0.0]).unwrap().iter().all(|a| a.is_finite()));
+    }
+}
+
+#[test]
+fn headers_without_options_load_too() {
+    let rigid = RigidHeader {
+        coordinates: "a",
+        widths: [6, 0, 0, 0],
+        activation: Activation::Isru,
+        inertia: Inertia::Diagonal,
+        damped: false,
+    };
+    for provenance in ["", "a", "ab", "abc"] {
+        let header = Header { family: Family::Rigid(rigid), discretisation: None, provenance };
+        let file = Aligned::new(&file::write(header, &file::weights(&rigid)));
+        let model = RigidModel::<1, 6, 1>::load(file.bytes()).unwrap();
+        assert_eq!((model.discretisation, model.system.forces.coefficients), (None, [0.0]));
+    }
+}
+
+#[test]
+fn every_truncation_is_an_error() {
+    let file = file::golden();
+    for length in 0..file.len() {
+        let error = load_error(&file[..length]);
+        let expected = matches!(error, ModelError::TooShort { .. } | ModelError::Checksum { .. });
+        assert!(expected, "{length} bytes: {error:?}");
+    }
+}
+
+#[test]
+fn every_change_of_a_byte_is_an_error() {
+    let file = file::golden();
+    let mut changed = Aligned::new(&file);
+    for position in 0..file.len() {
+        for change in 1..=255 {
+            let mut bytes = changed.bytes().to_vec();
+            bytes[position] ^= change;
+            changed = Aligned::new(&bytes);
+            let error = parse(changed.bytes()).expect_err("a damaged file must be refused");
+            match position {
+                0..4 => assert_eq!(error, ModelError::Magic),
+                4 => assert_eq!(error, ModelError::Version { found: FORMAT_VERSION ^ change }),
+                _ => assert!(matches!(error, ModelError::Checksum { .. }), "byte {position}: {error:?}"),
+            }
+            bytes[position] ^= change;
+            changed = Aligned::new(&bytes);
+        }
+    }
+}
+
+#[test]
+fn additional_bytes_are_an_error() {
+    let file = file::golden();
+    assert!(matches!(load_error(&[&file[..], &[0]].concat()), ModelError::Checksum { .. }));
+    // Closed with a checksum of its own: the document ends before the file does.
+    let longer = file::sealed(&[&file[..], &[1, 2, 3]].concat());
+    assert_eq!(load_error(&longer), ModelError::TrailingBytes { bytes: 7 });
+}
+
+#[test]
+fn unaligned_bytes_are_an_error() {
+    let file = file::golden();
+    for shift in 1..4 {
+        let shifted = Aligned::shifted(&file, shift);
+        let error = parse(&shifted.bytes()[shift..]).unwrap_err();
+        assert_eq!(error, ModelError::Unaligned { offset: shift as u8 });
+    }
+    // An aligned file whose padding is wrong.
+    let bytes = file::weights(&CARTPOLE).iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<u8>>();
+    let wrong = (0..4).filter(|n| {
+        let file = file::write_raw(HEADER, Some(&[0; 3][..*n.min(&3)]), &bytes);
+        matches!(parse(Aligned::new(&file).bytes()), Err(ModelError::Unaligned { .. }))
+    });
+    assert!(wrong.count() >= 2);
+}
+
+#[test]
+fn weights_must_be_finite() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for index in [0, 13, 60] {
+            let mut weights = file::weights(&CARTPOLE);
+            weights[index] = bad;
+            assert_eq!(load_error(&file::write(HEADER, &weights)), ModelError::NotFinite { index });
+        }
+    }
+}
+
+#[test]
+fn weights_must_be_as_many_as_the_shape_says() {
+    let weights = file::weights(&CARTPOLE);
+    let needed = weights.len();
+    assert_eq!(needed, 4 * 7 + 8 * 5 + 6 * 4 + 2);
+    let error = load_error(&file::write(HEADER, &weights[1..]));
+    assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
+    let error = load_error(&file::write(HEADER, &[&weights[..], &[0.0]].concat()));
+    assert_eq!(error, ModelError::WeightCount { found: needed + 1, needed });
+    let odd = weights.iter().flat_map(|w| w.to_le_bytes()).skip(1).collect::<Vec<u8>>();
+    assert_eq!(load_error(&file::write_raw(HEADER, None, &odd)), ModelError::Malformed);
+}
+
+#[test]
+fn the_shape_must_be_the_compiled_one() {
+    let file = Aligned::new(&file::golden());
+    let shape = |what, found, compiled| Err(ModelError::Shape { what, found, compiled });
+    let refused = |loaded: Result<(), ModelError>| loaded;
+    assert_eq!(refused(RigidModel::<1, 8, 2>::load(file.bytes()).map(|_| ())), shape("coordinates", 2, 1));
+    assert_eq!(refused(RigidModel::<3, 8, 2>::load(file.bytes()).map(|_| ())), shape("coordinates", 2, 3));
+    assert_eq!(
+        refused(RigidModel::<2, 6, 2>::load(file.bytes()).map(|_| ())),
+        shape("units in a hidden layer", 7, 6)
+    );
+    assert_eq!(refused(RigidModel::<2, 8, 1>::load(file.bytes()).map(|_| ())), shape("hidden layers", 2, 1));
+}
+
+#[test]
+fn header_fields_out_of_range_are_errors() {
+    let epsilon = |epsilon| RigidHeader { inertia: Inertia::Cholesky { epsilon }, ..CARTPOLE };
+    let step = |order, h| Header { discretisation: Some(Discretisation { order, h }), ..HEADER };
+    let cases = [
+        (step(3, 0.05), "order"),
+        (step(0, 0.05), "order"),
+        (step(4, 0.0), "step h"),
+        (step(2, -0.1), "step h"),
+        (step(2, f32::NAN), "step h"),
+        (step(2, f32::INFINITY), "step h"),
+        (with_family(epsilon(-1e-3)), "epsilon of the inertia matrix"),
+        (with_family(epsilon(f32::NAN)), "epsilon of the inertia matrix"),
+        (with_family(RigidHeader { coordinates: "", ..CARTPOLE }), "number of coordinates"),
+        (with_family(RigidHeader { coordinates: "aaaaaaaaaaaaaaaaa", ..CARTPOLE }), "number of coordinates"),
+    ];
+    for (header, what) in cases {
+        let file = file::write(header, &file::weights(&CARTPOLE));
+        assert_eq!(load_error(&file), ModelError::OutOfRange { what }, "{header:?}");
+    }
+    // Three inputs and two letters still, so that only the letters are wrong.
+    for (coordinates, what) in [("xa", "coordinate kind"), ("é", "coordinate kind")] {
+        let rigid = RigidHeader { coordinates, ..CARTPOLE };
+        let file = file::write(with_family(rigid), &file::weights(&rigid));
+        assert_eq!(load_error(&file), ModelError::OutOfRange { what }, "{coordinates}");
+    }
+    let gap = RigidHeader { widths: [7, 0, 5, 0], ..CARTPOLE };
+    let file = file::write(with_family(gap), &file::weights(&gap));
+    assert_eq!(load_error(&file), ModelError::OutOfRange { what: "hidden width" });
+    let mut weights = file::weights(&CARTPOLE);
+    *weights.last_mut().unwrap() = -0.5;
+    let error = load_error(&file::write(HEADER, &weights));
+    assert_eq!(error, ModelError::OutOfRange { what: "damping coefficient" });
+}
+
+#[test]
+fn padding_is_at_most_three_zeros() {
+    let weights = file::weights(&CARTPOLE);
+    let bytes: Vec<u8> = weights.iter().flat_map(|w| w.to_le_bytes()).collect();
+    let plain = file::golden();
+    let right = (0..4).find(|n| file::write_raw(HEADER, Some(&[0; 4][..*n]), &bytes) == plain).unwrap();
+    let longer = file::write_raw(HEADER, Some(&vec![0; right + 4]), &bytes);
+    assert_eq!(load_error(&longer), ModelError::OutOfRange { what: "padding" });
+    let provenance = &HEADER.provenance[..HEADER.provenance.len() - 1];
+    let filled = file::write_raw(Header { provenance, ..HEADER }, Some(&vec![7; right + 1]), &bytes);
+    assert_eq!(load_error(&filled), ModelError::OutOfRange { what: "padding" });
+}
+
+#[test]
+fn impossible_encodings_are_malformed() {
+    let file = file::golden();
+    let body = &file[..file.len() - 4];
+    // family 1; a coordinate string that is not UTF-8; activation 5; inertia 2; damped 2; option 2.
+    for (position, value) in [(5, 1), (7, 0xff), (13, 5), (14, 2), (19, 2), (20, 2)] {
+        let mut changed = body.to_vec();
+        changed[position] = value;
+        assert_eq!(load_error(&file::sealed(&changed)), ModelError::Malformed, "byte {position}");
+    }
+}
+
+#[test]
+fn errors_say_what_is_wrong() {
+    let error = load_error(&file::golden()[..20]);
+    assert!(error.to_string().contains("damaged"), "{error}");
+    assert!(load_error(b"PNG").to_string().contains("3 bytes"));
+    assert!(load_error(b"\x89PNG\r\n").to_string().contains("LACT"));
+    let shape = ModelError::Shape { what: "coordinates", found: 2, compiled: 3 };
+    assert_eq!(shape.to_string(), "2 coordinates, but this program was compiled for 3");
+}
+
+#[test]
+fn coordinate_letters_are_their_own_inverse() {
+    for kind in [Coordinate::Translation, Coordinate::Angle, Coordinate::Cyclic] {
+        assert_eq!(Coordinate::from_letter(kind.letter()), Some(kind));
+    }
+    assert_eq!(Coordinate::from_letter('A'), None);
+}
+
+/// The golden file as text: hexadecimal bytes, and after `#` what they are.
+fn golden_text() -> String {
+    let bytes = file::golden();
+    let padding = bytes.len() - 4 - 4 * file::weights(&CARTPOLE).len() - 2 - 1 - 64;
+    let parts = [
+        (4, "magic LACT"),
+        (1, "format version"),
+        (1, "family 0: rigid"),
+        (3, "coordinates, 2 letters: t, a"),
+        (4, "hidden widths 7, 5, then none"),
+        (1, "activation 0: tanh"),
+        (5, "inertia 1: Cholesky, epsilon 1e-3"),
+        (1, "damped"),
+        (6, "discretisation: present, order 4, h = 0.05 s"),
+        (38, "provenance, 37 letters"),
+        (1 + padding, "padding: its length, zeros"),
+        (2, "bytes of weights, 376 as a varint"),
+        (4 * 28, "layer 3 to 7: panel of 4, panels of 1, biases"),
+        (4 * 40, "layer 7 to 5: panel of 4, panel of 1, biases"),
+        (4 * 24, "layer 5 to 4: panel of 4, biases"),
+        (4 * 2, "damping coefficients"),
+        (4, "CRC-32 of all bytes above, little-endian"),
+    ];
+    let mut text = String::from("# A model file, written by core/tests/model.rs; see core/FORMAT.md.\n");
+    let mut rest = &bytes[..];
+    for (length, what) in parts {
+        let (part, after) = rest.split_at(length);
+        text.push_str(&format!("# {what}\n"));
+        for row in part.chunks(16) {
+            let row: Vec<String> = row.iter().map(|byte| format!("{byte:02x}")).collect();
+            text.push_str(&format!("{}\n", row.join(" ")));
+        }
+        rest = after;
+    }
+    assert!(rest.is_empty(), "{} bytes without a name", rest.len());
+    text
+}
+
+/// The format is what it was: rewrite the file with `LEASTACTION_REGENERATE=1` only together with a new format version.
+#[test]
+fn the_golden_file_is_unchanged() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/cartpole.hex");
+    if std::env::var_os("LEASTACTION_REGENERATE").is_some() {
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, golden_text()).unwrap();
+    }
+    let text = std::fs::read_to_string(&path).unwrap();
+    let bytes: Vec<u8> = text
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .flat_map(str::split_whitespace)
+        .map(|byte| u8::from_str_radix(byte, 16).unwrap())
+        .collect();
+    assert_eq!(bytes, file::golden());
+    assert_eq!(text, golden_text());
+    assert!(RigidModel::<2, 8, 2>::load(Aligned::new(&bytes).bytes()).is_ok());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
+
+    #[test]
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        prop_assert!(parse(Aligned::new(&bytes).bytes()).is_err());
+    }
+
+    /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
+    #[test]
+    fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..120)) {
+        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION], &bytes[..]].concat());
+        let _ = parse(Aligned::new(&file).bytes());
+    }
+
+    /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
+    #[test]
+    fn sealed_changes_never_panic(changes in prop::collection::vec((0usize..70, any::<u8>()), 1..4)) {
+        let file = file::golden();
+        let mut body = file[..file.len() - 4].to_vec();
+        for (position, value) in changes {
+            body[position] = value;
+        }
+        let file = Aligned::new(&file::sealed(&body));
+        if let Ok(model) = RigidModel::<2, 8, 3>::load(file.bytes()) {
+            let _ = acceleration(&model.system, &[0.1, 0.2], &[0.3, 0.4], &[0.5, 0.6]);
+        }
+    }
+}

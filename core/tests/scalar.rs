@@ -1,0 +1,211 @@
+//! Elementary functions against double precision, lanes against scalars, compensated sums.
+
+mod common;
+
+use common::Random;
+use common::shapes::{self, Model};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::scalar::{Compensated, LANES, Lanes, Real, Scalar, all_finite, max_abs};
+
+/// The distance between neighbouring f32 at |x|.
+fn ulp_f32(x: f64) -> f64 {
+    let x = (x.abs() as f32).max(f32::MIN_POSITIVE);
+    f64::from(f32::from_bits(x.to_bits() + 1)) - f64::from(x)
+}
+
+/// The distance between neighbouring f64 at |x|.
+fn ulp_f64(x: f64) -> f64 {
+    let x = x.abs().max(f64::MIN_POSITIVE);
+    f64::from_bits(x.to_bits() + 1) - x
+}
+
+/// Every `stride`th f32 between two positive numbers, with both signs.
+fn sweep(from: f32, to: f32, stride: usize) -> impl Iterator<Item = f32> {
+    (from.to_bits()..=to.to_bits()).step_by(stride).map(f32::from_bits).flat_map(|x| [x, -x])
+}
+
+/// The largest error over a sweep: in ulp where the result is not small, and absolute.
+#[derive(Debug, Default)]
+struct Errors {
+    ulp: f64,
+    absolute: f64,
+}
+
+impl Errors {
+    fn add(&mut self, found: f32, exact: f64) {
+        let error = (f64::from(found) - exact).abs();
+        self.absolute = self.absolute.max(error);
+        // Next to a multiple of π/2 the reduced angle carries an absolute error.
+        if exact.abs() > 0.01 {
+            self.ulp = self.ulp.max(error / ulp_f32(exact));
+        }
+    }
+}
+
+#[test]
+fn sine_and_cosine_in_f32_are_within_2_ulp() {
+    let (mut near, mut far) = (Errors::default(), Errors::default());
+    for x in sweep(1e-6, 8192.0, 97) {
+        let (sin, cos) = Scalar::sin_cos(x);
+        let errors = if x.abs() <= 2.0 * core::f32::consts::PI { &mut near } else { &mut far };
+        errors.add(sin, f64::from(x).sin());
+        errors.add(cos, f64::from(x).cos());
+    }
+    println!("sin, cos in f32: |x| ≤ 2π {near:?}, |x| ≤ 8192 {far:?}");
+    assert!(near.ulp <= 2.0 && far.ulp <= 2.0, "{near:?} {far:?}");
+    assert!(near.absolute <= 1.2e-7 && far.absolute <= 1.2e-7, "{near:?} {far:?}");
+}
+
+#[test]
+fn sine_keeps_its_relative_accuracy_at_small_angles() {
+    for x in sweep(1e-30, 0.1, 10_007) {
+        let error = (f64::from(Scalar::sin_cos(x).0) - f64::from(x).sin()).abs();
+        assert!(error <= 1.0 * ulp_f32(x.into()), "sin {x:e}");
+    }
+    assert_eq!(Scalar::sin_cos(0.0_f32), (0.0, 1.0));
+}
+
+#[test]
+fn angles_without_meaning_give_nan() {
+    for x in
+        [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 65_537.0, -1e30, f32::from_bits(u32::MAX)]
+    {
+        let (sin, cos) = Scalar::sin_cos(x);
+        assert!(sin.is_nan() && cos.is_nan(), "{x}");
+    }
+    for x in [f64::NAN, f64::INFINITY] {
+        assert!(Scalar::sin_cos(x).0.is_nan());
+    }
+    let (sin, cos) = Scalar::sin_cos(65_536.0_f32);
+    assert!(
+        (f64::from(sin) - 65_536.0_f64.sin()).abs() < 1e-6
+            && (f64::from(cos) - 65_536.0_f64.cos()).abs() < 1e-6
+    );
+}
+
+#[test]
+fn tanh_in_f32_is_within_3_ulp() {
+    let mut worst = 0.0_f64;
+    for x in sweep(1e-30, 20.0, 499) {
+        let (found, exact) = (Scalar::tanh(x), f64::from(x).tanh());
+        worst = worst.max((f64::from(found) - exact).abs() / ulp_f32(exact));
+        assert!(found.abs() <= 1.0, "tanh {x} = {found}");
+    }
+    println!("tanh in f32: {worst:.3} ulp");
+    assert!(worst <= 3.0, "{worst} ulp");
+}
+
+#[test]
+fn tanh_in_f64_is_within_3_ulp_of_libm() {
+    let mut worst = 0.0_f64;
+    for x in sweep(1e-30, 30.0, 499).map(f64::from).chain((1..400_000).map(|k| f64::from(k) * 5.3e-5 + 1e-9))
+    {
+        let (found, exact) = (Scalar::tanh(x), libm::tanh(x));
+        worst = worst.max((found - exact).abs() / ulp_f64(exact));
+        assert!(found.abs() <= 1.0, "tanh {x} = {found}");
+    }
+    println!("tanh in f64: {worst:.3} ulp from libm");
+    assert!(worst <= 3.0, "{worst} ulp");
+}
+
+#[test]
+fn tanh_at_the_ends() {
+    assert_eq!(Scalar::tanh(0.0_f32).to_bits(), 0.0_f32.to_bits());
+    assert_eq!(Scalar::tanh(-0.0_f64).to_bits(), (-0.0_f64).to_bits());
+    for x in [50.0, f32::MAX, f32::INFINITY] {
+        assert_eq!((Scalar::tanh(x), Scalar::tanh(-x)), (1.0, -1.0));
+        assert_eq!((Scalar::tanh(f64::from(x)), Scalar::tanh(-f64::from(x))), (1.0, -1.0));
+    }
+    assert!(Scalar::tanh(f32::NAN).is_nan() && Scalar::tanh(f64::NAN).is_nan());
+}
+
+#[test]
+fn elementary_functions_of_numbers_that_are_none() {
+    assert!(
+        Scalar::sqrt(-1.0_f32).is_nan() && Scalar::exp(f32::NAN).is_nan() && Scalar::ln_1p(-2.0_f64).is_nan()
+    );
+    assert_eq!(Scalar::exp(f32::NEG_INFINITY), 0.0);
+    assert_eq!(Scalar::max(f32::NAN, 2.0), 2.0);
+    assert!(Scalar::max(2.0, f32::NAN).is_nan());
+    assert_eq!(Scalar::neg_abs(3.0_f32), -3.0);
+    assert_eq!(Real::abs(-0.0_f64).to_bits(), 0);
+}
+
+#[test]
+fn norms_say_where_a_number_is_none() {
+    assert_eq!(max_abs(&[1.0_f32, -3.0, 2.0]), 3.0);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for i in 0..3 {
+            let mut x = [1.0, -2.0, 0.0];
+            x[i] = bad;
+            assert!(max_abs(&x).is_nan() && !all_finite(&x), "{x:?}");
+        }
+    }
+}
+
+/// All that a model gives at (q, v), one number after another.
+fn evaluated<S: Scalar<Weight = f64>, const N: usize>(model: &Model<N>, q: &[S; N], v: &[S; N]) -> Vec<S> {
+    let rigid = model.in_f64();
+    let (e, g, d, h) =
+        (rigid.energies(q, v), rigid.gradient(q, v), rigid.dynamics(q, v), rigid.hessian(q, v));
+    let vectors = [g.l_q, g.l_v, d.l_q, d.l_v, d.l_vq_v, h.l_q, h.l_v].concat();
+    let matrices = [d.mass.0.concat(), h.l_qq.concat(), h.l_vq.concat(), h.l_vv.concat()].concat();
+    [vec![e.kinetic, e.potential], vectors, matrices].concat()
+}
+
+/// Eight samples in lanes give, lane by lane, the bits that each sample gives alone.
+#[test]
+fn lanes_are_bit_equal_to_scalars() {
+    fn check<const N: usize>(model: &Model<N>) {
+        let mut random = Random(77);
+        let samples: [([f64; N], [f64; N]); LANES] =
+            core::array::from_fn(|_| (random.array(4.0), random.array(3.0)));
+        let q = core::array::from_fn(|i| Lanes(core::array::from_fn(|l| samples[l].0[i])));
+        let v = core::array::from_fn(|i| Lanes(core::array::from_fn(|l| samples[l].1[i])));
+        let in_lanes = evaluated(model, &q, &v);
+        for (l, (q, v)) in samples.iter().enumerate() {
+            let lane: Vec<u64> = in_lanes.iter().map(|x| x.0[l].to_bits()).collect();
+            let alone: Vec<u64> = evaluated(model, q, v).into_iter().map(f64::to_bits).collect();
+            assert_eq!(lane, alone, "lane {l}");
+        }
+    }
+    shapes::of_one().iter().for_each(check);
+    shapes::of_two().iter().for_each(check);
+    shapes::of_three().iter().for_each(check);
+}
+
+#[test]
+fn lanes_of_parameter_derivatives_are_bit_equal_to_scalars() {
+    let model = &shapes::of_two()[0];
+    let mut random = Random(78);
+    let samples: [[[f64; 2]; 4]; LANES] =
+        core::array::from_fn(|_| core::array::from_fn(|_| random.array(2.0)));
+    let wide: [[Lanes; 2]; 4] =
+        core::array::from_fn(|k| core::array::from_fn(|i| Lanes(core::array::from_fn(|l| samples[l][k][i]))));
+    let rigid = model.in_f64();
+    let mut in_lanes = vec![Lanes::zero(); model.weights.len()];
+    let [q, v, dq, dv] = &wide;
+    rigid.directional_gradient((q, v), (dq, dv), |k, x| in_lanes[k] = x);
+    rigid.momentum_rate_gradient((q, v), dq, dv, |k, x| in_lanes[k] += x);
+    for (l, [q, v, dq, dv]) in samples.iter().enumerate() {
+        let mut alone = vec![0.0; model.weights.len()];
+        rigid.directional_gradient((q, v), (dq, dv), |k, x: f64| alone[k] = x);
+        rigid.momentum_rate_gradient((q, v), dq, dv, |k, x: f64| alone[k] += x);
+        for (k, (a, b)) in in_lanes.iter().zip(&alone).enumerate() {
+            assert_eq!(a.0[l].to_bits(), b.to_bits(), "lane {l}, parameter {k}");
+        }
+    }
+}
+
+#[test]
+fn compensated_sums_keep_what_rounding_takes() {
+    let (mut plain, mut sum) = (1.0_f32, Compensated::new(1.0_f32));
+    for _ in 0..1_000_000 {
+        plain += 1e-8;
+        sum = sum.plus(1e-8);
+    }
+    assert_eq!(plain, 1.0);
+    let exact = 1.0 + 1e6 * f64::from(1e-8_f32);
+    assert!((f64::from(sum.value()) - exact).abs() <= ulp_f32(1.0) / 2.0);
+    assert!((f64::from(sum.value()) + f64::from(sum.carry()) - exact).abs() < 1e-8);
+}
