@@ -14,6 +14,20 @@
 //!
 //! Positions are in m or rad, velocities in m/s or rad/s, forces in N or N m, times in s. A coordinate whose actuator
 //! limit is 0 is not actuated.
+//!
+//! ```
+//! use leastaction_core::energy::trigonometric::CARTPOLE;
+//! use leastaction_core::forces::System;
+//! use leastaction_firmware_sim::scenario::{SwingUpConfig, swing_up_cartpole};
+//!
+//! let plant = System::conservative(CARTPOLE);
+//! let mut config = SwingUpConfig::cartpole();
+//! config.setup.seed = 7;
+//! // The exact system stands in for a learned model here.
+//! let summary = swing_up_cartpole(&plant, &plant, &config, |tick| assert!(tick.q[0].abs() < 2.4))?;
+//! assert!(summary.success);
+//! # Ok::<(), leastaction_firmware_sim::SetupError>(())
+//! ```
 #![no_std]
 
 mod angle;

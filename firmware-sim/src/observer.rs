@@ -3,8 +3,9 @@
 //! Between samples the estimate moves by the model's discrete Euler–Lagrange step. A sample y corrects it by its
 //! innovation e = y − q̂ (the short way round, for an angle): q̂ ← q̂ + αe, v̂ ← v̂ + βe/h. The gains are those of the
 //! growing-memory filter over n samples, α = 2(2n + 1)/((n + 1)(n + 2)) and β = 6/((n + 1)(n + 2)), which is the
-//! least-squares fit to the samples so far; n stops growing at the configured memory and shrinks by one with every sample
-//! that is missing, so that after a gap the encoder is believed more than the model. No velocity is ever measured.
+//! least-squares fit to the samples so far; n stops growing at the configured memory. When as many samples in a row are
+//! missing, n shrinks by one with every further one, so that after a long gap the encoder is believed more than the model.
+//! No velocity is ever measured.
 //!
 //! Source: E. Brookner, "Tracking and Kalman Filtering Made Easy", 1998, section 1.2.10.
 
@@ -29,12 +30,14 @@ pub struct ObserverConfig {
     pub memory: u8,
     /// Ticks from a command to its effect, as far as the firmware knows.
     pub delay: u8,
+    /// Samples of one encoder missing in a row, or ticks slept through, after which the estimate is not trusted any more.
+    pub patience: u8,
 }
 
 impl Default for ObserverConfig {
-    /// Order 2, Newton's default bounds, a memory of 10 samples, one tick of delay.
+    /// Order 2, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience of 25 samples.
     fn default() -> Self {
-        Self { order: Order::Two, newton: Newton::default(), memory: 10, delay: 1 }
+        Self { order: Order::Two, newton: Newton::default(), memory: 5, delay: 1, patience: 25 }
     }
 }
 
@@ -43,6 +46,9 @@ impl ObserverConfig {
         require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")
     }
 }
+
+/// Samples from which a velocity is known, two for a difference and one to average its noise.
+const VELOCITY_SAMPLES: u8 = 3;
 
 /// The growing-memory filter's (α, β) with n samples in memory.
 fn gains(n: u8) -> (f32, f32) {
@@ -59,8 +65,12 @@ pub struct Observer<'a, M, const N: usize> {
     integrator: Integrator,
     angle: [bool; N],
     memory: u8,
+    patience: u8,
+    trusted: bool,
     /// Samples in memory, coordinate by coordinate.
     samples: [u8; N],
+    /// Samples missing in a row, coordinate by coordinate.
+    missing: [u8; N],
     /// First readings, until every coordinate has one.
     first: [Option<f32>; N],
     state: Option<State<f32, N>>,
@@ -69,14 +79,37 @@ pub struct Observer<'a, M, const N: usize> {
 impl<'a, M: Mechanism<N>, const N: usize> Observer<'a, M, N> {
     /// An observer that steps `model` by ticks of h seconds; `angle` says which encoders forget whole turns.
     pub fn new(model: &'a M, h: f32, angle: [bool; N], config: &ObserverConfig) -> Self {
-        let integrator = Integrator::new(config.order, h, config.newton);
-        let memory = config.memory.max(1);
-        Self { model, integrator, angle, memory, samples: [0; N], first: [None; N], state: None }
+        Self {
+            model,
+            integrator: Integrator::new(config.order, h, config.newton),
+            angle,
+            memory: config.memory.max(1),
+            patience: config.patience,
+            trusted: false,
+            samples: [0; N],
+            missing: [0; N],
+            first: [None; N],
+            state: None,
+        }
     }
 
     /// The discrete state, once every coordinate was measured.
     pub fn state(&self) -> Option<&State<f32, N>> {
         self.state.as_ref()
+    }
+
+    /// Whether the estimate is fit to act on: every encoder has given three samples (as many as its memory holds, if that is
+    /// fewer), and none has been silent for longer than the configured patience since.
+    pub fn trusted(&self) -> bool {
+        self.trusted
+    }
+
+    /// Forgets everything if the firmware slept for more ticks than the configured patience, and starts anew.
+    pub fn wake(&mut self, slept: u32) {
+        if slept > u32::from(self.patience) {
+            (self.state, self.trusted) = (None, false);
+            (self.samples, self.missing, self.first) = ([0; N], [0; N], [None; N]);
+        }
     }
 
     /// Steps the model by one tick under the force that acted. On error the estimate is what it was.
@@ -91,10 +124,24 @@ impl<'a, M: Mechanism<N>, const N: usize> Observer<'a, M, N> {
             None => self.begin(measured)?,
             Some(state) => self.update(&state, measured)?,
         }
-        for (n, sample) in self.samples.iter_mut().zip(measured) {
-            *n = if sample.is_some() { (*n + 1).min(self.memory) } else { n.saturating_sub(1) };
+        for (i, sample) in measured.iter().enumerate() {
+            self.remember(i, sample.is_some());
         }
+        let enough = self.memory.min(VELOCITY_SAMPLES);
+        let silent = self.missing.iter().any(|missing| *missing > self.patience);
+        self.trusted = !silent && (self.trusted || self.samples.iter().all(|n| *n >= enough));
         Ok(())
+    }
+
+    /// Keeps count of the samples of coordinate i in memory and missing.
+    fn remember(&mut self, i: usize, arrived: bool) {
+        let (n, missing) = (&mut self.samples[i], &mut self.missing[i]);
+        *missing = if arrived { 0 } else { missing.saturating_add(1) };
+        if arrived {
+            *n = n.saturating_add(1).min(self.memory);
+        } else if *missing > self.memory {
+            *n = n.saturating_sub(1);
+        }
     }
 
     /// The estimate after further ticks under forces already decided.

@@ -5,7 +5,7 @@ use leastaction_core::discrete::Report;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Mode {
-    /// Waiting for the first reading of every encoder; no force.
+    /// Waiting until the estimate can be trusted: at the start, or after an encoder fell silent; no force.
     Wait,
     /// Stepping the model without feedback.
     Open,

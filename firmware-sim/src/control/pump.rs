@@ -18,12 +18,18 @@ pub struct PumpConfig {
 
 impl PumpConfig {
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
-        let positive = [("pump effort", self.effort), ("energy band", self.energy_band), ("rate band", self.rate_band)];
+        let positive =
+            [("pump effort", self.effort), ("energy band", self.energy_band), ("rate band", self.rate_band)];
         for (what, x) in positive {
             require(what, x, x.is_finite() && x > 0.0, "finite and positive")?;
         }
         let centring = self.centring;
-        require("centring frequency", centring, centring.is_finite() && centring >= 0.0, "finite and not negative")
+        require(
+            "centring frequency",
+            centring,
+            centring.is_finite() && centring >= 0.0,
+            "finite and not negative",
+        )
     }
 
     /// Between −1 and 1: with the sign of `rate` while energy is missing, against it while there is too much. A mechanism
@@ -36,7 +42,7 @@ impl PumpConfig {
 
 /// `x` within ±1.
 fn unit(x: f32) -> f32 {
-    x.max(-1.0).min(1.0)
+    x.clamp(-1.0, 1.0)
 }
 
 /// An energy-based swing-up law, from the model's own energies.
@@ -128,6 +134,11 @@ impl<M: Mechanism<2>> Pump<M, 2> for CartPump {
 /// The energy between hanging and upright, which must be there.
 fn positive_height(height: f32) -> Result<f32, SetupError> {
     let sensible = height.is_finite() && height > 0.0;
-    require("potential of the model, upright minus hanging", height, sensible, "positive, J: is upright at q = 0?")?;
+    require(
+        "potential of the model, upright minus hanging",
+        height,
+        sensible,
+        "positive, J: is upright at q = 0?",
+    )?;
     Ok(height)
 }

@@ -82,7 +82,8 @@ fn linearise<M: Mechanism<N>, const N: usize, const D: usize>(
     let rest = [0.0; N];
     let d = model.hessian(target, &rest);
     let (q_q, q_v) = model.damping(target, &rest);
-    let stiffness: [[f32; N]; N] = core::array::from_fn(|i| core::array::from_fn(|j| d.l_qq[i][j] + q_q[i][j]));
+    let stiffness: [[f32; N]; N] =
+        core::array::from_fn(|i| core::array::from_fn(|j| d.l_qq[i][j] + q_q[i][j]));
     let unit = core::array::from_fn(|i| if i == input { 1.0 } else { 0.0 });
     let singular = |_| SetupError::SingularInertia;
     let columns_q = solve_many(d.l_vv, transpose(&stiffness)).map_err(singular)?;

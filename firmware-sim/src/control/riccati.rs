@@ -28,7 +28,8 @@ impl<const D: usize> Linear<D> {
     }
 }
 
-/// The stabilising solution P of P = Q + AᵀP(I + bbᵀP/r)⁻¹A and its gain K, u = −Kx, which minimise Σ xᵀQx + ru².
+/// The gain K, as a column, of the feedback u = −Kx that minimises Σ xᵀQx + ru² along x⁺ = Ax + bu: K = bᵀPA/(r + bᵀPb) with
+/// the stabilising solution P of P = Q + AᵀP(I + bbᵀP/r)⁻¹A. An error where there is none.
 ///
 /// Structure-preserving doubling: with G₀ = bbᵀ/r and P₀ = Q, W = (I + G P)⁻¹ gives A ← AWA, G ← G + AWGAᵀ,
 /// P ← P + AᵀPWA, where A vanishes quadratically. Source: Chu, Fan, Lin and Wang, "Structure-preserving algorithms for
@@ -48,7 +49,8 @@ pub fn riccati<const D: usize>(
         p += symmetric(&added);
         g = symmetric(&g);
         a = aw * a;
-        if added.norm() <= TOLERANCE * p.norm() {
+        let size = p.norm();
+        if size.is_finite() && added.norm() <= TOLERANCE * size {
             return gain(system, &p, r);
         }
     }
@@ -56,7 +58,11 @@ pub fn riccati<const D: usize>(
 }
 
 /// K = bᵀPA/(r + bᵀPb), as a column.
-fn gain<const D: usize>(system: &Linear<D>, p: &SMatrix<f32, D, D>, r: f32) -> Result<SVector<f32, D>, SetupError> {
+fn gain<const D: usize>(
+    system: &Linear<D>,
+    p: &SMatrix<f32, D, D>,
+    r: f32,
+) -> Result<SVector<f32, D>, SetupError> {
     let pb = p * system.b;
     let k = system.a.transpose() * pb / (r + system.b.dot(&pb));
     if k.iter().all(|k| k.is_finite()) { Ok(k) } else { Err(SetupError::NotStabilisable) }

@@ -6,17 +6,25 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::linear::Singular;
 
 /// When the regulator takes over from the pump, and when it gives up.
+///
+/// A regulator that spares its force (a small tolerance of u) asks near the unstable direction for about twice the least
+/// force that can still save it, so it recovers, saturated, from states that ask for up to twice the limit; one that does
+/// not spare it recovers from fewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Catch {
-    /// It takes over within this angle of upright, rad, if its force is within the actuator's limit.
+    /// It takes over within this angle of upright, rad, > 0.
     pub angle: f32,
+    /// It takes over where it asks for at most so many times the actuator's limit, > 0; at most 2 is sensible.
+    pub force: f32,
     /// It gives up beyond this angle, rad; at least `angle`.
     pub release: f32,
 }
 
 impl Catch {
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
-        require("catch angle", self.angle, self.angle.is_finite() && self.angle > 0.0, "finite and positive")?;
+        for (what, x) in [("catch angle", self.angle), ("catch force", self.force)] {
+            require(what, x, x.is_finite() && x > 0.0, "finite and positive")?;
+        }
         require("release angle", self.release, self.release >= self.angle, "at least the catch angle")
     }
 }
@@ -45,7 +53,11 @@ impl<P, const N: usize> SwingUp<P, N> {
     fn holds(&self, state: &ContinuousState<f32, N>, force: f32) -> bool {
         let deviation = difference(&state.q, &self.regulator.target, &self.angle);
         let angle = deviation.get(self.swinging).map_or(0.0, |x| x.abs());
-        if self.holding { angle < self.catch.release } else { angle < self.catch.angle && force.abs() <= self.limit }
+        if self.holding {
+            angle < self.catch.release
+        } else {
+            angle < self.catch.angle && force.abs() <= self.catch.force * self.limit
+        }
     }
 }
 

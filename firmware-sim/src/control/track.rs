@@ -8,10 +8,12 @@ use leastaction_core::continuous::ContinuousState;
 use leastaction_core::linear::Singular;
 use leastaction_core::scalar::Scalar;
 
-/// A smooth motion there and back, q_i = from + ½(to − from)(1 − cos 2πft): at rest at t = 0.
+/// A motion there and back, q_i = from + ½(to − from)(1 − cos 2πf(t − begin)); at rest until it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference<const N: usize> {
-    /// Position at t = 0, rad or m.
+    /// When it begins, s: the observer needs a few samples before.
+    pub begin: f32,
+    /// Where it begins, rad or m.
     pub from: [f32; N],
     /// Farthest position, rad or m.
     pub to: [f32; N],
@@ -34,9 +36,13 @@ impl<const N: usize> Reference<N> {
     /// Position, velocity and acceleration at time t, s.
     pub fn at(&self, t: f32) -> Setpoint<N> {
         let mut point = Setpoint { q: self.from, v: [0.0; N], a: [0.0; N] };
+        let t = t - self.begin;
+        if t < 0.0 {
+            return point;
+        }
         for i in 0..N {
             let (half, omega) = (0.5 * (self.to[i] - self.from[i]), TAU * self.frequency[i]);
-            let (sin, cos) = (omega * t).sin_cos();
+            let (sin, cos) = Scalar::sin_cos(omega * t);
             point.q[i] += half * (1.0 - cos);
             point.v[i] = half * omega * sin;
             point.a[i] = half * omega * omega * cos;
@@ -45,6 +51,7 @@ impl<const N: usize> Reference<N> {
     }
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        require("reference begin", self.begin, self.begin.is_finite(), "finite")?;
         for i in 0..N {
             let finite = self.from[i].is_finite() && self.to[i].is_finite();
             require("reference", self.from[i] + self.to[i], finite, "finite")?;
@@ -95,7 +102,8 @@ impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
         let t = t + self.delay;
         let (now, middle) = (self.reference.at(t), self.reference.at(t + self.middle));
         let error = difference(&state.q, &now.q, &self.angle);
-        let (stiffness, damping) = (square(self.gains.frequency), 2.0 * self.gains.damping * self.gains.frequency);
+        let (stiffness, damping) =
+            (square(self.gains.frequency), 2.0 * self.gains.damping * self.gains.frequency);
         let wanted = core::array::from_fn(|i| stiffness * error[i] + damping * (state.v[i] - now.v[i]));
         let feedback = model.inertial_force(&state.q, &wanted);
         let feedforward = model.inverse_dynamics(&middle.q, &middle.v, &middle.a);

@@ -44,8 +44,11 @@ impl EncoderConfig {
     /// What the encoder reads at x with a noise of so many standard deviations.
     fn read(&self, x: f32, deviation: f32) -> f32 {
         let noisy = x + self.noise * deviation;
-        let reading =
-            if self.resolution > 0.0 { libm::roundf(noisy / self.resolution) * self.resolution } else { noisy };
+        let reading = if self.resolution > 0.0 {
+            libm::roundf(noisy / self.resolution) * self.resolution
+        } else {
+            noisy
+        };
         if self.angle { wrap(reading) } else { reading }
     }
 }

@@ -38,8 +38,9 @@ impl Stream {
 
     /// Standard normal (Box–Muller, in single precision: at most 5.8 in size).
     pub fn normal(&mut self) -> f32 {
-        let radius = (-2.0 * (-self.uniform()).ln_1p()).sqrt();
-        let (_, cos) = (TAU * self.uniform()).sin_cos();
+        // The trait's functions by name: where std is linked, `x.sin_cos()` would be the platform's, with other bits.
+        let radius = Scalar::sqrt(-2.0 * Scalar::ln_1p(-self.uniform()));
+        let (_, cos) = Scalar::sin_cos(TAU * self.uniform());
         radius * cos
     }
 

@@ -25,7 +25,7 @@ pub struct Excitation<const N: usize> {
 impl<const N: usize> Excitation<N> {
     /// The force of the tick at time t, s.
     pub fn at(&self, t: f32) -> [f32; N] {
-        core::array::from_fn(|i| self.amplitude[i] * (TAU * self.frequency[i] * t).sin_cos().0)
+        core::array::from_fn(|i| self.amplitude[i] * Scalar::sin_cos(TAU * self.frequency[i] * t).0)
     }
 
     fn validate(&self) -> Result<(), SetupError> {
@@ -47,7 +47,12 @@ pub struct Predict<const N: usize> {
 
 impl<const N: usize> Predict<N> {
     /// 5 s of 10 ms at order 4, errors within 0.01 rad or m throughout.
-    fn new(encoders: [EncoderConfig; N], limit: [f32; N], start: Start<N>, excitation: Excitation<N>) -> Self {
+    fn new(
+        encoders: [EncoderConfig; N],
+        limit: [f32; N],
+        start: Start<N>,
+        excitation: Excitation<N>,
+    ) -> Self {
         let setup = Setup {
             seed: 0,
             tick: 0.01,
@@ -130,7 +135,14 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
         Ok(())
     }
 
-    fn tick(&self, index: u32, h: f32, truth: &ContinuousState<f32, N>, u: [f32; N], angle: &[bool; N]) -> Tick<N> {
+    fn tick(
+        &self,
+        index: u32,
+        h: f32,
+        truth: &ContinuousState<f32, N>,
+        u: [f32; N],
+        angle: &[bool; N],
+    ) -> Tick<N> {
         Tick {
             index,
             time: index as f32 * h,

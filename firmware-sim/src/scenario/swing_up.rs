@@ -44,9 +44,9 @@ impl SwingUpConfig<1> {
         };
         Self {
             setup,
-            pump: PumpConfig { effort: 2.0, energy_band: 0.1, rate_band: 0.3, centring: 0.0 },
-            tolerance: Tolerance { q: [0.1], v: [0.5], u: 1.0 },
-            catch: Catch { angle: 0.35, release: 0.7 },
+            pump: PumpConfig { effort: 2.0, energy_band: 0.02, rate_band: 0.3, centring: 0.0 },
+            tolerance: Tolerance { q: [0.2], v: [0.6], u: 0.5 },
+            catch: Catch { angle: 0.5, force: 1.5, release: 1.0 },
         }
     }
 }
@@ -66,9 +66,9 @@ impl SwingUpConfig<2> {
         };
         Self {
             setup,
-            pump: PumpConfig { effort: 5.0, energy_band: 0.1, rate_band: 0.3, centring: 1.5 },
-            tolerance: Tolerance { q: [0.3, 0.1], v: [0.6, 0.5], u: 3.0 },
-            catch: Catch { angle: 0.35, release: 0.7 },
+            pump: PumpConfig { effort: 5.0, energy_band: 0.02, rate_band: 0.3, centring: 1.6 },
+            tolerance: Tolerance { q: [0.3, 0.2], v: [0.6, 0.6], u: 1.2 },
+            catch: Catch { angle: 0.5, force: 1.5, release: 1.0 },
         }
     }
 }
@@ -80,7 +80,11 @@ impl<const N: usize> SwingUpConfig<N> {
     }
 
     /// The controller of a pump, with the force on coordinate 0 and the last coordinate swinging; D is 2N.
-    fn controller<M: Mechanism<N>, P, const D: usize>(&self, model: &M, pump: P) -> Result<SwingUp<P, N>, SetupError> {
+    fn controller<M: Mechanism<N>, P, const D: usize>(
+        &self,
+        model: &M,
+        pump: P,
+    ) -> Result<SwingUp<P, N>, SetupError> {
         let Setup { devices, tick, .. } = &self.setup;
         Ok(SwingUp {
             pump,

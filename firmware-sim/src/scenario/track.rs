@@ -10,6 +10,9 @@ use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
 use core::f32::consts::PI;
 
+/// When the motions begin, s.
+const BEGIN: f32 = 0.1;
+
 /// A fully actuated mechanism following a reference from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackConfig<const N: usize> {
@@ -41,7 +44,12 @@ impl<const N: usize> TrackConfig<N> {
         self.setup.validate()?;
         self.reference.validate()?;
         let Gains { frequency, damping } = self.gains;
-        require("tracking frequency", frequency, frequency.is_finite() && frequency >= 0.0, "finite and not negative")?;
+        require(
+            "tracking frequency",
+            frequency,
+            frequency.is_finite() && frequency >= 0.0,
+            "finite and not negative",
+        )?;
         require("tracking damping", damping, damping.is_finite() && damping >= 0.0, "finite and not negative")
     }
 }
@@ -49,7 +57,7 @@ impl<const N: usize> TrackConfig<N> {
 impl TrackConfig<1> {
     /// The pendulum from hanging to upright and back every 4 s, at most 10 N m.
     pub fn pendulum() -> Self {
-        let reference = Reference { from: [PI], to: [0.0], frequency: [0.25] };
+        let reference = Reference { begin: BEGIN, from: [PI], to: [0.0], frequency: [0.25] };
         Self::new([EncoderConfig::rotary()], [10.0], reference)
     }
 }
@@ -57,13 +65,13 @@ impl TrackConfig<1> {
 impl TrackConfig<2> {
     /// The cart-pole, cart and pole both actuated: the cart 1 m to and fro, the pole from hanging to upright and back.
     pub fn cartpole() -> Self {
-        let reference = Reference { from: [-0.5, PI], to: [0.5, 0.0], frequency: [0.4, 0.25] };
+        let reference = Reference { begin: BEGIN, from: [-0.5, PI], to: [0.5, 0.0], frequency: [0.4, 0.25] };
         Self::new(CART_AND_POLE, [15.0, 2.0], reference)
     }
 
     /// The acrobot, both joints actuated, from hanging at most 40 N m.
     pub fn acrobot() -> Self {
-        let reference = Reference { from: [0.0, 0.0], to: [2.0, -1.5], frequency: [0.25, 0.4] };
+        let reference = Reference { begin: BEGIN, from: [0.0, 0.0], to: [2.0, -1.5], frequency: [0.25, 0.4] };
         Self::new([EncoderConfig::rotary(); 2], [40.0, 40.0], reference)
     }
 }
