@@ -1,7 +1,18 @@
-//! Host training.
+//! Learn the energies of a mechanical system from logged motion, on the host.
+//!
+//! Data flows one way: [`ground_truth`] or a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`model_file`], and
+//! from there to the chip; [`evaluate`] and [`reproduce`] measure, [`plot`] shows.
 
 pub mod architecture;
 pub mod atomic;
+pub mod config;
 pub mod data;
+pub mod evaluate;
 pub mod ground_truth;
+pub mod import;
+pub mod model_cost;
+pub mod model_file;
+pub mod plot;
+pub mod reproduce;
+pub mod run;
 pub mod training;

@@ -25,10 +25,14 @@ fn f8(shape: &str, values: &[f64]) -> Vec<u8> {
 }
 
 fn pack(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
+    let files: Vec<_> = arrays.iter().map(|(name, bytes)| (format!("{name}.npy"), bytes)).collect();
+    zip_up(&files, method)
+}
+
+fn zip_up(files: &[(String, &Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in arrays {
-        zip.start_file(format!("{name}.npy"), SimpleFileOptions::default().compression_method(method))
-            .unwrap();
+    for (name, bytes) in files {
+        zip.start_file(name, SimpleFileOptions::default().compression_method(method)).unwrap();
         zip.write_all(bytes).unwrap();
     }
     zip.finish().unwrap().into_inner()

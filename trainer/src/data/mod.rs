@@ -7,7 +7,7 @@
 //! | `a` | as q, optional | `a0` … | m/s², rad/s² |
 //! | `u` | as q, optional | `u0` … | N, N·m: generalised force; 0 where there is no actuator |
 //! | `t` | \[samples\] | `t` | s |
-//! | `h` | one number | comment line `# h = 0.05` | s |
+//! | `h` | one number | comment line `# h = 0.05` above the header | s |
 //! | `trajectory` | \[samples\], integer | `trajectory` | |
 //!
 //! One of `t` and `h` is needed; both are written. Without `trajectory` the file is one trajectory. For n = 1 arrays may be

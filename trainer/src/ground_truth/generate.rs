@@ -60,7 +60,8 @@ pub fn generate(settings: &Settings) -> Result<Dataset, IntegrationError> {
 pub fn symo_set(mechanism: Mechanism, seed: u64) -> Result<SymoSet, IntegrationError> {
     let both = generate(&Settings::symo(mechanism, 256, seed))?;
     let (train, test) = both.split(128);
-    let free = Settings { samples: 502, control: false, ..Settings::symo(mechanism, 16, seed.wrapping_add(1)) };
+    let free =
+        Settings { samples: 502, control: false, ..Settings::symo(mechanism, 16, seed.wrapping_add(1)) };
     Ok(SymoSet { train, test, integration: generate(&free)? })
 }
 
@@ -86,7 +87,8 @@ fn trajectory<const N: usize>(
 ) -> Result<Trajectory, IntegrationError> {
     let mut state = initial_state(settings.mechanism.spread(), stream);
     let control = if settings.control { stream.random_range(-CONTROL..CONTROL) } else { 0.0 };
-    let u: [f64; N] = core::array::from_fn(|i| if i == settings.mechanism.actuated() { control } else { 0.0 });
+    let u: [f64; N] =
+        core::array::from_fn(|i| if i == settings.mechanism.actuated() { control } else { 0.0 });
     let (mut q, mut v, mut a, mut us) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for k in 0..settings.samples {
         let t = k as f64 * settings.h;
@@ -95,7 +97,8 @@ fn trajectory<const N: usize>(
             state = integrator.advance(state, &u, settings.h).map_err(failed)?;
         }
         let [position, velocity] = state;
-        let acceleration = leastaction_core::continuous::acceleration(integrator.system, &position, &velocity, &u);
+        let acceleration =
+            leastaction_core::continuous::acceleration(integrator.system, &position, &velocity, &u);
         a.push(acceleration.map_err(|_| IntegrationError { t, tolerance: TOLERANCE })?);
         q.push(noisy(position, settings.noise, stream));
         v.push(noisy(velocity, settings.noise, stream));

@@ -3,8 +3,8 @@
 //! Source: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I", section II.9.
 
 use leastaction_core::continuous::acceleration;
-use leastaction_core::forces::{System, Viscous};
 use leastaction_core::energy::trigonometric::Trigonometric;
+use leastaction_core::forces::{System, Viscous};
 use thiserror::Error;
 
 /// Substeps of the modified midpoint rule in successive columns of the extrapolation.
@@ -78,7 +78,13 @@ impl<const N: usize> Integrator<'_, N> {
     }
 
     /// Gragg's rule: its error has only even powers of the substep.
-    fn modified_midpoint(&self, state: &Motion<N>, u: &[f64; N], h: f64, substeps: usize) -> Option<Motion<N>> {
+    fn modified_midpoint(
+        &self,
+        state: &Motion<N>,
+        u: &[f64; N],
+        h: f64,
+        substeps: usize,
+    ) -> Option<Motion<N>> {
         let d = h / substeps as f64;
         let (mut before, mut now) = (*state, combine_rate(state, &self.rate(state, u)?, d));
         for _ in 1..substeps {

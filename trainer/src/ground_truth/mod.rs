@@ -83,6 +83,7 @@ impl Mechanism {
     }
 
     /// SyMo's distribution of initial states.
+    #[expect(clippy::approx_constant, reason = "SyMo draws from ±3.14, not ±π")]
     pub(crate) fn spread(self) -> &'static [Spread] {
         use std::f64::consts::{PI, TAU};
         match self {

@@ -77,10 +77,26 @@ impl Axis {
 
     pub(super) fn label(&self, value: f64) -> String {
         match self.scale {
-            Scale::Log if self.step == 0.0 => power_label(value),
+            Scale::Log if self.step == 0.0 => power_label(value, self.is_plain()),
             Scale::Angle if self.step >= FRAC_PI_4 => angle_label(value),
             _ => number_label(value, self.step, self.ticks.iter().fold(0.0, |max: f64, t| max.max(t.abs()))),
         }
+    }
+
+    /// Whether the ticks are no mere decades and read well without powers.
+    fn is_plain(&self) -> bool {
+        let decades = self.ticks.iter().all(|tick| format!("{tick:.0e}").starts_with('1'));
+        !decades && self.ticks.iter().all(|tick| (9e-4..1.1e3).contains(tick))
+    }
+
+    pub(super) fn ticks(&self) -> &[f64] {
+        &self.ticks
+    }
+
+    /// A value in the middle of the axis.
+    pub(super) fn middle(&self) -> f64 {
+        let middle = (self.low + self.high) / 2.0;
+        if self.scale == Scale::Log { 10_f64.powf(middle) } else { middle }
     }
 
     /// Characters of the longest tick label.
@@ -91,7 +107,7 @@ impl Axis {
 
 /// Room at both ends; a range for a single value.
 fn widen((low, high): (f64, f64)) -> (f64, f64) {
-    let smallest = 1e-9 * low.abs().max(high.abs());
+    let smallest = (1e-9 * low.abs().max(high.abs())).max(1.0 / LARGEST);
     let padding = if high - low > smallest { PADDING * (high - low) } else { (0.1 * low.abs()).max(0.1) };
     (low - padding, high + padding)
 }
@@ -99,7 +115,8 @@ fn widen((low, high): (f64, f64)) -> (f64, f64) {
 /// The ticks between `low` and `high` and their distance.
 fn ticks(scale: Scale, low: f64, high: f64, most: usize) -> (Vec<f64>, f64) {
     match scale {
-        Scale::Log if high - low >= 1.5 => (decades(low, high, most), 0.0),
+        Scale::Log if 3.0 * (high - low) > most as f64 => (decades(low, high, most), 0.0),
+        Scale::Log if high - low > 0.9 => (thirds_of_decades(low, high), 0.0),
         Scale::Log => {
             let (from, to) = (10_f64.powf(low), 10_f64.powf(high));
             let step = round_step((to - from) / most as f64);
@@ -130,6 +147,13 @@ fn decades(low: f64, high: f64, most: usize) -> Vec<f64> {
     multiples(step, low, high).into_iter().map(|exponent| 10_f64.powi(exponent as i32)).collect()
 }
 
+/// 1, 2 and 5 times powers of ten.
+fn thirds_of_decades(low: f64, high: f64) -> Vec<f64> {
+    let powers = multiples(1.0, low.floor(), high).into_iter().map(|exponent| 10_f64.powi(exponent as i32));
+    let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * power));
+    all.filter(|tick| (low..=high).contains(&tick.log10())).collect()
+}
+
 /// The smallest of 1, 2, 5 times a power of ten that is not below `x`.
 fn round_step(x: f64) -> f64 {
     let power = 10_f64.powf(x.log10().floor());
@@ -155,11 +179,19 @@ fn number_label(value: f64, step: f64, largest: f64) -> String {
     let digits = usize::try_from(value.abs().log10().floor() as i32 - last_digit).unwrap_or(0);
     let text = format!("{value:.digits$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let mantissa =
+        if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
     format!("{}×10{}", with_minus(mantissa), superscript(exponent))
 }
 
-fn power_label(value: f64) -> String {
-    format!("10{}", superscript(&format!("{}", value.log10().round() as i32)))
+/// 1, 2 or 5 times a power of ten; in plain digits where `plain`.
+fn power_label(value: f64, plain: bool) -> String {
+    let text = format!("{value:.0e}");
+    match (plain, text.split_once('e')) {
+        (false, Some(("1", exponent))) => format!("10{}", superscript(exponent)),
+        (false, Some((mantissa, exponent))) => format!("{mantissa}×10{}", superscript(exponent)),
+        _ => text.parse().map_or(text, |rounded: f64| rounded.to_string()),
+    }
 }
 
 /// A multiple of π/4.
@@ -230,7 +262,10 @@ mod tests {
     #[test]
     fn linear_ticks_are_round_and_few() {
         assert_eq!(labels(Scale::Linear, &[0.0, 10.0], 6), ["0", "2", "4", "6", "8", "10"]);
-        assert_eq!(labels(Scale::Linear, &[-0.3, 0.3], 5), ["−0.2", "0.0", "0.2"].map(|s| s.replace("0.0", "0")));
+        assert_eq!(
+            labels(Scale::Linear, &[-0.3, 0.3], 5),
+            ["−0.2", "0.0", "0.2"].map(|s| s.replace("0.0", "0"))
+        );
         assert_eq!(labels(Scale::Linear, &[0.0, 2e-7], 4), ["0", "1×10⁻⁷", "2×10⁻⁷"]);
         assert_eq!(labels(Scale::Linear, &[0.0, 3e6], 4), ["0", "1×10⁶", "2×10⁶", "3×10⁶"]);
     }
@@ -239,7 +274,10 @@ mod tests {
     fn logarithmic_ticks_are_decades_where_there_are_any() {
         assert_eq!(labels(Scale::Log, &[2e-6, 3.0], 8), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
         assert_eq!(labels(Scale::Log, &[1e-12, 1.0], 5), ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]);
+        assert_eq!(labels(Scale::Log, &[3e-3, 0.2], 8), ["0.005", "0.01", "0.02", "0.05", "0.1", "0.2"]);
+        assert_eq!(labels(Scale::Log, &[3e-8, 4e-7], 5), ["5×10⁻⁸", "10⁻⁷", "2×10⁻⁷"]);
         assert_eq!(labels(Scale::Log, &[1.0, 4.0], 5), ["1", "2", "3", "4"]);
+        assert_eq!(labels(Scale::Log, &[8e-8, 1.2e-7], 4), ["8×10⁻⁸", "1×10⁻⁷", "1.2×10⁻⁷"]);
     }
 
     #[test]
@@ -252,7 +290,8 @@ mod tests {
 
     #[test]
     fn any_values_give_an_axis_with_ticks_in_it() {
-        let nasty = [f64::NAN, f64::INFINITY, -f64::INFINITY, 0.0, -1.0, 1e308, -1e308, 5e-324, 1.0, 1e-299, 1e299];
+        let nasty =
+            [f64::NAN, f64::INFINITY, -f64::INFINITY, 0.0, -1.0, 1e308, -1e308, 5e-324, 1.0, 1e-299, 1e299];
         for scale in [Scale::Linear, Scale::Log, Scale::Angle] {
             for pair in nasty.iter().flat_map(|a| nasty.iter().map(move |b| [*a, *b])) {
                 let axis = Axis::fit(scale, pair.into_iter(), 6);

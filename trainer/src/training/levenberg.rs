@@ -24,6 +24,8 @@ pub struct Levenberg {
     mu: f64,
     /// The factor by which the next refused step raises μ.
     raise: f64,
+    /// λ of the penalty λ|θ|² that is added to the loss.
+    decay: f64,
 }
 
 /// How an iteration ended.
@@ -41,12 +43,24 @@ impl Levenberg {
     /// Starts at these weights.
     pub fn new(objective: &dyn Objective, weights: Vec<f64>) -> Self {
         let loss = objective.loss(&weights);
-        Self { weights, loss, mu: 1e-2, raise: 2.0 }
+        Self { weights, loss, mu: 1e-2, raise: 2.0, decay: 0.0 }
+    }
+
+    /// The same with a penalty λ|θ|² on the weights, in the units of the loss: for noisy or few data.
+    #[must_use]
+    pub fn with_decay(self, decay: f64) -> Self {
+        Self { decay, ..self }
+    }
+
+    /// What is minimised: the loss and the penalty.
+    fn cost(&self, loss: f64, weights: &[f64]) -> f64 {
+        loss + self.decay * weights.iter().map(|w| w * w).sum::<f64>()
     }
 
     /// One iteration: normal equations once, then steps of growing damping until one lowers the loss.
     pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
-        let Some(equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
+        let Some(mut equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
+        equations.add_decay(self.decay, &self.weights);
         let scale = mean_diagonal(&equations);
         while self.mu < MU_LIMIT {
             if self.try_step(objective, &equations, scale) {
@@ -63,10 +77,12 @@ impl Levenberg {
         let mut trial: Vec<f64> = self.weights.iter().zip(&step).map(|(w, s)| w + s).collect();
         objective.project(&mut trial);
         let loss = objective.loss(&trial);
-        if !(loss < self.loss) {
+        let decrease = self.cost(self.loss, &self.weights) - self.cost(loss, &trial);
+        // Not a number where the trial cannot be evaluated.
+        if decrease.is_nan() || decrease <= 0.0 {
             return false;
         }
-        let gain = (self.loss - loss) / predicted_decrease(equations, &step, self.mu * scale);
+        let gain = decrease / predicted_decrease(equations, &step, self.mu * scale);
         self.mu = (self.mu * (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1)).max(MU_FLOOR);
         self.raise = 2.0;
         (self.weights, self.loss) = (trial, loss);

@@ -6,10 +6,12 @@
 //! function theorem only chooses the δq and δv. One kernel in core does the rest.
 
 use leastaction_core::continuous::acceleration;
-use leastaction_core::discrete::{Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation};
+use leastaction_core::discrete::{
+    Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation,
+};
+use leastaction_core::forces::Forces;
 use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
-use leastaction_core::forces::Forces;
 use leastaction_core::linear::{Singular, add_scaled, multiply, solve_many, transpose};
 use serde::{Deserialize, Serialize};
 
@@ -213,7 +215,8 @@ impl<P: Path + Sync, const N: usize> Loss<N> for DelLoss<P> {
         let pair = self.solve(system, states, controls)?;
         let (before, after) = (&pair.before.interval, &pair.after.interval);
         let ahead = after.linearise(system);
-        let rows = if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { identity() };
+        let rows =
+            if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { identity() };
         let (mut slaved_before, mut slaved_after) = ([[0.0; N]; N], [[0.0; N]; N]);
         if P::BUBBLE {
             let momentum_s = before.end_momentum_s(system);
@@ -229,7 +232,10 @@ impl<P: Path + Sync, const N: usize> Loss<N> for DelLoss<P> {
 }
 
 /// Rows y of −h K⁻¹, K = ∂G/∂w with the bubble following.
-fn next_position_rows<P: Path, const N: usize>(ahead: &Linearised<f64, N>, h: f64) -> Result<[[f64; N]; N], Singular> {
+fn next_position_rows<P: Path, const N: usize>(
+    ahead: &Linearised<f64, N>,
+    h: f64,
+) -> Result<[[f64; N]; N], Singular> {
     let k = if P::BUBBLE { ahead.reduced()?.1 } else { ahead.momentum_w };
     let rows = solve_many(transpose(&k), identity())?;
     Ok(rows.map(|row| row.map(|x| -h * x)))

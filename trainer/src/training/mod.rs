@@ -1,11 +1,13 @@
 //! Learning the weights of a model from motion: the losses and the optimisers.
 
+mod adam;
 mod levenberg;
 mod loss;
 mod normal;
 mod objective;
 mod samples;
 
+pub use adam::{Adam, AdamSettings};
 pub use levenberg::{Levenberg, Progress};
 pub use loss::LossKind;
 pub use normal::NormalEquations;

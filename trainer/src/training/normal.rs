@@ -46,6 +46,15 @@ impl NormalEquations {
         self.rows += residual.len();
     }
 
+    /// Adds the normal equations of the penalty λ|θ|² on the mean square.
+    pub fn add_decay(&mut self, decay: f64, weights: &[f64]) {
+        let decay = decay * self.rows as f64;
+        for (i, w) in weights.iter().enumerate() {
+            self.gram[(i, i)] += decay;
+            self.gradient[i] += decay * w;
+        }
+    }
+
     /// Adds another part.
     pub fn merge(&mut self, other: &Self) {
         self.gram += &other.gram;

@@ -92,11 +92,8 @@ impl<T: Loss<N>, const N: usize, const H: usize> Sum<T, N, H> {
     /// The chunks of each part.
     fn parts(&self, samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
         let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(LANES)).max(LANES);
-        let chunks: Vec<_> = samples
-            .clone()
-            .step_by(chunk)
-            .map(|start| start..samples.end.min(start + chunk))
-            .collect();
+        let chunks: Vec<_> =
+            samples.clone().step_by(chunk).map(|start| start..samples.end.min(start + chunk)).collect();
         let per_part = chunks.len().div_ceil(PARTS).max(1);
         chunks.chunks(per_part).map(<[_]>::to_vec).collect()
     }
@@ -158,8 +155,8 @@ impl<T: Loss<N>, const N: usize, const H: usize> Sum<T, N, H> {
                 let (states, controls) = self.samples.get(samples.start + k.min(count - 1));
                 let residual = self.loss.linearise(&system, &states, &controls, terms)?;
                 if k < count {
-                    for i in 0..N {
-                        rows.residual[i * count + k] = residual[i];
+                    for (i, residual) in residual.into_iter().enumerate() {
+                        rows.residual[i * count + k] = residual;
                     }
                 }
             }

@@ -1,4 +1,7 @@
 use crate::data::{Dataset, Rows, Trajectory};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_pcg::Pcg64;
 use thiserror::Error;
 
 /// What a loss needs is not in the data.
@@ -11,7 +14,7 @@ pub enum SampleError {
 
 /// Three consecutive positions with the controls at them, or one state with its acceleration: what a loss is a mean over.
 ///
-/// All numbers are [samples][n], flat.
+/// All numbers are \[samples\]\[n\], flat.
 #[derive(Clone, Debug, Default)]
 pub struct Samples {
     /// Coordinates.
@@ -56,6 +59,21 @@ impl Samples {
             }
         }
         Ok(samples)
+    }
+
+    /// The same samples in an order drawn from the seed, so that every batch is a mixture.
+    #[must_use]
+    pub fn shuffled(&self, seed: u64) -> Self {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.shuffle(&mut Pcg64::seed_from_u64(seed));
+        let n = self.n;
+        let permute = |x: &Vec<f64>| order.iter().flat_map(|k| &x[k * n..(k + 1) * n]).copied().collect();
+        Self {
+            n,
+            h: self.h,
+            states: self.states.each_ref().map(permute),
+            controls: self.controls.each_ref().map(permute),
+        }
     }
 
     /// How many.

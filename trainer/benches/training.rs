@@ -1,0 +1,101 @@
+//! What second-order training buys: one Levenberg–Marquardt iteration, and Levenberg–Marquardt against Adam alone on the same
+//! cart-pole data, network and loss.
+//!
+//! `cargo bench -p leastaction --bench training`
+
+use leastaction::ground_truth::{Mechanism, symo_set};
+use leastaction::reproduce::symo::{Case, Model};
+use leastaction::training::{Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective};
+use std::time::{Duration, Instant};
+
+/// Iterations of Levenberg–Marquardt, and the seconds that Adam gets beside its own share.
+const ITERATIONS: usize = 60;
+/// How much longer than Levenberg–Marquardt Adam may go on to reach the same error.
+const PATIENCE: u32 = 10;
+
+/// A loss and the time it took.
+struct Reached {
+    loss: f64,
+    time: Duration,
+}
+
+fn main() {
+    let case =
+        Case { mechanism: Mechanism::Cartpole, model: Model::E2eSymo, order: 4, trajectories: 32, seed: 0 };
+    let set = symo_set(case.mechanism, 0).expect("the motion can be followed");
+    let recipe = case.recipe();
+    let samples = Samples::triples(&set.train.truncated(case.trajectories)).shuffled(case.seed);
+    let build = |kind, order| {
+        objective(&recipe.architecture, samples.clone(), kind, order).expect("the shape is compiled")
+    };
+    let (residual, loss) = (build(LossKind::DelResidual, 2), build(LossKind::NextPosition, case.order));
+    let weights = recipe.architecture.initial_weights(case.seed);
+    let (p, rows) = (weights.len(), loss.samples() * 2);
+    println!("cart-pole, order 4, next position: {p} weights, {rows} residuals");
+
+    let ours = levenberg(&*residual, &*loss, weights.clone());
+    let each = ours.time / (ITERATIONS as u32 + 20);
+    // The lower triangle of JᵀJ and the Cholesky factor dominate.
+    let multiply_adds = rows * p * (p + 1) / 2 + p * p * p / 6;
+    println!(
+        "Levenberg-Marquardt: one iteration {each:?}, {:.1} G multiply-adds/s",
+        per_nanosecond(multiply_adds, each)
+    );
+    let settings = AdamSettings::symo(case.trajectories, case.seed);
+    let equal = adam(&*loss, weights.clone(), settings, |reached| reached.time >= ours.time);
+    let longer = adam(&*loss, weights, settings, |reached| {
+        reached.loss <= ours.loss || reached.time >= PATIENCE * ours.time
+    });
+    println!("{:<42} {:>10} {:>10}", "", "seconds", "mean sq.");
+    row("Levenberg-Marquardt", &ours);
+    row("Adam, equal time", &equal);
+    row("Adam, to the same error or 10 x the time", &longer);
+    println!("Adam at equal time: {:.0} times the error", equal.loss / ours.loss);
+    println!(
+        "Adam after {:.1} times the time: {:.0} times the error",
+        ratio(&longer, &ours),
+        longer.loss / ours.loss
+    );
+}
+
+fn levenberg(residual: &dyn Objective, loss: &dyn Objective, weights: Vec<f64>) -> Reached {
+    let clock = Instant::now();
+    let mut warm_up = Levenberg::new(residual, weights);
+    for _ in 0..20 {
+        warm_up.iterate(residual);
+    }
+    let mut levenberg = Levenberg::new(loss, warm_up.weights);
+    for _ in 0..ITERATIONS {
+        levenberg.iterate(loss);
+    }
+    Reached { loss: levenberg.loss, time: clock.elapsed() }
+}
+
+/// The lowest loss until `done`.
+fn adam(
+    loss: &dyn Objective,
+    weights: Vec<f64>,
+    settings: AdamSettings,
+    done: impl Fn(&Reached) -> bool,
+) -> Reached {
+    let clock = Instant::now();
+    let mut adam = Adam::new(loss, weights, settings);
+    let mut reached = Reached { loss: f64::INFINITY, time: Duration::ZERO };
+    while !done(&reached) {
+        adam.iterate(loss);
+        reached = Reached { loss: reached.loss.min(adam.loss), time: clock.elapsed() };
+    }
+    reached
+}
+
+fn per_nanosecond(operations: usize, time: Duration) -> f64 {
+    operations as f64 / time.as_nanos() as f64
+}
+
+fn ratio(a: &Reached, b: &Reached) -> f64 {
+    a.time.as_secs_f64() / b.time.as_secs_f64()
+}
+
+fn row(name: &str, reached: &Reached) {
+    println!("{name:<42} {:>10.1} {:>10.2e}", reached.time.as_secs_f64(), reached.loss);
+}

@@ -1,0 +1,162 @@
+//! `leastaction demo`.
+
+mod portrait;
+
+use super::export::export;
+use super::output::{Failure, Output};
+use super::simulate::{self, Request, Scenario, simulate};
+use super::{Done, interrupt, train};
+use clap::Args;
+use leastaction::config::{Config, Coordinates};
+use leastaction::ground_truth::{Mechanism, Settings, generate};
+use leastaction::model_file::{HostModel, decode};
+use leastaction::run::{Ending, Run};
+use leastaction::{atomic, data};
+use portrait::{Forecast, forecast};
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// From logged motion to a controller, in under a minute.
+///
+/// Logs the motion of a cart-pole, learns its energies from positions and forces alone, exports the weights as a model
+/// file, and brings the pole upright in the firmware loop by a controller that knows nothing but the model. An earlier
+/// demo in the folder is replaced.
+#[derive(Args)]
+pub struct Demo {
+    /// The folder to write to.
+    #[arg(long, default_value = "demo", value_name = "DIR")]
+    out: PathBuf,
+    /// Of all random numbers.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Show no progress.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const MECHANISM: Mechanism = Mechanism::Cartpole;
+/// Enough for the energies to come out well within a quarter of a minute on one core.
+const TRAJECTORIES: usize = 16;
+const WIDTH: u16 = 16;
+const ITERATIONS: u64 = 40;
+
+/// What came out.
+#[derive(Serialize)]
+struct Report {
+    out: PathBuf,
+    seconds: f64,
+    samples: usize,
+    training: train::Report,
+    model: PathBuf,
+    model_bytes: usize,
+    forecast: Forecast,
+    swing_up: simulate::Report,
+    pictures: Vec<PathBuf>,
+}
+
+impl Demo {
+    /// Does it all.
+    pub fn run(self, output: Output) -> Done {
+        let started = Instant::now();
+        let report = self.steps(output, &started)?;
+        output.report(&report)?;
+        report.swing_up.judge()
+    }
+
+    fn steps(&self, output: Output, started: &Instant) -> Result<Report, Failure> {
+        let at = |name: &str| self.out.join(name);
+        let say = |step: &str| output.note(&format!("{:5.1} s  {step}", started.elapsed().as_secs_f64()));
+        std::fs::create_dir_all(&self.out).map_err(|error| Failure::file(&self.out, error))?;
+        say("generate: a cart-pole under random forces");
+        let samples = self.generate(&at("data.npz"))?;
+        say("train: the energies, from positions and forces alone");
+        let training = self.train(output)?;
+        say("export: the weights as a model file, and as Rust source");
+        let (model, model_bytes) = write_model(&at("run"), &at("model.postcard"), &at("model.rs"))?;
+        say("forecast: the model against the truth, free motion from two positions");
+        let forecast = forecast(&model, MECHANISM, self.seed, &at("phase.svg"))?;
+        say("simulate: swing-up in the firmware loop");
+        let request = Request {
+            model: &model,
+            mechanism: MECHANISM,
+            scenario: Scenario::SwingUp,
+            seed: self.seed,
+            seconds: None,
+            tick: None,
+        };
+        let swing_up = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;
+        Ok(Report {
+            out: self.out.clone(),
+            seconds: started.elapsed().as_secs_f64(),
+            samples,
+            pictures: vec![training.loss_curve.clone(), at("phase.svg"), swing_up.picture.clone()],
+            training,
+            model: at("model.postcard"),
+            model_bytes,
+            forecast,
+            swing_up,
+        })
+    }
+
+    fn generate(&self, file: &Path) -> Result<usize, Failure> {
+        let settings = Settings::symo(MECHANISM, TRAJECTORIES, self.seed);
+        let data = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
+        data::write(file, &data).map_err(super::output::written)?;
+        Ok(data.samples())
+    }
+
+    fn train(&self, output: Output) -> Result<train::Report, Failure> {
+        let mut config = Config::new("data.npz", Coordinates(MECHANISM.coordinates().to_vec()));
+        config.model.hidden = vec![WIDTH; 2];
+        (config.training.iterations, config.training.seed) = (ITERATIONS, self.seed);
+        let (file, folder) = (self.out.join("train.toml"), self.out.join("run"));
+        atomic::write(&file, config.to_toml().as_bytes()).map_err(|error| Failure::file(&file, error))?;
+        let plan = train::plan(Config::read(&file)?, output)?;
+        let run = Run::begin(plan, &folder, true)?;
+        let (report, ending) = train::train(run, &folder, self.quiet, interrupt::flag()?)?;
+        if ending == Ending::Interrupted {
+            return Err(Failure::Interrupted("interrupted; run the demo again".to_owned()));
+        }
+        Ok(report)
+    }
+}
+
+fn write_model(run: &Path, file: &Path, rust: &Path) -> Result<(HostModel, usize), Failure> {
+    let (_, bytes) = export(run, file)?;
+    let failed = |error| Failure::file(file, error);
+    let source = leastaction::model_file::rust_source(&bytes).map_err(failed)?;
+    atomic::write(rust, source.as_bytes()).map_err(|error| Failure::file(rust, error))?;
+    Ok((decode(&bytes).map_err(failed)?, bytes.len()))
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let line = |f: &mut fmt::Formatter, name: &str, value: String| writeln!(f, "{name:<34} {value}");
+        let Self { training, forecast, swing_up, .. } = self;
+        line(f, "logged", format!("{TRAJECTORIES} trajectories, {} samples", self.samples))?;
+        line(f, "learned", format!("{} parameters in {:.1} s", training.parameters, training.seconds))?;
+        line(f, "training loss (m², rad²)", format!("{:.1e}", training.train_loss))?;
+        if let Some(loss) = training.validation_loss {
+            line(f, "loss on trajectories held back", format!("{loss:.1e}"))?;
+        }
+        line(f, "model file", format!("{} bytes", self.model_bytes))?;
+        let Forecast { seconds, trajectories, mean, median } = forecast;
+        line(f, "free motion ahead", format!("{seconds} s from {trajectories} starts"))?;
+        line(f, "squared error (m², rad²)", format!("{mean:.1e} mean, {median:.1e} median"))?;
+        let settled = swing_up.settled_at.map_or("not reached".to_owned(), |t| format!("{t:.2} s"));
+        line(f, "pole upright for good after", settled)?;
+        line(
+            f,
+            "cart from the middle at most",
+            format!("{:.2} m", swing_up.max_q.first().unwrap_or(&f32::NAN)),
+        )?;
+        line(f, "Newton iterations a step at most", swing_up.newton_iterations.to_string())?;
+        line(f, "trace hash", swing_up.trace_hash.clone())?;
+        line(f, "all of it took", format!("{:.1} s", self.seconds))?;
+        writeln!(f, "\nModel: {}. Trace: {}.", self.model.display(), swing_up.trace.display())?;
+        let pictures: Vec<_> = self.pictures.iter().map(|picture| picture.display().to_string()).collect();
+        writeln!(f, "Pictures: {}", pictures.join(", "))
+    }
+}

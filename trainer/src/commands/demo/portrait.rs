@@ -1,0 +1,74 @@
+//! Free motion, learned against true.
+
+use super::Failure;
+use leastaction::data::{Dataset, Trajectory};
+use leastaction::evaluate::{integration_errors, rollout};
+use leastaction::ground_truth::{Mechanism, Settings, generate};
+use leastaction::model_file::HostModel;
+use leastaction::plot::{Angle, Phase, Series, Stroke, phase_portrait};
+use serde::Serialize;
+use std::path::Path;
+
+/// How far ahead, s.
+const SECONDS: f64 = 5.0;
+const TRAJECTORIES: usize = 16;
+/// Trajectories in the picture.
+const SHOWN: usize = 4;
+
+/// The model's free motion compared with the true one.
+#[derive(Serialize)]
+pub struct Forecast {
+    /// How far ahead, s.
+    pub seconds: f64,
+    /// From so many random starts.
+    pub trajectories: usize,
+    /// Mean squared position error.
+    pub mean: f64,
+    /// Median over trajectories.
+    pub median: f64,
+}
+
+/// Steps the model from the first two positions of motions it has not seen, and draws the last coordinate's phase plane.
+pub fn forecast(
+    model: &HostModel,
+    mechanism: Mechanism,
+    seed: u64,
+    picture: &Path,
+) -> Result<Forecast, Failure> {
+    let samples = (SECONDS / mechanism.step()).round() as usize + 2;
+    let unseen = seed.wrapping_add(1);
+    let settings = Settings { samples, control: false, ..Settings::symo(mechanism, TRAJECTORIES, unseen) };
+    let truth = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
+    let order = model.discretisation.map_or(4, |d| d.order);
+    let learned = rollout(&model.architecture, &model.weights, order, &truth)
+        .map_err(|error| Failure::Work(error.to_string()))?;
+    let errors = integration_errors(&learned, &truth);
+    draw(picture, &truth, &learned)?;
+    let trajectories = truth.trajectories.len();
+    Ok(Forecast { seconds: SECONDS, trajectories, mean: errors.mean, median: errors.median })
+}
+
+fn draw(file: &Path, truth: &Dataset, learned: &[Vec<f64>]) -> Result<(), Failure> {
+    let pairs = truth.trajectories.iter().zip(learned).take(SHOWN);
+    let series: Vec<Series> = pairs.enumerate().flat_map(|(k, pair)| curves(truth, pair, k == 0)).collect();
+    let phase = Phase { x_label: "θ (rad)", y_label: "dθ/dt (rad/s)", angle: Angle::Wrapped };
+    let title = format!("Free motion of the pole for {SECONDS} s: learned against true");
+    phase_portrait(file, &title, phase, &series).map_err(|error| Failure::Work(error.to_string()))
+}
+
+/// The true and the learned curve of one trajectory.
+fn curves(data: &Dataset, (truth, learned): (&Trajectory, &Vec<f64>), first: bool) -> [Series; 2] {
+    let label = |text: &str| if first { text.to_owned() } else { String::new() };
+    let plane = |positions: &[f64]| phase_plane(positions, data.n, data.h);
+    [
+        Series::new(label("true"), plane(truth.q.as_flat())).with_stroke(Stroke::Wide),
+        Series::new(label("learned"), plane(learned)),
+    ]
+}
+
+/// The last coordinate and its velocity by central differences.
+fn phase_plane(positions: &[f64], n: usize, h: f64) -> Vec<(f64, f64)> {
+    let last: Vec<f64> = positions.chunks_exact(n).filter_map(|q| q.last().copied()).collect();
+    let ahead = last.iter().zip(last.iter().skip(1)).zip(last.iter().skip(2));
+    ahead.map(|((before, q), after)| (*q, (after - before) / (2.0 * h))).collect()
+}

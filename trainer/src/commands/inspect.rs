@@ -1,0 +1,134 @@
+//! `leastaction inspect`.
+
+use super::Done;
+use super::output::{Failure, Output};
+use clap::Args;
+use leastaction::model_cost::{Cost, cost};
+use leastaction::model_file::{HostModel, decode};
+use leastaction_core::energy::rigid::Inertia;
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Show what a model file is and what it costs on a chip.
+///
+/// Multiply-adds are those of the network's layers. Stack bytes are the arrays that are live at once in an evaluation; call
+/// frames come on top. A step takes 2 to 3 Newton iterations.
+#[derive(Args)]
+pub struct Inspect {
+    /// The model file.
+    model: PathBuf,
+}
+
+/// What is in the file.
+#[derive(Serialize)]
+struct Report {
+    model: PathBuf,
+    family: &'static str,
+    coordinates: Vec<&'static str>,
+    layers: Vec<[usize; 2]>,
+    activation: String,
+    inertia: String,
+    damping: Option<Vec<f64>>,
+    parameters: usize,
+    order: Option<u8>,
+    h: Option<f64>,
+    provenance: String,
+    flash_bytes: usize,
+    cost: Cost,
+}
+
+impl Inspect {
+    /// Reads and reports.
+    pub fn run(self, output: Output) -> Done {
+        let (model, bytes) = load(&self.model)?;
+        output.report(&report(self.model, model, bytes)?)
+    }
+}
+
+/// Reads a model file; also its size.
+pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
+    let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
+    let model = decode(&bytes).map_err(|error| Failure::input(file, error))?;
+    Ok((model, bytes.len()))
+}
+
+fn report(file: PathBuf, mut model: HostModel, flash_bytes: usize) -> Result<Report, Failure> {
+    let cost = cost(&model.architecture).map_err(|error| Failure::input(&file, error))?;
+    let architecture = &model.architecture;
+    let damping = architecture.damped.then(|| architecture.damping(&mut model.weights).to_vec());
+    Ok(Report {
+        family: "rigid",
+        coordinates: architecture.coordinates.chars().map(kind).collect(),
+        layers: architecture.layers().into_iter().map(|(inputs, outputs)| [inputs, outputs]).collect(),
+        activation: format!("{:?}", architecture.activation).to_lowercase(),
+        inertia: match architecture.inertia {
+            Inertia::Diagonal => "diagonal".to_owned(),
+            Inertia::Cholesky { epsilon } => format!("cholesky, epsilon {epsilon:e}"),
+        },
+        damping,
+        parameters: model.weights.len(),
+        order: model.discretisation.map(|d| d.order),
+        h: model.discretisation.map(|d| shortest(d.h)),
+        provenance: model.provenance,
+        flash_bytes,
+        cost,
+        model: file,
+    })
+}
+
+/// The shortest decimal number that is this one in single precision.
+fn shortest(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+fn kind(letter: char) -> &'static str {
+    match letter {
+        't' => "translation",
+        'a' => "angle",
+        _ => "cyclic",
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<22} {value}");
+        let layers: Vec<_> =
+            self.layers.iter().map(|[inputs, outputs]| format!("{inputs}x{outputs}")).collect();
+        line(f, "family", self.family)?;
+        line(f, "coordinates", &self.coordinates.join(", "))?;
+        line(f, "layers", &format!("{} ({})", layers.join(", "), self.activation))?;
+        line(f, "inertia matrix", &self.inertia)?;
+        if let Some(damping) = &self.damping {
+            line(f, "damping", &format!("{damping:?} N s/m or N m s/rad"))?;
+        }
+        line(f, "parameters", &self.parameters.to_string())?;
+        match (self.order, self.h) {
+            (Some(order), Some(h)) => line(f, "trained for", &format!("order {order}, step {h} s"))?,
+            _ => line(f, "trained for", "accelerations: any order and step")?,
+        }
+        line(f, "from", &self.provenance)?;
+        writeln!(f)?;
+        self.costs(f)
+    }
+}
+
+impl Report {
+    fn costs(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Cost { state_bytes, handle_bytes, acceleration, newton_order_2, newton_order_4 } = self.cost;
+        writeln!(
+            f,
+            "flash {} bytes; RAM {handle_bytes} bytes for the model, {state_bytes} for a state",
+            self.flash_bytes
+        )?;
+        writeln!(f, "{:<30} {:>13} {:>13}", "", "multiply-adds", "stack bytes")?;
+        let rows = [
+            ("acceleration", acceleration),
+            ("Newton iteration, order 2", newton_order_2),
+            ("Newton iteration, order 4", newton_order_4),
+        ];
+        rows.iter().try_for_each(|(name, work)| {
+            writeln!(f, "{name:<30} {:>13} {:>13}", work.multiply_adds, work.stack_bytes)
+        })
+    }
+}

@@ -1,0 +1,67 @@
+//! The command line: one file and one variant of [`Command`] each.
+
+mod demo;
+mod evaluate;
+mod export;
+mod generate;
+mod import;
+mod inspect;
+mod interrupt;
+mod output;
+mod progress;
+mod reproduce;
+mod simulate;
+mod train;
+
+use clap::{Parser, Subcommand};
+use output::{Failure, Output};
+use std::process::ExitCode;
+
+/// Learn the energies of a mechanical system from logged motion, ship them as a few kilobytes of weights, and step the
+/// system on a microcontroller.
+///
+/// Results go to stdout, messages to stderr. Exit codes: 0 success; 1 the work failed; 2 wrong usage or unreadable input;
+/// 130 interrupted, with everything saved.
+#[derive(Parser)]
+#[command(name = "leastaction", version, max_term_width = 110)]
+struct Cli {
+    /// Print one JSON object on stdout and nothing else there.
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Generate(generate::Generate),
+    Train(train::Train),
+    Export(export::Export),
+    Inspect(inspect::Inspect),
+    Simulate(simulate::Simulate),
+    Demo(demo::Demo),
+    Evaluate(evaluate::Evaluate),
+    Import(import::Import),
+    Reproduce(reproduce::Reproduce),
+}
+
+/// Reads the command line and does what it says.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let output = Output { json: cli.json };
+    let done = match cli.command {
+        Command::Generate(command) => command.run(output),
+        Command::Train(command) => command.run(output),
+        Command::Export(command) => command.run(output),
+        Command::Inspect(command) => command.run(output),
+        Command::Simulate(command) => command.run(output),
+        Command::Demo(command) => command.run(output),
+        Command::Evaluate(command) => command.run(output),
+        Command::Import(command) => command.run(output),
+        Command::Reproduce(command) => command.run(output),
+    };
+    done.map_or_else(|failure| output.fail(&failure), |()| ExitCode::SUCCESS)
+}
+
+/// What every command gives back.
+type Done = Result<(), Failure>;

@@ -1,0 +1,92 @@
+//! How training goes, on stderr: a bar on a terminal, lines elsewhere.
+
+use super::output::Output;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use leastaction::run::{Monitor, Row, Run};
+use std::io::{IsTerminal, stderr};
+use std::time::{Duration, Instant};
+
+/// Time between lines.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// Shows rows as they come.
+pub enum Progress {
+    /// Nothing but warnings.
+    Quiet,
+    /// A bar that is redrawn in place.
+    Bar(ProgressBar),
+    /// A line now and then.
+    Lines {
+        /// When the last was printed.
+        last: Option<Instant>,
+        /// Of all iterations.
+        iterations: u64,
+    },
+}
+
+impl Progress {
+    /// What fits stderr.
+    pub fn new(quiet: bool, run: &Run) -> Self {
+        let iterations = run.plan().iterations();
+        if quiet {
+            Self::Quiet
+        } else if stderr().is_terminal() {
+            Self::Bar(bar(iterations, run.iteration()))
+        } else {
+            Self::Lines { last: None, iterations }
+        }
+    }
+
+    /// Leaves the last state of the bar on the screen.
+    pub fn finish(&self) {
+        if let Self::Bar(bar) = self {
+            bar.abandon();
+        }
+    }
+}
+
+fn bar(iterations: u64, done: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(iterations), ProgressDrawTarget::stderr());
+    let template = "{bar:24} {pos}/{len} {msg} {per_sec} {elapsed}";
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.set_style(style.progress_chars("=> "));
+    bar.set_position(done);
+    bar.reset_eta();
+    bar
+}
+
+impl Monitor for Progress {
+    fn row(&mut self, row: &Row) {
+        match self {
+            Self::Quiet => {}
+            Self::Bar(bar) => {
+                bar.set_position(row.iteration);
+                bar.set_message(losses(row));
+            }
+            Self::Lines { last, iterations } => {
+                if last.is_none_or(|last| last.elapsed() >= PAUSE) {
+                    *last = Some(Instant::now());
+                    let rate = row.iteration as f64 / row.seconds.max(1e-9);
+                    Output { json: false }.note(&format!(
+                        "{}/{iterations} {} {rate:.1}/s",
+                        row.iteration,
+                        losses(row)
+                    ));
+                }
+            }
+        }
+    }
+
+    fn warning(&mut self, message: &str) {
+        let print = || Output { json: false }.note(&format!("warning: {message}"));
+        match self {
+            Self::Bar(bar) => bar.suspend(print),
+            _ => print(),
+        }
+    }
+}
+
+fn losses(row: &Row) -> String {
+    let validation = row.validation.map_or(String::new(), |loss| format!(", validation {loss:.2e}"));
+    format!("{}: train {:.2e}{validation}", row.stage, row.train)
+}

@@ -1,0 +1,158 @@
+//! The scenarios of the firmware loop, with the model's sizes made types.
+
+use super::{Report, Trace};
+use crate::commands::output::Failure;
+use clap::ValueEnum;
+use leastaction::architecture::MAX_WIDTH;
+use leastaction::ground_truth::Mechanism;
+use leastaction::model_file::HostModel;
+use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
+use leastaction_core::forces::System;
+use leastaction_core::model::ModelError;
+use leastaction_firmware_sim::observer::Order;
+use leastaction_firmware_sim::scenario::{
+    Predict, Setup, SwingUpConfig, TrackConfig, predict, swing_up_cartpole, swing_up_pendulum, track,
+};
+use leastaction_firmware_sim::{SetupError, Summary, Tick};
+use serde::Serialize;
+use std::fmt;
+
+/// What the loop does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scenario {
+    /// Step the model beside the mechanism under the same force, without feedback.
+    Predict,
+    /// Follow a reference by inverse dynamics and feedback, every coordinate actuated.
+    Track,
+    /// Bring the pole upright and hold it (pendulum, cart-pole).
+    SwingUp,
+}
+
+impl fmt::Display for Scenario {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Predict => "predict",
+            Self::Track => "track",
+            Self::SwingUp => "swing-up",
+        })
+    }
+}
+
+/// What to run.
+#[derive(Clone, Copy)]
+pub struct Request<'a> {
+    /// The model.
+    pub model: &'a HostModel,
+    /// The plant.
+    pub mechanism: Mechanism,
+    /// What the loop does.
+    pub scenario: Scenario,
+    /// Of all noise.
+    pub seed: u64,
+    /// Length of the run, s.
+    pub seconds: Option<f32>,
+    /// From tick to tick, s.
+    pub tick: Option<f32>,
+}
+
+impl Request<'_> {
+    /// The scenario's setup as asked for; the firmware steps the model by the order it was trained with.
+    fn adapt<const N: usize>(&self, setup: &mut Setup<N>) {
+        setup.seed = self.seed;
+        setup.seconds = self.seconds.unwrap_or(setup.seconds);
+        setup.tick = self.tick.unwrap_or(setup.tick);
+        let order = self.model.discretisation.and_then(|d| Order::from_number(d.order));
+        setup.observer.order = order.unwrap_or(setup.observer.order);
+    }
+}
+
+/// Runs the loop and keeps its trace.
+pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
+    let architecture = &request.model.architecture;
+    let (found, needed) = (architecture.n(), request.mechanism.coordinates().len());
+    if found != needed {
+        let system = request.mechanism.name();
+        return Err(Failure::Input(format!(
+            "the model has {found} coordinates, the {system} has {needed}; choose another --system"
+        )));
+    }
+    let wide = architecture.widths.iter().any(|width| *width > 32);
+    match (request.mechanism, wide) {
+        (Mechanism::Pendulum, false) => pendulum::<32>(request, trace),
+        (Mechanism::Pendulum, true) => pendulum::<MAX_WIDTH>(request, trace),
+        (_, false) => two_coordinates::<32>(request, trace),
+        (_, true) => two_coordinates::<MAX_WIDTH>(request, trace),
+    }
+}
+
+fn pendulum<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
+    let weights = request.model.weights_f32();
+    let model = request.model.architecture.system::<f32, 1, H>(&weights).map_err(refused)?;
+    let plant = System::conservative(PENDULUM);
+    let sink = |tick: &Tick<1>| trace.push(tick);
+    let summary = match request.scenario {
+        Scenario::Predict => {
+            let mut config = Predict::<1>::pendulum();
+            request.adapt(&mut config.setup);
+            predict(&plant, &model, &config, sink)
+        }
+        Scenario::Track => {
+            let mut config = TrackConfig::<1>::pendulum();
+            request.adapt(&mut config.setup);
+            track(&plant, &model, &config, sink)
+        }
+        Scenario::SwingUp => {
+            let mut config = SwingUpConfig::<1>::pendulum();
+            request.adapt(&mut config.setup);
+            swing_up_pendulum(&plant, &model, &config, sink)
+        }
+    };
+    reported(request, summary)
+}
+
+fn two_coordinates<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
+    let weights = request.model.weights_f32();
+    let model = request.model.architecture.system::<f32, 2, H>(&weights).map_err(refused)?;
+    let acrobot = request.mechanism == Mechanism::Acrobot;
+    let plant = System::conservative(if acrobot { ACROBOT } else { CARTPOLE });
+    let sink = |tick: &Tick<2>| trace.push(tick);
+    let summary = match (request.scenario, acrobot) {
+        (Scenario::Predict, _) => {
+            let mut config = if acrobot { Predict::<2>::acrobot() } else { Predict::<2>::cartpole() };
+            request.adapt(&mut config.setup);
+            predict(&plant, &model, &config, sink)
+        }
+        (Scenario::Track, _) => {
+            let mut config = if acrobot { TrackConfig::<2>::acrobot() } else { TrackConfig::<2>::cartpole() };
+            request.adapt(&mut config.setup);
+            track(&plant, &model, &config, sink)
+        }
+        (Scenario::SwingUp, false) => {
+            let mut config = SwingUpConfig::<2>::cartpole();
+            request.adapt(&mut config.setup);
+            swing_up_cartpole(&plant, &model, &config, sink)
+        }
+        (Scenario::SwingUp, true) => {
+            return Err(Failure::Input(
+                "there is no swing-up of the acrobot; take predict or track".to_owned(),
+            ));
+        }
+    };
+    reported(request, summary)
+}
+
+fn reported<const N: usize>(
+    request: &Request,
+    summary: Result<Summary<N>, SetupError>,
+) -> Result<Report, Failure> {
+    match summary {
+        Ok(summary) => Ok(Report::new(request, &summary)),
+        Err(error @ SetupError::OutOfRange { .. }) => Err(Failure::Input(error.to_string())),
+        Err(error) => Err(Failure::Work(error.to_string())),
+    }
+}
+
+fn refused(error: ModelError) -> Failure {
+    Failure::Input(error.to_string())
+}

@@ -1,0 +1,147 @@
+//! `leastaction train`.
+
+use super::output::{Failure, Output, print};
+use super::progress::Progress;
+use super::{Done, interrupt};
+use clap::Args;
+use leastaction::config::{Config, DEFAULTS};
+use leastaction::data;
+use leastaction::run::{Ending, Plan, Run};
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// Learn a model from a log, as a TOML file says.
+///
+/// The run folder receives checkpoint.postcard, history.csv, config.toml and, at the end, loss.svg; `leastaction export`
+/// makes a model file of it. Ctrl-C finishes the iteration, saves and exits with 130; a second Ctrl-C stops at once.
+/// A resumed run gives the same bits as one that was never interrupted; iterations, target, patience, max_seconds,
+/// threads and the checkpoint intervals may be changed before resuming.
+///
+/// Example: leastaction train cartpole.toml -o run
+#[derive(Args)]
+pub struct Train {
+    /// The configuration.
+    #[arg(value_name = "CONFIG.toml", required_unless_present = "print_defaults")]
+    config: Option<PathBuf>,
+    /// The folder of the run.
+    #[arg(short, long, value_name = "RUN", required_unless_present = "print_defaults")]
+    output: Option<PathBuf>,
+    /// Go on with the run in the folder, bit for bit.
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
+    /// Replace the run in the folder.
+    #[arg(long)]
+    force: bool,
+    /// Show no progress.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Print a configuration with every key explained, and do nothing else.
+    #[arg(long, exclusive = true)]
+    print_defaults: bool,
+}
+
+/// What came out of training.
+#[derive(Serialize)]
+pub struct Report {
+    /// The folder.
+    pub run: PathBuf,
+    /// Why training ended.
+    pub ending: &'static str,
+    /// Done, over all stages.
+    pub iterations: u64,
+    /// Numbers in the weight block.
+    pub parameters: usize,
+    /// Samples of the last stage.
+    pub training_samples: usize,
+    /// Samples held back.
+    pub validation_samples: usize,
+    /// The iteration that gave the best weights.
+    pub best_iteration: u64,
+    /// Of the best weights.
+    pub train_loss: f64,
+    /// Of the best weights.
+    pub validation_loss: Option<f64>,
+    /// Of training.
+    pub seconds: f64,
+    /// The picture.
+    pub loss_curve: PathBuf,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let validation =
+            self.validation_loss.map_or(String::new(), |loss| format!(", validation loss {loss:.3e}"));
+        writeln!(
+            f,
+            "{} parameters, {} + {} samples",
+            self.parameters, self.training_samples, self.validation_samples
+        )?;
+        writeln!(f, "{} iterations in {:.1} s, ended by: {}", self.iterations, self.seconds, self.ending)?;
+        writeln!(
+            f,
+            "best at iteration {}: training loss {:.3e}{validation}",
+            self.best_iteration, self.train_loss
+        )?;
+        writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())
+    }
+}
+
+impl Train {
+    /// Trains, or prints the defaults.
+    pub fn run(self, output: Output) -> Done {
+        let (Some(file), Some(folder)) = (&self.config, &self.output) else {
+            return print(DEFAULTS);
+        };
+        let config = Config::read(file)?;
+        let plan = plan(config, output)?;
+        let run = if self.resume { Run::resume(plan, folder) } else { Run::begin(plan, folder, self.force) }?;
+        let (report, ending) = train(run, folder, self.quiet, interrupt::flag()?)?;
+        if ending == Ending::Interrupted {
+            let (iteration, file, folder) = (report.iterations, file.display(), folder.display());
+            return Err(Failure::Interrupted(format!(
+                "interrupted; iteration {iteration} is saved. Go on with: leastaction train {file} -o {folder} --resume"
+            )));
+        }
+        output.report(&report)
+    }
+}
+
+/// Reads the data and prepares the losses, telling what should be known.
+pub fn plan(config: Config, output: Output) -> Result<Plan, Failure> {
+    let (data, notes) = data::read(&config.data.file)?;
+    notes.iter().for_each(|note| output.note(&format!("note: {note}")));
+    let plan = Plan::new(config, &data)?;
+    plan.notices().iter().for_each(|notice| output.note(&format!("note: {notice}")));
+    Ok(plan)
+}
+
+/// Trains with progress on stderr.
+pub fn train(
+    mut run: Run,
+    folder: &Path,
+    quiet: bool,
+    stop: &AtomicBool,
+) -> Result<(Report, Ending), Failure> {
+    let mut progress = Progress::new(quiet, &run);
+    let ending = run.train(&mut progress, stop);
+    progress.finish();
+    let ending = ending?;
+    let (training_samples, validation_samples) = run.plan().samples();
+    let best = run.best();
+    let report = Report {
+        run: folder.to_owned(),
+        ending: ending.name(),
+        iterations: run.iteration(),
+        parameters: run.plan().parameters(),
+        training_samples,
+        validation_samples,
+        best_iteration: best.iteration,
+        train_loss: best.train,
+        validation_loss: best.validation,
+        seconds: run.seconds(),
+        loss_curve: run.loss_curve(),
+    };
+    Ok((report, ending))
+}

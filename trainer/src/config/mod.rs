@@ -1,0 +1,248 @@
+//! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
+//! explained.
+
+mod error;
+mod fields;
+
+pub use error::ConfigError;
+pub use fields::{Coordinates, InertiaKind, OptimiserKind};
+
+use crate::architecture::Architecture;
+use crate::training::LossKind;
+use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::network::Activation;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The default configuration, every key explained.
+pub const DEFAULTS: &str = include_str!("defaults.toml");
+
+/// What to learn, from what, and how.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// `[data]`.
+    pub data: DataConfig,
+    /// `[model]`.
+    pub model: ModelConfig,
+    /// `[training]`.
+    #[serde(default)]
+    pub training: TrainingConfig,
+}
+
+/// The log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DataConfig {
+    /// `.npz` or `.csv`; relative to the configuration file.
+    pub file: PathBuf,
+    /// Only the first so many trajectories, at least 1.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_positive")]
+    pub trajectories: Option<usize>,
+    /// Part of the trajectories held back from the end, in [0, 1).
+    #[serde(default = "validation", deserialize_with = "fields::fraction")]
+    pub validation: f64,
+}
+
+/// The shape of the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelConfig {
+    /// What each coordinate is.
+    pub coordinates: Coordinates,
+    /// Units of the hidden layers.
+    #[serde(default = "hidden", deserialize_with = "fields::widths")]
+    pub hidden: Vec<u16>,
+    /// Of the hidden layers.
+    #[serde(default = "activation", with = "fields::ActivationName")]
+    pub activation: Activation,
+    /// The inertia matrix; by default diagonal for one coordinate, else Cholesky.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<InertiaKind>,
+    /// ε of the Cholesky form, ≥ 0.
+    #[serde(default = "epsilon", deserialize_with = "fields::epsilon")]
+    pub epsilon: f32,
+    /// Whether viscous damping is learned.
+    #[serde(default)]
+    pub damping: bool,
+}
+
+/// Loss, optimiser and when to stop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrainingConfig {
+    /// What is minimised.
+    pub loss: LossKind,
+    /// Of the discrete Euler–Lagrange equation, 2 or 4.
+    #[serde(deserialize_with = "fields::order")]
+    pub order: u8,
+    /// Which optimiser.
+    pub optimiser: OptimiserKind,
+    /// Iterations at most, warm-up not counted.
+    pub iterations: u64,
+    /// Iterations on the DEL residual before those on the next position.
+    pub warm_up: u64,
+    /// Training loss at which to stop.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
+    pub target: Option<f64>,
+    /// Iterations without a better validation loss after which to stop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub patience: Option<u64>,
+    /// Seconds after which to stop.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
+    pub max_seconds: Option<f64>,
+    /// Of all random numbers.
+    pub seed: u64,
+    /// Threads; 0: all.
+    pub threads: usize,
+    /// Iterations from checkpoint to checkpoint, at least 1.
+    #[serde(deserialize_with = "fields::positive")]
+    pub checkpoint_iterations: u64,
+    /// Seconds from checkpoint to checkpoint.
+    #[serde(deserialize_with = "fields::limit")]
+    pub checkpoint_seconds: f64,
+    /// λ ≥ 0 of the penalty λ|θ|² that Levenberg–Marquardt adds to the loss.
+    #[serde(deserialize_with = "fields::penalty")]
+    pub weight_decay: f64,
+    /// Of Adam.
+    pub adam: AdamConfig,
+}
+
+/// Adam with a learning rate that falls on plateaus.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct AdamConfig {
+    /// Of the first iterations, > 0.
+    #[serde(deserialize_with = "fields::limit")]
+    pub learning_rate: f64,
+    /// Samples in a step; 0: all.
+    pub batch: usize,
+    /// By which the learning rate is multiplied on a plateau, in (0, 1].
+    #[serde(deserialize_with = "fields::factor")]
+    pub plateau_factor: f64,
+    /// Iterations without a lower loss that make a plateau.
+    pub plateau_patience: u32,
+}
+
+fn validation() -> f64 {
+    0.1
+}
+
+fn hidden() -> Vec<u16> {
+    vec![24, 24]
+}
+
+fn activation() -> Activation {
+    Activation::Tanh
+}
+
+fn epsilon() -> f32 {
+    1e-9
+}
+
+impl Default for TrainingConfig {
+    fn default() -> Self {
+        Self {
+            loss: LossKind::NextPosition,
+            order: 4,
+            optimiser: OptimiserKind::LevenbergMarquardt,
+            iterations: 200,
+            warm_up: 20,
+            target: None,
+            patience: None,
+            max_seconds: None,
+            seed: 0,
+            threads: 0,
+            checkpoint_iterations: 50,
+            checkpoint_seconds: 10.0,
+            weight_decay: 0.0,
+            adam: AdamConfig::default(),
+        }
+    }
+}
+
+impl Default for AdamConfig {
+    fn default() -> Self {
+        Self { learning_rate: 1e-3, batch: 0, plateau_factor: 0.7, plateau_patience: 50 }
+    }
+}
+
+impl Config {
+    /// The defaults for a log of these coordinates.
+    pub fn new(file: impl Into<PathBuf>, coordinates: Coordinates) -> Self {
+        Self {
+            data: DataConfig { file: file.into(), trajectories: None, validation: validation() },
+            model: ModelConfig {
+                coordinates,
+                hidden: hidden(),
+                activation: activation(),
+                inertia: None,
+                epsilon: epsilon(),
+                damping: false,
+            },
+            training: TrainingConfig::default(),
+        }
+    }
+
+    /// Reads a configuration file; the data file's path becomes relative to the working folder.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with file, line and key.
+    pub fn read(path: &Path) -> Result<Self, ConfigError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| ConfigError::Read { file: path.to_owned(), error })?;
+        let mut config = Self::parse(&text, path)?;
+        if let Some(folder) = path.parent() {
+            config.data.file = folder.join(&config.data.file);
+        }
+        Ok(config)
+    }
+
+    /// Reads a configuration from text; `file` is for messages alone.
+    ///
+    /// # Errors
+    /// [`ConfigError::Invalid`] with line and key.
+    pub fn parse(text: &str, file: &Path) -> Result<Self, ConfigError> {
+        toml::from_str(text).map_err(|error| ConfigError::invalid(file, text, &error))
+    }
+
+    /// The configuration as TOML, every key written out.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+
+    /// The same without what may change when a run is resumed: where the data lies, when to stop and to save, threads.
+    #[must_use]
+    pub fn identity(&self) -> Self {
+        let defaults = TrainingConfig::default();
+        Self {
+            data: DataConfig { file: PathBuf::new(), ..self.data.clone() },
+            training: TrainingConfig {
+                iterations: defaults.iterations,
+                target: defaults.target,
+                patience: defaults.patience,
+                max_seconds: defaults.max_seconds,
+                threads: defaults.threads,
+                checkpoint_iterations: defaults.checkpoint_iterations,
+                checkpoint_seconds: defaults.checkpoint_seconds,
+                ..self.training.clone()
+            },
+            ..self.clone()
+        }
+    }
+
+    /// The shape of the model.
+    pub fn architecture(&self) -> Architecture {
+        let ModelConfig { coordinates, hidden, activation, damping, .. } = &self.model;
+        let plain = Architecture::new(&coordinates.0, 0);
+        let cholesky = Inertia::Cholesky { epsilon: self.model.epsilon };
+        let inertia = match (self.model.inertia, plain.inertia) {
+            (Some(InertiaKind::Diagonal), _) | (None, Inertia::Diagonal) => Inertia::Diagonal,
+            _ => cholesky,
+        };
+        Architecture { widths: hidden.clone(), activation: *activation, inertia, damped: *damping, ..plain }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,126 @@
+use super::*;
+use leastaction_core::energy::rigid::Coordinate;
+
+fn parse(text: &str) -> Result<Config, ConfigError> {
+    Config::parse(text, Path::new("c.toml"))
+}
+
+fn error(text: &str) -> String {
+    parse(text).unwrap_err().to_string()
+}
+
+fn defaults() -> Config {
+    Config::new("data.npz", Coordinates(vec![Coordinate::Translation, Coordinate::Angle]))
+}
+
+const LEAST: &str = "[data]\nfile = \"data.npz\"\n[model]\ncoordinates = \"ta\"\n";
+
+#[test]
+fn printed_defaults_are_the_defaults() {
+    assert_eq!(parse(DEFAULTS).unwrap(), defaults());
+    assert_eq!(parse(LEAST).unwrap(), defaults());
+}
+
+#[test]
+fn printed_keys_that_are_off_can_be_switched_on() {
+    let is_key =
+        |line: &str| line.split(" = ").next().is_some_and(|key| !key.is_empty() && !key.contains(' '));
+    let switched: String = DEFAULTS
+        .lines()
+        .map(|line| {
+            line.strip_prefix("# ").filter(|rest| rest.contains(" = ") && is_key(rest)).unwrap_or(line)
+        })
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    let config = parse(&switched).unwrap();
+    assert_eq!(config.data.trajectories, Some(32));
+    assert_eq!(config.model.inertia, Some(InertiaKind::Cholesky));
+    let TrainingConfig { target, patience, max_seconds, .. } = config.training;
+    assert_eq!((target, patience, max_seconds), (Some(1e-12), Some(50), Some(600.0)));
+}
+
+#[test]
+fn every_key_is_printed() {
+    let table: toml::Table = toml::from_str(&defaults().to_toml()).unwrap();
+    for (section, keys) in &table {
+        for key in keys.as_table().unwrap().keys() {
+            assert!(DEFAULTS.contains(&format!("\n{key} = ")) || key == "adam", "[{section}] {key}");
+        }
+    }
+}
+
+#[test]
+fn toml_round_trips() {
+    let mut config = defaults();
+    config.training.target = Some(1e-9);
+    config.model.activation = Activation::Isru;
+    config.model.inertia = Some(InertiaKind::Diagonal);
+    assert_eq!(parse(&config.to_toml()).unwrap(), config);
+}
+
+#[test]
+fn errors_name_line_and_key_and_what_to_do() {
+    let unknown = error(&format!("{LEAST}[training]\niteratons = 5\n"));
+    assert!(unknown.starts_with("c.toml:6: \"iteratons = 5\": unknown field `iteratons`"), "{unknown}");
+    assert!(unknown.ends_with("did you mean `iterations`?"), "{unknown}");
+    let section = error(&format!("{LEAST}[trainin]\n"));
+    assert!(section.contains("did you mean `training`?") && section.contains(":5:"), "{section}");
+    let loss = error(&format!("{LEAST}[training]\nloss = \"next-positon\"\n"));
+    assert!(loss.contains(":6:") && loss.ends_with("did you mean `next-position`?"), "{loss}");
+    let missing = error("[data]\nfile = \"a\"\n[model]\n");
+    assert!(
+        missing.contains("missing field `coordinates`") && missing.contains("--print-defaults"),
+        "{missing}"
+    );
+    let syntax = error("[data\n");
+    assert!(syntax.starts_with("c.toml:1:"), "{syntax}");
+}
+
+#[test]
+fn values_out_of_range_are_refused_with_their_line() {
+    let cases = [
+        ("[training]\norder = 3", "2 or 4"),
+        ("[training]\ncheckpoint_iterations = 0", "1 or above"),
+        ("[training]\nmax_seconds = -1.0", "above 0"),
+        ("[training]\ntarget = nan", "above 0"),
+        ("[training]\niterations = -5", "-5"),
+        ("[training.adam]\nplateau_factor = 1.5", "at most 1"),
+        ("[training.adam]\nlearning_rate = \"fast\"", "invalid type"),
+    ];
+    for (text, expected) in cases {
+        let message = error(&format!("{LEAST}{text}\n"));
+        assert!(message.starts_with("c.toml:6: ") && message.contains(expected), "{message}");
+    }
+    for (key, value) in [("hidden", "[]"), ("hidden", "[8, 0]"), ("hidden", "[999]"), ("epsilon", "-1.0")] {
+        let message = error(&format!("{LEAST}{key} = {value}\n"));
+        assert!(message.starts_with("c.toml:5: ") && message.contains("expected"), "{message}");
+    }
+    for value in ["\"tx\"", "[\"angel\"]", "[]", "\"ttttt\"", "3"] {
+        let message = error(&format!("[data]\nfile = \"a\"\n[model]\ncoordinates = {value}\n"));
+        assert!(message.starts_with("c.toml:4: "), "{message}");
+    }
+    assert!(error(&LEAST.replace("file", "validation = 1.0\nfile")).starts_with("c.toml:2: "));
+}
+
+#[test]
+fn the_shape_follows_the_coordinates() {
+    let two = parse(LEAST).unwrap().architecture();
+    assert_eq!(two.inertia, Inertia::Cholesky { epsilon: 1e-9 });
+    assert_eq!(two.parameters().unwrap(), 796);
+    let one = parse(&LEAST.replace("\"ta\"", "[\"angle\"]")).unwrap().architecture();
+    assert_eq!((one.inertia, one.coordinates.as_str()), (Inertia::Diagonal, "a"));
+    let explicit = parse(&format!("{LEAST}inertia = \"diagonal\"\n")).unwrap().architecture();
+    assert_eq!(explicit.inertia, Inertia::Diagonal);
+}
+
+#[test]
+fn identity_ignores_when_to_stop_but_not_what_is_learned() {
+    let config = defaults();
+    let mut later = config.clone();
+    later.training.iterations = 9;
+    later.training.threads = 2;
+    later.data.file = "elsewhere.npz".into();
+    assert_eq!(config.identity(), later.identity());
+    later.training.order = 2;
+    assert_ne!(config.identity(), later.identity());
+}

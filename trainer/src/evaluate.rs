@@ -1,0 +1,227 @@
+//! How good a model is, in SyMo's measures on equal terms.
+
+use crate::architecture::{Architecture, Visitor};
+use crate::data::{Dataset, Trajectory};
+use crate::ground_truth::{Exact, Mechanism};
+use crate::training::{LossKind, Samples, objective};
+use leastaction_core::continuous::energy;
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, StepError};
+use leastaction_core::energy::trigonometric::Trigonometric;
+use leastaction_core::forces::{Forces, System};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::ModelError;
+use rayon::prelude::*;
+
+/// Steps of the first part of a long integration.
+const EARLY: usize = 100;
+
+/// Positions that free or forced steps from the first two of each trajectory give, all \[samples\]\[n\], flat.
+///
+/// Where a step fails the rest of the trajectory is NaN.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn rollout(
+    architecture: &Architecture,
+    weights: &[f64],
+    order: u8,
+    data: &Dataset,
+) -> Result<Vec<Vec<f64>>, ModelError> {
+    architecture.dispatch(Rollout { architecture, weights, order, data })?
+}
+
+struct Rollout<'a> {
+    architecture: &'a Architecture,
+    weights: &'a [f64],
+    order: u8,
+    data: &'a Dataset,
+}
+
+impl Visitor for Rollout<'_> {
+    type Output = Result<Vec<Vec<f64>>, ModelError>;
+
+    fn visit<const N: usize, const H: usize>(self) -> Self::Output {
+        let system = self.architecture.system::<f64, N, H>(self.weights)?;
+        Ok(rollout_system(&system, self.order, self.data))
+    }
+}
+
+/// [`rollout`] of any system, exact or learned.
+pub fn rollout_system<L, F, const N: usize>(system: &System<L, F>, order: u8, data: &Dataset) -> Vec<Vec<f64>>
+where
+    L: Lagrangian<f64, N> + Sync,
+    F: Forces<f64, N> + Sync,
+{
+    let one = |trajectory: &Trajectory| match order {
+        4 => free_run::<Galerkin, _, _, N>(system, data.h, trajectory),
+        _ => free_run::<Midpoint, _, _, N>(system, data.h, trajectory),
+    };
+    data.trajectories.par_iter().map(one).collect()
+}
+
+fn free_run<P: Path, L, F, const N: usize>(system: &System<L, F>, h: f64, trajectory: &Trajectory) -> Vec<f64>
+where
+    L: Lagrangian<f64, N>,
+    F: Forces<f64, N>,
+{
+    let del = Del::<f64, P>::with_newton(h, Newton { max_iterations: 20, stop: 1e-14, accept: 1e-8 });
+    let mut positions: Vec<f64> = trajectory.q.iter().take(2).flatten().copied().collect();
+    let _stopped_early = extend_run(&del, system, trajectory, &mut positions);
+    positions.resize(trajectory.samples() * N, f64::NAN);
+    positions
+}
+
+fn extend_run<P: Path, L, F, const N: usize>(
+    del: &Del<f64, P>,
+    system: &System<L, F>,
+    trajectory: &Trajectory,
+    positions: &mut Vec<f64>,
+) -> Result<(), StepError<f64>>
+where
+    L: Lagrangian<f64, N>,
+    F: Forces<f64, N>,
+{
+    let q = |k: usize| -> [f64; N] { std::array::from_fn(|i| trajectory.q[k][i]) };
+    let u =
+        |k: usize| -> [f64; N] { std::array::from_fn(|i| trajectory.u.as_ref().map_or(0.0, |u| u[k][i])) };
+    let between = |k: usize| Control { start: u(k), end: u(k + 1) };
+    let mut state = del.start(system, &q(0), &q(1), &between(0))?;
+    for k in 1..trajectory.samples() - 1 {
+        del.step(system, &mut state, &between(k))?;
+        positions.extend(state.q());
+    }
+    Ok(())
+}
+
+/// Errors of long free motions, positions after the first two.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IntegrationErrors {
+    /// Mean squared position error.
+    pub mean: f64,
+    /// Median over trajectories of their mean squared error.
+    pub median: f64,
+    /// The mean over the first 100 steps.
+    pub first_100: f64,
+}
+
+/// Compares rollouts with the motions they should be. A rollout that broke off counts as infinite error.
+pub fn integration_errors(predicted: &[Vec<f64>], data: &Dataset) -> IntegrationErrors {
+    let errors = |steps: usize| -> Vec<f64> {
+        let pairs = predicted.iter().zip(&data.trajectories);
+        pairs.map(|(p, t)| mean_square(p, t.q.as_flat(), 2 * data.n..(2 + steps) * data.n)).collect()
+    };
+    let all = errors(usize::MAX / (2 * data.n) - 2);
+    let mut sorted = all.clone();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    let median = if sorted.len().is_multiple_of(2) {
+        (sorted[middle - 1] + sorted[middle]) / 2.0
+    } else {
+        sorted[middle]
+    };
+    IntegrationErrors { mean: mean(&all), median, first_100: mean(&errors(EARLY)) }
+}
+
+fn mean_square(a: &[f64], b: &[f64], range: std::ops::Range<usize>) -> f64 {
+    let range = range.start..range.end.min(a.len());
+    let squares: Vec<f64> = a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (a - b) * (a - b)).collect();
+    let mean = mean(&squares);
+    if mean.is_finite() { mean } else { f64::INFINITY }
+}
+
+fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len() as f64
+}
+
+/// Mean squared difference of the true energy along the rollouts, at the midpoint states ((a + b)/2, (b − a)/h), from the
+/// true energy at the start (of the first midpoint where the data has no velocities). Exact positions do not give zero: the
+/// midpoint state itself is an approximation.
+pub fn energy_mse(mechanism: Mechanism, predicted: &[Vec<f64>], data: &Dataset) -> f64 {
+    match mechanism.exact() {
+        Exact::One(exact) => exact_energy_mse(&exact, predicted, data),
+        Exact::Two(exact) => exact_energy_mse(&exact, predicted, data),
+    }
+}
+
+fn exact_energy_mse<const N: usize>(exact: &Trigonometric<N>, predicted: &[Vec<f64>], data: &Dataset) -> f64 {
+    let mut squares = Vec::new();
+    for (positions, trajectory) in predicted.iter().zip(&data.trajectories) {
+        let (rows, _) = positions.as_chunks::<N>();
+        let start = initial_energy(exact, trajectory)
+            .unwrap_or_else(|| midpoint_energy(exact, &rows[0], &rows[1], data.h));
+        squares.extend(rows.windows(2).skip(1).map(|pair| {
+            let difference = midpoint_energy(exact, &pair[0], &pair[1], data.h) - start;
+            difference * difference
+        }));
+    }
+    let mean = mean(&squares);
+    if mean.is_finite() { mean } else { f64::INFINITY }
+}
+
+fn initial_energy<const N: usize>(exact: &Trigonometric<N>, trajectory: &Trajectory) -> Option<f64> {
+    let row = |x: &[f64]| -> [f64; N] { std::array::from_fn(|i| x[i]) };
+    let v = trajectory.v.as_ref()?;
+    Some(energy(exact, &row(&trajectory.q[0]), &row(&v[0])))
+}
+
+fn midpoint_energy<const N: usize>(exact: &Trigonometric<N>, a: &[f64; N], b: &[f64; N], h: f64) -> f64 {
+    let q = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+    let v = std::array::from_fn(|i| (b[i] - a[i]) / h);
+    energy(exact, &q, &v)
+}
+
+/// Mean squared difference between the learned and the true inertia matrix, entry by entry, at all positions of the data.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn inertia_mse(
+    architecture: &Architecture,
+    weights: &[f64],
+    mechanism: Mechanism,
+    data: &Dataset,
+) -> Result<f64, ModelError> {
+    architecture.dispatch(InertiaError { architecture, weights, mechanism, data })?
+}
+
+struct InertiaError<'a> {
+    architecture: &'a Architecture,
+    weights: &'a [f64],
+    mechanism: Mechanism,
+    data: &'a Dataset,
+}
+
+impl Visitor for InertiaError<'_> {
+    type Output = Result<f64, ModelError>;
+
+    fn visit<const N: usize, const H: usize>(self) -> Self::Output {
+        let system = self.architecture.system::<f64, N, H>(self.weights)?;
+        let mut squares = Vec::new();
+        for q in self.data.trajectories.iter().flat_map(|t| t.q.iter()) {
+            let learned =
+                system.lagrangian.dynamics(&std::array::from_fn::<f64, N, _>(|i| q[i]), &[0.0; N]).mass.0;
+            let exact = exact_mass(self.mechanism, q);
+            squares.extend(learned.as_flattened().iter().zip(&exact).map(|(a, b)| (a - b) * (a - b)));
+        }
+        Ok(mean(&squares))
+    }
+}
+
+fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {
+    match mechanism.exact() {
+        Exact::One(exact) => exact.mass_matrix(&[q[0]]).as_flattened().to_vec(),
+        Exact::Two(exact) => exact.mass_matrix(&[q[0], q[1]]).as_flattened().to_vec(),
+    }
+}
+
+/// Mean squared error of the position one step ahead, from the two before it.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn one_step_mse(
+    architecture: &Architecture,
+    weights: &[f64],
+    order: u8,
+    data: &Dataset,
+) -> Result<f64, ModelError> {
+    Ok(objective(architecture, Samples::triples(data), LossKind::NextPosition, order)?.loss(weights))
+}

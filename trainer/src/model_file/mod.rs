@@ -1,0 +1,152 @@
+//! Model files on the host: written from weights in double precision, read back into them, and as Rust source.
+
+mod rust_source;
+
+pub use rust_source::rust_source;
+
+use crate::architecture::Architecture;
+use leastaction_core::model::{
+    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, ModelError, checksum, parse,
+};
+use thiserror::Error;
+
+/// Bytes of the checksum that closes a file.
+const CHECKSUM: usize = 4;
+/// What the weights' offset is a multiple of.
+const ALIGNMENT: usize = 4;
+
+/// A model that cannot be written.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EncodeError {
+    /// A weight is not a number of single precision.
+    #[error(
+        "weight {index} is {value}, which single precision cannot hold; train again, with a smaller step or another seed"
+    )]
+    Weight {
+        /// Its position in the block.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The format does not allow the shape or a number.
+    #[error("the model does not fit the file format: {0}")]
+    Model(ModelError),
+    /// The header cannot be serialised.
+    #[error("the header cannot be written: {0}")]
+    Header(postcard::Error),
+}
+
+/// A model as read on the host.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HostModel {
+    /// Its shape.
+    pub architecture: Architecture,
+    /// The weight block; every number is one of single precision.
+    pub weights: Vec<f64>,
+    /// The step and order it was trained with, where it was.
+    pub discretisation: Option<Discretisation>,
+    /// Where it comes from.
+    pub provenance: String,
+}
+
+impl HostModel {
+    /// The weights as shipped.
+    pub fn weights_f32(&self) -> Vec<f32> {
+        self.weights.iter().map(|w| *w as f32).collect()
+    }
+}
+
+/// The bytes of the model file: weights rounded to single precision, aligned, checksummed, and read back once.
+///
+/// # Errors
+/// [`EncodeError`]: nothing is written that [`decode`] or the chip would refuse.
+pub fn encode(
+    architecture: &Architecture,
+    weights: &[f64],
+    discretisation: Option<Discretisation>,
+    provenance: &str,
+) -> Result<Vec<u8>, EncodeError> {
+    let block = rounded(weights)?;
+    let header = Header { family: Family::Rigid(architecture.header()), discretisation, provenance };
+    let bytes = assemble(header, &block).map_err(EncodeError::Header)?;
+    decode(&bytes).map_err(EncodeError::Model)?;
+    Ok(bytes)
+}
+
+/// Reads a model file.
+///
+/// # Errors
+/// [`ModelError`]: what is wrong with the bytes.
+pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
+    let aligned = Aligned::new(bytes);
+    let parsed = parse(aligned.bytes())?;
+    let Header { family, discretisation, provenance } = parsed.header;
+    let Family::Rigid(rigid) = family else { return Err(ModelError::OutOfRange { what: "family" }) };
+    Ok(HostModel {
+        architecture: Architecture::from_header(&rigid),
+        weights: parsed.weights.iter().map(|w| f64::from(*w)).collect(),
+        discretisation,
+        provenance: provenance.to_owned(),
+    })
+}
+
+/// The weight block, little-endian.
+fn rounded(weights: &[f64]) -> Result<Vec<u8>, EncodeError> {
+    let mut block = Vec::with_capacity(weights.len() * size_of::<f32>());
+    for (index, value) in weights.iter().enumerate() {
+        let single = *value as f32;
+        if !single.is_finite() {
+            return Err(EncodeError::Weight { index, value: *value });
+        }
+        block.extend(single.to_le_bytes());
+    }
+    Ok(block)
+}
+
+fn assemble(header: Header, weights: &[u8]) -> postcard::Result<Vec<u8>> {
+    let unpadded = document(header, &[], weights)?;
+    let offset = unpadded.len() - CHECKSUM - weights.len();
+    let padding = [0; ALIGNMENT];
+    let padding = padding.get(..offset.next_multiple_of(ALIGNMENT) - offset).unwrap_or_default();
+    let mut bytes = document(header, padding, weights)?;
+    let body = bytes.len() - CHECKSUM;
+    let sum = checksum(bytes.get(..body).unwrap_or_default());
+    bytes.truncate(body);
+    bytes.extend(sum.to_le_bytes());
+    Ok(bytes)
+}
+
+/// The file but for its checksum.
+fn document(header: Header, padding: &[u8], weights: &[u8]) -> postcard::Result<Vec<u8>> {
+    let checksum = [0; CHECKSUM];
+    postcard::to_stdvec(&Document {
+        magic: MAGIC,
+        version: FORMAT_VERSION,
+        header,
+        padding,
+        weights,
+        checksum,
+    })
+}
+
+/// A copy of some bytes that begins at a multiple of 4.
+struct Aligned {
+    words: Vec<u32>,
+    length: usize,
+}
+
+impl Aligned {
+    fn new(bytes: &[u8]) -> Self {
+        let mut words = vec![0_u32; bytes.len().div_ceil(size_of::<u32>())];
+        let room = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
+        room.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+        Self { words, length: bytes.len() }
+    }
+
+    fn bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.words).get(..self.length).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,214 @@
+//! The four kinds of charts.
+
+use std::path::Path;
+
+use super::PlotError;
+use super::axis::{Axis, Scale};
+use super::figure::{
+    Canvas, Chart, DrawError, FOOT, Frame, HEAD, draw_chart, draw_legend, draw_title, left_edge,
+    legend_height, render,
+};
+use super::series::{Angle, Series, Stroke};
+
+/// Height of the frame of a single chart (pixels).
+const HEIGHT: f64 = 340.0;
+
+/// Height of the frame of a panel (pixels), and what separates it from the next.
+const PANEL_HEIGHT: f64 = 118.0;
+const PANEL_GAP: f64 = 16.0;
+
+/// Ticks that have room beside and below each other.
+const X_TICKS: usize = 8;
+const Y_TICKS: usize = 7;
+const PANEL_TICKS: usize = 5;
+
+/// Draws losses over iterations, the losses on a logarithmic axis; each series is a label and its (iteration, loss).
+///
+/// # Errors
+/// [`PlotError`]: the file cannot be written.
+pub fn loss_curve(path: &Path, title: &str, losses: &[(&str, &[(f64, f64)])]) -> Result<(), PlotError> {
+    let series: Vec<_> =
+        losses.iter().map(|(label, points)| Series::new(*label, points.iter().copied())).collect();
+    let x = Axis::tight(Scale::Linear, values(&series, |point| point.0), X_TICKS);
+    let y = Axis::fit(Scale::Log, values(&series, |point| point.1), Y_TICKS);
+    let colours: Vec<_> = (0..series.len()).collect();
+    let chart = Chart { x, y, x_label: "iteration", y_label: "loss", series: &series, colours: &colours };
+    single(path, title, &chart)
+}
+
+/// The axes of a phase portrait.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Phase<'a> {
+    /// Coordinate and unit, as `θ (rad)`.
+    pub x_label: &'a str,
+    /// Velocity or momentum and unit.
+    pub y_label: &'a str,
+    /// What to do with turns of the coordinate.
+    pub angle: Angle,
+}
+
+/// Draws curves in a phase plane, as the truth and a model.
+///
+/// # Errors
+/// [`PlotError`]: the file cannot be written.
+pub fn phase_portrait(
+    path: &Path,
+    title: &str,
+    phase: Phase<'_>,
+    series: &[Series],
+) -> Result<(), PlotError> {
+    let series: Vec<_> = series.iter().map(|series| phase.angle.apply(series)).collect();
+    let scale = if phase.angle == Angle::No { Scale::Linear } else { Scale::Angle };
+    let x = Axis::fit(scale, values(&series, |point| point.0), X_TICKS);
+    let y = Axis::fit(Scale::Linear, values(&series, |point| point.1), Y_TICKS);
+    let colours: Vec<_> = (0..series.len()).collect();
+    let chart =
+        Chart { x, y, x_label: phase.x_label, y_label: phase.y_label, series: &series, colours: &colours };
+    single(path, title, &chart)
+}
+
+/// One of the charts that share a time axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Panel<'a> {
+    /// Quantity and unit.
+    pub y_label: &'a str,
+    /// Whether the vertical axis is logarithmic, as for residuals.
+    pub logarithmic: bool,
+    /// Curves of (time in s, value).
+    pub series: &'a [Series],
+}
+
+impl<'a> Panel<'a> {
+    /// A panel with a linear axis.
+    #[must_use]
+    pub fn new(y_label: &'a str, series: &'a [Series]) -> Self {
+        Self { y_label, logarithmic: false, series }
+    }
+
+    fn axis(&self) -> Axis {
+        let scale = if self.logarithmic { Scale::Log } else { Scale::Linear };
+        Axis::fit(scale, values(self.series, |point| point.1), PANEL_TICKS)
+    }
+
+    fn height(&self, left: f64) -> f64 {
+        PANEL_HEIGHT + PANEL_GAP + legend_height(self.series, left)
+    }
+}
+
+/// Draws panels one above the other over the same time axis.
+///
+/// # Errors
+/// [`PlotError`]: the file cannot be written.
+pub fn time_series(path: &Path, title: &str, panels: &[Panel<'_>]) -> Result<(), PlotError> {
+    let times = panels.iter().flat_map(|panel| values(panel.series, |point| point.0));
+    let time = Axis::tight(Scale::Linear, times, X_TICKS);
+    let axes: Vec<_> = panels.iter().map(Panel::axis).collect();
+    let left = left_edge(&axes);
+    let height = HEAD + panels.iter().map(|panel| panel.height(left)).sum::<f64>() - PANEL_GAP + FOOT;
+    save(path, height, |canvas| {
+        draw_title(canvas, title)?;
+        let mut top = HEAD;
+        for (index, (panel, axis)) in panels.iter().zip(axes).enumerate() {
+            let x_label = if index + 1 == panels.len() { "time (s)" } else { "" };
+            draw_panel(canvas, (top, left), panel, (&time, axis), x_label)?;
+            top += panel.height(left);
+        }
+        Ok(())
+    })
+}
+
+/// Draws a panel with its legend above its frame.
+fn draw_panel(
+    canvas: &Canvas<'_>,
+    (top, left): (f64, f64),
+    panel: &Panel<'_>,
+    (time, y): (&Axis, Axis),
+    x_label: &str,
+) -> Result<(), DrawError> {
+    let colours: Vec<_> = (0..panel.series.len()).collect();
+    draw_legend(canvas, (top, left), panel.series, &colours)?;
+    let chart = Chart {
+        x: time.clone(),
+        y,
+        x_label,
+        y_label: panel.y_label,
+        series: panel.series,
+        colours: &colours,
+    };
+    let top = top + legend_height(panel.series, left);
+    draw_chart(canvas, Frame { left, top, bottom: top + PANEL_HEIGHT }, &chart)
+}
+
+/// Draws curves on two logarithmic axes, as errors over steps, with dashed lines of given slopes beside them.
+///
+/// Each slope is drawn below the curve whose own slope, from its first point to its last, is nearest, in its colour.
+///
+/// # Errors
+/// [`PlotError`]: the file cannot be written.
+pub fn log_log(
+    path: &Path,
+    title: &str,
+    (x_label, y_label): (&str, &str),
+    series: &[Series],
+    slopes: &[f64],
+) -> Result<(), PlotError> {
+    let mut all = series.to_vec();
+    let mut colours: Vec<_> = (0..series.len()).collect();
+    for &slope in slopes {
+        if let Some((number, line)) = reference_line(series, slope) {
+            all.push(line);
+            colours.push(number);
+        }
+    }
+    let x = Axis::fit(Scale::Log, values(&all, |point| point.0), X_TICKS);
+    let y = Axis::fit(Scale::Log, values(&all, |point| point.1), Y_TICKS);
+    single(path, title, &Chart { x, y, x_label, y_label, series: &all, colours: &colours })
+}
+
+/// A line of slope `slope` at 0.4 times the end of the nearest curve, with the number of that curve.
+fn reference_line(series: &[Series], slope: f64) -> Option<(usize, Series)> {
+    let ends = series.iter().enumerate().filter_map(|(number, series)| Some((number, ends(series)?)));
+    let distance =
+        |(from, to): ((f64, f64), (f64, f64))| ((to.1 / from.1).ln() / (to.0 / from.0).ln() - slope).abs();
+    let nearest = ends.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+    let (number, (from, to)) = nearest?;
+    let at = |x: f64| (x, 0.4 * to.1 * (x / to.0).powf(slope));
+    let line = Series::new(format!("slope {slope}"), [at(from.0), at(to.0)]).with_stroke(Stroke::Dashed);
+    Some((number, line))
+}
+
+/// The points of least and greatest x among those that can be shown.
+fn ends(series: &Series) -> Option<((f64, f64), (f64, f64))> {
+    let shown = || {
+        series.points.iter().copied().filter(|point| Scale::Log.shows(point.0) && Scale::Log.shows(point.1))
+    };
+    let from = shown().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let to = shown().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (from.0 < to.0).then_some((from, to))
+}
+
+fn values(series: &[Series], of: fn((f64, f64)) -> f64) -> impl Iterator<Item = f64> + Clone {
+    series.iter().flat_map(|series| series.points.iter().copied()).map(of)
+}
+
+/// Saves a figure of one chart.
+fn single(path: &Path, title: &str, chart: &Chart<'_>) -> Result<(), PlotError> {
+    let left = left_edge([&chart.y]);
+    let top = HEAD + legend_height(chart.series, left);
+    save(path, top + HEIGHT + FOOT, |canvas| {
+        draw_title(canvas, title)?;
+        draw_legend(canvas, (HEAD, left), chart.series, chart.colours)?;
+        draw_chart(canvas, Frame { left, top, bottom: top + HEIGHT }, chart)
+    })
+}
+
+fn save(
+    path: &Path,
+    height: f64,
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
+) -> Result<(), PlotError> {
+    let svg = render(height, draw)
+        .map_err(|error| PlotError::Draw { file: path.to_path_buf(), reason: error.to_string() })?;
+    crate::atomic::write(path, svg.as_bytes())
+        .map_err(|error| PlotError::Write { file: path.to_path_buf(), error })
+}

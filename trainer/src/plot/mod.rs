@@ -1,0 +1,43 @@
+//! Charts as SVG files: loss curves, phase portraits, time series and log-log plots.
+//!
+//! The files need nothing else: no script, no font file, no style sheet. Colours are those of Okabe and Ito, which
+//! the colour-blind tell apart; there are seven, then they repeat. A file is replaced in one step or not at all. Curves are thinned to what the eye can see,
+//! so millions of points are no burden on the file. Values that an axis cannot show interrupt a curve: those that are not
+//! finite (or beyond 10³⁰⁰), and zero and negative ones on a logarithmic axis. A chart of nothing says so.
+
+mod axis;
+mod charts;
+mod curve;
+mod figure;
+mod series;
+#[cfg(test)]
+mod tests;
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+pub use charts::{Panel, Phase, log_log, loss_curve, phase_portrait, time_series};
+pub use series::{Angle, Series, Stroke};
+
+/// A chart that could not be made.
+#[derive(Debug, Error)]
+pub enum PlotError {
+    /// The file could not be written.
+    #[error("{}: {error}", file.display())]
+    Write {
+        /// The file.
+        file: PathBuf,
+        /// What the operating system said.
+        error: io::Error,
+    },
+    /// The drawing library failed.
+    #[error("{}: cannot draw the chart: {reason}", file.display())]
+    Draw {
+        /// The file that was to be written.
+        file: PathBuf,
+        /// What the library said.
+        reason: String,
+    },
+}

@@ -1,0 +1,3 @@
+//! The papers' experiments, ours beside theirs.
+
+pub mod symo;

@@ -1,0 +1,293 @@
+//! SyMo's experiments (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot learned from 8 to 128 trajectories of
+//! positions and controls.
+
+use crate::architecture::Architecture;
+use crate::data::symo::SymoSet;
+use crate::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
+use crate::ground_truth::Mechanism;
+use crate::training::{Levenberg, LossKind, Objective, Progress, Samples, objective};
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::model::ModelError;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Which of SyMo's two models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Model {
+    /// The DEL residual at logged positions is minimised.
+    Symo,
+    /// The error of the implicit step's next position is minimised.
+    E2eSymo,
+}
+
+/// One row of the tables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// Which mechanism.
+    pub mechanism: Mechanism,
+    /// Which loss.
+    pub model: Model,
+    /// 2 (SyMo's) or 4.
+    pub order: u8,
+    /// Training trajectories.
+    pub trajectories: usize,
+    /// Of the initial weights.
+    pub seed: u64,
+}
+
+/// What a case gives, in SyMo's measures on equal terms.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Name of the mechanism.
+    pub system: &'static str,
+    /// Which loss.
+    pub model: Model,
+    /// Of the integrator.
+    pub order: u8,
+    /// Training trajectories.
+    pub trajectories: usize,
+    /// Weights.
+    pub parameters: usize,
+    /// Mean squared error of the next position, training set (m², rad²).
+    pub train_mse: f64,
+    /// The same, test set.
+    pub test_mse: f64,
+    /// Mean squared position error over 16 × 500 free steps.
+    pub integration_mse: f64,
+    /// Median over the 16.
+    pub integration_median: f64,
+    /// Mean over their first 100 steps.
+    pub integration_mse_100: f64,
+    /// Mean squared error of the true energy along them (J²).
+    pub energy_mse: f64,
+    /// Mean squared error of the inertia matrix on the test set.
+    pub inertia_mse: f64,
+    /// Training time, s.
+    pub train_seconds: f64,
+    /// Of the initial weights.
+    pub seed: u64,
+}
+
+impl Outcome {
+    /// The six measures of the tables: test, integration mean, median and first 100 steps, energy, inertia.
+    pub fn measures(&self) -> [f64; 6] {
+        [
+            self.test_mse,
+            self.integration_mse,
+            self.integration_median,
+            self.integration_mse_100,
+            self.energy_mse,
+            self.inertia_mse,
+        ]
+    }
+}
+
+/// What the published program reaches, on equal terms; `None` where it is not known or, beyond 100 steps of the chaotic
+/// acrobot, means nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Published {
+    /// Weights of its network.
+    pub parameters: usize,
+    /// In the order of [`Outcome::measures`].
+    pub measures: [Option<f64>; 6],
+}
+
+/// The published program's figures for a case, measured with it on its own data.
+pub fn published(case: &Case) -> Option<Published> {
+    let known = |measures: [f64; 6]| measures.map(Some);
+    let early = |[test, early, energy, inertia]: [f64; 4]| {
+        [Some(test), None, None, Some(early), Some(energy), Some(inertia)]
+    };
+    let (parameters, measures) = match (case.mechanism, case.model, case.trajectories) {
+        (Mechanism::Pendulum, Model::Symo, 8) => {
+            (17_154, known([3.8e-7, 0.023, 0.0015, 0.0015, 5.0e-3, 1.7e-5]))
+        }
+        (Mechanism::Pendulum, Model::E2eSymo, 8) => {
+            (17_154, known([2.8e-7, 0.023, 0.0014, 0.0015, 5.0e-3, 1.7e-5]))
+        }
+        (Mechanism::Pendulum, Model::Symo, 32) => {
+            (17_154, known([1.75e-7, 0.0034, 0.0016, 2e-4, 5.0e-3, 9e-6]))
+        }
+        (Mechanism::Pendulum, Model::E2eSymo, 32) => {
+            (17_154, known([1.58e-7, 0.0039, 0.0021, 1.8e-4, 5.0e-3, 9e-6]))
+        }
+        (Mechanism::Pendulum, Model::Symo, 128) => {
+            (17_154, known([1.27e-7, 0.028, 0.0036, 9e-4, 5.1e-3, 1e-5]))
+        }
+        (Mechanism::Pendulum, Model::E2eSymo, 128) => {
+            (17_154, known([1.13e-7, 0.028, 0.0030, 1.3e-3, 5.1e-3, 1e-5]))
+        }
+        (Mechanism::Cartpole, Model::Symo, 8) => {
+            (67_844, known([2.3e-6, 1.16, 0.16, 0.0036, 1.3e-3, 1.5e-4]))
+        }
+        (Mechanism::Cartpole, Model::E2eSymo, 8) => {
+            (67_844, known([5.1e-6, 33.8, 0.32, 0.064, 0.91, 8.7e-3]))
+        }
+        (Mechanism::Cartpole, Model::Symo, 32) => {
+            (67_844, known([4.25e-7, 0.110, 0.033, 8e-4, 1.8e-5, 1.9e-6]))
+        }
+        (Mechanism::Cartpole, Model::E2eSymo, 32) => {
+            (67_844, known([4.64e-8, 0.069, 0.035, 1.7e-4, 7.2e-6, 5.8e-6]))
+        }
+        (Mechanism::Cartpole, Model::Symo, 128) => {
+            (67_844, known([1.56e-7, 0.100, 0.0042, 3e-4, 2.2e-5, 6.3e-7]))
+        }
+        (Mechanism::Cartpole, Model::E2eSymo, 128) => {
+            (67_844, known([7.1e-9, 0.159, 0.155, 3.7e-4, 5.0e-6, 1.1e-5]))
+        }
+        (Mechanism::Acrobot, Model::Symo, 8) => (68_100, early([4.2e-3, 91.0, 245.0, 3.7])),
+        (Mechanism::Acrobot, Model::E2eSymo, 8) => (68_100, early([2.5e-6, 2.5, 2.0, 0.021])),
+        (Mechanism::Acrobot, Model::Symo, 32) => (68_100, early([1.6e-7, 2.2, 0.023, 7.5e-3])),
+        (Mechanism::Acrobot, Model::E2eSymo, 32) => (68_100, early([3.0e-8, 0.0047, 0.0050, 4.3e-5])),
+        (Mechanism::Acrobot, Model::Symo, 128) => (68_100, early([7.1e-9, 0.0012, 2.9e-3, 1e-4])),
+        (Mechanism::Acrobot, Model::E2eSymo, 128) => (68_100, early([8.1e-9, 0.0042, 3.0e-3, 1.2e-4])),
+        _ => return None,
+    };
+    Some(Published { parameters, measures })
+}
+
+/// The rows as comma-separated values with a header.
+pub fn csv(rows: &[&Outcome]) -> String {
+    let mut text = String::from(
+        "system,model,order,trajectories,parameters,train_mse,test_mse,integration_mse,integration_median,\
+         integration_mse_100,energy_mse,inertia_mse,train_seconds,seed\n",
+    );
+    for row in rows {
+        let model = if row.model == Model::Symo { "symo" } else { "e2e-symo" };
+        let Outcome { system, order, trajectories, parameters, train_mse, train_seconds, seed, .. } = row;
+        let measures = row.measures().map(|m| format!("{m:e}")).join(",");
+        text += &format!(
+            "{system},{model},{order},{trajectories},{parameters},{train_mse:e},{measures},{train_seconds:.1},{seed}\n"
+        );
+    }
+    text
+}
+
+/// How a case is learned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// The network.
+    pub architecture: Architecture,
+    /// Iterations on the order-2 DEL residual, which is finite whatever the weights, before the loss itself.
+    pub warm_up: usize,
+    /// Iterations on the loss.
+    pub iterations: usize,
+    /// Penalty on the weights.
+    pub decay: f64,
+}
+
+impl Case {
+    /// The recipe for a case. One wide layer is better conditioned than two narrow ones and generalises better from few
+    /// trajectories; the acrobot wants the second layer where the data can fill it. The cart's position is known to be
+    /// cyclic.
+    pub fn recipe(&self) -> Recipe {
+        let (coordinates, widths): (&[Coordinate], Vec<u16>) = match self.mechanism {
+            Mechanism::Pendulum => (&[Coordinate::Angle], vec![40]),
+            Mechanism::Cartpole => (&[Coordinate::Cyclic, Coordinate::Angle], vec![100]),
+            Mechanism::Acrobot => (&[Coordinate::Angle; 2], self.acrobot_widths()),
+        };
+        let architecture = Architecture { widths, ..Architecture::new(coordinates, 0) };
+        // At order 2 the model cannot fit the motion exactly and soon learns the integrator's error by heart; that error, and
+        // so the penalty that keeps the weights from it, is the largest at the pendulum's step of 0.1 s.
+        let (iterations, decay) = match (self.order, self.mechanism) {
+            (4, _) => (150, 0.0),
+            (_, Mechanism::Pendulum) => (30, 1e-8),
+            (_, Mechanism::Cartpole) => (30, 1e-9),
+            (_, Mechanism::Acrobot) => (30, 0.0),
+        };
+        Recipe { architecture, warm_up: 20, iterations, decay }
+    }
+
+    fn acrobot_widths(&self) -> Vec<u16> {
+        let few = if self.order == 4 { 8 } else { 32 };
+        if self.trajectories <= few { vec![100] } else { vec![24, 24] }
+    }
+
+    fn loss(&self) -> LossKind {
+        match self.model {
+            Model::Symo => LossKind::DelResidual,
+            Model::E2eSymo => LossKind::NextPosition,
+        }
+    }
+
+    /// Learns and evaluates; `watch` is called with the iteration and the loss.
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled.
+    pub fn run(&self, set: &SymoSet, mut watch: impl FnMut(usize, f64)) -> Result<Outcome, ModelError> {
+        let clock = Instant::now();
+        let recipe = self.recipe();
+        let weights = self.train(&recipe, set, &mut watch)?;
+        self.outcome(&recipe.architecture, &weights, set, clock.elapsed().as_secs_f64())
+    }
+
+    /// The learned weights.
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled.
+    pub fn train(
+        &self,
+        recipe: &Recipe,
+        set: &SymoSet,
+        mut watch: impl FnMut(usize, f64),
+    ) -> Result<Vec<f64>, ModelError> {
+        let samples = Samples::triples(&set.train.truncated(self.trajectories));
+        let architecture = &recipe.architecture;
+        let warm_up = objective(architecture, samples.clone(), LossKind::DelResidual, 2)?;
+        let weights = architecture.initial_weights(self.seed);
+        let weights = minimise(&*warm_up, weights, recipe.warm_up, recipe.decay, &mut watch);
+        let loss = objective(architecture, samples, self.loss(), self.order)?;
+        Ok(minimise(&*loss, weights, recipe.iterations, recipe.decay, &mut watch))
+    }
+
+    /// The measures of a model.
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled.
+    pub fn outcome(
+        &self,
+        architecture: &Architecture,
+        weights: &[f64],
+        set: &SymoSet,
+        train_seconds: f64,
+    ) -> Result<Outcome, ModelError> {
+        let train = set.train.truncated(self.trajectories);
+        let runs = rollout(architecture, weights, self.order, &set.integration)?;
+        let integration = integration_errors(&runs, &set.integration);
+        Ok(Outcome {
+            system: self.mechanism.name(),
+            model: self.model,
+            order: self.order,
+            trajectories: self.trajectories,
+            parameters: weights.len(),
+            train_mse: one_step_mse(architecture, weights, self.order, &train)?,
+            test_mse: one_step_mse(architecture, weights, self.order, &set.test)?,
+            integration_mse: integration.mean,
+            integration_median: integration.median,
+            integration_mse_100: integration.first_100,
+            energy_mse: energy_mse(self.mechanism, &runs, &set.integration),
+            inertia_mse: inertia_mse(architecture, weights, self.mechanism, &set.test)?,
+            train_seconds,
+            seed: self.seed,
+        })
+    }
+}
+
+/// Levenberg–Marquardt until it is done or has converged.
+fn minimise(
+    objective: &dyn Objective,
+    weights: Vec<f64>,
+    iterations: usize,
+    decay: f64,
+    watch: &mut impl FnMut(usize, f64),
+) -> Vec<f64> {
+    let mut levenberg = Levenberg::new(objective, weights).with_decay(decay);
+    for iteration in 0..iterations {
+        if levenberg.iterate(objective) != Progress::Lower {
+            break;
+        }
+        watch(iteration, levenberg.loss);
+    }
+    levenberg.weights
+}

@@ -1,0 +1,166 @@
+//! The checkpoint file.
+
+use super::fingerprint;
+use super::plan::Plan;
+use super::state::{Best, State};
+use crate::architecture::Architecture;
+use leastaction_core::model::Discretisation;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+use thiserror::Error;
+
+/// The first bytes of the file: what it is, and the version of its layout.
+const MAGIC: &[u8] = b"LARUN\x01";
+
+/// Everything in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Checkpoint {
+    /// The configuration without what may change on resuming, as TOML.
+    pub identity: String,
+    /// Fingerprint of the data.
+    pub data: u64,
+    /// Of the model.
+    pub architecture: Architecture,
+    /// Of the model.
+    pub discretisation: Option<Discretisation>,
+    /// Where the run is.
+    pub state: State,
+}
+
+/// A checkpoint that cannot be used.
+#[derive(Debug, Error)]
+pub enum CheckpointError {
+    /// The file could not be read.
+    #[error("{}: {error}; is this the folder of a training run?", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the operating system said.
+        error: io::Error,
+    },
+    /// The bytes are no checkpoint of this version, or were damaged.
+    #[error("{}: not an undamaged checkpoint of this version of leastaction; train again with --force", file.display())]
+    Damaged {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The run began with another configuration.
+    #[error(
+        "this run began with another configuration: {differences}; set it back, or train in another folder"
+    )]
+    OtherConfiguration {
+        /// The keys that differ.
+        differences: String,
+    },
+    /// The run began with other data.
+    #[error("this run began with other data than {} now has; bring the data back, or train in another folder", file.display())]
+    OtherData {
+        /// The data file.
+        file: PathBuf,
+    },
+}
+
+impl Checkpoint {
+    pub fn new(plan: &Plan, state: &State) -> Self {
+        Self {
+            identity: plan.config.identity().to_toml(),
+            data: plan.data_fingerprint,
+            architecture: plan.architecture.clone(),
+            discretisation: plan.discretisation,
+            state: state.clone(),
+        }
+    }
+
+    /// Refuses to go on with another configuration or other data.
+    pub fn check(&self, plan: &Plan) -> Result<(), CheckpointError> {
+        let now = plan.config.identity().to_toml();
+        if self.identity != now {
+            return Err(CheckpointError::OtherConfiguration {
+                differences: differences(&self.identity, &now),
+            });
+        }
+        if self.data != plan.data_fingerprint {
+            return Err(CheckpointError::OtherData { file: plan.config.data.file.clone() });
+        }
+        Ok(())
+    }
+
+    pub fn write(&self, file: &Path) -> io::Result<()> {
+        let mut bytes = MAGIC.to_vec();
+        bytes = postcard::to_extend(self, bytes).map_err(io::Error::other)?;
+        let sum = fingerprint::of_bytes(&bytes);
+        bytes.extend(sum.to_le_bytes());
+        crate::atomic::write(file, &bytes)
+    }
+
+    pub fn read(file: &Path) -> Result<Self, CheckpointError> {
+        let bytes = fs::read(file).map_err(|error| CheckpointError::Read { file: file.to_owned(), error })?;
+        Self::decode(&bytes).ok_or_else(|| CheckpointError::Damaged { file: file.to_owned() })
+    }
+
+    fn decode(bytes: &[u8]) -> Option<Self> {
+        let (body, sum) = bytes.split_last_chunk::<8>()?;
+        let intact = fingerprint::of_bytes(body) == u64::from_le_bytes(*sum);
+        let body = body.strip_prefix(MAGIC).filter(|_| intact)?;
+        postcard::from_bytes(body).ok()
+    }
+}
+
+/// Every line of the old TOML that the new one does not have, with the new value.
+fn differences(then: &str, now: &str) -> String {
+    let then = then.lines().filter(|line| !now.lines().any(|other| other == *line));
+    let key = |line: &str| line.split(" = ").next().unwrap_or_default().to_owned();
+    let describe = |line: &str| {
+        let new = now.lines().find(|other| key(other) == key(line)).unwrap_or("not set");
+        format!("`{line}` then, `{new}` now")
+    };
+    let list: Vec<_> = then.map(describe).collect();
+    if list.is_empty() { "a key was added".to_owned() } else { list.join("; ") }
+}
+
+/// A trained model as a run holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trained {
+    /// Its shape.
+    pub architecture: Architecture,
+    /// The step and order it was trained with, where the loss has any.
+    pub discretisation: Option<Discretisation>,
+    /// The best weights and their losses.
+    pub best: Best,
+    /// Iterations of the run so far.
+    pub iterations: u64,
+    /// Where it comes from, for people: the same for the same run.
+    pub provenance: String,
+}
+
+impl Trained {
+    /// The best model of the run in a folder.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] where there is no usable checkpoint.
+    pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
+        let checkpoint = Checkpoint::read(&folder.join(super::folder::CHECKPOINT))?;
+        let provenance = checkpoint.provenance();
+        let Checkpoint { architecture, discretisation, state, .. } = checkpoint;
+        Ok(Self { architecture, discretisation, best: state.best, iterations: state.iteration, provenance })
+    }
+}
+
+impl Checkpoint {
+    fn provenance(&self) -> String {
+        let Best { iteration, train, validation, .. } = &self.state.best;
+        let validation = validation.map_or(String::new(), |loss| format!(", validation loss {loss:.3e}"));
+        let config: toml::Table = toml::from_str(&self.identity).unwrap_or_default();
+        let setting = |key: &str| config.get("training").and_then(|training| training.get(key)).cloned();
+        let name =
+            |key: &str| setting(key).and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
+        let seed = setting("seed").and_then(|seed| seed.as_integer()).unwrap_or_default();
+        let (loss, optimiser) = (name("loss"), name("optimiser"));
+        format!(
+            "leastaction {}; {loss} by {optimiser}, seed {seed}, data {:016x}; iteration {iteration}, training loss {train:.3e}{validation}",
+            env!("CARGO_PKG_VERSION"),
+            self.data,
+        )
+    }
+}

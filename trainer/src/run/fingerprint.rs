@@ -1,0 +1,33 @@
+//! Fingerprints that tell one input from another by accident, not by malice.
+
+use crate::data::{Dataset, Rows, Trajectory};
+use crc::{CRC_64_XZ, Crc, Digest, Table};
+
+static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
+
+/// CRC-64/XZ of some bytes.
+pub(super) fn of_bytes(bytes: &[u8]) -> u64 {
+    CRC.checksum(bytes)
+}
+
+/// CRC-64/XZ over every number of a data set: the same for the same motion in another file or format.
+pub(super) fn of_data(data: &Dataset) -> u64 {
+    let mut digest = CRC.digest();
+    digest.update(&(data.n as u64).to_le_bytes());
+    digest.update(&data.h.to_le_bytes());
+    for trajectory in &data.trajectories {
+        let Trajectory { q, v, a, u, .. } = trajectory;
+        for rows in [Some(q), v.as_ref(), a.as_ref(), u.as_ref()] {
+            add_rows(&mut digest, rows);
+        }
+    }
+    digest.finalize()
+}
+
+fn add_rows(digest: &mut Digest<'_, u64, Table<16>>, rows: Option<&Rows>) {
+    let values = rows.map_or(&[][..], Rows::as_flat);
+    digest.update(&(values.len() as u64).to_le_bytes());
+    for value in values {
+        digest.update(&value.to_le_bytes());
+    }
+}

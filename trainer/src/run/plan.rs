@@ -1,0 +1,209 @@
+//! What a run does, from a configuration and data: the stages, each with its losses.
+
+use super::fingerprint;
+use crate::architecture::Architecture;
+use crate::config::{Config, OptimiserKind, TrainingConfig};
+use crate::data::{Dataset, Trajectory};
+use crate::training::{LossKind, Objective, SampleError, Samples, objective};
+use leastaction_core::model::{Discretisation, ModelError};
+use thiserror::Error;
+
+/// A run that cannot begin.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PlanError {
+    /// The data has another number of coordinates than the model.
+    #[error(
+        "[model] coordinates names {model} coordinates, but the data has {data}; name every coordinate of q, in order"
+    )]
+    Coordinates {
+        /// Of the model.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// A DEL-residual loss without any force.
+    #[error(
+        "no sample is forced (u is zero or missing), and without a force the DEL residual is least for L = 0, which is \
+         no model; log motion under a known force, or set loss = \"next-position\""
+    )]
+    Unforced,
+    /// The data lacks what the loss needs.
+    #[error("{0}; add it to the data, or set loss = \"next-position\", which needs positions alone")]
+    Samples(#[from] SampleError),
+    /// The shape is beyond what is compiled.
+    #[error("[model]: {0}")]
+    Model(#[from] ModelError),
+}
+
+/// Something the user should know before training begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// No sample is forced: the energies come out up to a common factor.
+    UnknownScale,
+    /// The warm-up was left out because no sample is forced.
+    NoWarmUp,
+    /// Validation was asked for, but there is only one trajectory.
+    NoValidation,
+}
+
+impl std::fmt::Display for Notice {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::UnknownScale => {
+                "no sample is forced (u is zero or missing): the motion does not show the scale of L, so energies, \
+                 momenta and forces of this model are known up to one common factor; it predicts free motion only"
+            }
+            Self::NoWarmUp => "no warm-up: without a force the DEL residual is least for L = 0",
+            Self::NoValidation => "no validation: the data is one trajectory, and trajectories are held back whole",
+        })
+    }
+}
+
+/// One part of a run.
+pub(super) struct Stage {
+    /// In the history.
+    pub name: &'static str,
+    /// How it is minimised.
+    pub optimiser: OptimiserKind,
+    /// Iterations at most.
+    pub iterations: u64,
+    /// Over the training trajectories.
+    pub objective: Box<dyn Objective>,
+    /// Over those held back.
+    pub validation: Option<Box<dyn Objective>>,
+}
+
+/// Everything that a run is determined by.
+pub struct Plan {
+    pub(super) config: Config,
+    pub(super) architecture: Architecture,
+    pub(super) discretisation: Option<Discretisation>,
+    pub(super) data_fingerprint: u64,
+    pub(super) stages: Vec<Stage>,
+    notices: Vec<Notice>,
+}
+
+impl Plan {
+    /// Splits the data and builds the losses.
+    ///
+    /// # Errors
+    /// [`PlanError`]: the data and the configuration do not fit each other.
+    pub fn new(config: Config, data: &Dataset) -> Result<Self, PlanError> {
+        let architecture = config.architecture();
+        if architecture.n() != data.n {
+            return Err(PlanError::Coordinates { model: architecture.n(), data: data.n });
+        }
+        let data = config.data.trajectories.map_or_else(|| data.clone(), |count| data.truncated(count));
+        let mut notices = Vec::new();
+        let parts = split(&data, config.data.validation, &mut notices);
+        let kinds = kinds(&config.training, is_forced(&parts.0), &mut notices)?;
+        let stages = kinds
+            .into_iter()
+            .map(|(name, kind)| stage(name, kind, &config.training, &architecture, &parts))
+            .collect::<Result<_, _>>()?;
+        let TrainingConfig { loss, order, .. } = config.training;
+        let discretisation = Discretisation { order, h: data.h as f32 };
+        Ok(Self {
+            architecture,
+            discretisation: (loss != LossKind::Acceleration).then_some(discretisation),
+            data_fingerprint: fingerprint::of_data(&data),
+            stages,
+            notices,
+            config,
+        })
+    }
+
+    /// What the user should know.
+    pub fn notices(&self) -> &[Notice] {
+        &self.notices
+    }
+
+    /// Samples of the last stage, in training and in validation.
+    pub fn samples(&self) -> (usize, usize) {
+        let last = self.stages.last();
+        let validation = last.and_then(|stage| stage.validation.as_ref());
+        (last.map_or(0, |stage| stage.objective.samples()), validation.map_or(0, |part| part.samples()))
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> usize {
+        self.architecture.parameters().unwrap_or(0)
+    }
+
+    /// Iterations of all stages.
+    pub fn iterations(&self) -> u64 {
+        self.stages.iter().map(|stage| stage.iterations).fold(0, u64::saturating_add)
+    }
+}
+
+/// Training and validation trajectories: of the latter the fraction, rounded, but at least one, from the end.
+fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> (Dataset, Option<Dataset>) {
+    let count = data.trajectories.len();
+    if fraction == 0.0 {
+        return (data.clone(), None);
+    }
+    if count < 2 {
+        notices.push(Notice::NoValidation);
+        return (data.clone(), None);
+    }
+    let held_back = ((fraction * count as f64).round() as usize).clamp(1, count - 1);
+    let (training, validation) = data.split(count - held_back);
+    (training, Some(validation))
+}
+
+fn is_forced(data: &Dataset) -> bool {
+    let forced = |t: &Trajectory| t.u.as_ref().is_some_and(|u| u.as_flat().iter().any(|u| *u != 0.0));
+    data.trajectories.iter().any(forced)
+}
+
+/// The stages and their losses.
+fn kinds(
+    training: &TrainingConfig,
+    forced: bool,
+    notices: &mut Vec<Notice>,
+) -> Result<Vec<(&'static str, LossKind)>, PlanError> {
+    if !forced && training.loss == LossKind::DelResidual {
+        return Err(PlanError::Unforced);
+    }
+    if !forced {
+        notices.push(Notice::UnknownScale);
+    }
+    let mut kinds = vec![("training", training.loss)];
+    if training.loss == LossKind::NextPosition && training.warm_up > 0 {
+        if forced {
+            kinds.insert(0, (WARM_UP, LossKind::DelResidual));
+        } else {
+            notices.push(Notice::NoWarmUp);
+        }
+    }
+    Ok(kinds)
+}
+
+/// The name of the first stage of two.
+pub(super) const WARM_UP: &str = "warm-up";
+
+fn stage(
+    name: &'static str,
+    kind: LossKind,
+    training: &TrainingConfig,
+    architecture: &Architecture,
+    (data, validation): &(Dataset, Option<Dataset>),
+) -> Result<Stage, PlanError> {
+    let warm_up = name == WARM_UP;
+    // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
+    let order = if warm_up { 2 } else { training.order };
+    let build = |data: &Dataset| -> Result<Box<dyn Objective>, PlanError> {
+        let samples = match kind {
+            LossKind::Acceleration => Samples::accelerations(data)?,
+            _ => Samples::triples(data),
+        };
+        Ok(objective(architecture, samples, kind, order)?)
+    };
+    Ok(Stage {
+        name,
+        optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
+        iterations: if warm_up { training.warm_up } else { training.iterations },
+        objective: build(data)?,
+        validation: validation.as_ref().map(build).transpose()?,
+    })
+}

@@ -1,0 +1,157 @@
+//! Where a run is: all that it takes to go on bit for bit.
+
+use super::plan::{Plan, Stage};
+use crate::config::{AdamConfig, OptimiserKind, TrainingConfig};
+use crate::training::{Adam, AdamSettings, Levenberg, Objective, Progress};
+use serde::{Deserialize, Serialize};
+
+/// An optimiser with its state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Optimiser {
+    /// Damped Gauss–Newton.
+    Levenberg(Levenberg),
+    /// Adam.
+    Adam(Adam),
+}
+
+impl Optimiser {
+    fn new(stage: &Stage, weights: Vec<f64>, training: &TrainingConfig) -> Self {
+        let objective = &*stage.objective;
+        match stage.optimiser {
+            OptimiserKind::LevenbergMarquardt => {
+                Self::Levenberg(Levenberg::new(objective, weights).with_decay(training.weight_decay))
+            }
+            OptimiserKind::Adam => Self::Adam(Adam::new(objective, weights, adam_settings(training))),
+        }
+    }
+
+    fn iterate(&mut self, objective: &dyn Objective) -> Progress {
+        match self {
+            Self::Levenberg(levenberg) => levenberg.iterate(objective),
+            Self::Adam(adam) => adam.iterate(objective),
+        }
+    }
+
+    fn weights(&self) -> &[f64] {
+        match self {
+            Self::Levenberg(levenberg) => &levenberg.weights,
+            Self::Adam(adam) => &adam.weights,
+        }
+    }
+
+    /// The training loss; of Adam the mean over the batches of the last iteration.
+    pub fn loss(&self) -> f64 {
+        match self {
+            Self::Levenberg(levenberg) => levenberg.loss,
+            Self::Adam(adam) => adam.loss,
+        }
+    }
+}
+
+fn adam_settings(training: &TrainingConfig) -> AdamSettings {
+    let AdamConfig { learning_rate, batch, plateau_factor, plateau_patience } = training.adam;
+    AdamSettings { learning_rate, batch, plateau_factor, plateau_patience, seed: training.seed }
+}
+
+/// The best weights of a stage, and their losses.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// The weight block.
+    pub weights: Vec<f64>,
+    /// The iteration that gave them.
+    pub iteration: u64,
+    /// Their training loss.
+    pub train: f64,
+    /// Their loss on the trajectories held back.
+    pub validation: Option<f64>,
+}
+
+impl Best {
+    /// What decides between weights: the validation loss, without one the training loss.
+    fn score(&self) -> f64 {
+        self.validation.unwrap_or(self.train)
+    }
+}
+
+/// One line of the history.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Iterations done, over all stages.
+    pub iteration: u64,
+    /// Name of the stage.
+    pub stage: String,
+    /// Seconds of training so far.
+    pub seconds: f64,
+    /// Loss on the training trajectories.
+    pub train: f64,
+    /// Loss on those held back.
+    pub validation: Option<f64>,
+}
+
+/// The state of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct State {
+    /// Position in the plan's stages.
+    pub stage: usize,
+    /// Iterations done in this stage.
+    pub in_stage: u64,
+    /// Iterations done in all.
+    pub iteration: u64,
+    /// Seconds of training.
+    pub seconds: f64,
+    /// Of this stage.
+    pub optimiser: Optimiser,
+    /// Of this stage.
+    pub best: Best,
+}
+
+impl State {
+    /// Before the first iteration; `None` for a plan without stages.
+    pub fn new(plan: &Plan) -> Option<Self> {
+        let weights = plan.architecture.initial_weights(plan.config.training.seed);
+        let (optimiser, best) = Self::enter(plan, plan.stages.first()?, weights, 0);
+        Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best })
+    }
+
+    fn enter(plan: &Plan, stage: &Stage, weights: Vec<f64>, iteration: u64) -> (Optimiser, Best) {
+        let optimiser = Optimiser::new(stage, weights, &plan.config.training);
+        let best = Best {
+            weights: optimiser.weights().to_vec(),
+            iteration,
+            train: optimiser.loss(),
+            validation: stage.validation.as_ref().map(|part| part.loss(optimiser.weights())),
+        };
+        (optimiser, best)
+    }
+
+    /// Goes on to the next stage with the best weights of this one; false where this is the last.
+    pub fn next_stage(&mut self, plan: &Plan) -> bool {
+        let Some(stage) = plan.stages.get(self.stage + 1) else { return false };
+        let weights = std::mem::take(&mut self.best.weights);
+        (self.optimiser, self.best) = Self::enter(plan, stage, weights, self.iteration);
+        (self.stage, self.in_stage) = (self.stage + 1, 0);
+        true
+    }
+
+    /// One iteration; the losses after it where it was one.
+    pub fn iterate(&mut self, stage: &Stage) -> (Progress, Option<Best>) {
+        let progress = self.optimiser.iterate(&*stage.objective);
+        if progress != Progress::Lower {
+            return (progress, None);
+        }
+        self.iteration += 1;
+        self.in_stage += 1;
+        let weights = self.optimiser.weights();
+        let now = Best {
+            weights: weights.to_vec(),
+            iteration: self.iteration,
+            train: self.optimiser.loss(),
+            validation: stage.validation.as_ref().map(|part| part.loss(weights)),
+        };
+        // The first losses of a stage may be infinite; so that any finite one is better, and none replaces a finite one.
+        if now.score() < self.best.score() {
+            self.best = now.clone();
+        }
+        (progress, Some(now))
+    }
+}

@@ -1,0 +1,112 @@
+use super::*;
+use crate::config::{Config, Coordinates};
+use crate::data::Dataset;
+use crate::ground_truth::{Mechanism, Settings, generate};
+use leastaction_core::energy::rigid::Coordinate;
+
+#[derive(Default)]
+struct Silent {
+    rows: Vec<Row>,
+}
+
+impl Monitor for Silent {
+    fn row(&mut self, row: &Row) {
+        self.rows.push(row.clone());
+    }
+
+    fn warning(&mut self, message: &str) {
+        panic!("{message}");
+    }
+}
+
+fn data(trajectories: usize, control: bool) -> Dataset {
+    let settings = Settings { samples: 9, control, ..Settings::symo(Mechanism::Pendulum, trajectories, 0) };
+    generate(&settings).unwrap()
+}
+
+fn config() -> Config {
+    let mut config = Config::new("nowhere.npz", Coordinates(vec![Coordinate::Angle]));
+    config.model.hidden = vec![5];
+    config.training.order = 2;
+    (config.training.iterations, config.training.warm_up) = (4, 2);
+    config
+}
+
+#[test]
+fn trajectories_are_held_back_whole_from_the_end() {
+    for (trajectories, validation, expected) in
+        [(8, 0.1, (7, 1)), (8, 0.25, (6, 2)), (2, 0.9, (1, 1)), (3, 0.0, (3, 0))]
+    {
+        let mut config = config();
+        config.data.validation = validation;
+        let plan = Plan::new(config, &data(trajectories, true)).unwrap();
+        assert_eq!(plan.samples(), (7 * expected.0, 7 * expected.1), "{trajectories} {validation}");
+        assert_eq!(plan.notices(), []);
+    }
+    assert_eq!(Plan::new(config(), &data(1, true)).unwrap().notices(), [Notice::NoValidation]);
+}
+
+#[test]
+fn only_the_first_trajectories_are_used_where_so_asked() {
+    let mut config = config();
+    config.data.trajectories = Some(4);
+    let plan = Plan::new(config, &data(9, true)).unwrap();
+    assert_eq!(plan.samples(), (3 * 7, 7));
+}
+
+#[test]
+fn without_force_there_is_no_warm_up_and_no_scale() {
+    let free = data(4, false);
+    let plan = Plan::new(config(), &free).unwrap();
+    assert_eq!(plan.notices(), [Notice::UnknownScale, Notice::NoWarmUp]);
+    assert_eq!(plan.iterations(), 4);
+    let mut residual = config();
+    residual.training.loss = crate::training::LossKind::DelResidual;
+    assert_eq!(Plan::new(residual, &free).err(), Some(PlanError::Unforced));
+}
+
+#[test]
+fn a_force_in_a_trajectory_held_back_does_not_count() {
+    let mut mixed = data(4, false);
+    mixed.trajectories[3] = data(4, true).trajectories[3].clone();
+    let mut residual = config();
+    residual.training.loss = crate::training::LossKind::DelResidual;
+    assert_eq!(Plan::new(residual, &mixed).err(), Some(PlanError::Unforced));
+}
+
+#[test]
+fn the_best_on_validation_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run =
+        Run::begin(Plan::new(config(), &data(6, true)).unwrap(), &folder.path().join("run"), false).unwrap();
+    let mut monitor = Silent::default();
+    assert_eq!(run.train(&mut monitor, &AtomicBool::new(false)).unwrap(), Ending::Iterations);
+    let last_stage = monitor.rows.iter().filter(|row| row.stage == "training");
+    let best = last_stage.min_by(|a, b| a.validation.unwrap().total_cmp(&b.validation.unwrap())).unwrap();
+    assert_eq!((run.best().iteration, run.best().validation), (best.iteration, best.validation));
+    let trained = Trained::read(&folder.path().join("run")).unwrap();
+    assert_eq!(&trained.best, run.best());
+}
+
+#[test]
+fn a_stop_before_the_first_iteration_saves_the_initial_weights() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = Plan::new(config(), &data(3, true)).unwrap();
+    let initial = plan.architecture.initial_weights(0);
+    let mut run = Run::begin(plan, folder.path(), false).unwrap();
+    assert_eq!(run.train(&mut Silent::default(), &AtomicBool::new(true)).unwrap(), Ending::Interrupted);
+    assert_eq!(Trained::read(folder.path()).unwrap().best.weights, initial);
+}
+
+#[test]
+fn a_step_that_cannot_be_solved_is_an_error_that_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut absurd = data(3, true);
+    for trajectory in &mut absurd.trajectories {
+        let far: Vec<f64> = trajectory.q.as_flat().iter().map(|q| q * 1e300).collect();
+        trajectory.q = crate::data::Rows::from_flat(1, far).unwrap();
+    }
+    let mut run = Run::begin(Plan::new(config(), &absurd).unwrap(), folder.path(), false).unwrap();
+    let error = run.train(&mut Silent::default(), &AtomicBool::new(false)).unwrap_err();
+    assert!(matches!(error, RunError::Stuck { iteration: 0, .. }), "{error}");
+}

@@ -1,0 +1,133 @@
+//! Adam with learning rate reduced on a plateau, as SyMo trains; kept for comparison and for very large networks.
+//!
+//! Source: Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015; the schedule is PyTorch's
+//! `ReduceLROnPlateau`.
+
+use super::{Objective, Progress};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+const BETA_1: f64 = 0.9;
+const BETA_2: f64 = 0.999;
+const EPSILON: f64 = 1e-8;
+/// A loss this much below the best counts as better (PyTorch's relative threshold).
+const THRESHOLD: f64 = 1e-4;
+
+/// How Adam goes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AdamSettings {
+    /// Initial step size.
+    pub learning_rate: f64,
+    /// Samples a step; 0: all.
+    pub batch: usize,
+    /// What the step size is multiplied by on a plateau, below 1.
+    pub plateau_factor: f64,
+    /// Epochs without improvement before that.
+    pub plateau_patience: u32,
+    /// Of the order of the batches.
+    pub seed: u64,
+}
+
+impl AdamSettings {
+    /// SyMo's: 1e-3, batches of 4 samples a trajectory, ×0.7 after 50 epochs.
+    pub fn symo(trajectories: usize, seed: u64) -> Self {
+        Self { learning_rate: 1e-3, batch: 4 * trajectories, plateau_factor: 0.7, plateau_patience: 50, seed }
+    }
+}
+
+/// The state of an optimisation: enough to continue it bit for bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Adam {
+    /// The weights after the last epoch.
+    pub weights: Vec<f64>,
+    /// Mean loss of the batches of the last epoch.
+    pub loss: f64,
+    settings: AdamSettings,
+    rate: f64,
+    mean: Vec<f64>,
+    square: Vec<f64>,
+    steps: u64,
+    epoch: u64,
+    best: f64,
+    bad_epochs: u32,
+}
+
+impl Adam {
+    /// Starts at these weights.
+    pub fn new(objective: &dyn Objective, weights: Vec<f64>, settings: AdamSettings) -> Self {
+        let zeros = vec![0.0; weights.len()];
+        let loss = objective.loss(&weights);
+        Self {
+            weights,
+            loss,
+            settings,
+            rate: settings.learning_rate,
+            mean: zeros.clone(),
+            square: zeros,
+            steps: 0,
+            epoch: 0,
+            best: f64::INFINITY,
+            bad_epochs: 0,
+        }
+    }
+
+    /// The step size now.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// One epoch: every sample once.
+    pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
+        let (mut squares, mut rows) = (0.0, 0);
+        for batch in self.batches(objective.samples()) {
+            let Some(equations) = objective.gradient(&self.weights, batch) else { return Progress::Stuck };
+            self.step(&equations.gradient, 2.0 / equations.rows as f64);
+            objective.project(&mut self.weights);
+            squares += equations.squares;
+            rows += equations.rows;
+        }
+        self.loss = squares / rows as f64;
+        self.epoch += 1;
+        self.follow_plateau();
+        Progress::Lower
+    }
+
+    /// Batches in an order that depends on the seed and the epoch alone.
+    fn batches(&self, samples: usize) -> Vec<Range<usize>> {
+        let size = if self.settings.batch == 0 { samples } else { self.settings.batch }.max(1);
+        let mut batches: Vec<_> =
+            (0..samples).step_by(size).map(|start| start..samples.min(start + size)).collect();
+        batches.shuffle(&mut Pcg64::seed_from_u64(self.settings.seed.wrapping_add(self.epoch)));
+        batches
+    }
+
+    /// One step along the gradient, which is `scale` times `gradient`.
+    fn step(&mut self, gradient: &[f64], scale: f64) {
+        self.steps += 1;
+        let power = self.steps.min(100_000) as i32;
+        let (correction_1, correction_2) = (1.0 - BETA_1.powi(power), 1.0 - BETA_2.powi(power));
+        for (((w, m), s), g) in
+            self.weights.iter_mut().zip(&mut self.mean).zip(&mut self.square).zip(gradient)
+        {
+            let g = scale * g;
+            *m = BETA_1 * *m + (1.0 - BETA_1) * g;
+            *s = BETA_2 * *s + (1.0 - BETA_2) * g * g;
+            *w -= self.rate * (*m / correction_1) / ((*s / correction_2).sqrt() + EPSILON);
+        }
+    }
+
+    fn follow_plateau(&mut self) {
+        if self.loss < self.best * (1.0 - THRESHOLD) {
+            (self.best, self.bad_epochs) = (self.loss, 0);
+            return;
+        }
+        self.bad_epochs += 1;
+        if self.bad_epochs > self.settings.plateau_patience {
+            self.rate *= self.settings.plateau_factor;
+            self.bad_epochs = 0;
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! The command as people use it: exit codes, files, messages, interruption.
+
+#[path = "cli_commands/files.rs"]
+mod files;
+#[path = "cli_commands/generate.rs"]
+mod generate;
+#[path = "cli_commands/interrupt.rs"]
+mod interrupt;
+#[path = "cli_commands/resume.rs"]
+mod resume;
+#[path = "cli_commands/simulate.rs"]
+mod simulate;
+#[path = "cli_commands/support.rs"]
+mod support;
+#[path = "cli_commands/train.rs"]
+mod train;

@@ -1,0 +1,111 @@
+//! `export` and `inspect`.
+
+use crate::support::Bench;
+use leastaction::architecture::Architecture;
+use leastaction::model_file::{decode, encode, rust_source};
+use leastaction_core::continuous::acceleration;
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::model::Discretisation;
+
+#[path = "../cli_golden/model.rs"]
+mod golden;
+
+fn trained() -> Bench {
+    let bench = Bench::new();
+    bench.log("");
+    bench.config("iterations = 2");
+    bench.run("train c.toml -o run -q").good();
+    bench
+}
+
+#[test]
+fn exported_files_agree() {
+    let bench = trained();
+    let report = bench.run("export run -o m.postcard --rust m.rs --json").good().json();
+    let bytes = bench.read("m.postcard");
+    assert_eq!(report["bytes"].as_u64(), Some(bytes.len() as u64));
+    let model = decode(&bytes).unwrap();
+    assert_eq!(model.discretisation, Some(Discretisation { order: 2, h: 0.1 }));
+    assert_eq!(report["parameters"].as_u64(), Some(model.weights.len() as u64));
+    assert_eq!(report["provenance"].as_str(), Some(model.provenance.as_str()));
+    assert!(
+        model.provenance.contains("next-position by levenberg-marquardt, seed 0"),
+        "{}",
+        model.provenance
+    );
+    assert_eq!(bench.text("m.rs"), rust_source(&bytes).unwrap());
+}
+
+#[test]
+fn export_needs_a_run() {
+    let bench = Bench::new();
+    bench.run("export nothing -o m.postcard").bad(2, &["nothing/checkpoint.postcard", "training run"]);
+    assert!(!bench.at("m.postcard").exists());
+    let bench = trained();
+    bench.run("export run -o no/such/m.postcard").bad(1, &["no/such/m.postcard"]);
+}
+
+#[test]
+fn inspect_counts_and_measures() {
+    let bench = trained();
+    bench.model("run");
+    let report = bench.run("inspect run.postcard --json").good().json();
+    assert_eq!(report["layers"], serde_json::json!([[2, 6], [6, 2]]));
+    assert_eq!((report["coordinates"][0].as_str(), report["order"].as_u64()), (Some("angle"), Some(2)));
+    assert_eq!(report["h"].as_f64(), Some(0.1));
+    assert_eq!(report["parameters"].as_u64(), Some(2 * 6 + 6 + 6 * 2 + 2));
+    assert_eq!(report["flash_bytes"].as_u64(), Some(bench.read("run.postcard").len() as u64));
+    assert_eq!(report["cost"]["acceleration"]["multiply_adds"].as_u64(), Some(3 * 24));
+    let text = bench.run("inspect run.postcard").good().stdout;
+    assert!(text.contains("order 2, step 0.1 s") && text.contains("Newton iteration, order 4"), "{text}");
+}
+
+#[test]
+fn inspect_refuses_what_is_no_model() {
+    let bench = trained();
+    let good = bench.model("run");
+    let refused = |bytes: &[u8], words: &[&str]| {
+        std::fs::write(bench.at("bad.postcard"), bytes).unwrap();
+        bench.run("inspect bad.postcard").bad(2, words);
+    };
+    bench.run("inspect missing.postcard").bad(2, &["missing.postcard"]);
+    refused(b"", &["bad.postcard", "0 bytes"]);
+    refused(b"PK\x03\x04 something else", &["does not begin with LACT"]);
+    refused(&good[..good.len() - 1], &["damaged"]);
+    let mut changed = good.clone();
+    changed[good.len() / 2] ^= 4;
+    refused(&changed, &["damaged", "checksum"]);
+    changed[4] = 9;
+    refused(&changed, &["format version 9"]);
+}
+
+/// A model whose bytes depend on nothing but the format and the seeded initial weights.
+fn example() -> Vec<u8> {
+    let architecture = Architecture { damped: true, ..Architecture::new(&[Coordinate::Angle], 3) };
+    let weights = architecture.initial_weights(1);
+    encode(&architecture, &weights, Some(Discretisation { order: 4, h: 0.05 }), "an example\nin two lines")
+        .unwrap()
+}
+
+#[test]
+fn rust_source_is_the_golden_file() {
+    let source = rust_source(&example()).unwrap();
+    // Set UPDATE_GOLDEN to write the file anew after a deliberate change.
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli_golden/model.rs"), &source).unwrap();
+    }
+    assert_eq!(source, include_str!("../cli_golden/model.rs"));
+}
+
+#[test]
+fn rust_source_compiles_and_is_the_same_model() {
+    let model = golden::load().unwrap();
+    let host = decode(&example()).unwrap();
+    let weights = host.weights_f32();
+    let system = host.architecture.system::<f32, 1, 32>(&weights).unwrap();
+    let (q, v, u) = ([0.3], [-1.2], [0.5]);
+    let there = acceleration(&model.system, &q, &v, &u).unwrap();
+    assert_eq!(there, acceleration(&system, &q, &v, &u).unwrap());
+    assert_eq!((golden::N, golden::H, golden::D, golden::ORDER, golden::STEP), (1, 3, 2, 4, 0.05));
+    assert_eq!(golden::integrator().h(), 0.05);
+}

@@ -1,0 +1,70 @@
+use crate::support::Bench;
+use leastaction::data;
+use leastaction::data::symo;
+
+#[test]
+fn both_formats_hold_the_same_motion() {
+    let bench = Bench::new();
+    for name in ["a.npz", "a.csv"] {
+        let done = bench
+            .run(&format!("generate cartpole -o {name} --trajectories 3 --samples 7 --h 0.02 --json"))
+            .good();
+        let report = done.json();
+        assert_eq!((report["trajectories"].as_u64(), report["samples"].as_u64()), (Some(3), Some(21)));
+        assert_eq!((report["h"].as_f64(), report["system"].as_str()), (Some(0.02), Some("cartpole")));
+    }
+    let (npz, notes) = data::read(bench.at("a.npz")).unwrap();
+    assert!(notes.is_empty());
+    assert_eq!(npz, data::read(bench.at("a.csv")).unwrap().0);
+    assert_eq!((npz.n, npz.h, npz.trajectories.len()), (2, 0.02, 3));
+}
+
+#[test]
+fn a_seed_is_a_file_and_options_change_it() {
+    let bench = Bench::new();
+    let generate = |name: &str, options: &str| {
+        bench.run(&format!("generate acrobot -o {name} --trajectories 2 --samples 5 {options}")).good();
+        bench.read(name)
+    };
+    let plain = generate("a.npz", "--seed 4");
+    assert_eq!(plain, generate("b.npz", "--seed 4"));
+    for (k, option) in ["--seed 5", "--seed 4 --noise 0.01", "--seed 4 --drag 0.1", "--seed 4 --no-control"]
+        .iter()
+        .enumerate()
+    {
+        assert_ne!(plain, generate(&format!("c{k}.npz"), option), "{option}");
+    }
+}
+
+#[test]
+fn without_control_u_is_zero() {
+    let bench = Bench::new();
+    bench.log("--no-control");
+    let (data, _) = data::read(bench.at("data.npz")).unwrap();
+    assert!(data.trajectories.iter().all(|t| t.u.as_ref().unwrap().as_flat().iter().all(|u| *u == 0.0)));
+}
+
+#[test]
+fn symo_layout_has_its_three_parts() {
+    let bench = Bench::new();
+    bench.run("generate pendulum -o symo.npz --symo-layout").good();
+    let set = symo::read(bench.at("symo.npz"), 0.1, 0).unwrap();
+    let sizes =
+        [&set.train, &set.test, &set.integration].map(|part| (part.trajectories.len(), part.samples()));
+    assert_eq!(sizes, [(128, 128 * 34), (128, 128 * 34), (16, 16 * 502)]);
+}
+
+#[test]
+fn wrong_usage_is_2_and_failed_work_is_1() {
+    let bench = Bench::new();
+    bench.run("generate pendulum -o data.txt").bad(2, &["data.txt", ".npz or .csv"]);
+    bench.run("generate gyroscope -o a.npz").bad(2, &["gyroscope", "pendulum", "cartpole"]);
+    bench.run("generate pendulum").bad(2, &["--output"]);
+    bench.run("generate pendulum -o a.npz --samples 2").bad(2, &["--samples"]);
+    bench.run("generate pendulum -o a.npz --h 0").bad(2, &["above 0"]);
+    bench.run("generate pendulum -o a.npz --h nan").bad(2, &["finite"]);
+    bench.run("generate pendulum -o a.npz --noise=-1").bad(2, &["0 or above"]);
+    bench.run("generate pendulum -o a.npz --symo-layout --drag 1").bad(2, &["--drag"]);
+    bench.run("generate pendulum -o no/such/a.npz").bad(1, &["no/such/a.npz"]);
+    assert_eq!(std::fs::read_dir(bench.folder.path()).unwrap().count(), 0);
+}

@@ -1,0 +1,67 @@
+use crate::support::Bench;
+use serde_json::Value;
+
+/// A pendulum learned well enough to be controlled.
+fn learned() -> Bench {
+    let bench = Bench::new();
+    bench.run("generate pendulum -o data.npz --trajectories 8 --samples 24 --h 0.05").good();
+    bench.write(
+        "c.toml",
+        "[data]\nfile = \"data.npz\"\n[model]\ncoordinates = \"a\"\nhidden = [8]\n[training]\niterations = 25\n",
+    );
+    bench.run("train c.toml -o run -q").good();
+    bench.model("run");
+    bench
+}
+
+fn simulate(bench: &Bench, options: &str) -> Value {
+    bench.run(&format!("simulate run.postcard --json {options}")).good().json()
+}
+
+#[test]
+fn a_learned_model_predicts_tracks_and_swings_up() {
+    let bench = learned();
+    for scenario in ["predict --seconds 2", "track", "swing-up"] {
+        let report = simulate(&bench, &format!("--scenario {scenario} -o out"));
+        assert_eq!((report["success"].as_bool(), report["system"].as_str()), (Some(true), Some("pendulum")));
+        assert_eq!(report["model_errors"].as_u64(), Some(0));
+        let trace = bench.text("out/trace.csv");
+        assert_eq!(trace.lines().count() as u64, 1 + report["ticks"].as_u64().unwrap());
+        let columns = trace.lines().next().unwrap().split(',').count();
+        assert!(trace.lines().all(|line| line.split(',').count() == columns));
+        assert!(bench.text("out/run.svg").contains("</svg>"));
+    }
+}
+
+#[test]
+fn a_seed_is_a_trace() {
+    let bench = learned();
+    let hash = |seed: u32| simulate(&bench, &format!("--scenario track --seed {seed}"))["trace_hash"].clone();
+    assert_eq!(hash(1), hash(1));
+    assert_ne!(hash(1), hash(2));
+}
+
+#[test]
+fn an_untrained_model_fails_but_is_reported() {
+    let bench = Bench::new();
+    bench.log("");
+    bench.config("iterations = 0\nloss = \"del-residual\"");
+    bench.run("train c.toml -o run -q").good();
+    bench.model("run");
+    let outcome = bench.run("simulate run.postcard --scenario predict --json");
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    assert_eq!(outcome.json()["success"].as_bool(), Some(false));
+    assert!(outcome.stderr.contains("did not reach its goal") && outcome.stderr.contains("run.svg"));
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused() {
+    let bench = learned();
+    bench.run("simulate no.postcard --scenario track").bad(2, &["no.postcard"]);
+    bench.run("simulate run.postcard --scenario juggle").bad(2, &["juggle", "swing-up"]);
+    bench
+        .run("simulate run.postcard --scenario track --system cartpole")
+        .bad(2, &["1 coordinates", "--system"]);
+    bench.run("simulate run.postcard --scenario track --seconds=-1").bad(2, &["length of the run"]);
+    bench.run("simulate run.postcard --scenario track --tick nan").bad(2, &["tick"]);
+}
