@@ -7,6 +7,7 @@ Exit codes: 0 success, 1 the outputs disagree, a tool failed or a demanded ratio
 
 import argparse
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -28,6 +29,8 @@ H = 0.05  # step h in seconds, a constant of both programs
 STATE_BOUNDS = np.array([0.5, np.pi, 1.0, 3.0, 1.0, 1.0, 2.0, 2.0])  # q0, w, p0, u
 KERNELS = ("acceleration_ns", "residual_jacobian_ns")
 OUTPUTS = ("acceleration", "residual", "jacobian")
+# Functions of ours in the executable, with what the compiler made of closures over arrays.
+OUR_FUNCTIONS = re.compile(r"leastaction_core::|libm::|peer_cartpole::peer_|core::ops::try_trait::|core::array::")
 BASE_FLAGS = "-O2"
 FLAG_SETS = {
     "-O2": ["-O2"],
@@ -320,6 +323,21 @@ def build_ours():
     return Path(executables[-1])
 
 
+def our_code_bytes(executable):
+    """Bytes of the functions of ours: both entry points and everything of the crate and libm that was linked."""
+    sizes = {}
+    for line in run(["nm", "--print-size", "--demangle", "--defined-only", executable]).splitlines():
+        match line.split(maxsplit=3):
+            case [address, size, "t" | "T", name] if OUR_FUNCTIONS.search(name):
+                sizes[address] = int(size, 16)
+    return sum(sizes.values())
+
+
+def our_build(path):
+    executable = path.resolve() if path else build_ours()
+    return Build("leastaction", "", executable, our_code_bytes(executable), {}, {})
+
+
 def measure(builds, ours, options, folder):
     """Alternates the programs, round after round; each keeps its fastest time."""
     column_major = [folder / "weights_column_major.f32", folder / "states.f32", options.repetitions, options.passes]
@@ -344,7 +362,7 @@ def comparison(builds, ours, key):
     rows = {"casadi_o2_ns": base.best[key], "casadi_o2_variant": base.name, "casadi_o2_code_bytes": base.code_bytes}
     rows |= {"casadi_any_ns": tuned.best[key], "casadi_any_variant": f"{tuned.name}, {tuned.flags}"}
     if ours:
-        rows |= {"ours_ns": ours.best[key]}
+        rows |= {"ours_ns": ours.best[key], "ours_code_bytes": ours.code_bytes}
         rows |= {"ratio_o2": base.best[key] / ours.best[key], "ratio_any": tuned.best[key] / ours.best[key]}
     return rows
 
@@ -386,7 +404,7 @@ def print_comparison(kernel, row):
     print(f"{kernel}: CasADi at -O2 {row['casadi_o2_ns']:,.0f} ns ({row['casadi_o2_variant']}, {row['casadi_o2_code_bytes']:,} bytes of code)")
     print(f"  with any flags {row['casadi_any_ns']:,.0f} ns ({row['casadi_any_variant']})")
     if "ours_ns" in row:
-        print(f"  ours {row['ours_ns']:,.0f} ns: {row['ratio_o2']:.2f} times faster than -O2, {row['ratio_any']:.2f} than any flags")
+        print(f"  ours {row['ours_ns']:,.0f} ns, {row['ours_code_bytes']:,} bytes: {row['ratio_o2']:.2f} times faster than -O2, {row['ratio_any']:.2f} than any flags")
 
 
 def check(report, options):
@@ -440,7 +458,8 @@ def run_self_test(weights, states, options):
 def benchmark(weights, states, options, folder):
     need("gcc", "install a C compiler, e.g. `apt install gcc`")
     need("size", "install GNU binutils, e.g. `apt install binutils`")
-    ours = None if options.casadi_only else Build("leastaction", "", options.ours.resolve() if options.ours else build_ours(), 0, {}, {})
+    need("nm", "install GNU binutils, e.g. `apt install binutils`")
+    ours = None if options.casadi_only else our_build(options.ours)
     write_inputs(folder, weights, states)
     builds = casadi_builds(weights, folder, [BASE_FLAGS] if options.quick else FLAG_SETS)
     measure(builds, ours, options, folder)
