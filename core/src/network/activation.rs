@@ -47,27 +47,68 @@ impl Activation {
     /// Replaces every z by σ(z) with its tangents, and writes σ′(z) with its tangents σ″ż into `slopes`.
     #[inline(always)]
     pub fn apply<S: Scalar, const T: usize>(self, units: &mut [Jet<S, T>], slopes: &mut [Jet<S, T>]) {
+        let mut slopes = slopes.iter_mut();
+        self.visit(units, |unit, c| {
+            if let Some(slope) = slopes.next() {
+                *slope = unit.chain(c.slope, c.curvature);
+            }
+            *unit = unit.chain(c.value, c.slope);
+        });
+    }
+
+    /// Replaces every z by σ(z) with its tangents.
+    #[inline(always)]
+    pub fn apply_forward<S: Scalar, const T: usize>(self, units: &mut [Jet<S, T>]) {
+        self.visit(units, |unit, c| *unit = unit.chain(c.value, c.slope));
+    }
+
+    #[inline(always)]
+    fn visit<S: Scalar, const T: usize>(
+        self,
+        units: &mut [Jet<S, T>],
+        visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
+    ) {
         match self {
-            Self::Tanh => apply(tanh, units, slopes),
-            Self::Softplus => apply(softplus, units, slopes),
-            Self::Squareplus => apply(squareplus, units, slopes),
-            Self::Isru => apply(isru, units, slopes),
-            Self::Identity => apply(|z| Self::Identity.curve(z), units, slopes),
+            Self::Tanh => each(tanh, units, visit),
+            Self::Softplus => each(softplus, units, visit),
+            Self::Squareplus => each(squareplus, units, visit),
+            Self::Isru => each(isru, units, visit),
+            Self::Identity => each(|z| Self::Identity.curve(z), units, visit),
         }
     }
 }
 
+/// Units that σ is applied to side by side.
+const BLOCK: usize = 8;
+
+/// Visits every unit with the curve of σ at its value.
 #[inline(always)]
-fn apply<S: Scalar, const T: usize>(
+fn each<S: Scalar, const T: usize>(
     sigma: impl Fn(S) -> Curve<S>,
     units: &mut [Jet<S, T>],
-    slopes: &mut [Jet<S, T>],
+    mut visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
 ) {
-    for (unit, slope) in units.iter_mut().zip(slopes) {
-        let c = sigma(unit.value);
-        *slope = unit.chain(c.slope, c.curvature);
-        *unit = unit.chain(c.value, c.slope);
+    let (blocks, rest) = units.as_chunks_mut::<BLOCK>();
+    for units in blocks {
+        let c = curves(&sigma, &core::array::from_fn(|l| units[l].value));
+        for (l, unit) in units.iter_mut().enumerate() {
+            visit(unit, Curve { value: c.value[l], slope: c.slope[l], curvature: c.curvature[l] });
+        }
     }
+    for unit in rest {
+        visit(unit, sigma(unit.value));
+    }
+}
+
+/// A function of its own, so that a compiler sees vectors and not the jets around them.
+#[inline(never)]
+fn curves<S: Scalar>(sigma: &impl Fn(S) -> Curve<S>, z: &[S; BLOCK]) -> Curve<[S; BLOCK]> {
+    let mut curves = Curve { value: *z, slope: *z, curvature: *z };
+    for (l, z) in z.iter().enumerate() {
+        let c = sigma(*z);
+        (curves.value[l], curves.slope[l], curves.curvature[l]) = (c.value, c.slope, c.curvature);
+    }
+    curves
 }
 
 #[inline(always)]

@@ -125,6 +125,23 @@ fn derivative<S: Scalar>(y: &Jet<S, 1>, x: &Jet<S, 1>) -> S {
 /// What is left of weights, biases and outputs after a pass.
 type Rest<'w, 'y, W, S, const T: usize> = (&'w [W], &'w [W], &'y mut [Jet<S, T>]);
 
+/// P jets with their values side by side, and so each of their tangents: as vector registers hold them.
+struct Panel<S, const T: usize, const P: usize> {
+    value: [S; P],
+    tangent: [[S; P]; T],
+}
+
+impl<S: Scalar, const T: usize, const P: usize> Panel<S, T, P> {
+    #[inline(always)]
+    fn jet(&self, l: usize) -> Jet<S, T> {
+        let mut jet = Jet { value: self.value[l], tangent: [S::zero(); T] };
+        for (x, lanes) in jet.tangent.iter_mut().zip(&self.tangent) {
+            *x = lanes[l];
+        }
+        jet
+    }
+}
+
 /// All full panels of P outputs.
 #[inline(always)]
 fn forward_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
@@ -136,20 +153,31 @@ fn forward_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
     let (panels, y) = y.as_chunks_mut::<P>();
     let (bias, bias_rest) = bias.split_at_checked(panels.len() * P).unwrap_or((bias, &[]));
     let (rows, rest) = weights.split_at_checked(panels.len() * P * x.len()).unwrap_or((weights, &[]));
-    let mut rows = rows.as_chunks::<P>().0.iter();
+    let mut rows = rows.as_chunks::<P>().0;
     for (y, bias) in panels.iter_mut().zip(bias.as_chunks::<P>().0) {
-        forward_panel(&mut rows, bias, x, y);
+        let panel = forward_panel(split_off(&mut rows, x.len()), bias, x);
+        for (l, y) in y.iter_mut().enumerate() {
+            *y = panel.jet(l);
+        }
     }
     (rest, bias_rest, y)
 }
 
+/// Takes the first `n` from the front of `rows`; all where there are fewer.
 #[inline(always)]
+fn split_off<'w, X>(rows: &mut &'w [X], n: usize) -> &'w [X] {
+    let (first, rest) = rows.split_at_checked(n).unwrap_or((rows, &[]));
+    *rows = rest;
+    first
+}
+
+/// A function of its own, so that the sums stay in vectors and are not interleaved before the last is added.
+#[inline(never)]
 fn forward_panel<S: Scalar, const T: usize, const P: usize>(
-    rows: &mut core::slice::Iter<[S::Weight; P]>,
+    rows: &[[S::Weight; P]],
     bias: &[S::Weight; P],
     x: &[Jet<S, T>],
-    y: &mut [Jet<S, T>; P],
-) {
+) -> Panel<S, T, P> {
     let mut value = bias.map(S::weight);
     let mut tangent = [[S::zero(); P]; T];
     for (x, row) in x.iter().zip(rows) {
@@ -159,9 +187,7 @@ fn forward_panel<S: Scalar, const T: usize, const P: usize>(
             accumulate(sum, &row, *x);
         }
     }
-    for (l, y) in y.iter_mut().enumerate() {
-        *y = Jet { value: value[l], tangent: tangent.map(|t| t[l]) };
-    }
+    Panel { value, tangent }
 }
 
 #[inline(always)]
@@ -179,16 +205,16 @@ fn adjoint_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
 ) -> (&'w [S::Weight], &'y [Jet<S, T>]) {
     let (panels, y_rest) = y_bar.as_chunks::<P>();
     let (rows, rest) = weights.split_at_checked(panels.len() * P * x_bar.len()).unwrap_or((weights, &[]));
-    let mut rows = rows.as_chunks::<P>().0.iter();
+    let mut rows = rows.as_chunks::<P>().0;
     for y_bar in panels {
-        adjoint_panel(&mut rows, y_bar, x_bar);
+        adjoint_panel(split_off(&mut rows, x_bar.len()), y_bar, x_bar);
     }
     (rest, y_rest)
 }
 
 #[inline(always)]
 fn adjoint_panel<S: Scalar, const T: usize, const P: usize>(
-    rows: &mut core::slice::Iter<[S::Weight; P]>,
+    rows: &[[S::Weight; P]],
     y_bar: &[Jet<S, T>; P],
     x_bar: &mut [Jet<S, T>],
 ) {

@@ -10,17 +10,18 @@ pub struct Mlp<'a, W, const D: usize> {
     activation: Activation,
 }
 
-/// What a forward pass leaves for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer, with tangents,
-/// for widths up to `H`.
+/// What a forward pass leaves for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer with tangents, and
+/// the tangents ż, for widths up to `H`.
 #[derive(Clone, Debug)]
 pub struct Tape<S, const T: usize, const H: usize, const D: usize> {
     units: [[Jet<S, T>; H]; D],
     slopes: [[Jet<S, T>; H]; D],
+    rates: [[[S; T]; H]; D],
 }
 
 impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Tape<S, T, H, D> {
     fn default() -> Self {
-        Self { units: [[Jet::zero(); H]; D], slopes: [[Jet::zero(); H]; D] }
+        Self { units: [[Jet::zero(); H]; D], slopes: [[Jet::zero(); H]; D], rates: [[[S::zero(); T]; H]; D] }
     }
 }
 
@@ -75,13 +76,35 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         tape: &mut Tape<S, T, H, D>,
         y: &mut [Jet<S, T>],
     ) {
+        let Tape { units, slopes, rates } = tape;
         let mut input = x;
-        for ((layer, units), slopes) in
-            self.hidden.iter().flatten().zip(&mut tape.units).zip(&mut tape.slopes)
+        for (((layer, units), slopes), rates) in
+            self.hidden.iter().flatten().zip(units).zip(slopes).zip(rates)
         {
             let units = first_mut(units, layer.outputs());
             layer.forward(input, units);
+            for (rate, z) in rates.iter_mut().zip(units.iter()) {
+                *rate = z.tangent;
+            }
             self.activation.apply(units, slopes);
+            input = units;
+        }
+        self.output.forward(input, y);
+    }
+
+    /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
+    #[inline]
+    pub fn evaluate<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+        &self,
+        x: &[Jet<S, T>],
+        y: &mut [Jet<S, T>],
+    ) {
+        let mut units = [[Jet::zero(); H]; D];
+        let mut input = x;
+        for (layer, units) in self.hidden.iter().flatten().zip(&mut units) {
+            let units = first_mut(units, layer.outputs());
+            layer.forward(input, units);
+            self.activation.apply_forward(units);
             input = units;
         }
         self.output.forward(input, y);
@@ -97,11 +120,41 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         y_bar: &[Jet<S, A>],
         x_bar: &mut [Jet<S, A>],
     ) {
-        self.backward(tape, y_bar, |layer, below, bar| {
+        self.backward(
+            tape,
+            y_bar,
+            |_, _, _| {},
+            |layer, below, bar| {
+                if below.is_none() {
+                    layer.adjoint(bar, x_bar);
+                }
+            },
+        );
+    }
+
+    /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the tape's directions, x moving along straight
+    /// lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
+    #[inline]
+    pub fn second_order<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+        &self,
+        tape: &Tape<S, T, H, D>,
+        y_bar: &[Jet<S, 0>],
+        x_bar: &mut [Jet<S, 0>],
+    ) -> [[S; T]; T] {
+        let mut sum = [[S::zero(); T]; T];
+        let bend = |unit_bar: &[Jet<S, 0>], slopes: &[Jet<S, T>], rates: &[[S; T]]| {
+            for ((a, slope), rate) in unit_bar.iter().zip(slopes).zip(rates) {
+                for (row, bent) in sum.iter_mut().zip(&slope.tangent) {
+                    add_scaled_to(row, a.value * *bent, rate);
+                }
+            }
+        };
+        self.backward(tape, y_bar, bend, |layer, below, bar| {
             if below.is_none() {
                 layer.adjoint(bar, x_bar);
             }
         });
+        sum
     }
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the forward pass
@@ -114,26 +167,30 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
     ) {
-        self.backward(tape, y_bar, |layer, below, bar| visit(layer, below.unwrap_or(x), bar));
+        self.backward(tape, y_bar, |_, _, _| {}, |layer, below, bar| visit(layer, below.unwrap_or(x), bar));
     }
 
     /// Carries the adjoint down to the outputs of the first layer. `visit` gets each layer, the units below it on the tape
-    /// (none below the first) and the adjoint of its outputs.
+    /// (none below the first) and the adjoint of its outputs; `bend` the adjoint of every hidden layer's units, with slopes
+    /// and tangents ż.
     #[inline(always)]
     fn backward<S: Scalar<Weight = W>, const T: usize, const A: usize, const H: usize>(
         &self,
         tape: &Tape<S, T, H, D>,
         y_bar: &[Jet<S, A>],
+        mut bend: impl FnMut(&[Jet<S, A>], &[Jet<S, T>], &[[S; T]]),
         mut visit: impl FnMut(&Dense<'a, W>, Option<&[Jet<S, T>]>, &[Jet<S, A>]),
     ) {
         let (mut unit_bar, mut z_bar) = ([Jet::zero(); H], [Jet::zero(); H]);
         let mut layer = &self.output;
         let mut bar = y_bar;
-        for ((below, units), slopes) in self.hidden.iter().zip(&tape.units).zip(&tape.slopes).rev() {
+        let Tape { units, slopes, rates } = tape;
+        for (((below, units), slopes), rates) in self.hidden.iter().zip(units).zip(slopes).zip(rates).rev() {
             let Some(below) = below else { continue };
             visit(layer, Some(first(units, layer.inputs())), bar);
             let unit_bar = first_mut(&mut unit_bar, layer.inputs());
             layer.adjoint(bar, unit_bar);
+            bend(unit_bar, slopes, rates);
             let z_bar = first_mut(&mut z_bar, layer.inputs());
             for ((z, a), slope) in z_bar.iter_mut().zip(unit_bar).zip(slopes) {
                 *z = a.times(slope);
@@ -141,6 +198,14 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
             (layer, bar) = (below, z_bar);
         }
         visit(layer, None, bar);
+    }
+}
+
+/// x ← x + cy.
+#[inline(always)]
+fn add_scaled_to<S: Scalar, const T: usize>(x: &mut [S; T], c: S, y: &[S; T]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += c * *y;
     }
 }
 

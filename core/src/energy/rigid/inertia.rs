@@ -29,6 +29,14 @@ impl Inertia {
 /// A vector of N jets.
 pub(super) type Jets<S, const T: usize, const N: usize> = [Jet<S, T>; N];
 
+/// The values alone.
+#[inline(always)]
+pub(super) fn without_tangents<S: Scalar, const T: usize, const N: usize>(
+    x: &Jets<S, T, N>,
+) -> Jets<S, 0, N> {
+    core::array::from_fn(|i| x[i].without_tangents())
+}
+
 /// The outputs of the network read as energies, with tangents.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outputs<S, const T: usize, const N: usize> {
@@ -68,12 +76,11 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
     /// The same without tangents.
     #[inline]
     pub fn without_tangents(&self) -> Outputs<S, 0, N> {
-        let plain = |x: &Jets<S, T, N>| core::array::from_fn(|i| x[i].without_tangents());
         Outputs {
             inertia: self.inertia,
-            diagonal: plain(&self.diagonal),
-            slopes: plain(&self.slopes),
-            lower: core::array::from_fn(|i| plain(&self.lower[i])),
+            diagonal: without_tangents(&self.diagonal),
+            slopes: without_tangents(&self.slopes),
+            lower: core::array::from_fn(|i| without_tangents(&self.lower[i])),
             potential: self.potential.without_tangents(),
         }
     }

@@ -11,11 +11,11 @@ pub use features::{Coordinate, count as feature_count};
 pub use inertia::Inertia;
 
 use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
-use crate::linear::dot;
+use crate::linear::{add_scaled, dot, multiply, transpose};
 use crate::network::{Activation, Jet, Mlp, Tape};
 use crate::scalar::Scalar;
 use features::Features;
-use inertia::{Jets, OutputBar, Outputs};
+use inertia::{Jets, OutputBar, Outputs, without_tangents};
 
 /// The shape of a rigid model, apart from its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,14 +70,26 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
         q: &[S; N],
         directions: &[[S; N]; T],
         tape: &mut Tape<S, T, H, D>,
-    ) -> (Features<S, N>, Outputs<S, T, N>) {
+    ) -> Evaluation<S, T, N> {
+        self.evaluate(q, directions, |x, y| self.network.forward(x, tape, y))
+    }
+
+    /// Features → network → energies, the network run by `pass(inputs, outputs)`.
+    #[inline(always)]
+    fn evaluate<S: Scalar<Weight = W>, const T: usize>(
+        &self,
+        q: &[S; N],
+        directions: &[[S; N]; T],
+        pass: impl FnOnce(&[Jet<S, T>], &mut [Jet<S, T>]),
+    ) -> Evaluation<S, T, N> {
         let features = Features::new(&self.coordinates, q);
         let (inputs, count) = features.jets(directions);
-        let mut outputs: OutputBar<S, T, N> = [[[Jet::zero(); N]; N]; 2];
-        let outputs = outputs.as_flattened_mut().as_flattened_mut();
-        let outputs = outputs.get_mut(..self.network.outputs()).unwrap_or_default();
-        self.network.forward(inputs.as_flattened().get(..count).unwrap_or(&[]), tape, outputs);
-        (features, Outputs::new(self.inertia, outputs))
+        let mut raw: OutputBar<S, T, N> = [[[Jet::zero(); N]; N]; 2];
+        let slots = raw.as_flattened_mut().as_flattened_mut();
+        let slots = slots.get_mut(..self.network.outputs()).unwrap_or_default();
+        pass(inputs.as_flattened().get(..count).unwrap_or(&[]), slots);
+        let outputs = Outputs::new(self.inertia, slots);
+        Evaluation { features, raw, outputs }
     }
 
     /// ∂L/∂q and its derivatives along the directions.
@@ -96,6 +108,73 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
         self.network.adjoint(tape, bar, feature_slots);
         features.adjoint(feature_slots, directions)
     }
+
+    /// ∂L/∂q with the features' part of its derivatives, and the network's part of them.
+    #[inline]
+    fn adjoint_second_order<S: Scalar<Weight = W>>(
+        &self,
+        features: &Features<S, N>,
+        tape: &Tape<S, N, H, D>,
+        bar: &OutputBar<S, N, N>,
+    ) -> (Jets<S, N, N>, [[S; N]; N]) {
+        let plain = bar.each_ref().map(|rows| rows.each_ref().map(without_tangents));
+        let plain = plain.as_flattened().as_flattened().get(..self.network.outputs()).unwrap_or(&[]);
+        let mut feature_bar = [[Jet::zero(); N]; 2];
+        let count = feature_count(&self.coordinates);
+        let slots = feature_bar.as_flattened_mut().get_mut(..count).unwrap_or_default();
+        let bent = self.network.second_order(tape, plain, slots);
+        let feature_bar = feature_bar.map(|row| row.map(|x| Jet::constant(x.value)));
+        (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), bent)
+    }
+}
+
+impl<W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, H, D> {
+    /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
+    #[inline]
+    fn dynamics_by_tangents<S: Scalar<Weight = W>>(
+        &self,
+        q: &[S; N],
+        v: &[S; N],
+    ) -> Dynamics<S, DenseMass<S, N>, N> {
+        let Evaluation { outputs, .. } =
+            self.evaluate(q, &unit_vectors(), |x, y| self.network.evaluate::<S, N, H>(x, y));
+        let p = outputs.momentum(&held(v));
+        let twice_kinetic_q = multiply(&transpose(&p.map(|p| p.tangent)), v);
+        Dynamics {
+            mass: DenseMass(outputs.mass_matrix()),
+            l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - outputs.potential.tangent[k]),
+            l_v: p.map(|p| p.value),
+            l_vq_v: multiply(&p.map(|p| p.tangent), v),
+        }
+    }
+
+    /// One forward pass with the tangent along v, and one adjoint: three passes' work.
+    #[inline]
+    fn dynamics_by_adjoint<S: Scalar<Weight = W>>(
+        &self,
+        q: &[S; N],
+        v: &[S; N],
+    ) -> Dynamics<S, DenseMass<S, N>, N> {
+        let mut tape = Tape::<S, 1, H, D>::default();
+        let Evaluation { features, outputs, .. } = self.forward(q, &[*v], &mut tape);
+        let p = outputs.momentum(&held(v));
+        let bar = outputs.without_tangents().lagrangian_bar(&held(v));
+        Dynamics {
+            mass: DenseMass(outputs.mass_matrix()),
+            l_q: self.adjoint(&features, &tape, &bar, &[]).map(|l| l.value),
+            l_v: p.map(|p| p.value),
+            l_vq_v: p.map(|Jet { tangent: [along_v], .. }| along_v),
+        }
+    }
+}
+
+/// What one pass through the network gives.
+struct Evaluation<S, const T: usize, const N: usize> {
+    features: Features<S, N>,
+    /// The network's outputs o.
+    raw: OutputBar<S, T, N>,
+    /// The same, read as energies.
+    outputs: Outputs<S, T, N>,
 }
 
 /// v with all tangents zero.
@@ -116,46 +195,58 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Lagrangian<S, N>
     type Mass = DenseMass<S, N>;
 
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
-        let (_, outputs) = self.forward(q, &[], &mut Tape::<S, 0, H, D>::default());
+        let Evaluation { outputs, .. } = self.forward(q, &[], &mut Tape::<S, 0, H, D>::default());
         let p = outputs.momentum(&held(v)).map(|p| p.value);
         Energies { kinetic: dot(&p, v).half(), potential: outputs.potential.value }
     }
 
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
         let mut tape = Tape::<S, 0, H, D>::default();
-        let (features, outputs) = self.forward(q, &[], &mut tape);
+        let Evaluation { features, outputs, .. } = self.forward(q, &[], &mut tape);
         let v = held(v);
         let l_q = self.adjoint(&features, &tape, &outputs.lagrangian_bar(&v), &[]);
         Gradient { l_q: l_q.map(|l| l.value), l_v: outputs.momentum(&v).map(|p| p.value) }
     }
 
-    /// One forward pass with the tangent along v, one adjoint: no dense derivative of H is ever formed.
+    /// By whichever takes fewer passes through the network for N; no dense ∂H/∂q is ever formed.
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
-        let mut tape = Tape::<S, 1, H, D>::default();
-        let (features, outputs) = self.forward(q, &[*v], &mut tape);
-        let p = outputs.momentum(&held(v));
-        let bar = outputs.without_tangents().lagrangian_bar(&held(v));
-        Dynamics {
-            mass: DenseMass(outputs.mass_matrix()),
-            l_q: self.adjoint(&features, &tape, &bar, &[]).map(|l| l.value),
-            l_v: p.map(|p| p.value),
-            l_vq_v: p.map(|Jet { tangent: [along_v], .. }| along_v),
-        }
+        if N <= 2 { self.dynamics_by_tangents(q, v) } else { self.dynamics_by_adjoint(q, v) }
     }
 
+    /// One forward pass with N tangents and one plain adjoint: L_qq is Σ_o ∂o/∂q_i ∂ō/∂q_j with ō = ∂L/∂o, plus the
+    /// second derivatives of the network weighed by ō, plus those of the features.
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         let mut tape = Tape::<S, N, H, D>::default();
-        let directions = unit_vectors();
-        let (features, outputs) = self.forward(q, &directions, &mut tape);
+        let Evaluation { features, raw, outputs } = self.forward(q, &unit_vectors(), &mut tape);
         let v = held(v);
-        let l_q = self.adjoint(&features, &tape, &outputs.lagrangian_bar(&v), &directions);
+        let bar = outputs.lagrangian_bar(&v);
+        let (l_q, bent) = self.adjoint_second_order(&features, &tape, &bar);
         let p = outputs.momentum(&v);
         Hessian {
             l_q: l_q.map(|l| l.value),
             l_v: p.map(|p| p.value),
-            l_qq: l_q.map(|l| l.tangent),
+            l_qq: assembled(&l_q, &bent, &raw, &bar),
             l_vq: p.map(|p| p.tangent),
             l_vv: outputs.mass_matrix(),
         }
     }
+}
+
+/// L_qq, the sum of three parts: the features' (tangents of `l_q`), the network's (`bent`), and Σ_o ∂o/∂q_i ∂ō/∂q_j.
+#[inline]
+fn assembled<S: Scalar, const N: usize>(
+    l_q: &Jets<S, N, N>,
+    bent: &[[S; N]; N],
+    raw: &OutputBar<S, N, N>,
+    bar: &OutputBar<S, N, N>,
+) -> [[S; N]; N] {
+    let mut sum: [[S; N]; N] =
+        core::array::from_fn(|i| core::array::from_fn(|j| l_q[i].tangent[j] + bent[i][j]));
+    let pairs = raw.as_flattened().as_flattened().iter().zip(bar.as_flattened().as_flattened());
+    for (o, bar) in pairs {
+        for (row, o) in sum.iter_mut().zip(&o.tangent) {
+            *row = add_scaled(row, *o, &bar.tangent);
+        }
+    }
+    sum
 }

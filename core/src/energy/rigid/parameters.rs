@@ -1,6 +1,6 @@
 //! Derivatives in the weights, for training: the tangent forward, then the adjoint, layer by layer.
 
-use super::{Features, Jets, OutputBar, Rigid, held};
+use super::{Evaluation, Features, Jets, OutputBar, Rigid, held};
 use crate::network::{Dense, Jet, Tape};
 use crate::scalar::Scalar;
 
@@ -17,7 +17,7 @@ impl<const N: usize, const H: usize, const D: usize, W: Copy> Rigid<'_, W, N, H,
     ) {
         let ((q, v), (dq, dv)) = (at, along);
         let mut tape = Tape::<S, 1, H, D>::default();
-        let (features, outputs) = self.forward(q, &[*dq], &mut tape);
+        let Evaluation { features, outputs, .. } = self.forward(q, &[*dq], &mut tape);
         let bar = outputs.lagrangian_bar(&moving(v, dv));
         self.weight_gradient(&features, &tape, dq, &bar, row);
     }
@@ -35,7 +35,7 @@ impl<const N: usize, const H: usize, const D: usize, W: Copy> Rigid<'_, W, N, H,
     ) {
         let (q, v) = at;
         let mut tape = Tape::<S, 1, H, D>::default();
-        let (features, outputs) = self.forward(q, &[*v], &mut tape);
+        let Evaluation { features, outputs, .. } = self.forward(q, &[*v], &mut tape);
         let bar = outputs.bilinear_bar(&held(y), &moving(v, a));
         self.weight_gradient(&features, &tape, v, &bar, row);
     }
