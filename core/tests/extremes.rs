@@ -7,6 +7,7 @@ use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
+use leastaction_core::energy::Learnable;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};

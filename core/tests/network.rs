@@ -24,6 +24,7 @@ fn slopes_and_curvatures_are_the_derivatives() {
             assert_close("value", found.value, naive(z), 1e-15);
             assert_close("slope", found.slope, exact.value.0.eps1, 1e-14);
             assert_close("curvature", found.curvature, exact.value.0.eps1eps2, 1e-14);
+            assert_close("third", activation.third(z, &found), exact.slope.0.eps1eps2, 1e-14);
             assert_close("slope's own derivative", exact.slope.0.eps1, found.curvature, 1e-14);
             assert_close("slope", found.slope, (naive(z + STEP) - naive(z - STEP)) / (2.0 * STEP), 1e-8);
             let second = (naive(z + STEP) - 2.0 * naive(z) + naive(z - STEP)) / (STEP * STEP);

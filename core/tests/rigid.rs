@@ -5,6 +5,7 @@ mod common;
 use common::dual::{self, Dual, derivatives};
 use common::shapes::{self, Model};
 use common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
+use leastaction_core::energy::Learnable;
 use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::linear;
 

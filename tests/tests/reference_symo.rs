@@ -1,7 +1,7 @@
 //! Networks that were trained with the SyMo authors' program against arrays exported from it. The data is not ours to ship:
 //! these tests run where `LEASTACTION_REFERENCE` names its folder.
 
-use leastaction::architecture::{Architecture, Visitor};
+use leastaction::architecture::{Architecture, Family, MAX_WIDTH, RigidArchitecture, Visitor};
 use leastaction::import::{Imported, symo};
 use leastaction::training::{LossKind, Samples, objective};
 use leastaction_core::continuous::acceleration;
@@ -110,6 +110,13 @@ struct Values {
     next: Vec<f64>,
 }
 
+fn rigid(architecture: &Architecture) -> &RigidArchitecture {
+    match architecture {
+        Architecture::Rigid(rigid) => rigid,
+        Architecture::Modular(_) => panic!("a rigid model"),
+    }
+}
+
 struct Evaluate<'a> {
     architecture: &'a Architecture,
     weights: &'a [f64],
@@ -120,13 +127,13 @@ struct Evaluate<'a> {
 impl Visitor for Evaluate<'_> {
     type Output = Values;
 
-    fn visit<const N: usize, const H: usize>(self) -> Values {
+    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Values {
         if self.single {
             let weights: Vec<f32> = self.weights.iter().map(|w| *w as f32).collect();
-            let system = self.architecture.system::<f32, N, H>(&weights).expect("shape");
+            let system = rigid(self.architecture).system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
             values(&system, self.samples, |x| x as f32)
         } else {
-            let system = self.architecture.system::<f64, N, H>(self.weights).expect("shape");
+            let system = family.system::<f64>(self.weights).expect("shape");
             values(&system, self.samples, |x| x)
         }
     }
@@ -257,19 +264,19 @@ struct Accelerations<'a> {
 impl Visitor for Accelerations<'_> {
     type Output = Vec<f64>;
 
-    fn visit<const N: usize, const H: usize>(self) -> Vec<f64> {
+    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Vec<f64> {
         let [q, v, u] = &self.samples.states;
         let rows = |x: &[f64]| -> Vec<[f64; N]> { x.as_chunks::<N>().0.to_vec() };
         let states = rows(q).into_iter().zip(rows(v)).zip(rows(u));
         if self.single {
             let weights: Vec<f32> = self.weights.iter().map(|w| *w as f32).collect();
-            let system = self.architecture.system::<f32, N, H>(&weights).expect("shape");
+            let system = rigid(self.architecture).system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
             let single = |x: [f64; N]| x.map(|x| x as f32);
             let a = states
                 .map(|((q, v), u)| acceleration(&system, &single(q), &single(v), &single(u)).expect("mass"));
             a.flatten().map(f64::from).collect()
         } else {
-            let system = self.architecture.system::<f64, N, H>(self.weights).expect("shape");
+            let system = family.system::<f64>(self.weights).expect("shape");
             states.flat_map(|((q, v), u)| acceleration(&system, &q, &v, &u).expect("mass")).collect()
         }
     }

@@ -1,6 +1,6 @@
 //! How good a model is, in SyMo's measures on equal terms.
 
-use crate::architecture::{Architecture, Visitor};
+use crate::architecture::{Architecture, Family, Visitor};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
 use crate::training::{LossKind, Samples, objective};
@@ -27,11 +27,10 @@ pub fn rollout(
     order: u8,
     data: &Dataset,
 ) -> Result<Vec<Vec<f64>>, ModelError> {
-    architecture.dispatch(Rollout { architecture, weights, order, data })?
+    architecture.dispatch(Rollout { weights, order, data })?
 }
 
 struct Rollout<'a> {
-    architecture: &'a Architecture,
     weights: &'a [f64],
     order: u8,
     data: &'a Dataset,
@@ -40,8 +39,8 @@ struct Rollout<'a> {
 impl Visitor for Rollout<'_> {
     type Output = Result<Vec<Vec<f64>>, ModelError>;
 
-    fn visit<const N: usize, const H: usize>(self) -> Self::Output {
-        let system = self.architecture.system::<f64, N, H>(self.weights)?;
+    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
+        let system = family.system::<f64>(self.weights)?;
         Ok(rollout_system(&system, self.order, self.data))
     }
 }
@@ -180,11 +179,10 @@ pub fn inertia_mse(
     mechanism: Mechanism,
     data: &Dataset,
 ) -> Result<f64, ModelError> {
-    architecture.dispatch(InertiaError { architecture, weights, mechanism, data })?
+    architecture.dispatch(InertiaError { weights, mechanism, data })?
 }
 
 struct InertiaError<'a> {
-    architecture: &'a Architecture,
     weights: &'a [f64],
     mechanism: Mechanism,
     data: &'a Dataset,
@@ -193,8 +191,8 @@ struct InertiaError<'a> {
 impl Visitor for InertiaError<'_> {
     type Output = Result<f64, ModelError>;
 
-    fn visit<const N: usize, const H: usize>(self) -> Self::Output {
-        let system = self.architecture.system::<f64, N, H>(self.weights)?;
+    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
+        let system = family.system::<f64>(self.weights)?;
         let mut squares = Vec::new();
         for q in self.data.trajectories.iter().flat_map(|t| t.q.iter()) {
             let learned =

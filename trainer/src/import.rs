@@ -1,6 +1,6 @@
 //! Networks that were trained elsewhere: weights in safetensors under the names of the SyMo authors' program.
 
-use crate::architecture::Architecture;
+use crate::architecture::{Architecture, RigidArchitecture};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::network::{Activation, Dense};
 use safetensors::tensor::TensorView;
@@ -84,7 +84,7 @@ pub fn symo(bytes: &[u8], coordinates: &[Coordinate]) -> Result<Imported, Import
     let architecture = source.architecture(coordinates)?;
     source.refuse_others(&architecture)?;
     let weights = source.weights(&architecture)?;
-    Ok(Imported { architecture, weights, discrete: prefix == PREFIXES[0] })
+    Ok(Imported { architecture: architecture.into(), weights, discrete: prefix == PREFIXES[0] })
 }
 
 /// One layer with row-major weights.
@@ -112,8 +112,8 @@ impl Source<'_> {
     }
 
     /// The widths are those of the biases.
-    fn architecture(&self, coordinates: &[Coordinate]) -> Result<Architecture, ImportError> {
-        let mut architecture = Architecture::new(coordinates, 0);
+    fn architecture(&self, coordinates: &[Coordinate]) -> Result<RigidArchitecture, ImportError> {
+        let mut architecture = RigidArchitecture::new(coordinates, 0);
         architecture.activation = Activation::Tanh;
         architecture.widths.clear();
         while let Ok(bias) = self.file.tensor(&self.bias_name(architecture.widths.len())) {
@@ -126,7 +126,7 @@ impl Source<'_> {
         Ok(architecture)
     }
 
-    fn refuse_others(&self, architecture: &Architecture) -> Result<(), ImportError> {
+    fn refuse_others(&self, architecture: &RigidArchitecture) -> Result<(), ImportError> {
         let hidden = (0..architecture.widths.len()).map(Self::hidden_name);
         let layers = hidden.chain(Self::heads(architecture.n()).iter().map(|head| (*head).to_owned()));
         let known: Vec<String> = layers
@@ -138,7 +138,7 @@ impl Source<'_> {
         }
     }
 
-    fn weights(&self, architecture: &Architecture) -> Result<Vec<f64>, ImportError> {
+    fn weights(&self, architecture: &RigidArchitecture) -> Result<Vec<f64>, ImportError> {
         let sizes = architecture.layers();
         let mut weights = Vec::new();
         for (k, (inputs, outputs)) in sizes.iter().take(architecture.widths.len()).enumerate() {

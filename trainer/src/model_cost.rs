@@ -1,7 +1,8 @@
 //! What a model costs on a chip, by its shape: multiply-adds, flash, RAM and stack.
 
-use crate::architecture::{Architecture, Visitor};
+use crate::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture, Visitor};
 use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, State};
+use leastaction_core::energy::modular::{NetworkShape, PairInput, TransformShape, TypeShape};
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Jet, Tape};
@@ -46,67 +47,162 @@ struct Count<'a> {
 impl Visitor for Count<'_> {
     type Output = Cost;
 
-    fn visit<const N: usize, const H: usize>(self) -> Cost {
+    fn visit<F: Family<N>, const N: usize>(self, _: &F) -> Cost {
+        let evaluations = match self.architecture {
+            Architecture::Rigid(rigid) => Evaluations::rigid::<N>(rigid),
+            Architecture::Modular(modular) => Evaluations::modular::<N>(modular),
+        };
         Cost {
             state_bytes: size_of::<State<f32, N>>(),
-            handle_bytes: self.handle_bytes::<N>(),
-            acceleration: self.acceleration::<N>(),
-            newton_order_2: self.newton::<Midpoint, N>(),
-            newton_order_4: self.newton::<Galerkin, N>(),
+            handle_bytes: evaluations.handle_bytes,
+            acceleration: evaluations.dynamics,
+            newton_order_2: evaluations.newton::<Midpoint, N>(),
+            newton_order_4: evaluations.newton::<Galerkin, N>(),
         }
     }
 }
 
-impl Count<'_> {
-    /// Weights that are multiplied in one pass: all but the biases.
-    fn weights(&self) -> usize {
-        self.architecture.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum()
-    }
+/// What the evaluations of a Lagrangian take, from which the solvers are made.
+struct Evaluations {
+    handle_bytes: usize,
+    dynamics: Work,
+    hessian: Work,
+    /// Multiply-adds of the first derivatives, whose memory the second derivatives need as well.
+    gradient: usize,
+}
 
-    /// Up to two coordinates a forward pass with N tangents; beyond, one with a single tangent and a plain adjoint.
-    fn acceleration<const N: usize>(&self) -> Work {
-        if N <= 2 {
-            let units = size_of::<Jet<f32, N>>() * self.widest() * self.architecture.widths.len();
-            Work { multiply_adds: (1 + N) * self.weights(), stack_bytes: units + ends::<N, N>() }
+impl Evaluations {
+    /// Up to two coordinates the dynamics take a forward pass with N tangents; beyond, one with a single tangent and a plain
+    /// adjoint. Second derivatives take a forward pass with N tangents and a plain adjoint.
+    fn rigid<const N: usize>(rigid: &RigidArchitecture) -> Self {
+        let weights: usize = rigid.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
+        let widest = rigid.widths.iter().copied().max().map_or(0, usize::from);
+        let depth = rigid.widths.len();
+        let units = size_of::<Jet<f32, N>>() * widest * depth;
+        let dynamics = if N <= 2 {
+            Work { multiply_adds: (1 + N) * weights, stack_bytes: units + ends::<N, N>() }
         } else {
-            Work { multiply_adds: 3 * self.weights(), stack_bytes: self.tape::<1>() + ends::<1, N>() }
+            Work { multiply_adds: 3 * weights, stack_bytes: tape::<1, 0>(widest, depth) + ends::<1, N>() }
+        };
+        let stack_bytes = tape::<N, 0>(widest, depth) + ends::<N, N>();
+        Self {
+            // Two slices and a length a layer, the kinds of coordinates, the inertia, the damping.
+            handle_bytes: (depth + 1) * LAYER
+                + N.next_multiple_of(WORD)
+                + size_of::<Viscous<f32, N>>()
+                + 5 * WORD,
+            dynamics,
+            hessian: Work { multiply_adds: (2 + N) * weights, stack_bytes },
+            gradient: 2 * weights,
         }
     }
 
-    /// At every Gauss point the second derivatives (a forward pass with N tangents and a plain adjoint) and, for the
-    /// residual after the update, the first derivatives once more (a forward pass and an adjoint).
+    /// Positions take one pass a derivative of the transform; potentials a forward pass and an adjoint, each with as many
+    /// tangents as the positions that they see have components.
+    fn modular<const N: usize>(modular: &ModularArchitecture) -> Self {
+        let weights = NetworkWeights::of(modular);
+        let multiply_adds = |derivatives: usize, element: usize, pair: usize| {
+            (1 + derivatives) * weights.transforms
+                + 2 * (1 + element) * weights.potentials
+                + 2 * (1 + pair) * weights.pairs
+        };
+        let (widest, depth) = (weights.widest, weights.deepest);
+        let arrays = size_of::<[[f32; 16]; N]>();
+        let curvature = size_of::<[[[[f32; 2]; 2]; N]; N]>();
+        let networks = modular.types.len() * 3 + 1;
+        Self {
+            handle_bytes: networks * (depth + 1) * LAYER + N * 5 * WORD + size_of::<Viscous<f32, N>>(),
+            dynamics: Work {
+                multiply_adds: multiply_adds(2, 0, 0),
+                stack_bytes: tape::<2, 0>(widest, depth) + arrays,
+            },
+            hessian: Work {
+                multiply_adds: multiply_adds(3, 2, 4),
+                stack_bytes: weights.widest_tape() + arrays + curvature,
+            },
+            gradient: multiply_adds(2, 0, 0),
+        }
+    }
+
+    /// At every Gauss point the second derivatives and, for the residual after the update, the first derivatives once more.
     fn newton<P: Path, const N: usize>(&self) -> Work {
         let nodes = P::nodes::<f32>().as_ref().len();
         let sums =
             size_of::<Linearised<f32, N>>() + size_of::<Solved<f32, P, N>>() + size_of::<State<f32, N>>();
         Work {
-            multiply_adds: nodes * ((1 + N) + 1 + 2) * self.weights(),
-            stack_bytes: self.tape::<N>() + ends::<N, N>() + sums,
+            multiply_adds: nodes * (self.hessian.multiply_adds + self.gradient),
+            stack_bytes: self.hessian.stack_bytes + sums,
+        }
+    }
+}
+
+/// Weights that one evaluation of all networks of a tree multiplies.
+struct NetworkWeights {
+    transforms: usize,
+    potentials: usize,
+    pairs: usize,
+    widest: usize,
+    deepest: usize,
+    has_pair: bool,
+}
+
+impl NetworkWeights {
+    fn of(modular: &ModularArchitecture) -> Self {
+        let shape = &modular.shape;
+        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
+        let kinds: Vec<_> = modular.kinds().filter_map(|kind| shape.types().nth(kind)).collect();
+        let transform = |kind: &&TypeShape| match kind.transform {
+            TransformShape::Network { position, velocity, .. } => {
+                weights(position) + velocity.map_or(0, weights)
+            }
+            TransformShape::Rod | TransformShape::Slide | TransformShape::Free => 0,
+        };
+        let pairs = kinds.len() * kinds.len().saturating_sub(1) / 2;
+        let passes = |input| if input == PairInput::Distance { 1 } else { 2 };
+        Self {
+            transforms: kinds.iter().map(transform).sum(),
+            potentials: kinds.iter().filter_map(|kind| kind.potential).map(weights).sum(),
+            pairs: shape.pair.map_or(0, |pair| pairs * passes(pair.input) * weights(pair.network)),
+            widest: shape.networks().flat_map(|network| network.widths().0).max().unwrap_or(0),
+            deepest: shape.networks().map(|network| network.widths().1).max().unwrap_or(0),
+            has_pair: shape.pair.is_some(),
         }
     }
 
-    fn widest(&self) -> usize {
-        self.architecture.widths.iter().copied().max().map_or(0, usize::from)
+    /// Of second derivatives.
+    fn widest_tape(&self) -> usize {
+        if self.has_pair {
+            tape::<4, 4>(self.widest, self.deepest)
+        } else {
+            tape::<2, 2>(self.widest, self.deepest)
+        }
     }
+}
 
-    /// The tape of a forward pass with T tangents and two layers of a plain adjoint.
-    fn tape<const T: usize>(&self) -> usize {
-        let tape = size_of::<Tape<f32, T, 1, 1>>() * self.widest() * self.architecture.widths.len();
-        tape + 2 * self.widest() * size_of::<Jet<f32, 0>>()
+fn network_weights(network: &NetworkShape) -> usize {
+    let (widths, depth) = network.widths();
+    let mut inputs = usize::from(network.inputs);
+    let mut sum = 0;
+    for width in widths.into_iter().take(depth).chain([network.outputs.into()]) {
+        sum += inputs * width;
+        inputs = width;
     }
+    sum
+}
 
-    /// Two slices and a length a layer, the kinds of coordinates, the inertia, the damping and the step.
-    fn handle_bytes<const N: usize>(&self) -> usize {
-        const WORD: usize = 4;
-        let layers = self.architecture.layers().len();
-        layers * 5 * WORD + N.next_multiple_of(WORD) + size_of::<Viscous<f32, N>>() + 5 * WORD
-    }
+/// The tape of a forward pass with T tangents and two layers of an adjoint with A.
+fn tape<const T: usize, const A: usize>(widest: usize, depth: usize) -> usize {
+    size_of::<Tape<f32, T, 1, 1>>() * widest * depth + 2 * widest * size_of::<Jet<f32, A>>()
 }
 
 /// Inputs and outputs of the network.
 fn ends<const T: usize, const N: usize>() -> usize {
     2 * size_of::<[[[Jet<f32, T>; N]; N]; 2]>()
 }
+
+const WORD: usize = 4;
+/// Two slices and a length.
+const LAYER: usize = 5 * WORD;
 
 #[cfg(test)]
 mod tests {
@@ -115,7 +211,7 @@ mod tests {
     use leastaction_core::model::RigidModel;
 
     fn cartpole(width: u16) -> Architecture {
-        Architecture::new(&[Coordinate::Translation, Coordinate::Angle], width)
+        RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()
     }
 
     #[test]

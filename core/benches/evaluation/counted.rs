@@ -103,6 +103,9 @@ impl<R: Real> Scalar for Counted<R> {
         let (sin, cos) = self.0.sin_cos();
         elementary((Self(sin), Self(cos)))
     }
+    fn wrapped(self) -> Self {
+        Self(self.0.wrapped())
+    }
     fn max(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }

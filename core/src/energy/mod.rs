@@ -1,7 +1,39 @@
-//! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian).
+//! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian), and for training its
+//! [`Learnable`] derivatives in the weights.
 //!
 //! - [`rigid`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
+//! - [`modular`]: a tree of reusable elements (ModLaNet);
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
 
+pub mod modular;
 pub mod rigid;
 pub mod trigonometric;
+
+use crate::scalar::Scalar;
+
+/// A Lagrangian whose derivatives in its weights θ are known, for training.
+///
+/// All losses are sums of these two terms: the chain rule through an implicit step or a mass solve only chooses the
+/// directions. Positions are those of the weight block; a position may be visited more than once, its derivative is the
+/// sum.
+pub trait Learnable<S: Scalar, const N: usize> {
+    /// Visits ∂/∂θ of L_q·δq + L_v·δv at (q, v), as `row(position, value)`.
+    fn directional_gradient(
+        &self,
+        at: (&[S; N], &[S; N]),
+        along: (&[S; N], &[S; N]),
+        row: impl FnMut(usize, S),
+    );
+
+    /// Visits ∂/∂θ of y·(d/dt L_v) = y·(L_vq v + L_vv a) at (q, v) with acceleration a and constant y.
+    ///
+    /// With [`Learnable::directional_gradient`] along (y, 0) it gives the gradient of the Euler–Lagrange residual
+    /// y·(L_q − d/dt L_v), and so of the acceleration.
+    fn momentum_rate_gradient(
+        &self,
+        at: (&[S; N], &[S; N]),
+        a: &[S; N],
+        y: &[S; N],
+        row: impl FnMut(usize, S),
+    );
+}

@@ -1,4 +1,5 @@
 use super::ModelError;
+use crate::energy::modular::{self, Node, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count};
 use crate::network::{Activation, Mlp};
 use serde::{Deserialize, Serialize};
@@ -11,6 +12,10 @@ pub const FORMAT_VERSION: u8 = 1;
 pub const MAX_HIDDEN: usize = 4;
 /// Coordinates at most.
 const MAX_COORDINATES: usize = 16;
+/// Coordinates of a tree at most.
+const MAX_TREE_COORDINATES: usize = 64;
+/// Trees in one file at most.
+pub const MAX_TREES: usize = 8;
 
 /// The whole file as postcard sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,6 +64,29 @@ pub enum Family<'a> {
     /// Inertia matrix and potential from one network.
     #[serde(borrow)]
     Rigid(RigidHeader<'a>),
+    /// Trees of reusable elements.
+    Modular(ModularHeader<'a>),
+}
+
+/// The shape of a modular model, types and trees apart: one set of types serves many trees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModularHeader<'a> {
+    /// Networks and element types.
+    pub shape: modular::Shape,
+    /// What the types are called, separated by commas.
+    pub names: &'a str,
+    /// The trees, by name; the first without elements ends the list.
+    #[serde(borrow)]
+    pub trees: [TreeHeader<'a>; MAX_TREES],
+}
+
+/// A tree of elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TreeHeader<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// Two bytes an element: its type, and 0 (it hangs from the ground) or 1 + the element that it hangs from.
+    pub elements: &'a [u8],
 }
 
 /// The shape of a rigid model.
@@ -106,16 +134,93 @@ impl Header<'_> {
         }
         match self.family {
             Family::Rigid(rigid) => rigid.validate(weights),
+            Family::Modular(modular) => modular.validate(weights),
         }
     }
 }
 
 impl Family<'_> {
+    /// What the family is called.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Rigid(_) => "rigid",
+            Self::Modular(_) => "modular",
+        }
+    }
+
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         match self {
             Self::Rigid(rigid) => rigid.parameters(),
+            Self::Modular(modular) => modular.parameters(),
         }
+    }
+}
+
+impl<'a> ModularHeader<'a> {
+    /// The trees in order.
+    pub fn trees(&self) -> impl Iterator<Item = &TreeHeader<'a>> {
+        self.trees.iter().take_while(|tree| !tree.elements.is_empty())
+    }
+
+    /// The tree of that name.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] where there is none.
+    pub fn tree(&self, name: &str) -> Result<&TreeHeader<'a>, ModelError> {
+        self.trees().find(|tree| tree.name == name).ok_or(ModelError::OutOfRange { what: "name of a tree" })
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
+    }
+
+    fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+        if let Some(what) = self.shape.misfit() {
+            return Err(ModelError::OutOfRange { what });
+        }
+        require(self.names.split(',').count() == self.shape.types().count(), "names of the element types")?;
+        require(self.trees().next().is_some(), "number of trees")?;
+        require(
+            self.trees().count() == self.trees.iter().filter(|t| **t != TreeHeader::default()).count(),
+            "list of trees",
+        )?;
+        for (i, tree) in self.trees().enumerate() {
+            require(self.trees().take(i).all(|other| other.name != tree.name), "name of a tree")?;
+            self.check_tree(tree)?;
+        }
+        let numbers = weights.len().saturating_sub(modular::NUMBERS * self.shape.types().count() + 2);
+        for numbers in weights.get(numbers..).unwrap_or(&[]).as_chunks::<{ modular::NUMBERS }>().0 {
+            let [mass, inertia, _, _, damping] = *numbers;
+            require(mass > 0.0, "mass of an element type")?;
+            require(inertia >= 0.0, "moment of inertia of an element type")?;
+            require(damping >= 0.0, "damping coefficient")?;
+        }
+        Ok(())
+    }
+
+    /// Checks a tree whatever its number of coordinates.
+    fn check_tree(&self, tree: &TreeHeader) -> Result<(), ModelError> {
+        require(tree.elements.len().is_multiple_of(2), "length of a tree")?;
+        match self.shape.tree::<0>(tree.nodes()) {
+            Ok(_) | Err(TreeError::Coordinates { found: 1..=MAX_TREE_COORDINATES, .. }) => Ok(()),
+            Err(error) => Err(ModelError::Tree(error)),
+        }
+    }
+}
+
+impl TreeHeader<'_> {
+    /// The elements in order.
+    pub fn nodes(&self) -> impl Iterator<Item = Node> {
+        let (pairs, _) = self.elements.as_chunks::<2>();
+        pairs.iter().map(|[kind, parent]| Node { kind: *kind, parent: parent.checked_sub(1) })
+    }
+
+    /// Coordinates of the tree, with the types of `shape`; `None` where a type does not exist.
+    pub fn coordinates(&self, shape: &modular::Shape) -> Option<usize> {
+        let of = |node: Node| Some(shape.types().nth(node.kind.into())?.coordinates());
+        self.nodes().try_fold(0, |sum, node| Some(sum + of(node)?))
     }
 }
 

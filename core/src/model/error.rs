@@ -1,3 +1,4 @@
+use crate::energy::modular::TreeError;
 use core::fmt;
 
 /// Why a model file was refused.
@@ -54,6 +55,13 @@ pub enum ModelError {
         /// Which.
         what: &'static str,
     },
+    /// A tree of elements is none.
+    Tree(TreeError),
+    /// The file holds a model of another family.
+    OtherFamily {
+        /// The family in the file.
+        found: &'static str,
+    },
     /// The file's shape is not the one the program was compiled for.
     Shape {
         /// Which dimension: coordinates, hidden layers, or hidden width.
@@ -90,6 +98,10 @@ impl fmt::Display for ModelError {
             }
             Self::NotFinite { index } => write!(f, "weight {index} is infinite or not a number"),
             Self::OutOfRange { what } => write!(f, "{what} is out of range"),
+            Self::Tree(error) => write!(f, "{error}"),
+            Self::OtherFamily { found } => {
+                write!(f, "a model of the family {found}, which is not the one asked for")
+            }
             Self::Shape { what, found, compiled } => {
                 write!(f, "{found} {what}, but this program was compiled for {compiled}")
             }

@@ -5,12 +5,15 @@
 
 mod document;
 mod error;
+mod modular;
 mod rigid;
 
 pub use document::{
-    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_HIDDEN, RigidHeader,
+    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_HIDDEN, MAX_TREES, ModularHeader,
+    RigidHeader, TreeHeader,
 };
 pub use error::ModelError;
+pub use modular::ModularModel;
 pub use rigid::RigidModel;
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};

@@ -16,7 +16,9 @@ impl<'a, const N: usize, const H: usize, const D: usize> RigidModel<'a, N, H, D>
     /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
     pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
         let parsed = parse(bytes)?;
-        let Family::Rigid(header) = parsed.header.family;
+        let Family::Rigid(header) = parsed.header.family else {
+            return Err(ModelError::OtherFamily { found: parsed.header.family.name() });
+        };
         let system = header.system(parsed.weights)?;
         Ok(Self { system, discretisation: parsed.header.discretisation })
     }
@@ -49,6 +51,6 @@ impl RigidHeader<'_> {
     }
 }
 
-fn require_at_most(what: &'static str, found: usize, compiled: usize) -> Result<(), ModelError> {
+pub(super) fn require_at_most(what: &'static str, found: usize, compiled: usize) -> Result<(), ModelError> {
     if found <= compiled { Ok(()) } else { Err(ModelError::Shape { what, found, compiled }) }
 }

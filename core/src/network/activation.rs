@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The smooth functions that hidden units apply to their input z.
 ///
-/// Slopes and curvatures are exact. `Squareplus` and `Isru` need only a square root, which a floating-point unit has; they
+/// Derivatives are exact. `Squareplus` and `Isru` need only a square root, which a floating-point unit has; they
 /// square z, so |z| must stay below the root of the largest number (1.8e19 in f32), beyond which their slope is 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activation {
@@ -41,6 +41,23 @@ impl Activation {
             Self::Squareplus => squareplus(z),
             Self::Isru => isru(z),
             Self::Identity => Curve { value: z, slope: S::one(), curvature: S::zero() },
+        }
+    }
+
+    /// σ‴(z), from z and the curve there.
+    #[inline(always)]
+    pub fn third<S: Scalar>(self, z: S, c: &Curve<S>) -> S {
+        let minus_two = S::constant(-2.0);
+        match self {
+            Self::Tanh => minus_two * (c.slope * c.slope + c.value * c.curvature),
+            Self::Softplus => c.curvature * (S::one() + minus_two * c.slope),
+            Self::Squareplus => S::constant(-3.0) * z * c.curvature / (z * z + S::constant(4.0)),
+            Self::Isru => {
+                let square = z * z;
+                let r = S::one() / (S::one() + square);
+                S::constant(3.0) * (S::constant(4.0) * square - S::one()) * c.slope * r * r
+            }
+            Self::Identity => S::zero(),
         }
     }
 

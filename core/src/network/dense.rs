@@ -92,26 +92,52 @@ impl<'a, W: Copy> Dense<'a, W> {
         &self,
         x: &[Jet<S, 1>],
         y_bar: &[Jet<S, 1>],
-        mut row: impl FnMut(usize, S),
+        row: impl FnMut(usize, S),
     ) {
-        let mut position = 0;
-        let mut panels = |y_bar: &[Jet<S, 1>]| {
-            for x in x {
-                for y in y_bar {
-                    row(position, derivative(y, x));
-                    position += 1;
-                }
-            }
+        outer(x, y_bar, derivative, |y| y.tangent[0], row);
+    }
+
+    /// Visits ∂/∂W as [`Dense::tangent_gradient`] does, where `x` and `y_bar` are the inputs and the adjoint of the outputs,
+    /// each with as many derivatives along a curve: Σ_k ȳ⁽ᵏ⁾x⁽ᵏ⁾.
+    #[inline]
+    pub fn series_gradient<S: Scalar<Weight = W>, const K: usize>(
+        &self,
+        x: &[Jet<S, K>],
+        y_bar: &[Jet<S, K>],
+        row: impl FnMut(usize, S),
+    ) {
+        let product = |y: &Jet<S, K>, x: &Jet<S, K>| {
+            y.tangent.iter().zip(&x.tangent).fold(y.value * x.value, |sum, (y, x)| sum + *y * *x)
         };
-        let (eights, rest) = y_bar.as_chunks::<8>();
-        let (fours, ones) = rest.as_chunks::<4>();
-        eights.iter().for_each(|y| panels(y));
-        fours.iter().for_each(|y| panels(y));
-        ones.iter().for_each(|y| panels(core::slice::from_ref(y)));
-        for (y, position) in y_bar.iter().zip(position..) {
-            let [tangent] = y.tangent;
-            row(position, tangent);
+        outer(x, y_bar, product, |y| y.value, row);
+    }
+}
+
+/// Calls `row` with the position of every weight and `weight(ȳ_i, x_j)`, in storage order, then of every bias.
+#[inline(always)]
+fn outer<S, X, Y>(
+    x: &[X],
+    y_bar: &[Y],
+    weight: impl Fn(&Y, &X) -> S,
+    bias: impl Fn(&Y) -> S,
+    mut row: impl FnMut(usize, S),
+) {
+    let mut position = 0;
+    let mut panels = |y_bar: &[Y]| {
+        for x in x {
+            for y in y_bar {
+                row(position, weight(y, x));
+                position += 1;
+            }
         }
+    };
+    let (eights, rest) = y_bar.as_chunks::<8>();
+    let (fours, ones) = rest.as_chunks::<4>();
+    eights.iter().for_each(|y| panels(y));
+    fours.iter().for_each(|y| panels(y));
+    ones.iter().for_each(|y| panels(core::slice::from_ref(y)));
+    for (y, position) in y_bar.iter().zip(position..) {
+        row(position, bias(y));
     }
 }
 

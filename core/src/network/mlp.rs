@@ -63,9 +63,40 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         self.output.outputs()
     }
 
+    /// Numbers in the weight block.
+    pub fn len(&self) -> usize {
+        self.layers().map(Dense::len).sum()
+    }
+
+    /// Whether the network has no weights.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// All layers, first to last.
     pub fn layers(&self) -> impl Iterator<Item = &Dense<'a, W>> {
         self.hidden.iter().flatten().chain([&self.output])
+    }
+
+    #[inline(always)]
+    pub(super) fn hidden(&self) -> impl DoubleEndedIterator<Item = &Dense<'a, W>> {
+        self.hidden.iter().flatten()
+    }
+
+    /// Hidden layers.
+    #[inline(always)]
+    pub(super) fn depth(&self) -> usize {
+        self.hidden().count()
+    }
+
+    #[inline(always)]
+    pub(super) fn output(&self) -> &Dense<'a, W> {
+        &self.output
+    }
+
+    #[inline(always)]
+    pub(super) fn activation(&self) -> Activation {
+        self.activation
     }
 
     /// y(x) and its tangents along those of x; records on `tape` what [`Mlp::adjoint`] needs.
@@ -168,6 +199,28 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
     ) {
         self.backward(tape, y_bar, |_, _, _| {}, |layer, below, bar| visit(layer, below.unwrap_or(x), bar));
+    }
+
+    /// [`Mlp::adjoint`] and [`Mlp::layer_adjoints`] in one pass.
+    #[inline]
+    pub fn adjoint_with_layers<S: Scalar<Weight = W>, const T: usize, const A: usize, const H: usize>(
+        &self,
+        tape: &Tape<S, T, H, D>,
+        (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, A>]),
+        y_bar: &[Jet<S, A>],
+        mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
+    ) {
+        self.backward(
+            tape,
+            y_bar,
+            |_, _, _| {},
+            |layer, below, bar| {
+                visit(layer, below.unwrap_or(x), bar);
+                if below.is_none() {
+                    layer.adjoint(bar, x_bar);
+                }
+            },
+        );
     }
 
     /// Carries the adjoint down to the outputs of the first layer. `visit` gets each layer, the units below it on the tape

@@ -5,8 +5,9 @@ mod activation;
 mod dense;
 mod jet;
 mod mlp;
+mod series;
 
-pub use activation::Activation;
+pub use activation::{Activation, Curve};
 pub use dense::Dense;
 pub use jet::Jet;
 pub use mlp::{Mlp, Tape};

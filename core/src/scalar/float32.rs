@@ -31,6 +31,10 @@ impl Scalar for f32 {
     fn sin_cos(self) -> (Self, Self) {
         trigonometry::sin_cos(self)
     }
+    #[inline]
+    fn wrapped(self) -> Self {
+        self - libm::floorf(self / core::f32::consts::TAU) * core::f32::consts::TAU
+    }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         if self > other { self } else { other }

@@ -31,6 +31,10 @@ impl Scalar for f64 {
     fn sin_cos(self) -> (Self, Self) {
         libm::sincos(self)
     }
+    #[inline]
+    fn wrapped(self) -> Self {
+        self - libm::floor(self / core::f64::consts::TAU) * core::f64::consts::TAU
+    }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         if self > other { self } else { other }

@@ -97,6 +97,10 @@ impl Scalar for Lanes {
         let both = self.0.map(Scalar::sin_cos);
         (Self(both.map(|(sin, _)| sin)), Self(both.map(|(_, cos)| cos)))
     }
+    #[inline]
+    fn wrapped(self) -> Self {
+        self.map(Scalar::wrapped)
+    }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         self.zip(other, Scalar::max)

@@ -77,6 +77,9 @@ impl Scalar for Micro {
         let (sin, cos) = F32Ext::sin_cos(self.0);
         (Self(sin), Self(cos))
     }
+    fn wrapped(self) -> Self {
+        Self(Scalar::wrapped(self.0))
+    }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self(Scalar::max(self.0, other.0))

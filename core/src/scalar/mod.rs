@@ -49,6 +49,8 @@ pub trait Scalar:
     fn tanh(self) -> Self;
     /// (sin x, cos x), x in radians.
     fn sin_cos(self) -> (Self, Self);
+    /// x − 2π⌊x/2π⌋, the angle x rad in [0, 2π).
+    fn wrapped(self) -> Self;
     /// The larger of the two; `other` where `self` is not a number.
     fn max(self, other: Self) -> Self;
     /// −|x|.

@@ -92,6 +92,9 @@ impl Scalar for Dual {
         let (sin, cos) = self.0.sin_cos();
         (Self(sin), Self(cos))
     }
+    fn wrapped(self) -> Self {
+        self + Self::constant(self.0.re.wrapped() - self.0.re)
+    }
     fn max(self, other: Self) -> Self {
         if self.0.re > other.0.re { self } else { other }
     }

@@ -4,6 +4,7 @@
 pub mod dual;
 pub mod file;
 pub mod shapes;
+pub mod trees;
 
 /// The largest |a − b| relative to 1 + |b|.
 #[track_caller]

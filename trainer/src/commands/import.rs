@@ -90,7 +90,7 @@ impl Symo {
             model: self.output,
             bytes: model.len(),
             parameters: imported.weights.len(),
-            coordinates: imported.architecture.coordinates,
+            coordinates: imported.architecture.coordinates(),
             h: step,
         })
     }

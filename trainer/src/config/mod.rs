@@ -7,7 +7,7 @@ mod fields;
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
 
-use crate::architecture::Architecture;
+use crate::architecture::{Architecture, RigidArchitecture};
 use crate::training::LossKind;
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::network::Activation;
@@ -234,13 +234,20 @@ impl Config {
     /// The shape of the model.
     pub fn architecture(&self) -> Architecture {
         let ModelConfig { coordinates, hidden, activation, damping, .. } = &self.model;
-        let plain = Architecture::new(&coordinates.0, 0);
+        let plain = RigidArchitecture::new(&coordinates.0, 0);
         let cholesky = Inertia::Cholesky { epsilon: self.model.epsilon };
         let inertia = match (self.model.inertia, plain.inertia) {
             (Some(InertiaKind::Diagonal), _) | (None, Inertia::Diagonal) => Inertia::Diagonal,
             _ => cholesky,
         };
-        Architecture { widths: hidden.clone(), activation: *activation, inertia, damped: *damping, ..plain }
+        RigidArchitecture {
+            widths: hidden.clone(),
+            activation: *activation,
+            inertia,
+            damped: *damping,
+            ..plain
+        }
+        .into()
     }
 }
 

@@ -6,7 +6,7 @@ pub use rust_source::rust_source;
 
 use crate::architecture::Architecture;
 use leastaction_core::model::{
-    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, ModelError, checksum, parse,
+    Discretisation, Document, FORMAT_VERSION, Header, MAGIC, ModelError, checksum, parse,
 };
 use thiserror::Error;
 
@@ -67,8 +67,9 @@ pub fn encode(
     provenance: &str,
 ) -> Result<Vec<u8>, EncodeError> {
     let block = rounded(weights)?;
-    let header = Header { family: Family::Rigid(architecture.header()), discretisation, provenance };
-    let bytes = assemble(header, &block).map_err(EncodeError::Header)?;
+    let assembled =
+        architecture.with_header(|family| assemble(Header { family, discretisation, provenance }, &block));
+    let bytes = assembled.map_err(EncodeError::Header)?;
     decode(&bytes).map_err(EncodeError::Model)?;
     Ok(bytes)
 }
@@ -81,10 +82,10 @@ pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
     let aligned = Aligned::new(bytes);
     let parsed = parse(aligned.bytes())?;
     let Header { family, discretisation, provenance } = parsed.header;
-    let Family::Rigid(rigid) = family else { return Err(ModelError::OutOfRange { what: "family" }) };
+    let weights: Vec<f64> = parsed.weights.iter().map(|w| f64::from(*w)).collect();
     Ok(HostModel {
-        architecture: Architecture::from_header(&rigid),
-        weights: parsed.weights.iter().map(|w| f64::from(*w)).collect(),
+        architecture: Architecture::from_header(&family, &weights)?,
+        weights,
         discretisation,
         provenance: provenance.to_owned(),
     })

@@ -1,6 +1,7 @@
 //! A model file as a Rust source file, for programs without a file system.
 
 use super::{HostModel, decode};
+use crate::architecture::Architecture;
 use leastaction_core::model::{Discretisation, ModelError};
 use std::fmt::{self, Write};
 
@@ -26,7 +27,7 @@ fn write_source(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result
     if let Some(discretisation) = model.discretisation {
         write_integrator(to, discretisation)?;
     }
-    write_bytes(to, bytes)
+    write_bytes(to, model, bytes)
 }
 
 fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result {
@@ -45,18 +46,31 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
     } else {
         writeln!(to)?;
     }
-    writeln!(to, "use leastaction_core::model::{{ModelError, RigidModel}};")
+    let family = match model.architecture {
+        Architecture::Rigid(_) => "RigidModel",
+        Architecture::Modular(_) => "ModularModel",
+    };
+    writeln!(to, "use leastaction_core::model::{{ModelError, {family}}};")
 }
 
 fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     let architecture = &model.architecture;
-    let widest = architecture.widths.iter().max().unwrap_or(&0);
-    let kinds = &architecture.coordinates;
+    let widest = architecture.widths().into_iter().max().unwrap_or(0);
+    let kinds = architecture.coordinates();
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
     writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
-    writeln!(to, "/// Hidden layers.\npub const D: usize = {};", architecture.widths.len())?;
-    writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, D>;")
+    writeln!(to, "/// Hidden layers.\npub const D: usize = {};", architecture.depth())?;
+    match architecture {
+        Architecture::Rigid(_) => {
+            writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, D>;")
+        }
+        Architecture::Modular(modular) => {
+            writeln!(to, "/// Element types.\npub const K: usize = {};", modular.types.len())?;
+            writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
+            writeln!(to, "\n/// The loaded model.\npub type Model = ModularModel<'static, N, K, H, D>;")
+        }
+    }
 }
 
 fn write_integrator(to: &mut String, Discretisation { order, h }: Discretisation) -> fmt::Result {
@@ -73,10 +87,11 @@ fn write_integrator(to: &mut String, Discretisation { order, h }: Discretisation
     )
 }
 
-fn write_bytes(to: &mut String, bytes: &[u8]) -> fmt::Result {
+fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result {
     let length = bytes.len();
+    let tree = if matches!(model.architecture, Architecture::Modular(_)) { ", TREE" } else { "" };
     writeln!(to, "\n/// Validates the model, once; the weights stay where they are.")?;
-    writeln!(to, "pub fn load() -> Result<Model, ModelError> {{\n    Model::load(&FILE.0)\n}}")?;
+    writeln!(to, "pub fn load() -> Result<Model, ModelError> {{\n    Model::load(&FILE.0{tree})\n}}")?;
     writeln!(to, "\n/// The file, at a multiple of 4 as the weights need it.")?;
     writeln!(to, "#[repr(C, align(4))]\nstruct Aligned([u8; {length}]);")?;
     writeln!(to, "\n#[rustfmt::skip]\nstatic FILE: Aligned = Aligned([")?;

@@ -1,4 +1,5 @@
 use super::*;
+use crate::architecture::RigidArchitecture;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::RigidModel;
 use proptest::prelude::*;
@@ -6,7 +7,8 @@ use proptest::prelude::*;
 const CARTPOLE: [Coordinate; 2] = [Coordinate::Translation, Coordinate::Angle];
 
 fn example(provenance: &str) -> (Architecture, Vec<f64>, Vec<u8>) {
-    let architecture = Architecture { damped: true, ..Architecture::new(&CARTPOLE, 9) };
+    let architecture: Architecture =
+        RigidArchitecture { damped: true, ..RigidArchitecture::new(&CARTPOLE, 9) }.into();
     let weights = architecture.initial_weights(3);
     let bytes =
         encode(&architecture, &weights, Some(Discretisation { order: 4, h: 0.05 }), provenance).unwrap();

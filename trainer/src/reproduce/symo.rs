@@ -1,7 +1,7 @@
 //! SyMo's experiments (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot learned from 8 to 128 trajectories of
 //! positions and controls.
 
-use crate::architecture::Architecture;
+use crate::architecture::{Architecture, RigidArchitecture};
 use crate::data::symo::SymoSet;
 use crate::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
 use crate::ground_truth::Mechanism;
@@ -187,7 +187,7 @@ impl Case {
             Mechanism::Cartpole => (&[Coordinate::Cyclic, Coordinate::Angle], vec![100]),
             Mechanism::Acrobot => (&[Coordinate::Angle; 2], self.acrobot_widths()),
         };
-        let architecture = Architecture { widths, ..Architecture::new(coordinates, 0) };
+        let architecture = RigidArchitecture { widths, ..RigidArchitecture::new(coordinates, 0) }.into();
         // At order 2 the model cannot fit the motion exactly and soon learns the integrator's error by heart; that error, and
         // so the penalty that keeps the weights from it, is the largest at the pendulum's step of 0.1 s.
         let (iterations, decay) = match (self.order, self.mechanism) {

@@ -3,9 +3,10 @@
 
 use super::loss::{AccelerationLoss, DelLoss, Failed, Loss, Term, TermKind};
 use super::{LossKind, NormalEquations, Samples};
-use crate::architecture::{Architecture, HostSystem, Visitor};
+use crate::architecture::{Architecture, Family, FamilySystem, Visitor};
 use faer::Mat;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
+use leastaction_core::energy::Learnable;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::{LANES, Lanes};
 use rayon::prelude::*;
@@ -56,24 +57,30 @@ struct Build {
 impl Visitor for Build {
     type Output = Box<dyn Objective>;
 
-    fn visit<const N: usize, const H: usize>(self) -> Self::Output {
+    fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output {
         match (self.kind, self.order) {
-            (LossKind::Acceleration, _) => self.boxed::<_, N, H>(AccelerationLoss),
+            (LossKind::Acceleration, _) => self.boxed(family, AccelerationLoss),
             (kind, 4) => {
                 let loss = del_loss::<Galerkin>(self.samples.h, kind);
-                self.boxed::<_, N, H>(loss)
+                self.boxed(family, loss)
             }
             (kind, _) => {
                 let loss = del_loss::<Midpoint>(self.samples.h, kind);
-                self.boxed::<_, N, H>(loss)
+                self.boxed(family, loss)
             }
         }
     }
 }
 
 impl Build {
-    fn boxed<T: Loss<N> + 'static, const N: usize, const H: usize>(self, loss: T) -> Box<dyn Objective> {
-        Box::new(Sum::<T, N, H> { architecture: self.architecture, samples: self.samples, loss })
+    fn boxed<F: Family<N> + Clone + 'static, T: Loss<N> + 'static, const N: usize>(
+        self,
+        family: &F,
+        loss: T,
+    ) -> Box<dyn Objective> {
+        let Self { architecture, samples, .. } = self;
+        let (damping, fixed) = (architecture.damping_positions(), architecture.fixed_positions());
+        Box::new(Sum { architecture, family: family.clone(), damping, fixed, samples, loss })
     }
 }
 
@@ -82,13 +89,18 @@ fn del_loss<P: Path>(h: f64, kind: LossKind) -> DelLoss<P> {
     DelLoss { del: Del::with_newton(h, newton), newton, next_position: kind == LossKind::NextPosition }
 }
 
-struct Sum<T, const N: usize, const H: usize> {
+struct Sum<F, T, const N: usize> {
     architecture: Architecture,
+    family: F,
+    /// Where each coordinate has its damping, where it has any.
+    damping: Vec<usize>,
+    /// What the loss is not to be varied in.
+    fixed: Vec<usize>,
     samples: Samples,
     loss: T,
 }
 
-impl<T: Loss<N>, const N: usize, const H: usize> Sum<T, N, H> {
+impl<F: Family<N>, T: Loss<N>, const N: usize> Sum<F, T, N> {
     /// The chunks of each part.
     fn parts(&self, samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
         let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(LANES)).max(LANES);
@@ -126,8 +138,8 @@ impl<T: Loss<N>, const N: usize, const H: usize> Sum<T, N, H> {
         })?
     }
 
-    fn system<'w>(&self, weights: &'w [f64]) -> Result<HostSystem<'w, f64, N, H>, Failed> {
-        self.architecture.system::<f64, N, H>(weights).map_err(|_| Failed)
+    fn system<'w>(&self, weights: &'w [f64]) -> Result<FamilySystem<'w, F, f64, N>, Failed> {
+        self.family.system::<f64>(weights).map_err(|_| Failed)
     }
 
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
@@ -177,8 +189,7 @@ impl<T: Loss<N>, const N: usize, const H: usize> Sum<T, N, H> {
         terms: impl Fn(usize) -> [Term<N>; LANES],
         row: &mut [Lanes],
     ) -> Result<(), Failed> {
-        let system = self.architecture.system::<Lanes, N, H>(weights).map_err(|_| Failed)?;
-        let network = row.len() - if self.architecture.damped { N } else { 0 };
+        let system = self.family.system::<Lanes>(weights).map_err(|_| Failed)?;
         row.fill(Lanes([0.0; LANES]));
         for (k, kind) in kinds.iter().enumerate() {
             let terms = terms(k);
@@ -189,14 +200,17 @@ impl<T: Loss<N>, const N: usize, const H: usize> Sum<T, N, H> {
             match kind {
                 TermKind::Along => {
                     system.lagrangian.directional_gradient((&q, &v), (&dq, &dv), |i, g| row[i] += g);
-                    for (i, row) in row[network..].iter_mut().enumerate() {
-                        *row -= dq[i] * v[i];
+                    for (i, position) in self.damping.iter().enumerate() {
+                        row[*position] -= dq[i] * v[i];
                     }
                 }
                 TermKind::Rate => {
                     system.lagrangian.momentum_rate_gradient((&q, &v), &dv, &dq, |i, g| row[i] -= g);
                 }
             }
+        }
+        for position in &self.fixed {
+            row[*position] = Lanes([0.0; LANES]);
         }
         Ok(())
     }
@@ -231,7 +245,7 @@ impl ChunkRows {
     }
 }
 
-impl<T: Loss<N>, const N: usize, const H: usize> Objective for Sum<T, N, H> {
+impl<F: Family<N>, T: Loss<N>, const N: usize> Objective for Sum<F, T, N> {
     fn parameters(&self) -> usize {
         self.architecture.parameters().unwrap_or(0)
     }
@@ -264,8 +278,6 @@ impl<T: Loss<N>, const N: usize, const H: usize> Objective for Sum<T, N, H> {
     }
 
     fn project(&self, weights: &mut [f64]) {
-        for c in self.architecture.damping(weights) {
-            *c = c.max(0.0);
-        }
+        self.architecture.project(weights);
     }
 }

@@ -1,7 +1,7 @@
 //! `export` and `inspect`.
 
 use crate::support::Bench;
-use leastaction::architecture::Architecture;
+use leastaction::architecture::{Architecture, RigidArchitecture};
 use leastaction::model_file::{decode, encode, rust_source};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::Coordinate;
@@ -79,9 +79,13 @@ fn inspect_refuses_what_is_no_model() {
     refused(&changed, &["format version 9"]);
 }
 
+fn shape() -> RigidArchitecture {
+    RigidArchitecture { damped: true, ..RigidArchitecture::new(&[Coordinate::Angle], 3) }
+}
+
 /// A model whose bytes depend on nothing but the format and the seeded initial weights.
 fn example() -> Vec<u8> {
-    let architecture = Architecture { damped: true, ..Architecture::new(&[Coordinate::Angle], 3) };
+    let architecture = Architecture::from(shape());
     let weights = architecture.initial_weights(1);
     encode(&architecture, &weights, Some(Discretisation { order: 4, h: 0.05 }), "an example\nin two lines")
         .unwrap()
@@ -102,7 +106,7 @@ fn rust_source_compiles_and_is_the_same_model() {
     let model = golden::load().unwrap();
     let host = decode(&example()).unwrap();
     let weights = host.weights_f32();
-    let system = host.architecture.system::<f32, 1, 32>(&weights).unwrap();
+    let system = shape().system::<f32, 1, 32>(&weights).unwrap();
     let (q, v, u) = ([0.3], [-1.2], [0.5]);
     let there = acceleration(&model.system, &q, &v, &u).unwrap();
     assert_eq!(there, acceleration(&system, &q, &v, &u).unwrap());

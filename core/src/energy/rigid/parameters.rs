@@ -1,45 +1,41 @@
 //! Derivatives in the weights, for training: the tangent forward, then the adjoint, layer by layer.
 
 use super::{Evaluation, Features, Jets, OutputBar, Rigid, held};
+use crate::energy::Learnable;
 use crate::network::{Dense, Jet, Tape};
 use crate::scalar::Scalar;
 
-impl<const N: usize, const H: usize, const D: usize, W: Copy> Rigid<'_, W, N, H, D> {
-    /// ∂/∂θ of L_q·δq + L_v·δv at (q, v), θ the weight block in its own order; every parameter is visited once, as
-    /// `row(position, value)`.
-    ///
-    /// All discrete losses are sums of such terms (the chain rule through an implicit step only chooses δq and δv).
-    pub fn directional_gradient<S: Scalar<Weight = W>>(
+/// Every parameter is visited once.
+impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
+    for Rigid<'_, S::Weight, N, H, D>
+{
+    fn directional_gradient(
         &self,
-        at: (&[S; N], &[S; N]),
-        along: (&[S; N], &[S; N]),
+        (q, v): (&[S; N], &[S; N]),
+        (dq, dv): (&[S; N], &[S; N]),
         row: impl FnMut(usize, S),
     ) {
-        let ((q, v), (dq, dv)) = (at, along);
         let mut tape = Tape::<S, 1, H, D>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[*dq], &mut tape);
         let bar = outputs.lagrangian_bar(&moving(v, dv));
         self.weight_gradient(&features, &tape, dq, &bar, row);
     }
 
-    /// ∂/∂θ of y·(d/dt L_v) = y·(L_vq v + L_vv a) at (q, v) with acceleration a and constant y, visited as above.
-    ///
-    /// With [`Rigid::directional_gradient`] along (y, 0) it gives the gradient of the Euler–Lagrange residual
-    /// y·(L_q − d/dt L_v), and so of the acceleration.
-    pub fn momentum_rate_gradient<S: Scalar<Weight = W>>(
+    fn momentum_rate_gradient(
         &self,
-        at: (&[S; N], &[S; N]),
+        (q, v): (&[S; N], &[S; N]),
         a: &[S; N],
         y: &[S; N],
         row: impl FnMut(usize, S),
     ) {
-        let (q, v) = at;
         let mut tape = Tape::<S, 1, H, D>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[*v], &mut tape);
         let bar = outputs.bilinear_bar(&held(y), &moving(v, a));
         self.weight_gradient(&features, &tape, v, &bar, row);
     }
+}
 
+impl<const N: usize, const H: usize, const D: usize, W: Copy> Rigid<'_, W, N, H, D> {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
         self.network.layers().map(Dense::len).sum()

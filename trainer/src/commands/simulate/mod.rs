@@ -120,14 +120,14 @@ pub fn simulate(file: &Path, request: &Request, [trace, picture]: [PathBuf; 2]) 
     let mut report = scenario::run(request, &mut rows)?;
     rows.write(&trace).map_err(|error| Failure::file(&trace, error))?;
     let title = format!("{} of the {}", request.scenario, request.mechanism.name());
-    draw(&picture, &title, &request.model.architecture.coordinates, &rows)?;
+    draw(&picture, &title, &request.model.architecture.coordinates(), &rows)?;
     (report.model, report.trace, report.picture) = (file.to_owned(), trace, picture);
     Ok(report)
 }
 
 /// The mechanism whose coordinates are those of the model.
 fn mechanism(file: &Path, model: &HostModel) -> Result<Mechanism, Failure> {
-    match model.architecture.coordinates.as_str() {
+    match model.architecture.coordinates().as_str() {
         "a" => Ok(Mechanism::Pendulum),
         "ta" | "ca" => Ok(Mechanism::Cartpole),
         "aa" => Ok(Mechanism::Acrobot),

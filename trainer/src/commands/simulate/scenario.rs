@@ -3,7 +3,7 @@
 use super::{Report, Trace};
 use crate::commands::output::Failure;
 use clap::ValueEnum;
-use leastaction::architecture::MAX_WIDTH;
+use leastaction::architecture::{Architecture, MAX_WIDTH, RigidArchitecture};
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
@@ -77,7 +77,7 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
             "the model has {found} coordinates, the {system} has {needed}; choose another --system"
         )));
     }
-    let wide = architecture.widths.iter().any(|width| *width > 32);
+    let wide = architecture.widths().iter().any(|width| *width > 32);
     match (request.mechanism, wide) {
         (Mechanism::Pendulum, false) => pendulum::<32>(request, trace),
         (Mechanism::Pendulum, true) => pendulum::<MAX_WIDTH>(request, trace),
@@ -86,9 +86,19 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     }
 }
 
+/// The shape, of the one family that the scenarios take.
+fn rigid<'a>(request: &'a Request) -> Result<&'a RigidArchitecture, Failure> {
+    match &request.model.architecture {
+        Architecture::Rigid(rigid) => Ok(rigid),
+        Architecture::Modular(_) => {
+            Err(Failure::Input("the scenarios take models of the rigid family only".to_owned()))
+        }
+    }
+}
+
 fn pendulum<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     let weights = request.model.weights_f32();
-    let model = request.model.architecture.system::<f32, 1, H>(&weights).map_err(refused)?;
+    let model = rigid(request)?.system::<f32, 1, H>(&weights).map_err(refused)?;
     let plant = System::conservative(PENDULUM);
     let sink = |tick: &Tick<1>| trace.push(tick);
     let summary = match request.scenario {
@@ -113,7 +123,7 @@ fn pendulum<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Repo
 
 fn two_coordinates<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     let weights = request.model.weights_f32();
-    let model = request.model.architecture.system::<f32, 2, H>(&weights).map_err(refused)?;
+    let model = rigid(request)?.system::<f32, 2, H>(&weights).map_err(refused)?;
     let acrobot = request.mechanism == Mechanism::Acrobot;
     let plant = System::conservative(if acrobot { ACROBOT } else { CARTPOLE });
     let sink = |tick: &Tick<2>| trace.push(tick);

@@ -1,12 +1,14 @@
 //! `leastaction inspect`.
 
+mod shape;
+
 use super::Done;
 use super::output::{Failure, Output};
 use clap::Args;
 use leastaction::model_cost::{Cost, cost};
 use leastaction::model_file::{HostModel, decode};
-use leastaction_core::energy::rigid::Inertia;
 use serde::Serialize;
+use shape::Shape;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -26,9 +28,8 @@ struct Report {
     model: PathBuf,
     family: &'static str,
     coordinates: Vec<&'static str>,
-    layers: Vec<[usize; 2]>,
-    activation: String,
-    inertia: String,
+    #[serde(flatten)]
+    shape: Shape,
     damping: Option<Vec<f64>>,
     parameters: usize,
     order: Option<u8>,
@@ -53,20 +54,15 @@ pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
     Ok((model, bytes.len()))
 }
 
-fn report(file: PathBuf, mut model: HostModel, flash_bytes: usize) -> Result<Report, Failure> {
+fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Result<Report, Failure> {
     let cost = cost(&model.architecture).map_err(|error| Failure::input(&file, error))?;
     let architecture = &model.architecture;
-    let damping = architecture.damped.then(|| architecture.damping(&mut model.weights).to_vec());
+    let damping: Vec<f64> = architecture.damping_positions().iter().map(|i| model.weights[*i]).collect();
     Ok(Report {
-        family: "rigid",
-        coordinates: architecture.coordinates.chars().map(kind).collect(),
-        layers: architecture.layers().into_iter().map(|(inputs, outputs)| [inputs, outputs]).collect(),
-        activation: format!("{:?}", architecture.activation).to_lowercase(),
-        inertia: match architecture.inertia {
-            Inertia::Diagonal => "diagonal".to_owned(),
-            Inertia::Cholesky { epsilon } => format!("cholesky, epsilon {epsilon:e}"),
-        },
-        damping,
+        family: architecture.with_header(|header| header.name()),
+        coordinates: architecture.coordinates().chars().map(kind).collect(),
+        shape: Shape::of(architecture),
+        damping: (!damping.is_empty()).then_some(damping),
         parameters: model.weights.len(),
         order: model.discretisation.map(|d| d.order),
         h: model.discretisation.map(|d| shortest(d.h)),
@@ -93,12 +89,9 @@ fn kind(letter: char) -> &'static str {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<22} {value}");
-        let layers: Vec<_> =
-            self.layers.iter().map(|[inputs, outputs]| format!("{inputs}x{outputs}")).collect();
         line(f, "family", self.family)?;
         line(f, "coordinates", &self.coordinates.join(", "))?;
-        line(f, "layers", &format!("{} ({})", layers.join(", "), self.activation))?;
-        line(f, "inertia matrix", &self.inertia)?;
+        self.shape.lines().iter().try_for_each(|(name, value)| line(f, name, value))?;
         if let Some(damping) = &self.damping {
             line(f, "damping", &format!("{damping:?} N s/m or N m s/rad"))?;
         }

@@ -1,29 +1,22 @@
-//! The shape of a model on the host, where widths and the number of coordinates are known only at run time, and the one
-//! place where they become types.
+//! The shape of a rigid model on the host.
 
+use super::{DEPTH, Family, FamilySystem, MAX_COORDINATES, MAX_WIDTH, Visitor, too_many, uniform_layer};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{MAX_HIDDEN, ModelError, RigidHeader};
-use leastaction_core::network::{Activation, Dense};
+use leastaction_core::network::Activation;
 use leastaction_core::scalar::Scalar;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-/// Hidden layers at most on the host.
-pub const DEPTH: usize = 3;
-/// Coordinates at most on the host.
-pub const MAX_COORDINATES: usize = 4;
-/// Units of a hidden layer at most on the host.
-pub const MAX_WIDTH: usize = 256;
-
-/// A system over host weights: its type has the compiled sizes.
+/// A rigid system over host weights: its type has the compiled sizes.
 pub type HostSystem<'w, S, const N: usize, const H: usize> =
     System<Rigid<'w, <S as Scalar>::Weight, N, H, DEPTH>, Viscous<S, N>>;
 
 /// The shape of a rigid model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Architecture {
+pub struct RigidArchitecture {
     /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
     pub coordinates: String,
     /// Units of the hidden layers.
@@ -36,7 +29,7 @@ pub struct Architecture {
     pub damped: bool,
 }
 
-impl Architecture {
+impl RigidArchitecture {
     /// The default network for coordinates of these kinds: two tanh layers, H = softplus for one coordinate and
     /// LLᵀ + 1e-9 I for more, as SyMo.
     pub fn new(coordinates: &[Coordinate], width: u16) -> Self {
@@ -105,25 +98,16 @@ impl Architecture {
         let mut stream = Pcg64::seed_from_u64(seed);
         let mut weights = Vec::new();
         for (inputs, outputs) in self.layers() {
-            let limit = (6.0 / (inputs + outputs) as f64).sqrt();
-            let mut layer = vec![0.0; inputs * outputs];
-            for i in 0..outputs {
-                for j in 0..inputs {
-                    layer[Dense::<f64>::position(inputs, outputs, i, j)] = stream.random_range(-limit..limit);
-                }
-            }
-            weights.extend(layer);
-            weights.extend(std::iter::repeat_n(0.0, outputs));
+            uniform_layer(&mut weights, inputs, outputs, &mut stream);
         }
         weights.extend(std::iter::repeat_n(0.0, if self.damped { self.n() } else { 0 }));
         weights
     }
 
-    /// The damping coefficients in a weight block; empty where none are learned.
-    pub fn damping<'w>(&self, weights: &'w mut [f64]) -> &'w mut [f64] {
-        let n = if self.damped { self.n() } else { 0 };
-        let start = weights.len().saturating_sub(n);
-        &mut weights[start..]
+    /// Where in the weight block the damping of each coordinate is; empty where none is learned.
+    pub fn damping_positions(&self) -> Vec<usize> {
+        let end = self.parameters().unwrap_or(0);
+        if self.damped { (end.saturating_sub(self.n())..end).collect() } else { Vec::new() }
     }
 
     /// The system of this shape over a weight block.
@@ -137,35 +121,37 @@ impl Architecture {
         self.header().system(weights)
     }
 
-    /// Calls the visitor with this shape's number of coordinates and the least compiled width that holds it.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] for more coordinates, layers or units than this program was compiled for.
-    pub fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
+    pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
         let width = self.widths.iter().copied().max().map_or(0, usize::from);
-        let too_many = |what, found, compiled| Err(ModelError::Shape { what, found, compiled });
         if self.widths.len() > DEPTH {
             return too_many("hidden layers", self.widths.len(), DEPTH);
         }
         match (self.n(), width) {
-            (1, 0..=32) => Ok(visitor.visit::<1, 32>()),
-            (2, 0..=32) => Ok(visitor.visit::<2, 32>()),
-            (3, 0..=32) => Ok(visitor.visit::<3, 32>()),
-            (4, 0..=32) => Ok(visitor.visit::<4, 32>()),
-            (1, 33..=MAX_WIDTH) => Ok(visitor.visit::<1, MAX_WIDTH>()),
-            (2, 33..=MAX_WIDTH) => Ok(visitor.visit::<2, MAX_WIDTH>()),
-            (3, 33..=MAX_WIDTH) => Ok(visitor.visit::<3, MAX_WIDTH>()),
-            (4, 33..=MAX_WIDTH) => Ok(visitor.visit::<4, MAX_WIDTH>()),
+            (1, 0..=32) => Ok(visitor.visit(&Compiled::<1, 32>(self.clone()))),
+            (2, 0..=32) => Ok(visitor.visit(&Compiled::<2, 32>(self.clone()))),
+            (3, 0..=32) => Ok(visitor.visit(&Compiled::<3, 32>(self.clone()))),
+            (4, 0..=32) => Ok(visitor.visit(&Compiled::<4, 32>(self.clone()))),
+            (1, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<1, MAX_WIDTH>(self.clone()))),
+            (2, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<2, MAX_WIDTH>(self.clone()))),
+            (3, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<3, MAX_WIDTH>(self.clone()))),
+            (4, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<4, MAX_WIDTH>(self.clone()))),
             (n, 0..=MAX_WIDTH) => too_many("coordinates", n, MAX_COORDINATES),
             (_, width) => too_many("units in a hidden layer", width, MAX_WIDTH),
         }
     }
 }
 
-/// Something to do once the sizes are types.
-pub trait Visitor {
-    /// What it gives.
-    type Output;
-    /// Does it for N coordinates and hidden layers of at most H units.
-    fn visit<const N: usize, const H: usize>(self) -> Self::Output;
+/// A rigid shape in N coordinates with hidden layers of at most H units.
+#[derive(Clone)]
+struct Compiled<const N: usize, const H: usize>(RigidArchitecture);
+
+impl<const N: usize, const H: usize> Family<N> for Compiled<N, H> {
+    type Lagrangian<'w, S: Scalar<Weight = f64>> = Rigid<'w, f64, N, H, DEPTH>;
+
+    fn system<'w, S: Scalar<Weight = f64>>(
+        &self,
+        weights: &'w [f64],
+    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
+        self.0.system::<S, N, H>(weights)
+    }
 }

@@ -1,0 +1,283 @@
+//! What an element is, apart from its place in a tree: how its coordinates move it, what it weighs, and its potential.
+
+use super::tree::{SPACE, Vector};
+use crate::network::{Activation, Jet, Mlp};
+use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
+
+/// How a coordinate enters a position network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Input {
+    /// A length (m), as it is.
+    Translation,
+    /// An angle (rad), as (cos q, sin q): no seam.
+    Angle,
+    /// An angle (rad), wrapped to [0, 2π) (ModLaNet's program): with a seam at 0.
+    WrappedAngle,
+}
+
+impl Input {
+    /// Numbers that it gives the network.
+    pub const fn features(self) -> usize {
+        match self {
+            Self::Translation | Self::WrappedAngle => 1,
+            Self::Angle => 2,
+        }
+    }
+
+    /// The features and their first K derivatives in q.
+    #[inline]
+    fn series<S: Scalar, const K: usize>(self, q: S) -> [Jet<S, K>; 2] {
+        match self {
+            Self::Translation => [ramp(q), Jet::zero()],
+            Self::WrappedAngle => [ramp(q.wrapped()), Jet::zero()],
+            Self::Angle => {
+                let (sin, cos) = q.sin_cos();
+                [turning(cos, [-sin, -cos, sin]), turning(sin, [cos, -sin, -cos])]
+            }
+        }
+    }
+}
+
+/// A quantity that grows by 1 per unit of q.
+#[inline(always)]
+fn ramp<S: Scalar, const K: usize>(value: S) -> Jet<S, K> {
+    turning(value, [S::one(), S::zero(), S::zero()])
+}
+
+#[inline(always)]
+fn turning<S: Scalar, const K: usize>(value: S, derivatives: [S; 3]) -> Jet<S, K> {
+    let mut series = Jet::constant(value);
+    for (slot, derivative) in series.tangent.iter_mut().zip(derivatives) {
+        *slot = derivative;
+    }
+    series
+}
+
+/// A network with the place of its first number in the weight block.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a, W, const D: usize> {
+    /// The network.
+    pub network: Mlp<'a, W, D>,
+    /// Its first number in the weight block.
+    pub start: usize,
+}
+
+/// How the coordinates of an element move it and everything that it carries.
+#[derive(Clone, Copy, Debug)]
+pub enum Transform<'a, W, const D: usize> {
+    /// x = T(q), learned (ModLaNet, section 4.1); one coordinate.
+    Network {
+        /// T.
+        position: Part<'a, W, D>,
+        /// ModLaNet's separate velocity network, ẋ = T_v(q)q̇; without it ẋ is the exact derivative of T.
+        velocity: Option<Part<'a, W, D>>,
+        /// How q enters.
+        input: Input,
+    },
+    /// A rod turning about a pivot, x = ℓ(sin q, −cos q), q from the downward vertical; one coordinate.
+    Rod,
+    /// A slide along the horizontal, x = (q, 0); one coordinate.
+    Slide,
+    /// A free point, x = (q₁, q₂); two coordinates.
+    Free,
+}
+
+impl<W, const D: usize> Transform<'_, W, D> {
+    /// Coordinates of such an element.
+    pub const fn coordinates(&self) -> usize {
+        match self {
+            Self::Free => 2,
+            Self::Network { .. } | Self::Rod | Self::Slide => 1,
+        }
+    }
+}
+
+/// What one coordinate adds to the position of everything it carries, s(q), and the map from v to velocity, g(q) = s′(q)
+/// unless it is a network of its own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion<S> {
+    pub s: Vector<S>,
+    pub s_q: Vector<S>,
+    pub s_qq: Vector<S>,
+    pub g: Vector<S>,
+    pub g_q: Vector<S>,
+    pub g_qq: Vector<S>,
+}
+
+impl<S: Scalar> Motion<S> {
+    pub fn none() -> Self {
+        let zero = [S::zero(); SPACE];
+        Self { s: zero, s_q: zero, s_qq: zero, g: zero, g_q: zero, g_qq: zero }
+    }
+
+    /// s with its derivatives; g = s′.
+    #[inline(always)]
+    fn exact<const K: usize>(s: &[Jet<S, K>; SPACE]) -> Self {
+        let at = |k: usize| s.each_ref().map(|s| s.tangent.get(k).copied().unwrap_or(S::zero()));
+        let (first, second, third) = (at(0), at(1), at(2));
+        Self { s: s.map(|s| s.value), s_q: first, s_qq: second, g: first, g_q: second, g_qq: third }
+    }
+
+    /// With a velocity map of its own, g with its derivatives.
+    #[inline(always)]
+    fn with_velocity<const K: usize>(self, g: &[Jet<S, K>; SPACE]) -> Self {
+        let Self { s: value, s_q: first, s_qq: second, .. } = Motion::exact(g);
+        Self { g: value, g_q: first, g_qq: second, ..self }
+    }
+}
+
+/// An element type over borrowed weights.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementType<'a, W, const D: usize> {
+    /// How it moves.
+    pub transform: Transform<'a, W, D>,
+    /// U₁(x) of its centre, per unit of mass; `None`: no potential of its own.
+    pub potential: Option<Part<'a, W, D>>,
+    /// Its numbers, at `start` of the weight block.
+    pub numbers: Numbers<W>,
+    /// The place of `numbers` in the weight block.
+    pub start: usize,
+}
+
+/// The numbers of an element type, in the order of the weight block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numbers<W> {
+    /// m > 0, kg.
+    pub mass: W,
+    /// Moment of inertia about the centre per coordinate (rad), I ≥ 0, kg m²; 0 for a point.
+    pub inertia: W,
+    /// Where the centre lies between what the element hangs from (0) and what it carries (1): 1 for a point at the end.
+    pub centre: W,
+    /// ℓ of a [`Transform::Rod`], m; without meaning for others.
+    pub length: W,
+    /// Viscous damping of its coordinates, c ≥ 0, N s/m or N m s/rad.
+    pub damping: W,
+}
+
+/// Numbers in [`Numbers`].
+pub const NUMBERS: usize = 5;
+
+impl<W: Copy> Numbers<W> {
+    /// From the weight block.
+    pub(super) fn take(block: &mut &[W]) -> Option<Self> {
+        let (numbers, rest) = block.split_first_chunk::<NUMBERS>()?;
+        *block = rest;
+        let [mass, inertia, centre, length, damping] = *numbers;
+        Some(Self { mass, inertia, centre, length, damping })
+    }
+}
+
+impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
+    /// s(q) of the element's coordinate `axis` (from 0), with K derivatives of it.
+    #[inline]
+    pub(super) fn motion<S: Scalar<Weight = W>, const K: usize, const H: usize>(
+        &self,
+        axis: usize,
+        q: S,
+    ) -> Motion<S> {
+        match &self.transform {
+            Transform::Network { position, velocity, input } => {
+                let features = input.series::<S, K>(q);
+                let x = features.get(..input.features()).unwrap_or(&[]);
+                let motion = Motion::exact(&position.series::<S, K, H>(x));
+                match velocity {
+                    None => motion,
+                    Some(velocity) => motion.with_velocity(&velocity.series::<S, K, H>(x)),
+                }
+            }
+            Transform::Rod => {
+                let (sin, cos) = q.sin_cos();
+                let unit: [Jet<S, 3>; SPACE] =
+                    [turning(sin, [cos, -sin, -cos]), turning(-cos, [sin, cos, -sin])];
+                Motion::exact(&unit.map(|u| u.scaled(S::weight(self.numbers.length))))
+            }
+            Transform::Slide => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
+            Transform::Free if axis == 0 => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
+            Transform::Free => Motion::exact::<3>(&[Jet::zero(), ramp(q)]),
+        }
+    }
+
+    /// Visits the derivatives in the weights of the transform, `bar` the adjoints of s, s′ (and s″, g, g′).
+    #[inline]
+    pub(super) fn transform_gradient<S: Scalar<Weight = W>, const H: usize>(
+        &self,
+        q: S,
+        bar: &Motion<S>,
+        row: &mut impl FnMut(usize, S),
+    ) {
+        match &self.transform {
+            Transform::Network { position, velocity, input } => {
+                let features = input.series::<S, 2>(q);
+                let x = features.get(..input.features()).unwrap_or(&[]);
+                let series =
+                    |value: &Vector<S>, first: &Vector<S>, second: &Vector<S>| -> [Jet<S, 2>; SPACE] {
+                        core::array::from_fn(|i| Jet { value: value[i], tangent: [first[i], second[i]] })
+                    };
+                match velocity {
+                    None => position.gradient::<S, H>(x, &series(&bar.s, &bar.s_q, &bar.s_qq), row),
+                    Some(velocity) => {
+                        let zero = [S::zero(); SPACE];
+                        position.gradient::<S, H>(x, &series(&bar.s, &bar.s_q, &zero), row);
+                        velocity.gradient::<S, H>(x, &series(&bar.g, &bar.g_q, &zero), row);
+                    }
+                }
+            }
+            Transform::Rod => {
+                let (sin, cos) = q.sin_cos();
+                let along = |a: &Vector<S>, x: S, y: S| a[0] * x + a[1] * y;
+                let length =
+                    along(&bar.s, sin, -cos) + along(&bar.s_q, cos, sin) + along(&bar.s_qq, -sin, cos);
+                row(self.start + 3, length);
+            }
+            Transform::Slide | Transform::Free => {}
+        }
+    }
+
+    /// Whether the velocity map is a network of its own.
+    #[inline(always)]
+    pub(super) fn has_velocity(&self) -> bool {
+        matches!(self.transform, Transform::Network { velocity: Some(_), .. })
+    }
+}
+
+impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
+    /// Takes a network from the front of `block`, `start` numbers of which were taken before; counts on.
+    pub(super) fn take(
+        block: &mut &'a [W],
+        start: &mut usize,
+        inputs: usize,
+        widths: &[usize],
+        outputs: usize,
+        activation: Activation,
+    ) -> Option<Self> {
+        let network = Mlp::take(block, inputs, widths, outputs, activation)?;
+        let part = Self { network, start: *start };
+        *start += network.len();
+        Some(part)
+    }
+
+    #[inline]
+    fn series<S: Scalar<Weight = W>, const K: usize, const H: usize>(
+        &self,
+        x: &[Jet<S, K>],
+    ) -> [Jet<S, K>; SPACE] {
+        let mut y = [Jet::zero(); SPACE];
+        self.network.series::<S, K, H>(x, &mut y);
+        y
+    }
+
+    #[inline]
+    fn gradient<S: Scalar<Weight = W>, const H: usize>(
+        &self,
+        x: &[Jet<S, 2>],
+        bar: &[Jet<S, 2>],
+        row: &mut impl FnMut(usize, S),
+    ) {
+        let mut end = self.start + self.network.len();
+        self.network.series_adjoints::<S, H>(x, bar, |layer, x, bar| {
+            end -= layer.len();
+            layer.series_gradient(x, bar, |i, value| row(end + i, value));
+        });
+    }
+}

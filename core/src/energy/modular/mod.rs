@@ -1,0 +1,404 @@
+//! Trees of reusable elements (ModLaNet; Lu et al., ICML 2022).
+//!
+//! Every element type has a position transform, a mass and a potential, learned once and reused in any tree. With x_e the
+//! centre of element e, the sum of its own displacement and of those of all that it hangs from (ModLaNet eq. 7),
+//!
+//! L = ½Σ m_e|ẋ_e|² + ½Σ I_e q̇² − c₁Σ m_e U₁(x_e) − c₂Σ_{e<f} m_e m_f U₂(x_e, x_f)   (ModLaNet eqs. 8–10; I_e is ours).
+//!
+//! # Method
+//!
+//! A coordinate j adds s_j(q_j) to the position of everything it carries, so x = J s(q) and ẋ = J (g v), g = s′, with J the
+//! constant map [`Tree::centres`] of the tree. With P = Jᵀm J(g v) and F = JᵀV_x, all derivatives are products of a
+//! coordinate's own s, s′, s″, s‴ with P and F:
+//! p = g·P + Iv, L_q = v g′·P − s′·F, L_vq v = v g′·P + g·JᵀmJ(g′v²). One pass down the tree and one up give P: no
+//! matrix of positions by coordinates is ever formed.
+
+mod element;
+mod parameters;
+mod potential;
+mod shape;
+mod tree;
+
+pub use element::{ElementType, Input, NUMBERS, Numbers, Part, Transform};
+pub use potential::{Pair, PairInput};
+pub use shape::{MAX_NETWORKS, MAX_TYPES, NetworkShape, PairShape, Shape, TransformShape, TypeShape};
+pub use tree::{Node, SPACE, Tree, TreeError, Vector};
+
+use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::network::Jet;
+use crate::scalar::Scalar;
+use element::Motion;
+use potential::{Ignore, Moving, Visit};
+use tree::{add, scale};
+
+/// A tree of elements in N coordinates over borrowed weights: at most `K` element types, networks of at most `D` hidden
+/// layers of at most `H` units.
+#[derive(Clone, Copy, Debug)]
+pub struct Modular<'a, W, const N: usize, const K: usize, const H: usize, const D: usize> {
+    /// The element types.
+    pub types: [Option<ElementType<'a, W, D>>; K],
+    /// What every pair of elements adds.
+    pub pair: Option<Pair<'a, W, D>>,
+    /// c₁ and c₂.
+    pub coefficients: [W; 2],
+    /// The place of `coefficients` in the weight block.
+    pub start: usize,
+    /// Which element hangs from which.
+    pub tree: Tree<N>,
+}
+
+/// What each coordinate and each element is at a state.
+struct Configuration<S, const N: usize> {
+    motion: [Motion<S>; N],
+    mass: [S; N],
+    centre: [S; N],
+    /// Of the element that a coordinate belongs to.
+    inertia: [S; N],
+}
+
+impl<S: Scalar, const N: usize> Configuration<S, N> {
+    #[inline(always)]
+    fn of(&self, part: impl Fn(&Motion<S>) -> Vector<S>) -> [Vector<S>; N] {
+        self.motion.each_ref().map(part)
+    }
+}
+
+impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+    #[inline(always)]
+    fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, D>> {
+        self.types.get(kind)?.as_ref()
+    }
+
+    /// c₁ and c₂.
+    #[inline(always)]
+    fn c<S: Scalar<Weight = W>>(&self) -> [S; 2] {
+        self.coefficients.map(S::weight)
+    }
+
+    /// The damping of every coordinate, N s/m or N m s/rad.
+    pub fn damping<S: Scalar<Weight = W>>(&self) -> [S; N] {
+        let mut damping = [S::zero(); N];
+        for (_, element) in self.tree.elements() {
+            let Some(kind) = self.element_type(element.kind) else { continue };
+            for slot in damping.iter_mut().skip(element.first).take(element.count) {
+                *slot = S::weight(kind.numbers.damping);
+            }
+        }
+        damping
+    }
+
+    /// Where in the weight block the damping of every coordinate is.
+    pub fn damping_positions(&self) -> [usize; N] {
+        let mut positions = [0; N];
+        for (_, element) in self.tree.elements() {
+            let Some(kind) = self.element_type(element.kind) else { continue };
+            for slot in positions.iter_mut().skip(element.first).take(element.count) {
+                *slot = kind.start + 4;
+            }
+        }
+        positions
+    }
+
+    /// Every coordinate's motion with `O` derivatives of s, and every element's numbers.
+    #[inline]
+    fn configuration<S: Scalar<Weight = W>, const O: usize>(&self, q: &[S; N]) -> Configuration<S, N> {
+        let zero = [S::zero(); N];
+        let mut c = Configuration { motion: [Motion::none(); N], mass: zero, centre: zero, inertia: zero };
+        for (e, element) in self.tree.elements() {
+            let Some(kind) = self.element_type(element.kind) else { continue };
+            if let (Some(mass), Some(centre)) = (c.mass.get_mut(e), c.centre.get_mut(e)) {
+                *mass = S::weight(kind.numbers.mass);
+                *centre = S::weight(kind.numbers.centre);
+            }
+            let own = c.motion.iter_mut().zip(&mut c.inertia).zip(q).skip(element.first).take(element.count);
+            for (axis, ((motion, inertia), q)) in own.enumerate() {
+                *motion = kind.motion::<S, O, H>(axis, *q);
+                *inertia = S::weight(kind.numbers.inertia);
+            }
+        }
+        c
+    }
+
+    /// JᵀmJ of what each coordinate adds.
+    #[inline]
+    fn inertial<S: Scalar>(&self, c: &Configuration<S, N>, moved: &[Vector<S>; N]) -> [Vector<S>; N] {
+        let centres = self.tree.centres(&c.centre, moved);
+        let momenta = core::array::from_fn(|e| scale(c.mass[e], &centres[e]));
+        self.tree.joints(&c.centre, &momenta)
+    }
+
+    /// JᵀmJ of what coordinate k alone adds.
+    #[inline]
+    fn inertial_of<S: Scalar>(&self, c: &Configuration<S, N>, k: usize, moved: Vector<S>) -> [Vector<S>; N] {
+        let mut alone = [[S::zero(); SPACE]; N];
+        if let Some(slot) = alone.get_mut(k) {
+            *slot = moved;
+        }
+        self.inertial(c, &alone)
+    }
+
+    /// V with its tangents, and V_x with its tangents, at centres that move; `weighed` gets the sums that c₁, c₂ and the
+    /// masses multiply.
+    #[inline]
+    fn potential<S: Scalar<Weight = W>, const T: usize>(
+        &self,
+        mass: &[S; N],
+        x: &[Moving<S, T>; N],
+        visit: &mut impl Visit<W, S, T>,
+        mut weighed: impl FnMut(Weighed<S, T>),
+    ) -> [Moving<S, T>; N] {
+        let mut gradient = [[Jet::zero(); SPACE]; N];
+        self.for_elements(|e, kind| {
+            let (Some(x), Some(sum), Some(m)) = (x.get(e), gradient.get_mut(e), mass.get(e)) else { return };
+            let Some(potential) = &kind.potential else { return };
+            let [c1, _] = self.c::<S>();
+            let (u, x_bar) = potential.differentiate::<S, T, SPACE, H>(x, c1 * *m, visit);
+            weighed(Weighed::Element(e, u));
+            accumulate(sum, &x_bar);
+        });
+        self.for_pairs(|a, b, pair| {
+            let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
+            let (Some(ma), Some(mb)) = (mass.get(a), mass.get(b)) else { return };
+            let [_, c2] = self.c::<S>();
+            let (u, [on_a, on_b]) = pair.differentiate::<S, T, H>([xa, xb], c2 * *ma * *mb, visit);
+            weighed(Weighed::Pair(a, b, u));
+            for (e, force) in [(a, &on_a), (b, &on_b)] {
+                if let Some(sum) = gradient.get_mut(e) {
+                    accumulate(sum, force);
+                }
+            }
+        });
+        gradient
+    }
+
+    /// V_x.
+    #[inline]
+    fn potential_gradient<S: Scalar<Weight = W>>(&self, c: &Configuration<S, N>) -> [Vector<S>; N] {
+        let x = self.tree.centres(&c.centre, &c.of(|m| m.s)).map(|x| x.map(Jet::constant));
+        self.potential::<S, 0>(&c.mass, &x, &mut Ignore, |_| {}).map(|g| g.map(|g| g.value))
+    }
+
+    #[inline(always)]
+    fn for_elements(&self, mut visit: impl FnMut(usize, &ElementType<'a, W, D>)) {
+        for (e, element) in self.tree.elements() {
+            if let Some(kind) = self.element_type(element.kind) {
+                visit(e, kind);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn for_pairs(&self, mut visit: impl FnMut(usize, usize, &Pair<'a, W, D>)) {
+        let Some(pair) = &self.pair else { return };
+        for (b, _) in self.tree.elements() {
+            for a in 0..b {
+                visit(a, b, pair);
+            }
+        }
+    }
+}
+
+/// A term of the potential without what it is multiplied by.
+enum Weighed<S, const T: usize> {
+    /// U₁ of element e, multiplied by c₁m_e.
+    Element(usize, Jet<S, T>),
+    /// U₂ of two elements, multiplied by c₂m_e m_f.
+    Pair(usize, usize, Jet<S, T>),
+}
+
+#[inline(always)]
+fn accumulate<S: Scalar, const T: usize>(sum: &mut Moving<S, T>, x: &Moving<S, T>) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum = sum.plus(x);
+    }
+}
+
+/// a·b.
+#[inline(always)]
+fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>) -> S {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> Lagrangian<S, N>
+    for Modular<'_, S::Weight, N, K, H, D>
+{
+    type Mass = DenseMass<S, N>;
+
+    fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
+        let c = self.configuration::<S, 1>(q);
+        let velocity = core::array::from_fn(|j| scale(v[j], &c.motion[j].g));
+        let momentum = self.inertial(&c, &velocity);
+        let (mut twice_kinetic, mut potential) = (S::zero(), S::zero());
+        for j in 0..N {
+            twice_kinetic += dot(&velocity[j], &momentum[j]) + c.inertia[j] * v[j] * v[j];
+        }
+        let x = self.tree.centres(&c.centre, &c.of(|m| m.s));
+        let [c1, c2] = self.c::<S>();
+        self.for_elements(|e, kind| {
+            if let (Some(x), Some(m), Some(u)) = (x.get(e), c.mass.get(e), &kind.potential) {
+                potential += c1 * *m * u.energy::<S, H>(&x.map(Jet::constant));
+            }
+        });
+        self.for_pairs(|a, b, pair| {
+            if let (Some(xa), Some(xb), Some(ma), Some(mb)) =
+                (x.get(a), x.get(b), c.mass.get(a), c.mass.get(b))
+            {
+                potential += c2 * *ma * *mb * pair.energy::<S, H>(xa, xb);
+            }
+        });
+        Energies { kinetic: twice_kinetic.half(), potential }
+    }
+
+    fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
+        let c = self.configuration::<S, 2>(q);
+        let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
+        let force = self.tree.joints(&c.centre, &self.potential_gradient(&c));
+        let l_q = |j: usize| v[j] * dot(&c.motion[j].g_q, &momentum[j]) - dot(&c.motion[j].s_q, &force[j]);
+        let l_v = |j: usize| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j];
+        Gradient { l_q: core::array::from_fn(l_q), l_v: core::array::from_fn(l_v) }
+    }
+
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+        let c = self.configuration::<S, 2>(q);
+        let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
+        let turning = self.inertial(&c, &core::array::from_fn(|j| scale(v[j] * v[j], &c.motion[j].g_q)));
+        let force = self.tree.joints(&c.centre, &self.potential_gradient(&c));
+        let bent: [S; N] = core::array::from_fn(|j| v[j] * dot(&c.motion[j].g_q, &momentum[j]));
+        Dynamics {
+            mass: DenseMass(self.mass_matrix(&c)),
+            l_q: core::array::from_fn(|j| bent[j] - dot(&c.motion[j].s_q, &force[j])),
+            l_v: core::array::from_fn(|j| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j]),
+            l_vq_v: core::array::from_fn(|j| bent[j] + dot(&c.motion[j].g, &turning[j])),
+        }
+    }
+
+    fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
+        let c = self.configuration::<S, 3>(q);
+        let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
+        let (gradient, curvature) = self.potential_hessian(&c);
+        let force = self.tree.joints(&c.centre, &gradient);
+        let (mut l_qq, mut l_vq) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);
+        for k in 0..N {
+            let (motion, p) = (&c.motion[k], &momentum[k]);
+            let turned = self.inertial_of(&c, k, scale(v[k], &motion.g_q));
+            let pulled = self.pulled(&c, &curvature, k);
+            for i in 0..N {
+                l_qq[i][k] = v[i] * dot(&c.motion[i].g_q, &turned[i]) - dot(&c.motion[i].s_q, &pulled[i]);
+                l_vq[i][k] = dot(&c.motion[i].g, &turned[i]);
+            }
+            l_qq[k][k] += v[k] * dot(&motion.g_qq, p) - dot(&motion.s_qq, &force[k]);
+            l_vq[k][k] += dot(&motion.g_q, p);
+        }
+        Hessian {
+            l_q: core::array::from_fn(|j| {
+                v[j] * dot(&c.motion[j].g_q, &momentum[j]) - dot(&c.motion[j].s_q, &force[j])
+            }),
+            l_v: core::array::from_fn(|j| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j]),
+            l_qq,
+            l_vq,
+            l_vv: self.mass_matrix(&c),
+        }
+    }
+}
+
+/// V_xx, by pairs of elements.
+type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
+
+impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+    /// M_ik = g_i·(JᵀmJ)_ik g_k + I_i δ_ik.
+    #[inline]
+    fn mass_matrix<S: Scalar>(&self, c: &Configuration<S, N>) -> [[S; N]; N] {
+        let mut mass = [[S::zero(); N]; N];
+        for k in 0..N {
+            let column = self.inertial_of(c, k, c.motion[k].g);
+            for i in 0..N {
+                mass[i][k] = dot(&c.motion[i].g, &column[i]);
+            }
+            mass[k][k] += c.inertia[k];
+        }
+        mass
+    }
+
+    /// Jᵀ V_xx J of what coordinate k alone adds.
+    #[inline]
+    fn pulled<S: Scalar>(
+        &self,
+        c: &Configuration<S, N>,
+        curvature: &Curvature<S, N>,
+        k: usize,
+    ) -> [Vector<S>; N] {
+        let mut alone = [[S::zero(); SPACE]; N];
+        if let (Some(slot), Some(motion)) = (alone.get_mut(k), c.motion.get(k)) {
+            *slot = motion.s_q;
+        }
+        let moved = self.tree.centres(&c.centre, &alone);
+        let forces = core::array::from_fn(|a| {
+            let mut sum = [S::zero(); SPACE];
+            for b in 0..N {
+                sum = add(&sum, &curvature[a][b].map(|row| dot(&row, &moved[b])));
+            }
+            sum
+        });
+        self.tree.joints(&c.centre, &forces)
+    }
+
+    /// V_x and V_xx.
+    #[inline]
+    fn potential_hessian<S: Scalar<Weight = W>>(
+        &self,
+        c: &Configuration<S, N>,
+    ) -> ([Vector<S>; N], Curvature<S, N>) {
+        let x = self.tree.centres(&c.centre, &c.of(|m| m.s));
+        let mut gradient = [[S::zero(); SPACE]; N];
+        let mut curvature = [[[[S::zero(); SPACE]; SPACE]; N]; N];
+        let [c1, c2] = self.c::<S>();
+        self.for_elements(|e, kind| {
+            let (Some(x), Some(m)) = (x.get(e), c.mass.get(e)) else { return };
+            let Some(potential) = &kind.potential else { return };
+            let (_, x_bar) =
+                potential.differentiate::<S, SPACE, SPACE, H>(&varied(x, 0), c1 * *m, &mut Ignore);
+            scatter(&mut gradient, &mut curvature, e, &[e], &x_bar);
+        });
+        self.for_pairs(|a, b, pair| {
+            let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
+            let (Some(ma), Some(mb)) = (c.mass.get(a), c.mass.get(b)) else { return };
+            let at = [&varied::<S, 4>(xa, 0), &varied(xb, SPACE)];
+            let (_, [on_a, on_b]) = pair.differentiate::<S, 4, H>(at, c2 * *ma * *mb, &mut Ignore);
+            scatter(&mut gradient, &mut curvature, a, &[a, b], &on_a);
+            scatter(&mut gradient, &mut curvature, b, &[a, b], &on_b);
+        });
+        (gradient, curvature)
+    }
+}
+
+/// x moving along its own axes, which are directions `first` and `first` + 1 of T.
+#[inline(always)]
+fn varied<S: Scalar, const T: usize>(x: &Vector<S>, first: usize) -> Moving<S, T> {
+    let mut moving = x.map(Jet::constant);
+    for (i, x) in moving.iter_mut().enumerate() {
+        if let Some(slot) = x.tangent.get_mut(first + i) {
+            *slot = S::one();
+        }
+    }
+    moving
+}
+
+/// Adds a force on element e, and its derivatives along the axes of the elements `along`.
+#[inline(always)]
+fn scatter<S: Scalar, const T: usize, const N: usize>(
+    gradient: &mut [Vector<S>; N],
+    curvature: &mut Curvature<S, N>,
+    e: usize,
+    along: &[usize],
+    force: &Moving<S, T>,
+) {
+    let (Some(gradient), Some(rows)) = (gradient.get_mut(e), curvature.get_mut(e)) else { return };
+    for (i, force) in force.iter().enumerate() {
+        gradient[i] += force.value;
+        for (f, derivatives) in along.iter().zip(force.tangent.as_chunks::<SPACE>().0) {
+            if let Some(block) = rows.get_mut(*f) {
+                block[i] = add(&block[i], derivatives);
+            }
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Derivatives in the weights, for training.
+
+use super::element::Motion;
+use super::potential::{Moving, Rows};
+use super::tree::{Vector, add, scale};
+use super::{Configuration, ElementType, Modular, Weighed, dot};
+use crate::energy::Learnable;
+use crate::network::Jet;
+use crate::scalar::Scalar;
+
+/// Σ α·(JᵀmJ)β, one term of a derivative of the kinetic energy: what two displacements of the coordinates give together.
+struct Bilinear<'m, S, const N: usize> {
+    alpha: &'m [Vector<S>; N],
+    beta: &'m [Vector<S>; N],
+}
+
+impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> Learnable<S, N>
+    for Modular<'_, S::Weight, N, K, H, D>
+{
+    /// With a = δq v g′ + δv g and b = g v the kinetic part is Σ a·JᵀmJ b + δv I v; the potential part is −V_x·J(s′δq).
+    fn directional_gradient(
+        &self,
+        (q, v): (&[S; N], &[S; N]),
+        (dq, dv): (&[S; N], &[S; N]),
+        mut row: impl FnMut(usize, S),
+    ) {
+        let c = self.configuration::<S, 2>(q);
+        let a = core::array::from_fn(|j| {
+            add(&scale(dq[j] * v[j], &c.motion[j].g_q), &scale(dv[j], &c.motion[j].g))
+        });
+        let b = core::array::from_fn(|j| scale(v[j], &c.motion[j].g));
+        let (of_a, of_b) = (self.inertial(&c, &b), self.inertial(&c, &a));
+        let mut bar: [Motion<S>; N] = self.potential_part(&c, dq, &mut row);
+        for j in 0..N {
+            bar[j].g = add(&scale(dv[j], &of_a[j]), &scale(v[j], &of_b[j]));
+            bar[j].g_q = scale(dq[j] * v[j], &of_a[j]);
+        }
+        self.number_part(
+            &c,
+            &[Bilinear { alpha: &a, beta: &b }],
+            &core::array::from_fn(|j| dv[j] * v[j]),
+            &mut row,
+        );
+        self.transform_part(q, &bar, &mut row);
+    }
+
+    /// With b = y g, c = g v and their rates ḃ = y v g′, ċ = g′v² + g a it is Σ ḃ·JᵀmJ c + b·JᵀmJ ċ + y I a.
+    fn momentum_rate_gradient(
+        &self,
+        (q, v): (&[S; N], &[S; N]),
+        a: &[S; N],
+        y: &[S; N],
+        mut row: impl FnMut(usize, S),
+    ) {
+        let configuration = self.configuration::<S, 2>(q);
+        let motion = &configuration.motion;
+        let b = core::array::from_fn(|j| scale(y[j], &motion[j].g));
+        let b_rate = core::array::from_fn(|j| scale(y[j] * v[j], &motion[j].g_q));
+        let c = core::array::from_fn(|j| scale(v[j], &motion[j].g));
+        let c_rate =
+            core::array::from_fn(|j| add(&scale(v[j] * v[j], &motion[j].g_q), &scale(a[j], &motion[j].g)));
+        let (of_b_rate, of_b) = (self.inertial(&configuration, &c), self.inertial(&configuration, &c_rate));
+        let (of_c_rate, of_c) = (self.inertial(&configuration, &b), self.inertial(&configuration, &b_rate));
+        let mut bar = [Motion::none(); N];
+        for j in 0..N {
+            let held = add(&scale(y[j], &of_b[j]), &scale(v[j], &of_c[j]));
+            bar[j].g = add(&held, &scale(a[j], &of_c_rate[j]));
+            let turned = scale(y[j] * v[j], &of_b_rate[j]);
+            bar[j].g_q = add(&turned, &scale(v[j] * v[j], &of_c_rate[j]));
+        }
+        let terms = [Bilinear { alpha: &b_rate, beta: &c }, Bilinear { alpha: &b, beta: &c_rate }];
+        self.number_part(&configuration, &terms, &core::array::from_fn(|j| y[j] * a[j]), &mut row);
+        self.transform_part(q, &bar, &mut row);
+    }
+}
+
+impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+    /// −∂/∂θ of V_x·J(s′δq) in potentials, coefficients, masses and centres; returns its adjoints of s and s′.
+    #[inline]
+    fn potential_part<S: Scalar<Weight = W>>(
+        &self,
+        c: &Configuration<S, N>,
+        dq: &[S; N],
+        row: &mut impl FnMut(usize, S),
+    ) -> [Motion<S>; N] {
+        let moved = core::array::from_fn(|j| scale(dq[j], &c.motion[j].s_q));
+        let (s, rate) = (c.of(|m| m.s), self.tree.centres(&c.centre, &moved));
+        let centres = self.tree.centres(&c.centre, &s);
+        let x: [Moving<S, 1>; N] = core::array::from_fn(|e| {
+            core::array::from_fn(|i| Jet { value: centres[e][i], tangent: [rate[e][i]] })
+        });
+        let mut rates = Rates::new();
+        let gradient = self
+            .potential(&c.mass, &x, &mut Rows(&mut *row), |term| rates.add(&term, &c.mass, self.c::<S>()));
+        let force = gradient.map(|g| g.map(|g| g.value));
+        let force_rate = gradient.map(|g| g.map(|Jet { tangent: [rate], .. }| rate));
+        row(self.start, -rates.elements);
+        row(self.start + 1, -rates.pairs);
+        self.for_own(|e, element, kind| {
+            let (Some(force), Some(force_rate)) = (force.get(e), force_rate.get(e)) else { return };
+            row(kind.start, -rates.masses.get(e).copied().unwrap_or(S::zero()));
+            row(kind.start + 2, -(dot(force_rate, &element.own(&s)) + dot(force, &element.own(&moved))));
+        });
+        let (of_s, of_moved) =
+            (self.tree.joints(&c.centre, &force_rate), self.tree.joints(&c.centre, &force));
+        core::array::from_fn(|j| {
+            let mut bar = Motion::none();
+            bar.s = scale(-S::one(), &of_s[j]);
+            bar.s_q = scale(-dq[j], &of_moved[j]);
+            bar
+        })
+    }
+
+    /// The derivatives in masses, centres and moments of inertia; `turned` is what multiplies the moments of inertia.
+    #[inline]
+    fn number_part<S: Scalar<Weight = W>>(
+        &self,
+        c: &Configuration<S, N>,
+        terms: &[Bilinear<S, N>],
+        turned: &[S; N],
+        row: &mut impl FnMut(usize, S),
+    ) {
+        for Bilinear { alpha, beta } in terms {
+            let (a, b) = (self.tree.centres(&c.centre, alpha), self.tree.centres(&c.centre, beta));
+            self.for_own(|e, element, kind| {
+                let (Some(a), Some(b), Some(mass)) = (a.get(e), b.get(e), c.mass.get(e)) else { return };
+                row(kind.start, dot(a, b));
+                row(kind.start + 2, *mass * (dot(&element.own(alpha), b) + dot(a, &element.own(beta))));
+            });
+        }
+        self.for_own(|_, element, kind| {
+            let own = turned.iter().skip(element.first).take(element.count);
+            row(kind.start + 1, own.fold(S::zero(), |sum, x| sum + *x));
+        });
+    }
+
+    /// The derivatives in the transforms, from the adjoints of s, s′, g and g′.
+    #[inline]
+    fn transform_part<S: Scalar<Weight = W>>(
+        &self,
+        q: &[S; N],
+        bar: &[Motion<S>; N],
+        row: &mut impl FnMut(usize, S),
+    ) {
+        self.for_own(|_, element, kind| {
+            for (q, bar) in q.iter().zip(bar).skip(element.first).take(element.count) {
+                let mut bar = *bar;
+                if !kind.has_velocity() {
+                    bar.s_q = add(&bar.s_q, &bar.g);
+                    bar.s_qq = bar.g_q;
+                }
+                kind.transform_gradient::<S, H>(*q, &bar, row);
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn for_own(&self, mut visit: impl FnMut(usize, &super::tree::Element, &ElementType<'a, W, D>)) {
+        for (e, element) in self.tree.elements() {
+            if let Some(kind) = self.element_type(element.kind) {
+                visit(e, element, kind);
+            }
+        }
+    }
+}
+
+/// The rate of V, divided by each of the numbers that multiply it.
+struct Rates<S, const N: usize> {
+    /// By c₁.
+    elements: S,
+    /// By c₂.
+    pairs: S,
+    /// In each mass.
+    masses: [S; N],
+}
+
+impl<S: Scalar, const N: usize> Rates<S, N> {
+    fn new() -> Self {
+        Self { elements: S::zero(), pairs: S::zero(), masses: [S::zero(); N] }
+    }
+
+    fn add(&mut self, term: &Weighed<S, 1>, mass: &[S; N], [c1, c2]: [S; 2]) {
+        let m = |e: usize| mass.get(e).copied().unwrap_or(S::zero());
+        match term {
+            Weighed::Element(e, u) => {
+                let [rate] = u.tangent;
+                self.elements += m(*e) * rate;
+                self.of_mass(*e, c1 * rate);
+            }
+            Weighed::Pair(a, b, u) => {
+                let [rate] = u.tangent;
+                self.pairs += m(*a) * m(*b) * rate;
+                self.of_mass(*a, c2 * m(*b) * rate);
+                self.of_mass(*b, c2 * m(*a) * rate);
+            }
+        }
+    }
+
+    fn of_mass(&mut self, e: usize, rate: S) {
+        if let Some(sum) = self.masses.get_mut(e) {
+            *sum += rate;
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Potentials of elements and of pairs of elements, with their derivatives in positions and in weights.
+
+use super::element::Part;
+use super::tree::{SPACE, Vector, add, scale};
+use crate::network::{Dense, Jet, Tape};
+use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
+
+/// What a pair potential sees of two positions a and b.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PairInput {
+    /// Both positions, symmetrised: ½[U(a, b) + U(b, a)] (ModLaNet).
+    Concat,
+    /// Their difference, symmetrised: ½[U(a − b) + U(b − a)]. Conserves linear momentum.
+    Difference,
+    /// Their distance: U(|a − b|). Conserves linear and angular momentum; not differentiable where the two meet.
+    Distance,
+}
+
+impl PairInput {
+    /// Inputs of the network.
+    pub const fn features(self) -> usize {
+        match self {
+            Self::Concat => 2 * SPACE,
+            Self::Difference => SPACE,
+            Self::Distance => 1,
+        }
+    }
+}
+
+/// A position moving along T directions.
+pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
+
+/// Called with the start of the layer in the weight block, the layer, its inputs and the adjoint of its outputs.
+pub(super) trait Visit<W, S, const T: usize> {
+    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, T>], y_bar: &[Jet<S, T>]);
+}
+
+/// Nobody wants the derivatives in the weights.
+pub(super) struct Ignore;
+
+impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
+    #[inline(always)]
+    fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
+}
+
+/// Passes the derivative in every weight of the energy's tangent to `row`, times −1.
+pub(super) struct Rows<R>(pub R);
+
+impl<W: Copy, S: Scalar<Weight = W>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
+    #[inline]
+    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
+        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, -value));
+    }
+}
+
+impl<W: Copy, const D: usize> Part<'_, W, D> {
+    /// U(x) alone.
+    #[inline]
+    pub(super) fn energy<S: Scalar<Weight = W>, const H: usize>(&self, x: &[Jet<S, 0>]) -> S {
+        let mut y = [Jet::zero(); 1];
+        self.network.evaluate::<S, 0, H>(x, &mut y);
+        y[0].value
+    }
+
+    /// U(x) with its tangents; adds `weight` times its gradient and the gradient's tangents to `x_bar`.
+    #[inline]
+    pub(super) fn differentiate<S: Scalar<Weight = W>, const T: usize, const I: usize, const H: usize>(
+        &self,
+        x: &[Jet<S, T>; I],
+        weight: S,
+        visit: &mut impl Visit<W, S, T>,
+    ) -> (Jet<S, T>, [Jet<S, T>; I]) {
+        let mut tape = Tape::<S, T, H, D>::default();
+        let mut y = [Jet::zero(); 1];
+        let mut x_bar = [Jet::zero(); I];
+        self.network.forward(x, &mut tape, &mut y);
+        let mut end = self.start + self.network.len();
+        let y_bar = [Jet::constant(weight)];
+        self.network.adjoint_with_layers(&tape, (x, &mut x_bar), &y_bar, |layer, x, y_bar| {
+            end -= layer.len();
+            visit.layer(end, layer, x, y_bar);
+        });
+        (y[0], x_bar)
+    }
+}
+
+/// The pair potential of a model.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<'a, W, const D: usize> {
+    /// U₂.
+    pub potential: Part<'a, W, D>,
+    /// What it sees.
+    pub input: PairInput,
+}
+
+impl<W: Copy, const D: usize> Pair<'_, W, D> {
+    /// U₂ of two positions.
+    #[inline]
+    pub(super) fn energy<S: Scalar<Weight = W>, const H: usize>(&self, a: &Vector<S>, b: &Vector<S>) -> S {
+        let [ax, ay] = a.map(Jet::constant);
+        let [bx, by] = b.map(Jet::constant);
+        let d = add(a, &scale(-S::one(), b));
+        let u = |x: &[Jet<S, 0>]| self.potential.energy::<S, H>(x);
+        match self.input {
+            PairInput::Concat => (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])).half(),
+            PairInput::Difference => (u(&d.map(Jet::constant)) + u(&d.map(|d| Jet::constant(-d)))).half(),
+            PairInput::Distance => u(&[Jet::constant((d[0] * d[0] + d[1] * d[1]).sqrt())]),
+        }
+    }
+
+    /// U₂, and `weight` times its gradients in a and in b, all with tangents.
+    #[inline]
+    pub(super) fn differentiate<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+        &self,
+        [a, b]: [&Moving<S, T>; 2],
+        weight: S,
+        visit: &mut impl Visit<W, S, T>,
+    ) -> (Jet<S, T>, [Moving<S, T>; 2]) {
+        let potential = &self.potential;
+        let half = S::one().half();
+        match self.input {
+            PairInput::Concat => {
+                let (u, [ax, ay, bx, by]) =
+                    potential.differentiate::<S, T, 4, H>(&[a[0], a[1], b[0], b[1]], weight * half, visit);
+                let (w, [cx, cy, dx, dy]) =
+                    potential.differentiate::<S, T, 4, H>(&[b[0], b[1], a[0], a[1]], weight * half, visit);
+                (u.plus(&w).scaled(half), [[ax.plus(&dx), ay.plus(&dy)], [bx.plus(&cx), by.plus(&cy)]])
+            }
+            PairInput::Difference => {
+                let d = difference(a, b);
+                let (u, forth) = potential.differentiate::<S, T, 2, H>(&d, weight * half, visit);
+                let (w, back) = potential.differentiate::<S, T, 2, H>(&negative(&d), weight * half, visit);
+                let on_a = difference(&forth, &back);
+                (u.plus(&w).scaled(half), [on_a, negative(&on_a)])
+            }
+            PairInput::Distance => {
+                let d = difference(a, b);
+                let square = d[0].times(&d[0]).plus(&d[1].times(&d[1]));
+                let r = square.value.sqrt();
+                let distance = square.chain(r, S::one().half() / r);
+                let (u, [slope]) = potential.differentiate::<S, T, 1, H>(&[distance], weight, visit);
+                let inverse = S::one() / r;
+                let along = slope.times(&distance.chain(inverse, -inverse * inverse));
+                let on_a = d.map(|d| d.times(&along));
+                (u, [on_a, negative(&on_a)])
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn difference<S: Scalar, const T: usize>(a: &Moving<S, T>, b: &Moving<S, T>) -> Moving<S, T> {
+    let [bx, by] = negative(b);
+    [a[0].plus(&bx), a[1].plus(&by)]
+}
+
+#[inline(always)]
+fn negative<S: Scalar, const T: usize>(a: &Moving<S, T>) -> Moving<S, T> {
+    a.each_ref().map(|a| a.scaled(-S::one()))
+}

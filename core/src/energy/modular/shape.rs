@@ -1,0 +1,231 @@
+//! The shape of a modular model, apart from its numbers and its trees.
+
+use super::Modular;
+use super::element::{ElementType, Input, NUMBERS, Numbers, Part, Transform};
+use super::potential::{Pair, PairInput};
+use super::tree::{Node, SPACE, Tree, TreeError};
+use crate::network::{Activation, Mlp};
+use serde::{Deserialize, Serialize};
+
+/// Hidden layers of a network at most.
+pub const MAX_HIDDEN: usize = 4;
+/// Networks of a model at most.
+pub const MAX_NETWORKS: usize = 8;
+/// Element types of a model at most.
+pub const MAX_TYPES: usize = 6;
+
+/// The shape of one network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NetworkShape {
+    /// Inputs.
+    pub inputs: u8,
+    /// Units of the hidden layers; the first 0 ends the list.
+    pub widths: [u16; MAX_HIDDEN],
+    /// Outputs.
+    pub outputs: u8,
+    /// Of the hidden layers.
+    pub activation: Activation,
+}
+
+impl NetworkShape {
+    /// Units of each hidden layer, and how many layers there are.
+    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
+        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
+        (self.widths.map(usize::from), depth)
+    }
+
+    /// Numbers in the weight block; `None` on overflow.
+    pub fn parameters(&self) -> Option<usize> {
+        let (widths, depth) = self.widths();
+        Mlp::<f32, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
+    }
+
+    fn is_valid(&self) -> bool {
+        let (_, depth) = self.widths();
+        self.widths.iter().skip(depth).all(|w| *w == 0)
+    }
+}
+
+/// How the coordinates of an element type move it; networks by their number from 0. See [`Transform`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TransformShape {
+    /// A learned position.
+    Network {
+        /// T.
+        position: u8,
+        /// T_v; without it ẋ is the exact derivative of T.
+        velocity: Option<u8>,
+        /// How q enters.
+        input: Input,
+    },
+    /// A rod turning about a pivot.
+    Rod,
+    /// A slide along the horizontal.
+    Slide,
+    /// A free point.
+    Free,
+}
+
+/// The shape of an element type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TypeShape {
+    /// How it moves.
+    pub transform: TransformShape,
+    /// The network of U₁, where it has a potential.
+    pub potential: Option<u8>,
+}
+
+impl TypeShape {
+    /// Coordinates of such an element.
+    pub const fn coordinates(&self) -> usize {
+        match self.transform {
+            TransformShape::Free => 2,
+            TransformShape::Network { .. } | TransformShape::Rod | TransformShape::Slide => 1,
+        }
+    }
+}
+
+/// The pair potential.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairShape {
+    /// The network of U₂.
+    pub network: u8,
+    /// What it sees.
+    pub input: PairInput,
+}
+
+/// The shape of a modular model. Its weight block: the networks in order, then the [`Numbers`] of each type, then c₁ and c₂.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shape {
+    /// The networks; the first `None` ends the list. Types may share one.
+    pub networks: [Option<NetworkShape>; MAX_NETWORKS],
+    /// The element types; the first `None` ends the list.
+    pub types: [Option<TypeShape>; MAX_TYPES],
+    /// The pair potential.
+    pub pair: Option<PairShape>,
+}
+
+impl Shape {
+    /// The networks in order.
+    pub fn networks(&self) -> impl Iterator<Item = &NetworkShape> {
+        self.networks.iter().map_while(Option::as_ref)
+    }
+
+    /// The element types in order.
+    pub fn types(&self) -> impl Iterator<Item = &TypeShape> {
+        self.types.iter().map_while(Option::as_ref)
+    }
+
+    /// Numbers in the weight block; `None` on overflow.
+    pub fn parameters(&self) -> Option<usize> {
+        let networks =
+            self.networks().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))?;
+        networks.checked_add(NUMBERS * self.types().count() + 2)
+    }
+
+    /// Checks a tree against the types.
+    ///
+    /// # Errors
+    /// See [`TreeError`].
+    pub fn tree<const N: usize>(&self, nodes: impl IntoIterator<Item = Node>) -> Result<Tree<N>, TreeError> {
+        let coordinates = |kind| self.types().nth(kind).map(TypeShape::coordinates);
+        Tree::new(nodes, self.types().count(), coordinates)
+    }
+
+    /// What of the shape is out of range, if anything is.
+    pub fn misfit(&self) -> Option<&'static str> {
+        let serves = |network: u8, inputs: usize, outputs: usize| {
+            let network = self.networks().nth(network.into());
+            network.is_some_and(|n| usize::from(n.inputs) == inputs && usize::from(n.outputs) == outputs)
+        };
+        let moves = |kind: &TypeShape| match kind.transform {
+            TransformShape::Network { position, velocity, input } => {
+                let serves = |network| serves(network, input.features(), SPACE);
+                serves(position) && velocity.is_none_or(serves)
+            }
+            TransformShape::Rod | TransformShape::Slide | TransformShape::Free => true,
+        };
+        let fits = [
+            (self.types().next().is_some(), "number of element types"),
+            (self.networks.iter().flatten().count() == self.networks().count(), "list of networks"),
+            (self.types.iter().flatten().count() == self.types().count(), "list of element types"),
+            (self.networks().all(NetworkShape::is_valid), "hidden width"),
+            (self.types().all(moves), "network of a transform"),
+            (self.types().filter_map(|t| t.potential).all(|n| serves(n, SPACE, 1)), "network of a potential"),
+            (
+                self.pair.is_none_or(|p| serves(p.network, p.input.features(), 1)),
+                "network of the pair potential",
+            ),
+        ];
+        fits.into_iter().find(|(fits, _)| !fits).map(|(_, what)| what)
+    }
+}
+
+impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+    /// Builds a tree of this shape's elements on the front of `block` and leaves the rest there. `None` where the block is too
+    /// short, the shape does not fit in itself (see [`Shape::misfit`]), or it has more than `K` types, `D` hidden layers or `H`
+    /// units in one.
+    pub fn take(block: &mut &'a [W], shape: &Shape, tree: Tree<N>) -> Option<Self> {
+        if shape.misfit().is_some() || shape.types().count() > K {
+            return None;
+        }
+        let mut start = 0;
+        let mut networks = [None; MAX_NETWORKS];
+        for (slot, network) in networks.iter_mut().zip(shape.networks()) {
+            *slot = Some(take_network::<W, H, D>(block, &mut start, network)?);
+        }
+        let network = |i: u8| networks.get(usize::from(i)).copied().flatten();
+        let mut types = [None; K];
+        for (slot, kind) in types.iter_mut().zip(shape.types()) {
+            *slot = Some(take_type(block, &mut start, kind, network)?);
+        }
+        let pair = match shape.pair {
+            None => None,
+            Some(pair) => Some(Pair { potential: network(pair.network)?, input: pair.input }),
+        };
+        let (coefficients, rest) = block.split_first_chunk::<2>()?;
+        *block = rest;
+        Some(Self { types, pair, coefficients: *coefficients, start, tree })
+    }
+}
+
+fn take_network<'a, W: Copy, const H: usize, const D: usize>(
+    block: &mut &'a [W],
+    start: &mut usize,
+    shape: &NetworkShape,
+) -> Option<Part<'a, W, D>> {
+    let (widths, depth) = shape.widths();
+    let widths = widths.get(..depth)?;
+    if widths.iter().any(|width| *width > H) {
+        return None;
+    }
+    Part::take(block, start, shape.inputs.into(), widths, shape.outputs.into(), shape.activation)
+}
+
+fn take_type<'a, W: Copy, const D: usize>(
+    block: &mut &'a [W],
+    start: &mut usize,
+    shape: &TypeShape,
+    network: impl Fn(u8) -> Option<Part<'a, W, D>>,
+) -> Option<ElementType<'a, W, D>> {
+    let transform = match shape.transform {
+        TransformShape::Network { position, velocity, input } => {
+            let velocity = match velocity {
+                None => None,
+                Some(velocity) => Some(network(velocity)?),
+            };
+            Transform::Network { position: network(position)?, velocity, input }
+        }
+        TransformShape::Rod => Transform::Rod,
+        TransformShape::Slide => Transform::Slide,
+        TransformShape::Free => Transform::Free,
+    };
+    let potential = match shape.potential {
+        None => None,
+        Some(potential) => Some(network(potential)?),
+    };
+    let numbers = Numbers::take(block)?;
+    let element = ElementType { transform, potential, numbers, start: *start };
+    *start += NUMBERS;
+    Some(element)
+}

@@ -1,0 +1,49 @@
+use super::rigid::require_at_most;
+use super::{Discretisation, Family, ModelError, ModularHeader, TreeHeader, parse};
+use crate::energy::modular::Modular;
+use crate::forces::{System, Viscous};
+use crate::scalar::Scalar;
+
+/// A loaded tree in N coordinates of at most `K` element types, networks with at most `D` hidden layers of at most `H` units,
+/// ready for the solvers.
+#[derive(Clone, Copy, Debug)]
+pub struct ModularModel<'a, const N: usize, const K: usize, const H: usize, const D: usize> {
+    /// Energies over the file's weights, and damping.
+    pub system: System<Modular<'a, f32, N, K, H, D>, Viscous<f32, N>>,
+    /// The step and order the model was trained for.
+    pub discretisation: Option<Discretisation>,
+}
+
+impl<'a, const N: usize, const K: usize, const H: usize, const D: usize> ModularModel<'a, N, K, H, D> {
+    /// Reads, validates and borrows a model file, and takes the tree called `name`; `bytes` must be 4-aligned.
+    pub fn load(bytes: &'a [u8], name: &str) -> Result<Self, ModelError> {
+        let parsed = parse(bytes)?;
+        let Family::Modular(header) = parsed.header.family else {
+            return Err(ModelError::OtherFamily { found: parsed.header.family.name() });
+        };
+        let system = header.system(header.tree(name)?, parsed.weights)?;
+        Ok(Self { system, discretisation: parsed.header.discretisation })
+    }
+}
+
+impl ModularHeader<'_> {
+    /// The system of a tree over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in training.
+    #[allow(clippy::type_complexity, reason = "a Lagrangian and its forces, spelled out once")]
+    pub fn system<'w, S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize>(
+        &self,
+        tree: &TreeHeader,
+        weights: &'w [S::Weight],
+    ) -> Result<System<Modular<'w, S::Weight, N, K, H, D>, Viscous<S, N>>, ModelError> {
+        require_at_most("element types", self.shape.types().count(), K)?;
+        for network in self.shape.networks() {
+            let (widths, depth) = network.widths();
+            require_at_most("hidden layers", depth, D)?;
+            require_at_most("units in a hidden layer", widths.into_iter().max().unwrap_or(0), H)?;
+        }
+        let tree = self.shape.tree(tree.nodes()).map_err(ModelError::Tree)?;
+        let mut block = weights;
+        let short = ModelError::WeightCount { found: weights.len(), needed: self.parameters()? };
+        let lagrangian = Modular::take(&mut block, &self.shape, tree).ok_or(short)?;
+        Ok(System { forces: Viscous { coefficients: lagrangian.damping() }, lagrangian })
+    }
+}

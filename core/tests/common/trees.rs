@@ -1,0 +1,226 @@
+//! Trees of elements of every kind, with a naive evaluation of their energies.
+
+use super::Random;
+use super::shapes::{naive_activation, naive_layer};
+use leastaction_core::energy::modular::{
+    Input, Modular, NUMBERS, NetworkShape, Node, PairInput, PairShape, Shape, TransformShape, TypeShape,
+};
+use leastaction_core::network::Activation;
+
+pub const KINDS: usize = 3;
+pub const WIDTH: usize = 11;
+pub const DEPTH: usize = 3;
+
+/// A tree that owns its weights.
+#[derive(Clone, Debug)]
+pub struct Tree<const N: usize> {
+    pub shape: Shape,
+    pub nodes: Vec<Node>,
+    pub weights: Vec<f64>,
+}
+
+pub fn network(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> NetworkShape {
+    let mut all = [0; 4];
+    all[..widths.len()].copy_from_slice(widths);
+    NetworkShape { inputs, widths: all, outputs, activation }
+}
+
+pub fn shape(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Shape {
+    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair };
+    for (slot, network) in shape.networks.iter_mut().zip(networks) {
+        *slot = Some(*network);
+    }
+    for (slot, kind) in shape.types.iter_mut().zip(types) {
+        *slot = Some(*kind);
+    }
+    shape
+}
+
+pub fn node(kind: u8, parent: Option<u8>) -> Node {
+    Node { kind, parent }
+}
+
+impl<const N: usize> Tree<N> {
+    pub fn new(shape: Shape, nodes: &[Node], seed: u64) -> Self {
+        let mut random = Random(seed);
+        let mut weights = random.vector(shape.parameters().unwrap(), 0.8);
+        let kinds = shape.types().count();
+        let start = weights.len() - 2 - NUMBERS * kinds;
+        for numbers in weights[start..start + NUMBERS * kinds].chunks_mut(NUMBERS) {
+            numbers.iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
+        }
+        Self { shape, nodes: nodes.to_vec(), weights }
+    }
+
+    /// The tree over a weight block of any type, of this shape.
+    pub fn over<'a, W: Copy>(&self, mut weights: &'a [W]) -> Modular<'a, W, N, KINDS, WIDTH, DEPTH> {
+        let tree = self.shape.tree(self.nodes.iter().copied()).expect("a tree");
+        let modular = Modular::take(&mut weights, &self.shape, tree).expect("weights of this shape");
+        assert!(weights.is_empty(), "{} weights too many", weights.len());
+        modular
+    }
+
+    pub fn in_f64(&self) -> Modular<'_, f64, N, KINDS, WIDTH, DEPTH> {
+        self.over(&self.weights)
+    }
+
+    fn numbers(&self, kind: u8) -> [f64; NUMBERS] {
+        let start = self.weights.len() - 2 - NUMBERS * (self.shape.types().count() - usize::from(kind));
+        self.weights[start..start + NUMBERS].try_into().unwrap()
+    }
+
+    fn run(&self, network: u8, x: &[f64]) -> Vec<f64> {
+        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let mut block: &[f64] = &self.weights[before..];
+        let mut x = x.to_vec();
+        for width in shape.widths.iter().filter(|w| **w > 0) {
+            let z = naive_layer(&mut block, &x, usize::from(*width));
+            x = z.into_iter().map(|z| naive_activation(shape.activation, z)).collect();
+        }
+        naive_layer(&mut block, &x, shape.outputs.into())
+    }
+
+    /// What an element's coordinates add to positions.
+    fn displacement(&self, kind: u8, q: &[f64]) -> [f64; 2] {
+        let run = |network, x: &[f64]| <[f64; 2]>::try_from(self.run(network, x)).unwrap();
+        match self.shape.types[usize::from(kind)].unwrap().transform {
+            TransformShape::Network { position, input, .. } => run(position, &features(input, q[0])),
+            TransformShape::Rod => {
+                let [_, _, _, length, _] = self.numbers(kind);
+                [length * q[0].sin(), -length * q[0].cos()]
+            }
+            TransformShape::Slide => [q[0], 0.0],
+            TransformShape::Free => [q[0], q[1]],
+        }
+    }
+
+    /// The velocity that they add: by central differences, or the network of its own.
+    fn speed(&self, kind: u8, q: &[f64], v: &[f64]) -> [f64; 2] {
+        const STEP: f64 = 1e-5;
+        if let TransformShape::Network { velocity: Some(network), input, .. } =
+            self.shape.types[usize::from(kind)].unwrap().transform
+        {
+            let g = self.run(network, &features(input, q[0]));
+            return [g[0] * v[0], g[1] * v[0]];
+        }
+        let moved = |t: f64| {
+            let q: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + t * v).collect();
+            self.displacement(kind, &q)
+        };
+        let (back, forth) = (moved(-STEP), moved(STEP));
+        [0, 1].map(|i| (forth[i] - back[i]) / (2.0 * STEP))
+    }
+
+    /// T and V by the printed formulas, element by element from the ground.
+    pub fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
+        let mut tips: Vec<([f64; 2], [f64; 2])> = Vec::new();
+        let mut centres: Vec<(f64, [f64; 2])> = Vec::new();
+        let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
+        let [c1, c2] = self.weights[self.weights.len() - 2..].try_into().unwrap();
+        for Node { kind, parent } in &self.nodes {
+            let shape = self.shape.types[usize::from(*kind)].unwrap();
+            let [mass, inertia, centre, _, _] = self.numbers(*kind);
+            let range = first..first + shape.coordinates();
+            let (own, speed) = (
+                self.displacement(*kind, &q[range.clone()]),
+                self.speed(*kind, &q[range.clone()], &v[range.clone()]),
+            );
+            let (base, base_speed) = parent.map_or(([0.0; 2], [0.0; 2]), |parent| tips[usize::from(parent)]);
+            let at = |part: f64| [0, 1].map(|i| base[i] + part * own[i]);
+            let moving = |part: f64| [0, 1].map(|i| base_speed[i] + part * speed[i]);
+            let [vx, vy] = moving(centre);
+            kinetic += 0.5 * mass * (vx * vx + vy * vy);
+            kinetic += v[range].iter().map(|v| 0.5 * inertia * v * v).sum::<f64>();
+            if let Some(network) = shape.potential {
+                potential += c1 * mass * self.run(network, &at(centre))[0];
+            }
+            if let Some(pair) = self.shape.pair {
+                for (other, x) in &centres {
+                    potential += c2 * mass * other * self.pair_energy(pair, *x, at(centre));
+                }
+            }
+            centres.push((mass, at(centre)));
+            tips.push((at(1.0), moving(1.0)));
+            first += shape.coordinates();
+        }
+        (kinetic, potential)
+    }
+
+    fn pair_energy(&self, pair: PairShape, [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+        let u = |x: &[f64]| self.run(pair.network, x)[0];
+        let (x, y) = (ax - bx, ay - by);
+        match pair.input {
+            PairInput::Concat => 0.5 * (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])),
+            PairInput::Difference => 0.5 * (u(&[x, y]) + u(&[-x, -y])),
+            PairInput::Distance => u(&[x.hypot(y)]),
+        }
+    }
+}
+
+fn features(input: Input, q: f64) -> Vec<f64> {
+    match input {
+        Input::Translation => vec![q],
+        Input::Angle => vec![q.cos(), q.sin()],
+        Input::WrappedAngle => vec![q.rem_euclid(std::f64::consts::TAU)],
+    }
+}
+
+const LEARNED: fn(Input, Option<u8>) -> TransformShape =
+    |input, velocity| TransformShape::Network { position: 0, velocity, input };
+
+/// Element types of all kinds: a learned link, a rod and a slide, each with a potential or without.
+fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Shape {
+    let inputs = input.features() as u8;
+    let networks = [
+        network(inputs, &[7, 5], 2, Activation::Tanh),
+        network(2, &[9], 1, Activation::Softplus),
+        network(inputs, &[4], 2, Activation::Isru),
+        network(pair.map_or(1, |p| p.features() as u8), &[6, 11], 1, Activation::Squareplus),
+    ];
+    let types = [
+        TypeShape { transform: LEARNED(input, velocity), potential: Some(1) },
+        TypeShape { transform: TransformShape::Rod, potential: Some(1) },
+        TypeShape { transform: TransformShape::Slide, potential: None },
+    ];
+    shape(&networks, &types, pair.map(|input| PairShape { network: 3, input }))
+}
+
+/// Free points, of two types.
+fn bodies(pair: PairInput) -> Shape {
+    let networks = [
+        network(2, &[5, 3], 1, Activation::Tanh),
+        network(pair.features() as u8, &[10], 1, Activation::Tanh),
+    ];
+    let types = [None, Some(0)].map(|potential| TypeShape { transform: TransformShape::Free, potential });
+    shape(&networks, &types, Some(PairShape { network: 1, input: pair }))
+}
+
+pub fn of_three() -> Vec<Tree<3>> {
+    let in_line = [node(2, None), node(0, Some(0)), node(1, Some(1))];
+    let branched = [node(1, None), node(0, Some(0)), node(0, Some(0))];
+    vec![
+        Tree::new(chain(Input::Angle, None, None), &in_line, 1),
+        Tree::new(chain(Input::Translation, None, Some(PairInput::Concat)), &branched, 2),
+        Tree::new(chain(Input::Angle, Some(2), Some(PairInput::Difference)), &in_line, 3),
+        Tree::new(chain(Input::WrappedAngle, Some(2), Some(PairInput::Distance)), &branched, 4),
+    ]
+}
+
+pub fn of_six() -> Vec<Tree<6>> {
+    let free = [node(0, None), node(1, None), node(0, None)];
+    let tree = [
+        node(2, None),
+        node(0, Some(0)),
+        node(1, Some(1)),
+        node(1, Some(0)),
+        node(0, Some(3)),
+        node(2, None),
+    ];
+    vec![
+        Tree::new(bodies(PairInput::Distance), &free, 5),
+        Tree::new(bodies(PairInput::Concat), &free, 6),
+        Tree::new(bodies(PairInput::Difference), &free, 7),
+        Tree::new(chain(Input::Angle, None, Some(PairInput::Distance)), &tree, 8),
+    ]
+}

@@ -1,0 +1,197 @@
+//! The modular family against its printed formulas, exact derivatives, and its symmetries.
+
+mod common;
+
+use common::dual::{self, Dual, derivatives};
+use common::trees::{self, Tree, node};
+use common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
+use leastaction_core::continuous::{acceleration, momentum};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
+use leastaction_core::energy::Learnable;
+use leastaction_core::energy::modular::TreeError;
+use leastaction_core::forces::System;
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::linear;
+
+const EXACT: f64 = 1e-12;
+
+/// Calls `check` with every tree at a few states.
+macro_rules! everywhere {
+    ($check:ident) => {
+        at_states(&trees::of_three(), $check);
+        at_states(&trees::of_six(), $check);
+    };
+}
+
+fn at_states<const N: usize>(trees: &[Tree<N>], check: impl Fn(&Tree<N>, &[f64; N], &[f64; N])) {
+    let mut random = Random(77);
+    for tree in trees {
+        for _ in 0..3 {
+            check(tree, &random.array(3.0), &random.array(2.0));
+        }
+    }
+}
+
+#[test]
+fn energies_are_those_of_the_printed_formulas() {
+    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
+        let found = tree.in_f64().energies(q, v);
+        let (kinetic, potential) = tree.naive_energies(q, v);
+        assert_close("kinetic", found.kinetic, kinetic, 1e-9);
+        assert_close("potential", found.potential, potential, EXACT);
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn all_derivatives_are_those_of_the_energies() {
+    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
+        let weights: Vec<Dual> = tree.weights.iter().map(|w| Dual::constant(*w)).collect();
+        let expected = derivatives(&tree.over(&weights), q, v);
+        let modular = tree.in_f64();
+        let (g, d, h) = (modular.gradient(q, v), modular.dynamics(q, v), modular.hessian(q, v));
+        for (name, l_q, l_v) in
+            [("gradient", g.l_q, g.l_v), ("dynamics", d.l_q, d.l_v), ("hessian", h.l_q, h.l_v)]
+        {
+            assert_vectors_close(&format!("{name} l_q"), &l_q, &expected.l_q, EXACT);
+            assert_vectors_close(&format!("{name} l_v"), &l_v, &expected.l_v, EXACT);
+        }
+        assert_matrices_close("l_qq", &h.l_qq, &expected.l_qq, EXACT);
+        assert_matrices_close("l_vq", &h.l_vq, &expected.l_vq, EXACT);
+        assert_matrices_close("l_vv", &h.l_vv, &expected.l_vv, EXACT);
+        assert_matrices_close("mass", &MassMatrix::dense(&d.mass), &expected.l_vv, EXACT);
+        assert_vectors_close("l_vq v", &d.l_vq_v, &linear::multiply(&expected.l_vq, v), EXACT);
+    }
+    everywhere!(check);
+}
+
+/// Adds up what a parameter derivative visits.
+fn visited(weights: &[f64], gradient: impl FnOnce(&mut dyn FnMut(usize, f64))) -> Vec<f64> {
+    let mut sums = vec![0.0; weights.len()];
+    gradient(&mut |position, value| sums[position] += value);
+    sums
+}
+
+/// The third-order term of L along two directions and every weight in turn: exact.
+fn exact_weight_derivatives<const N: usize>(
+    tree: &Tree<N>,
+    (q, v): (&[f64; N], &[f64; N]),
+    [first, second]: [dual::Direction<N>; 2],
+    part: impl Fn(num_dual::HyperHyperDual64) -> f64,
+) -> Vec<f64> {
+    let still = ([0.0; N], [0.0; N]);
+    let mut weights: Vec<Dual> = tree.weights.iter().map(|w| Dual::constant(*w)).collect();
+    (0..weights.len())
+        .map(|k| {
+            weights[k] = Dual::moving(tree.weights[k], [0.0, 0.0, 1.0]);
+            let derivative = part(dual::lagrangian(&tree.over(&weights), q, v, [first, second, still]));
+            weights[k] = Dual::constant(tree.weights[k]);
+            derivative
+        })
+        .collect()
+}
+
+fn assert_all_close(name: &str, found: &[f64], expected: &[f64]) {
+    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert_close(&format!("{name}, parameter {k}"), *found, *expected, EXACT);
+    }
+}
+
+#[test]
+fn directional_gradient_is_the_parameter_derivative() {
+    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
+        let mut random = Random(5);
+        let (dq, dv) = (random.array(1.0), random.array(1.0));
+        let modular = tree.in_f64();
+        let found = visited(&tree.weights, |row| modular.directional_gradient((q, v), (&dq, &dv), row));
+        let still = ([0.0; N], [0.0; N]);
+        assert_all_close(
+            "directional",
+            &found,
+            &exact_weight_derivatives(tree, (q, v), [(dq, dv), still], |x| x.eps1eps3),
+        );
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn momentum_rate_gradient_is_the_parameter_derivative() {
+    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
+        let mut random = Random(6);
+        let (a, y) = (random.array(1.0), random.array(1.0));
+        let modular = tree.in_f64();
+        let found = visited(&tree.weights, |row| modular.momentum_rate_gradient((q, v), &a, &y, row));
+        let along = [([0.0; N], y), (*v, a)];
+        assert_all_close(
+            "momentum rate",
+            &found,
+            &exact_weight_derivatives(tree, (q, v), along, |x| x.eps1eps2eps3),
+        );
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn bodies_of_one_type_may_be_exchanged() {
+    let tree = &trees::of_six()[1];
+    let exchange = |[ax, ay, bx, by, cx, cy]: [f64; 6]| [cx, cy, bx, by, ax, ay];
+    let (mut random, modular) = (Random(8), tree.in_f64());
+    let (q, v) = (random.array(2.0), random.array(2.0));
+    let system = System::conservative(modular);
+    let still = [0.0; 6];
+    let found = acceleration(&system, &exchange(q), &exchange(v), &still).unwrap();
+    assert_vectors_close(
+        "exchanged",
+        &found,
+        &exchange(acceleration(&system, &q, &v, &still).unwrap()),
+        1e-14,
+    );
+}
+
+/// Linear and angular momentum about the origin.
+fn total_momentum(q: &[f64; 6], p: &[f64; 6]) -> [f64; 3] {
+    let turn: f64 = (0..3).map(|e| q[2 * e] * p[2 * e + 1] - q[2 * e + 1] * p[2 * e]).sum();
+    [p[0] + p[2] + p[4], p[1] + p[3] + p[5], turn]
+}
+
+/// The type without a potential of its own.
+fn free_bodies() -> Tree<6> {
+    let tree = &trees::of_six()[0];
+    Tree { nodes: vec![node(0, None); 3], ..tree.clone() }
+}
+
+#[test]
+fn a_pair_potential_of_the_distance_conserves_linear_and_angular_momentum() {
+    fn check<P: Path>() {
+        let tree = free_bodies();
+        let system = System::conservative(tree.in_f64());
+        let mut random = Random(9);
+        let (q, v): ([f64; 6], [f64; 6]) = (random.array(2.0), random.array(1.0));
+        let mut state = State::new(&system.lagrangian, q, v).unwrap();
+        let before = total_momentum(&q, &momentum(&system.lagrangian, &q, &v));
+        let del = Del::<f64, P>::new(0.02);
+        for _ in 0..500 {
+            del.step(&system, &mut state, &Control::held([0.0; 6])).unwrap();
+        }
+        let after = total_momentum(&state.q(), &state.p());
+        assert_vectors_close("momentum", &after, &before, 1e-11);
+    }
+    check::<Midpoint>();
+    check::<Galerkin>();
+}
+
+#[test]
+fn what_is_no_tree_is_refused() {
+    let shape = trees::of_three()[0].shape;
+    let tree =
+        |nodes: &[leastaction_core::energy::modular::Node]| shape.tree::<2>(nodes.iter().copied()).err();
+    assert_eq!(tree(&[]), Some(TreeError::Empty));
+    assert_eq!(tree(&[node(0, Some(0))]), Some(TreeError::Parent { element: 0, parent: 0 }));
+    let cycle = [node(0, Some(1)), node(0, Some(0))];
+    assert_eq!(tree(&cycle), Some(TreeError::Parent { element: 0, parent: 1 }));
+    assert_eq!(tree(&[node(3, None)]), Some(TreeError::Kind { element: 0, kind: 3, kinds: 3 }));
+    let long = [node(0, None); 3];
+    assert_eq!(tree(&long), Some(TreeError::Coordinates { found: 3, compiled: 2 }));
+    assert_eq!(tree(&[node(1, None)]), Some(TreeError::Coordinates { found: 1, compiled: 2 }));
+    assert_eq!(tree(&[node(1, None), node(2, Some(0))]), None);
+}

@@ -1,0 +1,211 @@
+//! The shape of a model on the host, where widths and the number of coordinates are known only at run time, and the one
+//! place where they become types.
+
+mod modular;
+mod rigid;
+
+pub use modular::{ModularArchitecture, NamedTree, NamedType, Number};
+pub use rigid::{HostSystem, RigidArchitecture};
+
+use leastaction_core::energy::Learnable;
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::model::{Family as FamilyHeader, ModelError};
+use leastaction_core::network::Dense;
+use leastaction_core::scalar::Scalar;
+use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
+
+/// Hidden layers at most on the host.
+pub const DEPTH: usize = 3;
+/// Coordinates of a rigid model at most on the host.
+pub const MAX_COORDINATES: usize = 4;
+/// Units of a hidden layer of a rigid model at most on the host.
+pub const MAX_WIDTH: usize = 256;
+
+/// The shape of a model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Architecture {
+    /// Inertia matrix and potential from one network.
+    Rigid(RigidArchitecture),
+    /// A tree of elements.
+    Modular(ModularArchitecture),
+}
+
+impl From<RigidArchitecture> for Architecture {
+    fn from(rigid: RigidArchitecture) -> Self {
+        Self::Rigid(rigid)
+    }
+}
+
+impl From<ModularArchitecture> for Architecture {
+    fn from(modular: ModularArchitecture) -> Self {
+        Self::Modular(modular)
+    }
+}
+
+impl Architecture {
+    /// The shape that a model file has; of several trees the first.
+    ///
+    /// # Errors
+    /// [`ModelError::OtherFamily`] for a family that this program does not know.
+    pub fn from_header(header: &FamilyHeader, weights: &[f64]) -> Result<Self, ModelError> {
+        match header {
+            FamilyHeader::Rigid(rigid) => Ok(RigidArchitecture::from_header(rigid).into()),
+            FamilyHeader::Modular(modular) => Ok(ModularArchitecture::from_header(modular, weights).into()),
+            other => Err(ModelError::OtherFamily { found: other.name() }),
+        }
+    }
+
+    /// Calls `read` with the shape in the words of the model file.
+    pub fn with_header<T>(&self, read: impl FnOnce(FamilyHeader) -> T) -> T {
+        match self {
+            Self::Rigid(rigid) => read(FamilyHeader::Rigid(rigid.header())),
+            Self::Modular(modular) => read(FamilyHeader::Modular(modular.header())),
+        }
+    }
+
+    /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
+    pub fn coordinates(&self) -> String {
+        match self {
+            Self::Rigid(rigid) => rigid.coordinates.clone(),
+            Self::Modular(modular) => modular.coordinates(),
+        }
+    }
+
+    /// Every hidden layer's units.
+    pub fn widths(&self) -> Vec<usize> {
+        match self {
+            Self::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
+            Self::Modular(modular) => {
+                let widths =
+                    modular.shape.networks().flat_map(|n| n.widths().0.into_iter().take(n.widths().1));
+                widths.collect()
+            }
+        }
+    }
+
+    /// Hidden layers of the deepest network.
+    pub fn depth(&self) -> usize {
+        match self {
+            Self::Rigid(rigid) => rigid.widths.len(),
+            Self::Modular(modular) => modular.shape.networks().map(|n| n.widths().1).max().unwrap_or(0),
+        }
+    }
+
+    /// Number of coordinates n.
+    pub fn n(&self) -> usize {
+        match self {
+            Self::Rigid(rigid) => rigid.n(),
+            Self::Modular(modular) => modular.n(),
+        }
+    }
+
+    /// Numbers in the weight block.
+    ///
+    /// # Errors
+    /// Where the shape is out of the format's range.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        self.with_header(|header| header.parameters())
+    }
+
+    /// Numbers in the weight block that training changes.
+    ///
+    /// # Errors
+    /// Where the shape is out of the format's range.
+    pub fn learned_parameters(&self) -> Result<usize, ModelError> {
+        Ok(self.parameters()? - self.fixed_positions().len())
+    }
+
+    /// Random weights where they are learned, the given numbers elsewhere.
+    pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        match self {
+            Self::Rigid(rigid) => rigid.initial_weights(seed),
+            Self::Modular(modular) => modular.initial_weights(seed),
+        }
+    }
+
+    /// Where in the weight block the damping of each coordinate is; empty where there is none.
+    pub fn damping_positions(&self) -> Vec<usize> {
+        match self {
+            Self::Rigid(rigid) => rigid.damping_positions(),
+            Self::Modular(modular) => modular.damping_positions(),
+        }
+    }
+
+    /// The numbers of the weight block that training must leave as they are.
+    pub fn fixed_positions(&self) -> Vec<usize> {
+        match self {
+            Self::Rigid(_) => Vec::new(),
+            Self::Modular(modular) => modular.fixed_positions(),
+        }
+    }
+
+    /// Brings numbers that have a range (masses, damping) back into it.
+    pub fn project(&self, weights: &mut [f64]) {
+        if let Self::Modular(modular) = self {
+            modular.project(weights);
+        }
+        for position in self.damping_positions() {
+            if let Some(damping) = weights.get_mut(position) {
+                *damping = damping.max(0.0);
+            }
+        }
+    }
+
+    /// Calls the visitor with this shape as a type.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] for more coordinates, layers or units than this program was compiled for.
+    pub fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
+        match self {
+            Self::Rigid(rigid) => rigid.dispatch(visitor),
+            Self::Modular(modular) => modular.dispatch(visitor),
+        }
+    }
+}
+
+/// A shape whose sizes are types.
+pub trait Family<const N: usize>: Sync {
+    /// Its energies over host weights.
+    type Lagrangian<'w, S: Scalar<Weight = f64>>: Lagrangian<S, N, Mass = DenseMass<S, N>>
+        + Learnable<S, N>
+        + Sync;
+
+    /// The system of this shape over a weight block.
+    ///
+    /// # Errors
+    /// Where the block or the compiled sizes do not fit.
+    fn system<'w, S: Scalar<Weight = f64>>(
+        &self,
+        weights: &'w [f64],
+    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError>;
+}
+
+/// The system of a family in a scalar.
+pub type FamilySystem<'w, F, S, const N: usize> = System<<F as Family<N>>::Lagrangian<'w, S>, Viscous<S, N>>;
+
+/// Something to do once the sizes are types.
+pub trait Visitor {
+    /// What it gives.
+    type Output;
+    /// Does it for N coordinates.
+    fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output;
+}
+
+fn too_many<T>(what: &'static str, found: usize, compiled: usize) -> Result<T, ModelError> {
+    Err(ModelError::Shape { what, found, compiled })
+}
+
+/// Appends a layer: uniform with Glorot's variance, biases zero.
+fn uniform_layer(weights: &mut Vec<f64>, inputs: usize, outputs: usize, stream: &mut impl Rng) {
+    let limit = (6.0 / (inputs + outputs) as f64).sqrt();
+    let mut layer = vec![0.0; inputs * outputs];
+    for i in 0..outputs {
+        for j in 0..inputs {
+            layer[Dense::<f64>::position(inputs, outputs, i, j)] = stream.random_range(-limit..limit);
+        }
+    }
+    weights.extend(layer);
+    weights.extend(std::iter::repeat_n(0.0, outputs));
+}

@@ -1,0 +1,251 @@
+//! The shape of a tree of elements on the host.
+
+use super::{DEPTH, Family, FamilySystem, Visitor, too_many, uniform_layer};
+use leastaction_core::energy::modular::{
+    Input, MAX_TYPES, Modular, NUMBERS, NetworkShape, Shape, TransformShape, TypeShape,
+};
+use leastaction_core::model::{MAX_TREES, ModelError, ModularHeader, TreeHeader};
+use leastaction_core::scalar::Scalar;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+
+/// Units of a hidden layer at most.
+const MAX_WIDTH: usize = 64;
+/// Coordinates of a tree at most.
+const MAX_COORDINATES: usize = 12;
+/// The smallest mass, kg, that training may reach.
+const LEAST_MASS: f64 = 1e-6;
+
+/// A number of an element type.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Number {
+    /// Its value, where training begins if it is learned.
+    pub value: f64,
+    /// Whether it is learned.
+    pub learned: bool,
+}
+
+impl Number {
+    /// A known number.
+    pub const fn known(value: f64) -> Self {
+        Self { value, learned: false }
+    }
+
+    /// A number to learn, from `value` on.
+    pub const fn learned(value: f64) -> Self {
+        Self { value, learned: true }
+    }
+}
+
+/// An element type's name and numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NamedType {
+    /// What it is called.
+    pub name: String,
+    /// Mass, moment of inertia, centre, length, damping.
+    pub numbers: [Number; NUMBERS],
+}
+
+/// A tree by its name.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedTree {
+    /// What it is called.
+    pub name: String,
+    /// As in [`TreeHeader::elements`].
+    pub elements: Vec<u8>,
+}
+
+impl NamedTree {
+    /// A tree in which every element of these types hangs from the one before it.
+    pub fn chain(name: &str, kinds: &[u8]) -> Self {
+        let elements = kinds.iter().zip(0..).flat_map(|(kind, parent)| [*kind, parent]).collect();
+        Self { name: name.to_owned(), elements }
+    }
+
+    /// Elements of these types, none of which hangs from another.
+    pub fn apart(name: &str, kinds: &[u8]) -> Self {
+        Self { name: name.to_owned(), elements: kinds.iter().flat_map(|kind| [*kind, 0]).collect() }
+    }
+
+    fn header(&self) -> TreeHeader<'_> {
+        TreeHeader { name: &self.name, elements: &self.elements }
+    }
+}
+
+/// The shape of a modular model: its element types, its trees, and the tree that is meant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModularArchitecture {
+    /// Networks and types.
+    pub shape: Shape,
+    /// The names and numbers of the types.
+    pub types: Vec<NamedType>,
+    /// Names of the types as the file has them.
+    names: String,
+    /// c₁ and c₂.
+    pub coefficients: [Number; 2],
+    /// All trees.
+    pub trees: Vec<NamedTree>,
+    /// The tree that is trained or evaluated.
+    pub tree: usize,
+}
+
+impl ModularArchitecture {
+    /// A model of these types and trees, of which the first tree is meant.
+    pub fn new(
+        shape: Shape,
+        types: Vec<NamedType>,
+        coefficients: [Number; 2],
+        trees: Vec<NamedTree>,
+    ) -> Self {
+        let names = types.iter().map(|t| t.name.as_str()).collect::<Vec<_>>().join(",");
+        Self { shape, types, names, coefficients, trees, tree: 0 }
+    }
+
+    /// The shape in the words of the model file.
+    pub fn header(&self) -> ModularHeader<'_> {
+        let mut trees = [TreeHeader::default(); MAX_TREES];
+        for (slot, tree) in trees.iter_mut().zip(&self.trees) {
+            *slot = tree.header();
+        }
+        ModularHeader { shape: self.shape, names: &self.names, trees }
+    }
+
+    /// The shape that a model file has; all numbers are known, as in the file.
+    pub fn from_header(header: &ModularHeader, weights: &[f64]) -> Self {
+        let kinds = header.shape.types().count();
+        let (rest, coefficients) = weights.split_at(weights.len().saturating_sub(2));
+        let numbers = rest.get(rest.len().saturating_sub(NUMBERS * kinds)..).unwrap_or_default();
+        let named = |(name, numbers): (&str, &[f64; NUMBERS])| NamedType {
+            name: name.to_owned(),
+            numbers: numbers.map(Number::known),
+        };
+        let named_tree =
+            |tree: &TreeHeader| NamedTree { name: tree.name.to_owned(), elements: tree.elements.to_vec() };
+        Self::new(
+            header.shape,
+            header.names.split(',').zip(numbers.as_chunks().0).map(named).collect(),
+            [0, 1].map(|i| Number::known(coefficients.get(i).copied().unwrap_or(1.0))),
+            header.trees().map(named_tree).collect(),
+        )
+    }
+
+    /// The same with another tree in place of all others.
+    #[must_use]
+    pub fn with_tree(&self, tree: NamedTree) -> Self {
+        Self { trees: vec![tree], tree: 0, ..self.clone() }
+    }
+
+    /// The tree in the words of the model file; without elements where there is none.
+    pub fn tree_header(&self) -> TreeHeader<'_> {
+        self.trees.get(self.tree).map(NamedTree::header).unwrap_or_default()
+    }
+
+    /// One letter a coordinate: `t` translation, `a` angle.
+    pub fn coordinates(&self) -> String {
+        let letters = |kind: &TypeShape| match kind.transform {
+            TransformShape::Free => "tt",
+            TransformShape::Slide | TransformShape::Network { input: Input::Translation, .. } => "t",
+            TransformShape::Rod | TransformShape::Network { .. } => "a",
+        };
+        self.kinds().filter_map(|kind| self.shape.types().nth(kind)).map(letters).collect()
+    }
+
+    /// What the tree is called.
+    pub fn tree_name(&self) -> &str {
+        self.tree_header().name
+    }
+
+    /// Number of coordinates n; 0 where the tree names a type that does not exist.
+    pub fn n(&self) -> usize {
+        self.tree_header().coordinates(&self.shape).unwrap_or(0)
+    }
+
+    /// Random networks, the numbers as given.
+    pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let mut stream = Pcg64::seed_from_u64(seed);
+        let mut weights = Vec::new();
+        for (inputs, outputs) in self.shape.networks().flat_map(layers) {
+            uniform_layer(&mut weights, inputs, outputs, &mut stream);
+        }
+        weights.extend(self.numbers().map(|number| number.value));
+        weights
+    }
+
+    /// The numbers after the networks, in the order of the weight block.
+    fn numbers(&self) -> impl Iterator<Item = Number> {
+        self.types.iter().flat_map(|kind| kind.numbers).chain(self.coefficients)
+    }
+
+    fn numbers_start(&self) -> usize {
+        self.shape.networks().filter_map(NetworkShape::parameters).sum()
+    }
+
+    /// The positions of the known numbers.
+    pub fn fixed_positions(&self) -> Vec<usize> {
+        let numbers = (self.numbers_start()..).zip(self.numbers());
+        numbers.filter(|(_, number)| !number.learned).map(|(position, _)| position).collect()
+    }
+
+    /// The type of every element of the tree.
+    pub fn kinds(&self) -> impl Iterator<Item = usize> {
+        self.tree_header().elements.iter().step_by(2).map(|kind| usize::from(*kind))
+    }
+
+    /// Where each coordinate of the tree has its damping.
+    pub fn damping_positions(&self) -> Vec<usize> {
+        let start = self.numbers_start();
+        let of = |kind: usize| (kind, self.shape.types().nth(kind).map_or(0, |t| t.coordinates()));
+        self.kinds()
+            .map(of)
+            .flat_map(|(kind, n)| std::iter::repeat_n(start + NUMBERS * kind + NUMBERS - 1, n))
+            .collect()
+    }
+
+    /// Masses above 0, moments of inertia and damping not below.
+    pub fn project(&self, weights: &mut [f64]) {
+        let end = weights.len().saturating_sub(2);
+        let numbers = weights.get_mut(self.numbers_start()..end).unwrap_or_default();
+        for [mass, inertia, _, _, damping] in numbers.as_chunks_mut::<NUMBERS>().0 {
+            *mass = mass.max(LEAST_MASS);
+            *inertia = inertia.max(0.0);
+            *damping = damping.max(0.0);
+        }
+    }
+
+    pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
+        macro_rules! compiled {
+            ($($n:literal),*) => {
+                match self.n() {
+                    $($n => Ok(visitor.visit(&Compiled::<$n>(self.clone()))),)*
+                    n => too_many("coordinates", n, MAX_COORDINATES),
+                }
+            };
+        }
+        compiled!(1, 2, 3, 4, 5, 6, 8, 10, 12)
+    }
+}
+
+/// Inputs and outputs of every layer, first to last.
+fn layers(network: &NetworkShape) -> Vec<(usize, usize)> {
+    let (widths, depth) = network.widths();
+    let mut sizes = vec![usize::from(network.inputs)];
+    sizes.extend(widths.into_iter().take(depth));
+    sizes.push(network.outputs.into());
+    sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
+}
+
+/// A tree in N coordinates.
+#[derive(Clone)]
+struct Compiled<const N: usize>(ModularArchitecture);
+
+impl<const N: usize> Family<N> for Compiled<N> {
+    type Lagrangian<'w, S: Scalar<Weight = f64>> = Modular<'w, f64, N, MAX_TYPES, MAX_WIDTH, DEPTH>;
+
+    fn system<'w, S: Scalar<Weight = f64>>(
+        &self,
+        weights: &'w [f64],
+    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
+        self.0.header().system(&self.0.tree_header(), weights)
+    }
+}
