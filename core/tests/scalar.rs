@@ -4,6 +4,7 @@ mod common;
 
 use common::Random;
 use common::shapes::{self, Model};
+use leastaction_core::energy::Learnable;
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::{Compensated, LANES, Lanes, Real, Scalar, all_finite, max_abs};
 

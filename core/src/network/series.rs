@@ -9,7 +9,6 @@ use crate::scalar::Scalar;
 
 impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
-    #[inline]
     pub fn series<S: Scalar<Weight = W>, const K: usize, const H: usize>(
         &self,
         x: &[Jet<S, K>],
@@ -18,7 +17,6 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         self.series_on(x, &mut Record::<S, K, H, D>::new(), y);
     }
 
-    #[inline]
     fn series_on<S: Scalar<Weight = W>, const K: usize, const H: usize>(
         &self,
         x: &[Jet<S, K>],
@@ -40,7 +38,6 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first, where `y_bar` is the adjoint of
     /// y and its first two derivatives: the derivative in a weight is Σ_k z̄⁽ᵏ⁾x⁽ᵏ⁾, see [`Dense::series_gradient`].
-    #[inline]
     pub fn series_adjoints<S: Scalar<Weight = W>, const H: usize>(
         &self,
         x: &[Jet<S, 2>],

@@ -142,6 +142,10 @@ impl<F: Family<N>, T: Loss<N>, const N: usize> Sum<F, T, N> {
         self.family.system::<f64>(weights).map_err(|_| Failed)
     }
 
+    fn rows(&self) -> Rows<'_, F> {
+        Rows { family: &self.family, kinds: self.loss.kinds(), damping: &self.damping, fixed: &self.fixed }
+    }
+
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
         let system = self.system(weights)?;
         let mut sum = 0.0;
@@ -173,28 +177,41 @@ impl<F: Family<N>, T: Loss<N>, const N: usize> Sum<F, T, N> {
                 }
             }
             for i in 0..N {
-                let terms = |k| lanes.each_ref().map(|terms: &Vec<Term<N>>| terms[i * kinds.len() + k]);
-                self.row(weights, kinds, terms, &mut rows.buffer)?;
+                let terms = lanes.each_ref().map(|terms: &Vec<Term<N>>| &terms[i * kinds.len()..]);
+                self.rows().row(weights, terms, &mut rows.buffer)?;
                 rows.store(i * count + start, (count - start).min(LANES));
             }
         }
         Ok(())
     }
+}
 
-    /// Derivatives in the weights of one residual component of eight samples.
-    fn row(
+/// What the rows of the Jacobian depend on beside the terms: the family alone, whatever the loss.
+struct Rows<'s, F> {
+    family: &'s F,
+    kinds: &'s [TermKind],
+    /// Where each coordinate has its damping, where it has any.
+    damping: &'s [usize],
+    /// What the loss is not to be varied in.
+    fixed: &'s [usize],
+}
+
+impl<F> Rows<'_, F> {
+    /// Derivatives in the weights of one residual component of eight samples; `terms\[lane\]\[k\]` is the term of kind k.
+    fn row<const N: usize>(
         &self,
         weights: &[f64],
-        kinds: &[TermKind],
-        terms: impl Fn(usize) -> [Term<N>; LANES],
+        terms: [&[Term<N>]; LANES],
         row: &mut [Lanes],
-    ) -> Result<(), Failed> {
+    ) -> Result<(), Failed>
+    where
+        F: Family<N>,
+    {
         let system = self.family.system::<Lanes>(weights).map_err(|_| Failed)?;
         row.fill(Lanes([0.0; LANES]));
-        for (k, kind) in kinds.iter().enumerate() {
-            let terms = terms(k);
+        for (k, kind) in self.kinds.iter().enumerate() {
             let lanes = |field: fn(&Term<N>) -> &[f64; N]| -> [Lanes; N] {
-                std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane])[i])))
+                std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane][k])[i])))
             };
             let (q, v, dq, dv) = (lanes(|t| &t.q), lanes(|t| &t.v), lanes(|t| &t.dq), lanes(|t| &t.dv));
             match kind {
@@ -209,7 +226,7 @@ impl<F: Family<N>, T: Loss<N>, const N: usize> Sum<F, T, N> {
                 }
             }
         }
-        for position in &self.fixed {
+        for position in self.fixed {
             row[*position] = Lanes([0.0; LANES]);
         }
         Ok(())

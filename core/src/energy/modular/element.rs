@@ -26,7 +26,6 @@ impl Input {
     }
 
     /// The features and their first K derivatives in q.
-    #[inline]
     fn series<S: Scalar, const K: usize>(self, q: S) -> [Jet<S, K>; 2] {
         match self {
             Self::Translation => [ramp(q), Jet::zero()],
@@ -170,7 +169,6 @@ impl<W: Copy> Numbers<W> {
 
 impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
     /// s(q) of the element's coordinate `axis` (from 0), with K derivatives of it.
-    #[inline]
     pub(super) fn motion<S: Scalar<Weight = W>, const K: usize, const H: usize>(
         &self,
         axis: usize,
@@ -199,7 +197,6 @@ impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
     }
 
     /// Visits the derivatives in the weights of the transform, `bar` the adjoints of s, s′ (and s″, g, g′).
-    #[inline]
     pub(super) fn transform_gradient<S: Scalar<Weight = W>, const H: usize>(
         &self,
         q: S,
@@ -257,7 +254,6 @@ impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
         Some(part)
     }
 
-    #[inline]
     fn series<S: Scalar<Weight = W>, const K: usize, const H: usize>(
         &self,
         x: &[Jet<S, K>],
@@ -267,7 +263,6 @@ impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
         y
     }
 
-    #[inline]
     fn gradient<S: Scalar<Weight = W>, const H: usize>(
         &self,
         x: &[Jet<S, 2>],

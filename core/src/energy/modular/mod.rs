@@ -100,7 +100,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// Every coordinate's motion with `O` derivatives of s, and every element's numbers.
-    #[inline]
     fn configuration<S: Scalar<Weight = W>, const O: usize>(&self, q: &[S; N]) -> Configuration<S, N> {
         let zero = [S::zero(); N];
         let mut c = Configuration { motion: [Motion::none(); N], mass: zero, centre: zero, inertia: zero };
@@ -120,7 +119,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// JᵀmJ of what each coordinate adds.
-    #[inline]
     fn inertial<S: Scalar>(&self, c: &Configuration<S, N>, moved: &[Vector<S>; N]) -> [Vector<S>; N] {
         let centres = self.tree.centres(&c.centre, moved);
         let momenta = core::array::from_fn(|e| scale(c.mass[e], &centres[e]));
@@ -128,7 +126,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// JᵀmJ of what coordinate k alone adds.
-    #[inline]
     fn inertial_of<S: Scalar>(&self, c: &Configuration<S, N>, k: usize, moved: Vector<S>) -> [Vector<S>; N] {
         let mut alone = [[S::zero(); SPACE]; N];
         if let Some(slot) = alone.get_mut(k) {
@@ -139,7 +136,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
 
     /// V with its tangents, and V_x with its tangents, at centres that move; `weighed` gets the sums that c₁, c₂ and the
     /// masses multiply.
-    #[inline]
     fn potential<S: Scalar<Weight = W>, const T: usize>(
         &self,
         mass: &[S; N],
@@ -172,7 +168,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// V_x.
-    #[inline]
     fn potential_gradient<S: Scalar<Weight = W>>(&self, c: &Configuration<S, N>) -> [Vector<S>; N] {
         let x = self.tree.centres(&c.centre, &c.of(|m| m.s)).map(|x| x.map(Jet::constant));
         self.potential::<S, 0>(&c.mass, &x, &mut Ignore, |_| {}).map(|g| g.map(|g| g.value))
@@ -306,7 +301,6 @@ type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 
 impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
     /// M_ik = g_i·(JᵀmJ)_ik g_k + I_i δ_ik.
-    #[inline]
     fn mass_matrix<S: Scalar>(&self, c: &Configuration<S, N>) -> [[S; N]; N] {
         let mut mass = [[S::zero(); N]; N];
         for k in 0..N {
@@ -320,7 +314,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// Jᵀ V_xx J of what coordinate k alone adds.
-    #[inline]
     fn pulled<S: Scalar>(
         &self,
         c: &Configuration<S, N>,
@@ -343,7 +336,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// V_x and V_xx.
-    #[inline]
     fn potential_hessian<S: Scalar<Weight = W>>(
         &self,
         c: &Configuration<S, N>,

@@ -76,7 +76,6 @@ impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> 
 
 impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
     /// −∂/∂θ of V_x·J(s′δq) in potentials, coefficients, masses and centres; returns its adjoints of s and s′.
-    #[inline]
     fn potential_part<S: Scalar<Weight = W>>(
         &self,
         c: &Configuration<S, N>,
@@ -112,7 +111,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// The derivatives in masses, centres and moments of inertia; `turned` is what multiplies the moments of inertia.
-    #[inline]
     fn number_part<S: Scalar<Weight = W>>(
         &self,
         c: &Configuration<S, N>,
@@ -135,7 +133,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// The derivatives in the transforms, from the adjoints of s, s′, g and g′.
-    #[inline]
     fn transform_part<S: Scalar<Weight = W>>(
         &self,
         q: &[S; N],

@@ -48,7 +48,6 @@ impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
 pub(super) struct Rows<R>(pub R);
 
 impl<W: Copy, S: Scalar<Weight = W>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
-    #[inline]
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
         layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, -value));
     }
@@ -56,7 +55,6 @@ impl<W: Copy, S: Scalar<Weight = W>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows
 
 impl<W: Copy, const D: usize> Part<'_, W, D> {
     /// U(x) alone.
-    #[inline]
     pub(super) fn energy<S: Scalar<Weight = W>, const H: usize>(&self, x: &[Jet<S, 0>]) -> S {
         let mut y = [Jet::zero(); 1];
         self.network.evaluate::<S, 0, H>(x, &mut y);
@@ -64,7 +62,6 @@ impl<W: Copy, const D: usize> Part<'_, W, D> {
     }
 
     /// U(x) with its tangents; adds `weight` times its gradient and the gradient's tangents to `x_bar`.
-    #[inline]
     pub(super) fn differentiate<S: Scalar<Weight = W>, const T: usize, const I: usize, const H: usize>(
         &self,
         x: &[Jet<S, T>; I],
@@ -96,7 +93,6 @@ pub struct Pair<'a, W, const D: usize> {
 
 impl<W: Copy, const D: usize> Pair<'_, W, D> {
     /// U₂ of two positions.
-    #[inline]
     pub(super) fn energy<S: Scalar<Weight = W>, const H: usize>(&self, a: &Vector<S>, b: &Vector<S>) -> S {
         let [ax, ay] = a.map(Jet::constant);
         let [bx, by] = b.map(Jet::constant);
@@ -110,7 +106,6 @@ impl<W: Copy, const D: usize> Pair<'_, W, D> {
     }
 
     /// U₂, and `weight` times its gradients in a and in b, all with tangents.
-    #[inline]
     pub(super) fn differentiate<S: Scalar<Weight = W>, const T: usize, const H: usize>(
         &self,
         [a, b]: [&Moving<S, T>; 2],
