@@ -1,10 +1,17 @@
-//! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot.
+//! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot, ModLaNet's chains of
+//! pendulums and attracting bodies.
 
+mod bodies;
+mod chain;
 mod generate;
 mod integrate;
+mod motion;
 
+pub use bodies::Bodies;
+pub use chain::{Chain, Link};
 pub use generate::{Settings, generate, symo_set};
-pub use integrate::{IntegrationError, Integrator};
+pub use integrate::{Extrapolation, IntegrationError, second_order};
+pub use motion::{BadMechanism, Motion};
 
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
