@@ -5,12 +5,17 @@ mod bodies;
 mod chain;
 mod generate;
 mod integrate;
+mod modlanet;
 mod motion;
 
 pub use bodies::Bodies;
 pub use chain::{Chain, Link};
 pub use generate::{Settings, generate, symo_set};
 pub use integrate::{Extrapolation, IntegrationError, second_order};
+pub use modlanet::{
+    GenerationError, Horizon, ManyBody, ModlanetSettings, Start, circular_speed, follow, generate_many,
+    modlanet_set, modlanet_set_of, starts,
+};
 pub use motion::{BadMechanism, Motion};
 
 use leastaction_core::energy::rigid::Coordinate;
