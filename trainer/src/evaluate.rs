@@ -1,4 +1,6 @@
-//! How good a model is, in SyMo's measures on equal terms.
+//! How good a model is, in SyMo's measures on equal terms; [`prediction`] has ModLaNet's.
+
+pub mod prediction;
 
 use crate::architecture::{Architecture, Family, Visitor};
 use crate::data::{Dataset, Trajectory};
@@ -112,13 +114,7 @@ pub fn integration_errors(predicted: &[Vec<f64>], data: &Dataset) -> Integration
     let all = errors(usize::MAX / (2 * data.n) - 2);
     let mut sorted = all.clone();
     sorted.sort_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    let median = if sorted.len().is_multiple_of(2) {
-        (sorted[middle - 1] + sorted[middle]) / 2.0
-    } else {
-        sorted[middle]
-    };
-    IntegrationErrors { mean: mean(&all), median, first_100: mean(&errors(EARLY)) }
+    IntegrationErrors { mean: mean(&all), median: median(&sorted), first_100: mean(&errors(EARLY)) }
 }
 
 fn mean_square(a: &[f64], b: &[f64], range: std::ops::Range<usize>) -> f64 {
@@ -126,6 +122,15 @@ fn mean_square(a: &[f64], b: &[f64], range: std::ops::Range<usize>) -> f64 {
     let squares: Vec<f64> = a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (a - b) * (a - b)).collect();
     let mean = mean(&squares);
     if mean.is_finite() { mean } else { f64::INFINITY }
+}
+
+/// Of sorted values, at least one.
+fn median(sorted: &[f64]) -> f64 {
+    let middle = sorted.len() / 2;
+    match sorted.len().is_multiple_of(2) {
+        true => (sorted[middle - 1] + sorted[middle]) / 2.0,
+        false => sorted[middle],
+    }
 }
 
 fn mean(x: &[f64]) -> f64 {

@@ -2,35 +2,46 @@
 
 use super::Done;
 use super::output::{Failure, Output, written};
-use clap::Args;
-use leastaction::data::{self, MIN_SAMPLES, symo};
-use leastaction::ground_truth::{Mechanism, Settings, generate, symo_set};
+use clap::{Args, ValueEnum};
+use leastaction::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
+use leastaction::ground_truth::{
+    ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many, modlanet_set_of, symo_set,
+};
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
 /// Simulate a mechanism exactly and log its motion.
 ///
-/// Trajectories begin at random states (SyMo's distributions), each under a constant random force of at most 2 N (or N m) on
-/// the actuated coordinate. The log has q, v, a, u and t.
+/// Trajectories begin at random states. Those of the pendulum, the cart-pole and the acrobot (SyMo's distributions) are each under
+/// a constant random force of at most 2 N (or N m) on the actuated coordinate, and the log has q, v, a, u and t. Those of
+/// n-pendulum and n-body (ModLaNet's distributions; masses, lengths and k are 1) are free, and the log has q, v, a and t.
 ///
 /// Example: leastaction generate cartpole -o cartpole.npz --trajectories 32
+///
+/// Example: leastaction generate n-body --count 3 -o bodies.npz --modlanet-layout
 #[derive(Args)]
 pub struct Generate {
     /// The mechanism.
-    system: Mechanism,
+    system: System,
     /// The log to write, .npz or .csv.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// How many trajectories.
-    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..))]
-    trajectories: u32,
-    /// States in each.
-    #[arg(long, default_value_t = 34, value_parser = clap::value_parser!(u32).range(MIN_SAMPLES as i64..))]
-    samples: u32,
-    /// Time between states, s [default: 0.1 for the pendulum, else 0.05].
+    /// How many pendulums or bodies [default: 2 pendulums, 3 bodies].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_ELEMENTS))]
+    count: Option<u32>,
+    /// How many trajectories [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    trajectories: Option<u32>,
+    /// States in each [default: 34; 101 of n-pendulum and n-body].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(MIN_SAMPLES as i64..))]
+    samples: Option<u32>,
+    /// Time between states, s [default: 0.1 for pendulums, else 0.05].
     #[arg(long, value_parser = positive)]
     h: Option<f64>,
+    /// Limit of the initial velocities of n-pendulum, rad/s [default: 10 for 2 pendulums, else 8].
+    #[arg(long, value_parser = not_negative)]
+    speed: Option<f64>,
     /// Standard deviation of the noise on positions and velocities, m or rad (m/s or rad/s).
     #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
     noise: f64,
@@ -44,8 +55,48 @@ pub struct Generate {
     #[arg(long)]
     no_control: bool,
     /// SyMo's whole data set in SyMo's layout: 128 training and 128 test trajectories of 34 states, 16 free ones of 502.
-    #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "no_control"])]
+    #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "no_control", "modlanet_layout"])]
     symo_layout: bool,
+    /// A training and a test set (the last tenth of the trajectories) in ModLaNet's layout.
+    #[arg(long)]
+    modlanet_layout: bool,
+}
+
+/// Elements of the largest system.
+const MOST_ELEMENTS: i64 = 1000;
+
+/// What can be simulated.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum System {
+    /// A rod on a pivot, torque at it.
+    Pendulum,
+    /// A pole on a cart, force on the cart.
+    Cartpole,
+    /// Two links, torque at the second joint.
+    Acrobot,
+    /// A chain of --count pendulums.
+    NPendulum,
+    /// --count bodies in the plane that attract each other.
+    NBody,
+}
+
+impl System {
+    fn kind(self, count: Option<u32>) -> Kind {
+        let count = |default| count.map_or(default, |count| count as usize);
+        match self {
+            Self::Pendulum => Kind::Symo(Mechanism::Pendulum),
+            Self::Cartpole => Kind::Symo(Mechanism::Cartpole),
+            Self::Acrobot => Kind::Symo(Mechanism::Acrobot),
+            Self::NPendulum => Kind::Modlanet(ManyBody::Pendulum(count(2))),
+            Self::NBody => Kind::Modlanet(ManyBody::Bodies(count(3))),
+        }
+    }
+}
+
+/// Whose systems.
+enum Kind {
+    Symo(Mechanism),
+    Modlanet(ManyBody),
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -82,36 +133,99 @@ impl fmt::Display for Report {
     }
 }
 
+/// Trajectories, samples, step.
+type Size = (usize, usize, f64);
+
 impl Generate {
     /// Generates and writes.
     pub fn run(self, output: Output) -> Done {
-        let (trajectories, samples, h) =
-            if self.symo_layout { self.write_symo()? } else { self.write_log()? };
-        let system = self.system.name();
+        let (system, (trajectories, samples, h)) = match self.system.kind(self.count) {
+            Kind::Symo(mechanism) => (mechanism.name(), self.symo(mechanism)?),
+            Kind::Modlanet(system) => (system.name(), self.modlanet(system)?),
+        };
         output.report(&Report { system, file: self.output, trajectories, samples, h, seed: self.seed })
     }
 
-    fn write_log(&self) -> Result<(usize, usize, f64), Failure> {
+    fn symo(&self, mechanism: Mechanism) -> Result<Size, Failure> {
+        let foreign = [
+            (self.count.is_some(), "--count"),
+            (self.speed.is_some(), "--speed"),
+            (self.modlanet_layout, "--modlanet-layout"),
+        ];
+        refuse(mechanism.name(), &foreign)?;
+        if self.symo_layout { self.write_symo(mechanism) } else { self.write_log(mechanism) }
+    }
+
+    fn write_log(&self, mechanism: Mechanism) -> Result<Size, Failure> {
         let settings = Settings {
-            mechanism: self.system,
-            trajectories: self.trajectories as usize,
-            samples: self.samples as usize,
-            h: self.h.unwrap_or(self.system.step()),
+            mechanism,
+            trajectories: self.trajectories.unwrap_or(32) as usize,
+            samples: self.samples.unwrap_or(34) as usize,
+            h: self.h.unwrap_or(mechanism.step()),
             noise: self.noise,
             drag: self.drag,
             control: !self.no_control,
             seed: self.seed,
         };
-        let data = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
-        data::write(&self.output, &data).map_err(written)?;
+        self.log(&generate(&settings).map_err(failed)?)
+    }
+
+    fn log(&self, data: &Dataset) -> Result<Size, Failure> {
+        data::write(&self.output, data).map_err(written)?;
         Ok((data.trajectories.len(), data.samples(), data.h))
     }
 
-    fn write_symo(&self) -> Result<(usize, usize, f64), Failure> {
-        let set = symo_set(self.system, self.seed).map_err(|error| Failure::Work(error.to_string()))?;
-        symo::write(&self.output, &set, self.system.actuated()).map_err(written)?;
+    fn write_symo(&self, mechanism: Mechanism) -> Result<Size, Failure> {
+        let set = symo_set(mechanism, self.seed).map_err(failed)?;
+        symo::write(&self.output, &set, mechanism.actuated()).map_err(written)?;
         let parts = [&set.train, &set.test, &set.integration];
         let trajectories = parts.iter().map(|part| part.trajectories.len()).sum();
         Ok((trajectories, parts.iter().map(|part| part.samples()).sum(), set.train.h))
+    }
+
+    fn modlanet(&self, system: ManyBody) -> Result<Size, Failure> {
+        let foreign = [
+            (self.drag != 0.0, "--drag"),
+            (self.no_control, "--no-control"),
+            (self.symo_layout, "--symo-layout"),
+            (self.speed.is_some() && matches!(system, ManyBody::Bodies(_)), "--speed"),
+        ];
+        refuse(system.name(), &foreign)?;
+        let settings = self.modlanet_settings(system);
+        if !self.modlanet_layout {
+            return self.log(&generate_many(&settings).map_err(failed)?);
+        }
+        if settings.trajectories < 2 {
+            return Err(Failure::Input("--modlanet-layout needs --trajectories 2 or more".to_owned()));
+        }
+        let set = modlanet_set_of(&settings).map_err(failed)?;
+        modlanet::write(&self.output, &set).map_err(written)?;
+        Ok((settings.trajectories, set.train.q.len() + set.test.q.len(), settings.h))
+    }
+
+    fn modlanet_settings(&self, system: ManyBody) -> ModlanetSettings {
+        let published = ModlanetSettings::published(system, self.seed);
+        ModlanetSettings {
+            trajectories: self.trajectories.map_or(published.trajectories, |count| count as usize),
+            samples: self.samples.map_or(published.samples, |count| count as usize),
+            h: self.h.unwrap_or(published.h),
+            speed: self.speed.unwrap_or(published.speed),
+            noise: self.noise,
+            ..published
+        }
+    }
+}
+
+fn failed(error: impl fmt::Display) -> Failure {
+    Failure::Work(error.to_string())
+}
+
+/// Refuses options that are given but mean nothing for the system.
+fn refuse(system: &str, options: &[(bool, &str)]) -> Result<(), Failure> {
+    match options.iter().find(|(given, _)| *given) {
+        Some((_, option)) => {
+            Err(Failure::Input(format!("{option} means nothing for {system}; leave it out")))
+        }
+        None => Ok(()),
     }
 }

@@ -25,6 +25,7 @@
 
 mod csv_file;
 mod error;
+pub mod modlanet;
 mod npz;
 mod rows;
 pub mod symo;

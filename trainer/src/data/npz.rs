@@ -134,7 +134,7 @@ impl Archive {
         }
     }
 
-    fn get(&self, key: &str) -> Result<Option<Array<'_>>, Fault> {
+    pub(super) fn get(&self, key: &str) -> Result<Option<Array<'_>>, Fault> {
         self.entries.iter().find(|entry| entry.key == key).map(Array::new).transpose()
     }
 
@@ -207,6 +207,15 @@ impl<'a> Array<'a> {
             "u4" => self.convert(|x: u32| f64::from(x)),
             "u2" => self.convert(|x: u16| f64::from(x)),
             _ => self.convert(|x: u8| f64::from(x)),
+        }
+    }
+
+    /// The values, or the place of one that is not finite; a row has `stride` of them.
+    pub(super) fn finite_reals(&self, stride: usize) -> Result<Vec<f64>, Fault> {
+        let values = self.reals()?;
+        match values.iter().position(|x| !x.is_finite()) {
+            Some(i) => Err(self.row_fault(i / stride, Problem::NotFinite(values[i]))),
+            None => Ok(values),
         }
     }
 

@@ -101,24 +101,13 @@ impl<'a> Part<'a> {
         if actuated >= n {
             return Err(self.controls.fault(Problem::BadActuated { index: actuated, n }));
         }
-        let (x, u) = (
-            finite_values(&self.states, self.samples * 2 * n)?,
-            finite_values(&self.controls, self.samples)?,
-        );
+        let (x, u) =
+            (self.states.finite_reals(self.samples * 2 * n)?, self.controls.finite_reals(self.samples)?);
         let states = x.chunks_exact(self.samples * 2 * n);
         let trajectories = (0..).zip(states.zip(u.chunks_exact(self.samples)));
         let trajectories = trajectories.map(|(id, (x, u))| trajectory(id, n, x, u, actuated));
         let trajectories = trajectories.collect::<Option<_>>().ok_or((Place::File, Problem::Empty))?;
         Ok(Dataset { n, h, trajectories })
-    }
-}
-
-/// Values of an array, or the place of one that is not finite.
-fn finite_values(array: &Array<'_>, stride: usize) -> Result<Vec<f64>, Fault> {
-    let values = array.reals()?;
-    match values.iter().zip(0..).find(|(x, _)| !x.is_finite()) {
-        Some((&x, i)) => Err(array.row_fault(i / stride, Problem::NotFinite(x))),
-        None => Ok(values),
     }
 }
 

@@ -1,6 +1,7 @@
-use super::{Exact, IntegrationError, Integrator, Mechanism, Spread};
+use super::{Exact, Extrapolation, IntegrationError, Mechanism, Spread};
 use crate::data::symo::SymoSet;
 use crate::data::{Dataset, Rows, Trajectory};
+use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::forces::{System, Viscous};
 use rand::{RngExt, SeedableRng};
@@ -71,16 +72,17 @@ fn generate_with<const N: usize>(
 ) -> Result<Dataset, IntegrationError> {
     let forces = Viscous { coefficients: [settings.drag; N] };
     let system = System { lagrangian: exact, forces };
-    let integrator = Integrator { system: &system, tolerance: TOLERANCE };
     let mut stream = Pcg64::seed_from_u64(settings.seed);
     let trajectories = (0..settings.trajectories)
-        .map(|id| trajectory(&integrator, settings, id as i64, &mut stream))
+        .map(|id| trajectory(&system, settings, id as i64, &mut stream))
         .collect::<Result<_, _>>()?;
     Ok(Dataset { n: N, h: settings.h, trajectories })
 }
 
+type Damped<const N: usize> = System<Trigonometric<'static, N>, Viscous<f64, N>>;
+
 fn trajectory<const N: usize>(
-    integrator: &Integrator<N>,
+    system: &Damped<N>,
     settings: &Settings,
     id: i64,
     stream: &mut Pcg64,
@@ -89,19 +91,24 @@ fn trajectory<const N: usize>(
     let control = if settings.control { stream.random_range(-CONTROL..CONTROL) } else { 0.0 };
     let u: [f64; N] =
         core::array::from_fn(|i| if i == settings.mechanism.actuated() { control } else { 0.0 });
+    let exact = |state: &[[f64; N]]| acceleration(system, state.first()?, state.last()?, &u).ok();
+    let mut rate = |x: &[f64], rate: &mut [f64]| {
+        let a = exact(x.as_chunks().0)?;
+        rate[..N].copy_from_slice(&x[N..]);
+        rate[N..].copy_from_slice(&a);
+        Some(())
+    };
+    let mut integrator = Extrapolation::new(2 * N, TOLERANCE);
     let (mut q, mut v, mut a, mut us) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for k in 0..settings.samples {
-        let t = k as f64 * settings.h;
-        let failed = |_| IntegrationError { t, tolerance: TOLERANCE };
+        let failed = IntegrationError { t: k as f64 * settings.h, tolerance: TOLERANCE };
         if k > 0 {
-            state = integrator.advance(state, &u, settings.h).map_err(failed)?;
+            let advanced = integrator.advance(&mut rate, state.as_flattened_mut(), settings.h);
+            advanced.map_err(|_| failed)?;
         }
-        let [position, velocity] = state;
-        let acceleration =
-            leastaction_core::continuous::acceleration(integrator.system, &position, &velocity, &u);
-        a.push(acceleration.map_err(|_| IntegrationError { t, tolerance: TOLERANCE })?);
-        q.push(noisy(position, settings.noise, stream));
-        v.push(noisy(velocity, settings.noise, stream));
+        a.push(exact(&state).ok_or(failed)?);
+        q.push(noisy(state[0], settings.noise, stream));
+        v.push(noisy(state[1], settings.noise, stream));
         us.push(u);
     }
     let rows = |values: Vec<[f64; N]>| Rows::from_arrays(&values);
@@ -115,7 +122,7 @@ fn initial_state<const N: usize>(spread: &[Spread], stream: &mut Pcg64) -> [[f64
     [draw(|s| s.q), draw(|s| s.v)]
 }
 
-fn noisy<const N: usize>(x: [f64; N], sigma: f64, stream: &mut Pcg64) -> [f64; N] {
+pub(super) fn noisy<const N: usize>(x: [f64; N], sigma: f64, stream: &mut Pcg64) -> [f64; N] {
     if sigma == 0.0 {
         return x;
     }

@@ -1,16 +1,23 @@
-//! Motion to nearly the last bit: Gragg–Bulirsch–Stoer extrapolation with error control.
+//! Motion to nearly the last bit: Gragg–Bulirsch–Stoer extrapolation with control of the error and of the step.
+//!
+//! It serves exact and learned right-hand sides of any size. Only sums, products and quotients are used, so that a motion has
+//! the same bits wherever its right-hand side has.
 //!
 //! Source: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I", section II.9.
 
-use leastaction_core::continuous::acceleration;
-use leastaction_core::energy::trigonometric::Trigonometric;
-use leastaction_core::forces::{System, Viscous};
 use thiserror::Error;
 
 /// Substeps of the modified midpoint rule in successive columns of the extrapolation.
 const SUBSTEPS: [usize; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
-/// How often an interval is halved before giving up.
-const MAX_HALVINGS: u32 = 24;
+/// The first column that may be accepted.
+const FIRST: usize = 3;
+/// What the step is multiplied by after acceptance in column 3, 4, …: columns 6 and 7 cost least for their length.
+const GROWTH: [f64; 5] = [3.0, 2.0, 1.4, 1.0, 0.85];
+/// Shortest part of an interval that is tried, relative to it.
+const SHORTEST: f64 = 1.0 / (1 << 24) as f64;
+/// An error in column 3, 4, … above this many times the tolerance is still above it in the last column: it falls by less than
+/// 10⁴ from a column to the next.
+const HOPELESS: [f64; 5] = [1e16, 1e12, 1e8, 1e4, 1.0];
 
 /// The motion could not be followed.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -22,97 +29,207 @@ pub struct IntegrationError {
     pub tolerance: f64,
 }
 
-/// An adaptive integrator of q̈ = v̇(q, v, u) with u held.
-#[derive(Clone, Copy, Debug)]
-pub struct Integrator<'a, const N: usize> {
-    /// The mechanism with its damping.
-    pub system: &'a System<Trigonometric<'a, N>, Viscous<f64, N>>,
+/// An adaptive integrator of ẋ = f(x), with its working storage.
+///
+/// It remembers the step that served last, so use one for each trajectory.
+#[derive(Clone, Debug)]
+pub struct Extrapolation {
     /// Error per step, relative to 1 + |x|.
-    pub tolerance: f64,
+    tolerance: f64,
+    /// The step to try next, s.
+    step: f64,
+    start_rate: Vec<f64>,
+    rate: Vec<f64>,
+    before: Vec<f64>,
+    now: Vec<f64>,
+    /// The latest row of the triangle of extrapolated values.
+    row: [Vec<f64>; SUBSTEPS.len()],
 }
 
-/// Position and velocity.
-pub(super) type Motion<const N: usize> = [[f64; N]; 2];
-
-impl<const N: usize> Integrator<'_, N> {
-    /// The state (q, v) after `h` seconds under the constant control u.
-    pub fn advance(&self, state: Motion<N>, u: &[f64; N], h: f64) -> Result<Motion<N>, IntegrationError> {
-        self.advance_within(state, u, h, MAX_HALVINGS)
+impl Extrapolation {
+    /// For states of `size` entries. Below a `tolerance` of about 1e-14 rounding is mistaken for error.
+    pub fn new(size: usize, tolerance: f64) -> Self {
+        let zeros = || vec![0.0; size];
+        let row = std::array::from_fn(|_| zeros());
+        let (start_rate, rate, before, now) = (zeros(), zeros(), zeros(), zeros());
+        Self { tolerance, step: f64::INFINITY, start_rate, rate, before, now, row }
     }
 
-    fn advance_within(
-        &self,
-        state: Motion<N>,
-        u: &[f64; N],
-        h: f64,
-        halvings: u32,
-    ) -> Result<Motion<N>, IntegrationError> {
-        if let Some(end) = self.extrapolate(&state, u, h) {
-            return Ok(end);
+    /// Moves `state` on by `h` > 0 seconds. `f(x, ẋ)` writes ẋ, or says `None` where it has none.
+    ///
+    /// # Errors
+    /// Where no step is short enough; `t` counts from the beginning of this interval, and `state` is the last one reached.
+    pub fn advance<F>(&mut self, mut f: F, state: &mut [f64], h: f64) -> Result<(), IntegrationError>
+    where
+        F: FnMut(&[f64], &mut [f64]) -> Option<()>,
+    {
+        let mut done = 0.0;
+        while done < h {
+            let parts = ((h - done) / self.step).ceil().max(1.0);
+            let step = (h - done) / parts;
+            if let Some(column) = self.extrapolate(&mut f, state, step) {
+                state.copy_from_slice(&self.row[column]);
+                done = if parts == 1.0 { h } else { done + step };
+                let next = step * GROWTH[column - FIRST];
+                // A part cut short by the end of the interval says nothing against a longer one.
+                self.step = if parts == 1.0 && self.step.is_finite() { next.max(self.step) } else { next };
+            } else {
+                self.step = step / 2.0;
+                if self.step < h * SHORTEST {
+                    return Err(IntegrationError { t: done, tolerance: self.tolerance });
+                }
+            }
         }
-        if halvings == 0 {
-            return Err(IntegrationError { t: 0.0, tolerance: self.tolerance });
-        }
-        let middle = self.advance_within(state, u, h / 2.0, halvings - 1)?;
-        self.advance_within(middle, u, h / 2.0, halvings - 1)
+        Ok(())
     }
 
-    /// One interval by extrapolation, where its last two columns agree to the tolerance.
-    fn extrapolate(&self, state: &Motion<N>, u: &[f64; N], h: f64) -> Option<Motion<N>> {
-        let mut row: Vec<Motion<N>> = Vec::with_capacity(SUBSTEPS.len());
+    /// One step; the column whose value agrees with its neighbour's to the tolerance.
+    fn extrapolate<F>(&mut self, f: &mut F, state: &[f64], h: f64) -> Option<usize>
+    where
+        F: FnMut(&[f64], &mut [f64]) -> Option<()>,
+    {
+        evaluate(f, state, &mut self.start_rate)?;
         for (k, substeps) in SUBSTEPS.into_iter().enumerate() {
-            let mut value = self.modified_midpoint(state, u, h, substeps)?;
-            let mut next = Vec::with_capacity(k + 1);
-            for (j, previous) in row.iter().enumerate() {
-                next.push(value);
-                let ratio = substeps as f64 / SUBSTEPS[k - 1 - j] as f64;
-                value = combine(&value, previous, 1.0 / (ratio * ratio - 1.0));
+            self.modified_midpoint(f, state, h, substeps)?;
+            self.refine(k);
+            if k < FIRST {
+                continue;
             }
-            next.push(value);
-            if k >= 3 && distance(&next[k], &next[k - 1]) <= self.tolerance {
-                return Some(value);
+            let error = distance(&self.row[k], &self.row[k - 1]);
+            if error <= self.tolerance {
+                return Some(k);
             }
-            row = next;
+            if error.is_nan() || error > self.tolerance * HOPELESS[k - FIRST] {
+                return None;
+            }
         }
         None
     }
 
-    /// Gragg's rule: its error has only even powers of the substep.
-    fn modified_midpoint(
-        &self,
-        state: &Motion<N>,
-        u: &[f64; N],
-        h: f64,
-        substeps: usize,
-    ) -> Option<Motion<N>> {
+    /// Gragg's rule: its error has only even powers of the substep. The result is in `now`.
+    fn modified_midpoint<F>(&mut self, f: &mut F, state: &[f64], h: f64, substeps: usize) -> Option<()>
+    where
+        F: FnMut(&[f64], &mut [f64]) -> Option<()>,
+    {
         let d = h / substeps as f64;
-        let (mut before, mut now) = (*state, combine_rate(state, &self.rate(state, u)?, d));
+        self.before.copy_from_slice(state);
+        self.now.copy_from_slice(state);
+        add(&mut self.now, &self.start_rate, d);
         for _ in 1..substeps {
-            let after = combine_rate(&before, &self.rate(&now, u)?, 2.0 * d);
-            (before, now) = (now, after);
+            evaluate(f, &self.now, &mut self.rate)?;
+            add(&mut self.before, &self.rate, 2.0 * d);
+            std::mem::swap(&mut self.before, &mut self.now);
         }
-        let last = combine_rate(&before, &self.rate(&now, u)?, d);
-        Some(core::array::from_fn(|k| core::array::from_fn(|i| 0.5 * (now[k][i] + last[k][i]))))
+        evaluate(f, &self.now, &mut self.rate)?;
+        add(&mut self.before, &self.rate, d);
+        self.now.iter_mut().zip(&self.before).for_each(|(now, last)| *now = 0.5 * (*now + last));
+        Some(())
     }
 
-    fn rate(&self, [q, v]: &Motion<N>, u: &[f64; N]) -> Option<Motion<N>> {
-        let a = acceleration(self.system, q, v, u).ok()?;
-        a.iter().all(|a| a.is_finite()).then_some([*v, a])
+    /// Replaces row k − 1 of the triangle by row k, whose first value is in `now`.
+    fn refine(&mut self, k: usize) {
+        for j in 0..k {
+            let ratio = SUBSTEPS[k] as f64 / SUBSTEPS[k - 1 - j] as f64;
+            let c = 1.0 / (ratio * ratio - 1.0);
+            for (value, entry) in self.now.iter_mut().zip(&mut self.row[j]) {
+                let previous = std::mem::replace(entry, *value);
+                *value += c * (*value - previous);
+            }
+        }
+        self.row[k].copy_from_slice(&self.now);
     }
 }
 
-/// x + c ẋ.
-fn combine_rate<const N: usize>(x: &Motion<N>, rate: &Motion<N>, c: f64) -> Motion<N> {
-    core::array::from_fn(|k| core::array::from_fn(|i| x[k][i] + c * rate[k][i]))
+fn evaluate<F>(f: &mut F, x: &[f64], rate: &mut [f64]) -> Option<()>
+where
+    F: FnMut(&[f64], &mut [f64]) -> Option<()>,
+{
+    f(x, rate)?;
+    rate.iter().all(|rate| rate.is_finite()).then_some(())
 }
 
-/// a + c(a − b).
-fn combine<const N: usize>(a: &Motion<N>, b: &Motion<N>, c: f64) -> Motion<N> {
-    core::array::from_fn(|k| core::array::from_fn(|i| a[k][i] + c * (a[k][i] - b[k][i])))
+/// x += c ẋ.
+fn add(x: &mut [f64], rate: &[f64], c: f64) {
+    x.iter_mut().zip(rate).for_each(|(x, rate)| *x += c * rate);
 }
 
-/// The largest difference relative to 1 + |a|.
-fn distance<const N: usize>(a: &Motion<N>, b: &Motion<N>) -> f64 {
-    let pairs = a.as_flattened().iter().zip(b.as_flattened());
-    pairs.map(|(a, b)| (a - b).abs() / (1.0 + a.abs())).fold(0.0, f64::max)
+/// The largest difference relative to 1 + |a|; NaN where one is.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs() / (1.0 + a.abs()));
+    differences.fold(0.0, |largest: f64, d| if d.is_nan() { d } else { largest.max(d) })
+}
+
+/// The right-hand side of ẋ = (v, v̇) at x = (q, v), for [`Extrapolation::advance`], from accelerations v̇(q, v).
+pub fn second_order<F>(mut acceleration: F) -> impl FnMut(&[f64], &mut [f64]) -> Option<()>
+where
+    F: FnMut(&[f64], &[f64], &mut [f64]) -> Option<()>,
+{
+    move |state, rate| {
+        let (q, v) = state.split_at(state.len() / 2);
+        let (q_rate, v_rate) = rate.split_at_mut(v.len());
+        q_rate.copy_from_slice(v);
+        acceleration(q, v, v_rate)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TOLERANCE: f64 = 1e-12;
+
+    #[test]
+    fn an_oscillator_keeps_its_phase_over_many_periods() {
+        let mut state = [1.0, 0.0];
+        let mut integrator = Extrapolation::new(2, TOLERANCE);
+        for _ in 0..100 {
+            integrator.advance(oscillator, &mut state, 1.3).unwrap();
+        }
+        let t = 130.0_f64;
+        assert!((state[0] - t.cos()).abs() < 1e-10 && (state[1] + t.sin()).abs() < 1e-10, "{state:?}");
+    }
+
+    fn oscillator(x: &[f64], rate: &mut [f64]) -> Option<()> {
+        rate.copy_from_slice(&[x[1], -x[0]]);
+        Some(())
+    }
+
+    #[test]
+    fn the_step_fits_the_motion_and_not_the_interval() {
+        let mut count = 0;
+        let mut state = [1.0, 0.0];
+        let mut counted = |x: &[f64], rate: &mut [f64]| {
+            count += 1;
+            oscillator(x, rate)
+        };
+        Extrapolation::new(2, TOLERANCE).advance(&mut counted, &mut state, 200.0).unwrap();
+        assert!((state[0] - 200.0_f64.cos()).abs() < 1e-9, "{state:?}");
+        assert!(count < 20_000, "{count} evaluations");
+    }
+
+    #[test]
+    fn a_pole_stops_before_itself() {
+        // ẋ = x² from 1 is 1/(1 − t).
+        let square = |x: &[f64], rate: &mut [f64]| {
+            rate[0] = x[0] * x[0];
+            Some(())
+        };
+        let mut state = [1.0];
+        Extrapolation::new(1, TOLERANCE).advance(square, &mut state, 0.99).unwrap();
+        assert!((state[0] - 100.0).abs() < 1e-7, "{state:?}");
+        let error = Extrapolation::new(1, TOLERANCE).advance(square, &mut [1.0], 2.0).unwrap_err();
+        assert!((error.t - 1.0).abs() < 1e-3, "{error}");
+    }
+
+    #[test]
+    fn a_side_that_fails_is_an_error_where_it_fails() {
+        // Motion at speed 1 with nothing beyond x = 0.5.
+        let wall = |x: &[f64], rate: &mut [f64]| {
+            rate[0] = 1.0;
+            (x[0] < 0.5).then_some(())
+        };
+        let mut state = [0.0];
+        let error = Extrapolation::new(1, TOLERANCE).advance(wall, &mut state, 1.0).unwrap_err();
+        assert!((error.t - 0.5).abs() < 1e-5 && (state[0] - error.t).abs() < 1e-12, "{error} {state:?}");
+    }
 }

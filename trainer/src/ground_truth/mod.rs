@@ -1,10 +1,22 @@
-//! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot.
+//! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot, ModLaNet's chains of
+//! pendulums and attracting bodies.
 
+mod bodies;
+mod chain;
 mod generate;
 mod integrate;
+mod modlanet;
+mod motion;
 
+pub use bodies::Bodies;
+pub use chain::{Chain, Link};
 pub use generate::{Settings, generate, symo_set};
-pub use integrate::{IntegrationError, Integrator};
+pub use integrate::{Extrapolation, IntegrationError, second_order};
+pub use modlanet::{
+    GenerationError, Horizon, ManyBody, ModlanetSettings, Start, circular_speed, follow, generate_many,
+    modlanet_set, modlanet_set_of, starts,
+};
+pub use motion::{BadMechanism, Motion};
 
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};

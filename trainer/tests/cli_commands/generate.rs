@@ -1,6 +1,5 @@
 use crate::support::Bench;
-use leastaction::data;
-use leastaction::data::symo;
+use leastaction::data::{self, modlanet, symo};
 
 #[test]
 fn both_formats_hold_the_same_motion() {
@@ -52,6 +51,46 @@ fn symo_layout_has_its_three_parts() {
     let sizes =
         [&set.train, &set.test, &set.integration].map(|part| (part.trajectories.len(), part.samples()));
     assert_eq!(sizes, [(128, 128 * 34), (128, 128 * 34), (16, 16 * 502)]);
+}
+
+#[test]
+fn many_bodies_are_logged_free_and_in_both_layouts() {
+    let bench = Bench::new();
+    let report =
+        bench.run("generate n-body --count 4 -o a.npz --trajectories 5 --samples 9 --json").good().json();
+    assert_eq!((report["system"].as_str(), report["samples"].as_u64()), (Some("n-body"), Some(45)));
+    let (log, notes) = data::read(bench.at("a.npz")).unwrap();
+    assert!(notes.is_empty() && log.n == 8 && log.h == 0.05);
+    assert!(log.trajectories.iter().all(|t| t.a.is_some() && t.u.is_none()));
+
+    bench
+        .run(
+            "generate n-pendulum --count 3 -o b.npz --trajectories 5 --samples 9 --speed 1 --modlanet-layout",
+        )
+        .good();
+    let set = modlanet::read(bench.at("b.npz")).unwrap();
+    assert_eq!((set.train.q.len(), set.test.q.len(), set.train.q.width()), (36, 9, 3));
+    assert!(set.train.starts().iter().all(|&k| set.train.v[k].iter().all(|v| v.abs() <= 1.0)));
+}
+
+#[test]
+fn options_of_other_systems_are_refused() {
+    let bench = Bench::new();
+    for (system, option) in [
+        ("pendulum", "--count 2"),
+        ("pendulum", "--modlanet-layout"),
+        ("acrobot", "--speed 1"),
+        ("n-body", "--speed 1"),
+        ("n-body", "--drag 1"),
+        ("n-pendulum", "--symo-layout"),
+        ("n-pendulum", "--no-control"),
+    ] {
+        let name = option.split(' ').next().unwrap();
+        bench.run(&format!("generate {system} -o a.npz {option}")).bad(2, &[name, system]);
+    }
+    bench.run("generate n-body -o a.npz --count 0").bad(2, &["--count"]);
+    bench.run("generate n-body -o a.npz --modlanet-layout --trajectories 1").bad(2, &["2 or more"]);
+    assert_eq!(std::fs::read_dir(bench.folder.path()).unwrap().count(), 0);
 }
 
 #[test]

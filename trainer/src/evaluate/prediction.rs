@@ -1,0 +1,214 @@
+//! Long-term prediction in ModLaNet's measures, and the floor that single precision sets to them.
+
+use crate::ground_truth::{Horizon, IntegrationError, Motion, Start, follow};
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Error a step of the truth, and of predictions unless said otherwise, relative to 1 + |x|.
+pub const TOLERANCE: f64 = 1e-12;
+/// Error a step that a motion can be followed to when its accelerations are rounded to single precision.
+pub const ROUNDED_TOLERANCE: f64 = 1e-8;
+/// A prediction is valid until its error is above this, m or rad.
+pub const VALID_ERROR: f64 = 0.1;
+
+/// Exact motions to compare predictions with.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    horizon: Horizon,
+    starts: Vec<Start>,
+    angles: Vec<bool>,
+    /// (q, v) of each start, \[samples\]\[2n\].
+    states: Vec<Vec<f64>>,
+    /// T + V of each start.
+    energies: Vec<Vec<f64>>,
+}
+
+impl Truth {
+    /// Follows the exact motion from each start.
+    ///
+    /// # Errors
+    /// Where it cannot be followed.
+    pub fn new(motion: &dyn Motion, starts: Vec<Start>, horizon: Horizon) -> Result<Self, IntegrationError> {
+        let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
+        let states = |start| -> Result<Vec<f64>, IntegrationError> {
+            let mut states = Vec::new();
+            follow(exact, start, horizon, TOLERANCE, |state| states.extend_from_slice(state))?;
+            Ok(states)
+        };
+        let states = starts.par_iter().map(states).collect::<Result<Vec<_>, _>>()?;
+        let angles: Vec<bool> = (0..motion.coordinates()).map(|i| motion.is_angle(i)).collect();
+        let energies = states.iter().map(|states| energies(states, angles.len(), |q, v| motion.energy(q, v)));
+        Ok(Self { energies: energies.collect(), horizon, starts, angles, states })
+    }
+
+    /// When and how often predictions are compared.
+    pub fn horizon(&self) -> Horizon {
+        self.horizon
+    }
+
+    /// Predicts from the same starts by accelerations v̇(q, v), followed to `tolerance`, and measures the errors.
+    ///
+    /// `energy(q, v)` (J) is what is compared with the exact energy of the exact motion: the authors take the exact energy of the
+    /// predicted state. A prediction that cannot be followed to the end counts as infinitely wrong from there on.
+    pub fn compare(
+        &self,
+        tolerance: f64,
+        acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
+        energy: impl Fn(&[f64], &[f64]) -> f64 + Sync,
+    ) -> Prediction {
+        let one = |k: usize| {
+            let mut states = Vec::with_capacity(self.states[k].len());
+            let keep = |state: &[f64]| states.extend_from_slice(state);
+            let failed = follow(&acceleration, &self.starts[k], self.horizon, tolerance, keep).is_err();
+            states.resize(self.states[k].len(), f64::INFINITY);
+            self.errors(k, &states, &energies(&states, self.angles.len(), &energy), failed)
+        };
+        self.summarise(&(0..self.starts.len()).into_par_iter().map(one).collect::<Vec<_>>())
+    }
+
+    /// The errors of other exact motions, taken for predictions of these: how far disturbed starts lead away. Starts without
+    /// a partner are left out.
+    pub fn difference(&self, other: &Self) -> Prediction {
+        let pairs = other.states.iter().zip(&other.energies).take(self.starts.len());
+        let errors = pairs.enumerate().map(|(k, (states, energies))| self.errors(k, states, energies, false));
+        self.summarise(&errors.collect::<Vec<_>>())
+    }
+
+    /// The floor of single precision: the exact accelerations, rounded to it.
+    pub fn single_precision(&self, motion: &dyn Motion) -> Prediction {
+        let rounded = |q: &[f64], v: &[f64], a: &mut [f64]| {
+            motion.acceleration(q, v, a)?;
+            a.iter_mut().for_each(|a| *a = f64::from(*a as f32));
+            Some(())
+        };
+        self.compare(ROUNDED_TOLERANCE, rounded, |q, v| motion.energy(q, v))
+    }
+
+    fn errors(&self, k: usize, predicted: &[f64], energies: &[f64], failed: bool) -> Errors {
+        let Horizon { h, samples } = self.horizon;
+        let n = self.angles.len();
+        let rows = || predicted.chunks_exact(2 * n).zip(self.states[k].chunks_exact(2 * n));
+        let q: Vec<f64> = rows().map(|(p, t)| squared_distance(&p[..n], &t[..n])).collect();
+        let squares = energies.iter().zip(&self.energies[k]).map(|(p, t)| square(p - t));
+        let energy: Vec<f64> = squares.map(|e| if e.is_finite() { e } else { f64::INFINITY }).collect();
+        let wrong = |(p, t): (&[f64], &[f64])| self.wrapped_distance(&p[..n], &t[..n]) > VALID_ERROR;
+        let valid = rows().position(wrong).unwrap_or(samples - 1) as f64 * h;
+        let frobenius = |squares: &[f64]| squares.iter().sum::<f64>().sqrt() / samples as f64;
+        let summary = TrajectoryErrors { q: frobenius(&q), energy: frobenius(&energy), valid, failed };
+        Errors { q, energy, summary }
+    }
+
+    fn summarise(&self, all: &[Errors]) -> Prediction {
+        let curve = |pick: fn(&Errors) -> &[f64], entries: usize| -> Vec<f64> {
+            let at = |k: usize| all.iter().map(|errors| pick(errors)[k]).sum::<f64>();
+            (0..self.horizon.samples).map(|k| at(k) / (all.len() * entries) as f64).collect()
+        };
+        Prediction {
+            mse_q: curve(|errors| &errors.q, self.angles.len()),
+            mse_energy: curve(|errors| &errors.energy, 1),
+            trajectories: all.iter().map(|errors| errors.summary).collect(),
+        }
+    }
+
+    /// Euclidean distance, angles being the same after whole turns; infinite where it is not a number.
+    fn wrapped_distance(&self, predicted: &[f64], exact: &[f64]) -> f64 {
+        let differences = predicted.iter().zip(exact).zip(&self.angles);
+        let wrapped = differences.map(|((p, t), angle)| if *angle { wrap(p - t) } else { p - t });
+        let distance = wrapped.map(square).sum::<f64>().sqrt();
+        if distance.is_nan() { f64::INFINITY } else { distance }
+    }
+}
+
+fn energies(states: &[f64], n: usize, energy: impl Fn(&[f64], &[f64]) -> f64) -> Vec<f64> {
+    states.chunks_exact(2 * n).map(|state| energy(&state[..n], &state[n..])).collect()
+}
+
+fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| square(a - b)).sum()
+}
+
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+/// An angle in [−π, π).
+fn wrap(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(TAU) - PI
+}
+
+/// Squared errors of one trajectory at each comparison.
+struct Errors {
+    q: Vec<f64>,
+    energy: Vec<f64>,
+    summary: TrajectoryErrors,
+}
+
+/// What one predicted trajectory comes to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrajectoryErrors {
+    /// ‖q̂ − q‖_F / number of comparisons, angles not wrapped: the authors' position error.
+    pub q: f64,
+    /// ‖Ê − E‖₂ / number of comparisons: the authors' energy error, J.
+    pub energy: f64,
+    /// Time of the first comparison at which the Euclidean position error, angles wrapped, is above [`VALID_ERROR`]; the whole
+    /// horizon where there is none, s.
+    pub valid: f64,
+    /// Whether the prediction could not be followed to the end.
+    pub failed: bool,
+}
+
+/// The errors of predictions from many starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// Each start.
+    pub trajectories: Vec<TrajectoryErrors>,
+    /// Mean over starts and coordinates of the squared position error (angles not wrapped) at each comparison.
+    pub mse_q: Vec<f64>,
+    /// Mean over starts of the squared energy error at each comparison, J².
+    pub mse_energy: Vec<f64>,
+}
+
+/// Mean and (population) standard deviation over starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Average {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub deviation: f64,
+}
+
+impl Prediction {
+    /// The authors' position error, A_q.
+    pub fn position(&self) -> Average {
+        self.average(|errors| errors.q)
+    }
+
+    /// The authors' energy error, A_E.
+    pub fn energy(&self) -> Average {
+        self.average(|errors| errors.energy)
+    }
+
+    /// Valid-prediction time, s.
+    pub fn valid(&self) -> Average {
+        self.average(|errors| errors.valid)
+    }
+
+    /// Median valid-prediction time, s.
+    pub fn valid_median(&self) -> f64 {
+        let mut times: Vec<f64> = self.trajectories.iter().map(|errors| errors.valid).collect();
+        times.sort_by(f64::total_cmp);
+        super::median(&times)
+    }
+
+    /// How many predictions could not be followed to the end.
+    pub fn failed(&self) -> usize {
+        self.trajectories.iter().filter(|errors| errors.failed).count()
+    }
+
+    fn average(&self, pick: fn(&TrajectoryErrors) -> f64) -> Average {
+        let values: Vec<f64> = self.trajectories.iter().map(pick).collect();
+        let mean = super::mean(&values);
+        let squares: Vec<f64> = values.iter().map(|x| square(x - mean)).collect();
+        Average { mean, deviation: super::mean(&squares).sqrt() }
+    }
+}

@@ -1,0 +1,268 @@
+//! The protocol of ModLaNet's experiments (Lu et al., ICML 2022), as their program has it.
+
+use super::generate::noisy;
+use super::{BadMechanism, Bodies, Chain, Extrapolation, IntegrationError, Motion, second_order};
+use crate::data::modlanet::{ModlanetRows, ModlanetSet};
+use crate::data::{Dataset, Rows, Trajectory};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
+use thiserror::Error;
+
+/// Error of the motion a step, relative to 1 + |x|.
+const TOLERANCE: f64 = 1e-12;
+/// Radii of the circle that the bodies start on, m.
+const RADII: std::ops::Range<f64> = 1.0..5.0;
+/// Each component of a body's velocity is multiplied by 1 ± this.
+const DISTURBANCE: f64 = 0.5;
+
+/// A system of ModLaNet's: any number of equal elements, all masses, lengths and k being 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ManyBody {
+    /// That many pendulums, each hanging from the one above.
+    Pendulum(usize),
+    /// That many bodies in the plane.
+    Bodies(usize),
+}
+
+impl ManyBody {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pendulum(_) => "n-pendulum",
+            Self::Bodies(_) => "n-body",
+        }
+    }
+
+    /// Number of elements.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Pendulum(count) | Self::Bodies(count) => count,
+        }
+    }
+
+    /// Its exact motion.
+    ///
+    /// # Errors
+    /// Where it has no element.
+    pub fn motion(self) -> Result<Box<dyn Motion>, BadMechanism> {
+        Ok(match self {
+            Self::Pendulum(count) => Box::new(Chain::uniform(count)?),
+            Self::Bodies(count) => Box::new(Bodies::uniform(count)?),
+        })
+    }
+}
+
+/// What to generate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModlanetSettings {
+    /// Which system.
+    pub system: ManyBody,
+    /// Trajectories.
+    pub trajectories: usize,
+    /// States in each.
+    pub samples: usize,
+    /// Time between states, s.
+    pub h: f64,
+    /// Pendulums start with velocities in ± this, rad/s. Bodies do not use it.
+    pub speed: f64,
+    /// Standard deviation of the noise on positions and velocities.
+    pub noise: f64,
+    /// Of the random stream.
+    pub seed: u64,
+}
+
+impl ModlanetSettings {
+    /// The authors' settings. 101 states in each trajectory, at 10 Hz for pendulums and 20 Hz for bodies; 100 trajectories of two
+    /// pendulums, 200 of three bodies, and 20 of any other number, which are there to extend a trained model to; pendulums at
+    /// ±10 rad/s, but ±8 in an extension.
+    pub fn published(system: ManyBody, seed: u64) -> Self {
+        let (trajectories, h, speed) = match system {
+            ManyBody::Pendulum(2) => (100, 0.1, 10.0),
+            ManyBody::Pendulum(_) => (20, 0.1, 8.0),
+            ManyBody::Bodies(3) => (200, 0.05, 0.0),
+            ManyBody::Bodies(_) => (20, 0.05, 0.0),
+        };
+        Self { system, trajectories, samples: 101, h, speed, noise: 0.0, seed }
+    }
+}
+
+/// Why there is no data.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum GenerationError {
+    /// No such system.
+    #[error(transparent)]
+    Mechanism(#[from] BadMechanism),
+    /// Its motion cannot be followed.
+    #[error(transparent)]
+    Integration(#[from] IntegrationError),
+    /// Too few trajectories to keep some for the test.
+    #[error("a training and a test set need at least 2 trajectories, not {0}")]
+    TooFew(usize),
+}
+
+/// How long, and how often, a motion is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Horizon {
+    /// Time between looks, s.
+    pub h: f64,
+    /// Looks, that at the start included.
+    pub samples: usize,
+}
+
+impl Horizon {
+    /// Of predictions: 20 looks a second, as the authors', which makes 601 in 30 s.
+    pub fn of_seconds(seconds: f64) -> Self {
+        Self { h: 0.05, samples: (seconds / 0.05).round() as usize + 1 }
+    }
+}
+
+/// A state at rest or in motion: positions and velocities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// q.
+    pub q: Vec<f64>,
+    /// v.
+    pub v: Vec<f64>,
+}
+
+/// The initial states of the trajectories, from one random stream.
+///
+/// Pendulums: θ ∈ U(0, 2π), θ̇ ∈ U(±speed). Bodies: evenly on a circle of radius U(1, 5) about the origin, at √2 times the
+/// velocity of the circular orbit, each of its two components (along the axes, before the turn by 2πi/n that takes the first body
+/// to the i-th) times its own U(0.5, 1.5). The √2 is the authors' (k/2r where [`circular_speed`] has k/4r), and so is the first
+/// body's direction, that of a point drawn from a square.
+pub fn starts(settings: &ModlanetSettings) -> Vec<Start> {
+    let mut stream = Pcg64::seed_from_u64(settings.seed);
+    let one = |_| match settings.system {
+        ManyBody::Pendulum(count) => pendulum_start(count, settings.speed, &mut stream),
+        ManyBody::Bodies(count) => body_start(count, &mut stream),
+    };
+    (0..settings.trajectories).map(one).collect()
+}
+
+fn pendulum_start(count: usize, speed: f64, stream: &mut Pcg64) -> Start {
+    let (q, v) = (0..count).map(|_| (TAU * unit(stream), speed * signed(stream))).unzip();
+    Start { q, v }
+}
+
+fn body_start(count: usize, stream: &mut Pcg64) -> Start {
+    let direction = signed(stream).atan2(signed(stream));
+    let r = stream.random_range(RADII);
+    let speed = SQRT_2 * circular_speed(count, r);
+    let (mut q, mut v) = (Vec::new(), Vec::new());
+    for i in 0..count {
+        let turn = TAU * i as f64 / count as f64;
+        let (s, c) = (direction + turn).sin_cos();
+        q.extend([r * c, r * s]);
+        let (s, c) = (direction + FRAC_PI_2).sin_cos();
+        let disturbed = [c, s].map(|u| speed * u * (1.0 + DISTURBANCE * signed(stream)));
+        let (s, c) = turn.sin_cos();
+        v.extend([c * disturbed[0] - s * disturbed[1], s * disturbed[0] + c * disturbed[1]]);
+    }
+    Start { q, v }
+}
+
+fn unit(stream: &mut Pcg64) -> f64 {
+    stream.random_range(0.0..1.0)
+}
+
+fn signed(stream: &mut Pcg64) -> f64 {
+    stream.random_range(-1.0..1.0)
+}
+
+/// Speed (m/s) at which `count` bodies of mass 1, evenly on a circle of radius `r` (m), go round it for k = 1:
+/// v² = (1/4r) Σ_{j=1}^{n−1} 1/sin(πj/n).
+///
+/// The body j places on is 2r sin(πj/n) away, and its pull 1/(2r sin(πj/n))² has the part sin(πj/n) towards the centre; the sum
+/// of these parts is v²/r.
+pub fn circular_speed(count: usize, r: f64) -> f64 {
+    let sum: f64 = (1..count).map(|j| 1.0 / (PI * j as f64 / count as f64).sin()).sum();
+    (sum / (4.0 * r)).sqrt()
+}
+
+/// Trajectories with positions, velocities and exact accelerations of the states before noise; t = 0 at each start.
+///
+/// # Errors
+/// For a system without elements, and where the motion cannot be followed.
+pub fn generate_many(settings: &ModlanetSettings) -> Result<Dataset, GenerationError> {
+    let motion = settings.system.motion()?;
+    let starts = starts(settings);
+    let one = |(id, start): (usize, &Start)| trajectory(motion.as_ref(), settings, id, start);
+    let trajectories = starts.par_iter().enumerate().map(one).collect::<Result<_, _>>()?;
+    Ok(Dataset { n: motion.coordinates(), h: settings.h, trajectories })
+}
+
+fn trajectory(
+    motion: &dyn Motion,
+    settings: &ModlanetSettings,
+    id: usize,
+    start: &Start,
+) -> Result<Trajectory, IntegrationError> {
+    let n = motion.coordinates();
+    let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
+    let mut states = Vec::with_capacity(2 * n * settings.samples);
+    let horizon = Horizon { h: settings.h, samples: settings.samples };
+    follow(exact, start, horizon, TOLERANCE, |state| states.extend_from_slice(state))?;
+    // Of its own, so that the number of processors does not matter.
+    let mut stream = Pcg64::new(u128::from(settings.seed), id as u128 + 1);
+    let (mut q, mut v, mut a) = (Vec::new(), Vec::new(), vec![0.0; n * settings.samples]);
+    for ((k, state), a) in states.chunks_exact(2 * n).enumerate().zip(a.chunks_exact_mut(n)) {
+        let (position, velocity) = state.split_at(n);
+        let failed = IntegrationError { t: k as f64 * settings.h, tolerance: TOLERANCE };
+        motion.acceleration(position, velocity, a).ok_or(failed)?;
+        q.extend(position.iter().map(|x| noisy([*x], settings.noise, &mut stream)[0]));
+        v.extend(velocity.iter().map(|x| noisy([*x], settings.noise, &mut stream)[0]));
+    }
+    let unfit = IntegrationError { t: 0.0, tolerance: TOLERANCE };
+    let rows = |values| Rows::from_flat(n, values).ok_or(unfit);
+    Ok(Trajectory { id: id as i64, t0: 0.0, q: rows(q)?, v: Some(rows(v)?), a: Some(rows(a)?), u: None })
+}
+
+/// Gives `keep` the states (q, v) `h` seconds apart from the start on, `samples` of them, under the accelerations v̇(q, v).
+///
+/// # Errors
+/// Where the motion cannot be followed to the tolerance, relative to 1 + |x| in each step; `t` counts from the start.
+pub fn follow(
+    acceleration: impl FnMut(&[f64], &[f64], &mut [f64]) -> Option<()>,
+    start: &Start,
+    horizon: Horizon,
+    tolerance: f64,
+    mut keep: impl FnMut(&[f64]),
+) -> Result<(), IntegrationError> {
+    let mut state = [start.q.as_slice(), &start.v].concat();
+    let mut rate = second_order(acceleration);
+    let mut integrator = Extrapolation::new(state.len(), tolerance);
+    for k in 0..horizon.samples {
+        if k > 0 {
+            let before = (k - 1) as f64 * horizon.h;
+            let at = |error: IntegrationError| IntegrationError { t: before + error.t, ..error };
+            integrator.advance(&mut rate, &mut state, horizon.h).map_err(at)?;
+        }
+        keep(&state);
+    }
+    Ok(())
+}
+
+/// A data set by the authors' protocol, [`ModlanetSettings::published`].
+///
+/// # Errors
+/// As [`modlanet_set_of`].
+pub fn modlanet_set(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
+    modlanet_set_of(&ModlanetSettings::published(system, seed))
+}
+
+/// Training and test set: the last tenth of the trajectories, at least one, is the test set.
+///
+/// # Errors
+/// As [`generate_many`], and for fewer than 2 trajectories.
+pub fn modlanet_set_of(settings: &ModlanetSettings) -> Result<ModlanetSet, GenerationError> {
+    let data = generate_many(settings)?;
+    let motion = settings.system.motion()?;
+    let count = data.trajectories.len();
+    let (train, test) = data.split(count - (count / 10).max(1).min(count));
+    let part = |data| ModlanetRows::from_dataset(data, |q, v| motion.energy(q, v));
+    let too_few = GenerationError::TooFew(count);
+    Ok(ModlanetSet { train: part(&train).ok_or(too_few)?, test: part(&test).ok_or(too_few)? })
+}
