@@ -1,5 +1,6 @@
 //! How good a model is, in SyMo's measures on equal terms; [`prediction`] has ModLaNet's.
 
+pub mod learned;
 pub mod prediction;
 
 use crate::architecture::{Architecture, Family, Visitor};

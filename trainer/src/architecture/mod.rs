@@ -170,7 +170,8 @@ pub trait Family<const N: usize>: Sync {
     /// Its energies over host weights.
     type Lagrangian<'w, S: Scalar<Weight = f64>>: Lagrangian<S, N, Mass = DenseMass<S, N>>
         + Learnable<S, N>
-        + Sync;
+        + Sync
+        + 'w;
 
     /// The system of this shape over a weight block.
     ///

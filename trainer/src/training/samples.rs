@@ -1,3 +1,4 @@
+use crate::data::modlanet::ModlanetRows;
 use crate::data::{Dataset, Rows, Trajectory};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -39,6 +40,13 @@ impl Samples {
             }
         }
         samples
+    }
+
+    /// Every row of a set in ModLaNet's layout: states with accelerations, without control.
+    pub fn modlanet(rows: &ModlanetRows) -> Self {
+        let states = [&rows.q, &rows.v, &rows.a].map(|rows| rows.as_flat().to_vec());
+        let control = vec![0.0; states[0].len()];
+        Self { n: rows.q.width(), h: 0.0, controls: [control.clone(), control.clone(), control], states }
     }
 
     /// Every state with its acceleration.
