@@ -128,10 +128,7 @@ fn mean_square(a: &[f64], b: &[f64], range: std::ops::Range<usize>) -> f64 {
 /// Of sorted values, at least one.
 fn median(sorted: &[f64]) -> f64 {
     let middle = sorted.len() / 2;
-    match sorted.len().is_multiple_of(2) {
-        true => (sorted[middle - 1] + sorted[middle]) / 2.0,
-        false => sorted[middle],
-    }
+    if sorted.len().is_multiple_of(2) { (sorted[middle - 1] + sorted[middle]) / 2.0 } else { sorted[middle] }
 }
 
 fn mean(x: &[f64]) -> f64 {

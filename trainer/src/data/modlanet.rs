@@ -135,7 +135,8 @@ fn add_part(writer: &mut Writer, keys: &Keys, part: &ModlanetRows) -> Result<(),
 }
 
 impl ModlanetRows {
-    /// The samples of trajectories that have v and a, with the energy of each as `energy` gives it from (q, v).
+    /// The samples of trajectories that have v and a, with the energy of each as `energy` gives it from (q, v), noise
+    /// included.
     ///
     /// `None` where v or a is missing, or there is no sample.
     #[must_use]

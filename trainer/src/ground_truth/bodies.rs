@@ -14,14 +14,12 @@ impl Bodies {
     /// Where there is no mass, one is not finite and above 0, or k is not finite.
     pub fn new(masses: Vec<f64>, k: f64) -> Result<Self, BadMechanism> {
         masses.iter().enumerate().try_for_each(|(i, &mass)| above_zero(i, "a mass of", mass))?;
-        match masses.is_empty() {
-            true => Err(BadMechanism::Empty),
-            false if k.is_finite() => Ok(Self { masses, k }),
-            false => {
-                let (quantity, range) = ("an attraction of", "finite");
-                Err(BadMechanism::OutOfRange { element: 0, quantity, value: k, range })
-            }
+        if masses.is_empty() {
+            return Err(BadMechanism::Empty);
         }
+        let (quantity, range) = ("an attraction of", "finite");
+        let bad = BadMechanism::OutOfRange { element: 0, quantity, value: k, range };
+        if k.is_finite() { Ok(Self { masses, k }) } else { Err(bad) }
     }
 
     /// Equal masses of 1 kg and k = 1, as in ModLaNet's experiments.
