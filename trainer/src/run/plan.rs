@@ -106,7 +106,7 @@ impl Plan {
         Ok(Self {
             architecture,
             discretisation: (loss != LossKind::Acceleration).then_some(discretisation),
-            data_fingerprint: fingerprint::of_data(&data),
+            data_fingerprint: fingerprint::of_data(&data, loss),
             stages,
             notices,
             config,
