@@ -1,6 +1,7 @@
 //! `leastaction generate`.
 
 use super::Done;
+use super::arguments::{not_negative, positive, seed};
 use super::output::{Failure, Output, written};
 use clap::Args;
 use leastaction::data::{self, MIN_SAMPLES, symo};
@@ -29,16 +30,16 @@ pub struct Generate {
     #[arg(long, default_value_t = 34, value_parser = clap::value_parser!(u32).range(MIN_SAMPLES as i64..))]
     samples: u32,
     /// Time between states, s [default: 0.1 for the pendulum, else 0.05].
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     h: Option<f64>,
     /// Standard deviation of the noise on positions and velocities, m or rad (m/s or rad/s).
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     noise: f64,
     /// Viscous damping of every coordinate, N s/m or N m s/rad.
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     drag: f64,
     /// Of the random numbers.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// No force at all (such a log does not show the scale of the energies).
     #[arg(long)]
@@ -46,18 +47,6 @@ pub struct Generate {
     /// SyMo's whole data set in SyMo's layout: 128 training and 128 test trajectories of 34 states, 16 free ones of 502.
     #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "no_control"])]
     symo_layout: bool,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text).filter(|x| *x > 0.0).ok_or_else(|| "it must be a finite number above 0".to_owned())
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    number(text).filter(|x| *x >= 0.0).ok_or_else(|| "it must be a finite number, 0 or above".to_owned())
-}
-
-fn number(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
 /// What was written.

@@ -143,7 +143,7 @@ fn portraits_of_a_spinning_pendulum() {
 #[test]
 fn panels_share_one_time_axis() {
     let (a, b) = ([line("angle", f64::sin), line("model", f64::cos)], [line("", |t| 1e-7 * (1.1 + t.sin()))]);
-    let residual = Panel { y_label: "residual (N·s)", logarithmic: true, series: &b };
+    let residual = Panel::new("residual (N·s)", &b).with_vertical(Vertical::Logarithmic);
     let svg = drawn(|path| time_series(path, "Run", &[Panel::new("angle (rad)", &a), residual]));
     check_layout(&svg);
     assert_eq!(svg.matches("time (s)").count(), 1);
