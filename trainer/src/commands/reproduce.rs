@@ -97,7 +97,7 @@ impl fmt::Display for Table {
         })?;
         writeln!(
             f,
-            "\nN: training trajectories. Mean squared errors: test, one step ahead; integr., over the free motions, their \
+            "\nN: training trajectories. Mean squared errors: test, one step ahead; integr., over the free motions, their\n\
              median over trajectories and their first 100 steps; energy along them (J²); inertia matrix. s: of training."
         )
     }
