@@ -42,7 +42,7 @@ pub struct Incidents {
     pub safe: u32,
     /// Errors of the model: steps refused and commands that were not finite.
     pub model: u32,
-    /// Steps of the plant that were refused; it stands still from the first.
+    /// Moves of the plant that were refused, as where its state is no longer finite; it stays where it was.
     pub plant: u32,
 }
 

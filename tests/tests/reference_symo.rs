@@ -1,7 +1,7 @@
 //! Networks that were trained with the SyMo authors' program against arrays exported from it. The data is not ours to ship:
 //! these tests run where `LEASTACTION_REFERENCE` names its folder.
 
-use leastaction::architecture::{Architecture, Family, MAX_WIDTH, RigidArchitecture, Visitor};
+use leastaction::architecture::{Architecture, Family, MAX_WIDTH, Visitor};
 use leastaction::import::{Imported, symo};
 use leastaction::training::{LossKind, Samples, objective};
 use leastaction_core::continuous::acceleration;
@@ -110,13 +110,6 @@ struct Values {
     next: Vec<f64>,
 }
 
-fn rigid(architecture: &Architecture) -> &RigidArchitecture {
-    match architecture {
-        Architecture::Rigid(rigid) => rigid,
-        Architecture::Modular(_) => panic!("a rigid model"),
-    }
-}
-
 struct Evaluate<'a> {
     architecture: &'a Architecture,
     weights: &'a [f64],
@@ -130,7 +123,8 @@ impl Visitor for Evaluate<'_> {
     fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Values {
         if self.single {
             let weights: Vec<f32> = self.weights.iter().map(|w| *w as f32).collect();
-            let system = rigid(self.architecture).system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
+            let system =
+                self.architecture.rigid().unwrap().system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
             values(&system, self.samples, |x| x as f32)
         } else {
             let system = family.system::<f64>(self.weights).expect("shape");
@@ -270,7 +264,8 @@ impl Visitor for Accelerations<'_> {
         let states = rows(q).into_iter().zip(rows(v)).zip(rows(u));
         if self.single {
             let weights: Vec<f32> = self.weights.iter().map(|w| *w as f32).collect();
-            let system = rigid(self.architecture).system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
+            let system =
+                self.architecture.rigid().unwrap().system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
             let single = |x: [f64; N]| x.map(|x| x as f32);
             let a = states
                 .map(|((q, v), u)| acceleration(&system, &single(q), &single(v), &single(u)).expect("mass"));

@@ -38,6 +38,12 @@ fn resolve(path: &Path) -> PathBuf {
 
 fn replace(target: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let folder = folder_of(target);
+    if !folder.is_dir() {
+        return Err(io::Error::new(
+            io::ErrorKind::NotFound,
+            format!("there is no folder {}", folder.display()),
+        ));
+    }
     let mut prefix = OsStr::new(".").to_os_string();
     prefix.push(target.file_name().ok_or(io::ErrorKind::InvalidInput)?);
     prefix.push(".");
@@ -46,7 +52,8 @@ fn replace(target: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io:
     if let Some(permissions) = permissions_for(target) {
         builder.permissions(permissions);
     }
-    let mut temporary = builder.tempfile_in(folder)?;
+    // The temporary name, which the error would give, means nothing to anybody.
+    let mut temporary = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
     fill(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     temporary.persist(target).map_err(|failed| failed.error)?;

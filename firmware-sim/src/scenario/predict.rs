@@ -165,7 +165,8 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
 
 /// Steps the model beside the plant under the same force, from the plant's first two positions.
 ///
-/// The error of a tick is the plant's position minus the model's; as measured it shows the true position. Where a step is refused the model stays where it was.
+/// The error of a tick is the plant's position minus the model's; as measured it shows the true position. Where a step is
+/// refused the model stays where it was.
 pub fn predict<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     plant: &P,
     model: &M,

@@ -57,6 +57,22 @@ impl Architecture {
         }
     }
 
+    /// The shape, if it is of the rigid family.
+    pub fn rigid(&self) -> Option<&RigidArchitecture> {
+        match self {
+            Self::Rigid(rigid) => Some(rigid),
+            Self::Modular(_) => None,
+        }
+    }
+
+    /// The shape, if it is of the modular family.
+    pub fn modular(&self) -> Option<&ModularArchitecture> {
+        match self {
+            Self::Rigid(_) => None,
+            Self::Modular(modular) => Some(modular),
+        }
+    }
+
     /// Calls `read` with the shape in the words of the model file.
     pub fn with_header<T>(&self, read: impl FnOnce(FamilyHeader) -> T) -> T {
         match self {

@@ -1,6 +1,7 @@
 //! `leastaction evaluate`.
 
 use super::Done;
+use super::arguments::order;
 use super::inspect::load;
 use super::output::{Failure, Output};
 use clap::Args;
@@ -27,9 +28,9 @@ pub struct Evaluate {
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
     /// Order of the steps, 2 or 4 [default: that of the model, else 4].
-    #[arg(long, value_parser = clap::value_parser!(u8).range(2..=4))]
+    #[arg(long, value_parser = order)]
     order: Option<u8>,
-    /// Also compare energy and inertia with this exact mechanism.
+    /// Also compare inertia and, over motion without force, energy with this exact mechanism.
     #[arg(long)]
     system: Option<Mechanism>,
 }
@@ -78,7 +79,7 @@ impl Evaluate {
     pub fn run(self, output: Output) -> Done {
         let (model, _) = load(&self.model)?;
         let (log, notes) = data::read(&self.data).map_err(|error| Failure::Input(error.to_string()))?;
-        notes.iter().for_each(|note| output.note(&note.to_string()));
+        notes.iter().for_each(|note| output.note(&format!("note: {note}")));
         self.check(&model, &log, output)?;
         let report = self.measure(&model, &log).map_err(|error| Failure::input(&self.model, error))?;
         output.report(&report)
@@ -91,6 +92,9 @@ impl Evaluate {
         }
         if let Some(system) = self.system.filter(|system| system.coordinates().len() != n) {
             return Err(Failure::Input(format!("--system {}: the model has {n} coordinates", system.name())));
+        }
+        if self.system.is_some() && log.is_forced() {
+            output.note("note: the log is forced, so that its energy changes: energy is not compared");
         }
         if let Some(trained) = model.discretisation.filter(|d| (f64::from(d.h) - log.h).abs() > 1e-6 * log.h)
         {
@@ -105,7 +109,6 @@ impl Evaluate {
     fn measure(&self, model: &HostModel, log: &Dataset) -> Result<Report, ModelError> {
         let (architecture, weights) = (&model.architecture, &model.weights);
         let order = self.order.or(model.discretisation.map(|d| d.order)).unwrap_or(4);
-        let order = if order == 2 { 2 } else { 4 };
         let runs = rollout(architecture, weights, order, log)?;
         let errors = integration_errors(&runs, log);
         let inertia = |system| inertia_mse(architecture, weights, system, log);
@@ -120,7 +123,8 @@ impl Evaluate {
             rollout_mse: errors.mean,
             rollout_median: errors.median,
             rollout_mse_100: errors.first_100,
-            energy_mse: self.system.map(|system| energy_mse(system, &runs, log)),
+            // Under a force even the true energy does not keep its first value, which the measure compares with.
+            energy_mse: self.system.filter(|_| !log.is_forced()).map(|system| energy_mse(system, &runs, log)),
             inertia_mse: self.system.map(inertia).transpose()?,
         })
     }

@@ -1,6 +1,7 @@
 //! `leastaction generate`.
 
 use super::Done;
+use super::arguments::{not_negative, positive, seed};
 use super::output::{Failure, Output, written};
 use clap::{Args, ValueEnum};
 use leastaction::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
@@ -37,19 +38,19 @@ pub struct Generate {
     #[arg(long, value_parser = clap::value_parser!(u32).range(MIN_SAMPLES as i64..))]
     samples: Option<u32>,
     /// Time between states, s [default: 0.1 for pendulums, else 0.05].
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     h: Option<f64>,
     /// Limit of the initial velocities of n-pendulum, rad/s [default: 10 for 2 pendulums, else 8].
-    #[arg(long, value_parser = not_negative)]
+    #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
     speed: Option<f64>,
     /// Standard deviation of the noise on positions and velocities, m or rad (m/s or rad/s).
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     noise: f64,
     /// Viscous damping of every coordinate, N s/m or N m s/rad.
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     drag: f64,
     /// Of the random numbers.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// No force at all (such a log does not show the scale of the energies).
     #[arg(long)]
@@ -97,18 +98,6 @@ impl System {
 enum Kind {
     Symo(Mechanism),
     Modlanet(ManyBody),
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text).filter(|x| *x > 0.0).ok_or_else(|| "it must be a finite number above 0".to_owned())
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    number(text).filter(|x| *x >= 0.0).ok_or_else(|| "it must be a finite number, 0 or above".to_owned())
-}
-
-fn number(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
 /// What was written.

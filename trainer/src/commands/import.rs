@@ -1,6 +1,7 @@
 //! `leastaction import`.
 
 use super::Done;
+use super::arguments::positive_f32;
 use super::output::{Failure, Output};
 use clap::{Args, Subcommand};
 use leastaction::ground_truth::Mechanism;
@@ -39,7 +40,7 @@ struct Symo {
     #[arg(long, value_name = "LETTERS", conflicts_with = "system")]
     coordinates: Option<String>,
     /// The step that the network was trained with, s [default: that of --system; none for L-NODE].
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive_f32, allow_negative_numbers = true)]
     h: Option<f32>,
     /// The model file to write.
     #[arg(short, long, value_name = "FILE")]
@@ -59,7 +60,12 @@ struct Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let (model, bytes, parameters) = (self.model.display(), self.bytes, self.parameters);
-        writeln!(f, "{model}: {bytes} bytes, {parameters} parameters, coordinates {}", self.coordinates)
+        let step = self.h.map_or("no step".to_owned(), |h| format!("order 2, step {h} s"));
+        writeln!(
+            f,
+            "{model}: {bytes} bytes, {parameters} parameters, coordinates {}, {step}",
+            self.coordinates
+        )
     }
 }
 

@@ -1,5 +1,6 @@
 //! The command line: one file and one variant of [`Command`] each.
 
+mod arguments;
 mod demo;
 mod evaluate;
 mod export;

@@ -2,7 +2,7 @@
 
 use leastaction::config::ConfigError;
 use leastaction::data::{DataError, Problem};
-use leastaction::run::{PlanError, RunError};
+use leastaction::run::RunError;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -70,6 +70,14 @@ impl Output {
     }
 }
 
+/// Makes sure that there is a folder to write to.
+pub fn folder(path: &Path) -> Result<(), Failure> {
+    if path.exists() && !path.is_dir() {
+        return Err(Failure::input(path, "there is a file of this name; name a folder"));
+    }
+    std::fs::create_dir_all(path).map_err(|error| Failure::file(path, error))
+}
+
 /// Text as it is to stdout.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
@@ -82,12 +90,6 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 impl From<ConfigError> for Failure {
     fn from(error: ConfigError) -> Self {
-        Self::Input(error.to_string())
-    }
-}
-
-impl From<PlanError> for Failure {
-    fn from(error: PlanError) -> Self {
         Self::Input(error.to_string())
     }
 }

@@ -1,12 +1,13 @@
 //! `leastaction reproduce`.
 
 use super::Done;
-use super::output::{Failure, Output};
+use super::arguments::{order, seed};
+use super::output::{Failure, Output, folder};
 use clap::{Args, Subcommand};
 use leastaction::atomic;
 use leastaction::data::symo::{self, SymoSet};
 use leastaction::ground_truth::{Mechanism, symo_set};
-use leastaction::plot::{Series, log_log};
+use leastaction::plot::{Series, Stroke, log_log};
 use leastaction::reproduce::symo::{Case, Model, Outcome, Published, csv, published};
 use serde::Serialize;
 use std::fmt;
@@ -39,13 +40,13 @@ struct Symo {
     #[arg(long)]
     model: Option<Model>,
     /// Only this order, 2 or 4.
-    #[arg(long)]
+    #[arg(long, value_parser = order)]
     order: Option<u8>,
     /// Only this many training trajectories.
     #[arg(long, value_name = "N")]
     trajectories: Option<usize>,
     /// Of the initial weights and, without --data, of the data.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// A data set in the layout of the SyMo authors (train_x, test_x, int_x, …) instead of a generated one; needs --system.
     #[arg(long, value_name = "FILE", requires = "system")]
@@ -93,20 +94,30 @@ impl fmt::Display for Table {
         self.rows.iter().try_for_each(|row| {
             ours(f, &row.ours)?;
             row.theirs.as_ref().map_or(Ok(()), |published| theirs(f, &row.ours, published))
-        })
+        })?;
+        writeln!(
+            f,
+            "\nN: training trajectories. Mean squared errors: test, one step ahead; integr., over the free motions, their\n\
+             median over trajectories and their first 100 steps; energy along them (J²); inertia matrix. s: of training."
+        )
     }
 }
 
 fn ours(f: &mut fmt::Formatter, row: &Outcome) -> fmt::Result {
-    let model = match row.model {
-        Model::Symo => "symo",
-        Model::E2eSymo => "e2e-symo",
-    };
+    let model = name(row.model);
     write!(f, "{:<9} {model:<9} {:>5} {:>3} {:>6}", row.system, row.order, row.trajectories, row.parameters)?;
     for value in row.measures() {
         write!(f, " {value:>9.2e}")?;
     }
     writeln!(f, " {:>6.1}", row.train_seconds)
+}
+
+/// As on the command line.
+fn name(model: Model) -> &'static str {
+    match model {
+        Model::Symo => "symo",
+        Model::E2eSymo => "e2e-symo",
+    }
 }
 
 fn theirs(f: &mut fmt::Formatter, row: &Outcome, published: &Published) -> fmt::Result {
@@ -131,9 +142,7 @@ impl Reproduce {
 
 impl Symo {
     fn run(self, output: Output) -> Done {
-        if self.order.is_some_and(|order| order != 2 && order != 4) {
-            return Err(Failure::Input("--order: 2 or 4".to_owned()));
-        }
+        self.output.as_deref().map_or(Ok(()), folder)?;
         let mut rows = Vec::new();
         for mechanism in self.systems() {
             let set = self.data_set(mechanism)?;
@@ -165,7 +174,9 @@ impl Symo {
     fn cases(&self, mechanism: Mechanism, set: &SymoSet) -> Result<Vec<Case>, Failure> {
         let available = set.train.trajectories.len();
         if let Some(wanted) = self.trajectories.filter(|wanted| *wanted == 0 || *wanted > available) {
-            return Err(Failure::Input(format!("--trajectories {wanted}: the training set has {available}")));
+            return Err(Failure::Input(format!(
+                "--trajectories {wanted}: it must be from 1 to the {available} of the training set"
+            )));
         }
         let sizes = self.trajectories.map_or_else(|| vec![8, 16, 32, 64, 128], |only| vec![only]);
         let orders = self.order.map_or_else(|| vec![2, 4], |only| vec![only]);
@@ -184,7 +195,6 @@ impl Symo {
 
     fn write(&self, rows: &[Row]) -> Done {
         let Some(folder) = &self.output else { return Ok(()) };
-        std::fs::create_dir_all(folder).map_err(|error| Failure::file(folder, error))?;
         let table = folder.join("table.csv");
         let outcomes: Vec<&Outcome> = rows.iter().map(|row| &row.ours).collect();
         atomic::write(&table, csv(&outcomes).as_bytes()).map_err(|error| Failure::file(&table, error))?;
@@ -212,8 +222,14 @@ fn learn(case: &Case, set: &SymoSet, output: Output) -> Result<Row, Failure> {
     let outcome = case.run(set, |iteration, loss| last = (iteration + 1, loss));
     let ours = outcome.map_err(|error| Failure::Work(error.to_string()))?;
     output.note(&format!(
-        "{} {:?} order {} N {}: {} iterations, loss {:.2e}, {:.1} s",
-        ours.system, ours.model, ours.order, ours.trajectories, last.0, last.1, ours.train_seconds
+        "{} {} order {}, {} trajectories: {} iterations, loss {:.2e}, {:.1} s",
+        ours.system,
+        name(ours.model),
+        ours.order,
+        ours.trajectories,
+        last.0,
+        last.1,
+        ours.train_seconds
     ));
     let theirs = published(case);
     Ok(Row { ours, theirs })
@@ -239,6 +255,8 @@ fn draw(
             paper.filter_map(|row| Some((row.ours.trajectories as f64, row.theirs.as_ref()?.measures[0]?)));
         series.push(Series::new(format!("{name}, published"), paper));
     }
+    series.retain(|series| !series.points.is_empty());
+    let series: Vec<_> = series.into_iter().map(|series| series.with_stroke(Stroke::Dotted)).collect();
     let title = format!("{}: error one step ahead", mechanism.name());
     log_log(file, &title, ("training trajectories", "mean squared error"), &series, &[])
 }

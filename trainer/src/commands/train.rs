@@ -95,7 +95,7 @@ impl Train {
             return print(DEFAULTS);
         };
         let config = Config::read(file)?;
-        let plan = plan(config, output)?;
+        let plan = plan(file, config, output)?;
         let run = if self.resume { Run::resume(plan, folder) } else { Run::begin(plan, folder, self.force) }?;
         let (report, ending) = train(run, folder, self.quiet, interrupt::flag()?)?;
         if ending == Ending::Interrupted {
@@ -108,11 +108,11 @@ impl Train {
     }
 }
 
-/// Reads the data and prepares the losses, telling what should be known.
-pub fn plan(config: Config, output: Output) -> Result<Plan, Failure> {
+/// Reads the data that a configuration file names and prepares the losses, telling what should be known.
+pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
     let (data, notes) = data::read(&config.data.file)?;
     notes.iter().for_each(|note| output.note(&format!("note: {note}")));
-    let plan = Plan::new(config, &data)?;
+    let plan = Plan::new(config, &data).map_err(|error| Failure::input(file, error))?;
     plan.notices().iter().for_each(|notice| output.note(&format!("note: {notice}")));
     Ok(plan)
 }

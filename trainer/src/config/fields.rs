@@ -141,6 +141,18 @@ pub(super) fn some_positive<'de, D: Deserializer<'de>>(from: D) -> Result<Option
     positive(from).map(|x| usize::try_from(x).ok())
 }
 
+/// More threads than any machine has would only take minutes to start.
+const MAX_THREADS: usize = 1024;
+
+pub(super) fn threads<'de, D: Deserializer<'de>>(from: D) -> Result<usize, D::Error> {
+    match usize::deserialize(from)? {
+        threads @ 0..=MAX_THREADS => Ok(threads),
+        other => {
+            Err(Error::invalid_value(Unexpected::Unsigned(other as u64), &"a whole number from 0 to 1024"))
+        }
+    }
+}
+
 pub(super) fn order<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> {
     match u8::deserialize(from)? {
         order @ (2 | 4) => Ok(order),

@@ -93,7 +93,8 @@ pub struct TrainingConfig {
     pub max_seconds: Option<f64>,
     /// Of all random numbers.
     pub seed: u64,
-    /// Threads; 0: all.
+    /// Threads, at most 1024; 0: all.
+    #[serde(deserialize_with = "fields::threads")]
     pub threads: usize,
     /// Iterations from checkpoint to checkpoint, at least 1.
     #[serde(deserialize_with = "fields::positive")]

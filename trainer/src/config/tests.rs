@@ -103,10 +103,7 @@ fn values_out_of_range_are_refused_with_their_line() {
 }
 
 fn inertia(architecture: &Architecture) -> Inertia {
-    match architecture {
-        Architecture::Rigid(rigid) => rigid.inertia,
-        Architecture::Modular(_) => panic!("a rigid model"),
-    }
+    architecture.rigid().unwrap().inertia
 }
 
 #[test]

@@ -112,6 +112,13 @@ impl Dataset {
         self.trajectories.iter().map(Trajectory::samples).sum()
     }
 
+    /// Whether a control other than zero acts on any sample.
+    #[must_use]
+    pub fn is_forced(&self) -> bool {
+        let forced = |t: &Trajectory| t.u.as_ref().is_some_and(|u| u.as_flat().iter().any(|u| *u != 0.0));
+        self.trajectories.iter().any(forced)
+    }
+
     /// The first `k` trajectories, or all when there are fewer.
     #[must_use]
     pub fn truncated(&self, k: usize) -> Self {
@@ -174,12 +181,23 @@ fn positive(h: f64) -> Result<(), Problem> {
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
+    let bytes = located(path, || {
+        format_of(path)?;
+        fs::read(path).map_err(|error| (Place::File, error.into()))
+    })?;
+    decode(path, &bytes)
+}
+
+/// As [`read`], of the content of a file; `path` tells the format and stands in errors.
+///
+/// # Errors
+/// As [`read`].
+pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note>), DataError> {
+    let path = path.as_ref();
     located(path, || {
-        let format = format_of(path)?;
-        let bytes = fs::read(path).map_err(|error| (Place::File, error.into()))?;
-        match format {
-            Format::Npz => npz::read(&bytes)?,
-            Format::Csv => csv_file::read(&bytes)?,
+        match format_of(path)? {
+            Format::Npz => npz::read(bytes)?,
+            Format::Csv => csv_file::read(bytes)?,
         }
         .into_dataset()
     })

@@ -47,7 +47,7 @@ pub struct Phase<'a> {
     pub angle: Angle,
 }
 
-/// Draws curves in a phase plane, as the truth and a model.
+/// Draws curves in a phase plane, as the truth and a model; curves of one label are of one colour.
 ///
 /// # Errors
 /// [`PlotError`]: the file cannot be written.
@@ -61,10 +61,33 @@ pub fn phase_portrait(
     let scale = if phase.angle == Angle::No { Scale::Linear } else { Scale::Angle };
     let x = Axis::fit(scale, values(&series, |point| point.0), X_TICKS);
     let y = Axis::fit(Scale::Linear, values(&series, |point| point.1), Y_TICKS);
-    let colours: Vec<_> = (0..series.len()).collect();
+    let colours = colours_by_label(&series);
     let chart =
         Chart { x, y, x_label: phase.x_label, y_label: phase.y_label, series: &series, colours: &colours };
     single(path, title, &chart)
+}
+
+/// Colours in the order in which labels appear: curves of one label are of one colour.
+fn colours_by_label(series: &[Series]) -> Vec<usize> {
+    let mut labels: Vec<&str> = Vec::new();
+    let mut colour = |label| {
+        labels.iter().position(|known| *known == label).unwrap_or_else(|| {
+            labels.push(label);
+            labels.len() - 1
+        })
+    };
+    series.iter().map(|series| colour(series.label.as_str())).collect()
+}
+
+/// How the vertical axis of a panel is laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Vertical {
+    /// Ticks at round numbers.
+    Linear,
+    /// Powers of ten, as for residuals.
+    Logarithmic,
+    /// Ticks at parts of π.
+    Angle,
 }
 
 /// One of the charts that share a time axis.
@@ -72,8 +95,8 @@ pub fn phase_portrait(
 pub struct Panel<'a> {
     /// Quantity and unit.
     pub y_label: &'a str,
-    /// Whether the vertical axis is logarithmic, as for residuals.
-    pub logarithmic: bool,
+    /// How values are laid out.
+    pub vertical: Vertical,
     /// Curves of (time in s, value).
     pub series: &'a [Series],
 }
@@ -82,11 +105,21 @@ impl<'a> Panel<'a> {
     /// A panel with a linear axis.
     #[must_use]
     pub fn new(y_label: &'a str, series: &'a [Series]) -> Self {
-        Self { y_label, logarithmic: false, series }
+        Self { y_label, vertical: Vertical::Linear, series }
+    }
+
+    /// The same with another vertical axis.
+    #[must_use]
+    pub fn with_vertical(self, vertical: Vertical) -> Self {
+        Self { vertical, ..self }
     }
 
     fn axis(&self) -> Axis {
-        let scale = if self.logarithmic { Scale::Log } else { Scale::Linear };
+        let scale = match self.vertical {
+            Vertical::Linear => Scale::Linear,
+            Vertical::Logarithmic => Scale::Log,
+            Vertical::Angle => Scale::Angle,
+        };
         Axis::fit(scale, values(self.series, |point| point.1), PANEL_TICKS)
     }
 

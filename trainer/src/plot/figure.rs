@@ -109,11 +109,14 @@ pub(super) fn legend_height(series: &[Series], left: f64) -> f64 {
     legend_slots(series, left).last().map_or(0.0, |&(_, row, _)| (row + 1) as f64 * LEGEND_ROW + 2.0)
 }
 
-/// Where each labelled series stands in the legend: its number, row and left edge.
-fn legend_slots(series: &[Series], start: f64) -> Vec<(usize, usize, f64)> {
+/// Where each label stands in the legend: the number of its first series, row and left edge.
+fn legend_slots(all: &[Series], start: f64) -> Vec<(usize, usize, f64)> {
     let (mut row, mut left) = (0, start);
     let mut slots = Vec::new();
-    for (index, series) in series.iter().enumerate().filter(|(_, series)| !series.label.is_empty()) {
+    let first = |index: usize, label: &str| all.iter().position(|other| other.label == label) == Some(index);
+    let labelled =
+        |(index, series): &(usize, &Series)| !series.label.is_empty() && first(*index, &series.label);
+    for (index, series) in all.iter().enumerate().filter(labelled) {
         let width = SWATCH + 6.0 + text_width(&series.label, LABEL_SIZE) + 20.0;
         if left > start && left + width > WIDTH {
             (row, left) = (row + 1, start);

@@ -1,8 +1,8 @@
 //! Charts as SVG files: loss curves, phase portraits, time series and log-log plots.
 //!
 //! The files need nothing else: no script, no font file, no style sheet. Colours are those of Okabe and Ito, which
-//! the colour-blind tell apart; there are seven, then they repeat. A file is replaced in one step or not at all. Curves are thinned to what the eye can see,
-//! so millions of points are no burden on the file. Values that an axis cannot show interrupt a curve: those that are not
+//! the colour-blind tell apart; there are seven, then they repeat. A label stands in the legend once. A file is replaced
+//! in one step or not at all. Curves are thinned to what the eye can see, so millions of points are no burden on the file. Values that an axis cannot show interrupt a curve: those that are not
 //! finite (or beyond 10³⁰⁰), and zero and negative ones on a logarithmic axis. A chart of nothing says so.
 
 mod axis;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-pub use charts::{Panel, Phase, log_log, loss_curve, phase_portrait, time_series};
+pub use charts::{Panel, Phase, Vertical, log_log, loss_curve, phase_portrait, time_series};
 pub use series::{Angle, Series, Stroke};
 
 /// A chart that could not be made.

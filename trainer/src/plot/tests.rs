@@ -141,9 +141,23 @@ fn portraits_of_a_spinning_pendulum() {
 }
 
 #[test]
+fn curves_of_one_label_share_a_colour_and_a_legend_entry() {
+    let phase = Phase { x_label: "θ (rad)", y_label: "θ̇ (rad/s)", angle: Angle::No };
+    let pair = [line("truth", f64::sin), line("model", f64::cos)];
+    let four = [pair.clone(), pair.clone()].concat();
+    let svg = drawn(|path| phase_portrait(path, "Phase", phase, &four));
+    check_layout(&svg);
+    assert_eq!((svg.matches("truth").count(), svg.matches("model").count()), (1, 1));
+    let colours = |svg: &str| -> std::collections::BTreeSet<String> {
+        svg.split(" stroke=\"").skip(1).map(|rest| rest.chars().take(7).collect()).collect()
+    };
+    assert_eq!(colours(&svg), colours(&drawn(|path| phase_portrait(path, "Phase", phase, &pair))));
+}
+
+#[test]
 fn panels_share_one_time_axis() {
     let (a, b) = ([line("angle", f64::sin), line("model", f64::cos)], [line("", |t| 1e-7 * (1.1 + t.sin()))]);
-    let residual = Panel { y_label: "residual (N·s)", logarithmic: true, series: &b };
+    let residual = Panel::new("residual (N·s)", &b).with_vertical(Vertical::Logarithmic);
     let svg = drawn(|path| time_series(path, "Run", &[Panel::new("angle (rad)", &a), residual]));
     check_layout(&svg);
     assert_eq!(svg.matches("time (s)").count(), 1);

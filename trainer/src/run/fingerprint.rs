@@ -1,6 +1,7 @@
 //! Fingerprints that tell one input from another by accident, not by malice.
 
 use crate::data::{Dataset, Rows, Trajectory};
+use crate::training::LossKind;
 use crc::{CRC_64_XZ, Crc, Digest, Table};
 
 static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
@@ -10,14 +11,16 @@ pub(super) fn of_bytes(bytes: &[u8]) -> u64 {
     CRC.checksum(bytes)
 }
 
-/// CRC-64/XZ over every number of a data set: the same for the same motion in another file or format.
-pub(super) fn of_data(data: &Dataset) -> u64 {
+/// CRC-64/XZ over every number of a data set that the loss reads: the same for the same motion in another file or format,
+/// and, where the loss needs positions and controls alone, whatever the logged velocities and accelerations are.
+pub(super) fn of_data(data: &Dataset, loss: LossKind) -> u64 {
+    let state = loss == LossKind::Acceleration;
     let mut digest = CRC.digest();
     digest.update(&(data.n as u64).to_le_bytes());
     digest.update(&data.h.to_le_bytes());
     for trajectory in &data.trajectories {
         let Trajectory { q, v, a, u, .. } = trajectory;
-        for rows in [Some(q), v.as_ref(), a.as_ref(), u.as_ref()] {
+        for rows in [Some(q), v.as_ref().filter(|_| state), a.as_ref().filter(|_| state), u.as_ref()] {
             add_rows(&mut digest, rows);
         }
     }

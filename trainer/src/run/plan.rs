@@ -3,7 +3,7 @@
 use super::fingerprint;
 use crate::architecture::Architecture;
 use crate::config::{Config, OptimiserKind, TrainingConfig};
-use crate::data::{Dataset, Trajectory};
+use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
 use leastaction_core::model::{Discretisation, ModelError};
 use thiserror::Error;
@@ -96,7 +96,7 @@ impl Plan {
         let data = config.data.trajectories.map_or_else(|| data.clone(), |count| data.truncated(count));
         let mut notices = Vec::new();
         let parts = split(&data, config.data.validation, &mut notices);
-        let kinds = kinds(&config.training, is_forced(&parts.0), &mut notices)?;
+        let kinds = kinds(&config.training, parts.0.is_forced(), &mut notices)?;
         let stages = kinds
             .into_iter()
             .map(|(name, kind)| stage(name, kind, &config.training, &architecture, &parts))
@@ -106,7 +106,7 @@ impl Plan {
         Ok(Self {
             architecture,
             discretisation: (loss != LossKind::Acceleration).then_some(discretisation),
-            data_fingerprint: fingerprint::of_data(&data),
+            data_fingerprint: fingerprint::of_data(&data, loss),
             stages,
             notices,
             config,
@@ -149,11 +149,6 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> (Dataset, 
     let held_back = ((fraction * count as f64).round() as usize).clamp(1, count - 1);
     let (training, validation) = data.split(count - held_back);
     (training, Some(validation))
-}
-
-fn is_forced(data: &Dataset) -> bool {
-    let forced = |t: &Trajectory| t.u.as_ref().is_some_and(|u| u.as_flat().iter().any(|u| *u != 0.0));
-    data.trajectories.iter().any(forced)
 }
 
 /// The stages and their losses.

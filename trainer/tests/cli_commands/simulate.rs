@@ -62,6 +62,27 @@ fn what_cannot_be_simulated_is_refused() {
     bench
         .run("simulate run.postcard --scenario track --system cartpole")
         .bad(2, &["1 coordinates", "--system"]);
-    bench.run("simulate run.postcard --scenario track --seconds=-1").bad(2, &["length of the run"]);
+    bench.run("simulate run.postcard --scenario track --seconds -1").bad(2, &["--seconds", "above 0"]);
+    bench.run("simulate run.postcard --scenario track --seconds 1e-9").bad(2, &["length of the run"]);
+    bench.run("simulate run.postcard --scenario track --seed -1").bad(2, &["--seed", "whole number"]);
+    bench
+        .run("simulate run.postcard --scenario track -o run.postcard")
+        .bad(2, &["run.postcard", "name a folder"]);
     bench.run("simulate run.postcard --scenario track --tick nan").bad(2, &["tick"]);
+}
+
+#[test]
+fn evaluation_compares_energy_only_where_no_force_acts() {
+    let bench = learned();
+    let measures = |log: &str| {
+        let words = format!("evaluate run.postcard --data {log}.npz --system pendulum --json");
+        let done = bench.run(&words).good();
+        let report = done.json();
+        assert!(report["one_step_mse"].as_f64().unwrap() < 1e-6 && report["inertia_mse"].is_f64());
+        (report["energy_mse"].as_f64(), done.stderr.contains("energy is not compared"))
+    };
+    assert_eq!(measures("data"), (None, true));
+    bench.run("generate pendulum -o free.npz --h 0.05 --trajectories 2 --no-control").good();
+    assert!(matches!(measures("free"), (Some(error), false) if error < 1.0));
+    bench.run("evaluate run.postcard --data data.npz --order 3").bad(2, &["--order", "2 or 4"]);
 }

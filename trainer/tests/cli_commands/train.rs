@@ -88,6 +88,8 @@ fn configuration_errors_name_file_line_and_key() {
     bench.run("train c.toml -o run").bad(2, &["c.toml:10", "iteratons", "did you mean `iterations`?"]);
     bench.config("optimiser = \"sgd\"");
     bench.run("train c.toml -o run").bad(2, &["c.toml:10", "sgd", "levenberg-marquardt"]);
+    bench.config("threads = 100000");
+    bench.run("train c.toml -o run").bad(2, &["c.toml:10", "from 0 to 1024"]);
     bench.run("train c.toml").bad(2, &["--output"]);
     assert!(!bench.at("run").exists());
 }
@@ -98,7 +100,7 @@ fn data_that_does_not_fit_is_refused() {
     bench.config("iterations = 2");
     bench.run("train c.toml -o run").bad(2, &["data.npz"]);
     bench.run("generate cartpole -o data.npz --trajectories 2 --samples 4").good();
-    bench.run("train c.toml -o run").bad(2, &["1 coordinates", "data has 2"]);
+    bench.run("train c.toml -o run").bad(2, &["c.toml", "1 coordinates", "data has 2"]);
     bench.write("data.csv", "t,q\n0,0.1\n0.1,nan\n0.2,0.3\n");
     bench.write("c.toml", &bench.text("c.toml").replace("data.npz", "data.csv"));
     bench.run("train c.toml -o run").bad(2, &["data.csv", "line 3", "column q"]);

@@ -2,8 +2,9 @@
 
 mod portrait;
 
+use super::arguments::seed;
 use super::export::export;
-use super::output::{Failure, Output};
+use super::output::{Failure, Output, folder};
 use super::simulate::{self, Request, Scenario, simulate};
 use super::{Done, interrupt, train};
 use clap::Args;
@@ -29,7 +30,7 @@ pub struct Demo {
     #[arg(long, default_value = "demo", value_name = "DIR")]
     out: PathBuf,
     /// Of all random numbers.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Show no progress.
     #[arg(short, long)]
@@ -68,7 +69,7 @@ impl Demo {
     fn steps(&self, output: Output, started: &Instant) -> Result<Report, Failure> {
         let at = |name: &str| self.out.join(name);
         let say = |step: &str| output.note(&format!("{:5.1} s  {step}", started.elapsed().as_secs_f64()));
-        std::fs::create_dir_all(&self.out).map_err(|error| Failure::file(&self.out, error))?;
+        folder(&self.out)?;
         say("generate: a cart-pole under random forces");
         let samples = self.generate(&at("data.npz"))?;
         say("train: the energies, from positions and forces alone");
@@ -113,7 +114,7 @@ impl Demo {
         (config.training.iterations, config.training.seed) = (ITERATIONS, self.seed);
         let (file, folder) = (self.out.join("train.toml"), self.out.join("run"));
         atomic::write(&file, config.to_toml().as_bytes()).map_err(|error| Failure::file(&file, error))?;
-        let plan = train::plan(Config::read(&file)?, output)?;
+        let plan = train::plan(&file, Config::read(&file)?, output)?;
         let run = Run::begin(plan, &folder, true)?;
         let (report, ending) = train::train(run, &folder, self.quiet, interrupt::flag()?)?;
         if ending == Ending::Interrupted {

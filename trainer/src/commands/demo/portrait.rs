@@ -50,19 +50,18 @@ pub fn forecast(
 
 fn draw(file: &Path, truth: &Dataset, learned: &[Vec<f64>]) -> Result<(), Failure> {
     let pairs = truth.trajectories.iter().zip(learned).take(SHOWN);
-    let series: Vec<Series> = pairs.enumerate().flat_map(|(k, pair)| curves(truth, pair, k == 0)).collect();
-    let phase = Phase { x_label: "θ (rad)", y_label: "dθ/dt (rad/s)", angle: Angle::Wrapped };
+    let series: Vec<Series> = pairs.flat_map(|pair| curves(truth, pair)).collect();
+    let phase = Phase { x_label: "θ (rad), upright at 0", y_label: "dθ/dt (rad/s)", angle: Angle::Wrapped };
     let title = format!("Free motion of the pole for {SECONDS} s: learned against true");
     phase_portrait(file, &title, phase, &series).map_err(|error| Failure::Work(error.to_string()))
 }
 
 /// The true and the learned curve of one trajectory.
-fn curves(data: &Dataset, (truth, learned): (&Trajectory, &Vec<f64>), first: bool) -> [Series; 2] {
-    let label = |text: &str| if first { text.to_owned() } else { String::new() };
+fn curves(data: &Dataset, (truth, learned): (&Trajectory, &Vec<f64>)) -> [Series; 2] {
     let plane = |positions: &[f64]| phase_plane(positions, data.n, data.h);
     [
-        Series::new(label("true"), plane(truth.q.as_flat())).with_stroke(Stroke::Wide),
-        Series::new(label("learned"), plane(learned)),
+        Series::new("true", plane(truth.q.as_flat())).with_stroke(Stroke::Wide),
+        Series::new("learned", plane(learned)),
     ]
 }
 

@@ -50,7 +50,8 @@ impl Inspect {
 /// Reads a model file; also its size.
 pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
     let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
-    let model = decode(&bytes).map_err(|error| Failure::input(file, error))?;
+    let refused = |error| format!("{error}; `leastaction export` makes a model file of a training run");
+    let model = decode(&bytes).map_err(|error| Failure::input(file, refused(error)))?;
     Ok((model, bytes.len()))
 }
 

@@ -9,11 +9,13 @@ pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
 
 use super::Done;
+use super::arguments::{positive_f32, seed};
 use super::inspect::load;
-use super::output::{Failure, Output};
+use super::output::{Failure, Output, folder};
 use clap::Args;
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
+use leastaction_core::energy::rigid::Coordinate;
 use leastaction_firmware_sim::{Incidents, Summary};
 use serde::Serialize;
 use std::fmt;
@@ -37,13 +39,13 @@ pub struct Simulate {
     #[arg(long)]
     system: Option<Mechanism>,
     /// Of the initial state and of all noise.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Length of the run, s [default: 10; 5 for predict].
-    #[arg(long)]
+    #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     seconds: Option<f32>,
     /// Time from tick to tick, s [default: 0.01].
-    #[arg(long)]
+    #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     tick: Option<f32>,
     /// The folder to write to.
     #[arg(short, long, default_value = "simulation", value_name = "DIR")]
@@ -59,6 +61,9 @@ pub struct Report {
     pub scenario: Scenario,
     /// What it acted on.
     pub system: &'static str,
+    /// Units of its positions and of the forces on them.
+    #[serde(skip)]
+    units: [String; 2],
     /// Of all noise.
     pub seed: u64,
     /// Whether the goal was reached.
@@ -106,7 +111,7 @@ impl Simulate {
         let mechanism = self.system.map_or_else(|| mechanism(&self.model, &model), Ok)?;
         let Self { scenario, seed, seconds, tick, .. } = self;
         let request = Request { model: &model, mechanism, scenario, seed, seconds, tick };
-        std::fs::create_dir_all(&self.output).map_err(|error| Failure::file(&self.output, error))?;
+        folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         let report = simulate(&self.model, &request, files)?;
         output.report(&report)?;
@@ -119,8 +124,7 @@ pub fn simulate(file: &Path, request: &Request, [trace, picture]: [PathBuf; 2]) 
     let mut rows = Trace::default();
     let mut report = scenario::run(request, &mut rows)?;
     rows.write(&trace).map_err(|error| Failure::file(&trace, error))?;
-    let title = format!("{} of the {}", request.scenario, request.mechanism.name());
-    draw(&picture, &title, &request.model.architecture.coordinates(), &rows)?;
+    draw(&picture, request, &rows)?;
     (report.model, report.trace, report.picture) = (file.to_owned(), trace, picture);
     Ok(report)
 }
@@ -146,6 +150,7 @@ impl Report {
             model: PathBuf::new(),
             scenario: request.scenario,
             system: request.mechanism.name(),
+            units: [POSITION, FORCE].map(|units| units_of(request.mechanism, units)),
             seed: request.seed,
             success: summary.success,
             ticks: summary.ticks,
@@ -182,24 +187,43 @@ impl Report {
     }
 }
 
+/// Units by kind of coordinate: translation, angle.
+const POSITION: [&str; 2] = ["m", "rad"];
+const FORCE: [&str; 2] = ["N", "N m"];
+
+/// The unit of a coordinate of this kind.
+fn unit(kind: Coordinate, [translation, angle]: [&'static str; 2]) -> &'static str {
+    if kind == Coordinate::Angle { angle } else { translation }
+}
+
+/// The units of all coordinates, in order.
+fn units_of(mechanism: Mechanism, units: [&'static str; 2]) -> String {
+    let units: Vec<_> = mechanism.coordinates().iter().map(|kind| unit(*kind, units)).collect();
+    units.join(", ")
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let settled = self.settled_at.map_or("never settled".to_owned(), |t| format!("settled at {t:.2} s"));
         let goal = if self.success { "goal reached" } else { "goal NOT reached" };
+        let settled = match self.settled_at {
+            None => "not within the tolerance at the end".to_owned(),
+            Some(0.0) => "within the tolerance throughout".to_owned(),
+            Some(t) => format!("within the tolerance for good after {t:.2} s"),
+        };
         writeln!(f, "{} of the {}, seed {}: {goal}, {settled}", self.scenario, self.system, self.seed)?;
-        let line =
-            |f: &mut fmt::Formatter, name: &str, values: &[f32]| writeln!(f, "{name:<28} {}", list(values));
-        writeln!(f, "{:<28} {} (model errors: {})", "ticks", self.ticks, self.model_errors)?;
-        line(f, "error, rms (m, rad)", &self.rms_error)?;
-        line(f, "error, at most", &self.max_error)?;
-        line(f, "estimate's error, rms", &self.rms_estimate_q)?;
-        line(f, "its velocity's", &self.rms_estimate_v)?;
-        line(f, "position, at most", &self.max_q)?;
-        line(f, "force, at most (N, N m)", &self.max_force)?;
+        let [q, u] = &self.units;
+        let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<32} {value}");
+        line(f, "ticks", &format!("{} (model errors: {})", self.ticks, self.model_errors))?;
+        line(f, &format!("error, rms ({q})"), &list(&self.rms_error))?;
+        line(f, "error, largest", &list(&self.max_error))?;
+        line(f, "estimated position, rms error", &list(&self.rms_estimate_q))?;
+        line(f, "estimated velocity, rms error", &list(&self.rms_estimate_v))?;
+        line(f, &format!("position, largest ({q})"), &list(&self.max_q))?;
+        line(f, &format!("force, largest ({u})"), &list(&self.max_force))?;
         let (iterations, residual) = (self.newton_iterations, self.newton_residual);
-        writeln!(f, "{:<28} {iterations} iterations at most, residual {residual:.1e}", "Newton")?;
-        writeln!(f, "{:<28} {} in {}", "trace", self.trace_hash, self.trace.display())?;
-        writeln!(f, "{:<28} {}", "picture", self.picture.display())
+        line(f, "Newton", &format!("{iterations} iterations at most, residual {residual:.1e}"))?;
+        line(f, "trace", &format!("{} in {}", self.trace_hash, self.trace.display()))?;
+        line(f, "picture", &self.picture.display().to_string())
     }
 }
 

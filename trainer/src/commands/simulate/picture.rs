@@ -1,52 +1,88 @@
 //! The picture of a run.
 
-use super::{Row, Trace};
+use super::{FORCE, POSITION, Request, Row, Scenario, Trace, unit};
 use crate::commands::output::Failure;
-use leastaction::plot::{Panel, Series, Stroke, time_series};
+use leastaction::ground_truth::Mechanism;
+use leastaction::plot::{Panel, Series, Stroke, Vertical, time_series};
+use leastaction_core::energy::rigid::Coordinate;
 use leastaction_firmware_sim::wrap;
 use std::path::Path;
 
-/// Draws positions (true, estimated, wanted) and forces over time.
-pub fn draw(file: &Path, title: &str, kinds: &str, trace: &Trace) -> Result<(), Failure> {
-    let panels: Vec<(String, Vec<Series>)> = kinds
-        .char_indices()
-        .flat_map(|(i, kind)| [(format!("q{i} ({})", unit(kind)), position(trace, i, kind))])
-        .chain([("force (N, N m)".to_owned(), forces(trace, kinds.len()))])
+/// Draws positions (true, of the model, wanted) and forces over time.
+pub fn draw(file: &Path, request: &Request, trace: &Trace) -> Result<(), Failure> {
+    let mechanism = request.mechanism;
+    let coordinates = names(mechanism).iter().zip(mechanism.coordinates()).enumerate();
+    let positions: Vec<_> = coordinates
+        .map(|(i, (name, kind))| (*kind, label(name, *kind), position(request.scenario, trace, i, *kind)))
         .collect();
-    let panels: Vec<Panel> = panels.iter().map(|(label, series)| Panel::new(label, series)).collect();
-    time_series(file, title, &panels).map_err(|error| Failure::Work(error.to_string()))
+    let (force_label, forces) = forces(mechanism, trace);
+    let panels: Vec<Panel> = positions
+        .iter()
+        .map(|(kind, label, series)| Panel::new(label, series).with_vertical(vertical(*kind)))
+        .chain([Panel::new(&force_label, &forces)])
+        .collect();
+    time_series(file, &title(request), &panels).map_err(|error| Failure::Work(error.to_string()))
 }
 
-/// Of a position.
-pub fn unit(kind: char) -> &'static str {
-    if kind == 'a' { "rad" } else { "m" }
+fn title(request: &Request) -> String {
+    let zero = if request.mechanism == Mechanism::Acrobot { "hanging" } else { "upright" };
+    let (scenario, system, seed) = (request.scenario, request.mechanism.name(), request.seed);
+    format!("{scenario} of the {system}, seed {seed} (θ = 0: {zero})")
 }
 
-fn position(trace: &Trace, i: usize, kind: char) -> Vec<Series> {
+/// What the coordinates are called.
+fn names(mechanism: Mechanism) -> &'static [&'static str] {
+    match mechanism {
+        Mechanism::Pendulum => &["θ"],
+        Mechanism::Cartpole => &["x", "θ"],
+        Mechanism::Acrobot => &["θ1", "θ2"],
+    }
+}
+
+fn label(name: &str, kind: Coordinate) -> String {
+    format!("{name} ({})", unit(kind, POSITION))
+}
+
+fn vertical(kind: Coordinate) -> Vertical {
+    if kind == Coordinate::Angle { Vertical::Angle } else { Vertical::Linear }
+}
+
+fn position(scenario: Scenario, trace: &Trace, i: usize, kind: Coordinate) -> Vec<Series> {
+    let angle = kind == Coordinate::Angle;
+    // Upright is upright however many turns it took: the motion ends within half a turn of its reference.
+    let turns = if angle { whole_turns(trace, i) } else { 0.0 };
     // Encoders forget whole turns, so that an estimated angle may be turns away from the true one.
-    let near = move |x: f32, q: f32| if kind == 'a' { q + wrap(x - q) } else { x };
-    let turns = if kind == 'a' { whole_turns(trace, i) } else { 0.0 };
-    vec![
-        curve("true", trace, move |row| row.q.get(i).copied()).with_stroke(Stroke::Wide),
-        curve("estimated by the model", trace, move |row| {
-            Some(near(*row.q_estimate.get(i)?, *row.q.get(i)?))
-        }),
-        curve("reference", trace, move |row| Some(row.reference.get(i)? + turns)).with_stroke(Stroke::Dashed),
-    ]
+    let near = move |x: f32, q: f32| if angle { q + wrap(x - q) } else { x };
+    let of_model = move |row: &Row| {
+        let q = row.q.get(i)?;
+        Some(near(*row.q_estimate.get(i)?, *q) - turns)
+    };
+    let truth = curve("true", trace, move |row| Some(row.q.get(i)? - turns)).with_stroke(Stroke::Wide);
+    if scenario == Scenario::Predict {
+        return vec![truth, curve("predicted by the model", trace, of_model)];
+    }
+    let reference = curve("reference", trace, move |row| row.reference.get(i).copied());
+    vec![truth, curve("estimated by the model", trace, of_model), reference.with_stroke(Stroke::Dashed)]
 }
 
-/// Whole turns (rad) from the reference to the true angle at the end: upright is upright.
+/// Whole turns (rad) from the reference to the true angle at the end.
 fn whole_turns(trace: &Trace, i: usize) -> f32 {
     let away = trace.rows.last().and_then(|row| Some(row.q.get(i)? - row.reference.get(i)?)).unwrap_or(0.0);
     away - wrap(away)
 }
 
-fn forces(trace: &Trace, n: usize) -> Vec<Series> {
-    let acts = |i: &usize| trace.rows.iter().any(|row| row.applied.get(*i).is_some_and(|u| *u != 0.0));
-    (0..n)
-        .filter(acts)
-        .map(|i| curve(&format!("u{i}"), trace, move |row| row.applied.get(i).copied()))
-        .collect()
+/// The forces that act, with the label of their axis.
+fn forces(mechanism: Mechanism, trace: &Trace) -> (String, Vec<Series>) {
+    let acts = |i: usize| trace.rows.iter().any(|row| row.applied.get(i).is_some_and(|u| *u != 0.0));
+    let coordinates = names(mechanism).iter().zip(mechanism.coordinates()).enumerate();
+    let acting: Vec<_> = coordinates.filter(|(i, _)| acts(*i)).collect();
+    let mut units: Vec<_> = acting.iter().map(|(_, (_, kind))| unit(**kind, FORCE)).collect();
+    units.dedup();
+    let series = acting
+        .iter()
+        .map(|(i, (name, _))| curve(&format!("on {name}"), trace, |row| row.applied.get(*i).copied()))
+        .collect();
+    (format!("force ({})", units.join(", ")), series)
 }
 
 fn curve(label: &str, trace: &Trace, value: impl Fn(&Row) -> Option<f32>) -> Series {

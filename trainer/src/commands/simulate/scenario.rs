@@ -3,7 +3,7 @@
 use super::{Report, Trace};
 use crate::commands::output::Failure;
 use clap::ValueEnum;
-use leastaction::architecture::{Architecture, MAX_WIDTH, RigidArchitecture};
+use leastaction::architecture::{MAX_WIDTH, RigidArchitecture};
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
@@ -88,12 +88,8 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
 
 /// The shape, of the one family that the scenarios take.
 fn rigid<'a>(request: &'a Request) -> Result<&'a RigidArchitecture, Failure> {
-    match &request.model.architecture {
-        Architecture::Rigid(rigid) => Ok(rigid),
-        Architecture::Modular(_) => {
-            Err(Failure::Input("the scenarios take models of the rigid family only".to_owned()))
-        }
-    }
+    let rigid = request.model.architecture.rigid();
+    rigid.ok_or_else(|| Failure::Input("the scenarios take models of the rigid family only".to_owned()))
 }
 
 fn pendulum<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {

@@ -1,0 +1,42 @@
+//! Training by the library, as `leastaction train` and `leastaction export` do it.
+
+use leastaction::config::{Config, Coordinates};
+use leastaction::data::Dataset;
+use leastaction::ground_truth::{Mechanism, Settings, generate};
+use leastaction::model_file::encode;
+use leastaction::run::{Monitor, Plan, Row, Run, Trained};
+use std::sync::atomic::AtomicBool;
+
+/// Takes warnings for failures.
+struct Strict;
+
+impl Monitor for Strict {
+    fn row(&mut self, _: &Row) {}
+
+    fn warning(&mut self, message: &str) {
+        panic!("{message}");
+    }
+}
+
+/// So many short motions of the cart-pole under random forces.
+pub fn log(trajectories: usize) -> Dataset {
+    generate(&Settings::symo(Mechanism::Cartpole, trajectories, 0)).unwrap()
+}
+
+/// A network of two layers for the cart-pole.
+pub fn config(width: u16, iterations: u64) -> Config {
+    let mut config = Config::new("log.npz", Coordinates(Mechanism::Cartpole.coordinates().to_vec()));
+    config.model.hidden = vec![width; 2];
+    config.training.iterations = iterations;
+    config
+}
+
+/// The model file that a configuration makes of a log.
+pub fn model_file(config: Config, log: &Dataset) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = Run::begin(Plan::new(config, log).unwrap(), folder.path(), false).unwrap();
+    run.train(&mut Strict, &AtomicBool::new(false)).unwrap();
+    let Trained { architecture, discretisation, best, provenance, .. } =
+        Trained::read(folder.path()).unwrap();
+    encode(&architecture, &best.weights, discretisation, &provenance).unwrap()
+}
