@@ -6,6 +6,7 @@
 //! written.
 
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 
 use super::error::{DataError, Fault, Place, Problem};
@@ -161,6 +162,21 @@ impl ModlanetRows {
         let pairs = self.t.iter().flat_map(|t| t.windows(2)).zip(1..);
         let starts = pairs.filter(|(pair, _)| pair[1] <= pair[0]).map(|(_, row)| row);
         std::iter::once(0).chain(starts).collect()
+    }
+
+    /// Some of the rows.
+    #[must_use]
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        let part = |values: &Option<Vec<f64>>| {
+            values.as_ref().and_then(|v| v.get(range.clone()).map(<[f64]>::to_vec))
+        };
+        Self {
+            q: self.q.slice(range.clone()),
+            v: self.v.slice(range.clone()),
+            a: self.a.slice(range.clone()),
+            t: part(&self.t),
+            energy: part(&self.energy),
+        }
     }
 
     /// Mean squared acceleration, over rows and coordinates: the loss of a model that always says 0.

@@ -1,3 +1,4 @@
 //! The papers' experiments, ours beside theirs.
 
+pub mod modlanet;
 pub mod symo;

@@ -1,9 +1,9 @@
-//! `leastaction reproduce`.
+//! `leastaction reproduce symo`.
 
-use super::Done;
-use super::arguments::{order, seed};
-use super::output::{Failure, Output, folder};
-use clap::{Args, Subcommand};
+use crate::commands::Done;
+use crate::commands::arguments::{order, seed};
+use crate::commands::output::{Failure, Output, folder};
+use clap::Args;
 use leastaction::atomic;
 use leastaction::data::symo::{self, SymoSet};
 use leastaction::ground_truth::{Mechanism, symo_set};
@@ -13,18 +13,6 @@ use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Repeat the papers' experiments, ours beside theirs.
-#[derive(Args)]
-pub struct Reproduce {
-    #[command(subcommand)]
-    paper: Paper,
-}
-
-#[derive(Subcommand)]
-enum Paper {
-    Symo(Symo),
-}
-
 /// SyMo (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot from positions and controls.
 ///
 /// Learns every case that the options leave open (all: three systems, two models, orders 2 and 4, 8 to 128 trajectories)
@@ -32,7 +20,7 @@ enum Paper {
 ///
 /// Example: leastaction reproduce symo --system cartpole --model e2e-symo --order 4 --trajectories 32 --json
 #[derive(Args)]
-struct Symo {
+pub struct Symo {
     /// Only this mechanism.
     #[arg(long)]
     system: Option<Mechanism>,
@@ -131,17 +119,9 @@ fn theirs(f: &mut fmt::Formatter, row: &Outcome, published: &Published) -> fmt::
     writeln!(f)
 }
 
-impl Reproduce {
+impl Symo {
     /// Learns and prints.
     pub fn run(self, output: Output) -> Done {
-        match self.paper {
-            Paper::Symo(symo) => symo.run(output),
-        }
-    }
-}
-
-impl Symo {
-    fn run(self, output: Output) -> Done {
         self.output.as_deref().map_or(Ok(()), folder)?;
         let mut rows = Vec::new();
         for mechanism in self.systems() {

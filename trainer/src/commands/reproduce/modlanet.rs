@@ -1,0 +1,195 @@
+//! `leastaction reproduce modlanet`.
+
+use crate::commands::Done;
+use crate::commands::arguments::seed;
+use crate::commands::output::{Failure, Output, folder};
+use clap::{Args, ValueEnum};
+use leastaction::atomic;
+use leastaction::data::modlanet;
+use leastaction::reproduce::modlanet::{Case, Options, Outcome, ReproduceError, run};
+use leastaction_core::energy::modular::PairInput;
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+
+/// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
+///
+/// Runs every case that the options leave open and prints its errors beside the paper's. Predictions are judged in the
+/// paper's measures, which are not mean squares: the Frobenius norm of the errors over the number of comparisons, averaged
+/// over 100 starts. Pendulums are chaotic: what exact physics in single precision reaches stands beside.
+///
+/// Example: leastaction reproduce modlanet --case double-pendulum --json
+#[derive(Args)]
+pub struct Modlanet {
+    /// Only this experiment.
+    #[arg(long)]
+    case: Option<Case>,
+    /// A data set in the layout of the ModLaNet authors (x, v, ac, test_x, …) instead of a generated one, of two pendulums or
+    /// three bodies; needs --case.
+    #[arg(long, value_name = "FILE", requires = "case")]
+    data: Option<PathBuf>,
+    /// What the bodies' pair potential sees of two positions.
+    #[arg(long, default_value = "distance")]
+    pair: Pair,
+    /// Iterations of Levenberg-Marquardt at most.
+    #[arg(long, default_value_t = 150, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: u32,
+    /// The most samples of dataset-size.
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(10_000..))]
+    samples: u32,
+    /// Starts of the predictions.
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+    starts: u32,
+    /// Of the initial weights and, without --data, of the data.
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
+    seed: u64,
+    /// Writes table.csv there.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Pair {
+    /// The distance of the two: |a - b|.
+    Distance,
+    /// The difference: a - b.
+    Difference,
+    /// Both positions (the authors').
+    Concat,
+}
+
+impl Modlanet {
+    /// Learns and prints.
+    pub fn run(self, output: Output) -> Done {
+        self.output.as_deref().map_or(Ok(()), folder)?;
+        let mut rows = Vec::new();
+        for case in Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)) {
+            rows.extend(self.rows(case, output)?);
+        }
+        self.write(&rows)?;
+        match <[Outcome; 1]>::try_from(rows) {
+            Ok([row]) if output.json => output.report(&Single(row)),
+            Ok([row]) => output.report(&Table { rows: vec![row] }),
+            Err(rows) => output.report(&Table { rows }),
+        }
+    }
+
+    fn rows(&self, case: Case, output: Output) -> Result<Vec<Outcome>, Failure> {
+        let read = |file: &PathBuf| modlanet::read(file).map_err(|error| Failure::Input(error.to_string()));
+        let data = self.data.as_ref().map(read).transpose()?;
+        if let (Some(file), None) = (&self.data, case.system()) {
+            let reason = "this case generates its data; leave out --data".to_owned();
+            return Err(Failure::Input(format!("{}: {reason}", file.display())));
+        }
+        let rows = run(case, &self.options(), data, &mut |line| output.note(line));
+        rows.map_err(|error| match (&self.data, error) {
+            (Some(file), error @ ReproduceError::Coordinates { .. }) => {
+                Failure::Input(format!("{}: {error}", file.display()))
+            }
+            (_, error) => Failure::Work(error.to_string()),
+        })
+    }
+
+    fn options(&self) -> Options {
+        Options {
+            pair: match self.pair {
+                Pair::Distance => PairInput::Distance,
+                Pair::Difference => PairInput::Difference,
+                Pair::Concat => PairInput::Concat,
+            },
+            iterations: self.iterations as usize,
+            most_samples: self.samples as usize,
+            starts: self.starts as usize,
+            ..Options::new(self.seed)
+        }
+    }
+
+    fn write(&self, rows: &[Outcome]) -> Done {
+        let Some(folder) = &self.output else { return Ok(()) };
+        let table = folder.join("table.csv");
+        atomic::write(&table, csv(rows).as_bytes()).map_err(|error| Failure::file(&table, error))
+    }
+}
+
+/// The rows as comma-separated values with a header; empty where there is no prediction.
+fn csv(rows: &[Outcome]) -> String {
+    let mut text = String::from(
+        "system,count,kind,samples,parameters,train_mse,test_mse,relative_test_mse,position,energy,valid_seconds,\
+         floor_position,floor_energy,floor_valid_seconds,train_seconds,seed\n",
+    );
+    for row in rows {
+        let Outcome { system, count, kind, samples, parameters, train_mse, test_mse, .. } = row;
+        let predicted = row.predicted.map_or_else(
+            || ",,,,,".to_owned(),
+            |p| {
+                let floor = format!("{:e},{:e},{}", p.floor_position, p.floor_energy, p.floor_valid_seconds);
+                format!("{:e},{:e},{},{floor}", p.position, p.energy, p.valid_seconds)
+            },
+        );
+        text += &format!(
+            "{system},{count},{kind},{samples},{parameters},{train_mse:e},{test_mse:e},{:e},{predicted},{:.1},{}\n",
+            row.relative_test_mse, row.train_seconds, row.seed
+        );
+    }
+    text
+}
+
+/// One row as one flat object.
+#[derive(Serialize)]
+#[serde(transparent)]
+struct Single(Outcome);
+
+impl fmt::Display for Single {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        ours(f, &self.0)
+    }
+}
+
+/// All rows.
+#[derive(Serialize)]
+struct Table {
+    rows: Vec<Outcome>,
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let names =
+            ["param.", "test", "rel.", "A_q", "A_E", "valid s", "f32 A_q", "f32 A_E", "f32 v. s", "s"];
+        write!(f, "{:<12} {:<10} {:>7}", "system", "model", "samples")?;
+        names.iter().try_for_each(|name| write!(f, " {name:>8}"))?;
+        writeln!(f)?;
+        self.rows.iter().try_for_each(|row| {
+            ours(f, row)?;
+            theirs(f, row)
+        })?;
+        writeln!(
+            f,
+            "\ntest: mean squared error of accelerations; rel.: relative to the mean squared acceleration. A_q, A_E: errors of\n\
+             predicted positions and energies in the paper's measure; valid s: median time until the (wrapped) position is 0.1\n\
+             off. f32: exact physics in single precision. s: of training."
+        )
+    }
+}
+
+fn ours(f: &mut fmt::Formatter, row: &Outcome) -> fmt::Result {
+    let system = format!("{}-{}", row.count, row.system.trim_start_matches("n-"));
+    write!(f, "{system:<12} {:<10} {:>7} {:>8}", row.kind, row.samples, row.parameters)?;
+    write!(f, " {:>8.1e} {:>8.1e}", row.test_mse, row.relative_test_mse)?;
+    match row.predicted {
+        None => write!(f, "{}", format!(" {:>8}", "-").repeat(6))?,
+        Some(p) => {
+            write!(f, " {:>8.1e} {:>8.1e} {:>8.2}", p.position, p.energy, p.valid_seconds)?;
+            write!(f, " {:>8.1e} {:>8.1e} {:>8.2}", p.floor_position, p.floor_energy, p.floor_valid_seconds)?;
+        }
+    }
+    writeln!(f, " {:>8.1}", row.train_seconds)
+}
+
+fn theirs(f: &mut fmt::Formatter, row: &Outcome) -> fmt::Result {
+    let paper = row.published;
+    let Some(parameters) = paper.parameters else { return Ok(()) };
+    let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1e}"));
+    let test = paper.test_mse.map_or("fails".to_owned(), |x| format!("{x:.1e}"));
+    write!(f, "{:<12} {:<10} {:>7} {parameters:>8} {test:>8} {:>8}", "", "  paper's", "", "-")?;
+    writeln!(f, " {:>8} {:>8}", number(paper.position), number(paper.energy))
+}

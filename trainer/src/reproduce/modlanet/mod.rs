@@ -1,0 +1,341 @@
+//! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
+
+mod published;
+mod recipe;
+
+pub use published::Published;
+pub use recipe::{Model, architecture, fine_tune, train, tree};
+
+use crate::data::modlanet::{ModlanetRows, ModlanetSet};
+use crate::evaluate::learned::functions;
+use crate::evaluate::prediction::{TOLERANCE, Truth};
+use crate::ground_truth::{
+    GenerationError, Horizon, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of, starts,
+};
+use leastaction_core::energy::modular::PairInput;
+use leastaction_core::model::ModelError;
+use serde::Serialize;
+use std::time::Instant;
+use thiserror::Error;
+
+/// One of the paper's experiments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Case {
+    /// Two pendulums: accelerations, and predictions of 30 s (Table 2, Figure 5).
+    DoublePendulum,
+    /// Three bodies: the same.
+    ThreeBody,
+    /// The model of two pendulums in chains of 3 and 4, as it is and fine-tuned (Figure 6).
+    ExtendPendulum,
+    /// The model of three bodies among 4, 5 and 6.
+    ExtendBody,
+    /// Two pendulums from 10,000 to 1,000,000 samples (Table 4).
+    DatasetSize,
+    /// Four pendulums and six bodies, learned directly (the paper: diverges).
+    DirectLarge,
+}
+
+impl Case {
+    /// All, in the order of the paper.
+    pub const ALL: [Self; 6] = [
+        Self::DoublePendulum,
+        Self::ThreeBody,
+        Self::ExtendPendulum,
+        Self::ExtendBody,
+        Self::DatasetSize,
+        Self::DirectLarge,
+    ];
+
+    /// The system whose data the case can take from a file.
+    pub fn system(self) -> Option<ManyBody> {
+        match self {
+            Self::DoublePendulum | Self::ExtendPendulum => Some(ManyBody::Pendulum(2)),
+            Self::ThreeBody | Self::ExtendBody => Some(ManyBody::Bodies(3)),
+            Self::DatasetSize | Self::DirectLarge => None,
+        }
+    }
+}
+
+/// How a case is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// What the bodies' pair potential sees.
+    pub pair: PairInput,
+    /// Of the initial weights and of generated data.
+    pub seed: u64,
+    /// Iterations of Levenberg–Marquardt.
+    pub iterations: usize,
+    /// The most samples of [`Case::DatasetSize`].
+    pub most_samples: usize,
+    /// Starts of predictions.
+    pub starts: usize,
+}
+
+impl Options {
+    /// Of the printed tables.
+    pub fn new(seed: u64) -> Self {
+        Self { pair: PairInput::Distance, seed, iterations: 150, most_samples: 1_000_000, starts: 100 }
+    }
+}
+
+/// A prediction beside the floor of single precision, in the authors' measures.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Predicted {
+    /// Length, s.
+    pub prediction_seconds: f64,
+    /// Starts.
+    pub starts: usize,
+    /// A_q.
+    pub position: f64,
+    /// A_E.
+    pub energy: f64,
+    /// Median valid-prediction time, s.
+    pub valid_seconds: f64,
+    /// A_q of exact accelerations rounded to f32.
+    pub floor_position: f64,
+    /// A_E of the same.
+    pub floor_energy: f64,
+    /// Median valid-prediction time of the same, s.
+    pub floor_valid_seconds: f64,
+}
+
+/// What one row of a table gives.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// The experiment.
+    pub case: Case,
+    /// n-pendulum or n-body.
+    pub system: &'static str,
+    /// Elements.
+    pub count: usize,
+    /// `trained`, `zero-shot` or `fine-tuned`.
+    pub kind: &'static str,
+    /// Rows learned from.
+    pub samples: usize,
+    /// Numbers in the weight block.
+    pub parameters: usize,
+    /// Mean squared error of accelerations, training set.
+    pub train_mse: f64,
+    /// The same, test set.
+    pub test_mse: f64,
+    /// The same, relative to the mean squared acceleration of the test set.
+    pub relative_test_mse: f64,
+    /// Training time, s.
+    pub train_seconds: f64,
+    /// Of the weights and of generated data.
+    pub seed: u64,
+    /// Long predictions, where the paper has them.
+    #[serde(flatten)]
+    pub predicted: Option<Predicted>,
+    /// The paper's.
+    #[serde(skip)]
+    pub published: Published,
+}
+
+/// An experiment that cannot be done.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ReproduceError {
+    /// There is no data.
+    #[error(transparent)]
+    Data(#[from] GenerationError),
+    /// The shape is beyond what is compiled.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The exact motion cannot be followed.
+    #[error(transparent)]
+    Motion(#[from] crate::ground_truth::IntegrationError),
+    /// The data of another system.
+    #[error("the data has {found} coordinates, the case needs {needed}")]
+    Coordinates {
+        /// Of the data.
+        found: usize,
+        /// Of the case.
+        needed: usize,
+    },
+}
+
+/// Runs a case; `tell` gets a line of progress now and then.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn run(
+    case: Case,
+    options: &Options,
+    data: Option<ModlanetSet>,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Vec<Outcome>, ReproduceError> {
+    let mut experiment = Experiment { case, options, tell };
+    let set = |system| data.clone().map_or_else(|| modlanet_set(system, options.seed), Ok);
+    match case {
+        Case::DoublePendulum => {
+            let system = ManyBody::Pendulum(2);
+            Ok(vec![experiment.learn(system, &set(system)?, Some(30.0))?.0])
+        }
+        Case::ThreeBody => {
+            let system = ManyBody::Bodies(3);
+            Ok(vec![experiment.learn(system, &set(system)?, Some(30.0))?.0])
+        }
+        Case::ExtendPendulum => {
+            let system = ManyBody::Pendulum(2);
+            experiment.extend(system, &set(system)?, [3, 4].map(ManyBody::Pendulum).as_slice())
+        }
+        Case::ExtendBody => {
+            let system = ManyBody::Bodies(3);
+            experiment.extend(system, &set(system)?, [4, 5, 6].map(ManyBody::Bodies).as_slice())
+        }
+        Case::DatasetSize => experiment.dataset_size(),
+        Case::DirectLarge => [ManyBody::Pendulum(4), ManyBody::Bodies(6)]
+            .into_iter()
+            .map(|system| Ok(experiment.learn(system, &large(system, options.seed)?, None)?.0))
+            .collect(),
+    }
+}
+
+/// As many trajectories as the trained sizes have.
+fn large(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
+    modlanet_set_of(&ModlanetSettings { trajectories: 100, ..ModlanetSettings::published(system, seed) })
+}
+
+struct Experiment<'a> {
+    case: Case,
+    options: &'a Options,
+    tell: &'a mut dyn FnMut(&str),
+}
+
+impl Experiment<'_> {
+    /// Learns a system from its own data; with `prediction` also predicts so many seconds.
+    fn learn(
+        &mut self,
+        system: ManyBody,
+        set: &ModlanetSet,
+        prediction: Option<f64>,
+    ) -> Result<(Outcome, Model), ReproduceError> {
+        let architecture = architecture(system, self.options.pair);
+        let (found, needed) = (set.train.q.width(), architecture.n());
+        if found != needed {
+            return Err(ReproduceError::Coordinates { found, needed });
+        }
+        let clock = Instant::now();
+        let (iterations, seed) = (self.options.iterations, self.options.seed);
+        let tell = &mut *self.tell;
+        let model = train(architecture, &set.train, iterations, seed, |iteration, loss| {
+            if iteration % 10 == 0 {
+                tell(&format!("iteration {iteration} of {iterations}: training loss {loss:.2e}"));
+            }
+        })?;
+        let seconds = clock.elapsed().as_secs_f64();
+        let mut outcome = self.outcome(system, "trained", set, &model, seconds)?;
+        outcome.published = published::trained(system);
+        outcome.predicted = prediction.map(|length| self.predict(system, &model, length)).transpose()?;
+        Ok((outcome, model))
+    }
+
+    fn outcome(
+        &self,
+        system: ManyBody,
+        kind: &'static str,
+        set: &ModlanetSet,
+        model: &Model,
+        train_seconds: f64,
+    ) -> Result<Outcome, ReproduceError> {
+        let test_mse = model.loss(&set.test)?;
+        Ok(Outcome {
+            case: self.case,
+            system: system.name(),
+            count: system.count(),
+            kind,
+            samples: set.train.q.len(),
+            parameters: model.weights.len(),
+            train_mse: model.loss(&set.train)?,
+            test_mse,
+            relative_test_mse: test_mse / set.test.mean_squared_acceleration(),
+            train_seconds,
+            seed: self.options.seed,
+            predicted: None,
+            published: Published::default(),
+        })
+    }
+
+    /// Predictions from starts that no training data has.
+    fn predict(&mut self, system: ManyBody, model: &Model, length: f64) -> Result<Predicted, ReproduceError> {
+        (self.tell)(&format!("{} of {}: predicting {length} s", system.name(), system.count()));
+        let motion = system.motion().map_err(GenerationError::from)?;
+        let settings = ModlanetSettings::published(system, self.options.seed ^ UNSEEN);
+        let settings = ModlanetSettings { trajectories: self.options.starts, speed: 8.0, ..settings };
+        let truth = Truth::new(motion.as_ref(), starts(&settings), Horizon::of_seconds(length))?;
+        let (accelerations, _) = functions(&model.shape(), &model.weights)?;
+        let ours = truth.compare(TOLERANCE, accelerations, |q, v| motion.energy(q, v));
+        let floor = truth.single_precision(motion.as_ref());
+        Ok(Predicted {
+            prediction_seconds: length,
+            starts: self.options.starts,
+            position: ours.position().mean,
+            energy: ours.energy().mean,
+            valid_seconds: ours.valid_median(),
+            floor_position: floor.position().mean,
+            floor_energy: floor.energy().mean,
+            floor_valid_seconds: floor.valid_median(),
+        })
+    }
+
+    /// The trained model in larger systems, as it is and fine-tuned.
+    fn extend(
+        &mut self,
+        system: ManyBody,
+        set: &ModlanetSet,
+        larger: &[ManyBody],
+    ) -> Result<Vec<Outcome>, ReproduceError> {
+        let (trained, model) = self.learn(system, set, None)?;
+        let mut rows = vec![trained];
+        for system in larger {
+            rows.extend(self.extend_to(*system, &model.extended(*system))?);
+        }
+        Ok(rows)
+    }
+
+    fn extend_to(&mut self, system: ManyBody, model: &Model) -> Result<[Outcome; 2], ReproduceError> {
+        let set = modlanet_set(system, self.options.seed)?;
+        let mut zero_shot = self.outcome(system, "zero-shot", &set, model, 0.0)?;
+        zero_shot.samples = 0;
+        zero_shot.published = published::extended(system, false);
+        zero_shot.predicted = Some(self.predict(system, model, 10.0)?);
+        let clock = Instant::now();
+        let [rows, validation] = held_back(&set.train);
+        let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        let mut fine_tuned = self.outcome(system, "fine-tuned", &set, &tuned, seconds)?;
+        fine_tuned.published = published::extended(system, true);
+        fine_tuned.predicted = Some(self.predict(system, &tuned, 10.0)?);
+        Ok([zero_shot, fine_tuned])
+    }
+
+    /// The double pendulum from more and more samples, with the same iterations.
+    fn dataset_size(&mut self) -> Result<Vec<Outcome>, ReproduceError> {
+        let system = ManyBody::Pendulum(2);
+        let sizes = [10_000, 20_000, 40_000, 100_000, 1_000_000];
+        let mut rows = Vec::new();
+        for samples in sizes.into_iter().filter(|samples| *samples <= self.options.most_samples) {
+            (self.tell)(&format!("{samples} samples"));
+            let published = ModlanetSettings::published(system, self.options.seed);
+            // Of every ten trajectories of 101 states nine are for training.
+            let settings = ModlanetSettings { trajectories: samples / 100, ..published };
+            let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?, None)?;
+            rows.push(Outcome { published: published::by_samples(samples), ..outcome });
+        }
+        Ok(rows)
+    }
+}
+
+/// Makes the stream of prediction starts another than that of the data.
+const UNSEEN: u64 = 0x5eed_0000_0000_0000;
+/// Iterations of fine-tuning.
+const FINE_TUNING: usize = 30;
+
+/// The rows but for the last trajectories, a ninth of all, which judge.
+fn held_back(rows: &ModlanetRows) -> [ModlanetRows; 2] {
+    let starts = rows.starts();
+    let first = starts.get(starts.len() - (starts.len() / 9).max(1)).copied().unwrap_or(0);
+    let split = if first == 0 { rows.q.len() * 8 / 9 } else { first };
+    [rows.slice(0..split), rows.slice(split..rows.q.len())]
+}

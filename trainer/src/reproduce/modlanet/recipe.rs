@@ -1,0 +1,149 @@
+//! What is learned, and how.
+
+use crate::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
+use crate::data::modlanet::ModlanetRows;
+use crate::ground_truth::ManyBody;
+use crate::training::{Levenberg, LossKind, Objective, Progress, Samples, objective};
+use leastaction_core::energy::modular::{
+    Input, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
+};
+use leastaction_core::model::ModelError;
+use leastaction_core::network::Activation;
+
+/// Hidden units of the pendulum's position; its potential is linear in the position, as the authors' is.
+const POSITION: [u16; 4] = [32, 0, 0, 0];
+/// Hidden units of the bodies' pair potential.
+const PAIR: [u16; 4] = [16, 16, 0, 0];
+/// The same where it sees both positions.
+const CONCAT: [u16; 4] = [24, 24, 0, 0];
+
+/// A model of one element type, mass 1, and the tree of the system.
+pub fn architecture(system: ManyBody, pair: PairInput) -> ModularArchitecture {
+    match system {
+        ManyBody::Pendulum(_) => pendulum(),
+        ManyBody::Bodies(_) => bodies(pair),
+    }
+    .with_tree(tree(system))
+}
+
+/// The tree of a system whose elements are all of the first type.
+pub fn tree(system: ManyBody) -> NamedTree {
+    let kinds = vec![0; system.count()];
+    match system {
+        ManyBody::Pendulum(_) => NamedTree::chain("chain", &kinds),
+        ManyBody::Bodies(_) => NamedTree::apart("bodies", &kinds),
+    }
+}
+
+fn pendulum() -> ModularArchitecture {
+    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
+    let activation = Activation::Tanh;
+    shape.networks[0] = Some(NetworkShape { inputs: 2, widths: POSITION, outputs: 2, activation });
+    shape.networks[1] = Some(NetworkShape { inputs: 2, widths: [0; 4], outputs: 1, activation });
+    let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
+    shape.types[0] = Some(TypeShape { transform, potential: Some(1) });
+    one_type(shape, "bob")
+}
+
+fn bodies(input: PairInput) -> ModularArchitecture {
+    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
+    let widths = if input == PairInput::Concat { CONCAT } else { PAIR };
+    let inputs = input.features() as u8;
+    shape.networks[0] = Some(NetworkShape { inputs, widths, outputs: 1, activation: Activation::Tanh });
+    shape.types[0] = Some(TypeShape { transform: TransformShape::Free, potential: None });
+    shape.pair = Some(PairShape { network: 0, input });
+    one_type(shape, "body")
+}
+
+/// All numbers known: a point of mass 1 without damping, c₁ = c₂ = 1. The networks bear the scales, and a known mass fixes
+/// the scale of L, which accelerations do not show.
+fn one_type(shape: Shape, name: &str) -> ModularArchitecture {
+    let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
+    let types = vec![NamedType { name: name.to_owned(), numbers }];
+    ModularArchitecture::new(shape, types, [Number::known(1.0); 2], Vec::new())
+}
+
+/// A trained model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Its shape.
+    pub architecture: ModularArchitecture,
+    /// Its weight block.
+    pub weights: Vec<f64>,
+}
+
+impl Model {
+    /// The same elements in another tree.
+    #[must_use]
+    pub fn extended(&self, system: ManyBody) -> Self {
+        Self { architecture: self.architecture.with_tree(tree(system)), weights: self.weights.clone() }
+    }
+
+    /// The shape, whatever the family.
+    pub fn shape(&self) -> Architecture {
+        self.architecture.clone().into()
+    }
+
+    /// Mean squared error of the accelerations, (m/s²)² or (rad/s²)².
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled.
+    pub fn loss(&self, rows: &ModlanetRows) -> Result<f64, ModelError> {
+        Ok(acceleration_loss(&self.shape(), rows)?.loss(&self.weights))
+    }
+}
+
+fn acceleration_loss(
+    architecture: &Architecture,
+    rows: &ModlanetRows,
+) -> Result<Box<dyn Objective>, ModelError> {
+    objective(architecture, Samples::modlanet(rows), LossKind::Acceleration, 2)
+}
+
+/// Learns from accelerations by Levenberg–Marquardt; `watch` is called with the iteration and the loss.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn train(
+    architecture: ModularArchitecture,
+    rows: &ModlanetRows,
+    iterations: usize,
+    seed: u64,
+    mut watch: impl FnMut(usize, f64),
+) -> Result<Model, ModelError> {
+    let objective = acceleration_loss(&architecture.clone().into(), rows)?;
+    let mut levenberg = Levenberg::new(&*objective, architecture.initial_weights(seed));
+    for iteration in 0..iterations {
+        if levenberg.iterate(&*objective) != Progress::Lower {
+            break;
+        }
+        watch(iteration + 1, levenberg.loss);
+    }
+    Ok(Model { architecture, weights: levenberg.weights })
+}
+
+/// Goes on from a trained model with other rows; of all iterations, the start included, the one with the lowest error on
+/// `validation` is kept, so that the model never becomes worse there.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn fine_tune(
+    model: &Model,
+    [rows, validation]: [&ModlanetRows; 2],
+    iterations: usize,
+) -> Result<Model, ModelError> {
+    let objective = acceleration_loss(&model.shape(), rows)?;
+    let judge = acceleration_loss(&model.shape(), validation)?;
+    let mut levenberg = Levenberg::new(&*objective, model.weights.clone());
+    let mut best = (judge.loss(&model.weights), model.weights.clone());
+    for _ in 0..iterations {
+        if levenberg.iterate(&*objective) != Progress::Lower {
+            break;
+        }
+        let loss = judge.loss(&levenberg.weights);
+        if loss < best.0 {
+            best = (loss, levenberg.weights.clone());
+        }
+    }
+    Ok(Model { weights: best.1, ..model.clone() })
+}
