@@ -3,7 +3,7 @@
 pub mod learned;
 pub mod prediction;
 
-use crate::architecture::{Architecture, Family, Visitor};
+use crate::architecture::{Architecture, Family, MAX_DISCRETE, Visitor, too_large_for_steps};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
 use crate::training::{LossKind, Samples, objective};
@@ -43,6 +43,9 @@ impl Visitor for Rollout<'_> {
     type Output = Result<Vec<Vec<f64>>, ModelError>;
 
     fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
+        if const { N > MAX_DISCRETE } {
+            return too_large_for_steps(N);
+        }
         let system = family.system::<f64>(self.weights)?;
         Ok(rollout_system(&system, self.order, self.data))
     }

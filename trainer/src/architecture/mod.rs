@@ -23,6 +23,15 @@ pub const MAX_COORDINATES: usize = 4;
 /// Units of a hidden layer of a rigid model at most on the host.
 pub const MAX_WIDTH: usize = 256;
 
+/// Coordinates at most on the host of what is stepped by the discrete Euler–Lagrange equation; larger systems are learned
+/// and predicted by their accelerations. (core has no such limit.)
+pub const MAX_DISCRETE: usize = 6;
+
+/// The error of a system of `found` coordinates, more than [`MAX_DISCRETE`].
+pub(crate) fn too_large_for_steps<T>(found: usize) -> Result<T, ModelError> {
+    too_many("coordinates for discrete steps", found, MAX_DISCRETE)
+}
+
 /// The shape of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Architecture {

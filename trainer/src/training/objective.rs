@@ -3,7 +3,7 @@
 
 use super::loss::{AccelerationLoss, DelLoss, Failed, Loss, Term, TermKind};
 use super::{LossKind, NormalEquations, Samples};
-use crate::architecture::{Architecture, Family, FamilySystem, Visitor};
+use crate::architecture::{Architecture, Family, FamilySystem, MAX_DISCRETE, Visitor, too_large_for_steps};
 use faer::Mat;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
 use leastaction_core::energy::Learnable;
@@ -44,7 +44,7 @@ pub fn objective(
     order: u8,
 ) -> Result<Box<dyn Objective>, ModelError> {
     architecture.parameters()?;
-    architecture.dispatch(Build { architecture: architecture.clone(), samples, kind, order })
+    architecture.dispatch(Build { architecture: architecture.clone(), samples, kind, order })?
 }
 
 struct Build {
@@ -55,19 +55,16 @@ struct Build {
 }
 
 impl Visitor for Build {
-    type Output = Box<dyn Objective>;
+    type Output = Result<Box<dyn Objective>, ModelError>;
 
     fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output {
+        let h = self.samples.h;
         match (self.kind, self.order) {
-            (LossKind::Acceleration, _) => self.boxed(family, AccelerationLoss),
-            (kind, 4) => {
-                let loss = del_loss::<Galerkin>(self.samples.h, kind);
-                self.boxed(family, loss)
-            }
-            (kind, _) => {
-                let loss = del_loss::<Midpoint>(self.samples.h, kind);
-                self.boxed(family, loss)
-            }
+            (LossKind::Acceleration, _) => Ok(self.boxed(family, AccelerationLoss)),
+            // What is false for a constant is not compiled.
+            _ if const { N > MAX_DISCRETE } => too_large_for_steps(N),
+            (kind, 4) => Ok(self.boxed(family, del_loss::<Galerkin>(h, kind))),
+            (kind, _) => Ok(self.boxed(family, del_loss::<Midpoint>(h, kind))),
         }
     }
 }
