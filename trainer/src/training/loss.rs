@@ -5,14 +5,15 @@
 //! Σ ∂/∂θ [F(q, v)·δq + L_v(q, v)·δv] over the Gauss points of the intervals involved, with F = L_q + Q; the implicit
 //! function theorem only chooses the δq and δv. One kernel in core does the rest.
 
-use leastaction_core::continuous::acceleration;
+use crate::architecture::Family;
 use leastaction_core::discrete::{
     Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation,
 };
 use leastaction_core::forces::Forces;
 use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
-use leastaction_core::linear::{Singular, add_scaled, multiply, solve_many, transpose};
+use leastaction_core::linear::{Singular, add_scaled, multiply, solve, solve_many, transpose};
+use leastaction_core::scalar::{LANES, Lanes};
 use serde::{Deserialize, Serialize};
 
 /// What is minimised.
@@ -65,74 +66,64 @@ impl From<Singular> for Failed {
     }
 }
 
-/// A loss over one kind of sample. States and controls are those of [`Samples`](super::Samples).
-pub(super) trait Loss<const N: usize>: Sync {
-    /// The kinds of the terms that each component has, in order.
-    fn kinds(&self) -> &'static [TermKind];
-    /// The residual.
-    fn residual<L, F>(
-        &self,
-        system: &System<L, F>,
-        states: &[[f64; N]; 3],
-        controls: &[[f64; N]; 3],
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>;
-    /// The residual, and for every component its terms: `terms[component * kinds + k]`.
-    fn linearise<L, F>(
-        &self,
-        system: &System<L, F>,
-        states: &[[f64; N]; 3],
-        controls: &[[f64; N]; 3],
-        terms: &mut Vec<Term<N>>,
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>;
-}
+/// States and controls of eight samples.
+pub(super) type Group<const N: usize> = [([[f64; N]; 3], [[f64; N]; 3]); LANES];
 
 /// v̇(q, v, u) − a.
 pub(super) struct AccelerationLoss;
 
-impl<const N: usize> Loss<N> for AccelerationLoss {
+/// The equation of motion of eight samples: mass matrix and generalised force of each.
+fn equations<F: Family<N>, const N: usize>(
+    family: &F,
+    weights: &[f64],
+    group: &Group<N>,
+) -> Result<[([[f64; N]; N], [f64; N]); LANES], Failed> {
+    let system = family.system::<Lanes>(weights).map_err(|_| Failed)?;
+    let lanes = |pick: fn(&([[f64; N]; 3], [[f64; N]; 3])) -> &[f64; N]| -> [Lanes; N] {
+        std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| pick(&group[lane])[i])))
+    };
+    let (q, v, u) = (lanes(|s| &s.0[0]), lanes(|s| &s.0[1]), lanes(|s| &s.1[0]));
+    let d = system.lagrangian.dynamics(&q, &v);
+    let damping = system.forces.force(&q, &v);
+    let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + damping[i] + u[i]);
+    Ok(std::array::from_fn(|lane| {
+        (d.mass.0.map(|row| row.map(|entry| entry.0[lane])), force.map(|force| force.0[lane]))
+    }))
+}
+
+impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     fn kinds(&self) -> &'static [TermKind] {
         &[TermKind::Along, TermKind::Rate]
     }
 
-    fn residual<L, F>(
-        &self,
-        system: &System<L, F>,
-        [q, v, a]: &[[f64; N]; 3],
-        [u, ..]: &[[f64; N]; 3],
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>,
-    {
-        Ok(add_scaled(&acceleration(system, q, v, u)?, -1.0, a))
+    fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
+        let mut residuals = [[0.0; N]; LANES];
+        let equations = equations(family, weights, group)?;
+        for ((residual, (mass, force)), ([_, _, a], _)) in residuals.iter_mut().zip(equations).zip(group) {
+            *residual = add_scaled(&solve(mass, force)?, -1.0, a);
+        }
+        Ok(residuals)
     }
 
     /// ∂v̇ = M⁻¹ ∂(L_q + Q − d/dt L_v) with v̇ held on the right.
-    fn linearise<L, F>(
+    fn linearise_group(
         &self,
-        system: &System<L, F>,
-        [q, v, a]: &[[f64; N]; 3],
-        [u, ..]: &[[f64; N]; 3],
-        terms: &mut Vec<Term<N>>,
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>,
-    {
-        let predicted = acceleration(system, q, v, u)?;
-        let mass = system.lagrangian.dynamics(q, v).mass.0;
-        let rows = solve_many(transpose(&mass), identity())?;
-        for y in rows {
-            terms.push(Term { q: *q, v: *v, dq: y, dv: [0.0; N] });
-            terms.push(Term { q: *q, v: *v, dq: y, dv: predicted });
+        family: &F,
+        weights: &[f64],
+        group: &Group<N>,
+        terms: &mut [Vec<Term<N>>; LANES],
+    ) -> Result<[[f64; N]; LANES], Failed> {
+        let mut residuals = [[0.0; N]; LANES];
+        let equations = equations(family, weights, group)?;
+        for (lane, ((mass, force), ([q, v, a], _))) in equations.into_iter().zip(group).enumerate() {
+            let predicted = solve(mass, force)?;
+            for y in solve_many(transpose(&mass), identity())? {
+                terms[lane].push(Term { q: *q, v: *v, dq: y, dv: [0.0; N] });
+                terms[lane].push(Term { q: *q, v: *v, dq: y, dv: predicted });
+            }
+            residuals[lane] = add_scaled(&predicted, -1.0, a);
         }
-        Ok(add_scaled(&predicted, -1.0, a))
+        Ok(residuals)
     }
 }
 
@@ -181,12 +172,8 @@ impl<P: Path + Sync> DelLoss<P> {
     }
 }
 
-impl<P: Path + Sync, const N: usize> Loss<N> for DelLoss<P> {
-    fn kinds(&self) -> &'static [TermKind] {
-        if P::BUBBLE { &[TermKind::Along; 4] } else { &[TermKind::Along; 2] }
-    }
-
-    fn residual<L, F>(
+impl<P: Path + Sync> DelLoss<P> {
+    fn residual<L, F, const N: usize>(
         &self,
         system: &System<L, F>,
         states: &[[f64; N]; 3],
@@ -201,7 +188,7 @@ impl<P: Path + Sync, const N: usize> Loss<N> for DelLoss<P> {
 
     /// With G = p₁ + d1_ld the DEL residual, dG = ∂G + G_s₀ ds₀ + G_s₁ ds₁ and the bubbles follow their own equations; the
     /// next position follows from 0 = dG + K dw.
-    fn linearise<L, F>(
+    fn linearise<L, F, const N: usize>(
         &self,
         system: &System<L, F>,
         states: &[[f64; N]; 3],

@@ -1,9 +1,9 @@
 //! A loss over all samples, as the optimisers see it: sums over fixed parts, each computed in order on one thread, added
 //! in order. Results do not depend on the number of threads.
 
-use super::loss::{AccelerationLoss, DelLoss, Failed, Loss, Term, TermKind};
+use super::loss::{AccelerationLoss, DelLoss, Failed, Group, GroupLoss, Term, TermKind};
 use super::{LossKind, NormalEquations, Samples};
-use crate::architecture::{Architecture, Family, FamilySystem, MAX_DISCRETE, Visitor, too_large_for_steps};
+use crate::architecture::{Architecture, Family, MAX_DISCRETE, Visitor, too_large_for_steps};
 use faer::Mat;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
 use leastaction_core::energy::Learnable;
@@ -70,7 +70,7 @@ impl Visitor for Build {
 }
 
 impl Build {
-    fn boxed<F: Family<N> + Clone + 'static, T: Loss<N> + 'static, const N: usize>(
+    fn boxed<F: Family<N> + Clone + 'static, T: GroupLoss<F, N> + 'static, const N: usize>(
         self,
         family: &F,
         loss: T,
@@ -97,7 +97,7 @@ struct Sum<F, T, const N: usize> {
     loss: T,
 }
 
-impl<F: Family<N>, T: Loss<N>, const N: usize> Sum<F, T, N> {
+impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
     /// The chunks of each part.
     fn parts(&self, samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
         let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(LANES)).max(LANES);
@@ -110,24 +110,17 @@ impl<F: Family<N>, T: Loss<N>, const N: usize> Sum<F, T, N> {
     /// Sums over parts: each on one thread, merged in order.
     fn sum(
         &self,
-        weights: &[f64],
         samples: Range<usize>,
-        add: impl Fn(&mut NormalEquations, &Mat<f64>, &[f64]) + Sync,
         zero: impl Fn() -> NormalEquations + Sync,
+        add: impl Fn(&mut NormalEquations, &mut ChunkRows, Range<usize>) -> Result<(), Failed> + Sync,
     ) -> Option<NormalEquations> {
         let parts = self.parts(samples);
-        let sums: Vec<Option<NormalEquations>> = parts
-            .par_iter()
-            .map(|chunks| {
-                let mut sum = zero();
-                let mut chunk_rows = ChunkRows::new();
-                for chunk in chunks {
-                    self.linearise(weights, chunk.clone(), &mut chunk_rows).ok()?;
-                    add(&mut sum, &chunk_rows.jacobian, &chunk_rows.residual);
-                }
-                Some(sum)
-            })
-            .collect();
+        let part = |chunks: &Vec<Range<usize>>| {
+            let (mut sum, mut room) = (zero(), ChunkRows::new());
+            chunks.iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
+            Some(sum)
+        };
+        let sums: Vec<Option<NormalEquations>> = parts.par_iter().map(part).collect();
         sums.into_iter().reduce(|total, part| {
             let (mut total, part) = (total?, part?);
             total.merge(&part);
@@ -135,52 +128,89 @@ impl<F: Family<N>, T: Loss<N>, const N: usize> Sum<F, T, N> {
         })?
     }
 
-    fn system<'w>(&self, weights: &'w [f64]) -> Result<FamilySystem<'w, F, f64, N>, Failed> {
-        self.family.system::<f64>(weights).map_err(|_| Failed)
-    }
-
     fn rows(&self) -> Rows<'_, F> {
         Rows { family: &self.family, kinds: self.loss.kinds(), damping: &self.damping, fixed: &self.fixed }
     }
 
+    /// The samples from `start` on; the last of `samples` fills the group up.
+    fn group(&self, start: usize, samples: &Range<usize>) -> Group<N> {
+        std::array::from_fn(|lane| self.samples.get((start + lane).min(samples.end - 1)))
+    }
+
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        let system = self.system(weights)?;
         let mut sum = 0.0;
-        for k in samples {
-            let (states, controls) = self.samples.get(k);
-            let residual = self.loss.residual(&system, &states, &controls)?;
-            sum += residual.iter().map(|r| r * r).sum::<f64>();
+        for start in samples.clone().step_by(LANES) {
+            let residuals = self.loss.residuals(&self.family, weights, &self.group(start, &samples))?;
+            let own = residuals.iter().take(samples.end - start);
+            sum += own.map(|residual| residual.iter().map(|r| r * r).sum::<f64>()).sum::<f64>();
         }
         Ok(sum)
     }
 
     /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        let system = self.system(weights)?;
-        let count = samples.len();
-        let kinds = self.loss.kinds();
+        let (count, width) = (samples.len(), self.loss.kinds().len());
         rows.reset(count * N, weights.len());
         for start in (0..count).step_by(LANES) {
-            let mut lanes = [const { Vec::new() }; LANES];
-            for (lane, terms) in lanes.iter_mut().enumerate() {
-                let k = start + lane;
-                // The last group is filled up with its last sample; those lanes are not written.
-                let (states, controls) = self.samples.get(samples.start + k.min(count - 1));
-                let residual = self.loss.linearise(&system, &states, &controls, terms)?;
-                if k < count {
-                    for (i, residual) in residual.into_iter().enumerate() {
-                        rows.residual[i * count + k] = residual;
-                    }
+            let mut terms = [const { Vec::new() }; LANES];
+            let group = self.group(samples.start + start, &samples);
+            let residuals = self.loss.linearise_group(&self.family, weights, &group, &mut terms)?;
+            for (k, residual) in (start..count).zip(residuals) {
+                for (i, residual) in residual.into_iter().enumerate() {
+                    rows.residual[i * count + k] = residual;
                 }
             }
             for i in 0..N {
-                let terms = lanes.each_ref().map(|terms: &Vec<Term<N>>| &terms[i * kinds.len()..]);
-                self.rows().row(weights, terms, &mut rows.buffer)?;
+                let terms = terms.each_ref().map(|terms| &terms[i * width..]);
+                rows.buffer.fill(Lanes([0.0; LANES]));
+                self.rows().add(weights, terms, &mut rows.buffer)?;
                 rows.store(i * count + start, (count - start).min(LANES));
             }
         }
         Ok(())
     }
+
+    /// Adds r·∂r/∂θ of a chunk, without its Jacobian: the terms are linear in their weights, so a sample's components are
+    /// added before the network is differentiated.
+    fn add_gradient(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        sum: &mut NormalEquations,
+    ) -> Result<(), Failed> {
+        let mut buffer = vec![Lanes([0.0; LANES]); weights.len()];
+        for start in samples.clone().step_by(LANES) {
+            let mut terms = [const { Vec::new() }; LANES];
+            let group = self.group(start, &samples);
+            let mut residuals = self.loss.linearise_group(&self.family, weights, &group, &mut terms)?;
+            for residual in residuals.iter_mut().skip(samples.end - start) {
+                *residual = [0.0; N];
+            }
+            sum.squares += residuals.as_flattened().iter().map(|r| r * r).sum::<f64>();
+            let weighed: [Vec<Term<N>>; LANES] =
+                std::array::from_fn(|lane| contracted(&residuals[lane], &terms[lane], self.loss.kinds()));
+            self.rows().add(weights, weighed.each_ref().map(Vec::as_slice), &mut buffer)?;
+        }
+        for (gradient, lanes) in sum.gradient.iter_mut().zip(&buffer) {
+            *gradient += lanes.0.iter().sum::<f64>();
+        }
+        sum.rows += samples.len() * N;
+        Ok(())
+    }
+}
+
+/// Of each kind one term: the components' terms, weighed by the residual.
+fn contracted<const N: usize>(residual: &[f64; N], terms: &[Term<N>], kinds: &[TermKind]) -> Vec<Term<N>> {
+    let weighed = |(k, kind): (usize, &TermKind)| {
+        let of_kind = || terms.iter().skip(k).step_by(kinds.len()).zip(residual);
+        let sum = |field: fn(&Term<N>) -> &[f64; N]| -> [f64; N] {
+            std::array::from_fn(|i| of_kind().map(|(term, r)| r * field(term)[i]).sum())
+        };
+        let first = terms[k];
+        let dv = if *kind == TermKind::Rate { first.dv } else { sum(|term| &term.dv) };
+        Term { dq: sum(|term| &term.dq), dv, ..first }
+    };
+    kinds.iter().enumerate().map(weighed).collect()
 }
 
 /// What the rows of the Jacobian depend on beside the terms: the family alone, whatever the loss.
@@ -194,8 +224,9 @@ struct Rows<'s, F> {
 }
 
 impl<F> Rows<'_, F> {
-    /// Derivatives in the weights of one residual component of eight samples; `terms\[lane\]\[k\]` is the term of kind k.
-    fn row<const N: usize>(
+    /// Adds the derivatives in the weights of one residual component of eight samples; `terms\[lane\]\[k\]` is the term of
+    /// kind k.
+    fn add<const N: usize>(
         &self,
         weights: &[f64],
         terms: [&[Term<N>]; LANES],
@@ -205,7 +236,6 @@ impl<F> Rows<'_, F> {
         F: Family<N>,
     {
         let system = self.family.system::<Lanes>(weights).map_err(|_| Failed)?;
-        row.fill(Lanes([0.0; LANES]));
         for (k, kind) in self.kinds.iter().enumerate() {
             let lanes = |field: fn(&Term<N>) -> &[f64; N]| -> [Lanes; N] {
                 std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane][k])[i])))
@@ -259,7 +289,7 @@ impl ChunkRows {
     }
 }
 
-impl<F: Family<N>, T: Loss<N>, const N: usize> Objective for Sum<F, T, N> {
+impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Objective for Sum<F, T, N> {
     fn parameters(&self) -> usize {
         self.architecture.parameters().unwrap_or(0)
     }
@@ -282,13 +312,21 @@ impl<F: Family<N>, T: Loss<N>, const N: usize> Objective for Sum<F, T, N> {
 
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
         let p = weights.len();
-        self.sum(weights, 0..self.samples.len(), NormalEquations::add, || NormalEquations::zero(p))
+        self.sum(
+            0..self.samples.len(),
+            || NormalEquations::zero(p),
+            |sum, rows, chunk| {
+                self.linearise(weights, chunk, rows)?;
+                sum.add(&rows.jacobian, &rows.residual);
+                Ok(())
+            },
+        )
     }
 
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations> {
         let p = weights.len();
         let zero = || NormalEquations { gram: Mat::new(), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
-        self.sum(weights, samples, NormalEquations::add_gradient, zero)
+        self.sum(samples, zero, |sum, _, chunk| self.add_gradient(weights, chunk, sum))
     }
 
     fn project(&self, weights: &mut [f64]) {
