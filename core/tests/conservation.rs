@@ -125,25 +125,20 @@ fn pendulum_energy_over_a_million_steps_of_order_4_in_f64() {
         .assert_drift_free("pendulum, 50 ms, f64", 1e-4);
 }
 
-/// Two links of 1 m and 1 kg, released at 0.5 rad, in f32 at 10 ms.
+/// Two links of 1 m and 1 kg, released at 0.9 and −0.6 rad, in f32 at 10 ms.
 fn tree_trend<P: Path>(learned: bool) -> Trend {
     let tree = trees::double_pendulum(learned).rounded();
-    Trend::of::<f32, P, 2>(tree.over(&tree.single()), &tree.in_f64(), [0.5, 0.5], 0.01)
-}
-
-#[test]
-fn energy_of_a_tree_of_rods_over_a_million_steps_of_order_2_in_f32() {
-    tree_trend::<Midpoint>(false).assert_drift_free("two rods, order 2", 1e-1);
+    Trend::of::<f32, P, 2>(tree.over(&tree.single()), &tree.in_f64(), [0.9, -0.6], 0.01)
 }
 
 #[test]
 fn energy_of_a_tree_of_rods_over_a_million_steps_of_order_4_in_f32() {
-    tree_trend::<Galerkin>(false).assert_random_walk("two rods, order 4", 1e-2);
+    tree_trend::<Galerkin>(false).assert_random_walk("two rods, order 4", 3e-5);
 }
 
 #[test]
 fn energy_of_a_learned_tree_over_a_million_steps_of_order_2_in_f32() {
-    tree_trend::<Midpoint>(true).assert_drift_free("two learned links, order 2", 1e-1);
+    tree_trend::<Midpoint>(true).assert_drift_free("two learned links, order 2", 4e-3);
 }
 
 /// Damping takes energy out at every step, and leaves the mechanism at rest at the bottom.
