@@ -4,12 +4,13 @@
 mod common;
 
 use common::shapes::{Angle, Cyclic, Model};
+use common::trees;
 use leastaction_core::continuous::energy;
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::rigid::Inertia;
-use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
+use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
-use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::lagrangian::{Energies, Lagrangian};
 use leastaction_core::linear::solve;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Real;
@@ -27,23 +28,32 @@ struct Trend {
     size: f64,
 }
 
+/// T and V in f64 of a state as it is.
+fn energies_at<R: Real, const N: usize>(
+    exact: &impl Lagrangian<f64, N>,
+    state: &State<R, N>,
+) -> Energies<f64> {
+    let (q, p) = (state.q().map(R::to_f64), state.p().map(R::to_f64));
+    let v = solve(exact.hessian(&q, &[0.0; N]).l_vv, p).unwrap();
+    exact.energies(&q, &v)
+}
+
 impl Trend {
     /// Fits the line by least squares to the energy at every 50th of 10⁶ steps. Energies are computed in f64 from the
     /// state as it is.
     fn of<R: Real, P: Path, const N: usize>(
-        lagrangian: Trigonometric<'static, N>,
+        lagrangian: impl Lagrangian<R, N>,
+        exact: &impl Lagrangian<f64, N>,
         q: [f64; N],
         h: f64,
     ) -> Self {
         let system = System::conservative(lagrangian);
         let del = Del::<R, P>::new(R::constant(h));
-        let mut state = State::new(&lagrangian, q.map(R::constant), [R::zero(); N]).unwrap();
+        let mut state = State::new(&system.lagrangian, q.map(R::constant), [R::zero(); N]).unwrap();
         let (mut energies, mut size) = (vec![], 0.0_f64);
         for k in 0..STEPS {
             if k % 50 == 0 {
-                let (q, p) = (state.q().map(R::to_f64), state.p().map(R::to_f64));
-                let v = solve(lagrangian.mass_matrix(&q), p).unwrap();
-                let e = lagrangian.energies(&q, &v);
+                let e = energies_at(exact, &state);
                 energies.push(e.kinetic + e.potential);
                 size = size.max(e.kinetic.abs() + e.potential.abs());
             }
@@ -85,28 +95,79 @@ impl Trend {
 
 #[test]
 fn pendulum_energy_over_a_million_steps_of_order_2_in_f32() {
-    Trend::of::<f32, Midpoint, 1>(PENDULUM, [0.5], 0.01).assert_drift_free("pendulum, 10 ms", 1e-3);
-    Trend::of::<f32, Midpoint, 1>(PENDULUM, [0.5], 0.05).assert_drift_free("pendulum, 50 ms", 2e-2);
+    Trend::of::<f32, Midpoint, 1>(PENDULUM, &PENDULUM, [0.5], 0.01)
+        .assert_drift_free("pendulum, 10 ms", 1e-3);
+    Trend::of::<f32, Midpoint, 1>(PENDULUM, &PENDULUM, [0.5], 0.05)
+        .assert_drift_free("pendulum, 50 ms", 2e-2);
 }
 
 #[test]
 fn cartpole_energy_over_a_million_steps_of_order_2_in_f32() {
-    Trend::of::<f32, Midpoint, 2>(CARTPOLE, [0.0, 0.5], 0.01).assert_drift_free("cart-pole, 10 ms", 1e-4);
+    Trend::of::<f32, Midpoint, 2>(CARTPOLE, &CARTPOLE, [0.0, 0.5], 0.01)
+        .assert_drift_free("cart-pole, 10 ms", 1e-4);
 }
 
 #[test]
 fn pendulum_energy_over_a_million_steps_of_order_4_in_f32() {
-    Trend::of::<f32, Galerkin, 1>(PENDULUM, [0.5], 0.01).assert_random_walk("pendulum, 10 ms", 3e-5);
+    Trend::of::<f32, Galerkin, 1>(PENDULUM, &PENDULUM, [0.5], 0.01)
+        .assert_random_walk("pendulum, 10 ms", 3e-5);
 }
 
 #[test]
 fn cartpole_energy_over_a_million_steps_of_order_4_in_f32() {
-    Trend::of::<f32, Galerkin, 2>(CARTPOLE, [0.0, 0.5], 0.01).assert_random_walk("cart-pole, 10 ms", 4e-6);
+    Trend::of::<f32, Galerkin, 2>(CARTPOLE, &CARTPOLE, [0.0, 0.5], 0.01)
+        .assert_random_walk("cart-pole, 10 ms", 4e-6);
 }
 
 #[test]
 fn pendulum_energy_over_a_million_steps_of_order_4_in_f64() {
-    Trend::of::<f64, Galerkin, 1>(PENDULUM, [0.5], 0.05).assert_drift_free("pendulum, 50 ms, f64", 1e-4);
+    Trend::of::<f64, Galerkin, 1>(PENDULUM, &PENDULUM, [0.5], 0.05)
+        .assert_drift_free("pendulum, 50 ms, f64", 1e-4);
+}
+
+/// Two links of 1 m and 1 kg, released at 0.9 and −0.6 rad, in f32 at 10 ms.
+fn tree_trend<P: Path>(learned: bool) -> Trend {
+    let tree = trees::double_pendulum(learned).rounded();
+    Trend::of::<f32, P, 2>(tree.over(&tree.single()), &tree.in_f64(), [0.9, -0.6], 0.01)
+}
+
+#[test]
+fn energy_of_a_tree_of_rods_over_a_million_steps_of_order_4_in_f32() {
+    tree_trend::<Galerkin>(false).assert_random_walk("two rods, order 4", 3e-5);
+}
+
+#[test]
+fn energy_of_a_learned_tree_over_a_million_steps_of_order_2_in_f32() {
+    tree_trend::<Midpoint>(true).assert_drift_free("two learned links, order 2", 4e-3);
+}
+
+/// Damping takes energy out at every step, and leaves the mechanism at rest at the bottom.
+#[test]
+fn damping_dissipates() {
+    fn check<P: Path>() {
+        let mut tree = trees::cart_and_pole(true);
+        tree.set_damping(0.4);
+        let tree = tree.rounded();
+        let (single, exact) = (tree.single(), tree.in_f64());
+        let system = tree.damped::<f32>(&single);
+        assert_eq!(system.forces.coefficients, [0.4; 2]);
+        let mut state = State::new(&system.lagrangian, [0.2, 1.4], [0.5, -3.0]).unwrap();
+        let total = |state: &State<f32, 2>| {
+            let e = energies_at(&exact, state);
+            e.kinetic + e.potential
+        };
+        let (del, mut before) = (Del::<f32, P>::new(0.01), total(&state));
+        for k in 0..6_000 {
+            del.step(&system, &mut state, &Control::none()).unwrap();
+            let now = total(&state);
+            assert!(now < before + 2e-6 * before.abs(), "step {k}: {now} J after {before} J");
+            before = now;
+        }
+        let bottom = exact.energies(&[0.0; 2], &[0.0; 2]).potential;
+        assert!(before - bottom < 1e-4, "{} J above the bottom after 60 s", before - bottom);
+    }
+    check::<Midpoint>();
+    check::<Galerkin>();
 }
 
 /// Steps under a force on the other coordinate alone, to and fro; the cyclic one's momentum must stay what it was.
@@ -157,14 +218,24 @@ fn momentum_of_a_cyclic_coordinate_of_a_network_is_conserved() {
     check_cyclic_momentum::<f32, Galerkin, _>("network f32", model.over(&weights), 1);
 }
 
+#[test]
+fn momentum_of_a_slide_that_carries_a_learned_link_is_conserved() {
+    let tree = trees::cart_and_pole(true);
+    let single = tree.single();
+    check_cyclic_momentum::<f64, Midpoint, _>("tree f64", tree.in_f64(), 0);
+    check_cyclic_momentum::<f64, Galerkin, _>("tree f64", tree.in_f64(), 0);
+    check_cyclic_momentum::<f32, Midpoint, _>("tree f32", tree.over(&single), 0);
+    check_cyclic_momentum::<f32, Galerkin, _>("tree f32", tree.over(&single), 0);
+}
+
 /// 500 steps forth; then the last two positions in reverse order, and 500 steps back.
-fn check_reversible<R: Real, P: Path>(tolerance: f64) {
+fn check_reversible<R: Real, P: Path>(lagrangian: impl Lagrangian<R, 2>, tolerance: f64) {
     const FORTH: usize = 500;
-    let system = System::conservative(CARTPOLE);
+    let system = System::conservative(lagrangian);
     let del = Del::<R, P>::new(R::constant(0.02));
     let u = Control::held([R::constant(0.2), R::zero()]);
     let start = [R::constant(0.1), R::constant(2.4)];
-    let mut state = State::new(&CARTPOLE, start, [R::constant(0.3), R::constant(0.5)]).unwrap();
+    let mut state = State::new(&system.lagrangian, start, [R::constant(0.3), R::constant(0.5)]).unwrap();
     let mut path = vec![start];
     for _ in 0..FORTH {
         del.step(&system, &mut state, &u).unwrap();
@@ -192,24 +263,31 @@ fn check_reversible<R: Real, P: Path>(tolerance: f64) {
 
 #[test]
 fn steps_are_reversible() {
-    check_reversible::<f64, Midpoint>(2e-13);
-    check_reversible::<f64, Galerkin>(2e-13);
-    check_reversible::<f32, Midpoint>(1e-4);
-    check_reversible::<f32, Galerkin>(1e-4);
+    check_reversible::<f64, Midpoint>(CARTPOLE, 2e-13);
+    check_reversible::<f64, Galerkin>(CARTPOLE, 2e-13);
+    check_reversible::<f32, Midpoint>(CARTPOLE, 1e-4);
+    check_reversible::<f32, Galerkin>(CARTPOLE, 1e-4);
+    let tree = trees::cart_and_pole(true);
+    let single = tree.single();
+    check_reversible::<f64, Midpoint>(tree.in_f64(), 2e-12);
+    check_reversible::<f64, Galerkin>(tree.in_f64(), 2e-12);
+    check_reversible::<f32, Midpoint>(tree.over(&single), 1e-3);
+    check_reversible::<f32, Galerkin>(tree.over(&single), 1e-3);
 }
 
 /// Largest distance of the f32 trajectory from the f64 one over 3 s at 1 ms, per coordinate; both start at the same f32
 /// numbers and take the same f32 step.
 fn precision_gap<P: Path, const N: usize>(
-    lagrangian: Trigonometric<'static, N>,
+    single: impl Lagrangian<f32, N>,
+    double: impl Lagrangian<f64, N>,
     q: [f32; N],
     v: [f32; N],
 ) -> [f64; N] {
     let h = 1e-3_f32;
+    let (in_single, in_double) = (System::conservative(single), System::conservative(double));
     let (single, double) = (Del::<f32, P>::new(h), Del::<f64, P>::new(h.into()));
-    let (in_single, in_double) = (System::conservative(lagrangian), System::conservative(lagrangian));
-    let mut a = State::new(&lagrangian, q, v).unwrap();
-    let mut b = State::new(&lagrangian, q.map(f64::from), v.map(f64::from)).unwrap();
+    let mut a = State::new(&in_single.lagrangian, q, v).unwrap();
+    let mut b = State::new(&in_double.lagrangian, q.map(f64::from), v.map(f64::from)).unwrap();
     let mut gap = [0.0_f64; N];
     for _ in 0..3_000 {
         single.step(&in_single, &mut a, &Control::none()).unwrap();
@@ -224,16 +302,32 @@ fn single_precision_stays_within_2e_6_rad_of_double_over_3_s() {
     let starts = [(0.5, 0.0), (1.0, 0.0), (2.0, 1.0), (-2.5, 3.0), (0.1, 4.0), (3.0, -6.0)];
     let mut largest = 0.0_f64;
     for (angle, rate) in starts {
-        let [pendulum2] = precision_gap::<Midpoint, 1>(PENDULUM, [angle], [rate]);
-        let [pendulum4] = precision_gap::<Galerkin, 1>(PENDULUM, [angle], [rate]);
-        let [cart2, pole2] = precision_gap::<Midpoint, 2>(CARTPOLE, [0.3, angle], [0.05, rate]);
-        let [cart4, pole4] = precision_gap::<Galerkin, 2>(CARTPOLE, [0.3, angle], [0.05, rate]);
+        let [pendulum2] = precision_gap::<Midpoint, 1>(PENDULUM, PENDULUM, [angle], [rate]);
+        let [pendulum4] = precision_gap::<Galerkin, 1>(PENDULUM, PENDULUM, [angle], [rate]);
+        let [cart2, pole2] = precision_gap::<Midpoint, 2>(CARTPOLE, CARTPOLE, [0.3, angle], [0.05, rate]);
+        let [cart4, pole4] = precision_gap::<Galerkin, 2>(CARTPOLE, CARTPOLE, [0.3, angle], [0.05, rate]);
         for gap in [pendulum2, pendulum4, cart2, pole2, cart4, pole4] {
             assert!(gap <= 2e-6, "{gap:e} from ({angle}, {rate})");
             largest = largest.max(gap);
         }
     }
     println!("largest gap {largest:.2e} rad");
+}
+
+#[test]
+fn single_precision_of_a_tree_stays_near_double_over_3_s() {
+    for learned in [false, true] {
+        let tree = trees::double_pendulum(learned).rounded();
+        let single = tree.single();
+        for (q, v) in [([0.5, -0.3], [0.0, 0.0]), ([1.0, 0.8], [0.5, -0.5]), ([0.1, 1.2], [2.0, 1.0])] {
+            let gaps = [
+                precision_gap::<Midpoint, 2>(tree.over(&single), tree.in_f64(), q, v),
+                precision_gap::<Galerkin, 2>(tree.over(&single), tree.in_f64(), q, v),
+            ];
+            println!("learned: {learned}, from {q:?}, {v:?}: {gaps:?} rad");
+            assert!(gaps.concat().iter().all(|gap| *gap <= 5e-6), "{gaps:?} from {q:?}, {v:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,13 +1,15 @@
-//! Nothing panics for any finite input, however extreme; errors are allowed.
+//! Nothing panics for any input, however extreme or no number at all; errors are allowed, and leave the state as it was.
 
 mod common;
 
 use common::shapes::{Angle, Cyclic, Model, Translation};
+use common::trees::{self, Tree};
 use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
 use leastaction_core::energy::Learnable;
+use leastaction_core::energy::modular::{Input, Node, PairInput};
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
@@ -16,14 +18,16 @@ use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Compensated, Scalar, all_finite, max_abs};
 use proptest::prelude::*;
 
-/// Any finite f32, and often one from the edges.
+/// Any f32, and often one from the edges.
 fn extreme() -> impl Strategy<Value = f32> {
     let edges =
         [0.0, -0.0, 1e30, -1e30, f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -1e-45, 65_536.0, 1.0, -3.1];
+    let not_finite = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     prop_oneof![
-        2 => prop::sample::select(edges.to_vec()),
-        1 => any::<f32>().prop_filter("finite", |x| x.is_finite()),
-        1 => -10.0_f32..10.0,
+        8 => prop::sample::select(edges.to_vec()),
+        4 => any::<f32>(),
+        4 => -10.0_f32..10.0,
+        1 => prop::sample::select(not_finite.to_vec()),
     ]
 }
 
@@ -77,6 +81,17 @@ const ACTIVATIONS: [Activation; 5] =
 const KINDS: [[Coordinate; 2]; 4] =
     [[Translation, Angle], [Angle, Angle], [Cyclic, Translation], [Cyclic, Cyclic]];
 
+const INPUTS: [Input; 3] = [Input::Translation, Input::Angle, Input::WrappedAngle];
+const PAIRS: [Option<PairInput>; 4] =
+    [None, Some(PairInput::Concat), Some(PairInput::Difference), Some(PairInput::Distance)];
+const TREES: [&[Node]; 5] = [
+    &[Node { kind: 0, parent: None }, Node { kind: 0, parent: Some(0) }],
+    &[Node { kind: 1, parent: None }, Node { kind: 0, parent: Some(0) }],
+    &[Node { kind: 2, parent: None }, Node { kind: 1, parent: Some(0) }],
+    &[Node { kind: 2, parent: None }, Node { kind: 2, parent: None }],
+    &[Node { kind: 0, parent: None }, Node { kind: 0, parent: None }],
+];
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
 
@@ -96,6 +111,27 @@ proptest! {
         everything(rigid, damping, h, q, v, u);
         rigid.directional_gradient((&q, &v), (&u, &damping), |_, _: f32| {});
         rigid.momentum_rate_gradient((&q, &v), &u, &damping, |_, _: f32| {});
+    }
+
+    #[test]
+    fn modular_never_panics(
+        (q, v, u, damping) in (pair(), pair(), pair(), pair()),
+        h in extreme(),
+        activation in prop::sample::select(&ACTIVATIONS[..]),
+        input in prop::sample::select(&INPUTS[..]),
+        pair in prop::sample::select(&PAIRS[..]),
+        nodes in prop::sample::select(&TREES[..]),
+        own_velocity in any::<bool>(),
+        scale in prop::sample::select(&[1.0_f32, 1e-40, 1e20, 3e38][..]),
+    ) {
+        let mut shape = trees::chain(input, own_velocity.then_some(2), pair);
+        shape.networks.iter_mut().flatten().for_each(|network| network.activation = activation);
+        let tree = Tree::<2>::new(shape, nodes, 5);
+        let weights: Vec<f32> = tree.single().into_iter().map(|w| w * scale).collect();
+        let modular = tree.over(&weights);
+        everything(modular, damping, h, q, v, u);
+        modular.directional_gradient((&q, &v), (&u, &damping), |_, _: f32| {});
+        modular.momentum_rate_gradient((&q, &v), &u, &damping, |_, _: f32| {});
     }
 
     #[test]

@@ -13,7 +13,6 @@ use leastaction_core::model::{
 };
 use leastaction_core::network::Activation;
 use proptest::prelude::*;
-use std::path::PathBuf;
 
 /// What loading as the golden cart-pole says.
 fn load_error(bytes: &[u8]) -> ModelError {
@@ -81,33 +80,12 @@ fn headers_without_options_load_too() {
 
 #[test]
 fn every_truncation_is_an_error() {
-    let file = file::golden();
-    for length in 0..file.len() {
-        let error = load_error(&file[..length]);
-        let expected = matches!(error, ModelError::TooShort { .. } | ModelError::Checksum { .. });
-        assert!(expected, "{length} bytes: {error:?}");
-    }
+    file::assert_truncations_are_refused(&file::golden());
 }
 
 #[test]
 fn every_change_of_a_byte_is_an_error() {
-    let file = file::golden();
-    let mut changed = Aligned::new(&file);
-    for position in 0..file.len() {
-        for change in 1..=255 {
-            let mut bytes = changed.bytes().to_vec();
-            bytes[position] ^= change;
-            changed = Aligned::new(&bytes);
-            let error = parse(changed.bytes()).expect_err("a damaged file must be refused");
-            match position {
-                0..4 => assert_eq!(error, ModelError::Magic),
-                4 => assert_eq!(error, ModelError::Version { found: FORMAT_VERSION ^ change }),
-                _ => assert!(matches!(error, ModelError::Checksum { .. }), "byte {position}: {error:?}"),
-            }
-            bytes[position] ^= change;
-            changed = Aligned::new(&bytes);
-        }
-    }
+    file::assert_changes_are_refused(&file::golden());
 }
 
 #[test]
@@ -252,7 +230,6 @@ fn coordinate_letters_are_their_own_inverse() {
     assert_eq!(Coordinate::from_letter('A'), None);
 }
 
-/// The golden file as text: hexadecimal bytes, and after `#` what they are.
 fn golden_text() -> String {
     let bytes = file::golden();
     let padding = bytes.len() - 4 - 4 * file::weights(&CARTPOLE).len() - 2 - 1 - 64;
@@ -275,39 +252,12 @@ fn golden_text() -> String {
         (4 * 2, "damping coefficients"),
         (4, "CRC-32 of all bytes above, little-endian"),
     ];
-    let mut text = String::from("# A model file, written by core/tests/model.rs; see core/FORMAT.md.\n");
-    let mut rest = &bytes[..];
-    for (length, what) in parts {
-        let (part, after) = rest.split_at(length);
-        text.push_str(&format!("# {what}\n"));
-        for row in part.chunks(16) {
-            let row: Vec<String> = row.iter().map(|byte| format!("{byte:02x}")).collect();
-            text.push_str(&format!("{}\n", row.join(" ")));
-        }
-        rest = after;
-    }
-    assert!(rest.is_empty(), "{} bytes without a name", rest.len());
-    text
+    file::text(&bytes, &parts)
 }
 
-/// The format is what it was: rewrite the file with `LEASTACTION_REGENERATE=1` only together with a new format version.
 #[test]
 fn the_golden_file_is_unchanged() {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/cartpole.hex");
-    if std::env::var_os("LEASTACTION_REGENERATE").is_some() {
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, golden_text()).unwrap();
-    }
-    let text = std::fs::read_to_string(&path).unwrap();
-    let bytes: Vec<u8> = text
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .flat_map(str::split_whitespace)
-        .map(|byte| u8::from_str_radix(byte, 16).unwrap())
-        .collect();
-    assert_eq!(bytes, file::golden());
-    assert_eq!(text, golden_text());
-    assert!(RigidModel::<2, 8, 2>::load(Aligned::new(&bytes).bytes()).is_ok());
+    file::assert_golden("cartpole.hex", &file::golden(), &golden_text());
 }
 
 proptest! {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Random, shapes};
+use common::{Random, shapes, trees};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State, StepError};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
@@ -15,7 +15,7 @@ type Histogram = [usize; 9];
 /// 4 s from several starts, the last of them at rest, with SyMo's range of controls on coordinate `driven`; every step
 /// must end at its floor.
 fn iterations<R: Real, P: Path, const N: usize>(
-    lagrangian: Trigonometric<'static, N>,
+    lagrangian: impl Lagrangian<R, N>,
     driven: usize,
     h: f64,
 ) -> Histogram {
@@ -25,7 +25,7 @@ fn iterations<R: Real, P: Path, const N: usize>(
     let mut histogram = Histogram::default();
     for speed in [3.0, 1.5, 0.5, 0.0] {
         let (q, v) = (random.array::<N>(3.1), random.array::<N>(speed));
-        let mut state = State::new(&lagrangian, q.map(R::constant), v.map(R::constant)).unwrap();
+        let mut state = State::new(&system.lagrangian, q.map(R::constant), v.map(R::constant)).unwrap();
         for k in 0..(4.0 / h) as usize {
             let mut u = [R::zero(); N];
             u[driven] = R::constant(2.0 * (3.0 * k as f64 * h).sin());
@@ -38,25 +38,19 @@ fn iterations<R: Real, P: Path, const N: usize>(
     histogram
 }
 
-fn check_iterations<R: Real, P: Path>(name: &str) {
+#[track_caller]
+fn assert_iterations(name: &str, most: usize, histogram: Histogram) {
+    println!("{name}: {histogram:?}");
+    assert_eq!(histogram[most + 1..].iter().sum::<usize>(), 0, "more than {most}, {name}: {histogram:?}");
+    assert_eq!(histogram[0], 0, "a step without an update, {name}");
+}
+
+fn check_iterations<R: Real, P: Path>(scalar: &str) {
     for h in [0.001, 0.01, 0.05] {
-        let [pendulum, cartpole, acrobot] = [
-            iterations::<R, P, 1>(PENDULUM, 0, h),
-            iterations::<R, P, 2>(CARTPOLE, 0, h),
-            iterations::<R, P, 2>(ACROBOT, 1, h),
-        ];
-        println!(
-            "{name}, order {}, h = {h}: pendulum {pendulum:?} cart-pole {cartpole:?} acrobot {acrobot:?}",
-            P::ORDER
-        );
-        for histogram in [pendulum, cartpole, acrobot] {
-            assert_eq!(
-                histogram[4..].iter().sum::<usize>(),
-                0,
-                "more than 3 iterations at h = {h}: {histogram:?}"
-            );
-            assert_eq!(histogram[0], 0, "a step without an update at h = {h}");
-        }
+        let name = |system: &str| format!("{scalar}, order {}, h = {h}, {system}", P::ORDER);
+        assert_iterations(&name("pendulum"), 3, iterations::<R, P, 1>(PENDULUM, 0, h));
+        assert_iterations(&name("cart-pole"), 3, iterations::<R, P, 2>(CARTPOLE, 0, h));
+        assert_iterations(&name("acrobot"), 3, iterations::<R, P, 2>(ACROBOT, 1, h));
     }
 }
 
@@ -66,6 +60,26 @@ fn at_most_three_iterations_up_to_50_ms() {
     check_iterations::<f32, Galerkin>("f32");
     check_iterations::<f64, Midpoint>("f64");
     check_iterations::<f64, Galerkin>("f64");
+}
+
+/// A double pendulum of 1 m that falls from upright turns by half a radian in 50 ms: a few steps take longer.
+fn check_tree_iterations<R: Real<Weight = R>, P: Path>(scalar: &str, [at_20_ms, at_50_ms]: [usize; 2]) {
+    for (links, learned) in [("rods", false), ("learned links", true)] {
+        let tree = trees::double_pendulum(learned);
+        let weights: Vec<R> = tree.weights.iter().map(|w| R::constant(*w)).collect();
+        for (h, most) in [(0.001, 3), (0.01, 3), (0.02, at_20_ms), (0.05, at_50_ms)] {
+            let name = format!("{scalar}, order {}, h = {h}, two {links}", P::ORDER);
+            assert_iterations(&name, most, iterations::<R, P, 2>(tree.over(&weights), 1, h));
+        }
+    }
+}
+
+#[test]
+fn a_tree_takes_at_most_three_iterations_up_to_10_ms() {
+    check_tree_iterations::<f32, Midpoint>("f32", [3, 4]);
+    check_tree_iterations::<f32, Galerkin>("f32", [3, 4]);
+    check_tree_iterations::<f64, Midpoint>("f64", [4, 5]);
+    check_tree_iterations::<f64, Galerkin>("f64", [4, 5]);
 }
 
 #[test]

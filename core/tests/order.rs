@@ -2,11 +2,12 @@
 
 mod common;
 
-use common::log_log_slope;
+use common::{Random, log_log_slope, trees};
 use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step, momentum, rk4_step};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 
 /// Time at which errors are compared, s; the steps divide it.
 const END: f64 = 0.8;
@@ -14,8 +15,8 @@ const STEPS: [usize; 4] = [20, 40, 80, 160];
 
 /// A motion: a system, where it starts, and a control that is linear in time.
 #[derive(Clone, Copy)]
-struct Motion<const N: usize> {
-    system: System<Trigonometric<'static, N>, Viscous<f64, N>>,
+struct Motion<L, const N: usize> {
+    system: System<L, Viscous<f64, N>>,
     q: [f64; N],
     v: [f64; N],
     u: [f64; N],
@@ -24,14 +25,18 @@ struct Motion<const N: usize> {
 
 type Point<const N: usize> = ([f64; N], [f64; N]);
 
-impl<const N: usize> Motion<N> {
+impl<L, const N: usize> Motion<L, N>
+where
+    L: Lagrangian<f64, N>,
+    L::Mass: MassMatrix<f64, N>,
+{
     fn control(&self, t: f64) -> [f64; N] {
         core::array::from_fn(|i| self.u[i] + self.u_rate[i] * t)
     }
 
     /// Runge–Kutta with the control followed within the step, so finely that its error is rounding: (q, p) at the end.
     fn reference(&self) -> Point<N> {
-        const FINE: usize = 8_000;
+        const FINE: usize = 4_000;
         let h = END / FINE as f64;
         let (mut q, mut v) = (self.q, self.v);
         let rate =
@@ -93,12 +98,12 @@ impl<const N: usize> Motion<N> {
     }
 }
 
-fn acrobot(damping: [f64; 2], u: [f64; 2], u_rate: [f64; 2]) -> Motion<2> {
+fn acrobot(damping: [f64; 2], u: [f64; 2], u_rate: [f64; 2]) -> Motion<Trigonometric<'static, 2>, 2> {
     let system = System { lagrangian: ACROBOT, forces: Viscous { coefficients: damping } };
     Motion { system, q: [1.8, -1.1], v: [0.9, -2.3], u, u_rate }
 }
 
-fn cartpole(damping: [f64; 2], u: [f64; 2], u_rate: [f64; 2]) -> Motion<2> {
+fn cartpole(damping: [f64; 2], u: [f64; 2], u_rate: [f64; 2]) -> Motion<Trigonometric<'static, 2>, 2> {
     let system = System { lagrangian: CARTPOLE, forces: Viscous { coefficients: damping } };
     Motion { system, q: [0.2, 1.3], v: [-0.4, 2.1], u, u_rate }
 }
@@ -121,6 +126,40 @@ fn damped_and_controlled_acrobot() {
 #[test]
 fn damped_and_controlled_cartpole() {
     cartpole([0.7, 0.02], [4.0, 0.0], [-9.0, 0.0]).assert_discrete_orders("forced cart-pole");
+}
+
+#[test]
+fn cart_with_a_learned_link_and_a_rod() {
+    let tree = &trees::of_three()[0];
+    let motion = Motion {
+        system: System::conservative(tree.in_f64()),
+        q: [0.2, 1.3, -0.8],
+        v: [-0.4, 2.1, 2.9],
+        u: [0.0; 3],
+        u_rate: [0.0; 3],
+    };
+    motion.assert_discrete_orders("cart, link, rod");
+    let forced = Motion {
+        system: tree.damped::<f64>(&tree.weights),
+        u: [1.0, -0.5, 2.0],
+        u_rate: [-4.0, 1.5, -3.0],
+        ..motion
+    };
+    forced.assert_discrete_orders("forced cart, link, rod");
+}
+
+#[test]
+fn three_bodies_that_see_their_distance() {
+    let tree = &trees::of_six()[0];
+    let mut random = Random(31);
+    Motion {
+        system: System::conservative(tree.in_f64()),
+        q: random.array(1.5),
+        v: random.array(3.0),
+        u: [0.0; 6],
+        u_rate: [0.0; 6],
+    }
+    .assert_discrete_orders("three bodies");
 }
 
 #[test]

@@ -60,6 +60,7 @@ pub struct Discretisation {
 /// A family of energies and its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
+#[allow(clippy::large_enum_variant, reason = "read once, and there is no heap to box it on")]
 pub enum Family<'a> {
     /// Inertia matrix and potential from one network.
     #[serde(borrow)]
@@ -159,16 +160,17 @@ impl Family<'_> {
 
 impl<'a> ModularHeader<'a> {
     /// The trees in order.
-    pub fn trees(&self) -> impl Iterator<Item = &TreeHeader<'a>> {
+    pub fn trees(&self) -> impl Iterator<Item = &TreeHeader<'a>> + Clone {
         self.trees.iter().take_while(|tree| !tree.elements.is_empty())
     }
 
     /// The tree of that name.
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] where there is none.
+    /// [`ModelError::NoSuchTree`] where there is none.
     pub fn tree(&self, name: &str) -> Result<&TreeHeader<'a>, ModelError> {
-        self.trees().find(|tree| tree.name == name).ok_or(ModelError::OutOfRange { what: "name of a tree" })
+        let none = || ModelError::NoSuchTree { trees: self.trees().count() };
+        self.trees().find(|tree| tree.name == name).ok_or_else(none)
     }
 
     /// Numbers in the weight block.
@@ -180,31 +182,36 @@ impl<'a> ModularHeader<'a> {
         if let Some(what) = self.shape.misfit() {
             return Err(ModelError::OutOfRange { what });
         }
-        require(self.names.split(',').count() == self.shape.types().count(), "names of the element types")?;
+        let kinds = self.shape.types().count();
+        // Bytes: to split a str holds a panic that the compiler cannot exclude.
+        let names = self.names.as_bytes().split(|byte| *byte == b',');
+        if names.clone().count() != kinds || !are_names(names) {
+            return Err(ModelError::Names { of: "element types" });
+        }
+        self.check_trees()?;
+        let start = weights.len().saturating_sub(modular::NUMBERS * kinds + 2);
+        let numbers = weights.get(start..).unwrap_or(&[]).as_chunks().0;
+        numbers.iter().take(kinds).try_for_each(check_numbers)
+    }
+
+    fn check_trees(&self) -> Result<(), ModelError> {
+        let written = self.trees.iter().filter(|tree| **tree != TreeHeader::default()).count();
         require(self.trees().next().is_some(), "number of trees")?;
-        require(
-            self.trees().count() == self.trees.iter().filter(|t| **t != TreeHeader::default()).count(),
-            "list of trees",
-        )?;
-        for (i, tree) in self.trees().enumerate() {
-            require(self.trees().take(i).all(|other| other.name != tree.name), "name of a tree")?;
-            self.check_tree(tree)?;
+        require(self.trees().count() == written, "list of trees")?;
+        if !are_names(self.trees().map(|tree| tree.name.as_bytes())) {
+            return Err(ModelError::Names { of: "trees" });
         }
-        let numbers = weights.len().saturating_sub(modular::NUMBERS * self.shape.types().count() + 2);
-        for numbers in weights.get(numbers..).unwrap_or(&[]).as_chunks::<{ modular::NUMBERS }>().0 {
-            let [mass, inertia, _, _, damping] = *numbers;
-            require(mass > 0.0, "mass of an element type")?;
-            require(inertia >= 0.0, "moment of inertia of an element type")?;
-            require(damping >= 0.0, "damping coefficient")?;
-        }
-        Ok(())
+        self.trees().try_for_each(|tree| self.check_tree(tree))
     }
 
     /// Checks a tree whatever its number of coordinates.
     fn check_tree(&self, tree: &TreeHeader) -> Result<(), ModelError> {
         require(tree.elements.len().is_multiple_of(2), "length of a tree")?;
         match self.shape.tree::<0>(tree.nodes()) {
-            Ok(_) | Err(TreeError::Coordinates { found: 1..=MAX_TREE_COORDINATES, .. }) => Ok(()),
+            Ok(_) => Ok(()),
+            Err(TreeError::Coordinates { found, .. }) => {
+                require(found <= MAX_TREE_COORDINATES, "number of coordinates of a tree")
+            }
             Err(error) => Err(ModelError::Tree(error)),
         }
     }
@@ -276,6 +283,20 @@ impl<'a> RigidHeader<'a> {
         let damping = if self.damped { weights.len().saturating_sub(self.n()) } else { weights.len() };
         require(weights.iter().skip(damping).all(|c| *c >= 0.0), "damping coefficient")
     }
+}
+
+/// Whether none is empty and no two are the same.
+fn are_names<'a>(names: impl Iterator<Item = &'a [u8]> + Clone) -> bool {
+    let mut others = names.clone().enumerate();
+    others.all(|(i, name)| !name.is_empty() && names.clone().take(i).all(|other| other != name))
+}
+
+/// Checks the numbers of an element type.
+fn check_numbers(numbers: &[f32; modular::NUMBERS]) -> Result<(), ModelError> {
+    let [mass, inertia, _, _, damping] = *numbers;
+    require(mass > 0.0, "mass of an element type")?;
+    require(inertia >= 0.0, "moment of inertia of an element type")?;
+    require(damping >= 0.0, "damping coefficient")
 }
 
 fn require(condition: bool, what: &'static str) -> Result<(), ModelError> {

@@ -57,6 +57,16 @@ pub enum ModelError {
     },
     /// A tree of elements is none.
     Tree(TreeError),
+    /// Of these the names are not as many as there are, or one is empty, or two are the same.
+    Names {
+        /// Element types or trees.
+        of: &'static str,
+    },
+    /// The file holds no tree of the name asked for.
+    NoSuchTree {
+        /// Trees that it holds.
+        trees: usize,
+    },
     /// The file holds a model of another family.
     OtherFamily {
         /// The family in the file.
@@ -99,6 +109,10 @@ impl fmt::Display for ModelError {
             Self::NotFinite { index } => write!(f, "weight {index} is infinite or not a number"),
             Self::OutOfRange { what } => write!(f, "{what} is out of range"),
             Self::Tree(error) => write!(f, "{error}"),
+            Self::Names { of } => {
+                write!(f, "the {of} must each have a name of its own, and not an empty one")
+            }
+            Self::NoSuchTree { trees } => write!(f, "none of the {trees} trees in the file has that name"),
             Self::OtherFamily { found } => {
                 write!(f, "a model of the family {found}, which is not the one asked for")
             }

@@ -1,10 +1,16 @@
 //! Writes model files, valid and not.
 
+use super::trees::{network, shape};
+use leastaction_core::energy::modular::{
+    Input, NUMBERS, PairInput, PairShape, Shape, TransformShape, TypeShape,
+};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::{
-    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, RigidHeader, checksum,
+    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModelError, ModularHeader,
+    RigidHeader, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
+use std::path::PathBuf;
 
 /// Bytes at an address that is a multiple of 16, as a linker section gives it.
 #[derive(Clone)]
@@ -54,11 +60,58 @@ pub const HEADER: Header<'static> = Header {
 
 /// Weights that are exact in any text, damping last.
 pub fn weights(header: &RigidHeader) -> Vec<f32> {
-    let count = header.parameters().unwrap();
     let damping = if header.damped { header.n() } else { 0 };
+    [exact(header.parameters().unwrap() - damping), vec![0.125; damping]].concat()
+}
+
+/// Multiples of 1/64 in ±1.
+fn exact(count: usize) -> Vec<f32> {
     let mut random = super::Random(2022);
-    let network = (damping..count).map(|_| (random.bits() % 129) as f32 / 64.0 - 1.0).collect::<Vec<f32>>();
-    [network, vec![0.125; damping]].concat()
+    (0..count).map(|_| (random.bits() % 129) as f32 / 64.0 - 1.0).collect()
+}
+
+/// A cart, a learned link and a rod, with a pair potential.
+pub fn arm_shape() -> Shape {
+    let networks = [
+        network(2, &[4, 3], 2, Activation::Tanh),
+        network(2, &[5], 1, Activation::Softplus),
+        network(1, &[], 1, Activation::Identity),
+    ];
+    let learned = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
+    let types = [
+        TypeShape { transform: TransformShape::Slide, potential: None },
+        TypeShape { transform: learned, potential: Some(1) },
+        TypeShape { transform: TransformShape::Rod, potential: Some(1) },
+    ];
+    shape(&networks, &types, Some(PairShape { network: 2, input: PairInput::Distance }))
+}
+
+/// The numbers of [`arm_shape`]'s types, then c₁ and c₂.
+pub const ARM_NUMBERS: [[f32; NUMBERS]; 3] =
+    [[2.0, 0.0, 1.0, 0.0, 0.5], [1.0, 0.25, 0.5, 0.0, 0.125], [0.75, 0.0, 1.0, 1.5, 0.0]];
+pub const ARM_COEFFICIENTS: [f32; 2] = [9.5, 0.25];
+
+/// Two trees of them, of one and of three elements.
+pub fn arm() -> ModularHeader<'static> {
+    let mut trees = [TreeHeader::default(); MAX_TREES];
+    trees[0] = TreeHeader { name: "link", elements: &[1, 0] };
+    trees[1] = TreeHeader { name: "arm", elements: &[0, 0, 1, 1, 2, 2] };
+    ModularHeader { shape: arm_shape(), names: "cart,link,rod", trees }
+}
+
+pub fn arm_header(arm: ModularHeader<'static>) -> Header<'static> {
+    Header { family: Family::Modular(arm), ..HEADER }
+}
+
+pub fn arm_weights(numbers: [[f32; NUMBERS]; 3]) -> Vec<f32> {
+    let ends = NUMBERS * numbers.len() + ARM_COEFFICIENTS.len();
+    let networks = exact(arm().parameters().unwrap() - ends);
+    [networks, numbers.concat(), ARM_COEFFICIENTS.to_vec()].concat()
+}
+
+/// The valid modular file that the tests damage.
+pub fn golden_arm() -> Vec<u8> {
+    write(arm_header(arm()), &arm_weights(ARM_NUMBERS))
 }
 
 /// The file of a header and a weight block given as bytes, closed with a valid checksum.
@@ -87,4 +140,62 @@ pub fn write(header: Header, weights: &[f32]) -> Vec<u8> {
 /// The valid file that the tests damage.
 pub fn golden() -> Vec<u8> {
     write(HEADER, &weights(&CARTPOLE))
+}
+
+/// Every part of the file, cut off anywhere, must be refused.
+pub fn assert_truncations_are_refused(file: &[u8]) {
+    for length in 0..file.len() {
+        let error = parse(Aligned::new(&file[..length]).bytes()).expect_err("a part of a file");
+        let expected = matches!(error, ModelError::TooShort { .. } | ModelError::Checksum { .. });
+        assert!(expected, "{length} bytes: {error:?}");
+    }
+}
+
+/// Every other value of every byte must be refused.
+pub fn assert_changes_are_refused(file: &[u8]) {
+    for position in 0..file.len() {
+        for change in 1..=255 {
+            let mut bytes = file.to_vec();
+            bytes[position] ^= change;
+            let error = parse(Aligned::new(&bytes).bytes()).expect_err("a damaged file must be refused");
+            match position {
+                0..4 => assert_eq!(error, ModelError::Magic),
+                4 => assert_eq!(error, ModelError::Version { found: FORMAT_VERSION ^ change }),
+                _ => assert!(matches!(error, ModelError::Checksum { .. }), "byte {position}: {error:?}"),
+            }
+        }
+    }
+}
+
+/// A file as text: hexadecimal bytes, and before each part of so many bytes what it is.
+pub fn text(file: &[u8], parts: &[(usize, &str)]) -> String {
+    let mut text = String::from("# A model file, written by core/tests; see core/FORMAT.md.\n");
+    let mut rest = file;
+    for (length, what) in parts {
+        let (part, after) = rest.split_at(*length);
+        text.push_str(&format!("# {what}\n"));
+        for row in part.chunks(16) {
+            let row: Vec<String> = row.iter().map(|byte| format!("{byte:02x}")).collect();
+            text.push_str(&format!("{}\n", row.join(" ")));
+        }
+        rest = after;
+    }
+    assert!(rest.is_empty(), "{} bytes without a name", rest.len());
+    text
+}
+
+/// `text` is that of the golden file of this name, and its bytes are `file`. The format is what it was: rewrite a golden
+/// file with `LEASTACTION_REGENERATE=1` only together with a new format version.
+pub fn assert_golden(name: &str, file: &[u8], text: &str) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
+    if std::env::var_os("LEASTACTION_REGENERATE").is_some() {
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, text).unwrap();
+    }
+    let stored = std::fs::read_to_string(&path).unwrap();
+    let lines = stored.lines().filter(|line| !line.starts_with('#'));
+    let bytes: Vec<u8> =
+        lines.flat_map(str::split_whitespace).map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
+    assert_eq!(bytes, file);
+    assert_eq!(stored, text);
 }

@@ -5,11 +5,17 @@ use super::shapes::{naive_activation, naive_layer};
 use leastaction_core::energy::modular::{
     Input, Modular, NUMBERS, NetworkShape, Node, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
+use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::Activation;
+use leastaction_core::scalar::Scalar;
 
 pub const KINDS: usize = 3;
 pub const WIDTH: usize = 11;
 pub const DEPTH: usize = 3;
+
+/// A tree with the damping of its elements.
+pub type Damped<'a, S, const N: usize> =
+    System<Modular<'a, <S as Scalar>::Weight, N, KINDS, WIDTH, DEPTH>, Viscous<S, N>>;
 
 /// A tree that owns its weights.
 #[derive(Clone, Debug)]
@@ -60,8 +66,31 @@ impl<const N: usize> Tree<N> {
         modular
     }
 
+    /// The tree with the damping of its elements.
+    pub fn damped<'a, S: Scalar>(&self, weights: &'a [S::Weight]) -> Damped<'a, S, N> {
+        let lagrangian = self.over(weights);
+        System { forces: Viscous { coefficients: lagrangian.damping() }, lagrangian }
+    }
+
     pub fn in_f64(&self) -> Modular<'_, f64, N, KINDS, WIDTH, DEPTH> {
         self.over(&self.weights)
+    }
+
+    /// The nearest weights in single precision.
+    pub fn single(&self) -> Vec<f32> {
+        self.weights.iter().map(|w| *w as f32).collect()
+    }
+
+    /// The same with the weights that [`Tree::single`] gives.
+    pub fn rounded(&self) -> Self {
+        Self { weights: self.single().into_iter().map(f64::from).collect(), ..self.clone() }
+    }
+
+    /// Gives all types this damping coefficient.
+    pub fn set_damping(&mut self, damping: f64) {
+        let end = self.weights.len() - 2;
+        let numbers = &mut self.weights[end - NUMBERS * self.shape.types().count()..end];
+        numbers.chunks_mut(NUMBERS).for_each(|numbers| numbers[4] = damping);
     }
 
     fn numbers(&self, kind: u8) -> [f64; NUMBERS] {
@@ -170,7 +199,7 @@ const LEARNED: fn(Input, Option<u8>) -> TransformShape =
     |input, velocity| TransformShape::Network { position: 0, velocity, input };
 
 /// Element types of all kinds: a learned link, a rod and a slide, each with a potential or without.
-fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Shape {
+pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Shape {
     let inputs = input.features() as u8;
     let networks = [
         network(inputs, &[7, 5], 2, Activation::Tanh),
@@ -187,7 +216,7 @@ fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Shape {
 }
 
 /// Free points, of two types.
-fn bodies(pair: PairInput) -> Shape {
+pub fn bodies(pair: PairInput) -> Shape {
     let networks = [
         network(2, &[5, 3], 1, Activation::Tanh),
         network(pair.features() as u8, &[10], 1, Activation::Tanh),
@@ -223,4 +252,34 @@ pub fn of_six() -> Vec<Tree<6>> {
         Tree::new(bodies(PairInput::Difference), &free, 7),
         Tree::new(chain(Input::Angle, None, Some(PairInput::Distance)), &tree, 8),
     ]
+}
+
+/// A link that gravity pulls, rigid or learned, and a cart.
+const LINK: u8 = 0;
+const CART: u8 = 1;
+
+/// A mechanism of links of 1 m and 1 kg and carts of 2 kg under gravity. A learned link has a network that is not quite a
+/// rod: x = tanh(ε(sin q, −cos q))/ε.
+fn mechanism<const N: usize>(learned: bool, nodes: &[Node]) -> Tree<N> {
+    const EPSILON: f64 = 0.3;
+    let networks = [network(2, &[2], 2, Activation::Tanh), network(2, &[], 1, Activation::Identity)];
+    let transform = if learned { LEARNED(Input::Angle, None) } else { TransformShape::Rod };
+    let types = [
+        TypeShape { transform, potential: Some(1) },
+        TypeShape { transform: TransformShape::Slide, potential: None },
+    ];
+    let hidden = [EPSILON, 0.0, 0.0, EPSILON, 0.0, 0.0];
+    let output = [0.0, 1.0 / EPSILON, -1.0 / EPSILON, 0.0, 0.0, 0.0];
+    let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.0]);
+    let weights = [&hidden[..], &output, &gravity, &numbers, &[1.0, 0.0]].concat();
+    Tree { shape: shape(&networks, &types, None), nodes: nodes.to_vec(), weights }
+}
+
+pub fn double_pendulum(learned: bool) -> Tree<2> {
+    mechanism(learned, &[node(LINK, None), node(LINK, Some(0))])
+}
+
+/// A free slide that carries a link.
+pub fn cart_and_pole(learned: bool) -> Tree<2> {
+    mechanism(learned, &[node(CART, None), node(LINK, Some(0))])
 }

@@ -302,15 +302,11 @@ type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
     /// M_ik = g_i·(JᵀmJ)_ik g_k + I_i δ_ik.
     fn mass_matrix<S: Scalar>(&self, c: &Configuration<S, N>) -> [[S; N]; N] {
-        let mut mass = [[S::zero(); N]; N];
-        for k in 0..N {
-            let column = self.inertial_of(c, k, c.motion[k].g);
-            for i in 0..N {
-                mass[i][k] = dot(&c.motion[i].g, &column[i]);
-            }
-            mass[k][k] += c.inertia[k];
-        }
-        mass
+        core::array::from_fn(|k| {
+            let row = self.inertial_of(c, k, c.motion[k].g);
+            let own = |i: usize| if i == k { c.inertia[k] } else { S::zero() };
+            core::array::from_fn(|i| dot(&c.motion[i].g, &row[i]) + own(i))
+        })
     }
 
     /// Jᵀ V_xx J of what coordinate k alone adds.

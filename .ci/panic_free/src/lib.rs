@@ -1,0 +1,88 @@
+//! Calls of every public entry of leastaction-core that a firmware makes, for programs that `.ci/chip` builds for a Cortex-M4F
+//! and searches for what panics. They are never run.
+#![no_std]
+
+use core::hint::black_box;
+use leastaction_core::continuous::{
+    ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
+};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    halt()
+}
+
+/// Everything continuous.
+#[inline(never)]
+fn evaluate<L, const N: usize>(system: &System<L, Viscous<f32, N>>, [q, v, u]: &[[f32; N]; 3]) -> f32
+where
+    L: Lagrangian<f32, N>,
+    L::Mass: MassMatrix<f32, N>,
+{
+    let a = acceleration(system, q, v, u).unwrap_or(*q);
+    let force = inverse_dynamics(system, q, v, &a);
+    let p = momentum(&system.lagrangian, q, v);
+    let state = ContinuousState { q: *q, v: *v };
+    black_box((a, force, p));
+    let _ = black_box(rk4_step(system, &state, u, 0.01));
+    let _ = black_box(midpoint_step(system, &state, u, 0.01));
+    energy(&system.lagrangian, q, v)
+}
+
+#[inline(never)]
+fn step<L: Lagrangian<f32, N>, P: Path, const N: usize>(
+    system: &System<L, Viscous<f32, N>>,
+    [q, v, u]: &[[f32; N]; 3],
+) -> Option<State<f32, N>> {
+    let (del, u) = (Del::<f32, P>::new(0.01), Control::held(*u));
+    let mut state = State::new(&system.lagrangian, *q, *v).ok()?;
+    del.step(system, &mut state, &u).ok()?;
+    let mut state = del.start(system, q, &state.q(), &u).ok()?;
+    del.step(system, &mut state, &u).ok()?;
+    Some(state)
+}
+
+/// Everything.
+#[inline(never)]
+pub fn everything<L, const N: usize>(system: &System<L, Viscous<f32, N>>)
+where
+    L: Lagrangian<f32, N>,
+    L::Mass: MassMatrix<f32, N>,
+{
+    let at = &black_box([[0.1; N]; 3]);
+    black_box(evaluate(system, at));
+    black_box(step::<L, Midpoint, N>(system, at));
+    black_box(step::<L, Galerkin, N>(system, at));
+}
+
+/// A file in flash, of which the compiler knows nothing.
+#[repr(align(4))]
+pub struct Flash([u8; 64]);
+
+impl Flash {
+    /// An empty one.
+    pub const fn new() -> Self {
+        Self([0; 64])
+    }
+
+    /// Its bytes.
+    pub fn bytes(&'static self) -> &'static [u8] {
+        black_box(&self.0)
+    }
+}
+
+impl Default for Flash {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The end of a program.
+pub fn halt() -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}
