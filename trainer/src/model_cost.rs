@@ -158,7 +158,10 @@ impl NetworkWeights {
             TransformShape::Rod | TransformShape::Slide | TransformShape::Free => 0,
         };
         let pairs = kinds.len() * kinds.len().saturating_sub(1) / 2;
-        let passes = |input| if input == PairInput::Distance { 1 } else { 2 };
+        let passes = |input| match input {
+            PairInput::Concat | PairInput::Difference => 2,
+            PairInput::Distance | PairInput::InverseDistance => 1,
+        };
         Self {
             transforms: kinds.iter().map(transform).sum(),
             potentials: kinds.iter().filter_map(|kind| kind.potential).map(weights).sum(),

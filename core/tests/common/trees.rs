@@ -183,6 +183,7 @@ impl<const N: usize> Tree<N> {
             PairInput::Concat => 0.5 * (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])),
             PairInput::Difference => 0.5 * (u(&[x, y]) + u(&[-x, -y])),
             PairInput::Distance => u(&[x.hypot(y)]),
+            PairInput::InverseDistance => u(&[1.0 / x.hypot(y)]),
         }
     }
 }
@@ -250,6 +251,7 @@ pub fn of_six() -> Vec<Tree<6>> {
         Tree::new(bodies(PairInput::Distance), &free, 5),
         Tree::new(bodies(PairInput::Concat), &free, 6),
         Tree::new(bodies(PairInput::Difference), &free, 7),
+        Tree::new(bodies(PairInput::InverseDistance), &free, 9),
         Tree::new(chain(Input::Angle, None, Some(PairInput::Distance)), &tree, 8),
     ]
 }

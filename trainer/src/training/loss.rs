@@ -69,6 +69,22 @@ impl From<Singular> for Failed {
 /// States and controls of eight samples.
 pub(super) type Group<const N: usize> = [([[f64; N]; 3], [[f64; N]; 3]); LANES];
 
+/// A loss over eight samples side by side, with the bits that each has alone.
+pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
+    /// The kinds of the terms that each component has, in order.
+    fn kinds(&self) -> &'static [TermKind];
+    /// The residuals.
+    fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed>;
+    /// The residuals, and for every sample and component its terms: `terms[sample][component * kinds + k]`.
+    fn linearise_group(
+        &self,
+        family: &F,
+        weights: &[f64],
+        group: &Group<N>,
+        terms: &mut [Vec<Term<N>>; LANES],
+    ) -> Result<[[f64; N]; LANES], Failed>;
+}
+
 /// v̇(q, v, u) − a.
 pub(super) struct AccelerationLoss;
 
@@ -169,6 +185,37 @@ impl<P: Path + Sync> DelLoss<P> {
         }
         let after = self.newton.solve_bubble(system, after)?;
         Ok(Pair { before, after, residual: add_scaled(&p, 1.0, &after.balance.d1_ld) })
+    }
+}
+
+/// One sample after the other: the steps of each take as many iterations as it needs.
+impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P> {
+    fn kinds(&self) -> &'static [TermKind] {
+        if P::BUBBLE { &[TermKind::Along; 4] } else { &[TermKind::Along; 2] }
+    }
+
+    fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
+        let system = family.system::<f64>(weights).map_err(|_| Failed)?;
+        let mut residuals = [[0.0; N]; LANES];
+        for (residual, (states, controls)) in residuals.iter_mut().zip(group) {
+            *residual = self.residual(&system, states, controls)?;
+        }
+        Ok(residuals)
+    }
+
+    fn linearise_group(
+        &self,
+        family: &F,
+        weights: &[f64],
+        group: &Group<N>,
+        terms: &mut [Vec<Term<N>>; LANES],
+    ) -> Result<[[f64; N]; LANES], Failed> {
+        let system = family.system::<f64>(weights).map_err(|_| Failed)?;
+        let mut residuals = [[0.0; N]; LANES];
+        for ((residual, (states, controls)), terms) in residuals.iter_mut().zip(group).zip(terms) {
+            *residual = self.linearise(&system, states, controls, terms)?;
+        }
+        Ok(residuals)
     }
 }
 

@@ -15,6 +15,8 @@ pub enum PairInput {
     Difference,
     /// Their distance: U(|a − b|). Conserves linear and angular momentum; not differentiable where the two meet.
     Distance,
+    /// One over their distance: U(1/|a − b|), for forces that fall off with it: far apart lies at 0, and not beyond all data.
+    InverseDistance,
 }
 
 impl PairInput {
@@ -23,7 +25,7 @@ impl PairInput {
         match self {
             Self::Concat => 2 * SPACE,
             Self::Difference => SPACE,
-            Self::Distance => 1,
+            Self::Distance | Self::InverseDistance => 1,
         }
     }
 }
@@ -102,6 +104,7 @@ impl<W: Copy, const D: usize> Pair<'_, W, D> {
             PairInput::Concat => (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])).half(),
             PairInput::Difference => (u(&d.map(Jet::constant)) + u(&d.map(|d| Jet::constant(-d)))).half(),
             PairInput::Distance => u(&[Jet::constant((d[0] * d[0] + d[1] * d[1]).sqrt())]),
+            PairInput::InverseDistance => u(&[Jet::constant(S::one() / (d[0] * d[0] + d[1] * d[1]).sqrt())]),
         }
     }
 
@@ -129,18 +132,32 @@ impl<W: Copy, const D: usize> Pair<'_, W, D> {
                 let on_a = difference(&forth, &back);
                 (u.plus(&w).scaled(half), [on_a, negative(&on_a)])
             }
-            PairInput::Distance => {
+            PairInput::Distance | PairInput::InverseDistance => {
                 let d = difference(a, b);
-                let square = d[0].times(&d[0]).plus(&d[1].times(&d[1]));
-                let r = square.value.sqrt();
-                let distance = square.chain(r, S::one().half() / r);
-                let (u, [slope]) = potential.differentiate::<S, T, 1, H>(&[distance], weight, visit);
-                let inverse = S::one() / r;
-                let along = slope.times(&distance.chain(inverse, -inverse * inverse));
+                let [feature, rate] = self.of_distance(&d);
+                let (u, [slope]) = potential.differentiate::<S, T, 1, H>(&[feature], weight, visit);
+                let along = slope.times(&rate);
                 let on_a = d.map(|d| d.times(&along));
                 (u, [on_a, negative(&on_a)])
             }
         }
+    }
+}
+
+impl<W: Copy, const D: usize> Pair<'_, W, D> {
+    /// The feature f(r) of the distance r = |d|, and f′(r)/r, which makes a gradient of d.
+    #[inline(always)]
+    fn of_distance<S: Scalar, const T: usize>(&self, d: &Moving<S, T>) -> [Jet<S, T>; 2] {
+        let square = d[0].times(&d[0]).plus(&d[1].times(&d[1]));
+        let r = square.value.sqrt();
+        let inverse = S::one() / r;
+        let distance = square.chain(r, inverse.half());
+        let reciprocal = distance.chain(inverse, -inverse * inverse);
+        if self.input == PairInput::Distance {
+            return [distance, reciprocal];
+        }
+        let cube = reciprocal.times(&reciprocal).times(&reciprocal);
+        [reciprocal, cube.scaled(-S::one())]
     }
 }
 

@@ -29,7 +29,7 @@ pub struct Modlanet {
     #[arg(long, value_name = "FILE", requires = "case")]
     data: Option<PathBuf>,
     /// What the bodies' pair potential sees of two positions.
-    #[arg(long, default_value = "distance")]
+    #[arg(long, default_value = "inverse-distance")]
     pair: Pair,
     /// Iterations of Levenberg-Marquardt at most.
     #[arg(long, default_value_t = 150, value_parser = clap::value_parser!(u32).range(1..))]
@@ -50,6 +50,8 @@ pub struct Modlanet {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Pair {
+    /// One over the distance of the two: 1/|a - b|.
+    InverseDistance,
     /// The distance of the two: |a - b|.
     Distance,
     /// The difference: a - b.
@@ -93,6 +95,7 @@ impl Modlanet {
     fn options(&self) -> Options {
         Options {
             pair: match self.pair {
+                Pair::InverseDistance => PairInput::InverseDistance,
                 Pair::Distance => PairInput::Distance,
                 Pair::Difference => PairInput::Difference,
                 Pair::Concat => PairInput::Concat,

@@ -75,7 +75,7 @@ pub struct Options {
 impl Options {
     /// Of the printed tables.
     pub fn new(seed: u64) -> Self {
-        Self { pair: PairInput::Distance, seed, iterations: 150, most_samples: 1_000_000, starts: 100 }
+        Self { pair: PairInput::InverseDistance, seed, iterations: 150, most_samples: 1_000_000, starts: 100 }
     }
 }
 
