@@ -215,7 +215,7 @@ fn random_tree<const N: usize>() -> impl Strategy<Value = Tree<N>> {
     let elements = prop::collection::vec((any::<u8>(), any::<u8>()), N);
     let shape = (sample(&INPUTS), prop::option::of(sample(&PAIRS)), any::<bool>(), any::<bool>());
     (elements, shape, any::<u64>()).prop_map(|(raw, (input, pair, own_velocity, free), seed)| {
-        let free = free && N % 2 == 0;
+        let free = free && N.is_multiple_of(2);
         let shape = match pair {
             Some(pair) if free => trees::bodies(pair),
             pair => trees::chain(input, own_velocity.then_some(2), pair),
