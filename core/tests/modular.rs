@@ -5,13 +5,14 @@ mod common;
 use common::dual::{self, Dual, derivatives};
 use common::trees::{self, Tree, node};
 use common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
-use leastaction_core::continuous::{acceleration, momentum};
+use leastaction_core::continuous::{acceleration, inverse_dynamics, momentum};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::Learnable;
-use leastaction_core::energy::modular::TreeError;
+use leastaction_core::energy::modular::{Input, Node, PairInput, TreeError};
 use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::linear;
+use proptest::prelude::*;
 
 const EXACT: f64 = 1e-12;
 
@@ -183,8 +184,7 @@ fn a_pair_potential_of_the_distance_conserves_linear_and_angular_momentum() {
 #[test]
 fn what_is_no_tree_is_refused() {
     let shape = trees::of_three()[0].shape;
-    let tree =
-        |nodes: &[leastaction_core::energy::modular::Node]| shape.tree::<2>(nodes.iter().copied()).err();
+    let tree = |nodes: &[Node]| shape.tree::<2>(nodes.iter().copied()).err();
     assert_eq!(tree(&[]), Some(TreeError::Empty));
     assert_eq!(tree(&[node(0, Some(0))]), Some(TreeError::Parent { element: 0, parent: 0 }));
     let cycle = [node(0, Some(1)), node(0, Some(0))];
@@ -194,4 +194,74 @@ fn what_is_no_tree_is_refused() {
     assert_eq!(tree(&long), Some(TreeError::Coordinates { found: 3, compiled: 2 }));
     assert_eq!(tree(&[node(1, None)]), Some(TreeError::Coordinates { found: 1, compiled: 2 }));
     assert_eq!(tree(&[node(1, None), node(2, Some(0))]), None);
+}
+
+/// Elements of N coordinates in all from any numbers: each of a type that exists, on the ground or on one before it.
+fn nodes_from<const N: usize>(raw: &[(u8, u8)], kinds: u8, free: bool) -> Vec<Node> {
+    let each = if free { 2 } else { 1 };
+    let elements = raw.iter().take(N / each).enumerate();
+    elements
+        .map(|(e, (kind, parent))| {
+            node(kind % kinds, (*parent as usize % (e + 1)).checked_sub(1).map(|p| p as u8))
+        })
+        .collect()
+}
+
+const INPUTS: [Input; 3] = [Input::Translation, Input::Angle, Input::WrappedAngle];
+const PAIRS: [PairInput; 3] = [PairInput::Concat, PairInput::Difference, PairInput::Distance];
+
+/// A tree of N coordinates of random types on random parents, with random weights.
+fn random_tree<const N: usize>() -> impl Strategy<Value = Tree<N>> {
+    let elements = prop::collection::vec((any::<u8>(), any::<u8>()), N);
+    let shape = (sample(&INPUTS), prop::option::of(sample(&PAIRS)), any::<bool>(), any::<bool>());
+    (elements, shape, any::<u64>()).prop_map(|(raw, (input, pair, own_velocity, free), seed)| {
+        let free = free && N.is_multiple_of(2);
+        let shape = match pair {
+            Some(pair) if free => trees::bodies(pair),
+            pair => trees::chain(input, own_velocity.then_some(2), pair),
+        };
+        let free = free && pair.is_some();
+        Tree::new(shape, &nodes_from::<N>(&raw, if free { 2 } else { 3 }, free), seed)
+    })
+}
+
+fn sample<T: Clone + std::fmt::Debug>(of: &'static [T]) -> impl Strategy<Value = T> {
+    prop::sample::select(of)
+}
+
+/// Energies by the printed formulas, and a = M⁻¹(L_q − L_vq v + u) ⇔ u = M a − L_q + L_vq v.
+fn check_random<const N: usize>(tree: &Tree<N>, seed: u64) -> Result<(), TestCaseError> {
+    let mut random = Random(seed);
+    let (q, v, u) = (random.array(3.0), random.array(2.0), random.array::<N>(5.0));
+    let found = tree.in_f64().energies(&q, &v);
+    let (kinetic, potential) = tree.naive_energies(&q, &v);
+    assert_close("kinetic", found.kinetic, kinetic, 1e-9);
+    assert_close("potential", found.potential, potential, EXACT);
+    let system = tree.damped::<f64>(&tree.weights);
+    match acceleration(&system, &q, &v, &u) {
+        Ok(a) => {
+            // Relative to the terms that cancel where M is nearly singular.
+            let size = 1.0 + a.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
+            for (found, u) in inverse_dynamics(&system, &q, &v, &a).iter().zip(u) {
+                prop_assert!((found - u).abs() <= 1e-11 * size, "{found} instead of {u}, a = {a:?}");
+            }
+        }
+        Err(singular) => prop_assert!(false, "{singular:?}"),
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(128) })]
+
+    #[test]
+    fn random_trees_are_their_printed_formulas_and_invert(
+        (one, two, four, six) in (random_tree::<1>(), random_tree::<2>(), random_tree::<4>(), random_tree::<6>()),
+        seed in any::<u64>(),
+    ) {
+        check_random(&one, seed)?;
+        check_random(&two, seed)?;
+        check_random(&four, seed)?;
+        check_random(&six, seed)?;
+    }
 }

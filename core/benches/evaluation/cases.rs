@@ -1,9 +1,10 @@
-//! What is measured: a cart-pole network and one call of everything.
+//! What is measured: a cart-pole network, and one call of everything on any system.
 
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Path, State};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape};
 use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Real, Scalar};
 
@@ -11,6 +12,9 @@ use leastaction_core::scalar::{Real, Scalar};
 pub trait Plain: Real<Weight = Self> + Default {}
 impl Plain for f32 {}
 impl Plain for f64 {}
+
+/// The step of the cart-pole, s.
+pub const CARTPOLE_STEP: f64 = 0.02;
 
 pub type CartPole<'a, S> = System<Rigid<'a, <S as Scalar>::Weight, 2, 32, 2>, Viscous<S, 2>>;
 
@@ -50,26 +54,42 @@ fn shape(widths: &[usize]) -> Shape<'_, 2> {
 }
 
 /// (q, v, u).
-pub fn state<S: Scalar>() -> [[S; 2]; 3] {
+pub type Point<S, const N: usize> = [[S; N]; 3];
+
+/// Where the cart-pole is.
+pub fn point<S: Scalar>() -> Point<S, 2> {
     [[0.2, 0.7], [-0.5, 1.5], [1.0, 0.0]].map(|x| x.map(S::constant))
 }
 
 /// v̇; not a number where the mass matrix is singular.
-pub fn acceleration<R: Real>(system: &CartPole<R>, [q, v, u]: &[[R; 2]; 3]) -> [R; 2] {
+pub fn acceleration<R: Real, L, const N: usize>(
+    system: &System<L, Viscous<R, N>>,
+    [q, v, u]: &Point<R, N>,
+) -> [R; N]
+where
+    L: Lagrangian<R, N>,
+    L::Mass: MassMatrix<R, N>,
+{
     let invalid = R::constant(f64::NAN);
-    continuous::acceleration(system, q, v, u).unwrap_or([invalid; 2])
+    continuous::acceleration(system, q, v, u).unwrap_or([invalid; N])
 }
 
 /// A trajectory under way: what a step extrapolates from is there.
-pub fn moving<R: Real>(system: &CartPole<R>) -> State<R, 2> {
-    let [q, v, _] = state();
-    State::new(&system.lagrangian, q, v).expect("finite numbers")
+pub fn moving<R: Real, L: Lagrangian<R, N>, const N: usize>(
+    system: &System<L, Viscous<R, N>>,
+    [q, v, _]: &Point<R, N>,
+) -> State<R, N> {
+    State::new(&system.lagrangian, *q, *v).expect("finite numbers")
 }
 
-/// One step of 20 ms with the default bounds of Newton's method; the number of its updates.
-pub fn del_step<R: Real, P: Path>(system: &CartPole<R>, mut state: State<R, 2>) -> (State<R, 2>, u8) {
-    let [_, _, u] = self::state();
-    let report = Del::<R, P>::new(R::constant(0.02)).step(system, &mut state, &Control::held(u));
+/// One step of h seconds with the default bounds of Newton's method; the number of its updates.
+pub fn del_step<R: Real, P: Path, L: Lagrangian<R, N>, const N: usize>(
+    system: &System<L, Viscous<R, N>>,
+    mut state: State<R, N>,
+    [_, _, u]: &Point<R, N>,
+    h: f64,
+) -> (State<R, N>, u8) {
+    let report = Del::<R, P>::new(R::constant(h)).step(system, &mut state, &Control::held(*u));
     (state, report.map_or(0, |report| report.iterations))
 }
 

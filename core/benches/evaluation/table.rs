@@ -1,10 +1,13 @@
 //! The table after divan's: counts and the share of the peak.
 
 use crate::WIDTHS;
-use crate::cases::{self, Network, Plain};
+use crate::cases::{self, CARTPOLE_STEP, Network, Plain, Point, point};
+use crate::chain::{self, Links, STEP};
 use crate::counted::{Counted, Operations, count};
 use crate::peak::{fastest, flops};
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::scalar::Real;
 use std::hint::black_box;
 
@@ -37,6 +40,11 @@ pub fn print() {
         network::<f32>("f32", width, single);
         network::<f64>("f64", width, double);
     }
+    pendulums::<2>(single);
+    pendulums::<3>(single);
+    pendulums::<4>(single);
+    pendulums::<6>(single);
+    pendulums::<8>(single);
     kernels(single, double);
 }
 
@@ -76,23 +84,56 @@ fn seconds<O>(call: impl Fn() -> O) -> f64 {
 
 fn network<R: Plain>(scalar: &str, width: usize, peak: f64) {
     let network = Network::<R>::new(width);
-    let system = network.system::<R>();
-    let counted = network.system::<Counted<R>>();
-    let (_, done) = count(|| cases::acceleration(&counted, &cases::state()));
-    let seconds = seconds(|| cases::acceleration(&system, black_box(&cases::state())));
-    Row { name: format!("acceleration {scalar} 2x{width}"), seconds, updates: None, done }.print(peak);
-    step::<R, Midpoint>(scalar, &network, width, peak);
-    step::<R, Galerkin>(scalar, &network, width, peak);
+    let name = format!("{scalar} 2x{width}");
+    system(&name, &network.system::<R>(), &network.system(), (&point(), &point()), CARTPOLE_STEP, peak);
 }
 
-fn step<R: Plain, P: Path>(scalar: &str, network: &Network<R>, width: usize, peak: f64) {
-    let system = network.system::<R>();
-    let counted = network.system::<Counted<R>>();
-    let (state, counted_state) = (cases::moving(&system), cases::moving(&counted));
-    let ((_, updates), done) = count(|| cases::del_step::<_, P>(&counted, counted_state));
-    let seconds = seconds(|| cases::del_step::<R, P>(&system, black_box(state)));
-    let name = format!("DEL order {} {scalar} 2x{width}", P::ORDER);
-    Row { name, seconds, updates: Some(updates), done }.print(peak);
+fn pendulums<const N: usize>(peak: f64) {
+    let links = Links::<f32>::new();
+    let (at, counted_at) = (chain::point(), chain::point());
+    system(
+        &format!("f32 chain {N}"),
+        &links.system::<f32, N>(),
+        &links.system(),
+        (&at, &counted_at),
+        STEP,
+        peak,
+    );
+}
+
+/// A row for the acceleration and for a step of each order, counted on the same system in a counting scalar.
+fn system<R: Plain, L, C, const N: usize>(
+    name: &str,
+    system: &System<L, Viscous<R, N>>,
+    counted: &System<C, Viscous<Counted<R>, N>>,
+    (at, counted_at): (&Point<R, N>, &Point<Counted<R>, N>),
+    h: f64,
+    peak: f64,
+) where
+    L: Lagrangian<R, N>,
+    L::Mass: MassMatrix<R, N>,
+    C: Lagrangian<Counted<R>, N>,
+    C::Mass: MassMatrix<Counted<R>, N>,
+{
+    let (_, done) = count(|| cases::acceleration(counted, counted_at));
+    let seconds = seconds(|| cases::acceleration(system, black_box(at)));
+    Row { name: format!("acceleration {name}"), seconds, updates: None, done }.print(peak);
+    step::<R, Midpoint, L, C, N>(name, system, counted, (at, counted_at), h, peak);
+    step::<R, Galerkin, L, C, N>(name, system, counted, (at, counted_at), h, peak);
+}
+
+fn step<R: Plain, P: Path, L: Lagrangian<R, N>, C: Lagrangian<Counted<R>, N>, const N: usize>(
+    name: &str,
+    system: &System<L, Viscous<R, N>>,
+    counted: &System<C, Viscous<Counted<R>, N>>,
+    (at, counted_at): (&Point<R, N>, &Point<Counted<R>, N>),
+    h: f64,
+    peak: f64,
+) {
+    let (state, counted_state) = (cases::moving(system, at), cases::moving(counted, counted_at));
+    let ((_, updates), done) = count(|| cases::del_step::<_, P, _, N>(counted, counted_state, counted_at, h));
+    let seconds = seconds(|| cases::del_step::<R, P, _, N>(system, black_box(state), at, h));
+    Row { name: format!("DEL order {} {name}", P::ORDER), seconds, updates: Some(updates), done }.print(peak);
 }
 
 fn kernels(single: f64, double: f64) {

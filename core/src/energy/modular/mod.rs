@@ -13,6 +13,7 @@
 //! p = g·P + Iv, L_q = v g′·P − s′·F, L_vq v = v g′·P + g·JᵀmJ(g′v²). One pass down the tree and one up give P: no
 //! matrix of positions by coordinates is ever formed.
 
+mod curvature;
 mod element;
 mod parameters;
 mod potential;
@@ -29,7 +30,7 @@ use crate::network::Jet;
 use crate::scalar::Scalar;
 use element::Motion;
 use potential::{Ignore, Moving, Visit};
-use tree::{add, scale};
+use tree::scale;
 
 /// A tree of elements in N coordinates over borrowed weights: at most `K` element types, networks of at most `D` hidden
 /// layers of at most `H` units.
@@ -132,6 +133,15 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
             *slot = moved;
         }
         self.inertial(c, &alone)
+    }
+
+    /// M_ik = g_i·(JᵀmJ)_ik g_k + I_i δ_ik.
+    fn mass_matrix<S: Scalar>(&self, c: &Configuration<S, N>) -> [[S; N]; N] {
+        core::array::from_fn(|k| {
+            let row = self.inertial_of(c, k, c.motion[k].g);
+            let own = |i: usize| if i == k { c.inertia[k] } else { S::zero() };
+            core::array::from_fn(|i| dot(&c.motion[i].g, &row[i]) + own(i))
+        })
     }
 
     /// V with its tangents, and V_x with its tangents, at centres that move; `weighed` gets the sums that c₁, c₂ and the
@@ -292,101 +302,6 @@ impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> 
             l_qq,
             l_vq,
             l_vv: self.mass_matrix(&c),
-        }
-    }
-}
-
-/// V_xx, by pairs of elements.
-type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
-
-impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
-    /// M_ik = g_i·(JᵀmJ)_ik g_k + I_i δ_ik.
-    fn mass_matrix<S: Scalar>(&self, c: &Configuration<S, N>) -> [[S; N]; N] {
-        core::array::from_fn(|k| {
-            let row = self.inertial_of(c, k, c.motion[k].g);
-            let own = |i: usize| if i == k { c.inertia[k] } else { S::zero() };
-            core::array::from_fn(|i| dot(&c.motion[i].g, &row[i]) + own(i))
-        })
-    }
-
-    /// Jᵀ V_xx J of what coordinate k alone adds.
-    fn pulled<S: Scalar>(
-        &self,
-        c: &Configuration<S, N>,
-        curvature: &Curvature<S, N>,
-        k: usize,
-    ) -> [Vector<S>; N] {
-        let mut alone = [[S::zero(); SPACE]; N];
-        if let (Some(slot), Some(motion)) = (alone.get_mut(k), c.motion.get(k)) {
-            *slot = motion.s_q;
-        }
-        let moved = self.tree.centres(&c.centre, &alone);
-        let forces = core::array::from_fn(|a| {
-            let mut sum = [S::zero(); SPACE];
-            for b in 0..N {
-                sum = add(&sum, &curvature[a][b].map(|row| dot(&row, &moved[b])));
-            }
-            sum
-        });
-        self.tree.joints(&c.centre, &forces)
-    }
-
-    /// V_x and V_xx.
-    fn potential_hessian<S: Scalar<Weight = W>>(
-        &self,
-        c: &Configuration<S, N>,
-    ) -> ([Vector<S>; N], Curvature<S, N>) {
-        let x = self.tree.centres(&c.centre, &c.of(|m| m.s));
-        let mut gradient = [[S::zero(); SPACE]; N];
-        let mut curvature = [[[[S::zero(); SPACE]; SPACE]; N]; N];
-        let [c1, c2] = self.c::<S>();
-        self.for_elements(|e, kind| {
-            let (Some(x), Some(m)) = (x.get(e), c.mass.get(e)) else { return };
-            let Some(potential) = &kind.potential else { return };
-            let (_, x_bar) =
-                potential.differentiate::<S, SPACE, SPACE, H>(&varied(x, 0), c1 * *m, &mut Ignore);
-            scatter(&mut gradient, &mut curvature, e, &[e], &x_bar);
-        });
-        self.for_pairs(|a, b, pair| {
-            let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
-            let (Some(ma), Some(mb)) = (c.mass.get(a), c.mass.get(b)) else { return };
-            let at = [&varied::<S, 4>(xa, 0), &varied(xb, SPACE)];
-            let (_, [on_a, on_b]) = pair.differentiate::<S, 4, H>(at, c2 * *ma * *mb, &mut Ignore);
-            scatter(&mut gradient, &mut curvature, a, &[a, b], &on_a);
-            scatter(&mut gradient, &mut curvature, b, &[a, b], &on_b);
-        });
-        (gradient, curvature)
-    }
-}
-
-/// x moving along its own axes, which are directions `first` and `first` + 1 of T.
-#[inline(always)]
-fn varied<S: Scalar, const T: usize>(x: &Vector<S>, first: usize) -> Moving<S, T> {
-    let mut moving = x.map(Jet::constant);
-    for (i, x) in moving.iter_mut().enumerate() {
-        if let Some(slot) = x.tangent.get_mut(first + i) {
-            *slot = S::one();
-        }
-    }
-    moving
-}
-
-/// Adds a force on element e, and its derivatives along the axes of the elements `along`.
-#[inline(always)]
-fn scatter<S: Scalar, const T: usize, const N: usize>(
-    gradient: &mut [Vector<S>; N],
-    curvature: &mut Curvature<S, N>,
-    e: usize,
-    along: &[usize],
-    force: &Moving<S, T>,
-) {
-    let (Some(gradient), Some(rows)) = (gradient.get_mut(e), curvature.get_mut(e)) else { return };
-    for (i, force) in force.iter().enumerate() {
-        gradient[i] += force.value;
-        for (f, derivatives) in along.iter().zip(force.tangent.as_chunks::<SPACE>().0) {
-            if let Some(block) = rows.get_mut(*f) {
-                block[i] = add(&block[i], derivatives);
-            }
         }
     }
 }

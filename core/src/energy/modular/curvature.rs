@@ -1,0 +1,93 @@
+//! Second derivatives of the potential.
+
+use super::potential::{Ignore, Moving};
+use super::tree::{SPACE, Vector, add};
+use super::{Configuration, Modular, dot};
+use crate::network::Jet;
+use crate::scalar::Scalar;
+
+/// V_xx, by pairs of elements.
+pub(super) type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
+
+impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+    /// Jᵀ V_xx J of what coordinate k alone adds.
+    pub(super) fn pulled<S: Scalar>(
+        &self,
+        c: &Configuration<S, N>,
+        curvature: &Curvature<S, N>,
+        k: usize,
+    ) -> [Vector<S>; N] {
+        let mut alone = [[S::zero(); SPACE]; N];
+        if let (Some(slot), Some(motion)) = (alone.get_mut(k), c.motion.get(k)) {
+            *slot = motion.s_q;
+        }
+        let moved = self.tree.centres(&c.centre, &alone);
+        let forces = core::array::from_fn(|a| {
+            let mut sum = [S::zero(); SPACE];
+            for b in 0..N {
+                sum = add(&sum, &curvature[a][b].map(|row| dot(&row, &moved[b])));
+            }
+            sum
+        });
+        self.tree.joints(&c.centre, &forces)
+    }
+
+    /// V_x and V_xx.
+    pub(super) fn potential_hessian<S: Scalar<Weight = W>>(
+        &self,
+        c: &Configuration<S, N>,
+    ) -> ([Vector<S>; N], Curvature<S, N>) {
+        let x = self.tree.centres(&c.centre, &c.of(|m| m.s));
+        let mut gradient = [[S::zero(); SPACE]; N];
+        let mut curvature = [[[[S::zero(); SPACE]; SPACE]; N]; N];
+        let [c1, c2] = self.c::<S>();
+        self.for_elements(|e, kind| {
+            let (Some(x), Some(m)) = (x.get(e), c.mass.get(e)) else { return };
+            let Some(potential) = &kind.potential else { return };
+            let (_, x_bar) =
+                potential.differentiate::<S, SPACE, SPACE, H>(&varied(x, 0), c1 * *m, &mut Ignore);
+            scatter(&mut gradient, &mut curvature, e, &[e], &x_bar);
+        });
+        self.for_pairs(|a, b, pair| {
+            let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
+            let (Some(ma), Some(mb)) = (c.mass.get(a), c.mass.get(b)) else { return };
+            let at = [&varied::<S, 4>(xa, 0), &varied(xb, SPACE)];
+            let (_, [on_a, on_b]) = pair.differentiate::<S, 4, H>(at, c2 * *ma * *mb, &mut Ignore);
+            scatter(&mut gradient, &mut curvature, a, &[a, b], &on_a);
+            scatter(&mut gradient, &mut curvature, b, &[a, b], &on_b);
+        });
+        (gradient, curvature)
+    }
+}
+
+/// x moving along its own axes, which are directions `first` and `first` + 1 of T.
+#[inline(always)]
+fn varied<S: Scalar, const T: usize>(x: &Vector<S>, first: usize) -> Moving<S, T> {
+    let mut moving = x.map(Jet::constant);
+    for (i, x) in moving.iter_mut().enumerate() {
+        if let Some(slot) = x.tangent.get_mut(first + i) {
+            *slot = S::one();
+        }
+    }
+    moving
+}
+
+/// Adds a force on element e, and its derivatives along the axes of the elements `along`.
+#[inline(always)]
+fn scatter<S: Scalar, const T: usize, const N: usize>(
+    gradient: &mut [Vector<S>; N],
+    curvature: &mut Curvature<S, N>,
+    e: usize,
+    along: &[usize],
+    force: &Moving<S, T>,
+) {
+    let (Some(gradient), Some(rows)) = (gradient.get_mut(e), curvature.get_mut(e)) else { return };
+    for (i, force) in force.iter().enumerate() {
+        gradient[i] += force.value;
+        for (f, derivatives) in along.iter().zip(force.tangent.as_chunks::<SPACE>().0) {
+            if let Some(block) = rows.get_mut(*f) {
+                block[i] = add(&block[i], derivatives);
+            }
+        }
+    }
+}
