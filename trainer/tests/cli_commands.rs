@@ -4,6 +4,8 @@
 mod files;
 #[path = "cli_commands/generate.rs"]
 mod generate;
+#[path = "cli_commands/import.rs"]
+mod import;
 #[path = "cli_commands/interrupt.rs"]
 mod interrupt;
 #[path = "cli_commands/resume.rs"]

@@ -1,16 +1,17 @@
 //! `leastaction import`.
 
 use super::Done;
-use super::arguments::positive_f32;
+use super::arguments::{positive, positive_f32};
 use super::output::{Failure, Output};
-use clap::{Args, Subcommand};
-use leastaction::ground_truth::Mechanism;
-use leastaction::{atomic, import, model_file};
+use clap::{Args, Subcommand, ValueEnum};
+use leastaction::ground_truth::{ManyBody, Mechanism};
+use leastaction::import::{self, Imported};
+use leastaction::{atomic, model_file};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::Discretisation;
 use serde::Serialize;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Make a model file of a network that was trained elsewhere.
 #[derive(Args)]
@@ -22,6 +23,7 @@ pub struct Import {
 #[derive(Subcommand)]
 enum Source {
     Symo(Symo),
+    Modlanet(Modlanet),
 }
 
 /// A network of the SyMo authors' program (SyMo, E2E-SyMo or L-NODE): safetensors with their tensor names.
@@ -45,6 +47,38 @@ struct Symo {
     /// The model file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+}
+
+/// A network of the ModLaNet authors' program: safetensors with their tensor names.
+///
+/// The one set of element weights in the file serves a tree of any size. Weights are rounded to single precision, which is
+/// what that program trains in.
+///
+/// Example: leastaction import modlanet 3_body.safetensors --system body --count 4 -o m.postcard
+#[derive(Args)]
+struct Modlanet {
+    /// The safetensors file.
+    file: PathBuf,
+    /// What the elements are.
+    #[arg(long, value_enum, default_value = "pendulum")]
+    system: Element,
+    /// How many of them the tree has, at most 32 [default: 2 pendulums, 3 bodies].
+    #[arg(long)]
+    count: Option<u8>,
+    /// Takes this mass instead of the file's, kg; it multiplies all energies and changes no motion.
+    #[arg(long, value_name = "KG", value_parser = positive, allow_negative_numbers = true)]
+    mass: Option<f64>,
+    /// The model file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Element {
+    /// Each hanging from the one before: angles, learned transforms, potentials without activation.
+    Pendulum,
+    /// Free points in the plane: tanh potentials.
+    Body,
 }
 
 /// What was written.
@@ -74,6 +108,7 @@ impl Import {
     pub fn run(self, output: Output) -> Done {
         match self.source {
             Source::Symo(symo) => symo.run(output),
+            Source::Modlanet(modlanet) => modlanet.run(output),
         }
     }
 }
@@ -86,19 +121,7 @@ impl Symo {
             import::symo(&bytes, &coordinates).map_err(|error| Failure::input(&self.file, error))?;
         let step = self.h.or(self.system.map(|system| system.step() as f32)).filter(|_| imported.discrete);
         let discretisation = step.map(|h| Discretisation { order: 2, h });
-        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
-        let provenance = format!("imported from {name} (SyMo)");
-        let model =
-            model_file::encode(&imported.architecture, &imported.weights, discretisation, &provenance)
-                .map_err(|error| Failure::input(&self.file, error))?;
-        atomic::write(&self.output, &model).map_err(|error| Failure::file(&self.output, error))?;
-        output.report(&Report {
-            model: self.output,
-            bytes: model.len(),
-            parameters: imported.weights.len(),
-            coordinates: imported.architecture.coordinates(),
-            h: step,
-        })
+        Files { from: &self.file, to: self.output }.write(&imported, discretisation, "SyMo", output)
     }
 
     fn coordinates(&self) -> Result<Vec<Coordinate>, Failure> {
@@ -108,5 +131,53 @@ impl Symo {
         let wrong = || Failure::Input(format!("--coordinates {letters}: one letter a coordinate, t or a"));
         let kinds: Option<Vec<_>> = letters.chars().map(Coordinate::from_letter).collect();
         kinds.filter(|kinds| !kinds.is_empty()).ok_or_else(wrong)
+    }
+}
+
+impl Modlanet {
+    fn run(self, output: Output) -> Done {
+        let bytes = std::fs::read(&self.file).map_err(|error| Failure::input(&self.file, error))?;
+        let imported = import::modlanet(&bytes, self.system(), self.mass)
+            .map_err(|error| Failure::input(&self.file, error))?;
+        Files { from: &self.file, to: self.output }.write(&imported, None, "ModLaNet", output)
+    }
+
+    fn system(&self) -> ManyBody {
+        let count = |default| self.count.map_or(default, usize::from);
+        match self.system {
+            Element::Pendulum => ManyBody::Pendulum(count(2)),
+            Element::Body => ManyBody::Bodies(count(3)),
+        }
+    }
+}
+
+/// What is read and what is written.
+struct Files<'a> {
+    from: &'a Path,
+    to: PathBuf,
+}
+
+impl Files<'_> {
+    /// Writes the model file and tells about it.
+    fn write(
+        self,
+        imported: &Imported,
+        discretisation: Option<Discretisation>,
+        program: &str,
+        output: Output,
+    ) -> Done {
+        let name = self.from.file_name().unwrap_or_default().to_string_lossy();
+        let provenance = format!("imported from {name} ({program})");
+        let model =
+            model_file::encode(&imported.architecture, &imported.weights, discretisation, &provenance)
+                .map_err(|error| Failure::input(self.from, error))?;
+        atomic::write(&self.to, &model).map_err(|error| Failure::file(&self.to, error))?;
+        output.report(&Report {
+            model: self.to,
+            bytes: model.len(),
+            parameters: imported.weights.len(),
+            coordinates: imported.architecture.coordinates(),
+            h: discretisation.map(|discretisation| discretisation.h),
+        })
     }
 }
