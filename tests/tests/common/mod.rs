@@ -1,6 +1,6 @@
 //! Training by the library, as `leastaction train` and `leastaction export` do it.
 
-use leastaction::config::{Config, Coordinates};
+use leastaction::config::{Config, Coordinates, RigidConfig};
 use leastaction::data::Dataset;
 use leastaction::ground_truth::{Mechanism, Settings, generate};
 use leastaction::model_file::encode;
@@ -25,8 +25,9 @@ pub fn log(trajectories: usize) -> Dataset {
 
 /// A network of two layers for the cart-pole.
 pub fn config(width: u16, iterations: u64) -> Config {
-    let mut config = Config::new("log.npz", Coordinates(Mechanism::Cartpole.coordinates().to_vec()));
-    config.model.hidden = vec![width; 2];
+    let coordinates = Coordinates(Mechanism::Cartpole.coordinates().to_vec());
+    let model = RigidConfig { hidden: vec![width; 2], ..RigidConfig::new(coordinates) };
+    let mut config = Config::new("log.npz", model);
     config.training.iterations = iterations;
     config
 }

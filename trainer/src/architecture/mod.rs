@@ -4,7 +4,9 @@
 mod modular;
 mod rigid;
 
-pub use modular::{ModularArchitecture, NamedTree, NamedType, Number};
+pub use modular::{
+    MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES,
+};
 pub use rigid::{HostSystem, RigidArchitecture};
 
 use leastaction_core::energy::Learnable;

@@ -10,10 +10,8 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-/// Units of a hidden layer at most.
-const MAX_WIDTH: usize = 64;
-/// Coordinates of a tree at most.
-const MAX_COORDINATES: usize = 12;
+/// Units of a hidden layer of a network of an element at most.
+pub const MAX_WIDTH: usize = 64;
 /// The smallest mass, kg, that training may reach.
 const LEAST_MASS: f64 = 1e-6;
 
@@ -136,6 +134,13 @@ impl ModularArchitecture {
         Self { trees: vec![tree], tree: 0, ..self.clone() }
     }
 
+    /// The same with the tree of that name in mind; `None` where there is none.
+    #[must_use]
+    pub fn with_tree_named(&self, name: &str) -> Option<Self> {
+        let tree = self.trees.iter().position(|tree| tree.name == name)?;
+        Some(Self { tree, ..self.clone() })
+    }
+
     /// The tree in the words of the model file; without elements where there is none.
     pub fn tree_header(&self) -> TreeHeader<'_> {
         self.trees.get(self.tree).map(NamedTree::header).unwrap_or_default()
@@ -213,18 +218,60 @@ impl ModularArchitecture {
         }
     }
 
-    pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-        macro_rules! compiled {
-            ($($n:literal),*) => {
-                match self.n() {
-                    $($n => Ok(visitor.visit(&Compiled::<$n>(self.clone()))),)*
-                    n => too_many("coordinates", n, MAX_COORDINATES),
-                }
-            };
+    /// The same with the numbers (masses and so on) that a weight block has.
+    #[must_use]
+    pub fn with_numbers(mut self, weights: &[f64]) -> Self {
+        let start = self.numbers_start();
+        let slots = self.types.iter_mut().flat_map(|kind| &mut kind.numbers).chain(&mut self.coefficients);
+        for (number, value) in slots.zip(weights.get(start..).unwrap_or_default()) {
+            number.value = *value;
         }
-        compiled!(1, 2, 3, 4, 5, 6, 8, 10, 12)
+        self
+    }
+
+    /// Whether the scale of L is known without a force: a known mass moves in a known way, or turns with a known moment of
+    /// inertia.
+    pub fn shows_scale(&self) -> bool {
+        let known = |kind: usize| {
+            let (shape, named) = (self.shape.types().nth(kind)?, self.types.get(kind)?);
+            let [mass, inertia, centre, length, _] = named.numbers;
+            let moves = match shape.transform {
+                TransformShape::Free | TransformShape::Slide => true,
+                TransformShape::Rod => !length.learned && !centre.learned && centre.value != 0.0,
+                TransformShape::Network { .. } => false,
+            };
+            Some(!mass.learned && moves || !inertia.learned && inertia.value > 0.0)
+        };
+        self.kinds().any(|kind| known(kind).unwrap_or(false))
+    }
+
+    /// Whether every mass of the tree is learned and no moment of inertia is known: then a common factor of all of them is in
+    /// no free motion.
+    pub fn learns_every_mass(&self) -> bool {
+        self.kinds().filter_map(|kind| self.types.get(kind)).all(|named| {
+            let [mass, inertia, ..] = named.numbers;
+            mass.learned && (inertia.learned || inertia.value == 0.0)
+        })
     }
 }
+
+macro_rules! compiled {
+    ($($n:literal),*) => {
+        /// Numbers of coordinates that a tree can have on the host.
+        pub const SIZES: &[usize] = &[$($n),*];
+
+        impl ModularArchitecture {
+            pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
+                match self.n() {
+                    $($n => Ok(visitor.visit(&Compiled::<$n>(self.clone()))),)*
+                    n => too_many("coordinates", n, SIZES.last().copied().unwrap_or(0)),
+                }
+            }
+        }
+    };
+}
+
+compiled!(1, 2, 3, 4, 5, 6, 8, 10, 12);
 
 /// Inputs and outputs of every layer, first to last.
 fn layers(network: &NetworkShape) -> Vec<(usize, usize)> {

@@ -3,8 +3,8 @@
 use super::output::{Failure, Output, print};
 use super::progress::Progress;
 use super::{Done, interrupt};
-use clap::Args;
-use leastaction::config::{Config, DEFAULTS};
+use clap::{Args, ValueEnum};
+use leastaction::config::{Config, DEFAULTS, MODULAR_DEFAULTS};
 use leastaction::data;
 use leastaction::run::{Ending, Plan, Run};
 use serde::Serialize;
@@ -37,9 +37,18 @@ pub struct Train {
     /// Show no progress.
     #[arg(short, long)]
     quiet: bool,
-    /// Print a configuration with every key explained, and do nothing else.
-    #[arg(long, exclusive = true)]
-    print_defaults: bool,
+    /// Print a configuration with every key explained, and do nothing else; `modular`: one for trees of elements.
+    #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "rigid")]
+    print_defaults: Option<Family>,
+}
+
+/// Families of models.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Family {
+    /// One network for the inertia matrix and the potential.
+    Rigid,
+    /// Trees of elements.
+    Modular,
 }
 
 /// What came out of training.
@@ -53,6 +62,8 @@ pub struct Report {
     pub iterations: u64,
     /// Numbers in the weight block.
     pub parameters: usize,
+    /// Those that are not known numbers.
+    pub learned_parameters: usize,
     /// Samples of the last stage.
     pub training_samples: usize,
     /// Samples held back.
@@ -73,9 +84,11 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let validation =
             self.validation_loss.map_or(String::new(), |loss| format!(", validation loss {loss:.3e}"));
+        let known = self.parameters - self.learned_parameters;
+        let known = if known > 0 { format!(" ({known} of them known)") } else { String::new() };
         writeln!(
             f,
-            "{} parameters, {} + {} samples",
+            "{} parameters{known}, {} + {} samples",
             self.parameters, self.training_samples, self.validation_samples
         )?;
         writeln!(f, "{} iterations in {:.1} s, ended by: {}", self.iterations, self.seconds, self.ending)?;
@@ -92,7 +105,10 @@ impl Train {
     /// Trains, or prints the defaults.
     pub fn run(self, output: Output) -> Done {
         let (Some(file), Some(folder)) = (&self.config, &self.output) else {
-            return print(DEFAULTS);
+            return print(match self.print_defaults {
+                Some(Family::Modular) => MODULAR_DEFAULTS,
+                _ => DEFAULTS,
+            });
         };
         let config = Config::read(file)?;
         let plan = plan(file, config, output)?;
@@ -135,6 +151,7 @@ pub fn train(
         ending: ending.name(),
         iterations: run.iteration(),
         parameters: run.plan().parameters(),
+        learned_parameters: run.plan().learned_parameters(),
         training_samples,
         validation_samples,
         best_iteration: best.iteration,

@@ -33,10 +33,15 @@ impl ConfigError {
     /// Finds the line and says what to do.
     pub(super) fn invalid(file: &Path, source: &str, error: &toml::de::Error) -> Self {
         let start = error.span().map_or(0, |span| span.start);
+        Self::at(file, source, start, advise(error.message()))
+    }
+
+    /// What is wrong at a place of the text.
+    pub(super) fn at(file: &Path, source: &str, start: usize, message: String) -> Self {
         let before = source.get(..start).unwrap_or(source);
         let line = before.matches('\n').count() + 1;
         let text = source.lines().nth(line - 1).unwrap_or_default().trim().to_owned();
-        Self::Invalid { file: file.to_owned(), line, text, message: advise(error.message()) }
+        Self::Invalid { file: file.to_owned(), line, text, message }
     }
 }
 

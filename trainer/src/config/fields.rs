@@ -1,6 +1,6 @@
 //! Fields whose range is checked while they are read, so that the error knows the line.
 
-use crate::architecture::{DEPTH, MAX_COORDINATES, MAX_WIDTH};
+use crate::architecture::{DEPTH, MAX_COORDINATES, MAX_MODULAR_WIDTH, MAX_WIDTH};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::network::Activation;
 use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
@@ -169,4 +169,38 @@ pub(super) fn widths<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u16>, D::
     Err(Error::custom(format_args!(
         "invalid value: {widths:?}, expected 1 to {DEPTH} layers of 1 to {MAX_WIDTH} units"
     )))
+}
+
+/// The hidden layers of a network of an element: none makes it linear.
+pub(super) fn some_widths<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<u16>>, D::Error> {
+    let widths = Vec::<u16>::deserialize(from)?;
+    let sensible = |width: &u16| (1..=MAX_MODULAR_WIDTH).contains(&usize::from(*width));
+    if widths.len() <= DEPTH && widths.iter().all(sensible) {
+        return Ok(Some(widths));
+    }
+    Err(Error::custom(format_args!(
+        "invalid value: {widths:?}, expected at most {DEPTH} layers of 1 to {MAX_MODULAR_WIDTH} units, or [] for none"
+    )))
+}
+
+/// An activation that may be left out.
+pub(super) mod activation_name {
+    use super::{Activation, ActivationName, Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(transparent)]
+    struct Named(#[serde(with = "ActivationName")] Activation);
+
+    pub(in crate::config) fn serialize<S: Serializer>(
+        activation: &Option<Activation>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        activation.map(Named).serialize(to)
+    }
+
+    pub(in crate::config) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<Activation>, D::Error> {
+        Named::deserialize(from).map(|Named(activation)| Some(activation))
+    }
 }

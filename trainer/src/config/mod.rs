@@ -3,30 +3,38 @@
 
 mod error;
 mod fields;
+mod model;
+mod modular;
+mod read;
+mod rigid;
 
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
+pub use model::ModelConfig;
+pub use modular::{
+    Assembled, ElementConfig, ModularConfig, ModularError, NumberConfig, PairConfig, PairKind, Problem, Step,
+    TransformKind, TypeConfig,
+};
+pub use rigid::RigidConfig;
 
-use crate::architecture::{Architecture, RigidArchitecture};
+use crate::architecture::Architecture;
 use crate::training::LossKind;
-use leastaction_core::energy::rigid::Inertia;
-use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// The default configuration, every key explained.
 pub const DEFAULTS: &str = include_str!("defaults.toml");
+/// A configuration for trees of elements, every key of `[model]` explained.
+pub const MODULAR_DEFAULTS: &str = include_str!("modular.toml");
 
 /// What to learn, from what, and how.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Config {
     /// `[data]`.
     pub data: DataConfig,
     /// `[model]`.
     pub model: ModelConfig,
     /// `[training]`.
-    #[serde(default)]
     pub training: TrainingConfig,
 }
 
@@ -42,29 +50,6 @@ pub struct DataConfig {
     /// Part of the trajectories held back from the end, in [0, 1).
     #[serde(default = "validation", deserialize_with = "fields::fraction")]
     pub validation: f64,
-}
-
-/// The shape of the model.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ModelConfig {
-    /// What each coordinate is.
-    pub coordinates: Coordinates,
-    /// Units of the hidden layers.
-    #[serde(default = "hidden", deserialize_with = "fields::widths")]
-    pub hidden: Vec<u16>,
-    /// Of the hidden layers.
-    #[serde(default = "activation", with = "fields::ActivationName")]
-    pub activation: Activation,
-    /// The inertia matrix; by default diagonal for one coordinate, else Cholesky.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub inertia: Option<InertiaKind>,
-    /// ε of the Cholesky form, ≥ 0.
-    #[serde(default = "epsilon", deserialize_with = "fields::epsilon")]
-    pub epsilon: f32,
-    /// Whether viscous damping is learned.
-    #[serde(default)]
-    pub damping: bool,
 }
 
 /// Loss, optimiser and when to stop.
@@ -129,18 +114,6 @@ fn validation() -> f64 {
     0.1
 }
 
-fn hidden() -> Vec<u16> {
-    vec![24, 24]
-}
-
-fn activation() -> Activation {
-    Activation::Tanh
-}
-
-fn epsilon() -> f32 {
-    1e-9
-}
-
 impl Default for TrainingConfig {
     fn default() -> Self {
         Self {
@@ -169,34 +142,23 @@ impl Default for AdamConfig {
 }
 
 impl Config {
-    /// The defaults for a log of these coordinates.
-    pub fn new(file: impl Into<PathBuf>, coordinates: Coordinates) -> Self {
+    /// The defaults for a log, and a model of this shape; [`Coordinates`] give a rigid one.
+    pub fn new(file: impl Into<PathBuf>, model: impl Into<ModelConfig>) -> Self {
         Self {
             data: DataConfig { file: file.into(), trajectories: None, validation: validation() },
-            model: ModelConfig {
-                coordinates,
-                hidden: hidden(),
-                activation: activation(),
-                inertia: None,
-                epsilon: epsilon(),
-                damping: false,
-            },
+            model: model.into(),
             training: TrainingConfig::default(),
         }
     }
 
-    /// Reads a configuration file; the data file's path becomes relative to the working folder.
+    /// Reads a configuration file; paths become relative to the working folder.
     ///
     /// # Errors
     /// [`ConfigError`] with file, line and key.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let text = std::fs::read_to_string(path)
             .map_err(|error| ConfigError::Read { file: path.to_owned(), error })?;
-        let mut config = Self::parse(&text, path)?;
-        if let Some(folder) = path.parent() {
-            config.data.file = folder.join(&config.data.file);
-        }
-        Ok(config)
+        Self::parse_in(&text, path, path.parent())
     }
 
     /// Reads a configuration from text; `file` is for messages alone.
@@ -204,7 +166,20 @@ impl Config {
     /// # Errors
     /// [`ConfigError::Invalid`] with line and key.
     pub fn parse(text: &str, file: &Path) -> Result<Self, ConfigError> {
-        toml::from_str(text).map_err(|error| ConfigError::invalid(file, text, &error))
+        Self::parse_in(text, file, None)
+    }
+
+    fn parse_in(text: &str, file: &Path, folder: Option<&Path>) -> Result<Self, ConfigError> {
+        let mut config = read::parse(text).map_err(|error| ConfigError::invalid(file, text, &error))?;
+        if let Some(folder) = folder {
+            config.data.file = folder.join(&config.data.file);
+        }
+        if let ModelConfig::Modular(modular) = &mut config.model {
+            let from = modular.from.as_mut();
+            from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
+            modular.assemble().map_err(|error| read::located(file, text, &error))?;
+        }
+        Ok(config)
     }
 
     /// The configuration as TOML, every key written out.
@@ -212,11 +187,16 @@ impl Config {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// The same without what may change when a run is resumed: where the data lies, when to stop and to save, threads.
+    /// The same without what may change when a run is resumed: where data and models lie, when to stop and to save, threads.
     #[must_use]
     pub fn identity(&self) -> Self {
         let defaults = TrainingConfig::default();
+        let mut model = self.model.clone();
+        if let ModelConfig::Modular(modular) = &mut model {
+            modular.from = modular.from.as_ref().map(|_| PathBuf::new());
+        }
         Self {
+            model,
             data: DataConfig { file: PathBuf::new(), ..self.data.clone() },
             training: TrainingConfig {
                 iterations: defaults.iterations,
@@ -228,27 +208,27 @@ impl Config {
                 checkpoint_seconds: defaults.checkpoint_seconds,
                 ..self.training.clone()
             },
-            ..self.clone()
         }
     }
 
-    /// The shape of the model.
-    pub fn architecture(&self) -> Architecture {
-        let ModelConfig { coordinates, hidden, activation, damping, .. } = &self.model;
-        let plain = RigidArchitecture::new(&coordinates.0, 0);
-        let cholesky = Inertia::Cholesky { epsilon: self.model.epsilon };
-        let inertia = match (self.model.inertia, plain.inertia) {
-            (Some(InertiaKind::Diagonal), _) | (None, Inertia::Diagonal) => Inertia::Diagonal,
-            _ => cholesky,
-        };
-        RigidArchitecture {
-            widths: hidden.clone(),
-            activation: *activation,
-            inertia,
-            damped: *damping,
-            ..plain
+    /// The shape of the model, and the weights that training begins with.
+    ///
+    /// # Errors
+    /// [`ModularError`] where a tree or its types cannot be, or the model that they come from cannot be read.
+    pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ModularError> {
+        let seed = self.training.seed;
+        match &self.model {
+            ModelConfig::Rigid(rigid) => {
+                let architecture = rigid.architecture();
+                let weights = architecture.initial_weights(seed);
+                Ok((architecture, weights))
+            }
+            ModelConfig::Modular(modular) => {
+                let assembled = modular.assemble()?;
+                let weights = assembled.initial_weights(seed);
+                Ok((assembled.architecture.into(), weights))
+            }
         }
-        .into()
     }
 }
 

@@ -1,5 +1,7 @@
 use super::*;
 use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::network::Activation;
 
 fn parse(text: &str) -> Result<Config, ConfigError> {
     Config::parse(text, Path::new("c.toml"))
@@ -11,6 +13,13 @@ fn error(text: &str) -> String {
 
 fn defaults() -> Config {
     Config::new("data.npz", Coordinates(vec![Coordinate::Translation, Coordinate::Angle]))
+}
+
+fn rigid(config: &Config) -> &RigidConfig {
+    match &config.model {
+        ModelConfig::Rigid(rigid) => rigid,
+        ModelConfig::Modular(_) => panic!("a modular model"),
+    }
 }
 
 const LEAST: &str = "[data]\nfile = \"data.npz\"\n[model]\ncoordinates = \"ta\"\n";
@@ -34,7 +43,7 @@ fn printed_keys_that_are_off_can_be_switched_on() {
         .collect();
     let config = parse(&switched).unwrap();
     assert_eq!(config.data.trajectories, Some(32));
-    assert_eq!(config.model.inertia, Some(InertiaKind::Cholesky));
+    assert_eq!(rigid(&config).inertia, Some(InertiaKind::Cholesky));
     let TrainingConfig { target, patience, max_seconds, .. } = config.training;
     assert_eq!((target, patience, max_seconds), (Some(1e-12), Some(50), Some(600.0)));
 }
@@ -53,8 +62,12 @@ fn every_key_is_printed() {
 fn toml_round_trips() {
     let mut config = defaults();
     config.training.target = Some(1e-9);
-    config.model.activation = Activation::Isru;
-    config.model.inertia = Some(InertiaKind::Diagonal);
+    config.model = RigidConfig {
+        activation: Activation::Isru,
+        inertia: Some(InertiaKind::Diagonal),
+        ..rigid(&config).clone()
+    }
+    .into();
     assert_eq!(parse(&config.to_toml()).unwrap(), config);
 }
 
@@ -108,12 +121,12 @@ fn inertia(architecture: &Architecture) -> Inertia {
 
 #[test]
 fn the_shape_follows_the_coordinates() {
-    let two = parse(LEAST).unwrap().architecture();
+    let two = parse(LEAST).unwrap().beginning().unwrap().0;
     assert_eq!(inertia(&two), Inertia::Cholesky { epsilon: 1e-9 });
     assert_eq!(two.parameters().unwrap(), 796);
-    let one = parse(&LEAST.replace("\"ta\"", "[\"angle\"]")).unwrap().architecture();
+    let one = parse(&LEAST.replace("\"ta\"", "[\"angle\"]")).unwrap().beginning().unwrap().0;
     assert_eq!((inertia(&one), one.coordinates().as_str()), (Inertia::Diagonal, "a"));
-    let explicit = parse(&format!("{LEAST}inertia = \"diagonal\"\n")).unwrap().architecture();
+    let explicit = parse(&format!("{LEAST}inertia = \"diagonal\"\n")).unwrap().beginning().unwrap().0;
     assert_eq!(inertia(&explicit), Inertia::Diagonal);
 }
 

@@ -80,6 +80,10 @@ impl Checkpoint {
                 differences: differences(&self.identity, &now),
             });
         }
+        if self.architecture != plan.architecture {
+            let differences = "the model that [model] from names has changed since".to_owned();
+            return Err(CheckpointError::OtherConfiguration { differences });
+        }
         if self.data != plan.data_fingerprint {
             return Err(CheckpointError::OtherData { file: plan.config.data.file.clone() });
         }

@@ -1,7 +1,7 @@
 //! The folder of a run: checkpoint, configuration, history and loss curve.
 
 use super::state::Row;
-use crate::config::Config;
+use crate::config::{Config, ModelConfig};
 use crate::plot::{self, PlotError};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -54,10 +54,16 @@ impl Folder {
         Ok(())
     }
 
-    /// Writes the configuration with the data's full path, so that it can be used from here.
+    /// Writes the configuration with full paths, so that it can be used from here.
     pub fn write_config(&self, config: &Config) -> io::Result<()> {
         let mut config = config.clone();
-        config.data.file = fs::canonicalize(&config.data.file).unwrap_or(config.data.file);
+        let model = match &mut config.model {
+            ModelConfig::Modular(modular) => modular.from.as_mut(),
+            ModelConfig::Rigid(_) => None,
+        };
+        for file in std::iter::once(&mut config.data.file).chain(model) {
+            *file = fs::canonicalize(&*file).unwrap_or_else(|_| file.clone());
+        }
         crate::atomic::write(&self.path.join(CONFIG), config.to_toml().as_bytes())
     }
 

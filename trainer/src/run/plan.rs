@@ -1,8 +1,8 @@
 //! What a run does, from a configuration and data: the stages, each with its losses.
 
 use super::fingerprint;
-use crate::architecture::Architecture;
-use crate::config::{Config, OptimiserKind, TrainingConfig};
+use crate::architecture::{Architecture, ModularArchitecture};
+use crate::config::{Config, ModelConfig, ModularError, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
 use leastaction_core::model::{Discretisation, ModelError};
@@ -21,6 +21,30 @@ pub enum PlanError {
         /// Of the data.
         data: usize,
     },
+    /// The data has another number of coordinates than the tree.
+    #[error(
+        "[model] tree = {tree:?} has {model} coordinates, one after the other those of {elements}, but the data has {data}; name \
+         the tree that the data is of, its elements in the order of q"
+    )]
+    Tree {
+        /// What it is called.
+        tree: String,
+        /// Its elements.
+        elements: String,
+        /// Of the tree.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// Masses that nothing determines.
+    #[error(
+        "[[model.types]]: every mass of the tree is learned, but no sample is forced (u is zero or missing), and free motion does \
+         not show a common factor of all masses; give one type a known mass, as mass = 1.0, or log motion under a known force"
+    )]
+    Masses,
+    /// The trees and their types cannot be.
+    #[error("{0}")]
+    Modular(#[from] ModularError),
     /// A DEL-residual loss without any force.
     #[error(
         "no sample is forced (u is zero or missing), and without a force the DEL residual is least for L = 0, which is \
@@ -77,6 +101,8 @@ pub(super) struct Stage {
 pub struct Plan {
     pub(super) config: Config,
     pub(super) architecture: Architecture,
+    /// What training begins with.
+    pub(super) initial: Vec<f64>,
     pub(super) discretisation: Option<Discretisation>,
     pub(super) data_fingerprint: u64,
     pub(super) stages: Vec<Stage>,
@@ -89,14 +115,21 @@ impl Plan {
     /// # Errors
     /// [`PlanError`]: the data and the configuration do not fit each other.
     pub fn new(config: Config, data: &Dataset) -> Result<Self, PlanError> {
-        let architecture = config.architecture();
-        if architecture.n() != data.n {
-            return Err(PlanError::Coordinates { model: architecture.n(), data: data.n });
-        }
+        let (architecture, initial) = config.beginning()?;
+        check_coordinates(&architecture, data)?;
         let data = config.data.trajectories.map_or_else(|| data.clone(), |count| data.truncated(count));
         let mut notices = Vec::new();
         let parts = split(&data, config.data.validation, &mut notices);
-        let kinds = kinds(&config.training, parts.0.is_forced(), &mut notices)?;
+        let forced = parts.0.is_forced();
+        if !forced && architecture.modular().is_some_and(ModularArchitecture::learns_every_mass) {
+            return Err(PlanError::Masses);
+        }
+        let scale = forced || architecture.modular().is_some_and(ModularArchitecture::shows_scale);
+        let mut kinds = kinds(&config.training, scale, &mut notices)?;
+        if goes_on(&config) {
+            // A warm-up would leave trained weights for ones that are better on another loss.
+            kinds.retain(|(name, _)| *name != WARM_UP);
+        }
         let stages = kinds
             .into_iter()
             .map(|(name, kind)| stage(name, kind, &config.training, &architecture, &parts))
@@ -105,6 +138,7 @@ impl Plan {
         let discretisation = Discretisation { order, h: data.h as f32 };
         Ok(Self {
             architecture,
+            initial,
             discretisation: (loss != LossKind::Acceleration).then_some(discretisation),
             data_fingerprint: fingerprint::of_data(&data, loss),
             stages,
@@ -130,10 +164,34 @@ impl Plan {
         self.architecture.parameters().unwrap_or(0)
     }
 
+    /// Numbers in the weight block that training changes.
+    pub fn learned_parameters(&self) -> usize {
+        self.architecture.learned_parameters().unwrap_or(0)
+    }
+
     /// Iterations of all stages.
     pub fn iterations(&self) -> u64 {
         self.stages.iter().map(|stage| stage.iterations).fold(0, u64::saturating_add)
     }
+}
+
+fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), PlanError> {
+    let (model, data) = (architecture.n(), data.n);
+    match architecture {
+        _ if model == data => Ok(()),
+        Architecture::Rigid(_) => Err(PlanError::Coordinates { model, data }),
+        Architecture::Modular(modular) => {
+            let names =
+                modular.kinds().filter_map(|kind| modular.types.get(kind)).map(|kind| kind.name.as_str());
+            let (tree, elements) = (modular.tree_name().to_owned(), names.collect::<Vec<_>>().join(", "));
+            Err(PlanError::Tree { tree, elements, model, data })
+        }
+    }
+}
+
+/// Whether training begins with trained weights.
+fn goes_on(config: &Config) -> bool {
+    matches!(&config.model, ModelConfig::Modular(modular) if modular.from.is_some())
 }
 
 /// Training and validation trajectories: of the latter the fraction, rounded, but at least one, from the end.
@@ -151,21 +209,21 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> (Dataset, 
     (training, Some(validation))
 }
 
-/// The stages and their losses.
+/// The stages and their losses; `scale`: whether that of L is known, by a force or otherwise.
 fn kinds(
     training: &TrainingConfig,
-    forced: bool,
+    scale: bool,
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<(&'static str, LossKind)>, PlanError> {
-    if !forced && training.loss == LossKind::DelResidual {
+    if !scale && training.loss == LossKind::DelResidual {
         return Err(PlanError::Unforced);
     }
-    if !forced {
+    if !scale {
         notices.push(Notice::UnknownScale);
     }
     let mut kinds = vec![("training", training.loss)];
     if training.loss == LossKind::NextPosition && training.warm_up > 0 {
-        if forced {
+        if scale {
             kinds.insert(0, (WARM_UP, LossKind::DelResidual));
         } else {
             notices.push(Notice::NoWarmUp);

@@ -108,8 +108,7 @@ pub(super) struct State {
 impl State {
     /// Before the first iteration; `None` for a plan without stages.
     pub fn new(plan: &Plan) -> Option<Self> {
-        let weights = plan.architecture.initial_weights(plan.config.training.seed);
-        let (optimiser, best) = Self::enter(plan, plan.stages.first()?, weights, 0);
+        let (optimiser, best) = Self::enter(plan, plan.stages.first()?, plan.initial.clone(), 0);
         Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best })
     }
 

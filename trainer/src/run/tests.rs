@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{Config, Coordinates};
+use crate::config::{Config, Coordinates, RigidConfig};
 use crate::data::Dataset;
 use crate::ground_truth::{Mechanism, Settings, generate};
 use leastaction_core::energy::rigid::Coordinate;
@@ -25,8 +25,9 @@ fn data(trajectories: usize, control: bool) -> Dataset {
 }
 
 fn config() -> Config {
-    let mut config = Config::new("nowhere.npz", Coordinates(vec![Coordinate::Angle]));
-    config.model.hidden = vec![5];
+    let coordinates = Coordinates(vec![Coordinate::Angle]);
+    let model = RigidConfig { hidden: vec![5], ..RigidConfig::new(coordinates) };
+    let mut config = Config::new("nowhere.npz", model);
     config.training.order = 2;
     (config.training.iterations, config.training.warm_up) = (4, 2);
     config

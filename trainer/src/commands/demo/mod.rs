@@ -8,7 +8,7 @@ use super::output::{Failure, Output, folder};
 use super::simulate::{self, Request, Scenario, simulate};
 use super::{Done, interrupt, train};
 use clap::Args;
-use leastaction::config::{Config, Coordinates};
+use leastaction::config::{Config, Coordinates, RigidConfig};
 use leastaction::ground_truth::{Mechanism, Settings, generate};
 use leastaction::model_file::{HostModel, decode};
 use leastaction::run::{Ending, Run};
@@ -109,8 +109,9 @@ impl Demo {
     }
 
     fn train(&self, output: Output) -> Result<train::Report, Failure> {
-        let mut config = Config::new("data.npz", Coordinates(MECHANISM.coordinates().to_vec()));
-        config.model.hidden = vec![WIDTH; 2];
+        let coordinates = Coordinates(MECHANISM.coordinates().to_vec());
+        let model = RigidConfig { hidden: vec![WIDTH; 2], ..RigidConfig::new(coordinates) };
+        let mut config = Config::new("data.npz", model);
         (config.training.iterations, config.training.seed) = (ITERATIONS, self.seed);
         let (file, folder) = (self.out.join("train.toml"), self.out.join("run"));
         atomic::write(&file, config.to_toml().as_bytes()).map_err(|error| Failure::file(&file, error))?;

@@ -1,0 +1,34 @@
+//! `[model]`, whatever the family.
+
+use super::fields::Coordinates;
+use super::modular::ModularConfig;
+use super::rigid::RigidConfig;
+use serde::Serialize;
+
+/// The shape of the model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ModelConfig {
+    /// `family = "rigid"`, the default.
+    Rigid(RigidConfig),
+    /// `family = "modular"`.
+    Modular(ModularConfig),
+}
+
+impl From<Coordinates> for ModelConfig {
+    fn from(coordinates: Coordinates) -> Self {
+        Self::Rigid(RigidConfig::new(coordinates))
+    }
+}
+
+impl From<RigidConfig> for ModelConfig {
+    fn from(rigid: RigidConfig) -> Self {
+        Self::Rigid(rigid)
+    }
+}
+
+impl From<ModularConfig> for ModelConfig {
+    fn from(modular: ModularConfig) -> Self {
+        Self::Modular(modular)
+    }
+}

@@ -1,0 +1,349 @@
+//! From a configuration to the shape of a model.
+
+use super::source::Source;
+use super::{
+    ElementConfig, ModularConfig, ModularError, NumberConfig, PairConfig, Problem, TransformKind, TypeConfig,
+};
+use crate::architecture::{MODULAR_SIZES, ModularArchitecture, NamedTree, NamedType, Number};
+use leastaction_core::energy::modular::{
+    Input, MAX_NETWORKS, MAX_TYPES, NUMBERS, NetworkShape, PairInput, PairShape, SPACE, Shape,
+    TransformShape, TypeShape,
+};
+use leastaction_core::model::{MAX_HIDDEN, MAX_TREES};
+use leastaction_core::network::Activation;
+
+/// Units of the hidden layer of a network that does not say.
+const WIDTH: u16 = 16;
+/// Coordinates of any tree of a model file at most.
+const MOST_COORDINATES: usize = 64;
+
+/// The shape of a model, and what of its weights is already trained.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assembled {
+    /// The shape; its first tree is the one that is trained.
+    pub architecture: ModularArchitecture,
+    /// The networks that come from a trained model, which are the first of the weight block.
+    trained: Vec<f64>,
+}
+
+impl Assembled {
+    /// The trained weights, random ones where there are none.
+    pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let mut weights = self.architecture.initial_weights(seed);
+        weights.iter_mut().zip(&self.trained).for_each(|(weight, trained)| *weight = *trained);
+        weights
+    }
+}
+
+impl ModularConfig {
+    /// The model that these types and trees are; reads the one to go on from, where there is one.
+    ///
+    /// # Errors
+    /// [`ModularError`]: what cannot be, and where.
+    pub fn assemble(&self) -> Result<Assembled, ModularError> {
+        let mut model = match &self.from {
+            None => Assembly::default(),
+            Some(file) => Assembly::of(&Source::read(file).map_err(|problem| problem.at(["from".into()]))?),
+        };
+        for (i, kind) in self.types.iter().enumerate() {
+            let twice = self.types.iter().take(i).any(|other| other.name == kind.name);
+            model.add_type(i, kind, twice)?;
+        }
+        if model.types.is_empty() {
+            return Err(Problem::NoTypes.at([]));
+        }
+        if let Some(pair) = &self.pair {
+            model.add_pair(pair).map_err(|problem| problem.at(["pair".into()]))?;
+        }
+        for (name, elements) in &self.trees {
+            model.add_tree(name, elements)?;
+        }
+        let chosen = self.chosen(&model).map_err(|problem| problem.at(["tree".into()]))?;
+        model.trees.swap(0, chosen);
+        model.check()?;
+        Ok(model.finish())
+    }
+
+    /// The position of the tree that is trained.
+    fn chosen(&self, model: &Assembly) -> Result<usize, Problem> {
+        let known = || list(model.trees.iter().map(|tree| tree.name.as_str()));
+        let position = |name: &str| model.trees.iter().position(|tree| tree.name == name);
+        let only = if self.trees.len() == 1 { self.trees.keys().next() } else { None };
+        match self.tree.as_ref().or(only) {
+            Some(name) => {
+                position(name).ok_or_else(|| Problem::UnknownTree { name: name.clone(), known: known() })
+            }
+            None if model.trees.is_empty() => Err(Problem::NoTree),
+            // The first tree of a trained model is the one that it was trained on.
+            None if self.trees.is_empty() => Ok(0),
+            None => Err(Problem::WhichTree { known: known() }),
+        }
+    }
+}
+
+/// A model while it is put together.
+#[derive(Default)]
+struct Assembly {
+    networks: Vec<NetworkShape>,
+    types: Vec<(TypeShape, NamedType)>,
+    pair: Option<PairShape>,
+    coefficients: Option<[Number; 2]>,
+    trees: Vec<NamedTree>,
+    /// Types that come from a trained model; they are the first.
+    old: usize,
+    trained: Vec<f64>,
+}
+
+impl Assembly {
+    fn of(source: &Source) -> Self {
+        let Source { architecture, weights } = source;
+        let shape = &architecture.shape;
+        let types: Vec<_> = shape.types().copied().zip(architecture.types.iter().cloned()).collect();
+        let numbers = NUMBERS * types.len() + 2;
+        let mut trees = architecture.trees.clone();
+        if architecture.tree < trees.len() {
+            trees.swap(0, architecture.tree);
+        }
+        Self {
+            networks: shape.networks().copied().collect(),
+            old: types.len(),
+            types,
+            pair: shape.pair,
+            coefficients: Some(architecture.coefficients),
+            trees,
+            trained: weights.get(..weights.len().saturating_sub(numbers)).unwrap_or_default().to_vec(),
+        }
+    }
+
+    fn kind(&self, name: &str) -> Option<usize> {
+        self.types.iter().position(|(_, named)| named.name == name)
+    }
+
+    fn add_type(&mut self, i: usize, kind: &TypeConfig, twice: bool) -> Result<(), ModularError> {
+        let at = |key: &str, problem: Problem| problem.at(["types".into(), i.into(), key.into()]);
+        let name = || kind.name.clone();
+        check_name(&kind.name).map_err(|problem| at("name", problem))?;
+        if twice {
+            return Err(at("name", Problem::Twice { name: name() }));
+        }
+        if let Some(old) = self.kind(&kind.name).filter(|old| *old < self.old) {
+            if let Some(key) = kind.shape_keys().find_map(|(key, given)| given.then_some(key)) {
+                return Err(at(key, Problem::Trained { key, name: name() }));
+            }
+            let (shape, named) = &mut self.types[old];
+            let numbers = kind.numbers(transform_of(shape), named.numbers);
+            named.numbers = numbers.map_err(|(key, problem)| at(key, problem))?;
+            return Ok(());
+        }
+        let transform = kind.transform.ok_or_else(|| at("name", Problem::NoTransform { name: name() }))?;
+        let learned = transform.input().is_some();
+        let networks = [("position", kind.position.is_some()), ("velocity", kind.velocity.is_some())];
+        if let Some((key, _)) = networks.into_iter().find(|(_, given)| *given && !learned) {
+            return Err(at(key, Problem::Meaningless { key, transform: transform.name() }));
+        }
+        let numbers = kind.numbers(transform, DEFAULTS).map_err(|(key, problem)| at(key, problem))?;
+        let shape = self.type_shape(kind, transform);
+        self.types.push((shape, NamedType { name: name(), numbers }));
+        Ok(())
+    }
+
+    fn type_shape(&mut self, kind: &TypeConfig, transform: TransformKind) -> TypeShape {
+        let activation = kind.activation.unwrap_or(Activation::Tanh);
+        let mut network =
+            |widths: &[u16], inputs, outputs| self.add_network(widths, (inputs, outputs), activation);
+        let default = [WIDTH];
+        let transform = match (transform, transform.input()) {
+            (_, Some(input)) => {
+                let inputs = input.features();
+                let position = network(kind.position.as_deref().unwrap_or(&default), inputs, SPACE);
+                let velocity = kind.velocity.as_ref().map(|widths| network(widths, inputs, SPACE));
+                TransformShape::Network { position, velocity, input }
+            }
+            (TransformKind::Slide, None) => TransformShape::Slide,
+            (TransformKind::Free, None) => TransformShape::Free,
+            (_, None) => TransformShape::Rod,
+        };
+        TypeShape { transform, potential: kind.potential.as_ref().map(|widths| network(widths, SPACE, 1)) }
+    }
+
+    /// The number of a new network.
+    fn add_network(
+        &mut self,
+        units: &[u16],
+        (inputs, outputs): (usize, usize),
+        activation: Activation,
+    ) -> u8 {
+        let mut widths = [0; MAX_HIDDEN];
+        widths.iter_mut().zip(units).for_each(|(slot, width)| *slot = *width);
+        self.networks.push(NetworkShape { inputs: inputs as u8, widths, outputs: outputs as u8, activation });
+        // More than the format holds are refused afterwards.
+        u8::try_from(self.networks.len() - 1).unwrap_or(u8::MAX)
+    }
+
+    fn add_pair(&mut self, pair: &PairConfig) -> Result<(), Problem> {
+        if self.pair.is_some() {
+            return Err(Problem::Trained { key: "pair", name: "pair".to_owned() });
+        }
+        let input = PairInput::from(pair.input);
+        let widths = pair.hidden.clone().unwrap_or_else(|| vec![WIDTH]);
+        let activation = pair.activation.unwrap_or(Activation::Tanh);
+        let network = self.add_network(&widths, (input.features(), 1), activation);
+        self.pair = Some(PairShape { network, input });
+        Ok(())
+    }
+
+    fn add_tree(&mut self, name: &str, elements: &[ElementConfig]) -> Result<(), ModularError> {
+        let at = |problem: Problem| problem.at(["trees".into(), name.into()]);
+        check_name(name).map_err(at)?;
+        if elements.is_empty() {
+            return Err(at(Problem::EmptyTree));
+        }
+        let mut bytes = Vec::new();
+        let mut coordinates = 0;
+        for (e, element) in elements.iter().enumerate() {
+            let here = |problem: Problem| problem.at(["trees".into(), name.into(), e.into()]);
+            let (kind, parent) = self.element(e, element).map_err(here)?;
+            coordinates += self.types[kind].0.coordinates();
+            if coordinates > MOST_COORDINATES {
+                let (found, most) = (coordinates, MOST_COORDINATES);
+                return Err(here(Problem::TooMany { what: "coordinates in a tree", found, most }));
+            }
+            // Both fit: more types than a byte holds are refused, and elements have a coordinate each.
+            bytes.extend([kind as u8, parent as u8]);
+        }
+        let tree = NamedTree { name: name.to_owned(), elements: bytes };
+        match self.trees.iter_mut().find(|tree| tree.name == name) {
+            Some(old) => *old = tree,
+            None => self.trees.push(tree),
+        }
+        Ok(())
+    }
+
+    /// The type of an element, and 0 (the ground) or 1 + what it hangs from.
+    fn element(&self, e: usize, element: &ElementConfig) -> Result<(usize, usize), Problem> {
+        let kind = |name: &String| {
+            let known = || list(self.types.iter().map(|(_, named)| named.name.as_str()));
+            self.kind(name).ok_or_else(|| Problem::UnknownType { name: name.clone(), known: known() })
+        };
+        match element {
+            ElementConfig::Next(name) => {
+                let kind = kind(name)?;
+                let free = self.types[kind].0.transform == TransformShape::Free;
+                Ok((kind, if free { 0 } else { e }))
+            }
+            ElementConfig::On { kind: name, on } => match *on {
+                None => Ok((kind(name)?, 0)),
+                Some(on) if on < e as u64 => Ok((kind(name)?, on as usize + 1)),
+                Some(on) => Err(Problem::Parent { element: e, on }),
+            },
+        }
+    }
+
+    /// That the model file and this program hold it.
+    fn check(&self) -> Result<(), ModularError> {
+        let most = |what, place: &str, found, most| {
+            let too_many = Problem::TooMany { what, found, most };
+            if found <= most { Ok(()) } else { Err(too_many.at([place.into()])) }
+        };
+        most("element types", "types", self.types.len(), MAX_TYPES)?;
+        most(
+            "networks (positions, velocities, potentials, pair)",
+            "types",
+            self.networks.len(),
+            MAX_NETWORKS,
+        )?;
+        most("trees", "trees", self.trees.len(), MAX_TREES)?;
+        let trained = self.trees.first();
+        let found = trained.map_or(0, |tree| {
+            let kinds = tree.elements.iter().step_by(2).filter_map(|kind| self.types.get(usize::from(*kind)));
+            kinds.map(|(shape, _)| shape.coordinates()).sum()
+        });
+        if MODULAR_SIZES.contains(&found) {
+            return Ok(());
+        }
+        let compiled = list(MODULAR_SIZES.iter());
+        let name = trained.map_or("", |tree| tree.name.as_str());
+        Err(Problem::Size { found, compiled }.at(["trees".into(), name.into()]))
+    }
+
+    fn finish(self) -> Assembled {
+        let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: self.pair };
+        shape.networks.iter_mut().zip(&self.networks).for_each(|(slot, network)| *slot = Some(*network));
+        shape.types.iter_mut().zip(&self.types).for_each(|(slot, (kind, _))| *slot = Some(*kind));
+        let types = self.types.into_iter().map(|(_, named)| named).collect();
+        let coefficients = self.coefficients.unwrap_or([Number::known(1.0); 2]);
+        let architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);
+        Assembled { architecture, trained: self.trained }
+    }
+}
+
+/// A point of 1 kg at the end of whatever carries it.
+const DEFAULTS: [Number; NUMBERS] =
+    [Number::known(1.0), Number::known(0.0), Number::known(1.0), Number::known(1.0), Number::known(0.0)];
+
+impl TypeConfig {
+    /// What shapes networks, and whether it is given.
+    fn shape_keys(&self) -> impl Iterator<Item = (&'static str, bool)> {
+        [
+            ("transform", self.transform.is_some()),
+            ("position", self.position.is_some()),
+            ("velocity", self.velocity.is_some()),
+            ("potential", self.potential.is_some()),
+            ("activation", self.activation.is_some()),
+        ]
+        .into_iter()
+    }
+
+    /// Mass, moment of inertia, centre, length and damping, `defaults` where they are left out.
+    fn numbers(
+        &self,
+        transform: TransformKind,
+        defaults: [Number; NUMBERS],
+    ) -> Result<[Number; NUMBERS], (&'static str, Problem)> {
+        type Rule = (&'static str, bool, fn(f32) -> bool, &'static str);
+        const ABOVE: &str = "a finite number above 0";
+        const NOT_BELOW: &str = "a finite number, 0 or above";
+        let rules: [Rule; NUMBERS] = [
+            ("mass", true, |x| x > 0.0, ABOVE),
+            ("inertia", transform.turns(), |x| x >= 0.0, NOT_BELOW),
+            ("centre", true, |_| true, "a finite number"),
+            ("length", transform == TransformKind::Rod, |x| x > 0.0, ABOVE),
+            ("damping", true, |x| x >= 0.0, NOT_BELOW),
+        ];
+        let given = [self.mass, self.inertia, self.centre, self.length, self.damping];
+        let mut numbers = defaults;
+        for ((number, given), (key, has_meaning, good, range)) in numbers.iter_mut().zip(given).zip(rules) {
+            let Some(NumberConfig { value, learned }) = given else { continue };
+            if !has_meaning {
+                return Err((key, Problem::Meaningless { key, transform: transform.name() }));
+            }
+            // As the model file will have it.
+            let single = value as f32;
+            if !single.is_finite() || !good(single) {
+                return Err((key, Problem::OutOfRange { key, value, range }));
+            }
+            *number = Number { value, learned };
+        }
+        Ok(numbers)
+    }
+}
+
+fn transform_of(shape: &TypeShape) -> TransformKind {
+    match shape.transform {
+        TransformShape::Network { input: Input::Angle, .. } => TransformKind::Angle,
+        TransformShape::Network { input: Input::Translation, .. } => TransformKind::Translation,
+        TransformShape::Network { input: Input::WrappedAngle, .. } => TransformKind::WrappedAngle,
+        TransformShape::Rod => TransformKind::Rod,
+        TransformShape::Slide => TransformKind::Slide,
+        TransformShape::Free => TransformKind::Free,
+    }
+}
+
+fn check_name(name: &str) -> Result<(), Problem> {
+    let good = !name.trim().is_empty() && !name.contains(',');
+    if good { Ok(()) } else { Err(Problem::Name { name: name.to_owned() }) }
+}
+
+fn list<T: ToString>(names: impl Iterator<Item = T>) -> String {
+    names.map(|name| name.to_string()).collect::<Vec<_>>().join(", ")
+}

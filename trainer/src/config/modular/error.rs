@@ -1,0 +1,202 @@
+//! What is wrong with a tree of elements, and where in the configuration.
+
+use std::fmt;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A step on the way to a value of the configuration.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// The key of a table.
+    Key(String),
+    /// The position in an array, from 0.
+    Index(usize),
+}
+
+impl Step {
+    /// The key, empty for a position.
+    pub(in crate::config) fn key(&self) -> &str {
+        match self {
+            Self::Key(key) => key,
+            Self::Index(_) => "",
+        }
+    }
+
+    /// The position, where it is one.
+    pub(in crate::config) fn index(&self) -> Option<usize> {
+        match self {
+            Self::Key(_) => None,
+            Self::Index(index) => Some(*index),
+        }
+    }
+}
+
+impl From<&str> for Step {
+    fn from(key: &str) -> Self {
+        Self::Key(key.to_owned())
+    }
+}
+
+impl From<usize> for Step {
+    fn from(index: usize) -> Self {
+        Self::Index(index)
+    }
+}
+
+/// A `[model]` that is no tree of elements.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub struct ModularError {
+    /// From the top of the file to the value.
+    pub place: Vec<Step>,
+    /// What is wrong there.
+    pub problem: Problem,
+}
+
+impl fmt::Display for ModularError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        for (i, step) in self.place.iter().enumerate() {
+            match step {
+                Step::Key(key) if i == 0 => write!(f, "{key}")?,
+                Step::Key(key) => write!(f, ".{key}")?,
+                Step::Index(index) => write!(f, "[{index}]")?,
+            }
+        }
+        write!(f, ": {}", self.problem)
+    }
+}
+
+/// What is wrong with a tree of elements.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The model to go on from cannot be read.
+    #[error("{message}")]
+    From {
+        /// Why.
+        message: String,
+    },
+    /// The model to go on from is of another family.
+    #[error("{} holds a rigid model, which has no element types; name a modular one", file.display())]
+    Rigid {
+        /// The run or the model file.
+        file: PathBuf,
+    },
+    /// No element type.
+    #[error(
+        "no element types: add a [[model.types]] with a name and a transform, or name a trained model with from = \"run\""
+    )]
+    NoTypes,
+    /// More than the model file or this program holds.
+    #[error("{found} {what}, but at most {most} can be held")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// Asked for.
+        found: usize,
+        /// Held.
+        most: usize,
+    },
+    /// A name that a model file cannot hold.
+    #[error("{name:?} cannot be a name: give it at least one letter, and no comma")]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Two types of one name.
+    #[error("there is another type {name:?}; give each its own name")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// A new type that does not say how it moves.
+    #[error(
+        "how does {name:?} move? add transform = \"angle\" or \"translation\" (learned), \"rod\", \"slide\" or \"free\" (known)"
+    )]
+    NoTransform {
+        /// The type.
+        name: String,
+    },
+    /// A key that has no meaning for this transform.
+    #[error("`{key}` means nothing for transform = \"{transform}\"; leave it out")]
+    Meaningless {
+        /// The key.
+        key: &'static str,
+        /// The transform.
+        transform: &'static str,
+    },
+    /// A key that would change a trained network.
+    #[error(
+        "`{key}` of {name:?} cannot be changed: its networks come from the trained model; give a new type another name"
+    )]
+    Trained {
+        /// The key.
+        key: &'static str,
+        /// The type.
+        name: String,
+    },
+    /// A number out of its range.
+    #[error("`{key}` is {value}; it must be {range}")]
+    OutOfRange {
+        /// The key.
+        key: &'static str,
+        /// As given.
+        value: f64,
+        /// In words.
+        range: &'static str,
+    },
+    /// A type that does not exist.
+    #[error("no element type is called {name:?}; there are: {known}")]
+    UnknownType {
+        /// As given.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// An element that hangs from one that does not come before it.
+    #[error(
+        "element {element} hangs from element {on}, which does not come before it (a cycle?): elements count from 0, parents \
+         first; without `on` an element hangs from the ground"
+    )]
+    Parent {
+        /// The element, from 0.
+        element: usize,
+        /// What it hangs from.
+        on: u64,
+    },
+    /// A tree without elements.
+    #[error("a tree needs at least one element")]
+    EmptyTree,
+    /// No tree at all.
+    #[error("no tree: add [model.trees] with a line as double = [\"bob\", \"bob\"]")]
+    NoTree,
+    /// Several trees, and none is chosen.
+    #[error("which tree is the data of? add tree = \"...\" to [model]; there are: {known}")]
+    WhichTree {
+        /// All names.
+        known: String,
+    },
+    /// A tree that does not exist.
+    #[error("no tree is called {name:?}; there are: {known}")]
+    UnknownTree {
+        /// As given.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// A tree of a size that this program cannot train.
+    #[error("a tree of {found} coordinates, but this program was compiled for {compiled}")]
+    Size {
+        /// Of the tree.
+        found: usize,
+        /// What can be trained.
+        compiled: String,
+    },
+}
+
+impl Problem {
+    /// This problem at a place of the configuration.
+    pub(super) fn at<const N: usize>(self, place: [Step; N]) -> ModularError {
+        let place = std::iter::once(Step::from("model")).chain(place).collect();
+        ModularError { place, problem: self }
+    }
+}

@@ -1,0 +1,40 @@
+//! The trained model that a new one begins from.
+
+use super::Problem;
+use crate::architecture::{Architecture, ModularArchitecture};
+use crate::model_file::decode;
+use crate::run::Trained;
+use std::path::Path;
+
+/// A trained tree of elements: its shape, whose numbers are the trained ones, and its weights.
+pub(super) struct Source {
+    pub architecture: ModularArchitecture,
+    pub weights: Vec<f64>,
+}
+
+impl Source {
+    /// The best weights of the run in a folder, in which what was learned is learned on; or a model file, in which all numbers
+    /// are known.
+    pub fn read(path: &Path) -> Result<Self, Problem> {
+        let (architecture, weights) = if path.is_dir() { run(path) } else { file(path) }
+            .map_err(|message| Problem::From { message })?;
+        match architecture {
+            Architecture::Modular(modular) => {
+                Ok(Self { architecture: modular.with_numbers(&weights), weights })
+            }
+            Architecture::Rigid(_) => Err(Problem::Rigid { file: path.to_owned() }),
+        }
+    }
+}
+
+fn run(folder: &Path) -> Result<(Architecture, Vec<f64>), String> {
+    let trained = Trained::read(folder).map_err(|error| error.to_string())?;
+    Ok((trained.architecture, trained.best.weights))
+}
+
+fn file(path: &Path) -> Result<(Architecture, Vec<f64>), String> {
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let bytes = std::fs::read(path).map_err(|error| named(&error))?;
+    let model = decode(&bytes).map_err(|error| named(&error))?;
+    Ok((model.architecture, model.weights))
+}
