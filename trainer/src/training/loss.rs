@@ -5,6 +5,7 @@
 //! Σ ∂/∂θ [F(q, v)·δq + L_v(q, v)·δv] over the Gauss points of the intervals involved, with F = L_q + Q; the implicit
 //! function theorem only chooses the δq and δv. One kernel in core does the rest.
 
+use super::samples::Sample;
 use crate::architecture::Family;
 use leastaction_core::discrete::{
     Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation,
@@ -66,8 +67,8 @@ impl From<Singular> for Failed {
     }
 }
 
-/// States and controls of eight samples.
-pub(super) type Group<const N: usize> = [([[f64; N]; 3], [[f64; N]; 3]); LANES];
+/// Eight samples.
+pub(super) type Group<const N: usize> = [Sample<N>; LANES];
 
 /// A loss over eight samples side by side, with the bits that each has alone.
 pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
@@ -88,22 +89,30 @@ pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
 /// v̇(q, v, u) − a.
 pub(super) struct AccelerationLoss;
 
-/// The equation of motion of eight samples: mass matrix and generalised force of each.
+/// M v̇ = f.
+#[derive(Clone, Copy)]
+struct Equation<const N: usize> {
+    mass: [[f64; N]; N],
+    force: [f64; N],
+}
+
+/// The equations of motion of eight samples.
 fn equations<F: Family<N>, const N: usize>(
     family: &F,
     weights: &[f64],
     group: &Group<N>,
-) -> Result<[([[f64; N]; N], [f64; N]); LANES], Failed> {
+) -> Result<[Equation<N>; LANES], Failed> {
     let system = family.system::<Lanes>(weights).map_err(|_| Failed)?;
-    let lanes = |pick: fn(&([[f64; N]; 3], [[f64; N]; 3])) -> &[f64; N]| -> [Lanes; N] {
+    let lanes = |pick: fn(&Sample<N>) -> &[f64; N]| -> [Lanes; N] {
         std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| pick(&group[lane])[i])))
     };
-    let (q, v, u) = (lanes(|s| &s.0[0]), lanes(|s| &s.0[1]), lanes(|s| &s.1[0]));
+    let (q, v, u) = (lanes(|s| &s.states[0]), lanes(|s| &s.states[1]), lanes(|s| &s.controls[0]));
     let d = system.lagrangian.dynamics(&q, &v);
     let damping = system.forces.force(&q, &v);
     let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + damping[i] + u[i]);
-    Ok(std::array::from_fn(|lane| {
-        (d.mass.0.map(|row| row.map(|entry| entry.0[lane])), force.map(|force| force.0[lane]))
+    Ok(std::array::from_fn(|lane| Equation {
+        mass: d.mass.0.map(|row| row.map(|entry| entry.0[lane])),
+        force: force.map(|force| force.0[lane]),
     }))
 }
 
@@ -115,7 +124,8 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         let equations = equations(family, weights, group)?;
-        for ((residual, (mass, force)), ([_, _, a], _)) in residuals.iter_mut().zip(equations).zip(group) {
+        for ((residual, Equation { mass, force }), sample) in residuals.iter_mut().zip(equations).zip(group) {
+            let [_, _, a] = &sample.states;
             *residual = add_scaled(&solve(mass, force)?, -1.0, a);
         }
         Ok(residuals)
@@ -131,7 +141,8 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     ) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         let equations = equations(family, weights, group)?;
-        for (lane, ((mass, force), ([q, v, a], _))) in equations.into_iter().zip(group).enumerate() {
+        for (lane, (Equation { mass, force }, sample)) in equations.into_iter().zip(group).enumerate() {
+            let [q, v, a] = &sample.states;
             let predicted = solve(mass, force)?;
             for y in solve_many(transpose(&mass), identity())? {
                 terms[lane].push(Term { q: *q, v: *v, dq: y, dv: [0.0; N] });
@@ -197,8 +208,8 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P
     fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let system = family.system::<f64>(weights).map_err(|_| Failed)?;
         let mut residuals = [[0.0; N]; LANES];
-        for (residual, (states, controls)) in residuals.iter_mut().zip(group) {
-            *residual = self.residual(&system, states, controls)?;
+        for (residual, sample) in residuals.iter_mut().zip(group) {
+            *residual = self.residual(&system, &sample.states, &sample.controls)?;
         }
         Ok(residuals)
     }
@@ -212,8 +223,8 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P
     ) -> Result<[[f64; N]; LANES], Failed> {
         let system = family.system::<f64>(weights).map_err(|_| Failed)?;
         let mut residuals = [[0.0; N]; LANES];
-        for ((residual, (states, controls)), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            *residual = self.linearise(&system, states, controls, terms)?;
+        for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
+            *residual = self.linearise(&system, &sample.states, &sample.controls, terms)?;
         }
         Ok(residuals)
     }

@@ -28,6 +28,15 @@ pub struct Samples {
     pub controls: [Vec<f64>; 3],
 }
 
+/// One sample as arrays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample<const N: usize> {
+    /// As [`Samples::states`].
+    pub states: [[f64; N]; 3],
+    /// As [`Samples::controls`].
+    pub controls: [[f64; N]; 3],
+}
+
 impl Samples {
     /// Every three consecutive positions of every trajectory. Velocities are never read.
     pub fn triples(data: &Dataset) -> Self {
@@ -94,10 +103,13 @@ impl Samples {
         self.len() == 0
     }
 
-    /// Sample `k` as arrays: states, controls.
-    pub(super) fn get<const N: usize>(&self, k: usize) -> ([[f64; N]; 3], [[f64; N]; 3]) {
+    /// Sample `k` as arrays.
+    pub(super) fn get<const N: usize>(&self, k: usize) -> Sample<N> {
         let row = |x: &Vec<f64>| std::array::from_fn(|i| x[k * N + i]);
-        (std::array::from_fn(|j| row(&self.states[j])), std::array::from_fn(|j| row(&self.controls[j])))
+        Sample {
+            states: std::array::from_fn(|j| row(&self.states[j])),
+            controls: std::array::from_fn(|j| row(&self.controls[j])),
+        }
     }
 }
 
