@@ -1,0 +1,172 @@
+//! Our side of `tests/peers/modlanet_jax.py`: the acceleration loss of a double pendulum with its gradient, and its normal
+//! equations, in f64. Files and output: `tests/peers/README.md`.
+
+use leastaction::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
+use leastaction::data::modlanet;
+use leastaction::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
+use leastaction::training::{LossKind, NormalEquations, Samples, objective};
+use leastaction_core::energy::modular::{
+    Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, Shape, TransformShape, TypeShape,
+};
+use leastaction_core::network::{Activation, Dense};
+use std::error::Error;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Inputs, hidden widths and outputs of the position and of the potential.
+const SIZES: [[usize; 4]; 2] = [[2, 16, 16, 2], [2, 16, 16, 1]];
+/// The fastest of this many repetitions counts.
+const REPETITIONS: usize = 3;
+/// Seed of the generated data.
+const SEED: u64 = 0;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("peer_modlanet: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Outcome<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments.as_slice() {
+        ["generate", file] => generate(file),
+        ["measure", weights, rows, gram] => measure(weights, rows, gram),
+        _ => Err("usage: peer_modlanet generate FILE.npz | measure WEIGHTS ROWS GRAM".into()),
+    }
+}
+
+/// The protocol's double pendulums, 9,090 rows to train on.
+fn generate(file: &str) -> Outcome<()> {
+    let settings = ModlanetSettings::published(ManyBody::Pendulum(2), SEED);
+    Ok(modlanet::write(file, &modlanet_set_of(&settings)?)?)
+}
+
+fn measure(weights: &str, rows: &str, gram: &str) -> Outcome<()> {
+    let (numbers, rows) = (doubles(weights)?, doubles(rows)?);
+    let block = panels(&numbers).ok_or_else(|| format!("{weights}: not 692 numbers"))?;
+    let objective = objective(&architecture(), samples(&rows), LossKind::Acceleration, 2)?;
+    let count = objective.samples();
+    let fails = "a row cannot be evaluated at these weights";
+    let (first, gradient_time) = fastest(|| objective.gradient(&block, 0..count)).ok_or(fails)?;
+    let (equations, normal_time) = fastest(|| objective.normal_equations(&block)).ok_or(fails)?;
+    let places = places();
+    std::fs::write(gram, gram_of(&equations, &places))?;
+    let factor = 2.0 / first.rows as f64;
+    let gradient: Vec<f64> = places.iter().map(|place| factor * first.gradient[*place]).collect();
+    let report = serde_json::json!({
+        "loss": first.mean_square(),
+        "gradient": gradient,
+        "gradient_s": gradient_time,
+        "normal_s": normal_time,
+    });
+    println!("{report}");
+    Ok(())
+}
+
+fn doubles(path: &str) -> Outcome<Vec<f64>> {
+    let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
+    Ok(bytes.as_chunks().0.iter().map(|word| f64::from_le_bytes(*word)).collect())
+}
+
+/// Rows q, v, a of two numbers each.
+fn samples(rows: &[f64]) -> Samples {
+    let rows = rows.as_chunks::<6>().0;
+    let part = |k: usize| rows.iter().flat_map(|row| [row[2 * k], row[2 * k + 1]]).collect();
+    let still = vec![0.0; 2 * rows.len()];
+    Samples {
+        n: 2,
+        h: 0.0,
+        states: [part(0), part(1), part(2)],
+        controls: [still.clone(), still.clone(), still],
+    }
+}
+
+/// Position and potential learned, mass 1, c₁ learned, no pair potential.
+fn architecture() -> Architecture {
+    let mut networks = [None; MAX_NETWORKS];
+    for (slot, [inputs, first, second, outputs]) in
+        networks.iter_mut().zip(SIZES.map(|s| s.map(|n| n as u16)))
+    {
+        *slot = Some(NetworkShape {
+            inputs: inputs as u8,
+            widths: [first, second, 0, 0],
+            outputs: outputs as u8,
+            activation: Activation::Tanh,
+        });
+    }
+    let mut types = [None; MAX_TYPES];
+    let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
+    types[0] = Some(TypeShape { transform, potential: Some(1) });
+    let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
+    let bob = NamedType { name: "bob".to_owned(), numbers };
+    ModularArchitecture::new(
+        Shape { networks, types, pair: None },
+        vec![bob],
+        [Number::learned(1.0), Number::known(0.0)],
+        vec![NamedTree::chain("double pendulum", &[0, 0])],
+    )
+    .into()
+}
+
+/// For every number of the file, its place in our weight block.
+fn places() -> Vec<usize> {
+    let (mut places, mut start) = (Vec::new(), 0);
+    for layer in SIZES.iter().flat_map(|sizes| sizes.windows(2)) {
+        let (inputs, outputs) = (layer[0], layer[1]);
+        let of = |k: usize| Dense::<f64>::position(inputs, outputs, k / inputs, k % inputs);
+        places.extend((0..inputs * outputs).map(|k| start + of(k)));
+        start += inputs * outputs;
+        places.extend(start..start + outputs);
+        start += outputs;
+    }
+    // c₁ comes after the five numbers of the type.
+    places.push(start + 5);
+    places
+}
+
+/// Row-major matrices, biases and c₁ to our weight block; `None` where the count is wrong.
+fn panels(numbers: &[f64]) -> Option<Vec<f64>> {
+    let mut block = architecture().initial_weights(0);
+    let places = places();
+    (places.len() == numbers.len()).then_some(())?;
+    for (place, number) in places.iter().zip(numbers) {
+        *block.get_mut(*place)? = *number;
+    }
+    Some(block)
+}
+
+/// JᵀJ in the order of the file, row by row.
+fn gram_of(equations: &NormalEquations, places: &[usize]) -> Vec<u8> {
+    let entry = |a: usize, b: usize| equations.gram[(a.max(b), a.min(b))];
+    places.iter().flat_map(|a| places.iter().flat_map(move |b| entry(*a, *b).to_le_bytes())).collect()
+}
+
+/// The last result, with the least wall and processor seconds.
+fn fastest<T>(call: impl Fn() -> Option<T>) -> Option<(T, [f64; 2])> {
+    let mut best = [f64::INFINITY; 2];
+    let mut result = call()?;
+    for _ in 0..REPETITIONS {
+        let (start, busy) = (Instant::now(), processor_seconds());
+        result = call()?;
+        best[0] = best[0].min(start.elapsed().as_secs_f64());
+        best[1] = best[1].min(processor_seconds() - busy);
+    }
+    Some((result, best))
+}
+
+/// Of all threads of this program so far, as Linux counts them; not a number elsewhere.
+fn processor_seconds() -> f64 {
+    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return f64::NAN };
+    let nanoseconds = tasks.filter_map(|task| {
+        let line = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
+        line.split_whitespace().next()?.parse::<f64>().ok()
+    });
+    1e-9 * nanoseconds.sum::<f64>()
+}
