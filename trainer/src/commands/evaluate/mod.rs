@@ -79,6 +79,12 @@ impl Evaluate {
         }
         let failed = |error| Failure::input(&self.model, error);
         let mut report = self.measure(&model, &log, symo).map_err(failed)?;
+        if report.one_step_mse.is_infinite() || report.rollout_mse.is_infinite() {
+            output.note(&format!(
+                "note: steps of {} s cannot be solved from every state of the log; where they cannot, the error counts as infinite",
+                log.h
+            ));
+        }
         if let Some(Exact::Modlanet(system)) = system {
             report.prediction = Some(self.request(&model, system).run(self.output.as_deref())?);
         }

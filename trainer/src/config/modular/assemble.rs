@@ -61,7 +61,7 @@ impl Assembled {
             let (_, from) = positions.iter().find(|(other, _)| other == shape)?;
             Some((from.clone(), place.clone()))
         };
-        positions.iter().filter_map(|position| first(position)).collect()
+        positions.iter().filter_map(first).collect()
     }
 }
 
