@@ -217,6 +217,22 @@ fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {
     }
 }
 
+/// Mean squared error of the acceleration at logged states under the logged controls, over samples and coordinates, and the mean
+/// squared acceleration; `None` where the data lacks velocities or accelerations.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn acceleration_mse(
+    architecture: &Architecture,
+    weights: &[f64],
+    data: &Dataset,
+) -> Result<Option<(f64, f64)>, ModelError> {
+    let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
+    let squares: Vec<f64> = samples.states[2].iter().map(|a| a * a).collect();
+    let error = objective(architecture, samples, LossKind::Acceleration, 4)?.loss(weights);
+    Ok(Some((error, mean(&squares))))
+}
+
 /// Mean squared error of the position one step ahead, from the two before it.
 ///
 /// # Errors

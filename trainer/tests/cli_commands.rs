@@ -16,3 +16,5 @@ mod simulate;
 mod support;
 #[path = "cli_commands/train.rs"]
 mod train;
+#[path = "cli_commands/trees.rs"]
+mod trees;

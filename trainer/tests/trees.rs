@@ -215,3 +215,18 @@ fn what_cannot_be_is_refused_with_line_and_key() {
         }
     }
 }
+
+#[test]
+fn positions_of_equal_shape_begin_equal() {
+    let text = modular(
+        "tree = \"one\"\n[[model.types]]\nname = \"a\"\ntransform = \"angle\"\nposition = [3]\nvelocity = [3]\n\
+         [[model.types]]\nname = \"b\"\ntransform = \"angle\"\nposition = [4]\n\
+         [[model.types]]\nname = \"c\"\ntransform = \"angle\"\nposition = [3]\n\
+         [model.trees]\none = [\"a\", \"b\", \"c\"]",
+    );
+    let weights = parse(&text).unwrap().beginning().unwrap().1;
+    let (small, large) = (2 * 3 + 3 + 3 * 2 + 2, 2 * 4 + 4 + 4 * 2 + 2);
+    let [a, velocity, c] = [0, small, 2 * small + large].map(|start| &weights[start..start + small]);
+    assert_eq!(a, c);
+    assert_ne!(a, velocity);
+}

@@ -2,8 +2,9 @@
 
 use super::Done;
 use super::arguments::{not_negative, positive, seed};
-use super::output::{Failure, Output, written};
-use clap::{Args, ValueEnum};
+use super::output::{Failure, Output, refuse, written};
+use super::system::{Kind, System};
+use clap::Args;
 use leastaction::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
 use leastaction::ground_truth::{
     ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many, modlanet_set_of, symo_set,
@@ -66,40 +67,6 @@ pub struct Generate {
 /// Elements of the largest system.
 const MOST_ELEMENTS: i64 = 1000;
 
-/// What can be simulated.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum System {
-    /// A rod on a pivot, torque at it.
-    Pendulum,
-    /// A pole on a cart, force on the cart.
-    Cartpole,
-    /// Two links, torque at the second joint.
-    Acrobot,
-    /// A chain of --count pendulums.
-    NPendulum,
-    /// --count bodies in the plane that attract each other.
-    NBody,
-}
-
-impl System {
-    fn kind(self, count: Option<u32>) -> Kind {
-        let count = |default| count.map_or(default, |count| count as usize);
-        match self {
-            Self::Pendulum => Kind::Symo(Mechanism::Pendulum),
-            Self::Cartpole => Kind::Symo(Mechanism::Cartpole),
-            Self::Acrobot => Kind::Symo(Mechanism::Acrobot),
-            Self::NPendulum => Kind::Modlanet(ManyBody::Pendulum(count(2))),
-            Self::NBody => Kind::Modlanet(ManyBody::Bodies(count(3))),
-        }
-    }
-}
-
-/// Whose systems.
-enum Kind {
-    Symo(Mechanism),
-    Modlanet(ManyBody),
-}
-
 /// What was written.
 #[derive(Serialize)]
 struct Report {
@@ -128,9 +95,13 @@ type Size = (usize, usize, f64);
 impl Generate {
     /// Generates and writes.
     pub fn run(self, output: Output) -> Done {
-        let (system, (trajectories, samples, h)) = match self.system.kind(self.count) {
+        let (system, (trajectories, samples, h)) = match self.system.kind() {
             Kind::Symo(mechanism) => (mechanism.name(), self.symo(mechanism)?),
-            Kind::Modlanet(system) => (system.name(), self.modlanet(system)?),
+            Kind::Modlanet(system) => {
+                let default = if self.system == System::NBody { 3 } else { 2 };
+                let system = system(self.count.map_or(default, |count| count as usize));
+                (system.name(), self.modlanet(system)?)
+            }
         };
         output.report(&Report { system, file: self.output, trajectories, samples, h, seed: self.seed })
     }
@@ -207,14 +178,4 @@ impl Generate {
 
 fn failed(error: impl fmt::Display) -> Failure {
     Failure::Work(error.to_string())
-}
-
-/// Refuses options that are given but mean nothing for the system.
-fn refuse(system: &str, options: &[(bool, &str)]) -> Result<(), Failure> {
-    match options.iter().find(|(given, _)| *given) {
-        Some((_, option)) => {
-            Err(Failure::Input(format!("{option} means nothing for {system}; leave it out")))
-        }
-        None => Ok(()),
-    }
 }

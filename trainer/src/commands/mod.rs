@@ -12,6 +12,7 @@ mod output;
 mod progress;
 mod reproduce;
 mod simulate;
+mod system;
 mod train;
 
 use clap::{Parser, Subcommand};

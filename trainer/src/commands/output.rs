@@ -119,3 +119,13 @@ impl From<RunError> for Failure {
         }
     }
 }
+
+/// Refuses options that are given but mean nothing for the system.
+pub fn refuse(system: &str, options: &[(bool, &str)]) -> Result<(), Failure> {
+    match options.iter().find(|(given, _)| *given) {
+        Some((_, option)) => {
+            Err(Failure::Input(format!("{option} means nothing for {system}; leave it out")))
+        }
+        None => Ok(()),
+    }
+}

@@ -1,7 +1,7 @@
 //! A model file as a Rust source file, for programs without a file system.
 
 use super::{HostModel, decode};
-use crate::architecture::Architecture;
+use crate::architecture::{Architecture, ModularArchitecture};
 use leastaction_core::model::{Discretisation, ModelError};
 use std::fmt::{self, Write};
 
@@ -68,9 +68,24 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
         Architecture::Modular(modular) => {
             writeln!(to, "/// Element types.\npub const K: usize = {};", modular.types.len())?;
             writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
-            writeln!(to, "\n/// The loaded model.\npub type Model = ModularModel<'static, N, K, H, D>;")
+            write_trees(to, modular)?;
+            writeln!(to, "\n/// A tree of `M` coordinates.")?;
+            writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, K, H, D>;")?;
+            writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
     }
+}
+
+/// All trees, with their coordinates.
+fn write_trees(to: &mut String, modular: &ModularArchitecture) -> fmt::Result {
+    let header = modular.header();
+    writeln!(to, "/// All trees in the file, and their coordinates.")?;
+    write!(to, "pub const TREES: [(&str, usize); {}] = [", header.trees().count())?;
+    for (i, tree) in header.trees().enumerate() {
+        let comma = if i == 0 { "" } else { ", " };
+        write!(to, "{comma}({:?}, {})", tree.name, tree.coordinates(&modular.shape).unwrap_or(0))?;
+    }
+    writeln!(to, "];")
 }
 
 fn write_integrator(to: &mut String, Discretisation { order, h }: Discretisation) -> fmt::Result {
@@ -92,6 +107,11 @@ fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result 
     let tree = if matches!(model.architecture, Architecture::Modular(_)) { ", TREE" } else { "" };
     writeln!(to, "\n/// Validates the model, once; the weights stay where they are.")?;
     writeln!(to, "pub fn load() -> Result<Model, ModelError> {{\n    Model::load(&FILE.0{tree})\n}}")?;
+    if matches!(model.architecture, Architecture::Modular(_)) {
+        writeln!(to, "\n/// The same with another tree of the file; `M` is the number of its coordinates.")?;
+        writeln!(to, "pub fn load_tree<const M: usize>(name: &str) -> Result<Tree<M>, ModelError> {{")?;
+        writeln!(to, "    Tree::load(&FILE.0, name)\n}}")?;
+    }
     writeln!(to, "\n/// The file, at a multiple of 4 as the weights need it.")?;
     writeln!(to, "#[repr(C, align(4))]\nstruct Aligned([u8; {length}]);")?;
     writeln!(to, "\n#[rustfmt::skip]\nstatic FILE: Aligned = Aligned([")?;

@@ -2,6 +2,7 @@
 
 use crate::support::Bench;
 use leastaction::architecture::{Architecture, RigidArchitecture};
+use leastaction::config::Config;
 use leastaction::model_file::{decode, encode, rust_source};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::Coordinate;
@@ -9,6 +10,8 @@ use leastaction_core::model::Discretisation;
 
 #[path = "../cli_golden/model.rs"]
 mod golden;
+#[path = "../cli_golden/trees.rs"]
+mod golden_trees;
 
 fn trained() -> Bench {
     let bench = Bench::new();
@@ -91,14 +94,52 @@ fn example() -> Vec<u8> {
         .unwrap()
 }
 
+/// Trees of two sizes over the same types.
+fn example_of_trees() -> (Architecture, Vec<u8>) {
+    let text = "[data]\nfile = \"none\"\n[model]\nfamily = \"modular\"\ntree = \"double\"\n\
+                [[model.types]]\nname = \"bob\"\ntransform = \"angle\"\nposition = []\npotential = [3]\nmass = 2.0\n\
+                [[model.types]]\nname = \"cart\"\ntransform = \"slide\"\ndamping = 0.5\n\
+                [model.trees]\ndouble = [\"bob\", \"bob\"]\ncrane = [\"cart\", \"bob\", \"bob\"]\n";
+    let (architecture, weights) = Config::parse(text, "c.toml".as_ref()).unwrap().beginning().unwrap();
+    let bytes = encode(&architecture, &weights, None, "an example").unwrap();
+    (architecture, bytes)
+}
+
+/// Set UPDATE_GOLDEN to write the file anew after a deliberate change.
+fn is_golden(source: &str, name: &str) {
+    let file = format!("{}/tests/cli_golden/{name}", env!("CARGO_MANIFEST_DIR"));
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(&file, source).unwrap();
+    }
+    assert_eq!(source, std::fs::read_to_string(&file).unwrap());
+}
+
 #[test]
 fn rust_source_is_the_golden_file() {
-    let source = rust_source(&example()).unwrap();
-    // Set UPDATE_GOLDEN to write the file anew after a deliberate change.
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli_golden/model.rs"), &source).unwrap();
-    }
-    assert_eq!(source, include_str!("../cli_golden/model.rs"));
+    is_golden(&rust_source(&example()).unwrap(), "model.rs");
+    is_golden(&rust_source(&example_of_trees().1).unwrap(), "trees.rs");
+}
+
+#[test]
+fn rust_source_of_trees_compiles_and_is_the_same_model() {
+    let (architecture, bytes) = example_of_trees();
+    let host = decode(&bytes).unwrap();
+    assert_eq!(&host.architecture, &architecture);
+    let weights = host.weights_f32();
+    let modular = architecture.modular().unwrap();
+    let (q, v, u) = ([0.3, -0.4], [-1.2, 0.2], [0.5, 0.0]);
+    let tree = modular.tree_header();
+    let here = modular.header().system::<f32, 2, 2, 3, 1>(&tree, &weights).unwrap();
+    let there = golden_trees::load().unwrap();
+    assert_eq!(acceleration(&there.system, &q, &v, &u).unwrap(), acceleration(&here, &q, &v, &u).unwrap());
+    assert_eq!(golden_trees::TREES, [("double", 2), ("crane", 3)]);
+    let crane = golden_trees::load_tree::<3>("crane").unwrap();
+    assert_eq!(crane.system.forces.coefficients, [0.5, 0.0, 0.0]);
+    assert!(
+        golden_trees::load_tree::<2>("crane").is_err() && golden_trees::load_tree::<3>("cranes").is_err()
+    );
+    assert_eq!((golden_trees::N, golden_trees::H, golden_trees::D, golden_trees::K), (2, 3, 1, 2));
+    assert_eq!(golden_trees::TREE, "double");
 }
 
 #[test]

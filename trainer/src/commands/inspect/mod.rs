@@ -5,6 +5,7 @@ mod shape;
 use super::Done;
 use super::output::{Failure, Output};
 use clap::Args;
+use leastaction::architecture::MODULAR_SIZES;
 use leastaction::model_cost::{Cost, cost};
 use leastaction::model_file::{HostModel, decode};
 use serde::Serialize;
@@ -20,6 +21,9 @@ use std::path::{Path, PathBuf};
 pub struct Inspect {
     /// The model file.
     model: PathBuf,
+    /// Of a model of several trees the one that coordinates and cost are of [default: the one that was trained].
+    #[arg(long, value_name = "NAME")]
+    tree: Option<String>,
 }
 
 /// What is in the file.
@@ -36,14 +40,15 @@ struct Report {
     h: Option<f64>,
     provenance: String,
     flash_bytes: usize,
-    cost: Cost,
+    /// None for a tree of a size that this program was not compiled for.
+    cost: Option<Cost>,
 }
 
 impl Inspect {
     /// Reads and reports.
     pub fn run(self, output: Output) -> Done {
-        let (model, bytes) = load(&self.model)?;
-        output.report(&report(self.model, model, bytes)?)
+        let (model, bytes) = load_tree(&self.model, self.tree.as_deref())?;
+        output.report(&report(self.model, model, bytes))
     }
 }
 
@@ -55,23 +60,40 @@ pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
     Ok((model, bytes.len()))
 }
 
-fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Result<Report, Failure> {
-    let cost = cost(&model.architecture).map_err(|error| Failure::input(&file, error))?;
+/// The same with a tree of that name in mind, where one is named.
+pub fn load_tree(file: &Path, tree: Option<&str>) -> Result<(HostModel, usize), Failure> {
+    let (mut model, bytes) = load(file)?;
+    if let Some(name) = tree {
+        let Some(modular) = model.architecture.modular() else {
+            return Err(Failure::input(file, "a rigid model has no trees; leave out --tree"));
+        };
+        let known = || modular.trees.iter().map(|tree| tree.name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = modular.with_tree_named(name).ok_or_else(|| {
+            Failure::input(file, format!("no tree is called {name:?}; there are: {}", known()))
+        })?;
+        model.architecture = found.into();
+    }
+    Ok((model, bytes))
+}
+
+fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
     let damping: Vec<f64> = architecture.damping_positions().iter().map(|i| model.weights[*i]).collect();
-    Ok(Report {
+    // Every modular model has the numbers, most of them 0.
+    let damped = architecture.rigid().is_some() || damping.iter().any(|damping| *damping != 0.0);
+    Report {
+        cost: cost(architecture).ok(),
         family: architecture.with_header(|header| header.name()),
         coordinates: architecture.coordinates().chars().map(kind).collect(),
         shape: Shape::of(architecture),
-        damping: (!damping.is_empty()).then_some(damping),
+        damping: (!damping.is_empty() && damped).then_some(damping),
         parameters: model.weights.len(),
         order: model.discretisation.map(|d| d.order),
         h: model.discretisation.map(|d| shortest(d.h)),
         provenance: model.provenance,
         flash_bytes,
-        cost,
         model: file,
-    })
+    }
 }
 
 /// The shortest decimal number that is this one in single precision.
@@ -109,7 +131,18 @@ impl fmt::Display for Report {
 
 impl Report {
     fn costs(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Cost { state_bytes, handle_bytes, acceleration, newton_order_2, newton_order_4 } = self.cost;
+        let Some(cost) = self.cost else {
+            let n = self.coordinates.len();
+            return writeln!(
+                f,
+                "flash {} bytes; the cost of a tree of {n} coordinates is not known here: this program was compiled for {MODULAR_SIZES:?}",
+                self.flash_bytes
+            );
+        };
+        let Cost { state_bytes, handle_bytes, acceleration, newton_order_2, newton_order_4 } = cost;
+        if let Shape::Modular { tree, .. } = &self.shape {
+            writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
+        }
         writeln!(
             f,
             "flash {} bytes; RAM {handle_bytes} bytes for the model, {state_bytes} for a state",

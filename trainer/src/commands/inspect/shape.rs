@@ -1,7 +1,7 @@
 //! The shape of a model, in words.
 
 use leastaction::architecture::{Architecture, ModularArchitecture, RigidArchitecture};
-use leastaction_core::energy::modular::{NetworkShape, TransformShape, TypeShape};
+use leastaction_core::energy::modular::{NetworkShape, Node, TransformShape, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
 use serde::Serialize;
@@ -27,6 +27,8 @@ pub enum Shape {
         pair: Option<String>,
         /// All trees.
         trees: Vec<Tree>,
+        /// The one that coordinates and cost are of.
+        tree: String,
     },
 }
 
@@ -47,6 +49,7 @@ pub struct ElementType {
 #[derive(Serialize)]
 pub struct Tree {
     name: String,
+    coordinates: usize,
     elements: Vec<String>,
 }
 
@@ -91,7 +94,7 @@ impl Shape {
         let pair = modular.shape.pair.map(|pair| {
             format!("of the {} {}", format!("{:?}", pair.input).to_lowercase(), layers(modular, pair.network))
         });
-        Self::Modular { types: types.collect(), pair, trees }
+        Self::Modular { types: types.collect(), pair, trees, tree: modular.tree_name().to_owned() }
     }
 
     /// Names and values, line by line.
@@ -105,11 +108,10 @@ impl Shape {
                     ("inertia matrix", inertia.clone()),
                 ]
             }
-            Self::Modular { types, pair, trees } => {
+            Self::Modular { types, pair, trees, .. } => {
                 let types = types.iter().map(|kind| ("element type", kind.line()));
                 let pair = pair.iter().map(|pair| ("pair potential", pair.clone()));
-                let trees =
-                    trees.iter().map(|tree| ("tree", format!("{}: {}", tree.name, tree.elements.join(", "))));
+                let trees = trees.iter().map(|tree| ("tree", tree.line()));
                 types.chain(pair).chain(trees).collect()
             }
         }
@@ -118,24 +120,44 @@ impl Shape {
 
 impl ElementType {
     fn line(&self) -> String {
-        let Self { name, transform, potential, mass, inertia, centre, .. } = self;
+        let Self { name, transform, potential, mass, inertia, centre, length, damping } = self;
         let potential = potential.as_ref().map_or("no potential".to_owned(), |p| format!("potential {p}"));
-        format!(
-            "{name}: {transform}, {potential}, mass {mass:.4}, moment of inertia {inertia:.4}, centre {centre:.4}"
-        )
+        let mut line = format!("{name}: {transform}, {potential}, mass {mass:.4} kg");
+        let others = [
+            (transform == ROD, "length", *length, " m"),
+            (*inertia != 0.0, "moment of inertia", *inertia, " kg m²"),
+            (*centre != 1.0, "centre", *centre, ""),
+            (*damping != 0.0, "damping", *damping, ""),
+        ];
+        for (_, what, value, unit) in others.into_iter().filter(|(shown, ..)| *shown) {
+            line.push_str(&format!(", {what} {value:.4}{unit}"));
+        }
+        line
     }
 }
 
+const ROD: &str = "rod";
+
 impl Tree {
     fn new(tree: &TreeHeader, modular: &ModularArchitecture) -> Self {
-        let element = |node: leastaction_core::energy::modular::Node| {
+        let element = |(i, node): (usize, Node)| {
             let name = modular.types.get(usize::from(node.kind)).map_or("?", |kind| kind.name.as_str());
             match node.parent {
-                None => name.to_owned(),
-                Some(parent) => format!("{name} on {parent}"),
+                None => format!("{i} {name}"),
+                Some(parent) => format!("{i} {name} on {parent}"),
             }
         };
-        Self { name: tree.name.to_owned(), elements: tree.nodes().map(element).collect() }
+        Self {
+            name: tree.name.to_owned(),
+            coordinates: tree.coordinates(&modular.shape).unwrap_or(0),
+            elements: tree.nodes().enumerate().map(element).collect(),
+        }
+    }
+
+    fn line(&self) -> String {
+        let Self { name, coordinates, elements } = self;
+        let unit = if *coordinates == 1 { "coordinate" } else { "coordinates" };
+        format!("{name} ({coordinates} {unit}): {}", elements.join(", "))
     }
 }
 
@@ -145,7 +167,7 @@ fn transform(shape: &TypeShape, modular: &ModularArchitecture) -> String {
             let own = velocity.map_or(String::new(), |v| format!(" with velocity {}", layers(modular, v)));
             format!("position {}{own}", layers(modular, position))
         }
-        TransformShape::Rod => "rod".to_owned(),
+        TransformShape::Rod => ROD.to_owned(),
         TransformShape::Slide => "slide".to_owned(),
         TransformShape::Free => "free point".to_owned(),
     }
@@ -159,5 +181,7 @@ fn layers(modular: &ModularArchitecture, network: u8) -> String {
         return "?".to_owned();
     };
     let hidden: String = widths.iter().take_while(|w| **w > 0).map(|w| format!("{w}-")).collect();
-    format!("{inputs}-{hidden}{outputs} ({})", format!("{activation:?}").to_lowercase())
+    let activation =
+        if hidden.is_empty() { "linear".to_owned() } else { format!("{activation:?}").to_lowercase() };
+    format!("{inputs}-{hidden}{outputs} ({activation})")
 }

@@ -1,9 +1,8 @@
 //! From a configuration to the shape of a model.
 
+use super::numbers::DEFAULTS;
 use super::source::Source;
-use super::{
-    ElementConfig, ModularConfig, ModularError, NumberConfig, PairConfig, Problem, TransformKind, TypeConfig,
-};
+use super::{ElementConfig, ModularConfig, ModularError, PairConfig, Problem, TransformKind, TypeConfig};
 use crate::architecture::{MODULAR_SIZES, ModularArchitecture, NamedTree, NamedType, Number};
 use leastaction_core::energy::modular::{
     Input, MAX_NETWORKS, MAX_TYPES, NUMBERS, NetworkShape, PairInput, PairShape, SPACE, Shape,
@@ -11,6 +10,7 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::model::{MAX_HIDDEN, MAX_TREES};
 use leastaction_core::network::Activation;
+use std::ops::Range;
 
 /// Units of the hidden layer of a network that does not say.
 const WIDTH: u16 = 16;
@@ -27,11 +27,41 @@ pub struct Assembled {
 }
 
 impl Assembled {
-    /// The trained weights, random ones where there are none.
+    /// The trained weights, random ones where there are none. Positions of equal shape begin equal.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = self.architecture.initial_weights(seed);
         weights.iter_mut().zip(&self.trained).for_each(|(weight, trained)| *weight = *trained);
+        for (from, to) in self.alike() {
+            if to.start >= self.trained.len() && from.end <= to.start {
+                weights.copy_within(from, to.start);
+            }
+        }
         weights
+    }
+
+    /// Where the position network of each type is, after that of the first type whose network is of the same shape. If one of
+    /// the two began as a mirror image, no way down the loss would turn it round.
+    fn alike(&self) -> Vec<(Range<usize>, Range<usize>)> {
+        let shape = &self.architecture.shape;
+        let mut start = 0;
+        let networks: Vec<_> = shape
+            .networks()
+            .map(|network| {
+                let from = start;
+                start += network.parameters().unwrap_or(0);
+                (network, from..start)
+            })
+            .collect();
+        let position = |kind: &TypeShape| match kind.transform {
+            TransformShape::Network { position, .. } => networks.get(usize::from(position)),
+            TransformShape::Rod | TransformShape::Slide | TransformShape::Free => None,
+        };
+        let positions: Vec<_> = shape.types().filter_map(position).collect();
+        let first = |(shape, place): &&(&NetworkShape, Range<usize>)| {
+            let (_, from) = positions.iter().find(|(other, _)| other == shape)?;
+            Some((from.clone(), place.clone()))
+        };
+        positions.iter().filter_map(first).collect()
     }
 }
 
@@ -182,7 +212,7 @@ impl Assembly {
 
     fn add_pair(&mut self, pair: &PairConfig) -> Result<(), Problem> {
         if self.pair.is_some() {
-            return Err(Problem::Trained { key: "pair", name: "pair".to_owned() });
+            return Err(Problem::Pair);
         }
         let input = PairInput::from(pair.input);
         let widths = pair.hidden.clone().unwrap_or_else(|| vec![WIDTH]);
@@ -274,57 +304,6 @@ impl Assembly {
         let coefficients = self.coefficients.unwrap_or([Number::known(1.0); 2]);
         let architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);
         Assembled { architecture, trained: self.trained }
-    }
-}
-
-/// A point of 1 kg at the end of whatever carries it.
-const DEFAULTS: [Number; NUMBERS] =
-    [Number::known(1.0), Number::known(0.0), Number::known(1.0), Number::known(1.0), Number::known(0.0)];
-
-impl TypeConfig {
-    /// What shapes networks, and whether it is given.
-    fn shape_keys(&self) -> impl Iterator<Item = (&'static str, bool)> {
-        [
-            ("transform", self.transform.is_some()),
-            ("position", self.position.is_some()),
-            ("velocity", self.velocity.is_some()),
-            ("potential", self.potential.is_some()),
-            ("activation", self.activation.is_some()),
-        ]
-        .into_iter()
-    }
-
-    /// Mass, moment of inertia, centre, length and damping, `defaults` where they are left out.
-    fn numbers(
-        &self,
-        transform: TransformKind,
-        defaults: [Number; NUMBERS],
-    ) -> Result<[Number; NUMBERS], (&'static str, Problem)> {
-        type Rule = (&'static str, bool, fn(f32) -> bool, &'static str);
-        const ABOVE: &str = "a finite number above 0";
-        const NOT_BELOW: &str = "a finite number, 0 or above";
-        let rules: [Rule; NUMBERS] = [
-            ("mass", true, |x| x > 0.0, ABOVE),
-            ("inertia", transform.turns(), |x| x >= 0.0, NOT_BELOW),
-            ("centre", true, |_| true, "a finite number"),
-            ("length", transform == TransformKind::Rod, |x| x > 0.0, ABOVE),
-            ("damping", true, |x| x >= 0.0, NOT_BELOW),
-        ];
-        let given = [self.mass, self.inertia, self.centre, self.length, self.damping];
-        let mut numbers = defaults;
-        for ((number, given), (key, has_meaning, good, range)) in numbers.iter_mut().zip(given).zip(rules) {
-            let Some(NumberConfig { value, learned }) = given else { continue };
-            if !has_meaning {
-                return Err((key, Problem::Meaningless { key, transform: transform.name() }));
-            }
-            // As the model file will have it.
-            let single = value as f32;
-            if !single.is_finite() || !good(single) {
-                return Err((key, Problem::OutOfRange { key, value, range }));
-            }
-            *number = Number { value, learned };
-        }
-        Ok(numbers)
     }
 }
 

@@ -134,6 +134,9 @@ pub enum Problem {
         /// The type.
         name: String,
     },
+    /// A second pair potential.
+    #[error("the trained model has a pair potential already; leave out [model.pair]")]
+    Pair,
     /// A number out of its range.
     #[error("`{key}` is {value}; it must be {range}")]
     OutOfRange {

@@ -2,6 +2,7 @@
 
 mod assemble;
 mod error;
+mod numbers;
 mod source;
 mod values;
 

@@ -1,0 +1,162 @@
+//! Predictions over many seconds by accelerations, in ModLaNet's measures, beside the floor of single precision.
+
+use super::super::output::{Failure, folder};
+use leastaction::atomic;
+use leastaction::evaluate::learned::functions;
+use leastaction::evaluate::prediction::{Prediction, TOLERANCE, Truth};
+use leastaction::ground_truth::{Horizon, ManyBody, ModlanetSettings, starts};
+use leastaction::model_file::HostModel;
+use leastaction::plot::{Panel, Series, Vertical, time_series};
+use serde::Serialize;
+use std::fmt::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// From how many random starts of the system, and how far.
+pub struct Request<'a> {
+    pub model: &'a HostModel,
+    pub system: ManyBody,
+    pub starts: usize,
+    pub seconds: f64,
+    pub seed: u64,
+}
+
+/// What came out.
+#[derive(Serialize)]
+pub struct LongTerm {
+    system: &'static str,
+    count: usize,
+    starts: usize,
+    seconds: f64,
+    seed: u64,
+    learned: Measures,
+    /// The exact accelerations, rounded to single precision.
+    single_precision: Measures,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    curves: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<PathBuf>,
+}
+
+/// Of one prediction, over its starts.
+#[derive(Serialize)]
+struct Measures {
+    position: f64,
+    position_deviation: f64,
+    energy: f64,
+    energy_deviation: f64,
+    valid_mean: f64,
+    valid_median: f64,
+    failed: usize,
+}
+
+impl From<&Prediction> for Measures {
+    fn from(prediction: &Prediction) -> Self {
+        let (position, energy) = (prediction.position(), prediction.energy());
+        Self {
+            position: position.mean,
+            position_deviation: position.deviation,
+            energy: energy.mean,
+            energy_deviation: energy.deviation,
+            valid_mean: prediction.valid().mean,
+            valid_median: prediction.valid_median(),
+            failed: prediction.failed(),
+        }
+    }
+}
+
+impl Request<'_> {
+    /// Predicts, and writes the curves into a folder where one is named.
+    pub fn run(&self, output: Option<&Path>) -> Result<LongTerm, Failure> {
+        let failed = |error: &dyn fmt::Display| Failure::Work(error.to_string());
+        let motion = self.system.motion().map_err(|error| failed(&error))?;
+        let published = ModlanetSettings::published(self.system, self.seed);
+        let starts = starts(&ModlanetSettings { trajectories: self.starts, ..published });
+        let truth = Truth::new(motion.as_ref(), starts, Horizon::of_seconds(self.seconds))
+            .map_err(|error| failed(&error))?;
+        let HostModel { architecture, weights, .. } = self.model;
+        let (accelerations, _) = functions(architecture, weights).map_err(|error| failed(&error))?;
+        let learned = truth.compare(TOLERANCE, accelerations, |q, v| motion.energy(q, v));
+        let floor = truth.single_precision(motion.as_ref());
+        let mut report = LongTerm {
+            system: self.system.name(),
+            count: self.system.count(),
+            starts: self.starts,
+            seconds: self.seconds,
+            seed: self.seed,
+            learned: Measures::from(&learned),
+            single_precision: Measures::from(&floor),
+            curves: None,
+            picture: None,
+        };
+        if let Some(path) = output {
+            folder(path)?;
+            let curves = Curves { h: truth.horizon().h, learned: &learned, floor: &floor };
+            let (table, picture) = (path.join("prediction.csv"), path.join("prediction.svg"));
+            curves.write(&table).map_err(|error| Failure::file(&table, error))?;
+            curves.draw(&picture).map_err(|error| Failure::file(&picture, error))?;
+            (report.curves, report.picture) = (Some(table), Some(picture));
+        }
+        Ok(report)
+    }
+}
+
+/// Errors over time.
+struct Curves<'a> {
+    h: f64,
+    learned: &'a Prediction,
+    floor: &'a Prediction,
+}
+
+impl Curves<'_> {
+    fn write(&self, file: &Path) -> std::io::Result<()> {
+        let mut text = "t,mse_q,mse_energy,single_precision_mse_q,single_precision_mse_energy\n".to_owned();
+        let learned = self.learned.mse_q.iter().zip(&self.learned.mse_energy);
+        let floor = self.floor.mse_q.iter().zip(&self.floor.mse_energy);
+        for (k, ((q, energy), (floor_q, floor_energy))) in learned.zip(floor).enumerate() {
+            // Writing to a string cannot fail.
+            let _infallible =
+                writeln!(text, "{},{q:e},{energy:e},{floor_q:e},{floor_energy:e}", k as f64 * self.h);
+        }
+        atomic::write(file, text.as_bytes())
+    }
+
+    fn draw(&self, file: &Path) -> Result<(), leastaction::plot::PlotError> {
+        let series = |label: &str, values: &[f64]| {
+            Series::new(label, values.iter().enumerate().map(|(k, value)| (k as f64 * self.h, *value)))
+        };
+        let both = |pick: fn(&Prediction) -> &[f64]| {
+            [series("learned", pick(self.learned)), series("exact, single precision", pick(self.floor))]
+        };
+        let (q, energy) = (both(|p| &p.mse_q), both(|p| &p.mse_energy));
+        let panels = [("MSE of q", &q), ("MSE of the energy (J²)", &energy)]
+            .map(|(label, series)| Panel::new(label, series).with_vertical(Vertical::Logarithmic));
+        time_series(file, "Prediction", &panels)
+    }
+}
+
+impl fmt::Display for LongTerm {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { system, count, starts, seconds, learned, single_precision, .. } = self;
+        writeln!(f, "prediction of {system} of {count} over {seconds} s from {starts} starts")?;
+        writeln!(f, "{:<30} {:>12} {:>24}", "", "learned", "exact, single precision")?;
+        type Row = (&'static str, fn(&Measures) -> f64);
+        let rows: [Row; 4] = [
+            ("position error A_q", |m| m.position),
+            ("energy error A_E (J)", |m| m.energy),
+            ("valid for, mean (s)", |m| m.valid_mean),
+            ("valid for, median (s)", |m| m.valid_median),
+        ];
+        for (name, pick) in rows {
+            let number =
+                |x: f64| if name.starts_with("valid") { format!("{x:.2}") } else { format!("{x:.3e}") };
+            writeln!(f, "{name:<30} {:>12} {:>24}", number(pick(learned)), number(pick(single_precision)))?;
+        }
+        if learned.failed > 0 {
+            writeln!(f, "{} predictions broke off; they count as infinitely wrong", learned.failed)?;
+        }
+        let files = self.curves.iter().zip(&self.picture);
+        files.into_iter().try_for_each(|(curves, picture)| {
+            writeln!(f, "curves in {}, picture in {}", curves.display(), picture.display())
+        })
+    }
+}

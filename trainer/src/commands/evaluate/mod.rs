@@ -1,0 +1,198 @@
+//! `leastaction evaluate`.
+
+mod long_term;
+mod report;
+
+use super::Done;
+use super::arguments::{order, positive, seed};
+use super::inspect::load_tree;
+use super::output::{Failure, Output, refuse};
+use super::system::{Kind, System};
+use clap::Args;
+use leastaction::data::{self, Dataset};
+use leastaction::evaluate::{
+    acceleration_mse, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout,
+};
+use leastaction::ground_truth::{ManyBody, Mechanism};
+use leastaction::model_file::HostModel;
+use leastaction_core::model::ModelError;
+use long_term::Request;
+use report::Report;
+use std::path::PathBuf;
+
+/// Measure a model on logged motion.
+///
+/// Accelerations, where the log has v and a; positions one step ahead, and over whole trajectories from their first two
+/// positions, under the logged control.
+///
+/// With --system n-pendulum or n-body also predictions by the learned accelerations from random starts, in ModLaNet's measures
+/// and beside those of the exact accelerations in single precision: A_q = |q' - q| / samples, angles not wrapped; A_E likewise,
+/// of the exact energy of the predicted state; and the time until the position is 0.1 m or rad off.
+///
+/// Example: leastaction evaluate m.postcard --data log.npz
+///
+/// Example: leastaction evaluate m.postcard --data triple.npz --tree triple --system n-pendulum -o prediction
+#[derive(Args)]
+pub struct Evaluate {
+    /// The model file.
+    model: PathBuf,
+    /// The log, .npz or .csv.
+    #[arg(long, value_name = "FILE")]
+    data: PathBuf,
+    /// Order of the steps, 2 or 4 [default: that of the model, else 4].
+    #[arg(long, value_parser = order)]
+    order: Option<u8>,
+    /// Of a model of several trees the one that the log is of [default: the one that was trained].
+    #[arg(long, value_name = "NAME")]
+    tree: Option<String>,
+    /// Also compare with this exact mechanism: inertia and, over motion without force, energy; predictions of n-pendulum and n-body.
+    #[arg(long)]
+    system: Option<System>,
+    /// Predictions from so many random starts [default: 100].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..), requires = "system")]
+    starts: Option<u32>,
+    /// Predictions over so many seconds [default: 30].
+    #[arg(long, value_parser = positive, requires = "system")]
+    seconds: Option<f64>,
+    /// Of the random starts [default: 0].
+    #[arg(long, value_parser = seed, requires = "system")]
+    seed: Option<u64>,
+    /// A folder for the errors of predictions over time: prediction.csv and prediction.svg.
+    #[arg(short, long, value_name = "FOLDER", requires = "system")]
+    output: Option<PathBuf>,
+}
+
+impl Evaluate {
+    /// Reads and measures.
+    pub fn run(self, output: Output) -> Done {
+        let (model, _) = load_tree(&self.model, self.tree.as_deref())?;
+        let (log, notes) = data::read(&self.data).map_err(|error| Failure::Input(error.to_string()))?;
+        notes.iter().for_each(|note| output.note(&format!("note: {note}")));
+        self.check(&model, &log, output)?;
+        let system = self.system.map(|system| self.exact(system, &model)).transpose()?;
+        let symo = match system {
+            Some(Exact::Symo(mechanism)) => Some(mechanism),
+            _ => None,
+        };
+        if symo.is_some() && log.is_forced() {
+            output.note("note: the log is forced, so that its energy changes: energy is not compared");
+        }
+        let failed = |error| Failure::input(&self.model, error);
+        let mut report = self.measure(&model, &log, symo).map_err(failed)?;
+        if report.one_step_mse.is_infinite() || report.rollout_mse.is_infinite() {
+            output.note(&format!(
+                "note: steps of {} s cannot be solved from every state of the log; where they cannot, the error counts as infinite",
+                log.h
+            ));
+        }
+        if let Some(Exact::Modlanet(system)) = system {
+            report.prediction = Some(self.request(&model, system).run(self.output.as_deref())?);
+        }
+        output.report(&report)
+    }
+
+    fn check(&self, model: &HostModel, log: &Dataset, output: Output) -> Done {
+        let n = model.architecture.n();
+        if log.n != n {
+            let message = match model.architecture.modular() {
+                None => format!("q has {} coordinates, the model {n}", log.n),
+                Some(modular) => {
+                    let tree = modular.tree_name();
+                    format!(
+                        "q has {} coordinates, tree {tree:?} {n}; name the tree of the log with --tree",
+                        log.n
+                    )
+                }
+            };
+            return Err(Failure::input(&self.data, message));
+        }
+        if let Some(trained) = model.discretisation.filter(|d| (f64::from(d.h) - log.h).abs() > 1e-6 * log.h)
+        {
+            output.note(&format!(
+                "note: the model was trained for a step of {} s and is evaluated at {} s, where it is less accurate",
+                trained.h, log.h
+            ));
+        }
+        Ok(())
+    }
+
+    /// The mechanism that a system names, of the model's size.
+    fn exact(&self, system: System, model: &HostModel) -> Result<Exact, Failure> {
+        let (n, letters) = (model.architecture.n(), model.architecture.coordinates());
+        match system.kind() {
+            Kind::Symo(mechanism) => {
+                if mechanism.coordinates().len() != n {
+                    let name = mechanism.name();
+                    return Err(Failure::Input(format!("--system {name}: the model has {n} coordinates")));
+                }
+                let options = [
+                    (self.starts.is_some(), "--starts"),
+                    (self.seconds.is_some(), "--seconds"),
+                    (self.seed.is_some(), "--seed"),
+                    (self.output.is_some(), "--output"),
+                ];
+                refuse(mechanism.name(), &options)?;
+                Ok(Exact::Symo(mechanism))
+            }
+            Kind::Modlanet(of) => {
+                let bodies = system == System::NBody;
+                let foreign = if bodies { "ac" } else { "t" };
+                if letters.contains(|letter| foreign.contains(letter)) || bodies && n % 2 == 1 {
+                    let what = if bodies { "two translations a body" } else { "one angle a pendulum" };
+                    let message = format!("--system {}: the model must have {what}", of(1).name());
+                    return Err(Failure::Input(message));
+                }
+                Ok(Exact::Modlanet(of(if bodies { n / 2 } else { n })))
+            }
+        }
+    }
+
+    fn request<'a>(&self, model: &'a HostModel, system: ManyBody) -> Request<'a> {
+        Request {
+            model,
+            system,
+            starts: self.starts.unwrap_or(100) as usize,
+            seconds: self.seconds.unwrap_or(30.0),
+            seed: self.seed.unwrap_or(0),
+        }
+    }
+
+    fn measure(
+        &self,
+        model: &HostModel,
+        log: &Dataset,
+        system: Option<Mechanism>,
+    ) -> Result<Report, ModelError> {
+        let (architecture, weights) = (&model.architecture, &model.weights);
+        let order = self.order.or(model.discretisation.map(|d| d.order)).unwrap_or(4);
+        let runs = rollout(architecture, weights, order, log)?;
+        let errors = integration_errors(&runs, log);
+        let inertia = |system| inertia_mse(architecture, weights, system, log);
+        let acceleration = acceleration_mse(architecture, weights, log)?;
+        Ok(Report {
+            model: self.model.clone(),
+            data: self.data.clone(),
+            tree: architecture.modular().map(|modular| modular.tree_name().to_owned()),
+            order,
+            h: log.h,
+            trajectories: log.trajectories.len(),
+            samples: log.samples(),
+            acceleration_mse: acceleration.map(|(error, _)| error),
+            acceleration_relative: acceleration.map(|(error, square)| error / square),
+            one_step_mse: one_step_mse(architecture, weights, order, log)?,
+            rollout_mse: errors.mean,
+            rollout_median: errors.median,
+            rollout_mse_100: errors.first_100,
+            // Under a force even the true energy does not keep its first value, which the measure compares with.
+            energy_mse: system.filter(|_| !log.is_forced()).map(|system| energy_mse(system, &runs, log)),
+            inertia_mse: system.map(inertia).transpose()?,
+            prediction: None,
+        })
+    }
+}
+
+/// An exact mechanism of the model's size.
+enum Exact {
+    Symo(Mechanism),
+    Modlanet(ManyBody),
+}

@@ -1,0 +1,58 @@
+//! The measures, as JSON and in words.
+
+use super::long_term::LongTerm;
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+
+/// The measures.
+#[derive(Serialize)]
+pub struct Report {
+    pub model: PathBuf,
+    pub data: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tree: Option<String>,
+    pub order: u8,
+    pub h: f64,
+    pub trajectories: usize,
+    pub samples: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub acceleration_mse: Option<f64>,
+    /// As a part of the mean squared acceleration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub acceleration_relative: Option<f64>,
+    pub one_step_mse: f64,
+    pub rollout_mse: f64,
+    pub rollout_median: f64,
+    pub rollout_mse_100: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_mse: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertia_mse: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prediction: Option<LongTerm>,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { trajectories, samples, order, h, .. } = self;
+        let tree = self.tree.as_ref().map_or(String::new(), |tree| format!("tree {tree}; "));
+        writeln!(
+            f,
+            "{tree}{trajectories} trajectories, {samples} samples; order {order}, step {h} s; mean squared errors"
+        )?;
+        let rows = [
+            ("acceleration", self.acceleration_mse),
+            ("  relative to its mean square", self.acceleration_relative),
+            ("position, one step ahead", Some(self.one_step_mse)),
+            ("position, whole trajectories", Some(self.rollout_mse)),
+            ("  median over trajectories", Some(self.rollout_median)),
+            ("  first 100 steps", Some(self.rollout_mse_100)),
+            ("energy along them (J²)", self.energy_mse),
+            ("inertia matrix", self.inertia_mse),
+        ];
+        let present = rows.iter().filter_map(|(name, value)| Some((name, (*value)?)));
+        present.into_iter().try_for_each(|(name, value)| writeln!(f, "{name:<30} {value:.3e}"))?;
+        self.prediction.iter().try_for_each(|prediction| write!(f, "\n{prediction}"))
+    }
+}

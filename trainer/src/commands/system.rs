@@ -1,0 +1,40 @@
+//! Mechanisms by their names on the command line.
+
+use clap::ValueEnum;
+use leastaction::ground_truth::{ManyBody, Mechanism};
+
+/// What can be simulated, and what models can be compared with.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum System {
+    /// A rod on a pivot, torque at it.
+    Pendulum,
+    /// A pole on a cart, force on the cart.
+    Cartpole,
+    /// Two links, torque at the second joint.
+    Acrobot,
+    /// A chain of pendulums, masses and lengths 1.
+    NPendulum,
+    /// Bodies in the plane that attract each other, masses and k 1.
+    NBody,
+}
+
+/// Whose systems.
+pub enum Kind {
+    /// Of SyMo's.
+    Symo(Mechanism),
+    /// Of ModLaNet's, of any number of elements.
+    Modlanet(fn(usize) -> ManyBody),
+}
+
+impl System {
+    /// Which one.
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Pendulum => Kind::Symo(Mechanism::Pendulum),
+            Self::Cartpole => Kind::Symo(Mechanism::Cartpole),
+            Self::Acrobot => Kind::Symo(Mechanism::Acrobot),
+            Self::NPendulum => Kind::Modlanet(ManyBody::Pendulum),
+            Self::NBody => Kind::Modlanet(ManyBody::Bodies),
+        }
+    }
+}
