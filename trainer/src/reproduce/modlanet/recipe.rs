@@ -12,10 +12,15 @@ use leastaction_core::network::Activation;
 
 /// Hidden units of the pendulum's position; its potential is linear in the position, as the authors' is.
 const POSITION: [u16; 4] = [32, 0, 0, 0];
-/// Hidden units of the bodies' pair potential.
-const PAIR: [u16; 4] = [16, 16, 0, 0];
-/// The same where it sees both positions.
-const CONCAT: [u16; 4] = [24, 24, 0, 0];
+/// Hidden units of the bodies' pair potential. In one over the distance it is linear, w/r + b: the form of the law is known
+/// and its strength learned, and only so does it hold at encounters closer than any in the data.
+const fn pair_widths(input: PairInput) -> [u16; 4] {
+    match input {
+        PairInput::Concat => [24, 24, 0, 0],
+        PairInput::Difference | PairInput::Distance => [16, 16, 0, 0],
+        PairInput::InverseDistance => [0; 4],
+    }
+}
 
 /// A model of one element type, mass 1, and the tree of the system.
 pub fn architecture(system: ManyBody, pair: PairInput) -> ModularArchitecture {
@@ -47,7 +52,7 @@ fn pendulum() -> ModularArchitecture {
 
 fn bodies(input: PairInput) -> ModularArchitecture {
     let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
-    let widths = if input == PairInput::Concat { CONCAT } else { PAIR };
+    let widths = pair_widths(input);
     let inputs = input.features() as u8;
     shape.networks[0] = Some(NetworkShape { inputs, widths, outputs: 1, activation: Activation::Tanh });
     shape.types[0] = Some(TypeShape { transform: TransformShape::Free, potential: None });
