@@ -6,11 +6,12 @@ use crate::commands::output::{Failure, Output, folder};
 use clap::{Args, ValueEnum};
 use leastaction::atomic;
 use leastaction::data::modlanet;
-use leastaction::reproduce::modlanet::{Case, Options, Outcome, ReproduceError, run};
+use leastaction::plot::{Panel, PlotError, Series, time_series};
+use leastaction::reproduce::modlanet::{Case, LongRun, Options, Outcome, ReproduceError, Stepped, run};
 use leastaction_core::energy::modular::PairInput;
 use serde::Serialize;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 ///
@@ -43,7 +44,11 @@ pub struct Modlanet {
     /// Of the initial weights and, without --data, of the data.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
-    /// Writes table.csv there.
+    /// Repeats every case with so many seeds from --seed on, and says how far the errors scatter; more than one without
+    /// predictions.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    seeds: u32,
+    /// Writes table.csv there, and for double-pendulum a picture of the energy over a million steps.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -66,24 +71,29 @@ impl Modlanet {
         self.output.as_deref().map_or(Ok(()), folder)?;
         let mut rows = Vec::new();
         for case in Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)) {
-            rows.extend(self.rows(case, output)?);
+            for seed in (self.seed..).take(self.seeds as usize) {
+                rows.extend(self.rows(case, seed, output)?);
+            }
         }
         self.write(&rows)?;
         match <[Outcome; 1]>::try_from(rows) {
             Ok([row]) if output.json => output.report(&Single(row)),
-            Ok([row]) => output.report(&Table { rows: vec![row] }),
-            Err(rows) => output.report(&Table { rows }),
+            Ok([row]) => output.report(&Table { rows: vec![row], scatter: None }),
+            Err(rows) => {
+                let scatter = (self.seeds > 1).then(|| Scatter::of(&rows));
+                output.report(&Table { rows, scatter })
+            }
         }
     }
 
-    fn rows(&self, case: Case, output: Output) -> Result<Vec<Outcome>, Failure> {
+    fn rows(&self, case: Case, seed: u64, output: Output) -> Result<Vec<Outcome>, Failure> {
         let read = |file: &PathBuf| modlanet::read(file).map_err(|error| Failure::Input(error.to_string()));
         let data = self.data.as_ref().map(read).transpose()?;
         if let (Some(file), None) = (&self.data, case.system()) {
             let reason = "this case generates its data; leave out --data".to_owned();
             return Err(Failure::Input(format!("{}: {reason}", file.display())));
         }
-        let rows = run(case, &self.options(), data, &mut |line| output.note(line));
+        let rows = run(case, &self.options(seed), data, &mut |line| output.note(line));
         rows.map_err(|error| match (&self.data, error) {
             (Some(file), error @ ReproduceError::Coordinates { .. }) => {
                 Failure::Input(format!("{}: {error}", file.display()))
@@ -92,7 +102,7 @@ impl Modlanet {
         })
     }
 
-    fn options(&self) -> Options {
+    fn options(&self, seed: u64) -> Options {
         Options {
             pair: match self.pair {
                 Pair::InverseDistance => PairInput::InverseDistance,
@@ -102,16 +112,30 @@ impl Modlanet {
             },
             iterations: self.iterations as usize,
             most_samples: self.samples as usize,
-            starts: self.starts as usize,
-            ..Options::new(self.seed)
+            starts: if self.seeds > 1 { 0 } else { self.starts as usize },
+            steps: if self.seeds > 1 { 0 } else { LONG_RUN },
+            ..Options::new(seed)
         }
     }
 
     fn write(&self, rows: &[Outcome]) -> Done {
         let Some(folder) = &self.output else { return Ok(()) };
         let table = folder.join("table.csv");
-        atomic::write(&table, csv(rows).as_bytes()).map_err(|error| Failure::file(&table, error))
+        atomic::write(&table, csv(rows).as_bytes()).map_err(|error| Failure::file(&table, error))?;
+        let Some(run) = rows.iter().find_map(|row| row.long_run.as_ref()) else { return Ok(()) };
+        let picture = folder.join("energy.svg");
+        draw_energy(&picture, run).map_err(|error| Failure::file(&picture, error))
     }
+}
+
+/// The energy error of the long runs over time.
+fn draw_energy(file: &Path, run: &LongRun) -> Result<(), PlotError> {
+    let series = |label: &str, errors: &[(f64, f64)]| Series::new(label, errors.iter().copied());
+    let del = [series("DEL, order 2", &run.del_2), series("DEL, order 4", &run.del_4)];
+    let rk4 = [series("Runge-Kutta, order 4", &run.rk4)];
+    let title = format!("Learned double pendulum, {} steps of {} s in f32", run.steps, run.h);
+    let panels = [Panel::new("energy error (J)", &del), Panel::new("energy error (J)", &rk4)];
+    time_series(file, &title, &panels)
 }
 
 /// The rows as comma-separated values with a header; empty where there is no prediction.
@@ -148,10 +172,40 @@ impl fmt::Display for Single {
     }
 }
 
+/// Steps of the long run in single precision.
+const LONG_RUN: usize = 1_000_000;
+
 /// All rows.
 #[derive(Serialize)]
 struct Table {
     rows: Vec<Outcome>,
+    /// Of the test errors, over the seeds.
+    scatter: Option<Scatter>,
+}
+
+/// How far the test errors of several seeds lie apart.
+#[derive(Serialize)]
+struct Scatter {
+    least: f64,
+    median: f64,
+    largest: f64,
+    /// Seeds whose error is not a finite number.
+    failed: usize,
+}
+
+impl Scatter {
+    fn of(rows: &[Outcome]) -> Self {
+        let mut errors: Vec<f64> = rows.iter().map(|row| row.test_mse).filter(|e| e.is_finite()).collect();
+        errors.sort_by(f64::total_cmp);
+        let at = |k: usize| errors.get(k).copied().unwrap_or(f64::NAN);
+        let failed = rows.len() - errors.len();
+        Self {
+            least: at(0),
+            median: at(errors.len() / 2),
+            largest: at(errors.len().saturating_sub(1)),
+            failed,
+        }
+    }
 }
 
 impl fmt::Display for Table {
@@ -163,8 +217,15 @@ impl fmt::Display for Table {
         writeln!(f)?;
         self.rows.iter().try_for_each(|row| {
             ours(f, row)?;
-            theirs(f, row)
+            theirs(f, row)?;
+            row.stepped.as_ref().map_or(Ok(()), |stepped| energies(f, stepped))
         })?;
+        if let Some(Scatter { least, median, largest, failed }) = &self.scatter {
+            writeln!(
+                f,
+                "\nover the seeds: test {least:.1e} to {largest:.1e}, median {median:.1e}; {failed} failed"
+            )?;
+        }
         writeln!(
             f,
             "\ntest: mean squared error of accelerations; rel.: relative to the mean squared acceleration. A_q, A_E: errors of\n\
@@ -186,6 +247,19 @@ fn ours(f: &mut fmt::Formatter, row: &Outcome) -> fmt::Result {
         }
     }
     writeln!(f, " {:>8.1}", row.train_seconds)
+}
+
+fn energies(f: &mut fmt::Formatter, stepped: &Stepped) -> fmt::Result {
+    writeln!(f, "{:<12} {} steps of {} s in f32:", "", stepped.steps, stepped.step_seconds)?;
+    let methods = [
+        ("DEL, order 2", stepped.energy_del_2),
+        ("DEL, order 4", stepped.energy_del_4),
+        ("Runge-Kutta", stepped.energy_rk4),
+    ];
+    methods.iter().try_for_each(|(name, energy)| {
+        let (largest, drift) = (energy.largest, energy.drift);
+        writeln!(f, "{:<12} {name:<14} energy error at most {largest:.1e} J, drift {drift:+.1e} J", "")
+    })
 }
 
 fn theirs(f: &mut fmt::Formatter, row: &Outcome) -> fmt::Result {

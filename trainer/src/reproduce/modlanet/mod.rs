@@ -1,10 +1,14 @@
 //! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 
+mod outcome;
 mod published;
 mod recipe;
+mod stepping;
 
+pub use outcome::{Outcome, Predicted, ReproduceError, Stepped};
 pub use published::Published;
 pub use recipe::{Model, architecture, fine_tune, train, tree};
+pub use stepping::{Energies, LongRun, SteppingError, long_run};
 
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
 use crate::evaluate::learned::functions;
@@ -13,10 +17,8 @@ use crate::ground_truth::{
     GenerationError, Horizon, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of, starts,
 };
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::model::ModelError;
 use serde::Serialize;
 use std::time::Instant;
-use thiserror::Error;
 
 /// One of the paper's experiments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -68,91 +70,24 @@ pub struct Options {
     pub iterations: usize,
     /// The most samples of [`Case::DatasetSize`].
     pub most_samples: usize,
-    /// Starts of predictions.
+    /// Starts of predictions; 0: none are made.
     pub starts: usize,
+    /// Steps of the long run in single precision; 0: none.
+    pub steps: usize,
 }
 
 impl Options {
     /// Of the printed tables.
     pub fn new(seed: u64) -> Self {
-        Self { pair: PairInput::InverseDistance, seed, iterations: 150, most_samples: 1_000_000, starts: 100 }
+        Self {
+            pair: PairInput::InverseDistance,
+            seed,
+            iterations: 150,
+            most_samples: 1_000_000,
+            starts: 100,
+            steps: 1_000_000,
+        }
     }
-}
-
-/// A prediction beside the floor of single precision, in the authors' measures.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Predicted {
-    /// Length, s.
-    pub prediction_seconds: f64,
-    /// Starts.
-    pub starts: usize,
-    /// A_q.
-    pub position: f64,
-    /// A_E.
-    pub energy: f64,
-    /// Median valid-prediction time, s.
-    pub valid_seconds: f64,
-    /// A_q of exact accelerations rounded to f32.
-    pub floor_position: f64,
-    /// A_E of the same.
-    pub floor_energy: f64,
-    /// Median valid-prediction time of the same, s.
-    pub floor_valid_seconds: f64,
-}
-
-/// What one row of a table gives.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Outcome {
-    /// The experiment.
-    pub case: Case,
-    /// n-pendulum or n-body.
-    pub system: &'static str,
-    /// Elements.
-    pub count: usize,
-    /// `trained`, `zero-shot` or `fine-tuned`.
-    pub kind: &'static str,
-    /// Rows learned from.
-    pub samples: usize,
-    /// Numbers in the weight block.
-    pub parameters: usize,
-    /// Mean squared error of accelerations, training set.
-    pub train_mse: f64,
-    /// The same, test set.
-    pub test_mse: f64,
-    /// The same, relative to the mean squared acceleration of the test set.
-    pub relative_test_mse: f64,
-    /// Training time, s.
-    pub train_seconds: f64,
-    /// Of the weights and of generated data.
-    pub seed: u64,
-    /// Long predictions, where the paper has them.
-    #[serde(flatten)]
-    pub predicted: Option<Predicted>,
-    /// The paper's.
-    #[serde(skip)]
-    pub published: Published,
-}
-
-/// An experiment that cannot be done.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ReproduceError {
-    /// There is no data.
-    #[error(transparent)]
-    Data(#[from] GenerationError),
-    /// The shape is beyond what is compiled.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The exact motion cannot be followed.
-    #[error(transparent)]
-    Motion(#[from] crate::ground_truth::IntegrationError),
-    /// The data of another system.
-    #[error("the data has {found} coordinates, the case needs {needed}")]
-    Coordinates {
-        /// Of the data.
-        found: usize,
-        /// Of the case.
-        needed: usize,
-    },
 }
 
 /// Runs a case; `tell` gets a line of progress now and then.
@@ -170,7 +105,14 @@ pub fn run(
     match case {
         Case::DoublePendulum => {
             let system = ManyBody::Pendulum(2);
-            Ok(vec![experiment.learn(system, &set(system)?, Some(30.0))?.0])
+            let (mut outcome, model) = experiment.learn(system, &set(system)?, Some(30.0))?;
+            if options.steps > 0 {
+                (experiment.tell)(&format!("{} steps in single precision", options.steps));
+                let run = long_run(&model, options.steps, LONG_STEP)?;
+                outcome.stepped = Some(Stepped::from(&run));
+                outcome.long_run = Some(run);
+            }
+            Ok(vec![outcome])
         }
         Case::ThreeBody => {
             let system = ManyBody::Bodies(3);
@@ -227,6 +169,7 @@ impl Experiment<'_> {
         let seconds = clock.elapsed().as_secs_f64();
         let mut outcome = self.outcome(system, "trained", set, &model, seconds)?;
         outcome.published = published::trained(system);
+        let prediction = prediction.filter(|_| self.options.starts > 0);
         outcome.predicted = prediction.map(|length| self.predict(system, &model, length)).transpose()?;
         Ok((outcome, model))
     }
@@ -253,6 +196,8 @@ impl Experiment<'_> {
             train_seconds,
             seed: self.options.seed,
             predicted: None,
+            stepped: None,
+            long_run: None,
             published: Published::default(),
         })
     }
@@ -329,6 +274,8 @@ impl Experiment<'_> {
 
 /// Makes the stream of prediction starts another than that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;
+/// Step of the long run, s.
+const LONG_STEP: f32 = 0.01;
 /// Iterations of fine-tuning.
 const FINE_TUNING: usize = 30;
 

@@ -1,0 +1,148 @@
+//! A learned double pendulum stepped a million times in single precision: by the DEL equation its energy stays, by a
+//! Runge–Kutta method on the same accelerations it drifts.
+
+use super::{Model, ReproduceError};
+use leastaction_core::continuous::{ContinuousState, energy, rk4_step};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State, StepError};
+use leastaction_core::energy::modular::{MAX_TYPES, Modular};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::linear::Singular;
+use leastaction_core::scalar::Scalar;
+use serde::Serialize;
+use thiserror::Error;
+
+const N: usize = 2;
+const WIDTH: usize = 64;
+const DEPTH: usize = 3;
+/// Energies kept of each run.
+const KEPT: usize = 1000;
+
+type Tree<'w, S> = System<Modular<'w, <S as Scalar>::Weight, N, MAX_TYPES, WIDTH, DEPTH>, Viscous<S, N>>;
+
+/// The energies along three runs, against that of the start, J.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LongRun {
+    /// Steps of each.
+    pub steps: usize,
+    /// Step, s.
+    pub h: f32,
+    /// Energy errors by the DEL equation of order 2: (time, error).
+    pub del_2: Vec<(f64, f64)>,
+    /// The same of order 4.
+    pub del_4: Vec<(f64, f64)>,
+    /// By the classical Runge–Kutta method of order 4 on the accelerations.
+    pub rk4: Vec<(f64, f64)>,
+}
+
+/// What a run comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Energies {
+    /// The largest error, J.
+    pub largest: f64,
+    /// How much the line through the errors rises over the run, J.
+    pub drift: f64,
+}
+
+impl Energies {
+    /// Of errors at equal times.
+    pub fn of(errors: &[(f64, f64)]) -> Self {
+        let n = errors.len() as f64;
+        let (mx, my) =
+            (errors.iter().map(|e| e.0).sum::<f64>() / n, errors.iter().map(|e| e.1).sum::<f64>() / n);
+        let covariance: f64 = errors.iter().map(|(x, y)| (x - mx) * (y - my)).sum();
+        let variance: f64 = errors.iter().map(|(x, _)| (x - mx) * (x - mx)).sum();
+        let span = errors.last().map_or(0.0, |last| last.0);
+        Self {
+            largest: errors.iter().map(|e| e.1.abs()).fold(0.0, f64::max),
+            drift: covariance / variance * span,
+        }
+    }
+}
+
+/// A step that could not be done.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum SteppingError {
+    /// Of the DEL equation.
+    #[error("a step of the DEL equation failed: {0:?}")]
+    Step(StepError<f32>),
+    /// The mass matrix is singular.
+    #[error("the mass matrix is singular")]
+    Singular,
+}
+
+impl From<StepError<f32>> for SteppingError {
+    fn from(error: StepError<f32>) -> Self {
+        Self::Step(error)
+    }
+}
+
+impl From<Singular> for SteppingError {
+    fn from(_: Singular) -> Self {
+        Self::Singular
+    }
+}
+
+/// Steps a model of two pendulums from rest at 0.9 and −0.6 rad, by all three methods.
+///
+/// # Errors
+/// Where the model has other coordinates, or a step fails.
+pub fn long_run(model: &Model, steps: usize, h: f32) -> Result<LongRun, ReproduceError> {
+    let rounded: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
+    let exact: Vec<f64> = rounded.iter().map(|w| f64::from(*w)).collect();
+    let header = model.architecture.header();
+    let tree = model.architecture.tree_header();
+    let system: Tree<f32> = header.system(&tree, &rounded)?;
+    let judge: Tree<f64> = header.system(&tree, &exact)?;
+    let run = Run { system, judge, steps, h, every: steps.div_ceil(KEPT).max(1) };
+    Ok(LongRun { steps, h, del_2: run.del::<Midpoint>()?, del_4: run.del::<Galerkin>()?, rk4: run.rk4()? })
+}
+
+struct Run<'w> {
+    system: Tree<'w, f32>,
+    /// The same model in double precision, which takes the energies.
+    judge: Tree<'w, f64>,
+    steps: usize,
+    h: f32,
+    every: usize,
+}
+
+const START: ContinuousState<f32, N> = ContinuousState { q: [0.9, -0.6], v: [0.0; N] };
+
+impl Run<'_> {
+    fn del<P: Path>(&self) -> Result<Vec<(f64, f64)>, SteppingError> {
+        let del = Del::<f32, P>::new(self.h);
+        let mut state = State::new(&self.system.lagrangian, START.q, START.v)?;
+        self.run(|| {
+            del.step(&self.system, &mut state, &Control::held([0.0; N]))?;
+            let q = state.q().map(f64::from);
+            let mass = self.judge.lagrangian.dynamics(&q, &[0.0; N]).mass;
+            Ok((q, mass.solve(&state.p().map(f64::from))?))
+        })
+    }
+
+    fn rk4(&self) -> Result<Vec<(f64, f64)>, SteppingError> {
+        let mut state = START;
+        self.run(|| {
+            state = rk4_step(&self.system, &state, &[0.0; N], self.h)?;
+            Ok((state.q.map(f64::from), state.v.map(f64::from)))
+        })
+    }
+
+    /// Energy errors after every so many steps.
+    fn run(
+        &self,
+        mut step: impl FnMut() -> Result<([f64; N], [f64; N]), SteppingError>,
+    ) -> Result<Vec<(f64, f64)>, SteppingError> {
+        let energy = |q: &[f64; N], v: &[f64; N]| energy(&self.judge.lagrangian, q, v);
+        let start = energy(&START.q.map(f64::from), &START.v.map(f64::from));
+        let mut errors = Vec::with_capacity(KEPT);
+        for k in 1..=self.steps {
+            let (q, v) = step()?;
+            if k.is_multiple_of(self.every) {
+                errors.push((k as f64 * f64::from(self.h), energy(&q, &v) - start));
+            }
+        }
+        Ok(errors)
+    }
+}
