@@ -273,9 +273,9 @@ def print_report(report):
     print(f"seconds (wall, processor), fastest of {report['rounds']} alternating rounds\n")
     for title, rows in report["candidates"].items():
         for name, (wall, cpu) in rows.items():
-            print(f"{title:<16}JAX {name:<26}{wall:>10.4f}{cpu:>10.4f}")
+            print(f"{title:<18}JAX {name:<26}{wall:>10.4f}{cpu:>10.4f}")
         row = report["comparison"][title]
-        print(f"{title:<16}{'ours':<30}{row['ours_wall_s']:>10.4f}{row['ours_cpu_s']:>10.4f}")
+        print(f"{title:<18}{'ours':<30}{row['ours_wall_s']:>10.4f}{row['ours_cpu_s']:>10.4f}")
         for formula in FORMULAS:
             cpu, wall = row[f"{formula}_ratio_cpu"], row[f"{formula}_ratio_wall"]
             print(f"  {cpu:.2f} times faster than JAX {formula} by processor time, {wall:.2f} by wall time")
@@ -323,11 +323,11 @@ def benchmark(options, folder):
     rows.astype("<f8").tofile(folder / "rows.f64")
     arguments = (jnp.asarray(weights), jnp.asarray(rows))
     gradients = [Timed(name, loss_of(formula), arguments) for name, formula in FORMULAS.items()]
-    chunks = [chunks for chunks in CHUNKS if len(rows) % chunks == 0]
+    divisors = [parts for parts in CHUNKS if len(rows) % parts == 0]
     normals = [
-        Timed(f"{name}, {chunks} parts", normal_of(formula, chunks), arguments)
+        Timed(f"{name}, {parts} part{'s' * (parts > 1)}", normal_of(formula, parts), arguments)
         for name, formula in FORMULAS.items()
-        for chunks in chunks
+        for parts in divisors
     ]
     ours = Ours(executable, folder)
     for _ in range(options.rounds):
