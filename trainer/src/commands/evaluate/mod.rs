@@ -25,9 +25,10 @@ use std::path::PathBuf;
 /// Accelerations, where the log has v and a; positions one step ahead, and over whole trajectories from their first two
 /// positions, under the logged control.
 ///
-/// With --system n-pendulum or n-body also predictions by the learned accelerations from random starts, in ModLaNet's measures
-/// and beside those of the exact accelerations in single precision: A_q = |q' - q| / samples, angles not wrapped; A_E likewise,
-/// of the exact energy of the predicted state; and the time until the position is 0.1 m or rad off.
+/// With --system n-pendulum or n-body also predictions from random starts by the learned accelerations (weights as shipped, else
+/// in double precision), in ModLaNet's measures and beside those of the exact accelerations in single precision:
+/// A_q = |q' - q| / samples, angles not wrapped; A_E likewise, of the exact energy of the predicted state; and the time until the
+/// position is 0.1 m or rad off.
 ///
 /// Example: leastaction evaluate m.postcard --data log.npz
 ///
