@@ -199,7 +199,7 @@ def build_ours():
     """Path of the release executable, as cargo reports it."""
     if shutil.which("cargo") is None:
         raise Failure("`cargo` not found on PATH: install Rust from https://rustup.rs, or pass --ours PATH", code=2)
-    command = ["cargo", "build", "--release", "-p", "leastaction-tests", "--bin", "peer_modlanet"]
+    command = ["cargo", "build", "--release", "-p", "leastaction", "--example", "peer_modlanet"]
     messages = run([*command, "--message-format=json"], cwd=HERE.parent)
     artifacts = [json.loads(line) for line in messages.splitlines() if line.startswith("{")]
     executables = [a["executable"] for a in artifacts if a.get("executable")]
