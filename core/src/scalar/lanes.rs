@@ -27,13 +27,17 @@ impl Lanes {
     }
 }
 
+// Written out: these make up most of the trainer, and closures would double the time it takes to compile.
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
         impl $trait for Lanes {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(other, |a, b| a $op b)
+                let ([a0, a1, a2, a3, a4, a5, a6, a7], [b0, b1, b2, b3, b4, b5, b6, b7]) = (self.0, other.0);
+                Self([
+                    a0 $op b0, a1 $op b1, a2 $op b2, a3 $op b3, a4 $op b4, a5 $op b5, a6 $op b6, a7 $op b7,
+                ])
             }
         }
     };

@@ -56,7 +56,7 @@ fn modlanet_pendulums_become_a_model() {
     assert_eq!(report["parameters"].as_u64(), Some(parameters));
     let inspected = bench.run("inspect m.postcard --json").good().json();
     assert_eq!(inspected["types"][0]["mass"].as_f64(), Some(0.5));
-    assert_eq!(inspected["trees"][0]["elements"], serde_json::json!(["bob", "bob on 0"]));
+    assert_eq!(inspected["trees"][0]["elements"], serde_json::json!(["0 bob", "1 bob on 0"]));
     assert_eq!(inspected["provenance"].as_str(), Some("imported from n.safetensors (ModLaNet)"));
     let longer = bench.run("import modlanet n.safetensors --count 4 -o m.postcard").good().stdout;
     assert!(longer.contains("coordinates aaaa, no step"), "{longer}");
@@ -73,7 +73,7 @@ fn modlanet_bodies_become_a_model() {
     bench.run("import modlanet n.safetensors --system body --mass 2 -o m.postcard").good();
     let inspected = bench.run("inspect m.postcard --json").good().json();
     assert_eq!(inspected["types"][0]["mass"].as_f64(), Some(2.0));
-    assert_eq!(inspected["trees"][0]["elements"], serde_json::json!(["body", "body", "body"]));
+    assert_eq!(inspected["trees"][0]["elements"], serde_json::json!(["0 body", "1 body", "2 body"]));
 }
 
 #[test]
