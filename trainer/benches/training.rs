@@ -3,6 +3,8 @@
 //!
 //! `cargo bench -p leastaction --bench training`
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
 use leastaction::ground_truth::{Mechanism, symo_set};
 use leastaction::reproduce::symo::{Case, Model};
 use leastaction::training::{Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective};
@@ -37,9 +39,12 @@ fn main() {
     let each = ours.time / (ITERATIONS as u32 + 20);
     // The lower triangle of JᵀJ and the Cholesky factor dominate.
     let multiply_adds = rows * p * (p + 1) / 2 + p * p * p / 6;
+    let (rate, peak) = (per_nanosecond(multiply_adds, each), peak());
     println!(
-        "Levenberg-Marquardt: one iteration {each:?}, {:.1} G multiply-adds/s",
-        per_nanosecond(multiply_adds, each)
+        "Levenberg-Marquardt: one iteration {each:?}, {:.2} G multiply-adds, {rate:.1} G/s: {:.0}% of the {peak:.1} G/s \
+         of a plain product of matrices in f64",
+        multiply_adds as f64 * 1e-9,
+        100.0 * rate / peak
     );
     let settings = AdamSettings::symo(case.trajectories, case.seed);
     let equal = adam(&*loss, weights.clone(), settings, |reached| reached.time >= ours.time);
@@ -56,6 +61,19 @@ fn main() {
         ratio(&longer, &ours),
         longer.loss / ours.loss
     );
+}
+
+/// Multiply-adds a nanosecond of a product of two large matrices in f64, times the number of threads: what this machine can do.
+fn peak() -> f64 {
+    const SIZE: usize = 1024;
+    let a = Mat::from_fn(SIZE, SIZE, |i, j| ((i * 7 + j * 3) % 11) as f64);
+    let mut product = Mat::<f64>::zeros(SIZE, SIZE);
+    let mut once = || {
+        let clock = Instant::now();
+        matmul(product.as_mut(), Accum::Replace, a.as_ref(), a.as_ref(), 1.0, Par::Seq);
+        per_nanosecond(SIZE * SIZE * SIZE, clock.elapsed())
+    };
+    (0..5).map(|_| once()).fold(0.0, f64::max) * rayon::current_num_threads() as f64
 }
 
 fn levenberg(residual: &dyn Objective, loss: &dyn Objective, weights: Vec<f64>) -> Reached {
