@@ -55,7 +55,7 @@ impl TransformKind {
 
 /// What the pair potential sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum PairKind {
     /// Both positions.
     Concat,
@@ -64,6 +64,8 @@ pub enum PairKind {
     /// Their distance.
     #[default]
     Distance,
+    /// One over their distance.
+    InverseDistance,
 }
 
 impl From<PairKind> for PairInput {
@@ -72,6 +74,7 @@ impl From<PairKind> for PairInput {
             PairKind::Concat => Self::Concat,
             PairKind::Difference => Self::Difference,
             PairKind::Distance => Self::Distance,
+            PairKind::InverseDistance => Self::InverseDistance,
         }
     }
 }
