@@ -8,7 +8,7 @@
 //! # Method
 //!
 //! A coordinate j adds s_j(q_j) to the position of everything it carries, so x = J s(q) and ẋ = J (g v), g = s′, with J the
-//! constant map [`Tree::centres`] of the tree. With P = Jᵀm J(g v) and F = JᵀV_x, all derivatives are products of a
+//! constant map `Tree::centres` of the tree. With P = Jᵀm J(g v) and F = JᵀV_x, all derivatives are products of a
 //! coordinate's own s, s′, s″, s‴ with P and F:
 //! p = g·P + Iv, L_q = v g′·P − s′·F, L_vq v = v g′·P + g·JᵀmJ(g′v²). One pass down the tree and one up give P: no
 //! matrix of positions by coordinates is ever formed.
