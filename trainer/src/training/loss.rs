@@ -6,7 +6,7 @@
 //! function theorem only chooses the δq and δv. One kernel in core does the rest.
 
 use super::samples::Sample;
-use crate::architecture::Family;
+use crate::architecture::{Family, FamilySystem};
 use leastaction_core::discrete::{
     Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation,
 };
@@ -70,17 +70,31 @@ impl From<Singular> for Failed {
 /// Eight samples.
 pub(super) type Group<const N: usize> = [Sample<N>; LANES];
 
+/// A model over its weights, for one sample and for eight.
+pub(super) struct Systems<'w, F: Family<N>, const N: usize> {
+    one: FamilySystem<'w, F, f64, N>,
+    /// Eight side by side.
+    pub eight: FamilySystem<'w, F, Lanes, N>,
+}
+
+impl<'w, F: Family<N>, const N: usize> Systems<'w, F, N> {
+    /// Reads the shape; once for many samples.
+    pub fn new(family: &F, weights: &'w [f64]) -> Result<Self, Failed> {
+        let one = family.system::<f64>(weights).map_err(|_| Failed)?;
+        Ok(Self { one, eight: family.system::<Lanes>(weights).map_err(|_| Failed)? })
+    }
+}
+
 /// A loss over eight samples side by side, with the bits that each has alone.
 pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
     /// The kinds of the terms that each component has, in order.
     fn kinds(&self) -> &'static [TermKind];
     /// The residuals.
-    fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed>;
+    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed>;
     /// The residuals, and for every sample and component its terms: `terms[sample][component * kinds + k]`.
     fn linearise_group(
         &self,
-        family: &F,
-        weights: &[f64],
+        systems: &Systems<F, N>,
         group: &Group<N>,
         terms: &mut [Vec<Term<N>>; LANES],
     ) -> Result<[[f64; N]; LANES], Failed>;
@@ -98,11 +112,9 @@ struct Equation<const N: usize> {
 
 /// The equations of motion of eight samples.
 fn equations<F: Family<N>, const N: usize>(
-    family: &F,
-    weights: &[f64],
+    Systems { eight: system, .. }: &Systems<F, N>,
     group: &Group<N>,
-) -> Result<[Equation<N>; LANES], Failed> {
-    let system = family.system::<Lanes>(weights).map_err(|_| Failed)?;
+) -> [Equation<N>; LANES] {
     let lanes = |pick: fn(&Sample<N>) -> &[f64; N]| -> [Lanes; N] {
         std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| pick(&group[lane])[i])))
     };
@@ -110,10 +122,10 @@ fn equations<F: Family<N>, const N: usize>(
     let d = system.lagrangian.dynamics(&q, &v);
     let damping = system.forces.force(&q, &v);
     let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + damping[i] + u[i]);
-    Ok(std::array::from_fn(|lane| Equation {
+    std::array::from_fn(|lane| Equation {
         mass: d.mass.0.map(|row| row.map(|entry| entry.0[lane])),
         force: force.map(|force| force.0[lane]),
-    }))
+    })
 }
 
 impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
@@ -121,9 +133,9 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
         &[TermKind::Along, TermKind::Rate]
     }
 
-    fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
+    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
-        let equations = equations(family, weights, group)?;
+        let equations = equations(systems, group);
         for ((residual, Equation { mass, force }), sample) in residuals.iter_mut().zip(equations).zip(group) {
             let [_, _, a] = &sample.states;
             *residual = add_scaled(&solve(mass, force)?, -1.0, a);
@@ -134,13 +146,12 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     /// ∂v̇ = M⁻¹ ∂(L_q + Q − d/dt L_v) with v̇ held on the right.
     fn linearise_group(
         &self,
-        family: &F,
-        weights: &[f64],
+        systems: &Systems<F, N>,
         group: &Group<N>,
         terms: &mut [Vec<Term<N>>; LANES],
     ) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
-        let equations = equations(family, weights, group)?;
+        let equations = equations(systems, group);
         for (lane, (Equation { mass, force }, sample)) in equations.into_iter().zip(group).enumerate() {
             let [q, v, a] = &sample.states;
             let predicted = solve(mass, force)?;
@@ -205,26 +216,23 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P
         if P::BUBBLE { &[TermKind::Along; 4] } else { &[TermKind::Along; 2] }
     }
 
-    fn residuals(&self, family: &F, weights: &[f64], group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
-        let system = family.system::<f64>(weights).map_err(|_| Failed)?;
+    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         for (residual, sample) in residuals.iter_mut().zip(group) {
-            *residual = self.residual(&system, &sample.states, &sample.controls)?;
+            *residual = self.residual(&systems.one, &sample.states, &sample.controls)?;
         }
         Ok(residuals)
     }
 
     fn linearise_group(
         &self,
-        family: &F,
-        weights: &[f64],
+        systems: &Systems<F, N>,
         group: &Group<N>,
         terms: &mut [Vec<Term<N>>; LANES],
     ) -> Result<[[f64; N]; LANES], Failed> {
-        let system = family.system::<f64>(weights).map_err(|_| Failed)?;
         let mut residuals = [[0.0; N]; LANES];
         for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            *residual = self.linearise(&system, &sample.states, &sample.controls, terms)?;
+            *residual = self.linearise(&systems.one, &sample.states, &sample.controls, terms)?;
         }
         Ok(residuals)
     }

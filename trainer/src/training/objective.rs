@@ -1,12 +1,13 @@
 //! A loss over all samples, as the optimisers see it: sums over fixed parts, each computed in order on one thread, added
 //! in order. Results do not depend on the number of threads.
 
-use super::loss::{AccelerationLoss, DelLoss, Failed, Group, GroupLoss, Term, TermKind};
+use super::loss::{AccelerationLoss, DelLoss, Failed, Group, GroupLoss, Systems, Term, TermKind};
 use super::{LossKind, NormalEquations, Samples};
-use crate::architecture::{Architecture, Family, MAX_DISCRETE, Visitor, too_large_for_steps};
+use crate::architecture::{Architecture, Family, FamilySystem, MAX_DISCRETE, Visitor, too_large_for_steps};
 use faer::Mat;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
 use leastaction_core::energy::Learnable;
+use leastaction_core::forces::System;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::{LANES, Lanes};
 use rayon::prelude::*;
@@ -128,8 +129,9 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
         })?
     }
 
-    fn rows(&self) -> Rows<'_, F> {
-        Rows { family: &self.family, kinds: self.loss.kinds(), damping: &self.damping, fixed: &self.fixed }
+    fn rows<'s, 'w>(&'s self, systems: &'s Systems<'w, F, N>) -> Rows<'s, FamilySystem<'w, F, Lanes, N>> {
+        let Self { damping, fixed, .. } = self;
+        Rows { system: &systems.eight, kinds: self.loss.kinds(), damping, fixed }
     }
 
     /// The samples from `start` on; the last of `samples` fills the group up.
@@ -138,9 +140,10 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
     }
 
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let systems = Systems::new(&self.family, weights)?;
         let mut sum = 0.0;
         for start in samples.clone().step_by(LANES) {
-            let residuals = self.loss.residuals(&self.family, weights, &self.group(start, &samples))?;
+            let residuals = self.loss.residuals(&systems, &self.group(start, &samples))?;
             let own = residuals.iter().take(samples.end - start);
             sum += own.map(|residual| residual.iter().map(|r| r * r).sum::<f64>()).sum::<f64>();
         }
@@ -149,12 +152,13 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
 
     /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let systems = Systems::new(&self.family, weights)?;
         let (count, width) = (samples.len(), self.loss.kinds().len());
         rows.reset(count * N, weights.len());
         for start in (0..count).step_by(LANES) {
             let mut terms = [const { Vec::new() }; LANES];
             let group = self.group(samples.start + start, &samples);
-            let residuals = self.loss.linearise_group(&self.family, weights, &group, &mut terms)?;
+            let residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
             for (k, residual) in (start..count).zip(residuals) {
                 for (i, residual) in residual.into_iter().enumerate() {
                     rows.residual[i * count + k] = residual;
@@ -163,7 +167,7 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
             for i in 0..N {
                 let terms = terms.each_ref().map(|terms| &terms[i * width..]);
                 rows.buffer.fill(Lanes([0.0; LANES]));
-                self.rows().add(weights, terms, &mut rows.buffer)?;
+                self.rows(&systems).add(terms, &mut rows.buffer);
                 rows.store(i * count + start, (count - start).min(LANES));
             }
         }
@@ -178,18 +182,19 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
         samples: Range<usize>,
         sum: &mut NormalEquations,
     ) -> Result<(), Failed> {
+        let systems = Systems::new(&self.family, weights)?;
         let mut buffer = vec![Lanes([0.0; LANES]); weights.len()];
         for start in samples.clone().step_by(LANES) {
             let mut terms = [const { Vec::new() }; LANES];
             let group = self.group(start, &samples);
-            let mut residuals = self.loss.linearise_group(&self.family, weights, &group, &mut terms)?;
+            let mut residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
             for residual in residuals.iter_mut().skip(samples.end - start) {
                 *residual = [0.0; N];
             }
             sum.squares += residuals.as_flattened().iter().map(|r| r * r).sum::<f64>();
             let weighed: [Vec<Term<N>>; LANES] =
                 std::array::from_fn(|lane| contracted(&residuals[lane], &terms[lane], self.loss.kinds()));
-            self.rows().add(weights, weighed.each_ref().map(Vec::as_slice), &mut buffer)?;
+            self.rows(&systems).add(weighed.each_ref().map(Vec::as_slice), &mut buffer);
         }
         for (gradient, lanes) in sum.gradient.iter_mut().zip(&buffer) {
             *gradient += lanes.0.iter().sum::<f64>();
@@ -214,8 +219,8 @@ fn contracted<const N: usize>(residual: &[f64; N], terms: &[Term<N>], kinds: &[T
 }
 
 /// What the rows of the Jacobian depend on beside the terms: the family alone, whatever the loss.
-struct Rows<'s, F> {
-    family: &'s F,
+struct Rows<'s, Y> {
+    system: &'s Y,
     kinds: &'s [TermKind],
     /// Where each coordinate has its damping, where it has any.
     damping: &'s [usize],
@@ -223,19 +228,14 @@ struct Rows<'s, F> {
     fixed: &'s [usize],
 }
 
-impl<F> Rows<'_, F> {
+impl<L, D> Rows<'_, System<L, D>> {
     /// Adds the derivatives in the weights of one residual component of eight samples; `terms\[lane\]\[k\]` is the term of
     /// kind k.
-    fn add<const N: usize>(
-        &self,
-        weights: &[f64],
-        terms: [&[Term<N>]; LANES],
-        row: &mut [Lanes],
-    ) -> Result<(), Failed>
+    fn add<const N: usize>(&self, terms: [&[Term<N>]; LANES], row: &mut [Lanes])
     where
-        F: Family<N>,
+        L: Learnable<Lanes, N>,
     {
-        let system = self.family.system::<Lanes>(weights).map_err(|_| Failed)?;
+        let lagrangian = &self.system.lagrangian;
         for (k, kind) in self.kinds.iter().enumerate() {
             let lanes = |field: fn(&Term<N>) -> &[f64; N]| -> [Lanes; N] {
                 std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane][k])[i])))
@@ -243,20 +243,19 @@ impl<F> Rows<'_, F> {
             let (q, v, dq, dv) = (lanes(|t| &t.q), lanes(|t| &t.v), lanes(|t| &t.dq), lanes(|t| &t.dv));
             match kind {
                 TermKind::Along => {
-                    system.lagrangian.directional_gradient((&q, &v), (&dq, &dv), |i, g| row[i] += g);
+                    lagrangian.directional_gradient((&q, &v), (&dq, &dv), |i, g| row[i] += g);
                     for (i, position) in self.damping.iter().enumerate() {
                         row[*position] -= dq[i] * v[i];
                     }
                 }
                 TermKind::Rate => {
-                    system.lagrangian.momentum_rate_gradient((&q, &v), &dv, &dq, |i, g| row[i] -= g);
+                    lagrangian.momentum_rate_gradient((&q, &v), &dv, &dq, |i, g| row[i] -= g);
                 }
             }
         }
         for position in self.fixed {
             row[*position] = Lanes([0.0; LANES]);
         }
-        Ok(())
     }
 }
 
