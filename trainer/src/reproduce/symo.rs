@@ -5,7 +5,7 @@ use crate::architecture::{Architecture, RigidArchitecture};
 use crate::data::symo::SymoSet;
 use crate::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
 use crate::ground_truth::Mechanism;
-use crate::training::{Levenberg, LossKind, Objective, Progress, Samples, objective};
+use crate::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::ModelError;
 use serde::Serialize;
@@ -236,9 +236,13 @@ impl Case {
         let architecture = &recipe.architecture;
         let warm_up = objective(architecture, samples.clone(), LossKind::DelResidual, 2)?;
         let weights = architecture.initial_weights(self.seed);
-        let weights = minimise(&*warm_up, weights, recipe.warm_up, recipe.decay, &mut watch);
         let loss = objective(architecture, samples, self.loss(), self.order)?;
-        Ok(minimise(&*loss, weights, recipe.iterations, recipe.decay, &mut watch))
+        let mut minimise = |objective: &dyn Objective, weights, iterations| {
+            let levenberg = Levenberg::new(objective, weights).with_decay(recipe.decay);
+            levenberg.run(objective, iterations, |iteration, levenberg| watch(iteration, levenberg.loss)).weights
+        };
+        let weights = minimise(&*warm_up, weights, recipe.warm_up);
+        Ok(minimise(&*loss, weights, recipe.iterations))
     }
 
     /// The measures of a model.
@@ -272,22 +276,4 @@ impl Case {
             seed: self.seed,
         })
     }
-}
-
-/// Levenberg–Marquardt until it is done or has converged.
-fn minimise(
-    objective: &dyn Objective,
-    weights: Vec<f64>,
-    iterations: usize,
-    decay: f64,
-    watch: &mut impl FnMut(usize, f64),
-) -> Vec<f64> {
-    let mut levenberg = Levenberg::new(objective, weights).with_decay(decay);
-    for iteration in 0..iterations {
-        if levenberg.iterate(objective) != Progress::Lower {
-            break;
-        }
-        watch(iteration, levenberg.loss);
-    }
-    levenberg.weights
 }

@@ -52,6 +52,23 @@ impl Levenberg {
         Self { decay, ..self }
     }
 
+    /// So many iterations, or until one does not lower the loss; `watch` is called after each with its number, from 1.
+    #[must_use]
+    pub fn run(
+        mut self,
+        objective: &dyn Objective,
+        iterations: usize,
+        mut watch: impl FnMut(usize, &Self),
+    ) -> Self {
+        for iteration in 1..=iterations {
+            if self.iterate(objective) != Progress::Lower {
+                break;
+            }
+            watch(iteration, &self);
+        }
+        self
+    }
+
     /// What is minimised: the loss and the penalty.
     fn cost(&self, loss: f64, weights: &[f64]) -> f64 {
         loss + self.decay * weights.iter().map(|w| w * w).sum::<f64>()

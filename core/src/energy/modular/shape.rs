@@ -28,6 +28,13 @@ pub struct NetworkShape {
 }
 
 impl NetworkShape {
+    /// A network with hidden layers of these widths; `None` for more than [`MAX_HIDDEN`] of them.
+    pub fn new(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> Option<Self> {
+        let mut all = [0; MAX_HIDDEN];
+        all.get_mut(..widths.len())?.copy_from_slice(widths);
+        Some(Self { inputs, widths: all, outputs, activation })
+    }
+
     /// Units of each hidden layer, and how many layers there are.
     pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
         let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
@@ -106,6 +113,18 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// Of these networks, types and pair potential; `None` for more than the lists hold.
+    pub fn new(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Option<Self> {
+        let mut shape = Self { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair };
+        for (slot, network) in shape.networks.get_mut(..networks.len())?.iter_mut().zip(networks) {
+            *slot = Some(*network);
+        }
+        for (slot, kind) in shape.types.get_mut(..types.len())?.iter_mut().zip(types) {
+            *slot = Some(*kind);
+        }
+        Some(shape)
+    }
+
     /// The networks in order.
     pub fn networks(&self) -> impl Iterator<Item = &NetworkShape> {
         self.networks.iter().map_while(Option::as_ref)

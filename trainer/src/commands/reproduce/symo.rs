@@ -199,7 +199,7 @@ impl fmt::Display for Single {
 
 fn learn(case: &Case, set: &SymoSet, output: Output) -> Result<Row, Failure> {
     let mut last = (0, f64::NAN);
-    let outcome = case.run(set, |iteration, loss| last = (iteration + 1, loss));
+    let outcome = case.run(set, |iteration, loss| last = (iteration, loss));
     let ours = outcome.map_err(|error| Failure::Work(error.to_string()))?;
     output.note(&format!(
         "{} {} order {}, {} trajectories: {} iterations, loss {:.2e}, {:.1} s",

@@ -3,7 +3,7 @@
 use crate::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
 use crate::data::modlanet::ModlanetRows;
 use crate::ground_truth::ManyBody;
-use crate::training::{Levenberg, LossKind, Objective, Progress, Samples, objective};
+use crate::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::energy::modular::{
     Input, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
@@ -117,13 +117,8 @@ pub fn train(
     mut watch: impl FnMut(usize, f64),
 ) -> Result<Model, ModelError> {
     let objective = acceleration_loss(&architecture.clone().into(), rows)?;
-    let mut levenberg = Levenberg::new(&*objective, architecture.initial_weights(seed));
-    for iteration in 0..iterations {
-        if levenberg.iterate(&*objective) != Progress::Lower {
-            break;
-        }
-        watch(iteration + 1, levenberg.loss);
-    }
+    let levenberg = Levenberg::new(&*objective, architecture.initial_weights(seed));
+    let levenberg = levenberg.run(&*objective, iterations, |iteration, state| watch(iteration, state.loss));
     Ok(Model { architecture, weights: levenberg.weights })
 }
 
@@ -139,16 +134,12 @@ pub fn fine_tune(
 ) -> Result<Model, ModelError> {
     let objective = acceleration_loss(&model.shape(), rows)?;
     let judge = acceleration_loss(&model.shape(), validation)?;
-    let mut levenberg = Levenberg::new(&*objective, model.weights.clone());
     let mut best = (judge.loss(&model.weights), model.weights.clone());
-    for _ in 0..iterations {
-        if levenberg.iterate(&*objective) != Progress::Lower {
-            break;
-        }
-        let loss = judge.loss(&levenberg.weights);
+    let _last = Levenberg::new(&*objective, model.weights.clone()).run(&*objective, iterations, |_, state| {
+        let loss = judge.loss(&state.weights);
         if loss < best.0 {
-            best = (loss, levenberg.weights.clone());
+            best = (loss, state.weights.clone());
         }
-    }
+    });
     Ok(Model { weights: best.1, ..model.clone() })
 }
