@@ -1,6 +1,7 @@
 //! Trees of elements of every kind, with a naive evaluation of their energies.
 
 use super::Random;
+use super::oracle::Learned;
 use super::shapes::{naive_activation, naive_layer};
 use leastaction_core::energy::modular::{
     Input, Modular, NUMBERS, NetworkShape, Node, PairInput, PairShape, Shape, TransformShape, TypeShape,
@@ -141,8 +142,41 @@ impl<const N: usize> Tree<N> {
         [0, 1].map(|i| (forth[i] - back[i]) / (2.0 * STEP))
     }
 
-    /// T and V by the printed formulas, element by element from the ground.
-    pub fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
+    fn pair_energy(&self, pair: PairShape, [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+        let u = |x: &[f64]| self.run(pair.network, x)[0];
+        let (x, y) = (ax - bx, ay - by);
+        match pair.input {
+            PairInput::Concat => 0.5 * (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])),
+            PairInput::Difference => 0.5 * (u(&[x, y]) + u(&[-x, -y])),
+            PairInput::Distance => u(&[x.hypot(y)]),
+            PairInput::InverseDistance => u(&[1.0 / x.hypot(y)]),
+        }
+    }
+}
+
+impl<const N: usize> Learned<N> for Tree<N> {
+    // Velocities are central differences there.
+    const NAIVE: f64 = 1e-9;
+
+    type Over<'w, S: Scalar>
+        = Modular<'w, S::Weight, N, KINDS, WIDTH, DEPTH>
+    where
+        S::Weight: 'w;
+
+    fn energies_over<'w, S: Scalar>(&self, weights: &'w [S::Weight]) -> Self::Over<'w, S> {
+        self.over(weights)
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    fn weights_mut(&mut self) -> &mut [f64] {
+        &mut self.weights
+    }
+
+    /// Element by element from the ground.
+    fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let mut tips: Vec<([f64; 2], [f64; 2])> = Vec::new();
         let mut centres: Vec<(f64, [f64; 2])> = Vec::new();
         let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
@@ -174,17 +208,6 @@ impl<const N: usize> Tree<N> {
             first += shape.coordinates();
         }
         (kinetic, potential)
-    }
-
-    fn pair_energy(&self, pair: PairShape, [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
-        let u = |x: &[f64]| self.run(pair.network, x)[0];
-        let (x, y) = (ax - bx, ay - by);
-        match pair.input {
-            PairInput::Concat => 0.5 * (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])),
-            PairInput::Difference => 0.5 * (u(&[x, y]) + u(&[-x, -y])),
-            PairInput::Distance => u(&[x.hypot(y)]),
-            PairInput::InverseDistance => u(&[1.0 / x.hypot(y)]),
-        }
     }
 }
 
