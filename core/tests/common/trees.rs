@@ -27,20 +27,7 @@ pub struct Tree<const N: usize> {
 }
 
 pub fn network(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> NetworkShape {
-    let mut all = [0; 4];
-    all[..widths.len()].copy_from_slice(widths);
-    NetworkShape { inputs, widths: all, outputs, activation }
-}
-
-pub fn shape(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Shape {
-    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair };
-    for (slot, network) in shape.networks.iter_mut().zip(networks) {
-        *slot = Some(*network);
-    }
-    for (slot, kind) in shape.types.iter_mut().zip(types) {
-        *slot = Some(*kind);
-    }
-    shape
+    NetworkShape::new(inputs, widths, outputs, activation).expect("few layers")
 }
 
 pub fn node(kind: u8, parent: Option<u8>) -> Node {
@@ -236,7 +223,7 @@ pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Sha
         TypeShape { transform: TransformShape::Rod, potential: Some(1) },
         TypeShape { transform: TransformShape::Slide, potential: None },
     ];
-    shape(&networks, &types, pair.map(|input| PairShape { network: 3, input }))
+    Shape::new(&networks, &types, pair.map(|input| PairShape { network: 3, input })).expect("few parts")
 }
 
 /// Free points, of two types.
@@ -246,7 +233,7 @@ pub fn bodies(pair: PairInput) -> Shape {
         network(pair.features() as u8, &[10], 1, Activation::Tanh),
     ];
     let types = [None, Some(0)].map(|potential| TypeShape { transform: TransformShape::Free, potential });
-    shape(&networks, &types, Some(PairShape { network: 1, input: pair }))
+    Shape::new(&networks, &types, Some(PairShape { network: 1, input: pair })).expect("few parts")
 }
 
 pub fn of_three() -> Vec<Tree<3>> {
@@ -297,7 +284,8 @@ fn mechanism<const N: usize>(learned: bool, nodes: &[Node]) -> Tree<N> {
     let output = [0.0, 1.0 / EPSILON, -1.0 / EPSILON, 0.0, 0.0, 0.0];
     let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.0]);
     let weights = [&hidden[..], &output, &gravity, &numbers, &[1.0, 0.0]].concat();
-    Tree { shape: shape(&networks, &types, None), nodes: nodes.to_vec(), weights }
+    let shape = Shape::new(&networks, &types, None).expect("few parts");
+    Tree { shape, nodes: nodes.to_vec(), weights }
 }
 
 pub fn double_pendulum(learned: bool) -> Tree<2> {
