@@ -40,8 +40,8 @@ fn directional_gradient_is_the_parameter_derivative() {
 }
 
 #[test]
-fn momentum_rate_gradient_is_the_parameter_derivative() {
-    everywhere!(oracle::check_momentum_rate_gradient);
+fn residual_gradient_is_the_parameter_derivative() {
+    everywhere!(oracle::check_residual_gradient);
 }
 
 #[test]

@@ -42,8 +42,8 @@ fn directional_gradient_is_the_parameter_derivative() {
 }
 
 #[test]
-fn momentum_rate_gradient_is_the_parameter_derivative() {
-    everywhere!(oracle::check_momentum_rate_gradient);
+fn residual_gradient_is_the_parameter_derivative() {
+    everywhere!(oracle::check_residual_gradient);
 }
 
 #[test]
@@ -63,13 +63,13 @@ fn nothing_depends_on_a_cyclic_coordinate() {
 }
 
 #[test]
-fn every_parameter_is_visited_once() {
+fn every_parameter_is_visited_once_a_direction() {
     fn check<const N: usize>(model: &Model<N>, q: &[f64; N], v: &[f64; N]) {
         let rigid = model.in_f64();
         let mut visits = vec![[0; 2]; model.weights.len()];
         rigid.directional_gradient((q, v), (v, q), |position, _: f64| visits[position][0] += 1);
-        rigid.momentum_rate_gradient((q, v), q, v, |position, _: f64| visits[position][1] += 1);
-        assert!(visits.iter().all(|visits| *visits == [1, 1]), "{visits:?}");
+        rigid.residual_gradient((q, v), q, v, |position, _: f64| visits[position][1] += 1);
+        assert!(visits.iter().all(|visits| *visits == [1, 2]), "{visits:?}");
     }
     everywhere!(check);
 }

@@ -112,17 +112,21 @@ pub fn check_directional_gradient<M: Learned<N>, const N: usize>(model: &M, q: &
     assert_all_close("differences", &found, &differences, DIFFERENCES);
 }
 
-pub fn check_momentum_rate_gradient<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
+pub fn check_residual_gradient<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
     let mut random = Random(6);
     let (a, y) = (random.array(1.0), random.array(1.0));
-    let energies = model.energies_in_f64();
-    let found = summed(model, |row| energies.momentum_rate_gradient((q, v), &a, &y, row));
-    let along = [([0.0; N], y), (*v, a)];
-    let exact = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps2eps3);
+    let (energies, still) = (model.energies_in_f64(), [0.0; N]);
+    let found = summed(model, |row| energies.residual_gradient((q, v), &a, &y, row));
+    let along = [(y, still), (still, still)];
+    let force = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps3);
+    let along = [(still, y), (*v, a)];
+    let rate = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps2eps3);
+    let exact: Vec<f64> = force.iter().zip(rate).map(|(force, rate)| force - rate).collect();
     assert_all_close("exact", &found, &exact, EXACT);
     let differences = weight_differences(model, |model| {
         let d = model.energies_in_f64().dynamics(q, v);
-        linear::dot(&y, &linear::add_scaled(&d.l_vq_v, 1.0, &d.mass.multiply(&a)))
+        let rate = linear::add_scaled(&d.l_vq_v, 1.0, &d.mass.multiply(&a));
+        linear::dot(&y, &linear::add_scaled(&d.l_q, -1.0, &rate))
     });
     assert_all_close("differences", &found, &differences, DIFFERENCES);
 }

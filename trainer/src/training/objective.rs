@@ -4,13 +4,13 @@
 use super::loss::{AccelerationLoss, DelLoss, Failed, Group, GroupLoss, Systems, Term, TermKind};
 use super::{LossKind, NormalEquations, Samples};
 use crate::architecture::{Architecture, Family, FamilySystem, MAX_DISCRETE, Visitor, too_large_for_steps};
+use crate::parallel;
 use faer::Mat;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
 use leastaction_core::energy::Learnable;
 use leastaction_core::forces::System;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::{LANES, Lanes};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Samples whose rows are multiplied at once.
@@ -116,12 +116,11 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
         add: impl Fn(&mut NormalEquations, &mut ChunkRows, Range<usize>) -> Result<(), Failed> + Sync,
     ) -> Option<NormalEquations> {
         let parts = self.parts(samples);
-        let part = |chunks: &Vec<Range<usize>>| {
+        let sums: Vec<Option<NormalEquations>> = parallel::map(parts.len(), &|k| {
             let (mut sum, mut room) = (zero(), ChunkRows::new());
-            chunks.iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
+            parts[k].iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
             Some(sum)
-        };
-        let sums: Vec<Option<NormalEquations>> = parts.par_iter().map(part).collect();
+        });
         sums.into_iter().reduce(|total, part| {
             let (mut total, part) = (total?, part?);
             total.merge(&part);
@@ -212,7 +211,7 @@ fn contracted<const N: usize>(residual: &[f64; N], terms: &[Term<N>], kinds: &[T
             std::array::from_fn(|i| of_kind().map(|(term, r)| r * field(term)[i]).sum())
         };
         let first = terms[k];
-        let dv = if *kind == TermKind::Rate { first.dv } else { sum(|term| &term.dv) };
+        let dv = if *kind == TermKind::Residual { first.dv } else { sum(|term| &term.dv) };
         Term { dq: sum(|term| &term.dq), dv, ..first }
     };
     kinds.iter().enumerate().map(weighed).collect()
@@ -241,16 +240,13 @@ impl<L, D> Rows<'_, System<L, D>> {
                 std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane][k])[i])))
             };
             let (q, v, dq, dv) = (lanes(|t| &t.q), lanes(|t| &t.v), lanes(|t| &t.dq), lanes(|t| &t.dv));
+            let mut add = |i: usize, g: Lanes| row[i] += g;
             match kind {
-                TermKind::Along => {
-                    lagrangian.directional_gradient((&q, &v), (&dq, &dv), |i, g| row[i] += g);
-                    for (i, position) in self.damping.iter().enumerate() {
-                        row[*position] -= dq[i] * v[i];
-                    }
-                }
-                TermKind::Rate => {
-                    lagrangian.momentum_rate_gradient((&q, &v), &dv, &dq, |i, g| row[i] -= g);
-                }
+                TermKind::Along => lagrangian.directional_gradient((&q, &v), (&dq, &dv), &mut add),
+                TermKind::Residual => lagrangian.residual_gradient((&q, &v), &dv, &dq, &mut add),
+            }
+            for (i, position) in self.damping.iter().enumerate() {
+                add(*position, -(dq[i] * v[i]));
             }
         }
         for position in self.fixed {
@@ -299,10 +295,9 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Objective for Sum<F, T, N
 
     fn loss(&self, weights: &[f64]) -> f64 {
         let parts = self.parts(0..self.samples.len());
-        let sums: Vec<Result<f64, Failed>> = parts
-            .par_iter()
-            .map(|chunks| chunks.iter().map(|chunk| self.squares(weights, chunk.clone())).sum())
-            .collect();
+        let sums: Vec<Result<f64, Failed>> = parallel::map(parts.len(), &|k| {
+            parts[k].iter().map(|chunk| self.squares(weights, chunk.clone())).sum()
+        });
         match sums.into_iter().sum::<Result<f64, Failed>>() {
             Ok(sum) if sum.is_finite() => sum / (self.samples.len() * N) as f64,
             _ => f64::INFINITY,

@@ -5,7 +5,7 @@ use crate::data::modlanet::ModlanetRows;
 use crate::ground_truth::ManyBody;
 use crate::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::energy::modular::{
-    Input, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
@@ -41,7 +41,7 @@ pub fn tree(system: ManyBody) -> NamedTree {
 }
 
 fn pendulum() -> ModularArchitecture {
-    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
+    let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: None };
     let activation = Activation::Tanh;
     shape.networks[0] = Some(NetworkShape { inputs: 2, widths: POSITION, outputs: 2, activation });
     shape.networks[1] = Some(NetworkShape { inputs: 2, widths: [0; 4], outputs: 1, activation });
@@ -51,7 +51,7 @@ fn pendulum() -> ModularArchitecture {
 }
 
 fn bodies(input: PairInput) -> ModularArchitecture {
-    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
+    let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: None };
     let widths = pair_widths(input);
     let inputs = input.features() as u8;
     shape.networks[0] = Some(NetworkShape { inputs, widths, outputs: 1, activation: Activation::Tanh });
@@ -135,11 +135,12 @@ pub fn fine_tune(
     let objective = acceleration_loss(&model.shape(), rows)?;
     let judge = acceleration_loss(&model.shape(), validation)?;
     let mut best = (judge.loss(&model.weights), model.weights.clone());
-    let _last = Levenberg::new(&*objective, model.weights.clone()).run(&*objective, iterations, |_, state| {
-        let loss = judge.loss(&state.weights);
-        if loss < best.0 {
-            best = (loss, state.weights.clone());
-        }
-    });
+    let _last =
+        Levenberg::new(&*objective, model.weights.clone()).run(&*objective, iterations, |_, state| {
+            let loss = judge.loss(&state.weights);
+            if loss < best.0 {
+                best = (loss, state.weights.clone());
+            }
+        });
     Ok(Model { weights: best.1, ..model.clone() })
 }
