@@ -13,8 +13,8 @@ use leastaction_core::model::ModelError;
 use leastaction_core::scalar::{LANES, Lanes};
 use std::ops::Range;
 
-/// Samples whose rows are multiplied at once.
-const CHUNK: usize = 256;
+/// Samples whose rows are multiplied at once; not a power of two, for columns of the Jacobian would then share cache lines.
+const CHUNK: usize = 248;
 /// Parts whose sums are computed apart: as many threads as this can help.
 const PARTS: usize = 8;
 
@@ -279,7 +279,11 @@ impl ChunkRows {
     /// Copies the first `count` lanes of the buffer to rows from `row` on.
     fn store(&mut self, row: usize, count: usize) {
         for (j, lanes) in self.buffer.iter().enumerate() {
-            self.jacobian.col_as_slice_mut(j)[row..row + count].copy_from_slice(&lanes.0[..count]);
+            let column = &mut self.jacobian.col_as_slice_mut(j)[row..row + count];
+            match column.first_chunk_mut() {
+                Some(all) => *all = lanes.0,
+                None => column.copy_from_slice(&lanes.0[..count]),
+            }
         }
     }
 }
