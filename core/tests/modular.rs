@@ -19,30 +19,7 @@ macro_rules! everywhere {
     };
 }
 
-#[test]
-fn energies_are_those_of_the_printed_formulas() {
-    everywhere!(oracle::check_energies);
-}
-
-#[test]
-fn all_derivatives_are_those_of_the_energies() {
-    everywhere!(oracle::check_derivatives);
-}
-
-#[test]
-fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
-    everywhere!(oracle::check_symmetry);
-}
-
-#[test]
-fn directional_gradient_is_the_parameter_derivative() {
-    everywhere!(oracle::check_directional_gradient);
-}
-
-#[test]
-fn residual_gradient_is_the_parameter_derivative() {
-    everywhere!(oracle::check_residual_gradient);
-}
+oracle::family_tests!(everywhere);
 
 #[test]
 fn bodies_of_one_type_may_be_exchanged() {

@@ -3,7 +3,7 @@
 mod common;
 
 use common::dual::Dual;
-use common::shapes::{naive_activation, naive_layer};
+use common::shapes::{naive_activation, naive_layer, naive_network};
 use common::{Random, assert_close};
 use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
 use proptest::prelude::*;
@@ -118,14 +118,8 @@ impl Net {
     }
 
     fn naive(&self, x: &[f64]) -> Vec<f64> {
-        let (mut block, mut x) = (&self.weights[..], x.to_vec());
-        for (k, size) in self.sizes[1..].iter().enumerate() {
-            x = naive_layer(&mut block, &x, *size);
-            if k + 2 < self.sizes.len() {
-                x.iter_mut().for_each(|z| *z = naive_activation(self.activation, *z));
-            }
-        }
-        x
+        let [_, hidden @ .., outputs] = &self.sizes[..] else { panic!("{:?}", self.sizes) };
+        naive_network(&self.weights, x.to_vec(), hidden.iter().copied(), self.activation, *outputs)
     }
 
     /// y at x moving along three directions, by duals.

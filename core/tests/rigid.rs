@@ -16,34 +16,11 @@ macro_rules! everywhere {
     };
 }
 
-#[test]
-fn energies_are_those_of_the_printed_formulas() {
-    everywhere!(oracle::check_energies);
-}
-
-#[test]
-fn all_derivatives_are_those_of_the_energies() {
-    everywhere!(oracle::check_derivatives);
-}
+oracle::family_tests!(everywhere);
 
 #[test]
 fn first_derivatives_are_the_finite_differences() {
     everywhere!(oracle::check_first_differences);
-}
-
-#[test]
-fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
-    everywhere!(oracle::check_symmetry);
-}
-
-#[test]
-fn directional_gradient_is_the_parameter_derivative() {
-    everywhere!(oracle::check_directional_gradient);
-}
-
-#[test]
-fn residual_gradient_is_the_parameter_derivative() {
-    everywhere!(oracle::check_residual_gradient);
 }
 
 #[test]

@@ -8,12 +8,12 @@ Exit codes: 0 success, 1 the outputs disagree, a tool failed or a demanded ratio
 import argparse
 import json
 import re
-import shutil
-import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+from common import HERE, Failure, build_ours, exit_code, need, positive, run
 
 try:
     import casadi as ca
@@ -22,7 +22,6 @@ except ImportError as error:
     print(f"error: {error}: run `pip install casadi` for the interpreter {sys.executable}", file=sys.stderr)
     sys.exit(2)
 
-HERE = Path(__file__).resolve().parent
 SIZES = (3, 32, 32, 4)  # features (x, cos θ, sin θ) → … → (d0, d1, l10, V)
 EPSILON = 1e-9  # H = LLᵀ + EPSILON I
 H = 0.05  # step h in seconds, a constant of both programs
@@ -38,14 +37,6 @@ FLAG_SETS = {
     "-O3 native": ["-O3", "-march=native"],
     "-O3 native tgmath": ["-O3", "-march=native", "-include", "tgmath.h"],
 }
-
-
-class Failure(Exception):
-    """Something went wrong in a way the user can act on; `code` is the exit code."""
-
-    def __init__(self, message, code=1):
-        super().__init__(message)
-        self.code = code
 
 
 # ---------------------------------------------------------------- the network and its Lagrangian, in CasADi
@@ -247,22 +238,6 @@ def write_inputs(folder, weights, states):
 # ---------------------------------------------------------------- building and running
 
 
-def need(tool, remedy):
-    if shutil.which(tool) is None:
-        raise Failure(f"`{tool}` not found on PATH: {remedy}", code=2)
-
-
-def run(command, **options):
-    shown = " ".join(map(str, command))
-    try:
-        result = subprocess.run([str(part) for part in command], capture_output=True, text=True, **options)
-    except OSError as error:
-        raise Failure(f"`{shown}` cannot be run: {error}", code=2) from error
-    if result.returncode != 0:
-        raise Failure(f"`{shown}` failed ({result.returncode}):\n{result.stderr.strip()[-2000:]}")
-    return result.stdout
-
-
 @dataclass
 class Build:
     """One compiled variant: executable, its machine code in bytes (text of `size`), best times so far, outputs."""
@@ -311,18 +286,6 @@ def casadi_builds(weights, folder, flag_sets):
     return builds
 
 
-def build_ours():
-    """Path of the release executable, as cargo reports it."""
-    need("cargo", "install Rust from https://rustup.rs, or pass --ours PATH or --casadi-only")
-    command = ["cargo", "build", "--release", "-p", "leastaction-tests", "--bin", "peer_cartpole"]
-    messages = run([*command, "--message-format=json"], cwd=HERE.parent)
-    artifacts = [json.loads(line) for line in messages.splitlines() if line.startswith("{")]
-    executables = [a["executable"] for a in artifacts if a.get("executable")]
-    if not executables:
-        raise Failure(f"`{' '.join(command)}` built no executable")
-    return Path(executables[-1])
-
-
 def our_code_bytes(executable):
     """Bytes of the functions of ours: both entry points and everything of the crate and libm that was linked."""
     sizes = {}
@@ -334,7 +297,7 @@ def our_code_bytes(executable):
 
 
 def our_build(path):
-    executable = path.resolve() if path else build_ours()
+    executable = path.resolve() if path else build_ours("leastaction-tests", ["--bin", "peer_cartpole"], "--ours PATH or --casadi-only")
     return Build("leastaction", "", executable, our_code_bytes(executable), {}, {})
 
 
@@ -441,13 +404,6 @@ def parse(arguments):
     return options
 
 
-def positive(text):
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
-    return value
-
-
 def run_self_test(weights, states, options):
     errors = self_test(weights, states)
     print(json.dumps({"self_test": errors}) if options.json else "\n".join(f"{k:<14}{e:.1e}" for k, e in errors.items()))
@@ -473,16 +429,15 @@ def main(arguments):
     rng = np.random.default_rng(options.seed)
     weights = random_weights(rng)
     states = rng.uniform(-STATE_BOUNDS, STATE_BOUNDS, (options.states, len(STATE_BOUNDS))).astype("<f4")
-    try:
+
+    def compare():
         if options.self_test:
             run_self_test(weights, states, options)
-        else:
-            with tempfile.TemporaryDirectory(prefix="leastaction-peers-") as folder:
-                benchmark(weights, states, options, Path(folder))
-    except Failure as failure:
-        print(f"error: {failure}", file=sys.stderr)
-        return failure.code
-    return 0
+            return
+        with tempfile.TemporaryDirectory(prefix="leastaction-peers-") as folder:
+            benchmark(weights, states, options, Path(folder))
+
+    return exit_code(compare)
 
 
 if __name__ == "__main__":

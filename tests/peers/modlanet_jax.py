@@ -8,12 +8,12 @@ Exit codes: 0 success, 1 the programs disagree, a tool failed or a demanded rati
 import argparse
 import json
 import os
-import shutil
-import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+
+from common import Failure, build_ours, exit_code, positive, run
 
 # Before JAX starts its threads: everything below runs on one processor.
 os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
@@ -32,17 +32,8 @@ except ImportError as error:
 
 jax.config.update("jax_enable_x64", True)
 
-HERE = Path(__file__).resolve().parent
 SIZES = ((2, 16, 16, 2), (2, 16, 16, 1))  # (cos q, sin q) → x of one pendulum's end; x → U
 CHUNKS = (1, 9)  # the rows of the Jacobian are multiplied all at once, or in so many parts
-
-
-class Failure(Exception):
-    """Something went wrong in a way the user can act on; `code` is the exit code."""
-
-    def __init__(self, message, code=1):
-        super().__init__(message)
-        self.code = code
 
 
 # ---------------------------------------------------------------- the loss, in JAX
@@ -187,27 +178,6 @@ class Ours:
         return numbers.reshape(len(self.report["gradient"]), -1)
 
 
-def run(command, **options):
-    result = subprocess.run([str(part) for part in command], capture_output=True, text=True, **options)
-    if result.returncode != 0:
-        shown = " ".join(map(str, command))
-        raise Failure(f"`{shown}` failed ({result.returncode}):\n{result.stderr.strip()[-2000:]}")
-    return result.stdout
-
-
-def build_ours():
-    """Path of the release executable, as cargo reports it."""
-    if shutil.which("cargo") is None:
-        raise Failure("`cargo` not found on PATH: install Rust from https://rustup.rs, or pass --ours PATH", code=2)
-    command = ["cargo", "build", "--release", "-p", "leastaction", "--example", "peer_modlanet"]
-    messages = run([*command, "--message-format=json"], cwd=HERE.parent)
-    artifacts = [json.loads(line) for line in messages.splitlines() if line.startswith("{")]
-    executables = [a["executable"] for a in artifacts if a.get("executable")]
-    if not executables:
-        raise Failure(f"`{' '.join(command)}` built no executable")
-    return Path(executables[-1])
-
-
 # ---------------------------------------------------------------- weights and rows
 
 
@@ -297,13 +267,6 @@ def check(report, options):
 # ---------------------------------------------------------------- command line
 
 
-def positive(text):
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
-    return value
-
-
 def parse(arguments):
     parser = argparse.ArgumentParser(description="Time JAX's acceleration loss of a double pendulum beside leastaction.")
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
@@ -317,7 +280,7 @@ def parse(arguments):
 
 
 def benchmark(options, folder):
-    executable = options.ours.resolve() if options.ours else build_ours()
+    executable = options.ours.resolve() if options.ours else build_ours("leastaction", ["--example", "peer_modlanet"], "--ours PATH")
     weights, rows = random_weights(np.random.default_rng(options.seed)), read_rows(options, executable, folder)
     weights.astype("<f8").tofile(folder / "weights.f64")
     rows.astype("<f8").tofile(folder / "rows.f64")
@@ -350,15 +313,14 @@ def report_of(gradients, normals, ours, weights, rows, options):
 
 def main(arguments):
     options = parse(arguments)
-    try:
+
+    def compare():
         with tempfile.TemporaryDirectory(prefix="leastaction-peers-") as folder:
             report = benchmark(options, Path(folder))
         print(json.dumps(report)) if options.json else print_report(report)
         check(report, options)
-    except Failure as failure:
-        print(f"error: {failure}", file=sys.stderr)
-        return failure.code
-    return 0
+
+    return exit_code(compare)
 
 
 if __name__ == "__main__":

@@ -1,43 +1,34 @@
 //! A double pendulum that was trained with the ModLaNet authors' program against arrays exported from it. The data is not ours
 //! to ship: these tests run where `LEASTACTION_REFERENCE` names its folder.
 
-use leastaction::architecture::{Architecture, Family, ModularArchitecture, Visitor};
+#[path = "common/reference.rs"]
+mod reference;
+
+use leastaction::architecture::{Architecture, ModularArchitecture};
 use leastaction::data::modlanet as layout;
 use leastaction::ground_truth::ManyBody;
 use leastaction::import::{Imported, modlanet};
 use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::modular::{MAX_TYPES, NUMBERS};
-use leastaction_core::forces::System;
+use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
 use leastaction_core::scalar::Real;
-use ndarray::ArrayD;
-use ndarray_npy::{NpzReader, ReadableElement};
-use safetensors::tensor::{Dtype, TensorView};
-use std::fs::{self, File};
+use reference::{Arrays, EXACT, assert_close, assert_within, data, in_single, scale};
+use std::fs;
 use std::path::PathBuf;
 
 /// Coordinates.
 const N: usize = 2;
 /// Units of a hidden layer at most.
 const WIDTH: usize = 50;
-/// Agreement in double precision, relative to the largest entry.
-const EXACT: f64 = 1e-10;
 /// Agreement of single precision: tens of units in the last place, for velocities and angles are rounded to it too.
 const SINGLE: f64 = 3e-6;
 /// The numbers after the networks: those of the one type, then c₁ and c₂.
 const TAIL: usize = NUMBERS + 2;
 
 fn path(name: &str) -> PathBuf {
-    let folder =
-        std::env::var("LEASTACTION_REFERENCE").expect("LEASTACTION_REFERENCE names the reference data");
-    let folder = PathBuf::from(folder);
-    let base = if folder.is_absolute() {
-        folder
-    } else {
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(folder)
-    };
-    base.join("modlanet").join(name)
+    data("modlanet").join(name)
 }
 
 fn network(name: &str) -> Imported {
@@ -45,63 +36,14 @@ fn network(name: &str) -> Imported {
     modlanet(&weights, ManyBody::Pendulum(N), None).expect("import")
 }
 
-struct Arrays(NpzReader<File>);
-
-impl Arrays {
-    fn open(name: &str) -> Self {
-        Self(NpzReader::new(File::open(path(name)).expect("arrays")).expect("npz"))
-    }
-
-    fn array<T: ReadableElement>(&mut self, key: &str) -> ArrayD<T> {
-        self.0.by_name(key).unwrap_or_else(|error| panic!("{key}: {error}"))
-    }
-
-    fn get(&mut self, key: &str) -> Vec<f64> {
-        self.array(key).iter().copied().collect()
-    }
-
-    /// The gradient under this prefix in the order of our weight block, with their derivatives in co2 and in the mass:
-    /// importing it as if it were weights, of mass 1, puts it there.
-    fn gradient(&mut self, prefix: &str) -> Vec<f64> {
-        let names = self.0.names().expect("names");
-        let names = names.iter().filter_map(|name| name.trim_end_matches(".npy").strip_prefix(prefix));
-        let names: Vec<String> = names.map(str::to_owned).collect();
-        let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = names
-            .into_iter()
-            .map(|name| {
-                let array = self.array::<f64>(&format!("{prefix}{name}"));
-                let bytes = array.iter().flat_map(|x| x.to_le_bytes()).collect();
-                (name, array.shape().to_vec(), bytes)
-            })
-            .collect();
-        let views = tensors.iter().map(|(name, shape, bytes)| {
-            (name.clone(), TensorView::new(Dtype::F64, shape.clone(), bytes).expect("tensor"))
-        });
-        let file = safetensors::serialize(views, None).expect("safetensors");
-        let imported = modlanet(&file, ManyBody::Pendulum(N), Some(1.0)).expect("gradient as weights");
-        let mut gradient = imported.weights;
-        let start = gradient.len() - TAIL;
-        gradient[start..start + NUMBERS].fill(0.0);
-        gradient[start] = self.get(&format!("{prefix}mass.weight"))[0];
-        gradient
-    }
-}
-
-/// The largest entry.
-fn scale(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
-}
-
-/// The largest difference, relative to `scale`.
-fn assert_within(what: &str, ours: &[f64], theirs: &[f64], scale: f64, bound: f64) {
-    assert_eq!(ours.len(), theirs.len());
-    let difference = ours.iter().zip(theirs).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / scale;
-    println!("{what}: {difference:.1e}");
-    assert!(difference <= bound, "{what}: {difference:e} > {bound:e}");
-}
-
-fn assert_close(what: &str, ours: &[f64], theirs: &[f64], bound: f64) {
-    assert_within(what, ours, theirs, scale(theirs), bound);
+/// The gradient under this prefix in the order of our weight block, with their derivatives in co2 and in the mass.
+fn gradient(arrays: &mut Arrays, prefix: &str) -> Vec<f64> {
+    let imported = modlanet(&arrays.as_weights(prefix), ManyBody::Pendulum(N), Some(1.0));
+    let mut gradient = imported.expect("gradient as weights").weights;
+    let start = gradient.len() - TAIL;
+    gradient[start..start + NUMBERS].fill(0.0);
+    gradient[start] = arrays.get(&format!("{prefix}mass.weight"))[0];
+    gradient
 }
 
 /// Everything a model gives at the states.
@@ -116,18 +58,14 @@ struct Values {
     acceleration: Vec<f64>,
 }
 
-fn values<R, L, F, const M: usize>(
-    system: &System<L, F>,
-    (q, v): (&[f64], &[f64]),
-    real: fn(f64) -> R,
-) -> Values
+fn values<R, L, F>(system: &System<L, F>, (q, v): (&[f64], &[f64]), real: fn(f64) -> R) -> Values
 where
     R: Real,
-    L: Lagrangian<R, M, Mass = DenseMass<R, M>>,
-    F: leastaction_core::forces::Forces<R, M>,
+    L: Lagrangian<R, N, Mass = DenseMass<R, N>>,
+    F: Forces<R, N>,
 {
     let mut out = Values::default();
-    for (q, v) in q.as_chunks::<M>().0.iter().zip(v.as_chunks::<M>().0) {
+    for (q, v) in q.as_chunks::<N>().0.iter().zip(v.as_chunks::<N>().0) {
         let (q, v) = (q.map(real), v.map(real));
         let energies = system.lagrangian.energies(&q, &v);
         out.kinetic.push(energies.kinetic.to_f64());
@@ -137,32 +75,20 @@ where
         out.l_v.extend(gradient.l_v.map(R::to_f64));
         out.mass.extend(system.lagrangian.dynamics(&q, &v).mass.0.as_flattened().iter().map(|x| x.to_f64()));
         out.l_vq.extend(system.lagrangian.hessian(&q, &v).l_vq.as_flattened().iter().map(|x| x.to_f64()));
-        let a = acceleration(system, &q, &v, &[real(0.0); M]).expect("mass");
+        let a = acceleration(system, &q, &v, &[real(0.0); N]).expect("mass");
         out.acceleration.extend(a.map(R::to_f64));
     }
     out
 }
 
-struct Double<'a> {
-    weights: &'a [f64],
-    states: (&'a [f64], &'a [f64]),
-}
-
-impl Visitor for Double<'_> {
-    type Output = Values;
-
-    fn visit<F: Family<M> + Clone + 'static, const M: usize>(self, family: &F) -> Values {
-        values(&family.system::<f64>(self.weights).expect("shape"), self.states, |x| x)
-    }
-}
-
-fn single(modular: &ModularArchitecture, weights: &[f64], states: (&[f64], &[f64])) -> Values {
-    let weights: Vec<f32> = weights.iter().map(|w| *w as f32).collect();
-    let system = modular
-        .header()
-        .system::<f32, N, MAX_TYPES, WIDTH, 2>(&modular.tree_header(), &weights)
-        .expect("shape");
-    values(&system, states, |x| x as f32)
+fn evaluate<R: Real>(
+    modular: &ModularArchitecture,
+    weights: &[R::Weight],
+    states: (&[f64], &[f64]),
+    real: fn(f64) -> R,
+) -> Values {
+    let system = modular.header().system::<R, N, MAX_TYPES, WIDTH, 2>(&modular.tree_header(), weights);
+    values(&system.expect("shape"), states, real)
 }
 
 fn modular(architecture: &Architecture) -> &ModularArchitecture {
@@ -174,10 +100,11 @@ fn modular(architecture: &Architecture) -> &ModularArchitecture {
 fn energies_and_derivatives_agree() {
     let Imported { architecture, weights, discrete } = network("2_pend_network.safetensors");
     assert!(!discrete);
-    let mut reference = Arrays::open("2_pend_reference.npz");
+    let mut reference = Arrays::open(&path("2_pend_reference.npz"));
     let (q, v) = (reference.get("q"), reference.get("qdot"));
-    let double = architecture.dispatch(Double { weights: &weights, states: (&q, &v) }).expect("shape");
-    let single = single(modular(&architecture), &weights, (&q, &v));
+    let modular = modular(&architecture);
+    let double = evaluate(modular, &weights, (&q, &v), |x| x);
+    let single = evaluate(modular, &in_single(&weights), (&q, &v), |x| x as f32);
     for (ours, what, bound) in [(double, "f64", EXACT), (single, "f32", SINGLE)] {
         let mut check = |key: &str, ours: &[f64]| {
             assert_close(&format!("{key} {what}"), ours, &reference.get(key), bound)
@@ -234,7 +161,7 @@ fn acceleration_loss(architecture: &Architecture, samples: Samples) -> Box<dyn O
 #[ignore = "needs LEASTACTION_REFERENCE"]
 fn losses_and_parameter_gradients_agree() {
     let set = layout::read(path("2_pend_modlanet.npz")).expect("data");
-    let mut training = Arrays::open("2_pend_training.npz");
+    let mut training = Arrays::open(&path("2_pend_training.npz"));
     let rows: Vec<usize> = training.array::<i64>("rows").iter().map(|k| *k as usize).collect();
     for (name, what) in [("2_pend_initial_network", "init"), ("2_pend_network", "trained")] {
         let Imported { architecture, weights, .. } = network(&format!("{name}.safetensors"));
@@ -250,7 +177,7 @@ fn losses_and_parameter_gradients_agree() {
         let factor = 2.0 / equations.rows as f64;
         let ours: Vec<f64> = equations.gradient.iter().map(|g| factor * g).collect();
         let ours = in_their_terms(modular, &weights, &ours);
-        let theirs = training.gradient(&format!("grad_{what}/"));
+        let theirs = gradient(&mut training, &format!("grad_{what}/"));
         let mut start = 0;
         for (k, (end, _)) in blocks(modular).into_iter().enumerate() {
             assert_close(

@@ -1,103 +1,59 @@
 //! Networks that were trained with the SyMo authors' program against arrays exported from it. The data is not ours to ship:
 //! these tests run where `LEASTACTION_REFERENCE` names its folder.
 
-use leastaction::architecture::{Architecture, Family, MAX_WIDTH, Visitor};
+#[path = "common/reference.rs"]
+mod reference;
+
+use leastaction::architecture::{MAX_WIDTH, RigidArchitecture};
 use leastaction::import::{Imported, symo};
 use leastaction::training::{LossKind, Samples, objective};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Del, Interval, Midpoint};
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::forces::System;
-use leastaction_core::lagrangian::Lagrangian;
-use ndarray_npy::NpzReader;
-use safetensors::tensor::{Dtype, TensorView};
-use std::fs::{self, File};
-use std::path::PathBuf;
+use leastaction_core::forces::{Forces, System};
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::scalar::Real;
+use reference::{Arrays, EXACT, assert_close, data, in_single};
+use std::fs;
 
 const CASES: [(&str, &[Coordinate], f64); 2] = [
     ("pendulum", &[Coordinate::Angle], 0.1),
     ("cartpole", &[Coordinate::Translation, Coordinate::Angle], 0.05),
 ];
 
-/// Relative agreement in double precision.
-const EXACT: f64 = 1e-10;
 /// Agreement of single precision, relative to the largest entry: tens of units in the last place, for the sums run over
 /// 256 terms and the acceleration divides by an inertia of 1/30.
 const SINGLE: f64 = 3e-6;
 
-fn folder() -> PathBuf {
-    let folder =
-        std::env::var("LEASTACTION_REFERENCE").expect("LEASTACTION_REFERENCE names the reference data");
-    let folder = PathBuf::from(folder);
-    let base = if folder.is_absolute() {
-        folder
-    } else {
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(folder)
-    };
-    base.join("symo")
-}
-
 struct Reference {
-    arrays: NpzReader<File>,
+    arrays: Arrays,
     imported: Imported,
     h: f64,
 }
 
 impl Reference {
     fn open(name: &str, coordinates: &[Coordinate], h: f64) -> Self {
-        let file = |extension| folder().join(format!("{name}.{extension}"));
+        let file = |extension| data("symo").join(format!("{name}.{extension}"));
         let weights = fs::read(file("safetensors")).expect("weights");
-        let arrays = NpzReader::new(File::open(file("npz")).expect("arrays")).expect("npz");
-        Self { arrays, imported: symo(&weights, coordinates).expect("import"), h }
+        let imported = symo(&weights, coordinates).expect("import");
+        Self { arrays: Arrays::open(&file("npz")), imported, h }
     }
 
-    fn get(&mut self, key: &str) -> Vec<f64> {
-        let array: ndarray::ArrayD<f64> = self.arrays.by_name(key).unwrap_or_else(|e| panic!("{key}: {e}"));
-        array.iter().copied().collect()
+    fn rigid(&self) -> &RigidArchitecture {
+        self.imported.architecture.rigid().expect("rigid")
     }
 
     fn samples(&mut self) -> Samples {
         let n = self.imported.architecture.n();
-        let states = ["q_prev", "q", "q_next"].map(|key| self.get(key));
-        let controls = ["u_prev", "u", "u_next"].map(|key| self.get(key));
+        let states = ["q_prev", "q", "q_next"].map(|key| self.arrays.get(key));
+        let controls = ["u_prev", "u", "u_next"].map(|key| self.arrays.get(key));
         Samples { n, h: self.h, states, controls }
     }
 
-    /// The gradient that the file has under this prefix, in the order of our weight block: importing it as if it were weights
-    /// puts it there.
+    /// The gradient that the file has under this prefix, in the order of our weight block.
     fn gradient(&mut self, prefix: &str, coordinates: &[Coordinate]) -> Vec<f64> {
-        let names = self.arrays.names().expect("names");
-        let names =
-            names.iter().filter_map(|name| name.strip_suffix(".npy").unwrap_or(name).strip_prefix(prefix));
-        let names: Vec<String> = names.map(str::to_owned).collect();
-        let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = names
-            .into_iter()
-            .map(|name| {
-                let array: ndarray::ArrayD<f64> =
-                    self.arrays.by_name(&format!("{prefix}{name}")).expect("gradient");
-                let bytes = array.iter().flat_map(|x| x.to_le_bytes()).collect();
-                (name, array.shape().to_vec(), bytes)
-            })
-            .collect();
-        let views = tensors.iter().map(|(name, shape, bytes)| {
-            (name.clone(), TensorView::new(Dtype::F64, shape.clone(), bytes).expect("tensor"))
-        });
-        let file = safetensors::serialize(views, None).expect("safetensors");
-        symo(&file, coordinates).expect("gradient as weights").weights
+        symo(&self.arrays.as_weights(prefix), coordinates).expect("gradient as weights").weights
     }
-}
-
-/// The largest difference relative to the largest entry.
-fn difference(ours: &[f64], theirs: &[f64]) -> f64 {
-    assert_eq!(ours.len(), theirs.len());
-    let scale = theirs.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    ours.iter().zip(theirs).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / scale
-}
-
-fn assert_close(what: &str, ours: &[f64], theirs: &[f64], bound: f64) {
-    let difference = difference(ours, theirs);
-    println!("{what}: {difference:.1e}");
-    assert!(difference <= bound, "{what}: {difference:e} > {bound:e}");
 }
 
 /// Everything a discrete model gives at the samples, in f64 and in f32.
@@ -110,37 +66,13 @@ struct Values {
     next: Vec<f64>,
 }
 
-struct Evaluate<'a> {
-    architecture: &'a Architecture,
-    weights: &'a [f64],
-    samples: &'a Samples,
-    single: bool,
-}
-
-impl Visitor for Evaluate<'_> {
-    type Output = Values;
-
-    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Values {
-        if self.single {
-            let weights: Vec<f32> = self.weights.iter().map(|w| *w as f32).collect();
-            let system =
-                self.architecture.rigid().unwrap().system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
-            values(&system, self.samples, |x| x as f32)
-        } else {
-            let system = family.system::<f64>(self.weights).expect("shape");
-            values(&system, self.samples, |x| x)
-        }
-    }
-}
-
 fn values<R, L, F, const N: usize>(system: &System<L, F>, samples: &Samples, real: fn(f64) -> R) -> Values
 where
-    R: leastaction_core::scalar::Real,
+    R: Real,
     L: Lagrangian<R, N>,
-    L::Mass: leastaction_core::lagrangian::MassMatrix<R, N>,
-    F: leastaction_core::forces::Forces<R, N>,
+    L::Mass: MassMatrix<R, N>,
+    F: Forces<R, N>,
 {
-    use leastaction_core::lagrangian::MassMatrix;
     let h = real(samples.h);
     let del = Del::<R, Midpoint>::new(h);
     let mut out = Values::default();
@@ -167,9 +99,16 @@ where
     out
 }
 
-fn evaluate(reference: &Reference, samples: &Samples, single: bool) -> Values {
-    let Imported { architecture, weights, .. } = &reference.imported;
-    architecture.dispatch(Evaluate { architecture, weights, samples, single }).expect("shape")
+fn evaluate<const N: usize>(reference: &Reference, samples: &Samples, single: bool) -> Values {
+    let (rigid, weights) = (reference.rigid(), &reference.imported.weights);
+    if single {
+        let weights = in_single(weights);
+        let system = rigid.system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
+        values(&system, samples, |x| x as f32)
+    } else {
+        let system = rigid.system::<f64, N, MAX_WIDTH>(weights).expect("shape");
+        values(&system, samples, |x| x)
+    }
 }
 
 #[test]
@@ -181,9 +120,17 @@ fn discrete_models_agree() {
             let mut reference = Reference::open(&name, coordinates, h);
             let samples = reference.samples();
             for (single, bound) in [(false, EXACT), (true, SINGLE)] {
-                let ours = evaluate(&reference, &samples, single);
+                let ours = match samples.n {
+                    1 => evaluate::<1>(&reference, &samples, single),
+                    _ => evaluate::<2>(&reference, &samples, single),
+                };
                 let mut check = |key: &str, ours: &[f64]| {
-                    assert_close(&format!("{name} {key} single={single}"), ours, &reference.get(key), bound);
+                    assert_close(
+                        &format!("{name} {key} single={single}"),
+                        ours,
+                        &reference.arrays.get(key),
+                        bound,
+                    );
                 };
                 check("H_q", &ours.inertia);
                 check("V_q", &ours.potential);
@@ -210,7 +157,7 @@ fn parameter_gradients_agree() {
             let name = format!("{system}-{model}-32");
             let mut reference = Reference::open(&name, coordinates, h);
             let samples = reference.samples();
-            let (theirs, loss) = (reference.gradient(prefix, coordinates), reference.get(key));
+            let (theirs, loss) = (reference.gradient(prefix, coordinates), reference.arrays.get(key));
             let Imported { architecture, weights, .. } = &reference.imported;
             let objective = objective(architecture, samples, kind, 2).expect("shape");
             let count = objective.samples();
@@ -223,56 +170,44 @@ fn parameter_gradients_agree() {
     }
 }
 
+fn accelerations<R, L, F, const N: usize>(
+    system: &System<L, F>,
+    [q, v, u]: &[Vec<f64>; 3],
+    real: fn(f64) -> R,
+) -> Vec<f64>
+where
+    R: Real,
+    L: Lagrangian<R, N>,
+    L::Mass: MassMatrix<R, N>,
+    F: Forces<R, N>,
+{
+    let rows = |x: &[f64]| -> Vec<[R; N]> { x.as_chunks().0.iter().map(|row| row.map(real)).collect() };
+    let states = rows(q).into_iter().zip(rows(v)).zip(rows(u));
+    states.flat_map(|((q, v), u)| acceleration(system, &q, &v, &u).expect("mass").map(R::to_f64)).collect()
+}
+
+fn check_accelerations<const N: usize>(name: &str, coordinates: &[Coordinate], h: f64) {
+    let mut reference = Reference::open(name, coordinates, h);
+    assert!(!reference.imported.discrete);
+    let states = ["q", "qdot", "tau"].map(|key| reference.arrays.get(key));
+    let theirs = reference.arrays.get("qddot");
+    let (rigid, weights) = (reference.rigid(), &reference.imported.weights);
+    let system = rigid.system::<f64, N, MAX_WIDTH>(weights).expect("shape");
+    assert_close(&format!("{name} qddot"), &accelerations(&system, &states, |x| x), &theirs, EXACT);
+    let weights = in_single(weights);
+    let system = rigid.system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
+    let single = accelerations(&system, &states, |x| x as f32);
+    assert_close(&format!("{name} qddot single"), &single, &theirs, SINGLE);
+}
+
 #[test]
 #[ignore = "needs LEASTACTION_REFERENCE"]
 fn accelerations_agree() {
     for (system, coordinates, h) in CASES {
         let name = format!("{system}-L-NODE-rk4-32");
-        let mut reference = Reference::open(&name, coordinates, h);
-        let n = coordinates.len();
-        // Here the three states are q, q̇ and τ.
-        let states = ["q", "qdot", "tau"].map(|key| reference.get(key));
-        let controls = std::array::from_fn(|_| vec![0.0; states[0].len()]);
-        let samples = Samples { n, h, states, controls };
-        let Imported { architecture, weights, discrete } = &reference.imported;
-        assert!(!discrete);
-        let acceleration = |single| {
-            architecture
-                .dispatch(Accelerations { architecture, weights, samples: &samples, single })
-                .expect("shape")
-        };
-        let (exact, single) = (acceleration(false), acceleration(true));
-        let theirs = reference.get("qddot");
-        assert_close(&format!("{name} qddot"), &exact, &theirs, EXACT);
-        assert_close(&format!("{name} qddot single"), &single, &theirs, SINGLE);
-    }
-}
-
-struct Accelerations<'a> {
-    architecture: &'a Architecture,
-    weights: &'a [f64],
-    samples: &'a Samples,
-    single: bool,
-}
-
-impl Visitor for Accelerations<'_> {
-    type Output = Vec<f64>;
-
-    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Vec<f64> {
-        let [q, v, u] = &self.samples.states;
-        let rows = |x: &[f64]| -> Vec<[f64; N]> { x.as_chunks::<N>().0.to_vec() };
-        let states = rows(q).into_iter().zip(rows(v)).zip(rows(u));
-        if self.single {
-            let weights: Vec<f32> = self.weights.iter().map(|w| *w as f32).collect();
-            let system =
-                self.architecture.rigid().unwrap().system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
-            let single = |x: [f64; N]| x.map(|x| x as f32);
-            let a = states
-                .map(|((q, v), u)| acceleration(&system, &single(q), &single(v), &single(u)).expect("mass"));
-            a.flatten().map(f64::from).collect()
-        } else {
-            let system = family.system::<f64>(self.weights).expect("shape");
-            states.flat_map(|((q, v), u)| acceleration(&system, &q, &v, &u).expect("mass")).collect()
+        match coordinates.len() {
+            1 => check_accelerations::<1>(&name, coordinates, h),
+            _ => check_accelerations::<2>(&name, coordinates, h),
         }
     }
 }

@@ -78,14 +78,42 @@ fn a_gap_splits_and_a_short_piece_is_left_out() {
     );
 }
 
+#[track_caller]
+fn assert_refused(cases: &[(&str, &str)]) {
+    for (text, message) in cases {
+        assert_eq!(refuse(text), *message, "{text}");
+    }
+}
+
 #[test]
-fn errors_name_line_and_column() {
-    let cases = [
+fn what_is_missing_is_named() {
+    assert_refused(&[
         ("", ": no samples; at least 3 of them make a trajectory"),
         ("# only\n", ": no samples; at least 3 of them make a trajectory"),
         ("t,q\n", ": no samples; at least 3 of them make a trajectory"),
         ("t,v\n0,1\n1,1\n2,1\n", ", line 1: no positions; column q0 is needed"),
         ("q\n0\n1\n2\n", ": no time; give the stamps t or the step h (a comment line # h = 0.05)"),
+    ]);
+}
+
+#[test]
+fn columns_are_named_in_full_and_once() {
+    assert_refused(&[
+        ("t,q0,q2\n0,1,1\n", ", line 1: column q1 is missing; q needs 2 columns, q0 to q1"),
+        ("t,q0,q1,v0\n0,1,1,1\n", ", line 1: column v1 is missing; v needs 2 columns, v0 to v1"),
+        ("t,q,q0\n0,1,1\n", ", line 1: column q1 is missing; q needs 2 columns, q0 to q1"),
+        ("t,q0,q0\n0,1,1\n", ", line 1: column q0 stands twice; remove one"),
+        ("t,q,t\n0,1,1\n", ", line 1: column t stands twice; remove one"),
+        (
+            "t,q,velocity\n0,1,1\n",
+            ", line 1: \"velocity\" is not a known name; known are q0…, v0…, a0…, u0…, t, trajectory; rename it, or put _ before it to have it ignored",
+        ),
+    ]);
+}
+
+#[test]
+fn cells_are_refused_by_line_and_column() {
+    assert_refused(&[
         ("t,q\n0,1\n1,x\n2,1\n", ", line 3, column q: \"x\" is not a number; write 1.5 or -2e-3"),
         ("t,q\n0,1\n1,\n2,1\n", ", line 3, column q: \"\" is not a number; write 1.5 or -2e-3"),
         (
@@ -96,6 +124,14 @@ fn errors_name_line_and_column() {
             "t,q\n0,1\n-inf,1\n2,1\n",
             ", line 3, column t: -inf is not finite; remove the sample (a gap in t splits the trajectory there)",
         ),
+        ("t,q\n0,1\n1,1,5\n2,1\n", ", line 3: 3 cells where the header names 2 columns"),
+        ("t,q\n0,1\n1\n2,1\n", ", line 3: 1 cells where the header names 2 columns"),
+    ]);
+}
+
+#[test]
+fn stamps_and_the_step_must_agree() {
+    assert_refused(&[
         (
             "t,q\n0,1\n2,1\n1,1\n",
             ", line 4, column t: time goes from 2 to 1 s; sort the samples, or number the trajectories",
@@ -110,8 +146,12 @@ fn errors_name_line_and_column() {
         ),
         ("# h = -1\nq\n0\n1\n2\n", ", line 1: the step h is -1 s; it must be positive and finite"),
         ("# h = ten\nq\n0\n1\n2\n", ", line 1: \"ten\" is not a number; write 1.5 or -2e-3"),
-        ("t,q\n0,1\n1,1,5\n2,1\n", ", line 3: 3 cells where the header names 2 columns"),
-        ("t,q\n0,1\n1\n2,1\n", ", line 3: 1 cells where the header names 2 columns"),
+    ]);
+}
+
+#[test]
+fn trajectories_are_whole_and_long_enough() {
+    assert_refused(&[
         ("t,q\n0,1\n1,1\n", ", line 2: trajectory 0 has 2 samples; at least 3 are needed"),
         (
             "t,q,trajectory\n0,1,1\n1,1,1\n2,1,1\n0,1,2\n1,1,2\n2,1,2\n3,1,1\n4,1,1\n5,1,1\n",
@@ -121,19 +161,7 @@ fn errors_name_line_and_column() {
             "t,q,trajectory\n0,1,1.5\n1,1,1\n2,1,1\n",
             ", line 2, column trajectory: 1.5 is not a whole number that fits 64 bits",
         ),
-        ("t,q0,q2\n0,1,1\n", ", line 1: column q1 is missing; q needs 2 columns, q0 to q1"),
-        ("t,q0,q1,v0\n0,1,1,1\n", ", line 1: column v1 is missing; v needs 2 columns, v0 to v1"),
-        ("t,q,q0\n0,1,1\n", ", line 1: column q1 is missing; q needs 2 columns, q0 to q1"),
-        ("t,q0,q0\n0,1,1\n", ", line 1: column q0 stands twice; remove one"),
-        ("t,q,t\n0,1,1\n", ", line 1: column t stands twice; remove one"),
-        (
-            "t,q,velocity\n0,1,1\n",
-            ", line 1: \"velocity\" is not a known name; known are q0…, v0…, a0…, u0…, t, trajectory; rename it, or put _ before it to have it ignored",
-        ),
-    ];
-    for (text, message) in cases {
-        assert_eq!(refuse(text), message, "{text}");
-    }
+    ]);
 }
 
 #[test]

@@ -121,10 +121,21 @@ fn trajectories_and_single_precision_stamps_are_read() {
     assert_eq!(summary, [(9, 0.0), (2, f64::from(3.3_f32))]);
 }
 
+fn t(values: &[f64]) -> (&'static str, Vec<u8>) {
+    ("t", f8(&format!("({},)", values.len()), values))
+}
+
+/// The message behind the file name of each.
+#[track_caller]
+fn assert_refused(cases: &[(Arrays<'_>, &str)]) {
+    for (arrays, message) in cases {
+        assert_eq!(refuse(arrays), *message);
+    }
+}
+
 #[test]
-fn errors_name_key_and_row() {
-    let t = |values: &[f64]| ("t", f8(&format!("({},)", values.len()), values));
-    let cases: Vec<(Arrays<'_>, &str)> = vec![
+fn what_is_missing_or_unknown_is_named() {
+    assert_refused(&[
         (vec![h()], ": no positions; the key q is needed"),
         (vec![], ": no positions; the key q is needed"),
         (vec![q3()], ": no time; give the stamps t or the step h (one number under the key h)"),
@@ -132,6 +143,12 @@ fn errors_name_key_and_row() {
             vec![q3(), h(), ("velocity", f8("(1,)", &[1.0]))],
             ": \"velocity\" is not a known name; known are q, v, a, u, t, h, trajectory; rename it, or put _ before it to have it ignored",
         ),
+    ]);
+}
+
+#[test]
+fn values_are_refused_by_key_and_row() {
+    assert_refused(&[
         (
             vec![q3(), h(), ("v", f8("(3, 2)", &[1.0, 1.0, 1.0, f64::NAN, 1.0, 1.0]))],
             ", key v, row 1: NaN is not finite; remove the sample (a gap in t splits the trajectory there)",
@@ -140,6 +157,12 @@ fn errors_name_key_and_row() {
             vec![q3(), t(&[0.0, 1.0, f64::INFINITY])],
             ", key t, row 2: inf is not finite; remove the sample (a gap in t splits the trajectory there)",
         ),
+    ]);
+}
+
+#[test]
+fn stamps_and_the_step_must_agree() {
+    assert_refused(&[
         (
             vec![q3(), t(&[0.0, 1.0, 1.0])],
             ", key t, row 2: time goes from 1 to 1 s; sort the samples, or number the trajectories",
@@ -154,6 +177,12 @@ fn errors_name_key_and_row() {
         ),
         (vec![q3(), ("h", f8("()", &[0.0]))], ", key h: the step h is 0 s; it must be positive and finite"),
         (vec![q3(), ("h", f8("(2,)", &[1.0, 1.0]))], ", key h: shape [2] where one number is needed"),
+    ]);
+}
+
+#[test]
+fn shapes_must_agree() {
+    assert_refused(&[
         (
             vec![q3(), h(), t(&[0.0, 1.0])],
             ", key t: shape [2] where [3], one for each sample of q, is needed",
@@ -171,6 +200,12 @@ fn errors_name_key_and_row() {
             vec![("q", f8("(3, 0)", &[])), h()],
             ", key q: shape [3, 0] where [samples, n] with n ≥ 1 is needed",
         ),
+    ]);
+}
+
+#[test]
+fn trajectories_are_whole_and_long_enough() {
+    assert_refused(&[
         (vec![("q", f8("(0, 2)", &[])), h()], ": no samples; at least 3 of them make a trajectory"),
         (
             vec![("q", f8("(2, 2)", &[0.0; 4])), h()],
@@ -192,6 +227,12 @@ fn errors_name_key_and_row() {
             vec![q3(), h(), ("trajectory", npy("'<u8'", false, "(3,)", &[255; 24]))],
             ", key trajectory: 18446744073709551615 is not a whole number that fits 64 bits",
         ),
+    ]);
+}
+
+#[test]
+fn elements_are_plain_numbers() {
+    assert_refused(&[
         (
             vec![("q", npy("'|b1'", false, "(3,)", &[1; 3])), h()],
             ", key q: elements are of type '|b1'; store float64, float32 or integers",
@@ -208,10 +249,7 @@ fn errors_name_key_and_row() {
             vec![("q", npy("'<f8'", false, "(4,)", &[0; 24])), h()],
             ", key q: not a readable array (24 bytes of data for shape [4] of f8); write it again, as plain numbers",
         ),
-    ];
-    for (arrays, message) in cases {
-        assert_eq!(refuse(&arrays), message);
-    }
+    ]);
 }
 
 #[test]

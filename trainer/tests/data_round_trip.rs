@@ -109,12 +109,25 @@ fn the_same_data_give_the_same_file() {
     assert_eq!(written("a.npz"), written("b.npz"));
 }
 
+/// What spoils the data of [`pair`], and the message.
+type Spoiled<'a> = (fn(&mut Dataset), &'a str);
+
+#[track_caller]
+fn assert_not_written(cases: &[Spoiled]) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.npz");
+    for (spoil, message) in cases {
+        let mut data = pair();
+        spoil(&mut data);
+        let error = data::write(&path, &data).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+        assert!(!path.exists());
+    }
+}
+
 #[test]
-fn what_could_not_be_read_back_is_not_written() {
-    type Spoil = fn(&mut Dataset);
-    let cases: [(Spoil, &str); 12] = [
-        (|d| d.h = 0.0, "out.npz: the step h is 0 s; it must be positive and finite"),
-        (|d| d.trajectories.clear(), "out.npz: no samples; at least 3 of them make a trajectory"),
+fn what_does_not_fit_together_is_not_written() {
+    assert_not_written(&[
         (
             |d| d.trajectories[1].id = 0,
             "out.npz, trajectory 0: trajectory 0 is there twice; number the trajectories differently",
@@ -136,6 +149,14 @@ fn what_could_not_be_read_back_is_not_written() {
             |d| d.trajectories[0].a = Rows::from_flat(2, vec![0.0; 6]),
             "out.npz: a is given for some trajectories only; give it for all or none",
         ),
+    ]);
+}
+
+#[test]
+fn what_could_not_be_read_back_is_not_written() {
+    assert_not_written(&[
+        (|d| d.h = 0.0, "out.npz: the step h is 0 s; it must be positive and finite"),
+        (|d| d.trajectories.clear(), "out.npz: no samples; at least 3 of them make a trajectory"),
         (
             |d| d.trajectories[1].q = Rows::from_flat(2, vec![0.0; 4]).unwrap(),
             "out.npz, trajectory 1: trajectory 1 has 2 samples; at least 3 are needed",
@@ -149,16 +170,7 @@ fn what_could_not_be_read_back_is_not_written() {
             "out.npz, trajectory 0: inf is not finite; remove the sample (a gap in t splits the trajectory there)",
         ),
         (|d| d.trajectories[0].t0 = 1e17, "out.npz, trajectory 0: the stamps are rounded by "),
-    ];
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("out.npz");
-    for (spoil, message) in cases {
-        let mut data = pair();
-        spoil(&mut data);
-        let error = data::write(&path, &data).unwrap_err().to_string();
-        assert!(error.contains(message), "{error}");
-        assert!(!path.exists());
-    }
+    ]);
 }
 
 #[test]

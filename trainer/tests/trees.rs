@@ -125,14 +125,23 @@ fn the_family_decides_which_keys_there_are() {
     assert!(hidden.starts_with("c.toml:5: ") && hidden.contains("unknown field `hidden`"), "{hidden}");
 }
 
+/// What is written after [`modular`]'s lines, the line of the error, and words of its message.
+type Refusal<'a> = (String, usize, &'a [&'a str]);
+
+#[track_caller]
+fn assert_refused(cases: &[Refusal]) {
+    for (text, line, words) in cases {
+        let message = error(&modular(text));
+        assert!(message.starts_with(&format!("c.toml:{line}: ")), "line {line}: {message}");
+        for word in *words {
+            assert!(message.contains(word), "{word:?} is not in {message}");
+        }
+    }
+}
+
 #[test]
-fn what_cannot_be_is_refused_with_line_and_key() {
-    let double = CHAIN.lines().nth(1).unwrap();
-    let seven = "[[model.types]]\nname = \"N\"\ntransform = \"rod\"\n";
-    let seven: String = (0..7).map(|i| seven.replace('N', &i.to_string())).collect();
-    let nine: String = (0..9).map(|i| format!("t{i} = [\"bob\"]\n")).collect();
-    let long = format!("long = [{}]", "\"bob\", ".repeat(65));
-    let cases: &[(String, usize, &[&str])] = &[
+fn trees_that_cannot_be_are_refused_with_line_and_key() {
+    assert_refused(&[
         (CHAIN.to_owned(), 3, &["no element types", "[[model.types]]"]),
         (BOB.to_owned(), 3, &["no tree", "[model.trees]"]),
         (
@@ -158,6 +167,12 @@ fn what_cannot_be_is_refused_with_line_and_key() {
         ),
         (format!("{BOB}[model.trees]\na = [\"bob\"]\nb = [\"bob\"]"), 3, &["which tree", "a, b"]),
         (format!("tree = \"dubble\"\n{BOB}{CHAIN}"), 5, &["no tree is called \"dubble\"", "double"]),
+    ]);
+}
+
+#[test]
+fn types_that_cannot_be_are_refused_with_line_and_key() {
+    assert_refused(&[
         (format!("{BOB}mass = 0.0\n{CHAIN}"), 8, &["`mass` is 0", "above 0"]),
         (format!("{BOB}mass = {{ learn = -1.0 }}\n{CHAIN}"), 8, &["`mass` is -1", "above 0"]),
         (
@@ -169,8 +184,6 @@ fn what_cannot_be_is_refused_with_line_and_key() {
         (format!("{BOB}damping = -0.1\n{CHAIN}"), 8, &["`damping` is -0.1", "0 or above"]),
         (format!("{BOB}length = 2.0\n{CHAIN}"), 8, &["`length` means nothing", "angle"]),
         (format!("{BOB}masss = 2.0\n{CHAIN}"), 8, &["unknown field `masss`", "did you mean `mass`?"]),
-        (format!("{BOB}position = [65]\n{CHAIN}"), 8, &["1 to 64 units"]),
-        (format!("{BOB}potential = [1, 2, 3, 4]\n{CHAIN}"), 8, &["at most 3 layers"]),
         (
             format!("[[model.types]]\nname = \"r\"\ntransform = \"rod\"\nposition = [8]\n{CHAIN}"),
             8,
@@ -179,24 +192,35 @@ fn what_cannot_be_is_refused_with_line_and_key() {
         (format!("[[model.types]]\nname = \"r\"\n{CHAIN}"), 6, &["how does \"r\" move", "transform"]),
         (format!("[[model.types]]\nname = \"a,b\"\n{CHAIN}"), 6, &["comma"]),
         (format!("{BOB}{BOB}{CHAIN}"), 9, &["another type \"bob\""]),
+    ]);
+}
+
+#[test]
+fn networks_and_pairs_that_cannot_be_are_refused_with_line_and_key() {
+    assert_refused(&[
+        (format!("{BOB}position = [65]\n{CHAIN}"), 8, &["1 to 64 units"]),
+        (format!("{BOB}potential = [1, 2, 3, 4]\n{CHAIN}"), 8, &["at most 3 layers"]),
+        (format!("{BOB}[model.pair]\ninput = \"distence\"\n{CHAIN}"), 9, &["did you mean `distance`?"]),
+        (format!("from = \"no/such/run\"\n{CHAIN}"), 5, &["no/such/run"]),
+    ]);
+}
+
+#[test]
+fn more_than_a_model_holds_is_refused() {
+    let double = CHAIN.lines().nth(1).unwrap();
+    let seven = "[[model.types]]\nname = \"N\"\ntransform = \"rod\"\n";
+    let seven: String = (0..7).map(|i| seven.replace('N', &i.to_string())).collect();
+    let learned = format!("{BOB}velocity = [1]\npotential = [1]\n");
+    let twelve: String = ["bob", "0", "1", "2"].iter().map(|name| learned.replace("bob", name)).collect();
+    let nine: String = (0..9).map(|i| format!("t{i} = [\"bob\"]\n")).collect();
+    let long = format!("long = [{}]", "\"bob\", ".repeat(65));
+    assert_refused(&[
         (
             format!("{seven}[model.trees]\n{}", double.replace("bob", "0")),
             5,
             &["7 element types", "at most 6"],
         ),
-        (
-            format!(
-                "{BOB}velocity = [1]\npotential = [1]\n{}{CHAIN}",
-                (0..3)
-                    .map(|i| format!(
-                        "{}velocity = [1]\npotential = [1]\n",
-                        BOB.replace("bob", &i.to_string())
-                    ))
-                    .collect::<String>()
-            ),
-            5,
-            &["12 networks", "at most 8"],
-        ),
+        (format!("{twelve}{CHAIN}"), 5, &["12 networks", "at most 8"]),
         (format!("tree = \"t0\"\n{BOB}[model.trees]\n{nine}"), 9, &["9 trees", "at most 8"]),
         (format!("{BOB}[model.trees]\n{long}"), 9, &["65 coordinates", "at most 64"]),
         (
@@ -204,16 +228,7 @@ fn what_cannot_be_is_refused_with_line_and_key() {
             9,
             &["13 coordinates", "compiled for 1, 2, 3"],
         ),
-        (format!("{BOB}[model.pair]\ninput = \"distence\"\n{CHAIN}"), 9, &["did you mean `distance`?"]),
-        (format!("from = \"no/such/run\"\n{CHAIN}"), 5, &["no/such/run"]),
-    ];
-    for (text, line, words) in cases {
-        let message = error(&modular(text));
-        assert!(message.starts_with(&format!("c.toml:{line}: ")), "line {line}: {message}");
-        for word in *words {
-            assert!(message.contains(word), "{word:?} is not in {message}");
-        }
-    }
+    ]);
 }
 
 #[test]

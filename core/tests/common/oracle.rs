@@ -131,6 +131,39 @@ pub fn check_residual_gradient<M: Learned<N>, const N: usize>(model: &M, q: &[f6
     assert_all_close("differences", &found, &differences, DIFFERENCES);
 }
 
+/// The tests of every family; `$everywhere!(check)` calls a check at all models of one.
+#[allow(unused_macros, reason = "only the tests of families use it")]
+macro_rules! family_tests {
+    ($everywhere:ident) => {
+        #[test]
+        fn energies_are_those_of_the_printed_formulas() {
+            $everywhere!($crate::common::oracle::check_energies);
+        }
+
+        #[test]
+        fn all_derivatives_are_those_of_the_energies() {
+            $everywhere!($crate::common::oracle::check_derivatives);
+        }
+
+        #[test]
+        fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
+            $everywhere!($crate::common::oracle::check_symmetry);
+        }
+
+        #[test]
+        fn directional_gradient_is_the_parameter_derivative() {
+            $everywhere!($crate::common::oracle::check_directional_gradient);
+        }
+
+        #[test]
+        fn residual_gradient_is_the_parameter_derivative() {
+            $everywhere!($crate::common::oracle::check_residual_gradient);
+        }
+    };
+}
+#[allow(unused_imports, reason = "only the tests of families use it")]
+pub(crate) use family_tests;
+
 fn constant_weights<M: Learned<N>, const N: usize>(model: &M) -> Vec<Dual> {
     model.weights().iter().map(|w| Dual::constant(*w)).collect()
 }

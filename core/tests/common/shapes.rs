@@ -80,14 +80,8 @@ impl<const N: usize> Learned<N> for Model<N> {
         let mut x: Vec<f64> = of(Translation).map(|i| q[i]).collect();
         x.extend(of(Angle).map(|i| q[i].cos()));
         x.extend(of(Angle).map(|i| q[i].sin()));
-        let mut block = &self.weights[..];
-        for width in &self.widths {
-            x = naive_layer(&mut block, &x, *width)
-                .into_iter()
-                .map(|z| naive_activation(self.activation, z))
-                .collect();
-        }
-        let o = naive_layer(&mut block, &x, self.inertia.outputs(N));
+        let widths = self.widths.iter().copied();
+        let o = naive_network(&self.weights, x, widths, self.activation, self.inertia.outputs(N));
         let softplus = |z: f64| (1.0 + z.exp()).ln();
         let mut factor = [[0.0; N]; N];
         let mut rest = o[N..].iter();
@@ -107,6 +101,21 @@ impl<const N: usize> Learned<N> for Model<N> {
         };
         (kinetic, *rest.next().unwrap())
     }
+}
+
+/// A network of these hidden layers from the front of a block in panel order.
+pub fn naive_network(
+    mut block: &[f64],
+    mut x: Vec<f64>,
+    widths: impl Iterator<Item = usize>,
+    activation: Activation,
+    outputs: usize,
+) -> Vec<f64> {
+    for width in widths {
+        let z = naive_layer(&mut block, &x, width);
+        x = z.into_iter().map(|z| naive_activation(activation, z)).collect();
+    }
+    naive_layer(&mut block, &x, outputs)
 }
 
 /// Wx + b from the front of a block in panel order.

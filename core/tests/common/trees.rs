@@ -2,7 +2,7 @@
 
 use super::Random;
 use super::oracle::Learned;
-use super::shapes::{naive_activation, naive_layer};
+use super::shapes::naive_network;
 use leastaction_core::energy::modular::{
     Input, Modular, NUMBERS, NetworkShape, Node, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
@@ -89,13 +89,9 @@ impl<const N: usize> Tree<N> {
     fn run(&self, network: u8, x: &[f64]) -> Vec<f64> {
         let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
         let shape = self.shape.networks().nth(network.into()).unwrap();
-        let mut block: &[f64] = &self.weights[before..];
-        let mut x = x.to_vec();
-        for width in shape.widths.iter().filter(|w| **w > 0) {
-            let z = naive_layer(&mut block, &x, usize::from(*width));
-            x = z.into_iter().map(|z| naive_activation(shape.activation, z)).collect();
-        }
-        naive_layer(&mut block, &x, shape.outputs.into())
+        let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
+        let outputs = shape.outputs.into();
+        naive_network(&self.weights[before..], x.to_vec(), widths, shape.activation, outputs)
     }
 
     /// What an element's coordinates add to positions.

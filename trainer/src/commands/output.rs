@@ -43,12 +43,7 @@ impl Failure {
 impl Output {
     /// The result: a JSON object or text.
     pub fn report(self, report: &(impl Serialize + Display)) -> Result<(), Failure> {
-        if self.json {
-            let object = serde_json::to_string(report).map_err(|error| Failure::Work(error.to_string()))?;
-            print(&format!("{object}\n"))
-        } else {
-            print(&report.to_string())
-        }
+        if self.json { object(report) } else { print(&report.to_string()) }
     }
 
     /// A message for people.
@@ -76,6 +71,12 @@ pub fn folder(path: &Path) -> Result<(), Failure> {
         return Err(Failure::input(path, "there is a file of this name; name a folder"));
     }
     std::fs::create_dir_all(path).map_err(|error| Failure::file(path, error))
+}
+
+/// A JSON object to stdout.
+pub fn object(report: &impl Serialize) -> Result<(), Failure> {
+    let object = serde_json::to_string(report).map_err(|error| Failure::Work(error.to_string()))?;
+    print(&format!("{object}\n"))
 }
 
 /// Text as it is to stdout.

@@ -2,7 +2,7 @@
 
 use crate::commands::Done;
 use crate::commands::arguments::seed;
-use crate::commands::output::{Failure, Output, folder};
+use crate::commands::output::{Failure, Output, folder, object};
 use clap::{Args, ValueEnum};
 use leastaction::atomic;
 use leastaction::data::modlanet;
@@ -76,10 +76,10 @@ impl Modlanet {
             }
         }
         self.write(&rows)?;
-        match <[Outcome; 1]>::try_from(rows) {
-            Ok([row]) if output.json => output.report(&Single(row)),
-            Ok([row]) => output.report(&Table { rows: vec![row], scatter: None }),
-            Err(rows) => {
+        match &rows[..] {
+            // One row as one flat object.
+            [row] if output.json => object(row),
+            _ => {
                 let scatter = (self.seeds > 1).then(|| Scatter::of(&rows));
                 output.report(&Table { rows, scatter })
             }
@@ -159,17 +159,6 @@ fn csv(rows: &[Outcome]) -> String {
         );
     }
     text
-}
-
-/// One row as one flat object.
-#[derive(Serialize)]
-#[serde(transparent)]
-struct Single(Outcome);
-
-impl fmt::Display for Single {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        ours(f, &self.0)
-    }
 }
 
 /// Steps of the long run in single precision.

@@ -2,7 +2,7 @@
 
 use crate::commands::Done;
 use crate::commands::arguments::{order, seed};
-use crate::commands::output::{Failure, Output, folder};
+use crate::commands::output::{Failure, Output, folder, object};
 use clap::Args;
 use leastaction::atomic;
 use leastaction::data::symo::{self, SymoSet};
@@ -131,10 +131,10 @@ impl Symo {
             }
         }
         self.write(&rows)?;
-        match <[Row; 1]>::try_from(rows) {
-            Ok([row]) if output.json => output.report(&Single(row.ours)),
-            Ok([row]) => output.report(&Table { rows: vec![row] }),
-            Err(rows) => output.report(&Table { rows }),
+        match &rows[..] {
+            // One case as one flat object.
+            [row] if output.json => object(&row.ours),
+            _ => output.report(&Table { rows }),
         }
     }
 
@@ -183,17 +183,6 @@ impl Symo {
             draw(&file, mechanism, rows).map_err(|error| Failure::file(&file, error))?;
         }
         Ok(())
-    }
-}
-
-/// One case as one flat object.
-#[derive(Serialize)]
-#[serde(transparent)]
-struct Single(Outcome);
-
-impl fmt::Display for Single {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        ours(f, &self.0)
     }
 }
 
