@@ -5,6 +5,7 @@
 //! Σ ∂/∂θ [F(q, v)·δq + L_v(q, v)·δv] over the Gauss points of the intervals involved, with F = L_q + Q; the implicit
 //! function theorem only chooses the δq and δv. One kernel in core does the rest.
 
+use super::residuals::Failed;
 use super::samples::Sample;
 use crate::architecture::{Family, FamilySystem};
 use leastaction_core::discrete::{
@@ -50,10 +51,6 @@ pub(super) enum TermKind {
     /// −∂/∂θ [dq·(L_vq v + L_vv dv)].
     Rate,
 }
-
-/// The residual of one sample could not be computed at these weights.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Failed;
 
 impl From<StepError<f64>> for Failed {
     fn from(_: StepError<f64>) -> Self {
