@@ -1,11 +1,11 @@
-//! A plain network from the state to the acceleration: v̇ = N(s(q), v), which knows nothing of mechanics.
+//! A plain network from the state to the acceleration, which knows nothing of mechanics.
 
 use super::AccelerationModel;
 use crate::architecture::uniform_layer;
 use crate::training::{ChunkRows, Failed, Objective, Residuals, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp as Network, Tape};
-use leastaction_core::scalar::{LANES, Lanes, Scalar};
+use leastaction_core::scalar::{LANES, Lanes};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::ops::Range;
@@ -15,27 +15,40 @@ pub const MAX_WIDTH: usize = 256;
 /// Hidden layers, as ModLaNet's authors have in theirs.
 const DEPTH: usize = 2;
 
-/// Two hidden layers of one width, tanh; inputs are the translations and the cosine and sine of the angles, coordinate by
-/// coordinate, then the velocities as they are (m/s, rad/s).
+/// v̇ = αN(s(q), v/ν): two hidden layers of one width, tanh; s(q) are the translations and the cosine and sine of the angles,
+/// coordinate by coordinate.
 ///
-/// ModLaNet's authors feed angles wrapped to \[0, 2π); cosine and sine have no seam, and are what the modular family sees.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// ModLaNet's authors feed angles wrapped to \[0, 2π), and velocities and accelerations as they are (α = ν = 1). Cosine and
+/// sine have no seam, and are what the modular family sees; and with α and ν the network is as good as it can be made.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Mlp {
     coordinates: String,
     width: usize,
+    /// ν, m/s or rad/s.
+    velocity: f64,
+    /// α, m/s² or rad/s².
+    acceleration: f64,
 }
 
 impl Mlp {
-    /// The narrowest with at least so many weights; `coordinates` has a letter each, `a` for angles, any other for
+    /// The narrowest with at least so many weights, α = ν = 1; `coordinates` has a letter each, `a` for angles, any other for
     /// translations.
     ///
     /// # Errors
     /// [`ModelError::Shape`] where that is wider than [`MAX_WIDTH`].
     pub fn with_weights(coordinates: &str, weights: usize) -> Result<Self, ModelError> {
-        let of_width = |width| Self { coordinates: coordinates.to_owned(), width };
+        let of_width =
+            |width| Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
         let compiled = of_width(MAX_WIDTH).parameters();
         let enough = (1..=MAX_WIDTH).map(of_width).find(|mlp| mlp.parameters() >= weights);
         enough.ok_or(ModelError::Shape { what: "weights of an MLP", found: weights, compiled })
+    }
+
+    /// The same with the root mean squares of these samples as ν and α.
+    #[must_use]
+    pub fn scaled_to(self, samples: &Samples) -> Self {
+        let [_, velocity, acceleration] = samples.states.each_ref().map(|values| scale(values));
+        Self { velocity, acceleration, ..self }
     }
 
     /// Numbers in the weight block.
@@ -54,14 +67,20 @@ impl Mlp {
         [(2 * n + angles, self.width), (self.width, self.width), (self.width, n)]
     }
 
-    /// s(q) and v of one sample.
+    /// s(q) and v/ν of one sample.
     fn inputs(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
         let feature = |(kind, q): (char, &f64)| match kind {
             'a' => vec![q.cos(), q.sin()],
             _ => vec![*q],
         };
-        self.coordinates.chars().zip(q).flat_map(feature).chain(v.iter().copied()).collect()
+        self.coordinates.chars().zip(q).flat_map(feature).chain(v.iter().map(|v| v / self.velocity)).collect()
     }
+}
+
+/// The root mean square; 1 where it is 0.
+fn scale(values: &[f64]) -> f64 {
+    let square = values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
+    if square > 0.0 { square.sqrt() } else { 1.0 }
 }
 
 impl AccelerationModel for Mlp {
@@ -111,10 +130,15 @@ impl Regression {
         Self::group(&self.inputs, width, start, end).into_iter().map(Jet::constant).collect()
     }
 
-    /// Outputs less targets.
+    /// α, in every lane.
+    fn acceleration(&self) -> Lanes {
+        Lanes([self.mlp.acceleration; LANES])
+    }
+
+    /// α times the outputs, less the targets.
     fn errors(&self, outputs: &[Jet<Lanes, 0>], start: usize, end: usize) -> impl Iterator<Item = Lanes> {
         let targets = Self::group(&self.targets, self.mlp.n(), start, end);
-        outputs.iter().zip(targets).map(|(output, target)| output.value - target)
+        outputs.iter().zip(targets).map(|(output, target)| self.acceleration() * output.value - target)
     }
 }
 
@@ -154,10 +178,13 @@ impl Residuals for Regression {
             let inputs = self.inputs(start, samples.end);
             network.forward(&inputs, &mut tape, &mut outputs);
             let own = (samples.end - start).min(LANES);
-            for (i, error) in self.errors(&outputs, start, samples.end).enumerate() {
+            let errors: Vec<Lanes> = self.errors(&outputs, start, samples.end).collect();
+            for (i, error) in errors.into_iter().enumerate() {
                 let row = i * count + start - samples.start;
                 rows.residual[row..row + own].copy_from_slice(&error.0[..own]);
-                output_gradient(&network, &tape, &inputs, i, &mut rows.buffer);
+                outputs.fill(Jet::zero());
+                outputs[i] = Jet::constant(self.acceleration());
+                gradient(&network, &tape, [&inputs, &outputs], &mut rows.buffer);
                 rows.store(row, own);
             }
         }
@@ -165,18 +192,15 @@ impl Residuals for Regression {
     }
 }
 
-/// ∂y_i/∂θ of eight samples.
-fn output_gradient(
+/// ∂(ȳ·y)/∂θ of eight samples.
+fn gradient(
     network: &Network<f64, DEPTH>,
     tape: &Tape<Lanes, 0, MAX_WIDTH, DEPTH>,
-    inputs: &[Jet<Lanes, 0>],
-    i: usize,
+    [x, y_bar]: [&[Jet<Lanes, 0>]; 2],
     gradient: &mut [Lanes],
 ) {
-    let mut unit = vec![Jet::zero(); network.outputs()];
-    unit[i] = Jet::constant(Lanes::one());
     let mut start = network.len();
-    network.layer_adjoints(tape, inputs, &unit, |layer, inputs, outputs| {
+    network.layer_adjoints(tape, x, y_bar, |layer, inputs, outputs| {
         start -= layer.len();
         layer.series_gradient(inputs, outputs, |position, g| gradient[start + position] = g);
     });
@@ -193,7 +217,7 @@ mod tests {
     const SAMPLES: usize = 21;
 
     fn mlp() -> Mlp {
-        Mlp::with_weights(COORDINATES, 90).unwrap()
+        Mlp::with_weights(COORDINATES, 90).unwrap().scaled_to(&samples())
     }
 
     fn samples() -> Samples {
@@ -204,13 +228,14 @@ mod tests {
     }
 
     /// The network in plain loops, and the errors of all samples.
-    fn errors(weights: &[f64], samples: &Samples, width: usize) -> Vec<f64> {
+    fn errors(weights: &[f64], samples: &Samples, mlp: &Mlp) -> Vec<f64> {
         let row = |x: &Vec<f64>, k: usize| [x[3 * k], x[3 * k + 1], x[3 * k + 2]];
         let mut errors = Vec::new();
         for k in 0..SAMPLES {
             let ([q, v, a], mut at) = (samples.states.each_ref().map(|x| row(x, k)), 0);
-            let mut x = vec![q[0].cos(), q[0].sin(), q[1], q[2].cos(), q[2].sin(), v[0], v[1], v[2]];
-            for (layer, outputs) in [width, width, 3].into_iter().enumerate() {
+            let mut x = vec![q[0].cos(), q[0].sin(), q[1], q[2].cos(), q[2].sin()];
+            x.extend(v.map(|v| v / mlp.velocity));
+            for (layer, outputs) in [mlp.width, mlp.width, 3].into_iter().enumerate() {
                 let bias = at + x.len() * outputs;
                 let sum = |i: usize| {
                     let weight = |j| {
@@ -224,7 +249,7 @@ mod tests {
                 x = if layer < 2 { y.into_iter().map(f64::tanh).collect() } else { y };
                 at = bias + outputs;
             }
-            errors.extend(x.iter().zip(a).map(|(x, a)| x - a));
+            errors.extend(x.iter().zip(a).map(|(x, a)| mlp.acceleration * x - a));
         }
         errors
     }
@@ -246,7 +271,7 @@ mod tests {
         let (mlp, samples) = (mlp(), samples());
         let objective = mlp.objective(samples.clone()).unwrap();
         let weights = mlp.initial_weights(1);
-        let plain = |weights: &[f64]| errors(weights, &samples, mlp.width);
+        let plain = |weights: &[f64]| errors(weights, &samples, &mlp);
         let r = plain(&weights);
         let columns: Vec<Vec<f64>> = (0..weights.len())
             .map(|j| {
@@ -289,6 +314,13 @@ mod tests {
             adam.iterate(&*objective);
         });
         assert!(objective.loss(&adam.weights) < 0.8 * before);
+    }
+
+    #[test]
+    fn scales_are_root_mean_squares() {
+        let states = [vec![7.0], vec![-2.0], vec![0.0]];
+        let mlp = mlp().scaled_to(&Samples { n: 1, states, ..samples() });
+        assert_eq!((mlp.velocity, mlp.acceleration), (2.0, 1.0));
     }
 
     #[test]
