@@ -194,6 +194,8 @@ struct Scatter {
     least: f64,
     median: f64,
     largest: f64,
+    /// The median, relative to the mean squared acceleration of the test set.
+    relative_median: f64,
     /// Seeds whose error is not a finite number.
     failed: usize,
 }
@@ -209,23 +211,14 @@ impl Scatter {
     fn of(row: &Outcome, rows: &[Outcome]) -> Self {
         let Outcome { system, count, kind, samples, noise, .. } = *row;
         let what = |row: &Outcome| (row.case, row.system, row.count, row.kind, row.samples, row.noise);
-        let alike: Vec<f64> =
-            rows.iter().filter(|other| what(other) == what(row)).map(|row| row.test_mse).collect();
-        let mut errors: Vec<f64> = alike.iter().copied().filter(|e| e.is_finite()).collect();
-        errors.sort_by(f64::total_cmp);
-        let at = |k: usize| errors.get(k).copied().unwrap_or(f64::NAN);
-        let failed = alike.len() - errors.len();
-        Self {
-            system,
-            count,
-            kind,
-            samples,
-            noise,
-            least: at(0),
-            median: at(errors.len() / 2),
-            largest: at(errors.len().saturating_sub(1)),
-            failed,
-        }
+        let (mut sorted, failed): (Vec<&Outcome>, Vec<&Outcome>) =
+            rows.iter().filter(|other| what(other) == what(row)).partition(|row| row.test_mse.is_finite());
+        sorted.sort_by(|a, b| a.test_mse.total_cmp(&b.test_mse));
+        let at = |k: usize| sorted.get(k).map_or([f64::NAN; 2], |row| [row.test_mse, row.relative_test_mse]);
+        let [[least, _], [median, relative_median]] = [0, sorted.len() / 2].map(at);
+        let [largest, _] = at(sorted.len().saturating_sub(1));
+        let failed = failed.len();
+        Self { system, count, kind, samples, noise, least, median, largest, relative_median, failed }
     }
 }
 
@@ -266,10 +259,14 @@ fn what(
 }
 
 fn scattered(f: &mut fmt::Formatter, scatter: &[Scatter]) -> fmt::Result {
-    writeln!(f, "\ntest over the seeds: least, median, largest; failed")?;
+    writeln!(
+        f,
+        "\ntest over the seeds: least, median, largest, median relative to the mean squared acceleration; failed"
+    )?;
     scatter.iter().try_for_each(|row| {
         what(f, [row.system, row.kind], [row.count, row.samples], row.noise)?;
-        writeln!(f, " {:>8.1e} {:>8.1e} {:>8.1e} {:>8}", row.least, row.median, row.largest, row.failed)
+        write!(f, " {:>8.1e} {:>8.1e} {:>8.1e}", row.least, row.median, row.largest)?;
+        writeln!(f, " {:>8.1e} {:>8}", row.relative_median, row.failed)
     })
 }
 
