@@ -110,7 +110,7 @@ proptest! {
         let rigid = model.over(&weights);
         everything(rigid, damping, h, q, v, u);
         rigid.directional_gradient((&q, &v), (&u, &damping), |_, _: f32| {});
-        rigid.momentum_rate_gradient((&q, &v), &u, &damping, |_, _: f32| {});
+        rigid.residual_gradient((&q, &v), &u, &damping, |_, _: f32| {});
     }
 
     #[test]
@@ -131,7 +131,7 @@ proptest! {
         let modular = tree.over(&weights);
         everything(modular, damping, h, q, v, u);
         modular.directional_gradient((&q, &v), (&u, &damping), |_, _: f32| {});
-        modular.momentum_rate_gradient((&q, &v), &u, &damping, |_, _: f32| {});
+        modular.residual_gradient((&q, &v), &u, &damping, |_, _: f32| {});
     }
 
     #[test]

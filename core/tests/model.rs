@@ -4,6 +4,7 @@ mod common;
 
 use common::assert_close;
 use common::file::{self, Aligned, CARTPOLE, HEADER};
+use common::oracle::Learned;
 use common::shapes::{Angle, Model, Translation};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
@@ -228,36 +229,6 @@ fn coordinate_letters_are_their_own_inverse() {
         assert_eq!(Coordinate::from_letter(kind.letter()), Some(kind));
     }
     assert_eq!(Coordinate::from_letter('A'), None);
-}
-
-fn golden_text() -> String {
-    let bytes = file::golden();
-    let padding = bytes.len() - 4 - 4 * file::weights(&CARTPOLE).len() - 2 - 1 - 64;
-    let parts = [
-        (4, "magic LACT"),
-        (1, "format version"),
-        (1, "family 0: rigid"),
-        (3, "coordinates, 2 letters: t, a"),
-        (4, "hidden widths 7, 5, then none"),
-        (1, "activation 0: tanh"),
-        (5, "inertia 1: Cholesky, epsilon 1e-3"),
-        (1, "damped"),
-        (6, "discretisation: present, order 4, h = 0.05 s"),
-        (38, "provenance, 37 letters"),
-        (1 + padding, "padding: its length, zeros"),
-        (2, "bytes of weights, 376 as a varint"),
-        (4 * 28, "layer 3 to 7: panel of 4, panels of 1, biases"),
-        (4 * 40, "layer 7 to 5: panel of 4, panel of 1, biases"),
-        (4 * 24, "layer 5 to 4: panel of 4, biases"),
-        (4 * 2, "damping coefficients"),
-        (4, "CRC-32 of all bytes above, little-endian"),
-    ];
-    file::text(&bytes, &parts)
-}
-
-#[test]
-fn the_golden_file_is_unchanged() {
-    file::assert_golden("cartpole.hex", &file::golden(), &golden_text());
 }
 
 proptest! {

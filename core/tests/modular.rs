@@ -2,134 +2,46 @@
 
 mod common;
 
-use common::dual::{self, Dual, derivatives};
+use common::oracle::{self, at_states};
 use common::trees::{self, Tree, node};
-use common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
+use common::{Random, assert_vectors_close};
 use leastaction_core::continuous::{acceleration, inverse_dynamics, momentum};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
-use leastaction_core::energy::Learnable;
 use leastaction_core::energy::modular::{Input, Node, PairInput, TreeError};
 use leastaction_core::forces::System;
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
-use leastaction_core::linear;
 use proptest::prelude::*;
 
-const EXACT: f64 = 1e-12;
-
-/// Calls `check` with every tree at a few states.
+/// One generic check at all trees.
 macro_rules! everywhere {
-    ($check:ident) => {
+    ($check:path) => {
         at_states(&trees::of_three(), $check);
         at_states(&trees::of_six(), $check);
     };
 }
 
-fn at_states<const N: usize>(trees: &[Tree<N>], check: impl Fn(&Tree<N>, &[f64; N], &[f64; N])) {
-    let mut random = Random(77);
-    for tree in trees {
-        for _ in 0..3 {
-            check(tree, &random.array(3.0), &random.array(2.0));
-        }
-    }
-}
-
 #[test]
 fn energies_are_those_of_the_printed_formulas() {
-    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
-        let found = tree.in_f64().energies(q, v);
-        let (kinetic, potential) = tree.naive_energies(q, v);
-        assert_close("kinetic", found.kinetic, kinetic, 1e-9);
-        assert_close("potential", found.potential, potential, EXACT);
-    }
-    everywhere!(check);
+    everywhere!(oracle::check_energies);
 }
 
 #[test]
 fn all_derivatives_are_those_of_the_energies() {
-    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
-        let weights: Vec<Dual> = tree.weights.iter().map(|w| Dual::constant(*w)).collect();
-        let expected = derivatives(&tree.over(&weights), q, v);
-        let modular = tree.in_f64();
-        let (g, d, h) = (modular.gradient(q, v), modular.dynamics(q, v), modular.hessian(q, v));
-        for (name, l_q, l_v) in
-            [("gradient", g.l_q, g.l_v), ("dynamics", d.l_q, d.l_v), ("hessian", h.l_q, h.l_v)]
-        {
-            assert_vectors_close(&format!("{name} l_q"), &l_q, &expected.l_q, EXACT);
-            assert_vectors_close(&format!("{name} l_v"), &l_v, &expected.l_v, EXACT);
-        }
-        assert_matrices_close("l_qq", &h.l_qq, &expected.l_qq, EXACT);
-        assert_matrices_close("l_vq", &h.l_vq, &expected.l_vq, EXACT);
-        assert_matrices_close("l_vv", &h.l_vv, &expected.l_vv, EXACT);
-        assert_matrices_close("mass", &MassMatrix::dense(&d.mass), &expected.l_vv, EXACT);
-        assert_vectors_close("l_vq v", &d.l_vq_v, &linear::multiply(&expected.l_vq, v), EXACT);
-    }
-    everywhere!(check);
+    everywhere!(oracle::check_derivatives);
 }
 
-/// Adds up what a parameter derivative visits.
-fn visited(weights: &[f64], gradient: impl FnOnce(&mut dyn FnMut(usize, f64))) -> Vec<f64> {
-    let mut sums = vec![0.0; weights.len()];
-    gradient(&mut |position, value| sums[position] += value);
-    sums
-}
-
-/// The third-order term of L along two directions and every weight in turn: exact.
-fn exact_weight_derivatives<const N: usize>(
-    tree: &Tree<N>,
-    (q, v): (&[f64; N], &[f64; N]),
-    [first, second]: [dual::Direction<N>; 2],
-    part: impl Fn(num_dual::HyperHyperDual64) -> f64,
-) -> Vec<f64> {
-    let still = ([0.0; N], [0.0; N]);
-    let mut weights: Vec<Dual> = tree.weights.iter().map(|w| Dual::constant(*w)).collect();
-    (0..weights.len())
-        .map(|k| {
-            weights[k] = Dual::moving(tree.weights[k], [0.0, 0.0, 1.0]);
-            let derivative = part(dual::lagrangian(&tree.over(&weights), q, v, [first, second, still]));
-            weights[k] = Dual::constant(tree.weights[k]);
-            derivative
-        })
-        .collect()
-}
-
-fn assert_all_close(name: &str, found: &[f64], expected: &[f64]) {
-    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
-        assert_close(&format!("{name}, parameter {k}"), *found, *expected, EXACT);
-    }
+#[test]
+fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
+    everywhere!(oracle::check_symmetry);
 }
 
 #[test]
 fn directional_gradient_is_the_parameter_derivative() {
-    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
-        let mut random = Random(5);
-        let (dq, dv) = (random.array(1.0), random.array(1.0));
-        let modular = tree.in_f64();
-        let found = visited(&tree.weights, |row| modular.directional_gradient((q, v), (&dq, &dv), row));
-        let still = ([0.0; N], [0.0; N]);
-        assert_all_close(
-            "directional",
-            &found,
-            &exact_weight_derivatives(tree, (q, v), [(dq, dv), still], |x| x.eps1eps3),
-        );
-    }
-    everywhere!(check);
+    everywhere!(oracle::check_directional_gradient);
 }
 
 #[test]
-fn momentum_rate_gradient_is_the_parameter_derivative() {
-    fn check<const N: usize>(tree: &Tree<N>, q: &[f64; N], v: &[f64; N]) {
-        let mut random = Random(6);
-        let (a, y) = (random.array(1.0), random.array(1.0));
-        let modular = tree.in_f64();
-        let found = visited(&tree.weights, |row| modular.momentum_rate_gradient((q, v), &a, &y, row));
-        let along = [([0.0; N], y), (*v, a)];
-        assert_all_close(
-            "momentum rate",
-            &found,
-            &exact_weight_derivatives(tree, (q, v), along, |x| x.eps1eps2eps3),
-        );
-    }
-    everywhere!(check);
+fn residual_gradient_is_the_parameter_derivative() {
+    everywhere!(oracle::check_residual_gradient);
 }
 
 #[test]
@@ -233,10 +145,7 @@ fn sample<T: Clone + std::fmt::Debug>(of: &'static [T]) -> impl Strategy<Value =
 fn check_random<const N: usize>(tree: &Tree<N>, seed: u64) -> Result<(), TestCaseError> {
     let mut random = Random(seed);
     let (q, v, u) = (random.array(3.0), random.array(2.0), random.array::<N>(5.0));
-    let found = tree.in_f64().energies(&q, &v);
-    let (kinetic, potential) = tree.naive_energies(&q, &v);
-    assert_close("kinetic", found.kinetic, kinetic, 1e-9);
-    assert_close("potential", found.potential, potential, EXACT);
+    oracle::check_energies(tree, &q, &v);
     let system = tree.damped::<f64>(&tree.weights);
     match acceleration(&system, &q, &v, &u) {
         Ok(a) => {

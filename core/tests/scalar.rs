@@ -187,11 +187,11 @@ fn lanes_of_parameter_derivatives_are_bit_equal_to_scalars() {
     let mut in_lanes = vec![Lanes::zero(); model.weights.len()];
     let [q, v, dq, dv] = &wide;
     rigid.directional_gradient((q, v), (dq, dv), |k, x| in_lanes[k] = x);
-    rigid.momentum_rate_gradient((q, v), dq, dv, |k, x| in_lanes[k] += x);
+    rigid.residual_gradient((q, v), dq, dv, |k, x| in_lanes[k] += x);
     for (l, [q, v, dq, dv]) in samples.iter().enumerate() {
         let mut alone = vec![0.0; model.weights.len()];
         rigid.directional_gradient((q, v), (dq, dv), |k, x: f64| alone[k] = x);
-        rigid.momentum_rate_gradient((q, v), dq, dv, |k, x: f64| alone[k] += x);
+        rigid.residual_gradient((q, v), dq, dv, |k, x: f64| alone[k] += x);
         for (k, (a, b)) in in_lanes.iter().zip(&alone).enumerate() {
             assert_eq!(a.0[l].to_bits(), b.to_bits(), "lane {l}, parameter {k}");
         }

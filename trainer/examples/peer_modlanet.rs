@@ -5,9 +5,7 @@ use leastaction::architecture::{Architecture, ModularArchitecture, NamedTree, Na
 use leastaction::data::modlanet;
 use leastaction::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
 use leastaction::training::{LossKind, NormalEquations, Samples, objective};
-use leastaction_core::energy::modular::{
-    Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, Shape, TransformShape, TypeShape,
-};
+use leastaction_core::energy::modular::{Input, NetworkShape, Shape, TransformShape, TypeShape};
 use leastaction_core::network::{Activation, Dense};
 use std::error::Error;
 use std::process::ExitCode;
@@ -90,24 +88,17 @@ fn samples(rows: &[f64]) -> Samples {
 
 /// Position and potential learned, mass 1, c₁ learned, no pair potential.
 fn architecture() -> Architecture {
-    let mut networks = [None; MAX_NETWORKS];
-    for (slot, [inputs, first, second, outputs]) in
-        networks.iter_mut().zip(SIZES.map(|s| s.map(|n| n as u16)))
-    {
-        *slot = Some(NetworkShape {
-            inputs: inputs as u8,
-            widths: [first, second, 0, 0],
-            outputs: outputs as u8,
-            activation: Activation::Tanh,
-        });
-    }
-    let mut types = [None; MAX_TYPES];
+    let network = |[inputs, first, second, outputs]: [usize; 4]| {
+        NetworkShape::new(inputs as u8, &[first as u16, second as u16], outputs as u8, Activation::Tanh)
+    };
+    let networks: Vec<_> = SIZES.into_iter().filter_map(network).collect();
     let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
-    types[0] = Some(TypeShape { transform, potential: Some(1) });
+    let kind = TypeShape { transform, potential: Some(1) };
+    let shape = Shape::new(&networks, &[kind], None).expect("two networks and a type fit");
     let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
     let bob = NamedType { name: "bob".to_owned(), numbers };
     ModularArchitecture::new(
-        Shape { networks, types, pair: None },
+        shape,
         vec![bob],
         [Number::learned(1.0), Number::known(0.0)],
         vec![NamedTree::chain("double pendulum", &[0, 0])],

@@ -6,6 +6,7 @@ pub mod prediction;
 use crate::architecture::{Architecture, Family, MAX_DISCRETE, Visitor, too_large_for_steps};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
+use crate::parallel;
 use crate::training::{LossKind, Samples, objective};
 use leastaction_core::continuous::energy;
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, StepError};
@@ -13,7 +14,6 @@ use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
-use rayon::prelude::*;
 
 /// Steps of the first part of a long integration.
 const EARLY: usize = 100;
@@ -57,11 +57,10 @@ where
     L: Lagrangian<f64, N> + Sync,
     F: Forces<f64, N> + Sync,
 {
-    let one = |trajectory: &Trajectory| match order {
-        4 => free_run::<Galerkin, _, _, N>(system, data.h, trajectory),
-        _ => free_run::<Midpoint, _, _, N>(system, data.h, trajectory),
-    };
-    data.trajectories.par_iter().map(one).collect()
+    parallel::map(data.trajectories.len(), &|k| match order {
+        4 => free_run::<Galerkin, _, _, N>(system, data.h, &data.trajectories[k]),
+        _ => free_run::<Midpoint, _, _, N>(system, data.h, &data.trajectories[k]),
+    })
 }
 
 fn free_run<P: Path, L, F, const N: usize>(system: &System<L, F>, h: f64, trajectory: &Trajectory) -> Vec<f64>

@@ -13,6 +13,7 @@ pub mod ground_truth;
 pub mod import;
 pub mod model_cost;
 pub mod model_file;
+pub mod parallel;
 pub mod plot;
 pub mod reproduce;
 pub mod run;

@@ -43,14 +43,11 @@ impl<W: Plain> Links<W> {
 }
 
 fn shape() -> Shape {
-    let tanh = |outputs| {
-        Some(NetworkShape { inputs: 2, widths: [16, 16, 0, 0], outputs, activation: Activation::Tanh })
-    };
+    let tanh =
+        |outputs| NetworkShape::new(2, &[16, 16], outputs, Activation::Tanh).expect("two hidden layers");
     let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
-    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
-    [shape.networks[0], shape.networks[1]] = [tanh(2), tanh(1)];
-    shape.types[0] = Some(TypeShape { transform, potential: Some(1) });
-    shape
+    let link = TypeShape { transform, potential: Some(1) };
+    Shape::new(&[tanh(2), tanh(1)], &[link], None).expect("two networks and one type")
 }
 
 /// Where the links are.

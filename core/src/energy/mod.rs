@@ -25,15 +25,7 @@ pub trait Learnable<S: Scalar, const N: usize> {
         row: impl FnMut(usize, S),
     );
 
-    /// Visits ∂/∂θ of y·(d/dt L_v) = y·(L_vq v + L_vv a) at (q, v) with acceleration a and constant y.
-    ///
-    /// With [`Learnable::directional_gradient`] along (y, 0) it gives the gradient of the Euler–Lagrange residual
-    /// y·(L_q − d/dt L_v), and so of the acceleration.
-    fn momentum_rate_gradient(
-        &self,
-        at: (&[S; N], &[S; N]),
-        a: &[S; N],
-        y: &[S; N],
-        row: impl FnMut(usize, S),
-    );
+    /// Visits ∂/∂θ of y·(L_q − d/dt L_v) = y·(L_q − L_vq v − L_vv a) at (q, v) with acceleration a and constant y: the
+    /// gradient of the Euler–Lagrange residual, and so of the acceleration.
+    fn residual_gradient(&self, at: (&[S; N], &[S; N]), a: &[S; N], y: &[S; N], row: impl FnMut(usize, S));
 }

@@ -1,5 +1,6 @@
-use super::{Activation, Dense, Jet};
+use super::{Activation, Dense, Jet, sized};
 use crate::scalar::Scalar;
+use heapless::Vec;
 
 /// A multilayer perceptron over borrowed weights: up to `D` hidden layers, each followed by the activation, and a linear
 /// output layer.
@@ -14,14 +15,18 @@ pub struct Mlp<'a, W, const D: usize> {
 /// the tangents ż, for widths up to `H`.
 #[derive(Clone, Debug)]
 pub struct Tape<S, const T: usize, const H: usize, const D: usize> {
-    units: [[Jet<S, T>; H]; D],
-    slopes: [[Jet<S, T>; H]; D],
-    rates: [[[S; T]; H]; D],
+    units: [Vec<Jet<S, T>, H>; D],
+    slopes: [Vec<Jet<S, T>, H>; D],
+    rates: [Vec<[S; T], H>; D],
 }
 
 impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Tape<S, T, H, D> {
     fn default() -> Self {
-        Self { units: [[Jet::zero(); H]; D], slopes: [[Jet::zero(); H]; D], rates: [[[S::zero(); T]; H]; D] }
+        Self {
+            units: [const { Vec::new() }; D],
+            slopes: [const { Vec::new() }; D],
+            rates: [const { Vec::new() }; D],
+        }
     }
 }
 
@@ -112,12 +117,13 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         for (((layer, units), slopes), rates) in
             self.hidden.iter().flatten().zip(units).zip(slopes).zip(rates)
         {
-            let units = first_mut(units, layer.outputs());
+            let width = layer.outputs();
+            let units = sized(units, width, Jet::zero());
             layer.forward(input, units);
-            for (rate, z) in rates.iter_mut().zip(units.iter()) {
+            for (rate, z) in sized(rates, width, [S::zero(); T]).iter_mut().zip(units.iter()) {
                 *rate = z.tangent;
             }
-            self.activation.apply(units, slopes);
+            self.activation.apply(units, sized(slopes, width, Jet::zero()));
             input = units;
         }
         self.output.forward(input, y);
@@ -130,10 +136,10 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        let mut units = [[Jet::zero(); H]; D];
+        let mut units = [const { Vec::<_, H>::new() }; D];
         let mut input = x;
         for (layer, units) in self.hidden.iter().flatten().zip(&mut units) {
-            let units = first_mut(units, layer.outputs());
+            let units = sized(units, layer.outputs(), Jet::zero());
             layer.forward(input, units);
             self.activation.apply_forward(units);
             input = units;
@@ -234,17 +240,17 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         mut bend: impl FnMut(&[Jet<S, A>], &[Jet<S, T>], &[[S; T]]),
         mut visit: impl FnMut(&Dense<'a, W>, Option<&[Jet<S, T>]>, &[Jet<S, A>]),
     ) {
-        let (mut unit_bar, mut z_bar) = ([Jet::zero(); H], [Jet::zero(); H]);
+        let (mut unit_bar, mut z_bar) = (Vec::<_, H>::new(), Vec::<_, H>::new());
         let mut layer = &self.output;
         let mut bar = y_bar;
         let Tape { units, slopes, rates } = tape;
         for (((below, units), slopes), rates) in self.hidden.iter().zip(units).zip(slopes).zip(rates).rev() {
             let Some(below) = below else { continue };
-            visit(layer, Some(first(units, layer.inputs())), bar);
-            let unit_bar = first_mut(&mut unit_bar, layer.inputs());
+            visit(layer, Some(units.as_slice()), bar);
+            let unit_bar = sized(&mut unit_bar, layer.inputs(), Jet::zero());
             layer.adjoint(bar, unit_bar);
             bend(unit_bar, slopes, rates);
-            let z_bar = first_mut(&mut z_bar, layer.inputs());
+            let z_bar = sized(&mut z_bar, layer.inputs(), Jet::zero());
             for ((z, a), slope) in z_bar.iter_mut().zip(unit_bar).zip(slopes) {
                 *z = a.times(slope);
             }
@@ -260,16 +266,4 @@ fn add_scaled_to<S: Scalar, const T: usize>(x: &mut [S; T], c: S, y: &[S; T]) {
     for (x, y) in x.iter_mut().zip(y) {
         *x += c * *y;
     }
-}
-
-/// The first `n` of a slice; all of it where it is shorter.
-#[inline(always)]
-fn first<T>(slice: &[T], n: usize) -> &[T] {
-    slice.get(..n).unwrap_or(slice)
-}
-
-/// The first `n` of a slice; nothing where it is shorter.
-#[inline(always)]
-fn first_mut<T>(slice: &mut [T], n: usize) -> &mut [T] {
-    slice.get_mut(..n).unwrap_or_default()
 }

@@ -7,7 +7,20 @@ mod jet;
 mod mlp;
 mod series;
 
+use heapless::Vec;
+
 pub use activation::{Activation, Curve};
 pub use dense::Dense;
 pub use jet::Jet;
 pub use mlp::{Mlp, Tape};
+
+/// The first `n` places of a layer's room, each written before it is read: room that is not used costs no time.
+///
+/// Nothing where the room is too small; shapes are checked when a model is read.
+#[inline(always)]
+fn sized<T: Copy, const H: usize>(room: &mut Vec<T, H>, n: usize, fill: T) -> &mut [T] {
+    room.clear();
+    // An error leaves it empty.
+    let _: Result<(), _> = room.resize(n, fill);
+    room
+}

@@ -4,8 +4,9 @@
 //! A [`Jet`] with K tangents here holds y, dy/dt, … dᴷy/dtᴷ, K ≤ 3, instead of derivatives along K directions: layers are
 //! linear and treat both alike, only the activations differ (Faà di Bruno's formula).
 
-use super::{Activation, Dense, Jet, Mlp};
+use super::{Activation, Curve, Dense, Jet, Mlp, sized};
 use crate::scalar::Scalar;
+use heapless::Vec;
 
 impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
@@ -14,24 +15,16 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         x: &[Jet<S, K>],
         y: &mut [Jet<S, K>],
     ) {
-        self.series_on(x, &mut Record::<S, K, H, D>::new(), y);
-    }
-
-    fn series_on<S: Scalar<Weight = W>, const K: usize, const H: usize>(
-        &self,
-        x: &[Jet<S, K>],
-        record: &mut Record<S, K, H, D>,
-        y: &mut [Jet<S, K>],
-    ) {
+        let mut units = [const { Vec::<_, H>::new() }; D];
         let mut input = x;
-        let layers = self.hidden().zip(&mut record.sums).zip(&mut record.units);
-        for ((layer, sums), units) in layers {
-            let sums = sums.get_mut(..layer.outputs()).unwrap_or_default();
-            layer.forward(input, sums);
-            for (unit, z) in units.iter_mut().zip(&*sums) {
-                *unit = self.activation().series(z);
+        for (layer, units) in self.hidden().zip(&mut units) {
+            let units = sized(units, layer.outputs(), Jet::zero());
+            layer.forward(input, units);
+            for unit in units.iter_mut() {
+                let c = self.activation().curve(unit.value);
+                *unit = self.activation().series(unit, &c);
             }
-            input = units.get(..layer.outputs()).unwrap_or_default();
+            input = units;
         }
         self.output().forward(input, y);
     }
@@ -44,69 +37,101 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         y_bar: &[Jet<S, 2>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, 2>], &[Jet<S, 2>]),
     ) {
-        let mut record = Record::<S, 2, H, D>::new();
-        self.series_on(x, &mut record, &mut []);
-        let (mut unit_bar, mut sum_bar) = ([Jet::zero(); H], [Jet::zero(); H]);
+        let mut record = Record::<S, H, D>::new();
+        self.recorded(x, &mut record);
+        let (mut unit_bar, mut sum_bar) = (Vec::<_, H>::new(), Vec::<_, H>::new());
         let (mut layer, mut bar) = (self.output(), y_bar);
-        let records = record.sums.iter().zip(&record.units).take(self.depth());
-        for (below, (sums, units)) in self.hidden().rev().zip(records.rev()) {
-            visit(layer, units.get(..layer.inputs()).unwrap_or_default(), bar);
-            let unit_bar = unit_bar.get_mut(..layer.inputs()).unwrap_or_default();
+        let records = record.bends.iter().zip(&record.units).take(self.depth());
+        for (below, (bends, units)) in self.hidden().rev().zip(records.rev()) {
+            visit(layer, units, bar);
+            let unit_bar = sized(&mut unit_bar, layer.inputs(), Jet::zero());
             layer.adjoint(bar, unit_bar);
-            let slots = sum_bar.get_mut(..layer.inputs()).unwrap_or_default();
-            for ((slot, z), a) in slots.iter_mut().zip(sums).zip(unit_bar) {
-                *slot = self.activation().series_adjoint(z, a);
+            let slots = sized(&mut sum_bar, layer.inputs(), Jet::zero());
+            for ((slot, bend), a) in slots.iter_mut().zip(bends).zip(unit_bar) {
+                *slot = bend.adjoint(a);
             }
             (layer, bar) = (below, slots);
         }
         visit(layer, x, bar);
     }
+
+    /// The hidden layers along a curve, with what their adjoint needs.
+    fn recorded<S: Scalar<Weight = W>, const H: usize>(&self, x: &[Jet<S, 2>], record: &mut Record<S, H, D>) {
+        let mut input = x;
+        for ((layer, bends), units) in self.hidden().zip(&mut record.bends).zip(&mut record.units) {
+            let units = sized(units, layer.outputs(), Jet::zero());
+            let bends = sized(bends, layer.outputs(), Bend::straight());
+            layer.forward(input, units);
+            for (unit, bend) in units.iter_mut().zip(bends) {
+                let c = self.activation().curve(unit.value);
+                *bend = Bend { z: unit.tangent, third: self.activation().third(unit.value, &c), curve: c };
+                *unit = self.activation().series(unit, &c);
+            }
+            input = units;
+        }
+    }
 }
 
-/// Sums z and units σ(z) of every hidden layer.
-struct Record<S, const K: usize, const H: usize, const D: usize> {
-    sums: [[Jet<S, K>; H]; D],
-    units: [[Jet<S, K>; H]; D],
+/// Units σ(z) of every hidden layer, and how each bends.
+struct Record<S, const H: usize, const D: usize> {
+    units: [Vec<Jet<S, 2>, H>; D],
+    bends: [Vec<Bend<S>, H>; D],
 }
 
-impl<S: Scalar, const K: usize, const H: usize, const D: usize> Record<S, K, H, D> {
+impl<S: Scalar, const H: usize, const D: usize> Record<S, H, D> {
     fn new() -> Self {
-        Self { sums: [[Jet::zero(); H]; D], units: [[Jet::zero(); H]; D] }
+        Self { units: [const { Vec::new() }; D], bends: [const { Vec::new() }; D] }
+    }
+}
+
+/// σ at a z(t).
+#[derive(Clone, Copy)]
+struct Bend<S> {
+    /// z′ and z″.
+    z: [S; 2],
+    curve: Curve<S>,
+    /// σ‴.
+    third: S,
+}
+
+impl<S: Scalar> Bend<S> {
+    fn straight() -> Self {
+        let zero = S::zero();
+        Self { z: [zero; 2], curve: Curve { value: zero, slope: zero, curvature: zero }, third: zero }
+    }
+
+    /// The adjoint of z and its two derivatives from that of σ(z) and its two.
+    #[inline(always)]
+    fn adjoint(&self, bar: &Jet<S, 2>) -> Jet<S, 2> {
+        let Self { z: [z1, z2], curve: c, third } = self;
+        let [bar1, bar2] = bar.tangent;
+        let bent = c.curvature * *z1;
+        let bent_more = *third * *z1 * *z1 + c.curvature * *z2;
+        Jet {
+            value: c.slope * bar.value + bent * bar1 + bent_more * bar2,
+            tangent: [c.slope * bar1 + (bent + bent) * bar2, c.slope * bar2],
+        }
     }
 }
 
 impl Activation {
-    /// σ(z(t)) and its first K ≤ 3 derivatives in t.
+    /// σ(z(t)) and its first K ≤ 3 derivatives in t, `c` the curve of σ at z.
     #[inline(always)]
-    pub fn series<S: Scalar, const K: usize>(self, z: &Jet<S, K>) -> Jet<S, K> {
+    fn series<S: Scalar, const K: usize>(self, z: &Jet<S, K>, c: &Curve<S>) -> Jet<S, K> {
         let [z1, z2, z3] = derivatives(z);
-        let c = self.curve(z.value);
         let mut y = [c.slope * z1, S::zero(), S::zero()];
         if K > 1 {
             y[1] = c.curvature * z1 * z1 + c.slope * z2;
         }
         if K > 2 {
             let mixed = S::constant(3.0) * c.curvature * z1 * z2;
-            y[2] = self.third(z.value, &c) * z1 * z1 * z1 + mixed + c.slope * z3;
+            y[2] = self.third(z.value, c) * z1 * z1 * z1 + mixed + c.slope * z3;
         }
         let mut series = Jet::constant(c.value);
         for (slot, y) in series.tangent.iter_mut().zip(y) {
             *slot = y;
         }
         series
-    }
-
-    /// The adjoint of z and its two derivatives from that of σ(z) and its two.
-    #[inline(always)]
-    fn series_adjoint<S: Scalar>(self, z: &Jet<S, 2>, bar: &Jet<S, 2>) -> Jet<S, 2> {
-        let ([z1, z2], [bar1, bar2]) = (z.tangent, bar.tangent);
-        let c = self.curve(z.value);
-        let third = self.third(z.value, &c);
-        let bent = c.curvature * z1;
-        Jet {
-            value: c.slope * bar.value + bent * bar1 + (third * z1 * z1 + c.curvature * z2) * bar2,
-            tangent: [c.slope * bar1 + (bent + bent) * bar2, c.slope * bar2],
-        }
     }
 }
 

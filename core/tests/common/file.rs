@@ -1,6 +1,6 @@
 //! Writes model files, valid and not.
 
-use super::trees::{network, shape};
+use super::trees::network;
 use leastaction_core::energy::modular::{
     Input, NUMBERS, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
@@ -83,7 +83,8 @@ pub fn arm_shape() -> Shape {
         TypeShape { transform: learned, potential: Some(1) },
         TypeShape { transform: TransformShape::Rod, potential: Some(1) },
     ];
-    shape(&networks, &types, Some(PairShape { network: 2, input: PairInput::Distance }))
+    let pair = PairShape { network: 2, input: PairInput::Distance };
+    Shape::new(&networks, &types, Some(pair)).expect("few parts")
 }
 
 /// The numbers of [`arm_shape`]'s types, then c₁ and c₂.

@@ -1,8 +1,10 @@
 //! Rigid models of every kind, with a naive evaluation of their energies.
 
 use super::Random;
+use super::oracle::Learned;
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape, feature_count};
 use leastaction_core::network::{Activation, Dense};
+use leastaction_core::scalar::Scalar;
 
 pub use Coordinate::{Angle, Cyclic, Translation};
 
@@ -52,9 +54,28 @@ impl<const N: usize> Model<N> {
     pub fn in_f64(&self) -> Rigid<'_, f64, N, WIDTH, DEPTH> {
         self.over(&self.weights)
     }
+}
 
-    /// T and V by the formulas as they are printed, from row-major matrices.
-    pub fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
+impl<const N: usize> Learned<N> for Model<N> {
+    type Over<'w, S: Scalar>
+        = Rigid<'w, S::Weight, N, WIDTH, DEPTH>
+    where
+        S::Weight: 'w;
+
+    fn energies_over<'w, S: Scalar>(&self, weights: &'w [S::Weight]) -> Self::Over<'w, S> {
+        self.over(weights)
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    fn weights_mut(&mut self) -> &mut [f64] {
+        &mut self.weights
+    }
+
+    /// From row-major matrices.
+    fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let of = |kind| (0..N).filter(move |i| self.coordinates[*i] == kind);
         let mut x: Vec<f64> = of(Translation).map(|i| q[i]).collect();
         x.extend(of(Angle).map(|i| q[i].cos()));

@@ -1,6 +1,7 @@
 //! Trees of elements of every kind, with a naive evaluation of their energies.
 
 use super::Random;
+use super::oracle::Learned;
 use super::shapes::{naive_activation, naive_layer};
 use leastaction_core::energy::modular::{
     Input, Modular, NUMBERS, NetworkShape, Node, PairInput, PairShape, Shape, TransformShape, TypeShape,
@@ -26,20 +27,7 @@ pub struct Tree<const N: usize> {
 }
 
 pub fn network(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> NetworkShape {
-    let mut all = [0; 4];
-    all[..widths.len()].copy_from_slice(widths);
-    NetworkShape { inputs, widths: all, outputs, activation }
-}
-
-pub fn shape(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Shape {
-    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair };
-    for (slot, network) in shape.networks.iter_mut().zip(networks) {
-        *slot = Some(*network);
-    }
-    for (slot, kind) in shape.types.iter_mut().zip(types) {
-        *slot = Some(*kind);
-    }
-    shape
+    NetworkShape::new(inputs, widths, outputs, activation).expect("few layers")
 }
 
 pub fn node(kind: u8, parent: Option<u8>) -> Node {
@@ -141,8 +129,41 @@ impl<const N: usize> Tree<N> {
         [0, 1].map(|i| (forth[i] - back[i]) / (2.0 * STEP))
     }
 
-    /// T and V by the printed formulas, element by element from the ground.
-    pub fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
+    fn pair_energy(&self, pair: PairShape, [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+        let u = |x: &[f64]| self.run(pair.network, x)[0];
+        let (x, y) = (ax - bx, ay - by);
+        match pair.input {
+            PairInput::Concat => 0.5 * (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])),
+            PairInput::Difference => 0.5 * (u(&[x, y]) + u(&[-x, -y])),
+            PairInput::Distance => u(&[x.hypot(y)]),
+            PairInput::InverseDistance => u(&[1.0 / x.hypot(y)]),
+        }
+    }
+}
+
+impl<const N: usize> Learned<N> for Tree<N> {
+    // Velocities are central differences there.
+    const NAIVE: f64 = 1e-9;
+
+    type Over<'w, S: Scalar>
+        = Modular<'w, S::Weight, N, KINDS, WIDTH, DEPTH>
+    where
+        S::Weight: 'w;
+
+    fn energies_over<'w, S: Scalar>(&self, weights: &'w [S::Weight]) -> Self::Over<'w, S> {
+        self.over(weights)
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    fn weights_mut(&mut self) -> &mut [f64] {
+        &mut self.weights
+    }
+
+    /// Element by element from the ground.
+    fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let mut tips: Vec<([f64; 2], [f64; 2])> = Vec::new();
         let mut centres: Vec<(f64, [f64; 2])> = Vec::new();
         let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
@@ -175,17 +196,6 @@ impl<const N: usize> Tree<N> {
         }
         (kinetic, potential)
     }
-
-    fn pair_energy(&self, pair: PairShape, [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
-        let u = |x: &[f64]| self.run(pair.network, x)[0];
-        let (x, y) = (ax - bx, ay - by);
-        match pair.input {
-            PairInput::Concat => 0.5 * (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])),
-            PairInput::Difference => 0.5 * (u(&[x, y]) + u(&[-x, -y])),
-            PairInput::Distance => u(&[x.hypot(y)]),
-            PairInput::InverseDistance => u(&[1.0 / x.hypot(y)]),
-        }
-    }
 }
 
 fn features(input: Input, q: f64) -> Vec<f64> {
@@ -213,7 +223,7 @@ pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Sha
         TypeShape { transform: TransformShape::Rod, potential: Some(1) },
         TypeShape { transform: TransformShape::Slide, potential: None },
     ];
-    shape(&networks, &types, pair.map(|input| PairShape { network: 3, input }))
+    Shape::new(&networks, &types, pair.map(|input| PairShape { network: 3, input })).expect("few parts")
 }
 
 /// Free points, of two types.
@@ -223,7 +233,7 @@ pub fn bodies(pair: PairInput) -> Shape {
         network(pair.features() as u8, &[10], 1, Activation::Tanh),
     ];
     let types = [None, Some(0)].map(|potential| TypeShape { transform: TransformShape::Free, potential });
-    shape(&networks, &types, Some(PairShape { network: 1, input: pair }))
+    Shape::new(&networks, &types, Some(PairShape { network: 1, input: pair })).expect("few parts")
 }
 
 pub fn of_three() -> Vec<Tree<3>> {
@@ -274,7 +284,8 @@ fn mechanism<const N: usize>(learned: bool, nodes: &[Node]) -> Tree<N> {
     let output = [0.0, 1.0 / EPSILON, -1.0 / EPSILON, 0.0, 0.0, 0.0];
     let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.0]);
     let weights = [&hidden[..], &output, &gravity, &numbers, &[1.0, 0.0]].concat();
-    Tree { shape: shape(&networks, &types, None), nodes: nodes.to_vec(), weights }
+    let shape = Shape::new(&networks, &types, None).expect("few parts");
+    Tree { shape, nodes: nodes.to_vec(), weights }
 }
 
 pub fn double_pendulum(learned: bool) -> Tree<2> {

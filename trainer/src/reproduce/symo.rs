@@ -239,7 +239,9 @@ impl Case {
         let loss = objective(architecture, samples, self.loss(), self.order)?;
         let mut minimise = |objective: &dyn Objective, weights, iterations| {
             let levenberg = Levenberg::new(objective, weights).with_decay(recipe.decay);
-            levenberg.run(objective, iterations, |iteration, levenberg| watch(iteration, levenberg.loss)).weights
+            levenberg
+                .run(objective, iterations, |iteration, levenberg| watch(iteration, levenberg.loss))
+                .weights
         };
         let weights = minimise(&*warm_up, weights, recipe.warm_up);
         Ok(minimise(&*loss, weights, recipe.iterations))

@@ -3,7 +3,8 @@
 //!
 //! By the chain rule through an implicit step the derivative of every residual component in θ is
 //! Σ ∂/∂θ [F(q, v)·δq + L_v(q, v)·δv] over the Gauss points of the intervals involved, with F = L_q + Q; the implicit
-//! function theorem only chooses the δq and δv. One kernel in core does the rest.
+//! function theorem only chooses the δq and δv. That of an acceleration is ∂/∂θ (F − d/dt L_v)·y. Two kernels in core do the
+//! rest.
 
 use super::residuals::Failed;
 use super::samples::Sample;
@@ -39,7 +40,7 @@ pub(super) struct Term<const N: usize> {
     pub v: [f64; N],
     /// Weight of F = L_q + Q.
     pub dq: [f64; N],
-    /// Weight of L_v; for [`Rate`](TermKind::Rate) the acceleration.
+    /// Weight of L_v; for [`Residual`](TermKind::Residual) the acceleration.
     pub dv: [f64; N],
 }
 
@@ -48,8 +49,8 @@ pub(super) struct Term<const N: usize> {
 pub(super) enum TermKind {
     /// ∂/∂θ [F·dq + L_v·dv].
     Along,
-    /// −∂/∂θ [dq·(L_vq v + L_vv dv)].
-    Rate,
+    /// ∂/∂θ [(F − d/dt L_v)·dq] at the acceleration dv.
+    Residual,
 }
 
 impl From<StepError<f64>> for Failed {
@@ -127,7 +128,7 @@ fn equations<F: Family<N>, const N: usize>(
 
 impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     fn kinds(&self) -> &'static [TermKind] {
-        &[TermKind::Along, TermKind::Rate]
+        &[TermKind::Residual]
     }
 
     fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
@@ -153,7 +154,6 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
             let [q, v, a] = &sample.states;
             let predicted = solve(mass, force)?;
             for y in solve_many(transpose(&mass), identity())? {
-                terms[lane].push(Term { q: *q, v: *v, dq: y, dv: [0.0; N] });
                 terms[lane].push(Term { q: *q, v: *v, dq: y, dv: predicted });
             }
             residuals[lane] = add_scaled(&predicted, -1.0, a);

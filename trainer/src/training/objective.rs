@@ -111,7 +111,7 @@ fn contracted<const N: usize>(residual: &[f64; N], terms: &[Term<N>], kinds: &[T
             std::array::from_fn(|i| of_kind().map(|(term, r)| r * field(term)[i]).sum())
         };
         let first = terms[k];
-        let dv = if *kind == TermKind::Rate { first.dv } else { sum(|term| &term.dv) };
+        let dv = if *kind == TermKind::Residual { first.dv } else { sum(|term| &term.dv) };
         Term { dq: sum(|term| &term.dq), dv, ..first }
     };
     kinds.iter().enumerate().map(weighed).collect()
@@ -140,16 +140,13 @@ impl<L, D> Rows<'_, System<L, D>> {
                 std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane][k])[i])))
             };
             let (q, v, dq, dv) = (lanes(|t| &t.q), lanes(|t| &t.v), lanes(|t| &t.dq), lanes(|t| &t.dv));
+            let mut add = |i: usize, g: Lanes| row[i] += g;
             match kind {
-                TermKind::Along => {
-                    lagrangian.directional_gradient((&q, &v), (&dq, &dv), |i, g| row[i] += g);
-                    for (i, position) in self.damping.iter().enumerate() {
-                        row[*position] -= dq[i] * v[i];
-                    }
-                }
-                TermKind::Rate => {
-                    lagrangian.momentum_rate_gradient((&q, &v), &dv, &dq, |i, g| row[i] -= g);
-                }
+                TermKind::Along => lagrangian.directional_gradient((&q, &v), (&dq, &dv), &mut add),
+                TermKind::Residual => lagrangian.residual_gradient((&q, &v), &dv, &dq, &mut add),
+            }
+            for (i, position) in self.damping.iter().enumerate() {
+                add(*position, -(dq[i] * v[i]));
             }
         }
         for position in self.fixed {

@@ -2,13 +2,13 @@
 //! number of threads.
 
 use super::{NormalEquations, Objective};
+use crate::parallel;
 use faer::Mat;
 use leastaction_core::scalar::{LANES, Lanes};
-use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples whose rows are multiplied at once.
-const CHUNK: usize = 256;
+/// Samples whose rows are multiplied at once; not a power of two, for columns of the Jacobian would then share cache lines.
+const CHUNK: usize = 248;
 /// Parts whose sums are computed apart: as many threads as this can help.
 const PARTS: usize = 8;
 
@@ -72,7 +72,11 @@ impl ChunkRows {
     /// Copies the first `count` lanes of the buffer to rows from `row` on.
     pub fn store(&mut self, row: usize, count: usize) {
         for (j, lanes) in self.buffer.iter().enumerate() {
-            self.jacobian.col_as_slice_mut(j)[row..row + count].copy_from_slice(&lanes.0[..count]);
+            let column = &mut self.jacobian.col_as_slice_mut(j)[row..row + count];
+            match column.first_chunk_mut() {
+                Some(all) => *all = lanes.0,
+                None => column.copy_from_slice(&lanes.0[..count]),
+            }
         }
     }
 }
@@ -93,12 +97,11 @@ fn sum(
     add: impl Fn(&mut NormalEquations, &mut ChunkRows, Range<usize>) -> Result<(), Failed> + Sync,
 ) -> Option<NormalEquations> {
     let parts = parts(samples);
-    let part = |chunks: &Vec<Range<usize>>| {
+    let sums: Vec<Option<NormalEquations>> = parallel::map(parts.len(), &|k| {
         let (mut sum, mut room) = (zero(), ChunkRows::new());
-        chunks.iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
+        parts[k].iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
         Some(sum)
-    };
-    let sums: Vec<Option<NormalEquations>> = parts.par_iter().map(part).collect();
+    });
     sums.into_iter().reduce(|total, part| {
         let (mut total, part) = (total?, part?);
         total.merge(&part);
@@ -117,10 +120,10 @@ impl<R: Residuals> Objective for R {
 
     fn loss(&self, weights: &[f64]) -> f64 {
         let samples = Residuals::samples(self);
-        let sums: Vec<Result<f64, Failed>> = parts(0..samples)
-            .par_iter()
-            .map(|chunks| chunks.iter().map(|chunk| self.squares(weights, chunk.clone())).sum())
-            .collect();
+        let parts = parts(0..samples);
+        let sums: Vec<Result<f64, Failed>> = parallel::map(parts.len(), &|k| {
+            parts[k].iter().map(|chunk| self.squares(weights, chunk.clone())).sum()
+        });
         match sums.into_iter().sum::<Result<f64, Failed>>() {
             Ok(sum) if sum.is_finite() => sum / (samples * self.components()) as f64,
             _ => f64::INFINITY,

@@ -37,39 +37,39 @@ impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> 
         }
         self.number_part(
             &c,
-            &[Bilinear { alpha: &a, beta: &b }],
+            &Bilinear { alpha: &a, beta: &b },
             &core::array::from_fn(|j| dv[j] * v[j]),
             &mut row,
         );
         self.transform_part(q, &bar, &mut row);
     }
 
-    /// With b = y g, c = g v and their rates ḃ = y v g′, ċ = g′v² + g a it is Σ ḃ·JᵀmJ c + b·JᵀmJ ċ + y I a.
-    fn momentum_rate_gradient(
+    /// With b = y g and w = g′v² + g a, so that ẍ = J w, the kinetic part is −b·JᵀmJ w − y I a (the rates of g that L_q and
+    /// d/dt L_v have cancel); the potential part is −V_x·J(s′y).
+    fn residual_gradient(
         &self,
         (q, v): (&[S; N], &[S; N]),
         a: &[S; N],
         y: &[S; N],
         mut row: impl FnMut(usize, S),
     ) {
-        let configuration = self.configuration::<S, 2>(q);
-        let motion = &configuration.motion;
-        let b = core::array::from_fn(|j| scale(y[j], &motion[j].g));
-        let b_rate = core::array::from_fn(|j| scale(y[j] * v[j], &motion[j].g_q));
-        let c = core::array::from_fn(|j| scale(v[j], &motion[j].g));
-        let c_rate =
-            core::array::from_fn(|j| add(&scale(v[j] * v[j], &motion[j].g_q), &scale(a[j], &motion[j].g)));
-        let (of_b_rate, of_b) = (self.inertial(&configuration, &c), self.inertial(&configuration, &c_rate));
-        let (of_c_rate, of_c) = (self.inertial(&configuration, &b), self.inertial(&configuration, &b_rate));
-        let mut bar = [Motion::none(); N];
+        let c = self.configuration::<S, 2>(q);
+        let b = core::array::from_fn(|j| scale(-y[j], &c.motion[j].g));
+        let w = core::array::from_fn(|j| {
+            add(&scale(v[j] * v[j], &c.motion[j].g_q), &scale(a[j], &c.motion[j].g))
+        });
+        let (of_b, of_w) = (self.inertial(&c, &w), self.inertial(&c, &b));
+        let mut bar: [Motion<S>; N] = self.potential_part(&c, y, &mut row);
         for j in 0..N {
-            let held = add(&scale(y[j], &of_b[j]), &scale(v[j], &of_c[j]));
-            bar[j].g = add(&held, &scale(a[j], &of_c_rate[j]));
-            let turned = scale(y[j] * v[j], &of_b_rate[j]);
-            bar[j].g_q = add(&turned, &scale(v[j] * v[j], &of_c_rate[j]));
+            bar[j].g = add(&scale(-y[j], &of_b[j]), &scale(a[j], &of_w[j]));
+            bar[j].g_q = scale(v[j] * v[j], &of_w[j]);
         }
-        let terms = [Bilinear { alpha: &b_rate, beta: &c }, Bilinear { alpha: &b, beta: &c_rate }];
-        self.number_part(&configuration, &terms, &core::array::from_fn(|j| y[j] * a[j]), &mut row);
+        self.number_part(
+            &c,
+            &Bilinear { alpha: &b, beta: &w },
+            &core::array::from_fn(|j| -(y[j] * a[j])),
+            &mut row,
+        );
         self.transform_part(q, &bar, &mut row);
     }
 }
@@ -114,21 +114,17 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     fn number_part<S: Scalar<Weight = W>>(
         &self,
         c: &Configuration<S, N>,
-        terms: &[Bilinear<S, N>],
+        Bilinear { alpha, beta }: &Bilinear<S, N>,
         turned: &[S; N],
         row: &mut impl FnMut(usize, S),
     ) {
-        for Bilinear { alpha, beta } in terms {
-            let (a, b) = (self.tree.centres(&c.centre, alpha), self.tree.centres(&c.centre, beta));
-            self.for_own(|e, element, kind| {
-                let (Some(a), Some(b), Some(mass)) = (a.get(e), b.get(e), c.mass.get(e)) else { return };
-                row(kind.start, dot(a, b));
-                row(kind.start + 2, *mass * (dot(&element.own(alpha), b) + dot(a, &element.own(beta))));
-            });
-        }
-        self.for_own(|_, element, kind| {
+        let (a, b) = (self.tree.centres(&c.centre, alpha), self.tree.centres(&c.centre, beta));
+        self.for_own(|e, element, kind| {
+            let (Some(a), Some(b), Some(mass)) = (a.get(e), b.get(e), c.mass.get(e)) else { return };
             let own = turned.iter().skip(element.first).take(element.count);
+            row(kind.start, dot(a, b));
             row(kind.start + 1, own.fold(S::zero(), |sum, x| sum + *x));
+            row(kind.start + 2, *mass * (dot(&element.own(alpha), b) + dot(a, &element.own(beta))));
         });
     }
 

@@ -1,11 +1,10 @@
 //! Derivatives in the weights, for training: the tangent forward, then the adjoint, layer by layer.
 
-use super::{Evaluation, Features, Jets, OutputBar, Rigid, held};
+use super::{Evaluation, Features, Jets, OutputBar, Outputs, Rigid, held};
 use crate::energy::Learnable;
 use crate::network::{Dense, Jet, Tape};
 use crate::scalar::Scalar;
 
-/// Every parameter is visited once.
 impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
     for Rigid<'_, S::Weight, N, H, D>
 {
@@ -15,23 +14,19 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
         (dq, dv): (&[S; N], &[S; N]),
         row: impl FnMut(usize, S),
     ) {
-        let mut tape = Tape::<S, 1, H, D>::default();
-        let Evaluation { features, outputs, .. } = self.forward(q, &[*dq], &mut tape);
-        let bar = outputs.lagrangian_bar(&moving(v, dv));
-        self.weight_gradient(&features, &tape, dq, &bar, row);
+        self.gradient_along(q, dq, |outputs| outputs.lagrangian_bar(&moving(v, dv)), row);
     }
 
-    fn momentum_rate_gradient(
+    fn residual_gradient(
         &self,
         (q, v): (&[S; N], &[S; N]),
         a: &[S; N],
         y: &[S; N],
-        row: impl FnMut(usize, S),
+        mut row: impl FnMut(usize, S),
     ) {
-        let mut tape = Tape::<S, 1, H, D>::default();
-        let Evaluation { features, outputs, .. } = self.forward(q, &[*v], &mut tape);
-        let bar = outputs.bilinear_bar(&held(y), &moving(v, a));
-        self.weight_gradient(&features, &tape, v, &bar, row);
+        self.gradient_along(q, y, |outputs| outputs.lagrangian_bar(&held(v)), &mut row);
+        let rate = |outputs: &Outputs<S, 1, N>| outputs.bilinear_bar(&held(y), &moving(v, a));
+        self.gradient_along(q, v, rate, |i, rate| row(i, -rate));
     }
 }
 
@@ -39,6 +34,19 @@ impl<const N: usize, const H: usize, const D: usize, W: Copy> Rigid<'_, W, N, H,
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
         self.network.layers().map(Dense::len).sum()
+    }
+
+    /// Of what the network's outputs and their tangents along `direction` have the adjoint `bar`.
+    fn gradient_along<S: Scalar<Weight = W>>(
+        &self,
+        q: &[S; N],
+        direction: &[S; N],
+        bar: impl FnOnce(&Outputs<S, 1, N>) -> OutputBar<S, 1, N>,
+        row: impl FnMut(usize, S),
+    ) {
+        let mut tape = Tape::<S, 1, H, D>::default();
+        let Evaluation { features, outputs, .. } = self.forward(q, &[*direction], &mut tape);
+        self.weight_gradient(&features, &tape, direction, &bar(&outputs), row);
     }
 
     fn weight_gradient<S: Scalar<Weight = W>>(

@@ -6,7 +6,7 @@ use crate::data::modlanet::ModlanetRows;
 use crate::ground_truth::ManyBody;
 use crate::training::{Levenberg, Samples};
 use leastaction_core::energy::modular::{
-    Input, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
@@ -42,7 +42,7 @@ pub fn tree(system: ManyBody) -> NamedTree {
 }
 
 fn pendulum() -> ModularArchitecture {
-    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
+    let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: None };
     let activation = Activation::Tanh;
     shape.networks[0] = Some(NetworkShape { inputs: 2, widths: POSITION, outputs: 2, activation });
     shape.networks[1] = Some(NetworkShape { inputs: 2, widths: [0; 4], outputs: 1, activation });
@@ -52,7 +52,7 @@ fn pendulum() -> ModularArchitecture {
 }
 
 fn bodies(input: PairInput) -> ModularArchitecture {
-    let mut shape = Shape { networks: [None; 8], types: [None; 6], pair: None };
+    let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: None };
     let widths = pair_widths(input);
     let inputs = input.features() as u8;
     shape.networks[0] = Some(NetworkShape { inputs, widths, outputs: 1, activation: Activation::Tanh });

@@ -1,0 +1,189 @@
+//! What holds for the energies of every family: they are the printed formulas, all derivatives are theirs (num-dual and finite
+//! differences), and so are the derivatives in the weights. A family joins by [`Learned`].
+
+use super::dual::{self, Direction, Dual};
+use super::{Random, assert_close, assert_matrices_close, assert_vectors_close};
+use leastaction_core::energy::Learnable;
+use leastaction_core::lagrangian::{DenseMass, Lagrangian, MassMatrix};
+use leastaction_core::linear;
+use leastaction_core::scalar::Scalar;
+use num_dual::HyperHyperDual64;
+
+pub const EXACT: f64 = 1e-12;
+/// Of central differences with [`STEP`].
+const DIFFERENCES: f64 = 1e-8;
+const STEP: f64 = 1e-5;
+
+/// Learned energies of N coordinates that own their weights.
+pub trait Learned<const N: usize>: Clone {
+    /// How exact [`Learned::naive_energies`] are.
+    const NAIVE: f64 = EXACT;
+
+    /// The energies of this shape over a weight block.
+    type Over<'w, S: Scalar>: Lagrangian<S, N, Mass = DenseMass<S, N>> + Learnable<S, N>
+    where
+        S::Weight: 'w;
+
+    fn energies_over<'w, S: Scalar>(&self, weights: &'w [S::Weight]) -> Self::Over<'w, S>;
+
+    fn weights(&self) -> &[f64];
+
+    fn weights_mut(&mut self) -> &mut [f64];
+
+    /// T and V by the formulas as they are printed.
+    fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64);
+
+    fn energies_in_f64(&self) -> Self::Over<'_, f64> {
+        self.energies_over(self.weights())
+    }
+}
+
+/// Calls `check` with every model at a few states.
+pub fn at_states<M, const N: usize>(models: &[M], check: impl Fn(&M, &[f64; N], &[f64; N])) {
+    let mut random = Random(99);
+    for model in models {
+        for _ in 0..4 {
+            check(model, &random.array(3.0), &random.array(2.0));
+        }
+    }
+}
+
+pub fn check_energies<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
+    let found = model.energies_in_f64().energies(q, v);
+    let (kinetic, potential) = model.naive_energies(q, v);
+    assert_close("kinetic", found.kinetic, kinetic, M::NAIVE);
+    assert_close("potential", found.potential, potential, EXACT);
+}
+
+pub fn check_derivatives<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
+    let weights = constant_weights(model);
+    let expected = dual::derivatives(&model.energies_over::<Dual>(&weights), q, v);
+    let energies = model.energies_in_f64();
+    let (g, d, h) = (energies.gradient(q, v), energies.dynamics(q, v), energies.hessian(q, v));
+    for (name, l_q, l_v) in
+        [("gradient", g.l_q, g.l_v), ("dynamics", d.l_q, d.l_v), ("hessian", h.l_q, h.l_v)]
+    {
+        assert_vectors_close(&format!("{name} l_q"), &l_q, &expected.l_q, EXACT);
+        assert_vectors_close(&format!("{name} l_v"), &l_v, &expected.l_v, EXACT);
+    }
+    assert_matrices_close("l_qq", &h.l_qq, &expected.l_qq, EXACT);
+    assert_matrices_close("l_vq", &h.l_vq, &expected.l_vq, EXACT);
+    assert_matrices_close("l_vv", &h.l_vv, &expected.l_vv, EXACT);
+    assert_matrices_close("mass", &MassMatrix::dense(&d.mass), &expected.l_vv, EXACT);
+    assert_vectors_close("l_vq v", &d.l_vq_v, &linear::multiply(&expected.l_vq, v), EXACT);
+}
+
+/// L_q and L_v against central differences of the printed formulas, without num-dual; those must then be exact.
+pub fn check_first_differences<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
+    let lagrangian = |q: &[f64; N], v: &[f64; N]| {
+        let (kinetic, potential) = model.naive_energies(q, v);
+        kinetic - potential
+    };
+    let found = model.energies_in_f64().gradient(q, v);
+    for i in 0..N {
+        let moved = |x: &[f64; N], step| linear::add_scaled(x, step, &dual::unit(i));
+        let slope = |along: &dyn Fn(f64) -> f64| (along(STEP) - along(-STEP)) / (2.0 * STEP);
+        assert_close("l_q", found.l_q[i], slope(&|step| lagrangian(&moved(q, step), v)), DIFFERENCES);
+        assert_close("l_v", found.l_v[i], slope(&|step| lagrangian(q, &moved(v, step))), DIFFERENCES);
+    }
+}
+
+/// And the mass matrix is positive definite.
+pub fn check_symmetry<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
+    let h = model.energies_in_f64().hessian(q, v);
+    assert_matrices_close("l_qq", &h.l_qq, &linear::transpose(&h.l_qq), 1e-14);
+    assert_matrices_close("l_vv", &h.l_vv, &linear::transpose(&h.l_vv), 1e-14);
+    let kinetic = linear::dot(v, &linear::multiply(&h.l_vv, v));
+    assert!(kinetic > 0.0, "vᵀMv = {kinetic} at v = {v:?}");
+}
+
+pub fn check_directional_gradient<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
+    let mut random = Random(5);
+    let (dq, dv) = (random.array(1.0), random.array(1.0));
+    let energies = model.energies_in_f64();
+    let found = summed(model, |row| energies.directional_gradient((q, v), (&dq, &dv), row));
+    let along = [(dq, dv), ([0.0; N], [0.0; N])];
+    let exact = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps3);
+    assert_all_close("exact", &found, &exact, EXACT);
+    let differences = weight_differences(model, |model| {
+        let g = model.energies_in_f64().gradient(q, v);
+        linear::dot(&g.l_q, &dq) + linear::dot(&g.l_v, &dv)
+    });
+    assert_all_close("differences", &found, &differences, DIFFERENCES);
+}
+
+pub fn check_residual_gradient<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
+    let mut random = Random(6);
+    let (a, y) = (random.array(1.0), random.array(1.0));
+    let (energies, still) = (model.energies_in_f64(), [0.0; N]);
+    let found = summed(model, |row| energies.residual_gradient((q, v), &a, &y, row));
+    let along = [(y, still), (still, still)];
+    let force = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps3);
+    let along = [(still, y), (*v, a)];
+    let rate = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps2eps3);
+    let exact: Vec<f64> = force.iter().zip(rate).map(|(force, rate)| force - rate).collect();
+    assert_all_close("exact", &found, &exact, EXACT);
+    let differences = weight_differences(model, |model| {
+        let d = model.energies_in_f64().dynamics(q, v);
+        let rate = linear::add_scaled(&d.l_vq_v, 1.0, &d.mass.multiply(&a));
+        linear::dot(&y, &linear::add_scaled(&d.l_q, -1.0, &rate))
+    });
+    assert_all_close("differences", &found, &differences, DIFFERENCES);
+}
+
+fn constant_weights<M: Learned<N>, const N: usize>(model: &M) -> Vec<Dual> {
+    model.weights().iter().map(|w| Dual::constant(*w)).collect()
+}
+
+/// Adds up what a parameter derivative visits.
+fn summed<M: Learned<N>, const N: usize>(
+    model: &M,
+    gradient: impl FnOnce(&mut dyn FnMut(usize, f64)),
+) -> Vec<f64> {
+    let mut sums = vec![0.0; model.weights().len()];
+    gradient(&mut |position, value| sums[position] += value);
+    sums
+}
+
+/// The third-order term of L along two directions and every weight in turn: exact.
+fn exact_weight_derivatives<M: Learned<N>, const N: usize>(
+    model: &M,
+    (q, v): (&[f64; N], &[f64; N]),
+    [first, second]: [Direction<N>; 2],
+    part: impl Fn(HyperHyperDual64) -> f64,
+) -> Vec<f64> {
+    let still = ([0.0; N], [0.0; N]);
+    let constant = constant_weights(model);
+    (0..constant.len())
+        .map(|k| {
+            let mut weights = constant.clone();
+            weights[k] = Dual::moving(model.weights()[k], [0.0, 0.0, 1.0]);
+            let energies = model.energies_over::<Dual>(&weights);
+            part(dual::lagrangian(&energies, q, v, [first, second, still]))
+        })
+        .collect()
+}
+
+/// Central differences of `f` over every weight in turn.
+fn weight_differences<M: Learned<N>, const N: usize>(model: &M, f: impl Fn(&M) -> f64) -> Vec<f64> {
+    let mut varied = model.clone();
+    (0..model.weights().len())
+        .map(|k| {
+            let weight = model.weights()[k];
+            let mut at = |weight| {
+                varied.weights_mut()[k] = weight;
+                f(&varied)
+            };
+            let difference = at(weight + STEP) - at(weight - STEP);
+            varied.weights_mut()[k] = weight;
+            difference / (2.0 * STEP)
+        })
+        .collect()
+}
+
+fn assert_all_close(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len());
+    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert_close(&format!("{name}, parameter {k}"), *found, *expected, tolerance);
+    }
+}
