@@ -5,6 +5,7 @@
 
 pub mod architecture;
 pub mod atomic;
+pub mod baselines;
 pub mod config;
 pub mod data;
 pub mod evaluate;

@@ -226,7 +226,7 @@ fn too_many<T>(what: &'static str, found: usize, compiled: usize) -> Result<T, M
 }
 
 /// Appends a layer: uniform with Glorot's variance, biases zero.
-fn uniform_layer(weights: &mut Vec<f64>, inputs: usize, outputs: usize, stream: &mut impl Rng) {
+pub(crate) fn uniform_layer(weights: &mut Vec<f64>, inputs: usize, outputs: usize, stream: &mut impl Rng) {
     let limit = (6.0 / (inputs + outputs) as f64).sqrt();
     let mut layer = vec![0.0; inputs * outputs];
     for i in 0..outputs {

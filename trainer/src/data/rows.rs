@@ -80,6 +80,19 @@ impl Rows {
         let rows = self.iter().take(range.end).skip(range.start);
         Self { width: self.width, values: rows.flatten().copied().collect() }
     }
+
+    /// The samples of these numbers in this order, but for those there are not.
+    #[must_use]
+    pub fn select(&self, samples: &[usize]) -> Self {
+        let rows = samples.iter().filter_map(|k| self.get(*k));
+        Self { width: self.width, values: rows.flatten().copied().collect() }
+    }
+
+    /// `f` of every value, in order.
+    #[must_use]
+    pub fn map(&self, f: impl FnMut(f64) -> f64) -> Self {
+        Self { width: self.width, values: self.values.iter().copied().map(f).collect() }
+    }
 }
 
 impl Index<usize> for Rows {
@@ -118,6 +131,8 @@ mod tests {
         assert_eq!(rows.column(1).collect::<Vec<_>>(), [1.0, 3.0, 5.0]);
         assert_eq!(rows.column(2).count(), 0);
         assert_eq!(rows.slice(1..9).as_flat(), [2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(rows.select(&[2, 7, 0]).as_flat(), [4.0, 5.0, 0.0, 1.0]);
+        assert_eq!(rows.map(|x| 2.0 * x).column(1).collect::<Vec<_>>(), [2.0, 6.0, 10.0]);
         assert_eq!(rows.iter().count(), 3);
     }
 

@@ -10,6 +10,7 @@ mod motion;
 
 pub use bodies::Bodies;
 pub use chain::{Chain, Link};
+pub(crate) use generate::noisy;
 pub use generate::{Settings, generate, symo_set};
 pub use integrate::{Extrapolation, IntegrationError, second_order};
 pub use modlanet::{

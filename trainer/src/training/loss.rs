@@ -6,6 +6,7 @@
 //! function theorem only chooses the δq and δv. That of an acceleration is ∂/∂θ (F − d/dt L_v)·y. Two kernels in core do the
 //! rest.
 
+use super::residuals::Failed;
 use super::samples::Sample;
 use crate::architecture::{Family, FamilySystem};
 use leastaction_core::discrete::{
@@ -51,10 +52,6 @@ pub(super) enum TermKind {
     /// ∂/∂θ [(F − d/dt L_v)·dq] at the acceleration dv.
     Residual,
 }
-
-/// The residual of one sample could not be computed at these weights.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Failed;
 
 impl From<StepError<f64>> for Failed {
     fn from(_: StepError<f64>) -> Self {

@@ -5,6 +5,7 @@ mod levenberg;
 mod loss;
 mod normal;
 mod objective;
+mod residuals;
 mod samples;
 
 pub use adam::{Adam, AdamSettings};
@@ -12,4 +13,5 @@ pub use levenberg::{Levenberg, Progress};
 pub use loss::LossKind;
 pub use normal::NormalEquations;
 pub use objective::{Objective, objective};
+pub(crate) use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};

@@ -1,22 +1,15 @@
-//! A loss over all samples, as the optimisers see it: sums over fixed parts, each computed in order on one thread, added
-//! in order. Results do not depend on the number of threads.
+//! A loss over all samples, as the optimisers see it, and that of a learned Lagrangian.
 
-use super::loss::{AccelerationLoss, DelLoss, Failed, Group, GroupLoss, Systems, Term, TermKind};
+use super::loss::{AccelerationLoss, DelLoss, Group, GroupLoss, Systems, Term, TermKind};
+use super::residuals::{ChunkRows, Failed, Residuals};
 use super::{LossKind, NormalEquations, Samples};
 use crate::architecture::{Architecture, Family, FamilySystem, MAX_DISCRETE, Visitor, too_large_for_steps};
-use crate::parallel;
-use faer::Mat;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
 use leastaction_core::energy::Learnable;
 use leastaction_core::forces::System;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::{LANES, Lanes};
 use std::ops::Range;
-
-/// Samples whose rows are multiplied at once; not a power of two, for columns of the Jacobian would then share cache lines.
-const CHUNK: usize = 248;
-/// Parts whose sums are computed apart: as many threads as this can help.
-const PARTS: usize = 8;
 
 /// A sum of squares to minimise over the weights.
 pub trait Objective: Sync {
@@ -99,35 +92,6 @@ struct Sum<F, T, const N: usize> {
 }
 
 impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
-    /// The chunks of each part.
-    fn parts(&self, samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
-        let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(LANES)).max(LANES);
-        let chunks: Vec<_> =
-            samples.clone().step_by(chunk).map(|start| start..samples.end.min(start + chunk)).collect();
-        let per_part = chunks.len().div_ceil(PARTS).max(1);
-        chunks.chunks(per_part).map(<[_]>::to_vec).collect()
-    }
-
-    /// Sums over parts: each on one thread, merged in order.
-    fn sum(
-        &self,
-        samples: Range<usize>,
-        zero: impl Fn() -> NormalEquations + Sync,
-        add: impl Fn(&mut NormalEquations, &mut ChunkRows, Range<usize>) -> Result<(), Failed> + Sync,
-    ) -> Option<NormalEquations> {
-        let parts = self.parts(samples);
-        let sums: Vec<Option<NormalEquations>> = parallel::map(parts.len(), &|k| {
-            let (mut sum, mut room) = (zero(), ChunkRows::new());
-            parts[k].iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
-            Some(sum)
-        });
-        sums.into_iter().reduce(|total, part| {
-            let (mut total, part) = (total?, part?);
-            total.merge(&part);
-            Some(total)
-        })?
-    }
-
     fn rows<'s, 'w>(&'s self, systems: &'s Systems<'w, F, N>) -> Rows<'s, FamilySystem<'w, F, Lanes, N>> {
         let Self { damping, fixed, .. } = self;
         Rows { system: &systems.eight, kinds: self.loss.kinds(), damping, fixed }
@@ -136,70 +100,6 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
     /// The samples from `start` on; the last of `samples` fills the group up.
     fn group(&self, start: usize, samples: &Range<usize>) -> Group<N> {
         std::array::from_fn(|lane| self.samples.get((start + lane).min(samples.end - 1)))
-    }
-
-    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        let systems = Systems::new(&self.family, weights)?;
-        let mut sum = 0.0;
-        for start in samples.clone().step_by(LANES) {
-            let residuals = self.loss.residuals(&systems, &self.group(start, &samples))?;
-            let own = residuals.iter().take(samples.end - start);
-            sum += own.map(|residual| residual.iter().map(|r| r * r).sum::<f64>()).sum::<f64>();
-        }
-        Ok(sum)
-    }
-
-    /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        let systems = Systems::new(&self.family, weights)?;
-        let (count, width) = (samples.len(), self.loss.kinds().len());
-        rows.reset(count * N, weights.len());
-        for start in (0..count).step_by(LANES) {
-            let mut terms = [const { Vec::new() }; LANES];
-            let group = self.group(samples.start + start, &samples);
-            let residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
-            for (k, residual) in (start..count).zip(residuals) {
-                for (i, residual) in residual.into_iter().enumerate() {
-                    rows.residual[i * count + k] = residual;
-                }
-            }
-            for i in 0..N {
-                let terms = terms.each_ref().map(|terms| &terms[i * width..]);
-                rows.buffer.fill(Lanes([0.0; LANES]));
-                self.rows(&systems).add(terms, &mut rows.buffer);
-                rows.store(i * count + start, (count - start).min(LANES));
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds r·∂r/∂θ of a chunk, without its Jacobian: the terms are linear in their weights, so a sample's components are
-    /// added before the network is differentiated.
-    fn add_gradient(
-        &self,
-        weights: &[f64],
-        samples: Range<usize>,
-        sum: &mut NormalEquations,
-    ) -> Result<(), Failed> {
-        let systems = Systems::new(&self.family, weights)?;
-        let mut buffer = vec![Lanes([0.0; LANES]); weights.len()];
-        for start in samples.clone().step_by(LANES) {
-            let mut terms = [const { Vec::new() }; LANES];
-            let group = self.group(start, &samples);
-            let mut residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
-            for residual in residuals.iter_mut().skip(samples.end - start) {
-                *residual = [0.0; N];
-            }
-            sum.squares += residuals.as_flattened().iter().map(|r| r * r).sum::<f64>();
-            let weighed: [Vec<Term<N>>; LANES] =
-                std::array::from_fn(|lane| contracted(&residuals[lane], &terms[lane], self.loss.kinds()));
-            self.rows(&systems).add(weighed.each_ref().map(Vec::as_slice), &mut buffer);
-        }
-        for (gradient, lanes) in sum.gradient.iter_mut().zip(&buffer) {
-            *gradient += lanes.0.iter().sum::<f64>();
-        }
-        sum.rows += samples.len() * N;
-        Ok(())
     }
 }
 
@@ -255,40 +155,7 @@ impl<L, D> Rows<'_, System<L, D>> {
     }
 }
 
-/// Room for the rows of one chunk.
-struct ChunkRows {
-    residual: Vec<f64>,
-    jacobian: Mat<f64>,
-    buffer: Vec<Lanes>,
-}
-
-impl ChunkRows {
-    fn new() -> Self {
-        Self { residual: Vec::new(), jacobian: Mat::new(), buffer: Vec::new() }
-    }
-
-    fn reset(&mut self, rows: usize, parameters: usize) {
-        self.residual.clear();
-        self.residual.resize(rows, 0.0);
-        self.buffer.resize(parameters, Lanes([0.0; LANES]));
-        if self.jacobian.shape() != (rows, parameters) {
-            self.jacobian = Mat::zeros(rows, parameters);
-        }
-    }
-
-    /// Copies the first `count` lanes of the buffer to rows from `row` on.
-    fn store(&mut self, row: usize, count: usize) {
-        for (j, lanes) in self.buffer.iter().enumerate() {
-            let column = &mut self.jacobian.col_as_slice_mut(j)[row..row + count];
-            match column.first_chunk_mut() {
-                Some(all) => *all = lanes.0,
-                None => column.copy_from_slice(&lanes.0[..count]),
-            }
-        }
-    }
-}
-
-impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Objective for Sum<F, T, N> {
+impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N> {
     fn parameters(&self) -> usize {
         self.architecture.parameters().unwrap_or(0)
     }
@@ -297,34 +164,72 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Objective for Sum<F, T, N
         self.samples.len()
     }
 
-    fn loss(&self, weights: &[f64]) -> f64 {
-        let parts = self.parts(0..self.samples.len());
-        let sums: Vec<Result<f64, Failed>> = parallel::map(parts.len(), &|k| {
-            parts[k].iter().map(|chunk| self.squares(weights, chunk.clone())).sum()
-        });
-        match sums.into_iter().sum::<Result<f64, Failed>>() {
-            Ok(sum) if sum.is_finite() => sum / (self.samples.len() * N) as f64,
-            _ => f64::INFINITY,
+    fn components(&self) -> usize {
+        N
+    }
+
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let systems = Systems::new(&self.family, weights)?;
+        let mut sum = 0.0;
+        for start in samples.clone().step_by(LANES) {
+            let residuals = self.loss.residuals(&systems, &self.group(start, &samples))?;
+            let own = residuals.iter().take(samples.end - start);
+            sum += own.map(|residual| residual.iter().map(|r| r * r).sum::<f64>()).sum::<f64>();
         }
+        Ok(sum)
     }
 
-    fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
-        let p = weights.len();
-        self.sum(
-            0..self.samples.len(),
-            || NormalEquations::zero(p),
-            |sum, rows, chunk| {
-                self.linearise(weights, chunk, rows)?;
-                sum.add(&rows.jacobian, &rows.residual);
-                Ok(())
-            },
-        )
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let systems = Systems::new(&self.family, weights)?;
+        let (count, width) = (samples.len(), self.loss.kinds().len());
+        rows.reset(count * N, weights.len());
+        for start in (0..count).step_by(LANES) {
+            let mut terms = [const { Vec::new() }; LANES];
+            let group = self.group(samples.start + start, &samples);
+            let residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
+            for (k, residual) in (start..count).zip(residuals) {
+                for (i, residual) in residual.into_iter().enumerate() {
+                    rows.residual[i * count + k] = residual;
+                }
+            }
+            for i in 0..N {
+                let terms = terms.each_ref().map(|terms| &terms[i * width..]);
+                rows.buffer.fill(Lanes([0.0; LANES]));
+                self.rows(&systems).add(terms, &mut rows.buffer);
+                rows.store(i * count + start, (count - start).min(LANES));
+            }
+        }
+        Ok(())
     }
 
-    fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations> {
-        let p = weights.len();
-        let zero = || NormalEquations { gram: Mat::new(), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
-        self.sum(samples, zero, |sum, _, chunk| self.add_gradient(weights, chunk, sum))
+    /// Without the Jacobian: the terms are linear in their weights, so a sample's components are
+    /// added before the network is differentiated.
+    fn add_gradient(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        _: &mut ChunkRows,
+        sum: &mut NormalEquations,
+    ) -> Result<(), Failed> {
+        let systems = Systems::new(&self.family, weights)?;
+        let mut buffer = vec![Lanes([0.0; LANES]); weights.len()];
+        for start in samples.clone().step_by(LANES) {
+            let mut terms = [const { Vec::new() }; LANES];
+            let group = self.group(start, &samples);
+            let mut residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
+            for residual in residuals.iter_mut().skip(samples.end - start) {
+                *residual = [0.0; N];
+            }
+            sum.squares += residuals.as_flattened().iter().map(|r| r * r).sum::<f64>();
+            let weighed: [Vec<Term<N>>; LANES] =
+                std::array::from_fn(|lane| contracted(&residuals[lane], &terms[lane], self.loss.kinds()));
+            self.rows(&systems).add(weighed.each_ref().map(Vec::as_slice), &mut buffer);
+        }
+        for (gradient, lanes) in sum.gradient.iter_mut().zip(&buffer) {
+            *gradient += lanes.0.iter().sum::<f64>();
+        }
+        sum.rows += samples.len() * N;
+        Ok(())
     }
 
     fn project(&self, weights: &mut [f64]) {

@@ -1,5 +1,6 @@
 //! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 
+mod noise;
 mod outcome;
 mod published;
 mod recipe;
@@ -10,13 +11,17 @@ pub use published::Published;
 pub use recipe::{Model, architecture, fine_tune, train, tree};
 pub use stepping::{Energies, LongRun, SteppingError, long_run};
 
+use crate::architecture::ModularArchitecture;
+use crate::baselines::AccelerationModel;
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
 use crate::evaluate::learned::functions;
 use crate::evaluate::prediction::{TOLERANCE, Truth};
 use crate::ground_truth::{
     GenerationError, Horizon, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of, starts,
 };
+use crate::training::Samples;
 use leastaction_core::energy::modular::PairInput;
+use leastaction_core::model::ModelError;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -36,23 +41,26 @@ pub enum Case {
     DatasetSize,
     /// Four pendulums and six bodies, learned directly (the paper: diverges).
     DirectLarge,
+    /// Two pendulums from 100, 300 and 1,000 samples, without and with noise, beside an MLP of equal size.
+    Noise,
 }
 
 impl Case {
-    /// All, in the order of the paper.
-    pub const ALL: [Self; 6] = [
+    /// All, in the order of the paper, and what it does not have.
+    pub const ALL: [Self; 7] = [
         Self::DoublePendulum,
         Self::ThreeBody,
         Self::ExtendPendulum,
         Self::ExtendBody,
         Self::DatasetSize,
         Self::DirectLarge,
+        Self::Noise,
     ];
 
     /// The system whose data the case can take from a file.
     pub fn system(self) -> Option<ManyBody> {
         match self {
-            Self::DoublePendulum | Self::ExtendPendulum => Some(ManyBody::Pendulum(2)),
+            Self::DoublePendulum | Self::ExtendPendulum | Self::Noise => Some(ManyBody::Pendulum(2)),
             Self::ThreeBody | Self::ExtendBody => Some(ManyBody::Bodies(3)),
             Self::DatasetSize | Self::DirectLarge => None,
         }
@@ -131,6 +139,10 @@ pub fn run(
             .into_iter()
             .map(|system| Ok(experiment.learn(system, &large(system, options.seed)?, None)?.0))
             .collect(),
+        Case::Noise => {
+            let system = ManyBody::Pendulum(2);
+            experiment.noise(system, &set(system)?)
+        }
     }
 }
 
@@ -146,6 +158,20 @@ struct Experiment<'a> {
 }
 
 impl Experiment<'_> {
+    /// The model of a system, if the data is of it.
+    fn architecture(
+        &self,
+        system: ManyBody,
+        set: &ModlanetSet,
+    ) -> Result<ModularArchitecture, ReproduceError> {
+        let architecture = architecture(system, self.options.pair);
+        let (found, needed) = (set.train.q.width(), architecture.n());
+        if found != needed {
+            return Err(ReproduceError::Coordinates { found, needed });
+        }
+        Ok(architecture)
+    }
+
     /// Learns a system from its own data; with `prediction` also predicts so many seconds.
     fn learn(
         &mut self,
@@ -153,11 +179,7 @@ impl Experiment<'_> {
         set: &ModlanetSet,
         prediction: Option<f64>,
     ) -> Result<(Outcome, Model), ReproduceError> {
-        let architecture = architecture(system, self.options.pair);
-        let (found, needed) = (set.train.q.width(), architecture.n());
-        if found != needed {
-            return Err(ReproduceError::Coordinates { found, needed });
-        }
+        let architecture = self.architecture(system, set)?;
         let clock = Instant::now();
         let (iterations, seed) = (self.options.iterations, self.options.seed);
         let tell = &mut *self.tell;
@@ -167,7 +189,7 @@ impl Experiment<'_> {
             }
         })?;
         let seconds = clock.elapsed().as_secs_f64();
-        let mut outcome = self.outcome(system, "trained", set, &model, seconds)?;
+        let mut outcome = self.outcome(system, "trained", set, model.learned(), seconds)?;
         outcome.published = published::trained(system);
         let prediction = prediction.filter(|_| self.options.starts > 0);
         outcome.predicted = prediction.map(|length| self.predict(system, &model, length)).transpose()?;
@@ -179,18 +201,20 @@ impl Experiment<'_> {
         system: ManyBody,
         kind: &'static str,
         set: &ModlanetSet,
-        model: &Model,
+        (shape, weights): (&dyn AccelerationModel, &[f64]),
         train_seconds: f64,
     ) -> Result<Outcome, ReproduceError> {
-        let test_mse = model.loss(&set.test)?;
+        let loss = |rows| Ok::<_, ModelError>(shape.objective(Samples::modlanet(rows))?.loss(weights));
+        let test_mse = loss(&set.test)?;
         Ok(Outcome {
             case: self.case,
             system: system.name(),
             count: system.count(),
             kind,
             samples: set.train.q.len(),
-            parameters: model.weights.len(),
-            train_mse: model.loss(&set.train)?,
+            noise: 0.0,
+            parameters: weights.len(),
+            train_mse: loss(&set.train)?,
             test_mse,
             relative_test_mse: test_mse / set.test.mean_squared_acceleration(),
             train_seconds,
@@ -241,15 +265,15 @@ impl Experiment<'_> {
 
     fn extend_to(&mut self, system: ManyBody, model: &Model) -> Result<[Outcome; 2], ReproduceError> {
         let set = modlanet_set(system, self.options.seed)?;
-        let mut zero_shot = self.outcome(system, "zero-shot", &set, model, 0.0)?;
+        let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
         zero_shot.samples = 0;
         zero_shot.published = published::extended(system, false);
         zero_shot.predicted = Some(self.predict(system, model, 10.0)?);
         let clock = Instant::now();
-        let [rows, validation] = held_back(&set.train);
+        let [rows, validation] = held_back(&set.train, 9);
         let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
         let seconds = clock.elapsed().as_secs_f64();
-        let mut fine_tuned = self.outcome(system, "fine-tuned", &set, &tuned, seconds)?;
+        let mut fine_tuned = self.outcome(system, "fine-tuned", &set, tuned.learned(), seconds)?;
         fine_tuned.published = published::extended(system, true);
         fine_tuned.predicted = Some(self.predict(system, &tuned, 10.0)?);
         Ok([zero_shot, fine_tuned])
@@ -279,10 +303,10 @@ const LONG_STEP: f32 = 0.01;
 /// Iterations of fine-tuning.
 const FINE_TUNING: usize = 30;
 
-/// The rows but for the last trajectories, a ninth of all, which judge.
-fn held_back(rows: &ModlanetRows) -> [ModlanetRows; 2] {
+/// The rows but for the last trajectories, one in so many of all, which judge; where there is but one, its last rows.
+fn held_back(rows: &ModlanetRows, one_in: usize) -> [ModlanetRows; 2] {
     let starts = rows.starts();
-    let first = starts.get(starts.len() - (starts.len() / 9).max(1)).copied().unwrap_or(0);
-    let split = if first == 0 { rows.q.len() * 8 / 9 } else { first };
+    let first = starts.get(starts.len() - (starts.len() / one_in).max(1)).copied().unwrap_or(0);
+    let split = if first == 0 { rows.q.len() * (one_in - 1) / one_in } else { first };
     [rows.slice(0..split), rows.slice(split..rows.q.len())]
 }

@@ -63,10 +63,12 @@ pub struct Outcome {
     pub system: &'static str,
     /// Elements.
     pub count: usize,
-    /// `trained`, `zero-shot` or `fine-tuned`.
+    /// `trained`, `zero-shot` or `fine-tuned`; `mlp`: a plain network of the same size, trained.
     pub kind: &'static str,
     /// Rows learned from.
     pub samples: usize,
+    /// Standard deviation of the noise on their positions and velocities, rad (m) and rad/s (m/s).
+    pub noise: f64,
     /// Numbers in the weight block.
     pub parameters: usize,
     /// Mean squared error of accelerations, training set.

@@ -1,9 +1,10 @@
 //! What is learned, and how.
 
 use crate::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
+use crate::baselines::AccelerationModel;
 use crate::data::modlanet::ModlanetRows;
 use crate::ground_truth::ManyBody;
-use crate::training::{Levenberg, LossKind, Objective, Samples, objective};
+use crate::training::{Levenberg, Samples};
 use leastaction_core::energy::modular::{
     Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
@@ -89,20 +90,10 @@ impl Model {
         self.architecture.clone().into()
     }
 
-    /// Mean squared error of the accelerations, (m/s²)² or (rad/s²)².
-    ///
-    /// # Errors
-    /// Where the shape is beyond what is compiled.
-    pub fn loss(&self, rows: &ModlanetRows) -> Result<f64, ModelError> {
-        Ok(acceleration_loss(&self.shape(), rows)?.loss(&self.weights))
+    /// What is learned, and the weights it has.
+    pub fn learned(&self) -> (&dyn AccelerationModel, &[f64]) {
+        (&self.architecture, &self.weights)
     }
-}
-
-fn acceleration_loss(
-    architecture: &Architecture,
-    rows: &ModlanetRows,
-) -> Result<Box<dyn Objective>, ModelError> {
-    objective(architecture, Samples::modlanet(rows), LossKind::Acceleration, 2)
 }
 
 /// Learns from accelerations by Levenberg–Marquardt; `watch` is called with the iteration and the loss.
@@ -116,7 +107,7 @@ pub fn train(
     seed: u64,
     mut watch: impl FnMut(usize, f64),
 ) -> Result<Model, ModelError> {
-    let objective = acceleration_loss(&architecture.clone().into(), rows)?;
+    let objective = architecture.objective(Samples::modlanet(rows))?;
     let levenberg = Levenberg::new(&*objective, architecture.initial_weights(seed));
     let levenberg = levenberg.run(&*objective, iterations, |iteration, state| watch(iteration, state.loss));
     Ok(Model { architecture, weights: levenberg.weights })
@@ -132,15 +123,29 @@ pub fn fine_tune(
     [rows, validation]: [&ModlanetRows; 2],
     iterations: usize,
 ) -> Result<Model, ModelError> {
-    let objective = acceleration_loss(&model.shape(), rows)?;
-    let judge = acceleration_loss(&model.shape(), validation)?;
-    let mut best = (judge.loss(&model.weights), model.weights.clone());
-    let _last =
-        Levenberg::new(&*objective, model.weights.clone()).run(&*objective, iterations, |_, state| {
-            let loss = judge.loss(&state.weights);
-            if loss < best.0 {
-                best = (loss, state.weights.clone());
-            }
-        });
-    Ok(Model { weights: best.1, ..model.clone() })
+    let weights = best_of(&model.architecture, [rows, validation], model.weights.clone(), iterations)?;
+    Ok(Model { weights, ..model.clone() })
+}
+
+/// Goes on from these weights by Levenberg–Marquardt on `rows`; of all iterations, the start included, the weights with the
+/// lowest error on `validation`.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub(super) fn best_of(
+    shape: &dyn AccelerationModel,
+    [rows, validation]: [&ModlanetRows; 2],
+    weights: Vec<f64>,
+    iterations: usize,
+) -> Result<Vec<f64>, ModelError> {
+    let objective = shape.objective(Samples::modlanet(rows))?;
+    let judge = shape.objective(Samples::modlanet(validation))?;
+    let mut best = (judge.loss(&weights), weights.clone());
+    let _last = Levenberg::new(&*objective, weights).run(&*objective, iterations, |_, state| {
+        let loss = judge.loss(&state.weights);
+        if loss < best.0 {
+            best = (loss, state.weights.clone());
+        }
+    });
+    Ok(best.1)
 }

@@ -1,0 +1,332 @@
+//! A plain network from the state to the acceleration, which knows nothing of mechanics.
+
+use super::AccelerationModel;
+use crate::architecture::uniform_layer;
+use crate::training::{ChunkRows, Failed, Objective, Residuals, Samples};
+use leastaction_core::model::ModelError;
+use leastaction_core::network::{Activation, Jet, Mlp as Network, Tape};
+use leastaction_core::scalar::{LANES, Lanes};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use std::ops::Range;
+
+/// Units of a hidden layer at most.
+pub const MAX_WIDTH: usize = 256;
+/// Hidden layers, as ModLaNet's authors have in theirs.
+const DEPTH: usize = 2;
+
+/// v̇ = αN(s(q), v/ν): two hidden layers of one width, tanh; s(q) are the translations and the cosine and sine of the angles,
+/// coordinate by coordinate.
+///
+/// ModLaNet's authors feed angles wrapped to \[0, 2π), and velocities and accelerations as they are (α = ν = 1). Cosine and
+/// sine have no seam, and are what the modular family sees; and with α and ν the network is as good as it can be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mlp {
+    coordinates: String,
+    width: usize,
+    /// ν, m/s or rad/s.
+    velocity: f64,
+    /// α, m/s² or rad/s².
+    acceleration: f64,
+}
+
+impl Mlp {
+    /// The narrowest with at least so many weights, α = ν = 1; `coordinates` has a letter each, `a` for angles, any other for
+    /// translations.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where that is wider than [`MAX_WIDTH`].
+    pub fn with_weights(coordinates: &str, weights: usize) -> Result<Self, ModelError> {
+        let of_width =
+            |width| Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
+        let compiled = of_width(MAX_WIDTH).parameters();
+        let enough = (1..=MAX_WIDTH).map(of_width).find(|mlp| mlp.parameters() >= weights);
+        enough.ok_or(ModelError::Shape { what: "weights of an MLP", found: weights, compiled })
+    }
+
+    /// The same with the root mean squares of these samples as ν and α.
+    #[must_use]
+    pub fn scaled_to(self, samples: &Samples) -> Self {
+        let [_, velocity, acceleration] = samples.states.each_ref().map(|values| scale(values));
+        Self { velocity, acceleration, ..self }
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> usize {
+        self.layers().map(|(inputs, outputs)| (inputs + 1) * outputs).iter().sum()
+    }
+
+    /// Coordinates.
+    fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// Inputs and outputs of every layer, first to last.
+    fn layers(&self) -> [(usize, usize); DEPTH + 1] {
+        let (n, angles) = (self.n(), self.coordinates.matches('a').count());
+        [(2 * n + angles, self.width), (self.width, self.width), (self.width, n)]
+    }
+
+    /// s(q) and v/ν of one sample.
+    fn inputs(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+        let feature = |(kind, q): (char, &f64)| match kind {
+            'a' => vec![q.cos(), q.sin()],
+            _ => vec![*q],
+        };
+        self.coordinates.chars().zip(q).flat_map(feature).chain(v.iter().map(|v| v / self.velocity)).collect()
+    }
+}
+
+/// The root mean square; 1 where it is 0.
+fn scale(values: &[f64]) -> f64 {
+    let square = values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
+    if square > 0.0 { square.sqrt() } else { 1.0 }
+}
+
+impl AccelerationModel for Mlp {
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let (mut weights, mut stream) = (Vec::new(), Pcg64::seed_from_u64(seed));
+        for (inputs, outputs) in self.layers() {
+            uniform_layer(&mut weights, inputs, outputs, &mut stream);
+        }
+        weights
+    }
+
+    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        let n = self.n();
+        if samples.n != n {
+            return Err(ModelError::Shape { what: "coordinates", found: samples.n, compiled: n });
+        }
+        let [q, v, a] = samples.states;
+        let states = q.chunks_exact(n).zip(v.chunks_exact(n));
+        let inputs = states.flat_map(|(q, v)| self.inputs(q, v)).collect();
+        Ok(Box::new(Regression { mlp: self.clone(), inputs, targets: a }))
+    }
+}
+
+/// The squared error of a network over fixed inputs.
+struct Regression {
+    mlp: Mlp,
+    /// \[samples\]\[inputs\], flat.
+    inputs: Vec<f64>,
+    /// \[samples\]\[outputs\], flat.
+    targets: Vec<f64>,
+}
+
+impl Regression {
+    fn network<'w>(&self, mut weights: &'w [f64]) -> Result<Network<'w, f64, DEPTH>, Failed> {
+        let [(inputs, width), _, (_, outputs)] = self.mlp.layers();
+        Network::take(&mut weights, inputs, &[width; DEPTH], outputs, Activation::Tanh).ok_or(Failed)
+    }
+
+    /// Eight samples from `start` on, of rows of `width` numbers; that before `end` fills the group up.
+    fn group(values: &[f64], width: usize, start: usize, end: usize) -> Vec<Lanes> {
+        let sample = |lane: usize| (start + lane).min(end - 1);
+        (0..width).map(|i| Lanes(std::array::from_fn(|lane| values[sample(lane) * width + i]))).collect()
+    }
+
+    fn inputs(&self, start: usize, end: usize) -> Vec<Jet<Lanes, 0>> {
+        let [(width, _), ..] = self.mlp.layers();
+        Self::group(&self.inputs, width, start, end).into_iter().map(Jet::constant).collect()
+    }
+
+    /// α, in every lane.
+    fn acceleration(&self) -> Lanes {
+        Lanes([self.mlp.acceleration; LANES])
+    }
+
+    /// α times the outputs, less the targets.
+    fn errors(&self, outputs: &[Jet<Lanes, 0>], start: usize, end: usize) -> impl Iterator<Item = Lanes> {
+        let targets = Self::group(&self.targets, self.mlp.n(), start, end);
+        outputs.iter().zip(targets).map(|(output, target)| self.acceleration() * output.value - target)
+    }
+}
+
+impl Residuals for Regression {
+    fn parameters(&self) -> usize {
+        self.mlp.parameters()
+    }
+
+    fn samples(&self) -> usize {
+        self.targets.len() / self.mlp.n()
+    }
+
+    fn components(&self) -> usize {
+        self.mlp.n()
+    }
+
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let network = self.network(weights)?;
+        let mut outputs = vec![Jet::zero(); self.mlp.n()];
+        let mut sum = 0.0;
+        for start in samples.clone().step_by(LANES) {
+            network.evaluate::<_, 0, MAX_WIDTH>(&self.inputs(start, samples.end), &mut outputs);
+            for error in self.errors(&outputs, start, samples.end) {
+                sum += error.0.iter().take(samples.end - start).map(|r| r * r).sum::<f64>();
+            }
+        }
+        Ok(sum)
+    }
+
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let network = self.network(weights)?;
+        let (count, n) = (samples.len(), self.mlp.n());
+        rows.reset(count * n, weights.len());
+        let mut tape = Tape::<Lanes, 0, MAX_WIDTH, DEPTH>::default();
+        let mut outputs = vec![Jet::zero(); n];
+        for start in samples.clone().step_by(LANES) {
+            let inputs = self.inputs(start, samples.end);
+            network.forward(&inputs, &mut tape, &mut outputs);
+            let own = (samples.end - start).min(LANES);
+            let errors: Vec<Lanes> = self.errors(&outputs, start, samples.end).collect();
+            for (i, error) in errors.into_iter().enumerate() {
+                let row = i * count + start - samples.start;
+                rows.residual[row..row + own].copy_from_slice(&error.0[..own]);
+                outputs.fill(Jet::zero());
+                outputs[i] = Jet::constant(self.acceleration());
+                gradient(&network, &tape, [&inputs, &outputs], &mut rows.buffer);
+                rows.store(row, own);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// ∂(ȳ·y)/∂θ of eight samples.
+fn gradient(
+    network: &Network<f64, DEPTH>,
+    tape: &Tape<Lanes, 0, MAX_WIDTH, DEPTH>,
+    [x, y_bar]: [&[Jet<Lanes, 0>]; 2],
+    gradient: &mut [Lanes],
+) {
+    let mut start = network.len();
+    network.layer_adjoints(tape, x, y_bar, |layer, inputs, outputs| {
+        start -= layer.len();
+        layer.series_gradient(inputs, outputs, |position, g| gradient[start + position] = g);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::training::{Adam, AdamSettings, Levenberg};
+    use rand::RngExt;
+
+    /// Two angles and a length between them; 21 samples, which no number of lanes divides.
+    const COORDINATES: &str = "ata";
+    const SAMPLES: usize = 21;
+
+    fn mlp() -> Mlp {
+        Mlp::with_weights(COORDINATES, 90).unwrap().scaled_to(&samples())
+    }
+
+    fn samples() -> Samples {
+        let mut stream = Pcg64::seed_from_u64(3);
+        let states = [3.0, 2.0, 5.0]
+            .map(|range: f64| (0..3 * SAMPLES).map(|_| stream.random_range(-range..range)).collect());
+        Samples { n: 3, h: 0.0, states, controls: Default::default() }
+    }
+
+    /// The network in plain loops, and the errors of all samples.
+    fn errors(weights: &[f64], samples: &Samples, mlp: &Mlp) -> Vec<f64> {
+        let row = |x: &Vec<f64>, k: usize| [x[3 * k], x[3 * k + 1], x[3 * k + 2]];
+        let mut errors = Vec::new();
+        for k in 0..SAMPLES {
+            let ([q, v, a], mut at) = (samples.states.each_ref().map(|x| row(x, k)), 0);
+            let mut x = vec![q[0].cos(), q[0].sin(), q[1], q[2].cos(), q[2].sin()];
+            x.extend(v.map(|v| v / mlp.velocity));
+            for (layer, outputs) in [mlp.width, mlp.width, 3].into_iter().enumerate() {
+                let bias = at + x.len() * outputs;
+                let sum = |i: usize| {
+                    let weight = |j| {
+                        let position =
+                            leastaction_core::network::Dense::<f64>::position(x.len(), outputs, i, j);
+                        weights[at + position]
+                    };
+                    (0..x.len()).map(|j| weight(j) * x[j]).sum::<f64>() + weights[bias + i]
+                };
+                let y: Vec<f64> = (0..outputs).map(sum).collect();
+                x = if layer < 2 { y.into_iter().map(f64::tanh).collect() } else { y };
+                at = bias + outputs;
+            }
+            errors.extend(x.iter().zip(a).map(|(x, a)| mlp.acceleration * x - a));
+        }
+        errors
+    }
+
+    #[test]
+    fn it_is_the_narrowest_that_is_large_enough() {
+        let mlp = Mlp::with_weights("aa", 172).unwrap();
+        assert_eq!((mlp.width, mlp.parameters()), (9, 7 * 9 + 10 * 9 + 10 * 2));
+        assert!(Mlp { width: 8, ..mlp.clone() }.parameters() < 172);
+        assert_eq!(mlp.initial_weights(0).len(), mlp.parameters());
+        assert!(matches!(
+            Mlp::with_weights("aa", 1_000_000),
+            Err(ModelError::Shape { found: 1_000_000, .. })
+        ));
+    }
+
+    #[test]
+    fn loss_and_normal_equations_are_those_of_plain_loops_and_differences() {
+        let (mlp, samples) = (mlp(), samples());
+        let objective = mlp.objective(samples.clone()).unwrap();
+        let weights = mlp.initial_weights(1);
+        let plain = |weights: &[f64]| errors(weights, &samples, &mlp);
+        let r = plain(&weights);
+        let columns: Vec<Vec<f64>> = (0..weights.len())
+            .map(|j| {
+                let moved = |h: f64| {
+                    let mut moved = weights.clone();
+                    moved[j] += h;
+                    plain(&moved)
+                };
+                moved(1e-5).iter().zip(moved(-1e-5)).map(|(a, b)| (a - b) / 2e-5).collect()
+            })
+            .collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let close = |found: f64, expected: f64| {
+            assert!((found - expected).abs() < 1e-6 * (1.0 + expected.abs()), "{found} {expected}");
+        };
+        close(objective.loss(&weights), dot(&r, &r) / r.len() as f64);
+        let equations = objective.normal_equations(&weights).unwrap();
+        close(equations.mean_square(), objective.loss(&weights));
+        for (i, column) in columns.iter().enumerate() {
+            close(equations.gradient[i], dot(column, &r));
+            for (j, other) in columns.iter().enumerate().take(i + 1) {
+                close(equations.gram[(i, j)], dot(column, other));
+            }
+        }
+        let gradient = objective.gradient(&weights, 0..SAMPLES).unwrap();
+        assert_eq!((gradient.gradient, gradient.squares), (equations.gradient, equations.squares));
+    }
+
+    #[test]
+    fn both_optimisers_train_it() {
+        let (mlp, samples) = (mlp(), samples());
+        let objective = mlp.objective(samples).unwrap();
+        let start = mlp.initial_weights(2);
+        let before = objective.loss(&start);
+        let levenberg = Levenberg::new(&*objective, start.clone()).run(&*objective, 60, |_, _| ());
+        assert!(levenberg.loss < 1e-3 * before, "{} {before}", levenberg.loss);
+        let settings = AdamSettings { learning_rate: 1e-2, ..AdamSettings::symo(1, 0) };
+        let mut adam = Adam::new(&*objective, start, settings);
+        (0..60).for_each(|_| {
+            adam.iterate(&*objective);
+        });
+        assert!(objective.loss(&adam.weights) < 0.8 * before);
+    }
+
+    #[test]
+    fn scales_are_root_mean_squares() {
+        let states = [vec![7.0], vec![-2.0], vec![0.0]];
+        let mlp = mlp().scaled_to(&Samples { n: 1, states, ..samples() });
+        assert_eq!((mlp.velocity, mlp.acceleration), (2.0, 1.0));
+    }
+
+    #[test]
+    fn samples_of_another_system_are_refused() {
+        let narrow = Samples { n: 1, ..samples() };
+        let shape = |error| matches!(error, ModelError::Shape { found: 1, compiled: 3, .. });
+        assert!(mlp().objective(narrow).err().is_some_and(shape));
+    }
+}

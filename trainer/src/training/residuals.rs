@@ -1,0 +1,155 @@
+//! Sums over samples: fixed parts, each computed in order on one thread, added in order. Results do not depend on the
+//! number of threads.
+
+use super::{NormalEquations, Objective};
+use crate::parallel;
+use faer::Mat;
+use leastaction_core::scalar::{LANES, Lanes};
+use std::ops::Range;
+
+/// Samples whose rows are multiplied at once; not a power of two, for columns of the Jacobian would then share cache lines.
+const CHUNK: usize = 248;
+/// Parts whose sums are computed apart: as many threads as this can help.
+const PARTS: usize = 8;
+
+/// The residual of one sample could not be computed at these weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Failed;
+
+/// The residuals of samples and their derivatives in the weights, chunk by chunk: all that an [`Objective`] is made of,
+/// whatever the model.
+pub(crate) trait Residuals: Sync {
+    /// Numbers in the weight block.
+    fn parameters(&self) -> usize;
+    /// Samples.
+    fn samples(&self) -> usize;
+    /// Residual components of a sample.
+    fn components(&self) -> usize;
+    /// The sum of squared residuals of a chunk.
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed>;
+    /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed>;
+    /// Adds Jᵀr and rᵀr of a chunk alone.
+    fn add_gradient(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        sum: &mut NormalEquations,
+    ) -> Result<(), Failed> {
+        self.linearise(weights, samples, rows)?;
+        sum.add_gradient(&rows.jacobian, &rows.residual);
+        Ok(())
+    }
+    /// As [`Objective::project`]: nothing where every number is a weight.
+    fn project(&self, _weights: &mut [f64]) {}
+}
+
+/// Room for the rows of one chunk.
+pub(crate) struct ChunkRows {
+    /// r.
+    pub residual: Vec<f64>,
+    /// The derivatives in the weights of one component of eight samples.
+    pub buffer: Vec<Lanes>,
+    jacobian: Mat<f64>,
+}
+
+impl ChunkRows {
+    fn new() -> Self {
+        Self { residual: Vec::new(), jacobian: Mat::new(), buffer: Vec::new() }
+    }
+
+    /// Makes room for so many rows.
+    pub fn reset(&mut self, rows: usize, parameters: usize) {
+        self.residual.clear();
+        self.residual.resize(rows, 0.0);
+        self.buffer.resize(parameters, Lanes([0.0; LANES]));
+        if self.jacobian.shape() != (rows, parameters) {
+            self.jacobian = Mat::zeros(rows, parameters);
+        }
+    }
+
+    /// Copies the first `count` lanes of the buffer to rows from `row` on.
+    pub fn store(&mut self, row: usize, count: usize) {
+        for (j, lanes) in self.buffer.iter().enumerate() {
+            let column = &mut self.jacobian.col_as_slice_mut(j)[row..row + count];
+            match column.first_chunk_mut() {
+                Some(all) => *all = lanes.0,
+                None => column.copy_from_slice(&lanes.0[..count]),
+            }
+        }
+    }
+}
+
+/// The chunks of each part.
+fn parts(samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
+    let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(LANES)).max(LANES);
+    let chunks: Vec<_> =
+        samples.clone().step_by(chunk).map(|start| start..samples.end.min(start + chunk)).collect();
+    let per_part = chunks.len().div_ceil(PARTS).max(1);
+    chunks.chunks(per_part).map(<[_]>::to_vec).collect()
+}
+
+/// Sums over parts: each on one thread, merged in order.
+fn sum(
+    samples: Range<usize>,
+    zero: impl Fn() -> NormalEquations + Sync,
+    add: impl Fn(&mut NormalEquations, &mut ChunkRows, Range<usize>) -> Result<(), Failed> + Sync,
+) -> Option<NormalEquations> {
+    let parts = parts(samples);
+    let sums: Vec<Option<NormalEquations>> = parallel::map(parts.len(), &|k| {
+        let (mut sum, mut room) = (zero(), ChunkRows::new());
+        parts[k].iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
+        Some(sum)
+    });
+    sums.into_iter().reduce(|total, part| {
+        let (mut total, part) = (total?, part?);
+        total.merge(&part);
+        Some(total)
+    })?
+}
+
+impl<R: Residuals> Objective for R {
+    fn parameters(&self) -> usize {
+        Residuals::parameters(self)
+    }
+
+    fn samples(&self) -> usize {
+        Residuals::samples(self)
+    }
+
+    fn loss(&self, weights: &[f64]) -> f64 {
+        let samples = Residuals::samples(self);
+        let parts = parts(0..samples);
+        let sums: Vec<Result<f64, Failed>> = parallel::map(parts.len(), &|k| {
+            parts[k].iter().map(|chunk| self.squares(weights, chunk.clone())).sum()
+        });
+        match sums.into_iter().sum::<Result<f64, Failed>>() {
+            Ok(sum) if sum.is_finite() => sum / (samples * self.components()) as f64,
+            _ => f64::INFINITY,
+        }
+    }
+
+    fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
+        let p = weights.len();
+        sum(
+            0..Residuals::samples(self),
+            || NormalEquations::zero(p),
+            |sum, rows, chunk| {
+                self.linearise(weights, chunk, rows)?;
+                sum.add(&rows.jacobian, &rows.residual);
+                Ok(())
+            },
+        )
+    }
+
+    fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations> {
+        let p = weights.len();
+        let zero = || NormalEquations { gram: Mat::new(), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
+        sum(samples, zero, |sum, rows, chunk| self.add_gradient(weights, chunk, rows, sum))
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        Residuals::project(self, weights);
+    }
+}
