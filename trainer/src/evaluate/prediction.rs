@@ -1,7 +1,7 @@
 //! Long-term prediction in ModLaNet's measures, and the floor that single precision sets to them.
 
 use crate::ground_truth::{Horizon, IntegrationError, Motion, Start, follow};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::{PI, TAU};
 
 /// Error a step of the truth, and of predictions unless said otherwise, relative to 1 + |x|.
@@ -30,15 +30,21 @@ impl Truth {
     /// Where it cannot be followed.
     pub fn new(motion: &dyn Motion, starts: Vec<Start>, horizon: Horizon) -> Result<Self, IntegrationError> {
         let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
-        let states = |start| -> Result<Vec<f64>, IntegrationError> {
+        let states = |start: &Start| -> Result<Vec<f64>, IntegrationError> {
             let mut states = Vec::new();
             follow(exact, start, horizon, TOLERANCE, |state| states.extend_from_slice(state))?;
             Ok(states)
         };
-        let states = starts.par_iter().map(states).collect::<Result<Vec<_>, _>>()?;
+        let states = parallel::map(starts.len(), &|k| states(&starts[k]));
+        let states = states.into_iter().collect::<Result<Vec<_>, _>>()?;
         let angles: Vec<bool> = (0..motion.coordinates()).map(|i| motion.is_angle(i)).collect();
         let energies = states.iter().map(|states| energies(states, angles.len(), |q, v| motion.energy(q, v)));
         Ok(Self { energies: energies.collect(), horizon, starts, angles, states })
+    }
+
+    /// (q, v) along the first start, \[samples\]\[2n\].
+    pub fn first(&self) -> &[f64] {
+        self.states.first().map_or(&[], Vec::as_slice)
     }
 
     /// When and how often predictions are compared.
@@ -61,9 +67,11 @@ impl Truth {
             let keep = |state: &[f64]| states.extend_from_slice(state);
             let failed = follow(&acceleration, &self.starts[k], self.horizon, tolerance, keep).is_err();
             states.resize(self.states[k].len(), f64::INFINITY);
-            self.errors(k, &states, &energies(&states, self.angles.len(), &energy), failed)
+            let errors = self.errors(k, &states, &energies(&states, self.angles.len(), &energy), failed);
+            (errors, if k == 0 { states } else { Vec::new() })
         };
-        self.summarise(&(0..self.starts.len()).into_par_iter().map(one).collect::<Vec<_>>())
+        let (errors, states): (Vec<_>, Vec<_>) = parallel::map(self.starts.len(), &one).into_iter().unzip();
+        self.summarise(&errors, states.into_iter().next().unwrap_or_default())
     }
 
     /// The errors of other exact motions, taken for predictions of these: how far disturbed starts lead away. Starts without
@@ -71,7 +79,7 @@ impl Truth {
     pub fn difference(&self, other: &Self) -> Prediction {
         let pairs = other.states.iter().zip(&other.energies).take(self.starts.len());
         let errors = pairs.enumerate().map(|(k, (states, energies))| self.errors(k, states, energies, false));
-        self.summarise(&errors.collect::<Vec<_>>())
+        self.summarise(&errors.collect::<Vec<_>>(), other.first().to_vec())
     }
 
     /// The floor of single precision: the exact accelerations, rounded to it.
@@ -98,7 +106,7 @@ impl Truth {
         Errors { q, energy, summary }
     }
 
-    fn summarise(&self, all: &[Errors]) -> Prediction {
+    fn summarise(&self, all: &[Errors], first: Vec<f64>) -> Prediction {
         let curve = |pick: fn(&Errors) -> &[f64], entries: usize| -> Vec<f64> {
             let at = |k: usize| all.iter().map(|errors| pick(errors)[k]).sum::<f64>();
             (0..self.horizon.samples).map(|k| at(k) / (all.len() * entries) as f64).collect()
@@ -107,6 +115,7 @@ impl Truth {
             mse_q: curve(|errors| &errors.q, self.angles.len()),
             mse_energy: curve(|errors| &errors.energy, 1),
             trajectories: all.iter().map(|errors| errors.summary).collect(),
+            first,
         }
     }
 
@@ -166,6 +175,8 @@ pub struct Prediction {
     pub mse_q: Vec<f64>,
     /// Mean over starts of the squared energy error at each comparison, J².
     pub mse_energy: Vec<f64>,
+    /// (q, v) along the first start, \[samples\]\[2n\]; not finite from where it could not be followed.
+    pub first: Vec<f64>,
 }
 
 /// Mean and (population) standard deviation over starts.

@@ -4,9 +4,9 @@ use super::generate::noisy;
 use super::{BadMechanism, Bodies, Chain, Extrapolation, IntegrationError, Motion, second_order};
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
 use crate::data::{Dataset, Rows, Trajectory};
+use crate::parallel;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 use thiserror::Error;
 
@@ -189,8 +189,8 @@ pub fn circular_speed(count: usize, r: f64) -> f64 {
 pub fn generate_many(settings: &ModlanetSettings) -> Result<Dataset, GenerationError> {
     let motion = settings.system.motion()?;
     let starts = starts(settings);
-    let one = |(id, start): (usize, &Start)| trajectory(motion.as_ref(), settings, id, start);
-    let trajectories = starts.par_iter().enumerate().map(one).collect::<Result<_, _>>()?;
+    let one = |id: usize| trajectory(motion.as_ref(), settings, id, &starts[id]);
+    let trajectories = parallel::map(starts.len(), &one).into_iter().collect::<Result<_, _>>()?;
     Ok(Dataset { n: motion.coordinates(), h: settings.h, trajectories })
 }
 

@@ -6,7 +6,7 @@ mod published;
 mod recipe;
 mod stepping;
 
-pub use outcome::{Outcome, Predicted, ReproduceError, Stepped};
+pub use outcome::{Outcome, Pictured, Predicted, ReproduceError, Stepped};
 pub use published::Published;
 pub use recipe::{Model, architecture, fine_tune, train, tree};
 pub use stepping::{Energies, LongRun, SteppingError, long_run};
@@ -57,6 +57,18 @@ impl Case {
         Self::Noise,
     ];
 
+    /// Iterations after which its errors hardly fall.
+    pub fn iterations(self, pair: PairInput) -> usize {
+        match (self, pair) {
+            (Self::ThreeBody | Self::ExtendBody, PairInput::Distance | PairInput::Difference) => 80,
+            (Self::ThreeBody | Self::ExtendBody, PairInput::Concat) => 50,
+            (Self::ThreeBody | Self::ExtendBody, PairInput::InverseDistance) => 20,
+            (Self::DatasetSize, _) => 30,
+            (Self::DirectLarge, _) => 40,
+            (Self::DoublePendulum | Self::ExtendPendulum | Self::Noise, _) => 150,
+        }
+    }
+
     /// The system whose data the case can take from a file.
     pub fn system(self) -> Option<ManyBody> {
         match self {
@@ -74,8 +86,8 @@ pub struct Options {
     pub pair: PairInput,
     /// Of the initial weights and of generated data.
     pub seed: u64,
-    /// Iterations of Levenberg–Marquardt.
-    pub iterations: usize,
+    /// Iterations of Levenberg–Marquardt; `None`: [`Case::iterations`].
+    pub iterations: Option<usize>,
     /// The most samples of [`Case::DatasetSize`].
     pub most_samples: usize,
     /// Starts of predictions; 0: none are made.
@@ -90,7 +102,7 @@ impl Options {
         Self {
             pair: PairInput::InverseDistance,
             seed,
-            iterations: 150,
+            iterations: None,
             most_samples: 1_000_000,
             starts: 100,
             steps: 1_000_000,
@@ -181,7 +193,7 @@ impl Experiment<'_> {
     ) -> Result<(Outcome, Model), ReproduceError> {
         let architecture = self.architecture(system, set)?;
         let clock = Instant::now();
-        let (iterations, seed) = (self.options.iterations, self.options.seed);
+        let (iterations, seed) = (self.iterations(), self.options.seed);
         let tell = &mut *self.tell;
         let model = train(architecture, &set.train, iterations, seed, |iteration, loss| {
             if iteration % 10 == 0 {
@@ -191,8 +203,9 @@ impl Experiment<'_> {
         let seconds = clock.elapsed().as_secs_f64();
         let mut outcome = self.outcome(system, "trained", set, model.learned(), seconds)?;
         outcome.published = published::trained(system);
-        let prediction = prediction.filter(|_| self.options.starts > 0);
-        outcome.predicted = prediction.map(|length| self.predict(system, &model, length)).transpose()?;
+        if let Some(length) = prediction {
+            self.predict(&mut outcome, system, &model, length)?;
+        }
         Ok((outcome, model))
     }
 
@@ -221,13 +234,27 @@ impl Experiment<'_> {
             seed: self.options.seed,
             predicted: None,
             stepped: None,
+            pictured: None,
             long_run: None,
             published: Published::default(),
         })
     }
 
+    fn iterations(&self) -> usize {
+        self.options.iterations.unwrap_or_else(|| self.case.iterations(self.options.pair))
+    }
+
     /// Predictions from starts that no training data has.
-    fn predict(&mut self, system: ManyBody, model: &Model, length: f64) -> Result<Predicted, ReproduceError> {
+    fn predict(
+        &mut self,
+        outcome: &mut Outcome,
+        system: ManyBody,
+        model: &Model,
+        length: f64,
+    ) -> Result<(), ReproduceError> {
+        if self.options.starts == 0 {
+            return Ok(());
+        }
         (self.tell)(&format!("{} of {}: predicting {length} s", system.name(), system.count()));
         let motion = system.motion().map_err(GenerationError::from)?;
         let settings = ModlanetSettings::published(system, self.options.seed ^ UNSEEN);
@@ -236,16 +263,10 @@ impl Experiment<'_> {
         let (accelerations, _) = functions(&model.shape(), &model.weights)?;
         let ours = truth.compare(TOLERANCE, accelerations, |q, v| motion.energy(q, v));
         let floor = truth.single_precision(motion.as_ref());
-        Ok(Predicted {
-            prediction_seconds: length,
-            starts: self.options.starts,
-            position: ours.position().mean,
-            energy: ours.energy().mean,
-            valid_seconds: ours.valid_median(),
-            floor_position: floor.position().mean,
-            floor_energy: floor.energy().mean,
-            floor_valid_seconds: floor.valid_median(),
-        })
+        outcome.predicted = Some(Predicted::new(length, &ours, &floor));
+        let (h, exact) = (truth.horizon().h, truth.first().to_vec());
+        outcome.pictured = Some(Pictured { h, ours, floor, exact });
+        Ok(())
     }
 
     /// The trained model in larger systems, as it is and fine-tuned.
@@ -268,14 +289,14 @@ impl Experiment<'_> {
         let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
         zero_shot.samples = 0;
         zero_shot.published = published::extended(system, false);
-        zero_shot.predicted = Some(self.predict(system, model, 10.0)?);
+        self.predict(&mut zero_shot, system, model, 10.0)?;
         let clock = Instant::now();
         let [rows, validation] = held_back(&set.train, 9);
         let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
         let seconds = clock.elapsed().as_secs_f64();
         let mut fine_tuned = self.outcome(system, "fine-tuned", &set, tuned.learned(), seconds)?;
         fine_tuned.published = published::extended(system, true);
-        fine_tuned.predicted = Some(self.predict(system, &tuned, 10.0)?);
+        self.predict(&mut fine_tuned, system, &tuned, 10.0)?;
         Ok([zero_shot, fine_tuned])
     }
 

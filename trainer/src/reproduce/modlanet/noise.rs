@@ -57,7 +57,7 @@ impl Experiment<'_> {
         let clock = Instant::now();
         let [rows, judges] = held_back(&set.train, JUDGES);
         let start = shape.initial_weights(self.options.seed);
-        let weights = best_of(shape, [&rows, &judges], start, self.options.iterations)?;
+        let weights = best_of(shape, [&rows, &judges], start, self.iterations())?;
         self.outcome(system, kind, set, (shape, &weights), clock.elapsed().as_secs_f64())
     }
 }
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn the_model_is_better_than_a_network_of_its_size() {
-        let options = Options { iterations: 8, ..Options::new(0) };
+        let options = Options { iterations: Some(8), ..Options::new(0) };
         let rows = run(Case::Noise, &options, Some(set()), &mut |_| ()).unwrap();
         let conditions: Vec<_> = rows.iter().map(|row| (row.samples, row.noise, row.kind)).collect();
         assert_eq!(

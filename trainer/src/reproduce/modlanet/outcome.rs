@@ -1,6 +1,7 @@
 //! What an experiment gives, and why it cannot be done.
 
 use super::{Case, Energies, LongRun, Published, SteppingError};
+use crate::evaluate::prediction::Prediction;
 use crate::ground_truth::GenerationError;
 use leastaction_core::model::ModelError;
 use serde::Serialize;
@@ -25,6 +26,35 @@ pub struct Predicted {
     pub floor_energy: f64,
     /// Median valid-prediction time of the same, s.
     pub floor_valid_seconds: f64,
+}
+
+impl Predicted {
+    /// Of predictions over `length` s and their floor.
+    pub fn new(length: f64, ours: &Prediction, floor: &Prediction) -> Self {
+        Self {
+            prediction_seconds: length,
+            starts: ours.trajectories.len(),
+            position: ours.position().mean,
+            energy: ours.energy().mean,
+            valid_seconds: ours.valid_median(),
+            floor_position: floor.position().mean,
+            floor_energy: floor.energy().mean,
+            floor_valid_seconds: floor.valid_median(),
+        }
+    }
+}
+
+/// A prediction over time, for pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pictured {
+    /// Time from comparison to comparison, s.
+    pub h: f64,
+    /// The learned model's.
+    pub ours: Prediction,
+    /// That of exact physics in single precision.
+    pub floor: Prediction,
+    /// (q, v) along the exact motion from the first start.
+    pub exact: Vec<f64>,
 }
 
 /// What a million steps in single precision do to the energy of a learned double pendulum.
@@ -87,6 +117,9 @@ pub struct Outcome {
     /// A million steps in single precision, of two pendulums.
     #[serde(flatten)]
     pub stepped: Option<Stepped>,
+    /// The predictions over time.
+    #[serde(skip)]
+    pub pictured: Option<Pictured>,
     /// The energies along those steps.
     #[serde(skip)]
     pub long_run: Option<LongRun>,
