@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Instructions of one acceleration and one DEL step of order 2 and 4 in f32, for chains of 2 to 8 learned pendulums, counted by
-# valgrind (apt-get install valgrind): the difference of 101 calls and one, over 100. Exact, and the same at every run.
+# valgrind (apt-get install valgrind): the difference of 101 calls and one, over 100. Exact, and the same at every run. The table is
+# comma-separated, for `cargo run --release -p leastaction --example plot_table`.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
@@ -10,13 +11,13 @@ instructions() {
     valgrind --tool=callgrind --callgrind-out-file=/dev/null "$program" --calls "$@" 2>&1 | sed -n 's/.*Collected : //p'
 }
 
-printf '%-10s%14s%14s%14s\n' pendulums acceleration "DEL order 2" "DEL order 4"
+echo "pendulums,acceleration,DEL order 2,DEL order 4"
 for pendulums in 2 3 4 6 8; do
-    printf '%-10s' "$pendulums"
+    printf '%s' "$pendulums"
     for what in acceleration order-2 order-4; do
         one=$(instructions "$what" "$pendulums" 1)
         many=$(instructions "$what" "$pendulums" 101)
-        printf '%14s' $(((many - one) / 100))
+        printf ',%s' $(((many - one) / 100))
     done
     printf '\n'
 done
