@@ -5,7 +5,7 @@ use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, S
 use leastaction_core::energy::modular::{NetworkShape, PairInput, TransformShape, TypeShape};
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::ModelError;
-use leastaction_core::network::{Jet, Tape};
+use leastaction_core::network::Jet;
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
@@ -193,9 +193,11 @@ fn network_weights(network: &NetworkShape) -> usize {
     sum
 }
 
-/// The tape of a forward pass with T tangents and two layers of an adjoint with A.
+/// The tape of a forward pass with T tangents (units, slopes, rates) and two layers of an adjoint with A; each layer of each
+/// counts its units.
 fn tape<const T: usize, const A: usize>(widest: usize, depth: usize) -> usize {
-    size_of::<Tape<f32, T, 1, 1>>() * widest * depth + 2 * widest * size_of::<Jet<f32, A>>()
+    let unit = 2 * size_of::<Jet<f32, T>>() + size_of::<[f32; T]>();
+    depth * (unit * widest + 3 * WORD) + 2 * (size_of::<Jet<f32, A>>() * widest + WORD)
 }
 
 /// Inputs and outputs of the network.
@@ -212,6 +214,7 @@ mod tests {
     use super::*;
     use leastaction_core::energy::rigid::Coordinate;
     use leastaction_core::model::RigidModel;
+    use leastaction_core::network::Tape;
 
     fn cartpole(width: u16) -> Architecture {
         RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()
