@@ -28,7 +28,7 @@ pub struct NetworkShape {
 }
 
 impl NetworkShape {
-    /// A network with hidden layers of these widths; `None` for more than [`MAX_HIDDEN`] of them.
+    /// A network with hidden layers of these widths; `None` for more than `MAX_HIDDEN` of them.
     pub fn new(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> Option<Self> {
         let mut all = [0; MAX_HIDDEN];
         all.get_mut(..widths.len())?.copy_from_slice(widths);
