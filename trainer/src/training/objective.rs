@@ -202,17 +202,17 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N
         Ok(())
     }
 
-    /// Without the Jacobian: the terms are linear in their weights, so a sample's components are
-    /// added before the network is differentiated.
+    /// Without the Jacobian: the terms are linear in their weights, so a sample's components are added before the network is
+    /// differentiated.
     fn add_gradient(
         &self,
         weights: &[f64],
         samples: Range<usize>,
-        _: &mut ChunkRows,
+        rows: &mut ChunkRows,
         sum: &mut NormalEquations,
     ) -> Result<(), Failed> {
         let systems = Systems::new(&self.family, weights)?;
-        let mut buffer = vec![Lanes([0.0; LANES]); weights.len()];
+        rows.reset_buffer(weights.len());
         for start in samples.clone().step_by(LANES) {
             let mut terms = [const { Vec::new() }; LANES];
             let group = self.group(start, &samples);
@@ -223,9 +223,9 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N
             sum.squares += residuals.as_flattened().iter().map(|r| r * r).sum::<f64>();
             let weighed: [Vec<Term<N>>; LANES] =
                 std::array::from_fn(|lane| contracted(&residuals[lane], &terms[lane], self.loss.kinds()));
-            self.rows(&systems).add(weighed.each_ref().map(Vec::as_slice), &mut buffer);
+            self.rows(&systems).add(weighed.each_ref().map(Vec::as_slice), &mut rows.buffer);
         }
-        for (gradient, lanes) in sum.gradient.iter_mut().zip(&buffer) {
+        for (gradient, lanes) in sum.gradient.iter_mut().zip(&rows.buffer) {
             *gradient += lanes.0.iter().sum::<f64>();
         }
         sum.rows += samples.len() * N;

@@ -63,10 +63,16 @@ impl ChunkRows {
     pub fn reset(&mut self, rows: usize, parameters: usize) {
         self.residual.clear();
         self.residual.resize(rows, 0.0);
-        self.buffer.resize(parameters, Lanes([0.0; LANES]));
+        self.reset_buffer(parameters);
         if self.jacobian.shape() != (rows, parameters) {
             self.jacobian = Mat::zeros(rows, parameters);
         }
+    }
+
+    /// Zeros, one a parameter.
+    pub fn reset_buffer(&mut self, parameters: usize) {
+        self.buffer.clear();
+        self.buffer.resize(parameters, Lanes([0.0; LANES]));
     }
 
     /// Copies the first `count` lanes of the buffer to rows from `row` on.

@@ -1,7 +1,9 @@
 //! Pictures of what the table says.
 
+use super::table::numbered;
 use crate::commands::Done;
 use crate::commands::output::Failure;
+use leastaction::ground_truth::ManyBody;
 use leastaction::plot::{
     Angle, Panel, Phase, PlotError, Series, Stroke, Vertical, phase_portrait, time_series,
 };
@@ -15,7 +17,7 @@ const PATH_SECONDS: f64 = 10.0;
 /// of the long run.
 pub fn draw(folder: &Path, rows: &[Outcome]) -> Done {
     for row in rows {
-        let name = format!("{}-{}-{}", row.count, row.system.trim_start_matches("n-"), row.kind);
+        let name = format!("{}-{}", numbered(row.system, row.count), row.kind);
         if let Some(pictured) = &row.pictured {
             let file = folder.join(format!("{name}-errors.svg"));
             draw_errors(&file, row, pictured).map_err(|error| Failure::file(&file, error))?;
@@ -30,11 +32,12 @@ pub fn draw(folder: &Path, rows: &[Outcome]) -> Done {
     Ok(())
 }
 
+fn is_chain(row: &Outcome) -> bool {
+    row.system == ManyBody::Pendulum(row.count).name()
+}
+
 fn title(row: &Outcome) -> String {
-    let what = match row.system {
-        "n-pendulum" => "pendulums",
-        _ => "bodies",
-    };
+    let what = if is_chain(row) { "pendulums" } else { "bodies" };
     format!("{} {what}, {}", row.count, row.kind)
 }
 
@@ -48,7 +51,7 @@ fn draw_errors(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), Pl
         [over_time("learned", ours), over_time("exact physics in f32", floor).with_stroke(Stroke::Dashed)]
     };
     let (q, energy) = (both(&ours.mse_q, &floor.mse_q), both(&ours.mse_energy, &floor.mse_energy));
-    let unit = if row.system == "n-pendulum" { "MSE of q (rad²)" } else { "MSE of q (m²)" };
+    let unit = if is_chain(row) { "MSE of q (rad²)" } else { "MSE of q (m²)" };
     let panels = [Panel::new(unit, &q), Panel::new("MSE of E (J²)", &energy)];
     let panels = panels.map(|panel| panel.with_vertical(Vertical::Logarithmic));
     time_series(file, &format!("{}: errors over {} starts", title(row), ours.trajectories.len()), &panels)
@@ -69,7 +72,7 @@ fn draw_paths(file: &Path, row: &Outcome, pictured: &Pictured) -> Result<(), Plo
 
 /// Points in the plane along states (q, v); rods are 1 m long.
 fn paths(row: &Outcome, states: &[f64]) -> Vec<Vec<(f64, f64)>> {
-    if row.system == "n-pendulum" {
+    if is_chain(row) {
         let end = |state: &[f64]| {
             let angles = state[..row.count].iter();
             angles.fold((0.0, 0.0), |(x, y), q| (x + q.sin(), y - q.cos()))

@@ -100,6 +100,11 @@ impl fmt::Display for Table {
     }
 }
 
+/// A system with its number of elements: 2-pendulum.
+pub fn numbered(system: &str, count: usize) -> String {
+    format!("{count}-{}", system.trim_start_matches("n-"))
+}
+
 /// Of how many of what, by which model, from which data.
 fn what(
     f: &mut fmt::Formatter,
@@ -107,8 +112,7 @@ fn what(
     [count, samples]: [usize; 2],
     noise: f64,
 ) -> fmt::Result {
-    let system = format!("{count}-{}", system.trim_start_matches("n-"));
-    write!(f, "{system:<12} {kind:<10} {samples:>7} {noise:>5}")
+    write!(f, "{:<12} {kind:<10} {samples:>7} {noise:>5}", numbered(system, count))
 }
 
 fn scattered(f: &mut fmt::Formatter, scatter: &[Scatter]) -> fmt::Result {
