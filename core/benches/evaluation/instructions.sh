@@ -5,6 +5,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
+# Instructions that valgrind knows, and the same on every machine.
+export RUSTFLAGS=-Ctarget-cpu=x86-64
 program=$(cargo bench --package leastaction-core --bench evaluation --no-run 2>&1 | sed -n 's/.*(\(.*\)).*/\1/p' | tail -n 1)
 
 instructions() {
