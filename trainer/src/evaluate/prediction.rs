@@ -32,7 +32,8 @@ impl Truth {
         let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
         let states = |start: &Start| -> Result<Vec<f64>, IntegrationError> {
             let mut states = Vec::new();
-            follow(exact, start, horizon, TOLERANCE, |state| states.extend_from_slice(state))?;
+            let project = |state: &mut [f64]| motion.project(state);
+            follow(exact, project, start, horizon, TOLERANCE, |state| states.extend_from_slice(state))?;
             Ok(states)
         };
         let states = parallel::map(starts.len(), &|k| states(&starts[k]));
@@ -65,7 +66,8 @@ impl Truth {
         let one = |k: usize| {
             let mut states = Vec::with_capacity(self.states[k].len());
             let keep = |state: &[f64]| states.extend_from_slice(state);
-            let failed = follow(&acceleration, &self.starts[k], self.horizon, tolerance, keep).is_err();
+            let start = &self.starts[k];
+            let failed = follow(&acceleration, |_| Some(()), start, self.horizon, tolerance, keep).is_err();
             states.resize(self.states[k].len(), f64::INFINITY);
             let errors = self.errors(k, &states, &energies(&states, self.angles.len(), &energy), failed);
             (errors, if k == 0 { states } else { Vec::new() })

@@ -1,23 +1,28 @@
 //! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot, ModLaNet's chains of
-//! pendulums and attracting bodies.
+//! pendulums and attracting bodies, LGNN's pendulums, springs and hybrids in Cartesian coordinates.
 
 mod bodies;
 mod chain;
 mod generate;
 mod integrate;
+mod lgnn;
+mod logged;
 mod modlanet;
 mod motion;
+mod truss;
 
 pub use bodies::Bodies;
 pub use chain::{Chain, Link};
 pub(crate) use generate::noisy;
 pub use generate::{Settings, generate, symo_set};
 pub use integrate::{Extrapolation, IntegrationError, second_order};
+pub use lgnn::{LgnnSettings, LgnnSystem, lgnn_set, lgnn_starts};
+pub use logged::{GenerationError, Horizon, Start, follow, logged};
 pub use modlanet::{
-    GenerationError, Horizon, ManyBody, ModlanetSettings, Start, circular_speed, follow, generate_many,
-    modlanet_set, modlanet_set_of, starts,
+    ManyBody, ModlanetSettings, circular_speed, generate_many, modlanet_set, modlanet_set_of, starts,
 };
 pub use motion::{BadMechanism, Motion};
+pub use truss::{Rod, Truss};
 
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};

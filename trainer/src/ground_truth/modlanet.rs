@@ -1,17 +1,12 @@
 //! The protocol of ModLaNet's experiments (Lu et al., ICML 2022), as their program has it.
 
-use super::generate::noisy;
-use super::{BadMechanism, Bodies, Chain, Extrapolation, IntegrationError, Motion, second_order};
+use super::logged::{GenerationError, Horizon, Start, logged};
+use super::{BadMechanism, Bodies, Chain, Motion};
+use crate::data::Dataset;
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
-use crate::data::{Dataset, Rows, Trajectory};
-use crate::parallel;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
-use thiserror::Error;
-
-/// Error of the motion a step, relative to 1 + |x|.
-const TOLERANCE: f64 = 1e-12;
 /// Radii of the circle that the bodies start on, m.
 const RADII: std::ops::Range<f64> = 1.0..5.0;
 /// Each component of a body's velocity is multiplied by 1 ± this.
@@ -88,45 +83,6 @@ impl ModlanetSettings {
     }
 }
 
-/// Why there is no data.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum GenerationError {
-    /// No such system.
-    #[error(transparent)]
-    Mechanism(#[from] BadMechanism),
-    /// Its motion cannot be followed.
-    #[error(transparent)]
-    Integration(#[from] IntegrationError),
-    /// Too few trajectories to keep some for the test.
-    #[error("a training and a test set need at least 2 trajectories, not {0}")]
-    TooFew(usize),
-}
-
-/// How long, and how often, a motion is looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Horizon {
-    /// Time between looks, s.
-    pub h: f64,
-    /// Looks, that at the start included.
-    pub samples: usize,
-}
-
-impl Horizon {
-    /// Of predictions: 20 looks a second, as the authors', which makes 601 in 30 s.
-    pub fn of_seconds(seconds: f64) -> Self {
-        Self { h: 0.05, samples: (seconds / 0.05).round() as usize + 1 }
-    }
-}
-
-/// A state at rest or in motion: positions and velocities.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Start {
-    /// q.
-    pub q: Vec<f64>,
-    /// v.
-    pub v: Vec<f64>,
-}
-
 /// The initial states of the trajectories, from one random stream.
 ///
 /// Pendulums: θ ∈ U(0, 2π), θ̇ ∈ U(±speed). Bodies: evenly on a circle of radius U(1, 5) about the origin, at √2 times the
@@ -188,61 +144,8 @@ pub fn circular_speed(count: usize, r: f64) -> f64 {
 /// For a system without elements, and where the motion cannot be followed.
 pub fn generate_many(settings: &ModlanetSettings) -> Result<Dataset, GenerationError> {
     let motion = settings.system.motion()?;
-    let starts = starts(settings);
-    let one = |id: usize| trajectory(motion.as_ref(), settings, id, &starts[id]);
-    let trajectories = parallel::map(starts.len(), &one).into_iter().collect::<Result<_, _>>()?;
-    Ok(Dataset { n: motion.coordinates(), h: settings.h, trajectories })
-}
-
-fn trajectory(
-    motion: &dyn Motion,
-    settings: &ModlanetSettings,
-    id: usize,
-    start: &Start,
-) -> Result<Trajectory, IntegrationError> {
-    let n = motion.coordinates();
-    let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
-    let mut states = Vec::with_capacity(2 * n * settings.samples);
-    let horizon = Horizon { h: settings.h, samples: settings.samples };
-    follow(exact, start, horizon, TOLERANCE, |state| states.extend_from_slice(state))?;
-    // Of its own, so that the number of processors does not matter.
-    let mut stream = Pcg64::new(u128::from(settings.seed), id as u128 + 1);
-    let (mut q, mut v, mut a) = (Vec::new(), Vec::new(), vec![0.0; n * settings.samples]);
-    for ((k, state), a) in states.chunks_exact(2 * n).enumerate().zip(a.chunks_exact_mut(n)) {
-        let (position, velocity) = state.split_at(n);
-        let failed = IntegrationError { t: k as f64 * settings.h, tolerance: TOLERANCE };
-        motion.acceleration(position, velocity, a).ok_or(failed)?;
-        q.extend(position.iter().map(|x| noisy([*x], settings.noise, &mut stream)[0]));
-        v.extend(velocity.iter().map(|x| noisy([*x], settings.noise, &mut stream)[0]));
-    }
-    let unfit = IntegrationError { t: 0.0, tolerance: TOLERANCE };
-    let rows = |values| Rows::from_flat(n, values).ok_or(unfit);
-    Ok(Trajectory { id: id as i64, t0: 0.0, q: rows(q)?, v: Some(rows(v)?), a: Some(rows(a)?), u: None })
-}
-
-/// Gives `keep` the states (q, v) `h` seconds apart from the start on, `samples` of them, under the accelerations v̇(q, v).
-///
-/// # Errors
-/// Where the motion cannot be followed to the tolerance, relative to 1 + |x| in each step; `t` counts from the start.
-pub fn follow(
-    acceleration: impl FnMut(&[f64], &[f64], &mut [f64]) -> Option<()>,
-    start: &Start,
-    horizon: Horizon,
-    tolerance: f64,
-    mut keep: impl FnMut(&[f64]),
-) -> Result<(), IntegrationError> {
-    let mut state = [start.q.as_slice(), &start.v].concat();
-    let mut rate = second_order(acceleration);
-    let mut integrator = Extrapolation::new(state.len(), tolerance);
-    for k in 0..horizon.samples {
-        if k > 0 {
-            let before = (k - 1) as f64 * horizon.h;
-            let at = |error: IntegrationError| IntegrationError { t: before + error.t, ..error };
-            integrator.advance(&mut rate, &mut state, horizon.h).map_err(at)?;
-        }
-        keep(&state);
-    }
-    Ok(())
+    let ModlanetSettings { h, samples, noise, seed, .. } = *settings;
+    Ok(logged(motion.as_ref(), &starts(settings), Horizon { h, samples }, noise, seed)?)
 }
 
 /// A data set by the authors' protocol, [`ModlanetSettings::published`].

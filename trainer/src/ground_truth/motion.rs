@@ -19,6 +19,12 @@ pub trait Motion: Send + Sync {
     /// V(q), J.
     fn potential_energy(&self, q: &[f64]) -> f64;
 
+    /// Brings a state (q, v) that is off by the error of a step back to where constraints keep it; `None` where none is near.
+    /// Without constraints every state is good.
+    fn project(&self, _state: &mut [f64]) -> Option<()> {
+        Some(())
+    }
+
     /// T + V, J.
     fn energy(&self, q: &[f64], v: &[f64]) -> f64 {
         self.kinetic_energy(q, v) + self.potential_energy(q)
