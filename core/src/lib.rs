@@ -4,7 +4,7 @@
 //! discrete Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
 //!
 //! Data flows one way through the rooms of this crate:
-//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] → [`forces`] → [`continuous`] and [`discrete`] → [`model`].
+//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] → [`continuous`] and [`discrete`] → [`model`].
 //!
 //! # Notation
 //!
@@ -35,4 +35,5 @@ pub mod lagrangian;
 pub mod linear;
 pub mod model;
 pub mod network;
+pub mod particles;
 pub mod scalar;

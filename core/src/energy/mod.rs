@@ -3,11 +3,16 @@
 //!
 //! - [`rigid`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
 //! - [`modular`]: a tree of reusable elements (ModLaNet);
+//! - [`graph`]: particles with potentials of their own, of pairs and of messages (LGNN), any number of them;
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
 
+pub mod graph;
 pub mod modular;
+mod part;
 pub mod rigid;
 pub mod trigonometric;
+
+pub use part::{MAX_HIDDEN, NetworkShape, Part};
 
 use crate::scalar::Scalar;
 
@@ -28,4 +33,10 @@ pub trait Learnable<S: Scalar, const N: usize> {
     /// Visits ∂/∂θ of y·(L_q − d/dt L_v) = y·(L_q − L_vq v − L_vv a) at (q, v) with acceleration a and constant y: the
     /// gradient of the Euler–Lagrange residual, and so of the acceleration.
     fn residual_gradient(&self, at: (&[S; N], &[S; N]), a: &[S; N], y: &[S; N], row: impl FnMut(usize, S));
+}
+
+/// Forces whose derivatives in their weights θ are known, for training.
+pub trait LearnableForces<S: Scalar, const N: usize> {
+    /// Visits ∂/∂θ of y·Q(q, v) with constant y, as `row(position, value)`; see [`Learnable`].
+    fn force_gradient(&self, at: (&[S; N], &[S; N]), y: &[S; N], row: impl FnMut(usize, S));
 }

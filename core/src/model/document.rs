@@ -1,4 +1,5 @@
 use super::ModelError;
+use crate::energy::MAX_HIDDEN;
 use crate::energy::modular::{self, Node, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count};
 use crate::network::{Activation, Mlp};
@@ -8,8 +9,6 @@ use serde::{Deserialize, Serialize};
 pub const MAGIC: [u8; 4] = *b"LACT";
 /// The format this build reads and writes.
 pub const FORMAT_VERSION: u8 = 1;
-/// Hidden layers at most.
-pub const MAX_HIDDEN: usize = 4;
 /// Coordinates at most.
 const MAX_COORDINATES: usize = 16;
 /// Coordinates of a tree at most.

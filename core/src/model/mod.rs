@@ -8,9 +8,10 @@ mod error;
 mod modular;
 mod rigid;
 
+pub use crate::energy::MAX_HIDDEN;
 pub use document::{
-    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_HIDDEN, MAX_TREES, ModularHeader,
-    RigidHeader, TreeHeader,
+    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader,
+    TreeHeader,
 };
 pub use error::ModelError;
 pub use modular::ModularModel;

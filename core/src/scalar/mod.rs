@@ -9,6 +9,7 @@ mod float64;
 mod lanes;
 #[cfg(feature = "micromath")]
 mod micro;
+mod packed;
 mod tanh;
 mod trigonometry;
 
@@ -16,6 +17,7 @@ pub use compensated::Compensated;
 pub use lanes::{LANES, Lanes};
 #[cfg(feature = "micromath")]
 pub use micro::Micro;
+pub use packed::Packed;
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};

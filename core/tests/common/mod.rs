@@ -3,6 +3,7 @@
 
 pub mod dual;
 pub mod file;
+pub mod graphs;
 pub mod oracle;
 pub mod shapes;
 pub mod trees;

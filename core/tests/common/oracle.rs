@@ -22,9 +22,10 @@ pub trait Learned<const N: usize>: Clone {
     /// The energies of this shape over a weight block.
     type Over<'w, S: Scalar>: Lagrangian<S, N, Mass = DenseMass<S, N>> + Learnable<S, N>
     where
-        S::Weight: 'w;
+        S::Weight: 'w,
+        Self: 'w;
 
-    fn energies_over<'w, S: Scalar>(&self, weights: &'w [S::Weight]) -> Self::Over<'w, S>;
+    fn energies_over<'w, S: Scalar>(&'w self, weights: &'w [S::Weight]) -> Self::Over<'w, S>;
 
     fn weights(&self) -> &[f64];
 

@@ -144,9 +144,10 @@ impl<const N: usize> Learned<N> for Tree<N> {
     type Over<'w, S: Scalar>
         = Modular<'w, S::Weight, N, KINDS, WIDTH, DEPTH>
     where
-        S::Weight: 'w;
+        S::Weight: 'w,
+        Self: 'w;
 
-    fn energies_over<'w, S: Scalar>(&self, weights: &'w [S::Weight]) -> Self::Over<'w, S> {
+    fn energies_over<'w, S: Scalar>(&'w self, weights: &'w [S::Weight]) -> Self::Over<'w, S> {
         self.over(weights)
     }
 

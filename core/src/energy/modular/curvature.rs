@@ -1,8 +1,9 @@
 //! Second derivatives of the potential.
 
-use super::potential::{Ignore, Moving};
+use super::potential::Moving;
 use super::tree::{SPACE, Vector, add};
 use super::{Configuration, Modular, dot};
+use crate::energy::part::Ignore;
 use crate::network::Jet;
 use crate::scalar::Scalar;
 

@@ -1,7 +1,8 @@
 //! What an element is, apart from its place in a tree: how its coordinates move it, what it weighs, and its potential.
 
 use super::tree::{SPACE, Vector};
-use crate::network::{Activation, Jet, Mlp};
+use crate::energy::part::Part;
+use crate::network::Jet;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -51,15 +52,6 @@ fn turning<S: Scalar, const K: usize>(value: S, derivatives: [S; 3]) -> Jet<S, K
         *slot = derivative;
     }
     series
-}
-
-/// A network with the place of its first number in the weight block.
-#[derive(Clone, Copy, Debug)]
-pub struct Part<'a, W, const D: usize> {
-    /// The network.
-    pub network: Mlp<'a, W, D>,
-    /// Its first number in the weight block.
-    pub start: usize,
 }
 
 /// How the coordinates of an element move it and everything that it carries.
@@ -212,11 +204,15 @@ impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
                         core::array::from_fn(|i| Jet { value: value[i], tangent: [first[i], second[i]] })
                     };
                 match velocity {
-                    None => position.gradient::<S, H>(x, &series(&bar.s, &bar.s_q, &bar.s_qq), row),
+                    None => position.series_gradient::<S, H>(
+                        (x, &mut []),
+                        &series(&bar.s, &bar.s_q, &bar.s_qq),
+                        row,
+                    ),
                     Some(velocity) => {
                         let zero = [S::zero(); SPACE];
-                        position.gradient::<S, H>(x, &series(&bar.s, &bar.s_q, &zero), row);
-                        velocity.gradient::<S, H>(x, &series(&bar.g, &bar.g_q, &zero), row);
+                        position.series_gradient::<S, H>((x, &mut []), &series(&bar.s, &bar.s_q, &zero), row);
+                        velocity.series_gradient::<S, H>((x, &mut []), &series(&bar.g, &bar.g_q, &zero), row);
                     }
                 }
             }
@@ -238,22 +234,7 @@ impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
     }
 }
 
-impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
-    /// Takes a network from the front of `block`, `start` numbers of which were taken before; counts on.
-    pub(super) fn take(
-        block: &mut &'a [W],
-        start: &mut usize,
-        inputs: usize,
-        widths: &[usize],
-        outputs: usize,
-        activation: Activation,
-    ) -> Option<Self> {
-        let network = Mlp::take(block, inputs, widths, outputs, activation)?;
-        let part = Self { network, start: *start };
-        *start += network.len();
-        Some(part)
-    }
-
+impl<W: Copy, const D: usize> Part<'_, W, D> {
     fn series<S: Scalar<Weight = W>, const K: usize, const H: usize>(
         &self,
         x: &[Jet<S, K>],
@@ -261,18 +242,5 @@ impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
         let mut y = [Jet::zero(); SPACE];
         self.network.series::<S, K, H>(x, &mut y);
         y
-    }
-
-    fn gradient<S: Scalar<Weight = W>, const H: usize>(
-        &self,
-        x: &[Jet<S, 2>],
-        bar: &[Jet<S, 2>],
-        row: &mut impl FnMut(usize, S),
-    ) {
-        let mut end = self.start + self.network.len();
-        self.network.series_adjoints::<S, H>(x, bar, |layer, x, bar| {
-            end -= layer.len();
-            layer.series_gradient(x, bar, |i, value| row(end + i, value));
-        });
     }
 }

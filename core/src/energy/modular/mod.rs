@@ -20,16 +20,18 @@ mod potential;
 mod shape;
 mod tree;
 
-pub use element::{ElementType, Input, NUMBERS, Numbers, Part, Transform};
+pub use super::part::{NetworkShape, Part};
+pub use element::{ElementType, Input, NUMBERS, Numbers, Transform};
 pub use potential::{Pair, PairInput};
-pub use shape::{MAX_NETWORKS, MAX_TYPES, NetworkShape, PairShape, Shape, TransformShape, TypeShape};
+pub use shape::{MAX_NETWORKS, MAX_TYPES, PairShape, Shape, TransformShape, TypeShape};
 pub use tree::{Node, SPACE, Tree, TreeError, Vector};
 
+use crate::energy::part::{Ignore, Visit};
 use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::network::Jet;
 use crate::scalar::Scalar;
 use element::Motion;
-use potential::{Ignore, Moving, Visit};
+use potential::Moving;
 use tree::scale;
 
 /// A tree of elements in N coordinates over borrowed weights: at most `K` element types, networks of at most `D` hidden

@@ -1,10 +1,11 @@
 //! Derivatives in the weights, for training.
 
 use super::element::Motion;
-use super::potential::{Moving, Rows};
+use super::potential::Moving;
 use super::tree::{Vector, add, scale};
 use super::{Configuration, ElementType, Modular, Weighed, dot};
 use crate::energy::Learnable;
+use crate::energy::part::Rows;
 use crate::network::Jet;
 use crate::scalar::Scalar;
 

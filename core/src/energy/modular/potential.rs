@@ -1,8 +1,8 @@
 //! Potentials of elements and of pairs of elements, with their derivatives in positions and in weights.
 
-use super::element::Part;
 use super::tree::{SPACE, Vector, add, scale};
-use crate::network::{Dense, Jet, Tape};
+use crate::energy::part::{Part, Visit};
+use crate::network::Jet;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -32,57 +32,6 @@ impl PairInput {
 
 /// A position moving along T directions.
 pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
-
-/// Called with the start of the layer in the weight block, the layer, its inputs and the adjoint of its outputs.
-pub(super) trait Visit<W, S, const T: usize> {
-    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, T>], y_bar: &[Jet<S, T>]);
-}
-
-/// Nobody wants the derivatives in the weights.
-pub(super) struct Ignore;
-
-impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
-    #[inline(always)]
-    fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
-}
-
-/// Passes the derivative in every weight of the energy's tangent to `row`, times −1.
-pub(super) struct Rows<R>(pub R);
-
-impl<W: Copy, S: Scalar<Weight = W>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
-    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
-        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, -value));
-    }
-}
-
-impl<W: Copy, const D: usize> Part<'_, W, D> {
-    /// U(x) alone.
-    pub(super) fn energy<S: Scalar<Weight = W>, const H: usize>(&self, x: &[Jet<S, 0>]) -> S {
-        let mut y = [Jet::zero(); 1];
-        self.network.evaluate::<S, 0, H>(x, &mut y);
-        y[0].value
-    }
-
-    /// U(x) with its tangents; adds `weight` times its gradient and the gradient's tangents to `x_bar`.
-    pub(super) fn differentiate<S: Scalar<Weight = W>, const T: usize, const I: usize, const H: usize>(
-        &self,
-        x: &[Jet<S, T>; I],
-        weight: S,
-        visit: &mut impl Visit<W, S, T>,
-    ) -> (Jet<S, T>, [Jet<S, T>; I]) {
-        let mut tape = Tape::<S, T, H, D>::default();
-        let mut y = [Jet::zero(); 1];
-        let mut x_bar = [Jet::zero(); I];
-        self.network.forward(x, &mut tape, &mut y);
-        let mut end = self.start + self.network.len();
-        let y_bar = [Jet::constant(weight)];
-        self.network.adjoint_with_layers(&tape, (x, &mut x_bar), &y_bar, |layer, x, y_bar| {
-            end -= layer.len();
-            visit.layer(end, layer, x, y_bar);
-        });
-        (y[0], x_bar)
-    }
-}
 
 /// The pair potential of a model.
 #[derive(Clone, Copy, Debug)]

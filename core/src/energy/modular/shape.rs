@@ -1,57 +1,16 @@
 //! The shape of a modular model, apart from its numbers and its trees.
 
 use super::Modular;
-use super::element::{ElementType, Input, NUMBERS, Numbers, Part, Transform};
+use super::element::{ElementType, Input, NUMBERS, Numbers, Transform};
 use super::potential::{Pair, PairInput};
 use super::tree::{Node, SPACE, Tree, TreeError};
-use crate::network::{Activation, Mlp};
+use crate::energy::part::{NetworkShape, Part};
 use serde::{Deserialize, Serialize};
 
-/// Hidden layers of a network at most.
-pub const MAX_HIDDEN: usize = 4;
 /// Networks of a model at most.
 pub const MAX_NETWORKS: usize = 8;
 /// Element types of a model at most.
 pub const MAX_TYPES: usize = 6;
-
-/// The shape of one network.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct NetworkShape {
-    /// Inputs.
-    pub inputs: u8,
-    /// Units of the hidden layers; the first 0 ends the list.
-    pub widths: [u16; MAX_HIDDEN],
-    /// Outputs.
-    pub outputs: u8,
-    /// Of the hidden layers.
-    pub activation: Activation,
-}
-
-impl NetworkShape {
-    /// A network with hidden layers of these widths; `None` for more than `MAX_HIDDEN` of them.
-    pub fn new(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> Option<Self> {
-        let mut all = [0; MAX_HIDDEN];
-        all.get_mut(..widths.len())?.copy_from_slice(widths);
-        Some(Self { inputs, widths: all, outputs, activation })
-    }
-
-    /// Units of each hidden layer, and how many layers there are.
-    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
-        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
-        (self.widths.map(usize::from), depth)
-    }
-
-    /// Numbers in the weight block; `None` on overflow.
-    pub fn parameters(&self) -> Option<usize> {
-        let (widths, depth) = self.widths();
-        Mlp::<f32, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
-    }
-
-    fn is_valid(&self) -> bool {
-        let (_, depth) = self.widths();
-        self.widths.iter().skip(depth).all(|w| *w == 0)
-    }
-}
 
 /// How the coordinates of an element type move it; networks by their number from 0. See [`Transform`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -155,7 +114,7 @@ impl Shape {
     pub fn misfit(&self) -> Option<&'static str> {
         let serves = |network: u8, inputs: usize, outputs: usize| {
             let network = self.networks().nth(network.into());
-            network.is_some_and(|n| usize::from(n.inputs) == inputs && usize::from(n.outputs) == outputs)
+            network.is_some_and(|n| n.serves(inputs, outputs))
         };
         let moves = |kind: &TypeShape| match kind.transform {
             TransformShape::Network { position, velocity, input } => {
@@ -191,7 +150,7 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
         let mut start = 0;
         let mut networks = [None; MAX_NETWORKS];
         for (slot, network) in networks.iter_mut().zip(shape.networks()) {
-            *slot = Some(take_network::<W, H, D>(block, &mut start, network)?);
+            *slot = Some(Part::take::<H>(block, &mut start, network)?);
         }
         let network = |i: u8| networks.get(usize::from(i)).copied().flatten();
         let mut types = [None; K];
@@ -206,19 +165,6 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
         *block = rest;
         Some(Self { types, pair, coefficients: *coefficients, start, tree })
     }
-}
-
-fn take_network<'a, W: Copy, const H: usize, const D: usize>(
-    block: &mut &'a [W],
-    start: &mut usize,
-    shape: &NetworkShape,
-) -> Option<Part<'a, W, D>> {
-    let (widths, depth) = shape.widths();
-    let widths = widths.get(..depth)?;
-    if widths.iter().any(|width| *width > H) {
-        return None;
-    }
-    Part::take(block, start, shape.inputs.into(), widths, shape.outputs.into(), shape.activation)
 }
 
 fn take_type<'a, W: Copy, const D: usize>(

@@ -1,0 +1,178 @@
+//! Graphs of a number of coordinates that is compiled in.
+
+use super::{Edge, Graph, GraphError, across, exchange};
+use crate::energy::part::Ignore;
+use crate::forces::Forces;
+use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::network::Jet;
+use crate::scalar::Scalar;
+
+/// A graph in N coordinates, node after node: N is the number of nodes times `D`.
+///
+/// It is its own [`Forces`]: the drag on its nodes.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixed<'a, W, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize> {
+    pub(super) graph: Graph<'a, W, D, K, H, L>,
+}
+
+impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+    Fixed<'a, W, D, K, H, L, N>
+{
+    /// The graph, which must have N coordinates.
+    ///
+    /// # Errors
+    /// [`GraphError::Coordinates`].
+    pub fn new(graph: Graph<'a, W, D, K, H, L>) -> Result<Self, GraphError> {
+        let found = graph.nodes.len() * D;
+        if found == N { Ok(Self { graph }) } else { Err(GraphError::Coordinates { found, compiled: N }) }
+    }
+
+    /// The graph.
+    pub fn graph(&self) -> &Graph<'a, W, D, K, H, L> {
+        &self.graph
+    }
+
+    /// The nodes with what each of them has of x.
+    #[inline(always)]
+    pub(super) fn nodes<'x, S>(&self, x: &'x [S; N]) -> impl Iterator<Item = (u8, &'x [S; D])> {
+        self.graph.nodes.iter().copied().zip(vectors(x))
+    }
+
+    /// The edges with what lies between their ends.
+    #[inline(always)]
+    pub(super) fn edges<S: Scalar>(&self, q: &[S; N]) -> impl Iterator<Item = (&'a Edge, [S; D])> {
+        self.graph.edges.iter().filter_map(|edge| Some((edge, across(vectors(q), edge)?)))
+    }
+
+    /// `of` every node's part of x, node after node.
+    fn each<S: Scalar<Weight = W>>(&self, x: &[S; N], of: impl Fn(u8, &[S; D]) -> [S; D]) -> [S; N] {
+        let mut y = [S::zero(); N];
+        for (slot, (kind, x)) in y.as_chunks_mut::<D>().0.iter_mut().zip(self.nodes(x)) {
+            *slot = of(kind, x);
+        }
+        y
+    }
+
+    fn l_q<S: Scalar<Weight = W>>(&self, q: &[S; N]) -> [S; N] {
+        let types = &self.graph.types;
+        let mut l_q = self.each(q, |kind, x| {
+            types.pull::<S, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {}).map(|pull| -pull.value)
+        });
+        for (edge, d) in self.edges(q) {
+            let force = types.pair::<S, 1>(edge.kind, &d).gradient(&d).map(|force| -force);
+            exchange(l_q.as_chunks_mut().0, edge, &force);
+        }
+        l_q
+    }
+
+    fn l_v<S: Scalar<Weight = W>>(&self, v: &[S; N]) -> [S; N] {
+        self.each(v, |kind, v| self.graph.types.kinetic::<S, 1>(kind, v).gradient(v))
+    }
+
+    fn l_vv<S: Scalar<Weight = W>>(&self, v: &[S; N]) -> [[S; N]; N] {
+        let mut mass = [[S::zero(); N]; N];
+        for (i, (kind, v)) in self.nodes(v).enumerate() {
+            let block = self.graph.types.kinetic::<S, 2>(kind, v).hessian(v);
+            add_block(&mut mass, [i, i], &block);
+        }
+        mass
+    }
+
+    fn l_qq<S: Scalar<Weight = W>>(&self, q: &[S; N]) -> [[S; N]; N] {
+        let mut l_qq = [[S::zero(); N]; N];
+        for (i, (kind, x)) in self.nodes(q).enumerate() {
+            let pull = self.graph.types.pull::<S, D>(kind, &varied(x), &mut Ignore, |_, _| {});
+            add_block(&mut l_qq, [i, i], &pull.map(|pull| pull.tangent.map(|x| -x)));
+        }
+        for (edge, d) in self.edges(q) {
+            let block = self.graph.types.pair::<S, 2>(edge.kind, &d).hessian(&d);
+            let [a, b] = edge.ends.map(usize::from);
+            add_block(&mut l_qq, [a, b], &block);
+            add_block(&mut l_qq, [b, a], &block);
+            let block = block.map(|row| row.map(|x| -x));
+            add_block(&mut l_qq, [a, a], &block);
+            add_block(&mut l_qq, [b, b], &block);
+        }
+        l_qq
+    }
+}
+
+impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+    Lagrangian<S, N> for Fixed<'_, S::Weight, D, K, H, L, N>
+{
+    type Mass = DenseMass<S, N>;
+
+    fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
+        let types = &self.graph.types;
+        let (mut kinetic, mut potential) = (S::zero(), S::zero());
+        self.nodes(v).for_each(|(kind, v)| kinetic += types.kinetic::<S, 0>(kind, v).value);
+        self.nodes(q).for_each(|(kind, x)| potential += types.potential(kind, x));
+        self.edges(q).for_each(|(edge, d)| potential += types.pair::<S, 0>(edge.kind, &d).value);
+        Energies { kinetic, potential }
+    }
+
+    fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
+        Gradient { l_q: self.l_q(q), l_v: self.l_v(v) }
+    }
+
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+        Dynamics { mass: DenseMass(self.l_vv(v)), l_q: self.l_q(q), l_v: self.l_v(v), l_vq_v: [S::zero(); N] }
+    }
+
+    fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
+        Hessian {
+            l_q: self.l_q(q),
+            l_v: self.l_v(v),
+            l_qq: self.l_qq(q),
+            l_vq: [[S::zero(); N]; N],
+            l_vv: self.l_vv(v),
+        }
+    }
+}
+
+impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize> Forces<S, N>
+    for Fixed<'_, S::Weight, D, K, H, L, N>
+{
+    fn force(&self, _: &[S; N], v: &[S; N]) -> [S; N] {
+        self.each(v, |kind, v| v.map(|v| self.graph.types.drag(kind, v)[0]))
+    }
+
+    fn derivatives(&self, _: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]) {
+        let slopes = self.each(v, |kind, v| v.map(|v| self.graph.types.drag(kind, v)[1]));
+        let mut q_v = [[S::zero(); N]; N];
+        for (i, (row, slope)) in q_v.iter_mut().zip(slopes).enumerate() {
+            row[i] = slope;
+        }
+        ([[S::zero(); N]; N], q_v)
+    }
+}
+
+/// x by nodes.
+#[inline(always)]
+pub(super) fn vectors<S, const D: usize, const N: usize>(x: &[S; N]) -> &[[S; D]] {
+    x.as_chunks().0
+}
+
+/// x moving along its own axes.
+#[inline(always)]
+fn varied<S: Scalar, const D: usize>(x: &[S; D]) -> [Jet<S, D>; D] {
+    let mut moving = x.map(Jet::constant);
+    for (i, x) in moving.iter_mut().enumerate() {
+        x.tangent[i] = S::one();
+    }
+    moving
+}
+
+/// Adds a block of two nodes.
+#[inline(always)]
+fn add_block<S: Scalar, const D: usize, const N: usize>(
+    matrix: &mut [[S; N]; N],
+    [i, j]: [usize; 2],
+    block: &[[S; D]; D],
+) {
+    for (row, add) in matrix.iter_mut().skip(i * D).zip(block) {
+        for (entry, add) in row.iter_mut().skip(j * D).zip(add) {
+            *entry += *add;
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Particles with energies of their own, of the edges between them and of messages along those (LGNN; Bhattoo, Ranu,
+//! Krishnan, MLST 2023), in 2 or 3 dimensions.
+//!
+//! Node types and edge types are learned once and reused in any graph, of any size. With s_ab = |x_a − x_b|²,
+//!
+//! L = Σ_i T_i(|v_i|²) − Σ_i V_i(x_i) − Σ_edges U(s_ab) − V_messages   (LGNN eqs. 12–15),
+//!
+//! and drag acts on every node by its own velocity. Every term is a function of one node or of one distance, so values and
+//! derivatives take time and memory in proportion to nodes and edges; L_vq = 0 and the masses are blocks of one node each.
+//!
+//! [`Graph`] implements [`Particles`](crate::particles::Particles) for any number of nodes; [`Fixed`] implements
+//! [`Lagrangian`](crate::lagrangian::Lagrangian) for a number that is compiled in, with all derivatives, for training and for
+//! the discrete Euler–Lagrange equation.
+
+mod error;
+mod fixed;
+mod parameters;
+mod particles;
+mod radial;
+mod shape;
+mod types;
+
+pub use error::GraphError;
+pub use fixed::Fixed;
+pub use shape::{
+    Drag, EdgeShape, Kinetic, MAX_EDGE_TYPES, MAX_EMBEDDING, MAX_NETWORKS, MAX_NODE_TYPES, MessageShape,
+    NodeShape, Potential, Separation, Shape,
+};
+pub use types::Types;
+
+use crate::scalar::Scalar;
+
+/// Nodes of a graph at most: edges name them by 16 bits.
+pub const MAX_NODES: usize = 1 << 16;
+
+/// An edge: its type, and the two nodes that it joins, either way round. Two nodes may share several edges; each counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Edge {
+    /// Which edge type it is of, from 0.
+    pub kind: u8,
+    /// The nodes, from 0.
+    pub ends: [u16; 2],
+}
+
+/// A graph of any size over borrowed weights, node types and edges.
+///
+/// Neighbouring edges of one type are evaluated side by side (see [`Packed`](crate::scalar::Packed)): sort long lists by type.
+/// The order of the sums is that of the lists.
+#[derive(Clone, Copy, Debug)]
+pub struct Graph<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
+    types: Types<'a, W, D, K, H, L>,
+    nodes: &'a [u8],
+    edges: &'a [Edge],
+}
+
+impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
+    /// A graph of these nodes, each by its type, and edges.
+    ///
+    /// # Errors
+    /// See [`GraphError`]: nodes and edges must be of types that exist, and edges join two different nodes that exist.
+    pub fn new(
+        types: Types<'a, W, D, K, H, L>,
+        nodes: &'a [u8],
+        edges: &'a [Edge],
+    ) -> Result<Self, GraphError> {
+        types.shape().check_graph(nodes, edges.iter().copied())?;
+        Ok(Self { types, nodes, edges })
+    }
+
+    /// Node types and edge types.
+    pub fn types(&self) -> &Types<'a, W, D, K, H, L> {
+        &self.types
+    }
+
+    /// The type of every node.
+    pub fn nodes(&self) -> &'a [u8] {
+        self.nodes
+    }
+
+    /// The edges.
+    pub fn edges(&self) -> &'a [Edge] {
+        self.edges
+    }
+
+    #[inline(always)]
+    fn kind(&self, node: usize) -> u8 {
+        self.nodes.get(node).copied().unwrap_or(0)
+    }
+}
+
+impl Shape {
+    /// Checks a graph against the types.
+    ///
+    /// # Errors
+    /// See [`GraphError`].
+    pub fn check_graph(&self, nodes: &[u8], edges: impl IntoIterator<Item = Edge>) -> Result<(), GraphError> {
+        if nodes.is_empty() {
+            return Err(GraphError::Empty);
+        }
+        if nodes.len() > MAX_NODES {
+            return Err(GraphError::TooManyNodes { found: nodes.len(), most: MAX_NODES });
+        }
+        let kinds = self.nodes().count();
+        let unknown =
+            nodes.iter().map(|kind| usize::from(*kind)).enumerate().find(|(_, kind)| *kind >= kinds);
+        if let Some((node, kind)) = unknown {
+            return Err(GraphError::NodeKind { node, kind, kinds });
+        }
+        edges.into_iter().enumerate().try_for_each(|(i, edge)| self.check_edge(i, &edge, nodes.len()))
+    }
+
+    fn check_edge(&self, edge: usize, Edge { kind, ends }: &Edge, nodes: usize) -> Result<(), GraphError> {
+        let (kind, kinds, [a, b]) = (usize::from(*kind), self.edges().count(), ends.map(usize::from));
+        if kind >= kinds {
+            return Err(GraphError::EdgeKind { edge, kind, kinds });
+        }
+        if let Some(node) = [a, b].into_iter().find(|node| *node >= nodes) {
+            return Err(GraphError::End { edge, node, nodes });
+        }
+        if a == b { Err(GraphError::Loop { edge, node: a }) } else { Ok(()) }
+    }
+}
+
+/// x_a − x_b of an edge's ends; nothing where an end has no place.
+#[inline(always)]
+fn across<S: Scalar, const D: usize>(q: &[[S; D]], edge: &Edge) -> Option<[S; D]> {
+    let [a, b] = edge.ends.map(usize::from);
+    let (a, b) = (q.get(a)?, q.get(b)?);
+    Some(core::array::from_fn(|i| a[i] - b[i]))
+}
+
+/// Adds `x` to one place and takes it from another.
+#[inline(always)]
+fn exchange<S: Scalar, const D: usize>(of: &mut [[S; D]], edge: &Edge, x: &[S; D]) {
+    let [a, b] = edge.ends.map(usize::from);
+    if let Some(a) = of.get_mut(a) {
+        a.iter_mut().zip(x).for_each(|(a, x)| *a += *x);
+    }
+    if let Some(b) = of.get_mut(b) {
+        b.iter_mut().zip(x).for_each(|(b, x)| *b -= *x);
+    }
+}

@@ -1,0 +1,163 @@
+//! Derivatives in the weights, for training.
+
+use super::across;
+use super::fixed::{Fixed, vectors};
+use super::radial::{ramp, square};
+use super::shape::{Drag, Kinetic, Potential};
+use super::types::{Types, inputs, sign};
+use crate::energy::part::{Part, Rows};
+use crate::energy::{Learnable, LearnableForces};
+use crate::linear::dot;
+use crate::network::Jet;
+use crate::scalar::Scalar;
+
+impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+    Learnable<S, N> for Fixed<'_, S::Weight, D, K, H, L, N>
+{
+    /// L_v·δv = Σ 2T′ v·δv.
+    fn directional_gradient(
+        &self,
+        (q, v): (&[S; N], &[S; N]),
+        (dq, dv): (&[S; N], &[S; N]),
+        mut row: impl FnMut(usize, S),
+    ) {
+        self.potential_part(q, dq, &mut row);
+        for ((kind, v), dv) in self.nodes(v).zip(vectors(dv)) {
+            let along = dot(v, dv);
+            self.graph.types.kinetic_gradient(kind, v, [along + along, S::zero()], &mut row);
+        }
+    }
+
+    /// L_vq = 0 and y·L_vv a = Σ 2T′ y·a + 4T″ (v·y)(v·a).
+    fn residual_gradient(
+        &self,
+        (q, v): (&[S; N], &[S; N]),
+        a: &[S; N],
+        y: &[S; N],
+        mut row: impl FnMut(usize, S),
+    ) {
+        self.potential_part(q, y, &mut row);
+        for (((kind, v), a), y) in self.nodes(v).zip(vectors(a)).zip(vectors(y)) {
+            let second = S::constant(-4.0) * dot(v, y) * dot(v, a);
+            self.graph.types.kinetic_gradient(kind, v, [S::constant(-2.0) * dot(y, a), second], &mut row);
+        }
+    }
+}
+
+impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+    LearnableForces<S, N> for Fixed<'_, S::Weight, D, K, H, L, N>
+{
+    fn force_gradient(&self, (_, v): (&[S; N], &[S; N]), y: &[S; N], mut row: impl FnMut(usize, S)) {
+        for ((kind, v), y) in self.nodes(v).zip(vectors::<_, D, N>(y)) {
+            for (v, y) in v.iter().zip(y) {
+                self.graph.types.drag_gradient(kind, *v, *y, &mut row);
+            }
+        }
+    }
+}
+
+impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+    Fixed<'_, W, D, K, H, L, N>
+{
+    /// −∂/∂θ of V_q·δq.
+    fn potential_part<S: Scalar<Weight = W>>(&self, q: &[S; N], dq: &[S; N], row: &mut impl FnMut(usize, S)) {
+        for ((kind, x), dx) in self.nodes(q).zip(vectors(dq)) {
+            self.graph.types.potential_gradient(kind, x, dx, row);
+        }
+        for (edge, d) in self.edges(q) {
+            let Some(dd) = across(vectors(dq), edge) else { continue };
+            self.graph.types.pair_gradient(edge.kind, &d, S::constant(-2.0) * dot(&d, &dd), row);
+        }
+    }
+}
+
+impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Types<'_, W, D, K, H, L> {
+    /// Visits c₁ ∂T′/∂θ + c₂ ∂T″/∂θ, derivatives of T in |v|².
+    fn kinetic_gradient<S: Scalar<Weight = W>>(
+        &self,
+        kind: u8,
+        v: &[S; D],
+        c: [S; 2],
+        row: &mut impl FnMut(usize, S),
+    ) {
+        let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return };
+        match node.kinetic {
+            Kinetic::Mass => row(numbers.mass.0, c[0].half()),
+            Kinetic::Network(network) => {
+                let Some(network) = self.network(network) else { return };
+                let (start, embedding) = numbers.kinetic_embedding;
+                let x = inputs(embedding, &[ramp(square(v))]);
+                let mut x_bar = x.clone();
+                let y_bar = [Jet { value: S::zero(), tangent: c }];
+                network.series_gradient::<S, H>((&x, &mut x_bar), &y_bar, row);
+                for (k, (bar, _)) in x_bar.iter().zip(embedding).enumerate() {
+                    row(start + k, bar.value);
+                }
+            }
+        }
+    }
+
+    /// Visits −∂/∂θ of V_x·δx.
+    fn potential_gradient<S: Scalar<Weight = W>>(
+        &self,
+        kind: u8,
+        x: &[S; D],
+        dx: &[S; D],
+        row: &mut impl FnMut(usize, S),
+    ) {
+        let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return };
+        if node.potential == Potential::Uniform {
+            dx.iter().enumerate().for_each(|(k, dx)| row(numbers.field.0 + k, -*dx));
+        }
+        let moving: [_; D] = core::array::from_fn(|i| Jet { value: x[i], tangent: [dx[i]] });
+        let mut embedding = [S::zero(); super::MAX_EMBEDDING];
+        self.pull(kind, &moving, &mut Rows(&mut *row), |k, Jet { tangent: [rate], .. }| {
+            if let Some(slot) = embedding.get_mut(k) {
+                *slot = *rate;
+            }
+        });
+        for (k, (rate, _)) in embedding.iter().zip(numbers.embedding.1).enumerate() {
+            row(numbers.embedding.0 + k, -*rate);
+        }
+    }
+
+    /// Visits c ∂U′/∂θ, the derivative of U in |d|².
+    fn pair_gradient<S: Scalar<Weight = W>>(
+        &self,
+        kind: u8,
+        d: &[S; D],
+        c: S,
+        row: &mut impl FnMut(usize, S),
+    ) {
+        let Some(edge) = self.edge_type(kind) else { return };
+        let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return };
+        let y_bar = [Jet { value: S::zero(), tangent: [c, S::zero()] }];
+        network.series_gradient::<S, H>((&[edge.separation.series(square(d))], &mut []), &y_bar, row);
+    }
+
+    /// Visits y ∂Q/∂θ of a node along one axis.
+    fn drag_gradient<S: Scalar<Weight = W>>(&self, kind: u8, v: S, y: S, row: &mut impl FnMut(usize, S)) {
+        let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return };
+        match node.drag {
+            Drag::None => {}
+            Drag::Viscous => row(numbers.drag.0, -(y * v)),
+            Drag::Network(network) => {
+                let Some(network) = self.network(network) else { return };
+                network.size_gradient::<S, H>(v, -(y * v), row);
+            }
+        }
+    }
+}
+
+impl<W: Copy, const L: usize> Part<'_, W, L> {
+    /// Visits c ∂|net(x)|/∂θ.
+    fn size_gradient<S: Scalar<Weight = W>, const H: usize>(
+        &self,
+        x: S,
+        c: S,
+        row: &mut impl FnMut(usize, S),
+    ) {
+        let side = sign(self.energy::<S, H>(&[Jet::constant(x)]));
+        self.series_gradient::<S, H>((&[Jet::constant(x)], &mut []), &[Jet::constant(side * c)], row);
+    }
+}

@@ -1,0 +1,79 @@
+//! Functions of a vector's length alone: kinetic energies of a velocity, pair potentials of a difference.
+
+use super::shape::Separation;
+use crate::linear::dot;
+use crate::network::Jet;
+use crate::scalar::Scalar;
+
+/// φ(s) with φ′ and φ″ at s = |w|².
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Radial<S> {
+    pub value: S,
+    pub first: S,
+    pub second: S,
+}
+
+impl<S: Scalar> Radial<S> {
+    /// φ and as many of its derivatives as are carried.
+    pub fn of<const O: usize>(series: &Jet<S, O>) -> Self {
+        let at = |k: usize| series.tangent.get(k).copied().unwrap_or(S::zero());
+        Self { value: series.value, first: at(0), second: at(1) }
+    }
+
+    /// cs.
+    pub fn linear(c: S, s: S) -> Self {
+        Self { value: c * s, first: c, second: S::zero() }
+    }
+
+    /// ∂φ/∂w = 2φ′w.
+    #[inline(always)]
+    pub fn gradient<const D: usize>(&self, w: &[S; D]) -> [S; D] {
+        let c = self.first + self.first;
+        w.map(|w| c * w)
+    }
+
+    /// ∂²φ/∂w² = 2φ′1 + 4φ″wwᵀ.
+    pub fn hessian<const D: usize>(&self, w: &[S; D]) -> [[S; D]; D] {
+        let along = S::constant(4.0) * self.second;
+        let mut hessian = w.map(|a| w.map(|b| along * a * b));
+        for (i, row) in hessian.iter_mut().enumerate() {
+            row[i] += self.first + self.first;
+        }
+        hessian
+    }
+}
+
+impl Separation {
+    /// What a network sees, with its derivatives in s = r².
+    #[inline(always)]
+    pub(super) fn series<S: Scalar, const O: usize>(self, s: S) -> Jet<S, O> {
+        match self {
+            Self::Squared => ramp(s),
+            Self::Distance => {
+                let r = s.sqrt();
+                let first = S::one().half() / r;
+                let mut series = Jet::constant(r);
+                for (slot, x) in series.tangent.iter_mut().zip([first, -first.half() / s]) {
+                    *slot = x;
+                }
+                series
+            }
+        }
+    }
+}
+
+/// A quantity that grows by 1 per unit of the parameter.
+#[inline(always)]
+pub(super) fn ramp<S: Scalar, const O: usize>(value: S) -> Jet<S, O> {
+    let mut series = Jet::constant(value);
+    if let Some(slot) = series.tangent.first_mut() {
+        *slot = S::one();
+    }
+    series
+}
+
+/// |w|².
+#[inline(always)]
+pub(super) fn square<S: Scalar, const D: usize>(w: &[S; D]) -> S {
+    dot(w, w)
+}

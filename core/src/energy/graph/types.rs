@@ -1,0 +1,227 @@
+//! What is learned: node types and edge types over borrowed weights, and their energies at one node or edge.
+
+use super::GraphError;
+use super::radial::{Radial, ramp, square};
+use super::shape::{Drag, EdgeShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential, Shape};
+use crate::energy::part::{Part, Visit};
+use crate::network::Jet;
+use crate::scalar::{Real, Scalar};
+use heapless::Vec;
+
+/// Inputs of a network at most: two embeddings.
+const MAX_INPUTS: usize = 2 * MAX_EMBEDDING;
+
+/// Inputs of a network.
+pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
+
+/// The types of a graph model in `D` dimensions: at most `K` networks of at most `L` hidden layers of at most `H` units.
+#[derive(Clone, Copy, Debug)]
+pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
+    shape: Shape,
+    networks: [Option<Part<'a, W, L>>; K],
+    /// Those of all node types, from `start` of the weight block on.
+    numbers: &'a [W],
+    start: usize,
+}
+
+/// The numbers of one node type, and the place of each in the weight block.
+pub(super) struct Numbers<'a, W> {
+    pub mass: (usize, W),
+    pub drag: (usize, W),
+    pub field: (usize, &'a [W]),
+    pub kinetic_embedding: (usize, &'a [W]),
+    pub embedding: (usize, &'a [W]),
+}
+
+impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
+    /// Takes the types of this shape from the front of `block` and leaves the rest there. `None` where the block is too short,
+    /// the shape does not fit in itself (see [`Shape::misfit`]), or it has not `D` dimensions or more than `K` networks, `L`
+    /// hidden layers or `H` units in one.
+    pub fn take(block: &mut &'a [W], shape: &Shape) -> Option<Self> {
+        let fits = shape.misfit().is_none() && usize::from(shape.dimension) == D;
+        if !fits || shape.networks().count() > K {
+            return None;
+        }
+        let (mut networks, mut start) = ([None; K], 0);
+        for (slot, network) in networks.iter_mut().zip(shape.networks()) {
+            *slot = Some(Part::take::<H>(block, &mut start, network)?);
+        }
+        let (numbers, rest) = block.split_at_checked(shape.numbers() * shape.nodes().count())?;
+        *block = rest;
+        Some(Self { shape: *shape, networks, numbers, start })
+    }
+
+    /// The shape.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    #[inline(always)]
+    pub(super) fn node_type(&self, kind: u8) -> Option<&NodeShape> {
+        self.shape.nodes.get(usize::from(kind))?.as_ref()
+    }
+
+    #[inline(always)]
+    pub(super) fn edge_type(&self, kind: u8) -> Option<&EdgeShape> {
+        self.shape.edges.get(usize::from(kind))?.as_ref()
+    }
+
+    #[inline(always)]
+    pub(super) fn network(&self, network: u8) -> Option<&Part<'a, W, L>> {
+        self.networks.get(usize::from(network))?.as_ref()
+    }
+
+    pub(super) fn numbers(&self, kind: u8) -> Option<Numbers<'a, W>> {
+        let [kinetic, h] = [self.shape.kinetic_embedding, self.shape.embedding].map(usize::from);
+        let stride = self.shape.numbers();
+        let start = usize::from(kind) * stride;
+        let ([mass, drag], rest) = self.numbers.get(start..)?.split_first_chunk::<2>()?;
+        let (field, rest) = rest.split_at_checked(D)?;
+        let (kinetic_embedding, rest) = rest.split_at_checked(kinetic)?;
+        let at = self.start + start;
+        Some(Numbers {
+            mass: (at, *mass),
+            drag: (at + 1, *drag),
+            field: (at + 2, field),
+            kinetic_embedding: (at + 2 + D, kinetic_embedding),
+            embedding: (at + 2 + D + kinetic, rest.get(..h)?),
+        })
+    }
+
+    /// T of a node, with `O` derivatives in |v|².
+    pub(super) fn kinetic<S: Scalar<Weight = W>, const O: usize>(&self, kind: u8, v: &[S; D]) -> Radial<S> {
+        let s = square(v);
+        let at_rest = Radial::linear(S::zero(), s);
+        let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return at_rest };
+        match node.kinetic {
+            Kinetic::Mass => Radial::linear(S::weight(numbers.mass.1).half(), s),
+            Kinetic::Network(network) => self.network(network).map_or(at_rest, |network| {
+                let mut y = [Jet::zero(); 1];
+                let x = inputs::<S, O>(numbers.kinetic_embedding.1, &[ramp(s)]);
+                network.network.series::<S, O, H>(&x, &mut y);
+                Radial::of(&y[0])
+            }),
+        }
+    }
+
+    /// V of a node at x.
+    pub(super) fn potential<S: Scalar<Weight = W>>(&self, kind: u8, x: &[S; D]) -> S {
+        let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else {
+            return S::zero();
+        };
+        match node.potential {
+            Potential::None => S::zero(),
+            Potential::Uniform => {
+                numbers.field.1.iter().zip(x).fold(S::zero(), |sum, (g, x)| sum + S::weight(*g) * *x)
+            }
+            Potential::Network(network) => self.network(network).map_or(S::zero(), |network| {
+                network.energy::<S, H>(&inputs(numbers.embedding.1, &x.map(Jet::constant)))
+            }),
+        }
+    }
+
+    /// V_x of a node at x, with tangents; `embedding(k, ·)` gets the gradient in number k of its embedding.
+    pub(super) fn pull<S: Scalar<Weight = W>, const T: usize>(
+        &self,
+        kind: u8,
+        x: &[Jet<S, T>; D],
+        visit: &mut impl Visit<W, S, T>,
+        mut embedding: impl FnMut(usize, &Jet<S, T>),
+    ) -> [Jet<S, T>; D] {
+        let mut pull = [Jet::zero(); D];
+        let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return pull };
+        match node.potential {
+            Potential::None => {}
+            Potential::Uniform => {
+                for (pull, g) in pull.iter_mut().zip(numbers.field.1) {
+                    *pull = Jet::constant(S::weight(*g));
+                }
+            }
+            Potential::Network(network) => {
+                let Some(network) = self.network(network) else { return pull };
+                let x = inputs(numbers.embedding.1, x);
+                let mut x_bar = x.clone();
+                let mut y = [Jet::zero(); 1];
+                network.pull_back::<S, T, H>((&x, &mut x_bar), &mut y, &[Jet::constant(S::one())], visit);
+                let (of_embedding, of_x) =
+                    x_bar.split_at_checked(numbers.embedding.1.len()).unwrap_or_default();
+                of_embedding.iter().enumerate().for_each(|(k, bar)| embedding(k, bar));
+                for (pull, of_x) in pull.iter_mut().zip(of_x) {
+                    *pull = *of_x;
+                }
+            }
+        }
+        pull
+    }
+
+    /// U of an edge across d, with `O` derivatives in |d|².
+    #[inline(always)]
+    pub(super) fn pair<S: Scalar<Weight = W>, const O: usize>(&self, kind: u8, d: &[S; D]) -> Radial<S> {
+        let s = square(d);
+        let none = Radial::linear(S::zero(), s);
+        let Some(edge) = self.edge_type(kind) else { return none };
+        let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return none };
+        let mut y = [Jet::zero(); 1];
+        network.network.series::<S, O, H>(&[edge.separation.series(s)], &mut y);
+        Radial::of(&y[0])
+    }
+
+    /// Q of a node along one axis, and ∂Q/∂v.
+    pub(super) fn drag<S: Scalar<Weight = W>>(&self, kind: u8, v: S) -> [S; 2] {
+        let none = [S::zero(); 2];
+        let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return none };
+        match node.drag {
+            Drag::None => none,
+            Drag::Viscous => {
+                let c = S::weight(numbers.drag.1);
+                [-(c * v), -c]
+            }
+            Drag::Network(network) => self.network(network).map_or(none, |network| {
+                let mut y = [Jet::<S, 1>::zero(); 1];
+                network.network.series::<S, 1, H>(&[ramp(v)], &mut y);
+                let [Jet { value, tangent: [slope] }] = y;
+                let size = -value.neg_abs();
+                [-(size * v), -(size + sign(value) * slope * v)]
+            }),
+        }
+    }
+}
+
+impl<W: Real, const D: usize, const K: usize, const H: usize, const L: usize> Types<'_, W, D, K, H, L> {
+    /// Checks the numbers that must be positive: masses that are used, and coefficients of viscous drag.
+    ///
+    /// # Errors
+    /// [`GraphError::Mass`] and [`GraphError::Drag`].
+    pub fn check_numbers(&self) -> Result<(), GraphError> {
+        for (kind, node) in (0..).zip(self.shape.nodes()) {
+            let Some(numbers) = self.numbers(kind) else { continue };
+            let ((_, mass), (_, drag)) = (numbers.mass, numbers.drag);
+            let kind = kind.into();
+            if node.kinetic == Kinetic::Mass && !(mass > W::zero() && mass.is_finite()) {
+                return Err(GraphError::Mass { kind });
+            }
+            if node.drag == Drag::Viscous && !(drag >= W::zero() && drag.is_finite()) {
+                return Err(GraphError::Drag { kind });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The inputs of a network: an embedding, which does not move, and then `x`.
+pub(super) fn inputs<S: Scalar, const T: usize>(embedding: &[S::Weight], x: &[Jet<S, T>]) -> Inputs<S, T> {
+    let constant = embedding.iter().map(|w| Jet::constant(S::weight(*w)));
+    let mut inputs = Inputs::new();
+    for x in constant.chain(x.iter().copied()) {
+        // An error leaves it out; shapes are checked when types are taken.
+        let _: Result<(), _> = inputs.push(x);
+    }
+    inputs
+}
+
+/// ±1, and 0 at 0.
+#[inline(always)]
+pub(super) fn sign<S: Scalar>(x: S) -> S {
+    const SMALLEST: f64 = 1e-30;
+    x / (-x.neg_abs()).max(S::constant(SMALLEST))
+}

@@ -1,0 +1,31 @@
+//! Particles: systems in Cartesian coordinates with any number of nodes, over slices that the caller owns.
+//!
+//! L(q, v) = Σ T_i(v_i) − V(q). Masses are blocks of one node each, and forces are sums over nodes and edges, so time and
+//! memory grow linearly with the system.
+
+use crate::lagrangian::Energies;
+use crate::scalar::Real;
+
+/// What the solvers see of a system of particles in `D` dimensions.
+///
+/// Slices of nodes are as long as [`Particles::nodes`] says, in the order of the nodes. Evaluation cannot fail: where the
+/// numbers leave the range of R the result is not finite, and the solvers say so.
+pub trait Particles<R: Real, const D: usize> {
+    /// Number of nodes.
+    fn nodes(&self) -> usize;
+    /// Numbers of scratch room that [`Particles::energies`] and [`Particles::l_q`] need; what it holds between calls is of no
+    /// meaning.
+    fn room(&self) -> usize;
+    /// T(v) and V(q), J.
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R>;
+    /// Writes L_q = −V_q, N.
+    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]);
+    /// p_i = ∂T_i/∂v_i of one node, kg m/s.
+    fn l_v(&self, node: usize, v: &[R; D]) -> [R; D];
+    /// M_i = ∂²T_i/∂v_i² of one node, kg: symmetric.
+    fn mass(&self, node: usize, v: &[R; D]) -> [[R; D]; D];
+    /// Q_i(v_i), N, of one node, each component of v on its own; drag opposes v.
+    fn drag(&self, node: usize, v: &[R; D]) -> [R; D];
+    /// ∂Q_i/∂v_i, component by component, N s/m.
+    fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D];
+}

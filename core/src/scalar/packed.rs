@@ -1,0 +1,52 @@
+use super::{LANES, Lanes, Real, Scalar};
+use core::array;
+
+/// A real number that is evaluated several at a time where that is faster: the same operations in the same order, so
+/// every lane has the bits that it has alone.
+pub trait Packed: Real {
+    /// [`Packed::WIDTH`] of them side by side.
+    type Pack: Scalar<Weight = Self::Weight>;
+    /// Lanes of a pack, at least 1.
+    const WIDTH: usize;
+
+    /// The pack whose lane l is `lane(l)`.
+    fn pack(lane: impl FnMut(usize) -> Self) -> Self::Pack;
+    /// One lane of a pack; the last for those beyond.
+    fn lane(pack: &Self::Pack, lane: usize) -> Self;
+}
+
+impl Packed for f64 {
+    type Pack = Lanes;
+    const WIDTH: usize = LANES;
+
+    #[inline(always)]
+    fn pack(lane: impl FnMut(usize) -> Self) -> Lanes {
+        Lanes(array::from_fn(lane))
+    }
+    #[inline(always)]
+    fn lane(pack: &Lanes, lane: usize) -> Self {
+        pack.0[lane.min(LANES - 1)]
+    }
+}
+
+/// Alone: chips have no vector registers for them.
+macro_rules! alone {
+    ($real:ty) => {
+        impl Packed for $real {
+            type Pack = Self;
+            const WIDTH: usize = 1;
+
+            #[inline(always)]
+            fn pack(mut lane: impl FnMut(usize) -> Self) -> Self {
+                lane(0)
+            }
+            #[inline(always)]
+            fn lane(pack: &Self, _: usize) -> Self {
+                *pack
+            }
+        }
+    };
+}
+alone!(f32);
+#[cfg(feature = "micromath")]
+alone!(super::Micro);

@@ -1,0 +1,183 @@
+//! Graphs of every kind, with a naive evaluation of their energies.
+
+use super::Random;
+use super::oracle::Learned;
+use super::shapes::naive_network;
+use super::trees::network;
+use leastaction_core::energy::graph::{
+    Drag, Edge, EdgeShape, Fixed, Graph, Kinetic, NodeShape, Potential, Separation, Shape, Types,
+};
+use leastaction_core::network::Activation;
+use leastaction_core::scalar::Scalar;
+
+pub const NETWORKS: usize = 9;
+pub const WIDTH: usize = 11;
+pub const DEPTH: usize = 3;
+
+pub type LearnedTypes<'a, W, const D: usize> = Types<'a, W, D, NETWORKS, WIDTH, DEPTH>;
+pub type LearnedGraph<'a, W, const D: usize> = Graph<'a, W, D, NETWORKS, WIDTH, DEPTH>;
+pub type LearnedFixed<'a, W, const D: usize, const N: usize> = Fixed<'a, W, D, NETWORKS, WIDTH, DEPTH, N>;
+
+/// A graph in D dimensions that owns its weights and lists.
+#[derive(Clone, Debug)]
+pub struct Model<const D: usize> {
+    pub shape: Shape,
+    pub nodes: Vec<u8>,
+    pub edges: Vec<Edge>,
+    pub weights: Vec<f64>,
+}
+
+pub fn edge(kind: u8, a: u16, b: u16) -> Edge {
+    Edge { kind, ends: [a, b] }
+}
+
+impl<const D: usize> Model<D> {
+    pub fn new(shape: Shape, nodes: &[u8], edges: &[Edge], seed: u64) -> Self {
+        let mut weights = Random(seed).vector(shape.parameters().unwrap(), 0.8);
+        let start = weights.len() - shape.numbers() * shape.nodes().count();
+        for numbers in weights[start..].chunks_mut(shape.numbers()) {
+            numbers[..2].iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
+        }
+        Self { shape, nodes: nodes.to_vec(), edges: edges.to_vec(), weights }
+    }
+
+    /// The types over a weight block of any scalar, of this shape.
+    pub fn types<'w, W: Copy>(&self, mut weights: &'w [W]) -> LearnedTypes<'w, W, D> {
+        let types = Types::take(&mut weights, &self.shape).expect("weights of this shape");
+        assert!(weights.is_empty(), "{} weights too many", weights.len());
+        types
+    }
+
+    pub fn graph<'a, W: Copy>(&'a self, weights: &'a [W]) -> LearnedGraph<'a, W, D> {
+        Graph::new(self.types(weights), &self.nodes, &self.edges).expect("a graph")
+    }
+
+    pub fn in_f64(&self) -> LearnedGraph<'_, f64, D> {
+        self.graph(&self.weights)
+    }
+
+    fn run(&self, network: u8, x: Vec<f64>) -> Vec<f64> {
+        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
+        naive_network(&self.weights[before..], x, widths, shape.activation, shape.outputs.into())
+    }
+
+    /// Mass, drag, field, kinetic embedding and embedding of a type.
+    fn numbers(&self, kind: u8) -> (f64, f64, &[f64], &[f64], &[f64]) {
+        let stride = self.shape.numbers();
+        let start = self.weights.len() - stride * (self.shape.nodes().count() - usize::from(kind));
+        let (field, rest) = self.weights[start + 2..start + stride].split_at(D);
+        let (kinetic, embedding) = rest.split_at(self.shape.kinetic_embedding.into());
+        (self.weights[start], self.weights[start + 1], field, kinetic, embedding)
+    }
+
+    pub fn naive_kinetic(&self, kind: u8, v: &[f64; D]) -> f64 {
+        let (mass, _, _, embedding, _) = self.numbers(kind);
+        let square = v.iter().map(|v| v * v).sum();
+        match self.shape.nodes[usize::from(kind)].unwrap().kinetic {
+            Kinetic::Mass => 0.5 * mass * square,
+            Kinetic::Network(network) => self.run(network, [embedding, &[square]].concat())[0],
+        }
+    }
+
+    pub fn naive_drag(&self, kind: u8, v: f64) -> f64 {
+        match self.shape.nodes[usize::from(kind)].unwrap().drag {
+            Drag::None => 0.0,
+            Drag::Viscous => -self.numbers(kind).1 * v,
+            Drag::Network(network) => -self.run(network, vec![v])[0].abs() * v,
+        }
+    }
+
+    fn naive_node(&self, kind: u8, x: &[f64; D]) -> f64 {
+        let (_, _, field, _, embedding) = self.numbers(kind);
+        match self.shape.nodes[usize::from(kind)].unwrap().potential {
+            Potential::None => 0.0,
+            Potential::Uniform => field.iter().zip(x).map(|(g, x)| g * x).sum(),
+            Potential::Network(network) => self.run(network, [embedding, x].concat())[0],
+        }
+    }
+
+    pub fn naive_potential(&self, q: &[[f64; D]]) -> f64 {
+        let nodes: f64 = self.nodes.iter().zip(q).map(|(kind, x)| self.naive_node(*kind, x)).sum();
+        let pair = |edge: &Edge| {
+            let shape = self.shape.edges[usize::from(edge.kind)].unwrap();
+            let [a, b] = edge.ends.map(|end| q[usize::from(end)]);
+            let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+            let seen = match shape.separation {
+                Separation::Distance => square.sqrt(),
+                Separation::Squared => square,
+            };
+            shape.potential.map_or(0.0, |network| self.run(network, vec![seen])[0])
+        };
+        nodes + self.edges.iter().map(pair).sum::<f64>()
+    }
+}
+
+/// A graph of N coordinates in D dimensions.
+#[derive(Clone, Debug)]
+pub struct FixedModel<const D: usize, const N: usize>(pub Model<D>);
+
+impl<const D: usize, const N: usize> FixedModel<D, N> {
+    pub fn in_f64(&self) -> LearnedFixed<'_, f64, D, N> {
+        self.energies_over::<f64>(&self.0.weights)
+    }
+}
+
+impl<const D: usize, const N: usize> Learned<N> for FixedModel<D, N> {
+    type Over<'w, S: Scalar>
+        = LearnedFixed<'w, S::Weight, D, N>
+    where
+        S::Weight: 'w,
+        Self: 'w;
+
+    fn energies_over<'w, S: Scalar>(&'w self, weights: &'w [S::Weight]) -> Self::Over<'w, S> {
+        Fixed::new(self.0.graph(weights)).expect("as many coordinates")
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.0.weights
+    }
+
+    fn weights_mut(&mut self) -> &mut [f64] {
+        &mut self.0.weights
+    }
+
+    fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
+        let velocities = v.as_chunks().0;
+        let kinetic =
+            self.0.nodes.iter().zip(velocities).map(|(kind, v)| self.0.naive_kinetic(*kind, v)).sum();
+        (kinetic, self.0.naive_potential(q.as_chunks().0))
+    }
+}
+
+/// Node types with every kind of term, and two edge types.
+pub fn every_term(dimension: u8) -> Shape {
+    let networks = [
+        network(4, &[7, 5], 1, Activation::Softplus),
+        network(2 + dimension, &[9], 1, Activation::Tanh),
+        network(1, &[4], 1, Activation::Isru),
+        network(1, &[6, 3], 1, Activation::Squareplus),
+        network(1, &[11], 1, Activation::Tanh),
+    ];
+    let nodes = [
+        NodeShape { kinetic: Kinetic::Mass, potential: Potential::None, drag: Drag::Viscous },
+        NodeShape { kinetic: Kinetic::Network(0), potential: Potential::Network(1), drag: Drag::Network(2) },
+        NodeShape { kinetic: Kinetic::Mass, potential: Potential::Uniform, drag: Drag::None },
+    ];
+    let edges = [(Separation::Distance, 3), (Separation::Squared, 4)]
+        .map(|(separation, network)| EdgeShape { separation, potential: Some(network), embedding: None });
+    let shape = Shape::new(dimension, &networks, &nodes, &edges).expect("few parts");
+    Shape { kinetic_embedding: 3, embedding: 2, ..shape }
+}
+
+/// In the plane: every type twice, edges of both types.
+pub fn flat() -> Model<2> {
+    let edges = [edge(0, 0, 1), edge(1, 3, 1), edge(1, 2, 0), edge(0, 3, 2)];
+    Model::new(every_term(2), &[1, 0, 2, 1], &edges, 1)
+}
+
+/// In space.
+pub fn spatial() -> Model<3> {
+    Model::new(every_term(3), &[2, 1, 0], &[edge(1, 2, 1), edge(0, 0, 2)], 2)
+}

@@ -1,0 +1,207 @@
+//! The graph family against its printed formulas, exact derivatives, and its symmetries.
+
+mod common;
+
+use common::graphs::{self, FixedModel, Model, edge, every_term};
+use common::oracle::{self, Learned, at_states};
+use common::{Random, assert_close, assert_vectors_close};
+use leastaction_core::energy::LearnableForces;
+use leastaction_core::energy::graph::{Edge, Fixed, Graph, GraphError, MAX_NODES};
+use leastaction_core::forces::Forces;
+use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::particles::Particles;
+
+fn of_eight() -> [FixedModel<2, 8>; 1] {
+    [FixedModel(graphs::flat())]
+}
+
+fn of_nine() -> [FixedModel<3, 9>; 1] {
+    [FixedModel(graphs::spatial())]
+}
+
+/// One generic check at all graphs.
+macro_rules! everywhere {
+    ($check:path) => {
+        at_states(&of_eight(), $check);
+        at_states(&of_nine(), $check);
+    };
+}
+
+oracle::family_tests!(everywhere);
+
+/// A ring with chords, its nodes and edges in runs longer and shorter than a pack.
+fn ring(nodes: usize) -> Model<2> {
+    let mut random = Random(11);
+    let kinds: Vec<u8> = (0..nodes).map(|i| if i < 11 { 1 } else { (random.bits() % 3) as u8 }).collect();
+    let next = |i: usize, by: usize| ((i + by) % nodes) as u16;
+    let ring = (0..nodes).map(|i| edge(0, i as u16, next(i, 1)));
+    let chords = (0..nodes / 2).map(|i| edge((random.bits() % 2) as u8, next(i, 5), i as u16));
+    let edges: Vec<Edge> = ring.chain(chords).collect();
+    Model::new(every_term(2), &kinds, &edges, 12)
+}
+
+const NODES: usize = 37;
+
+fn state() -> ([[f64; 2]; NODES], [[f64; 2]; NODES]) {
+    let mut random = Random(13);
+    (core::array::from_fn(|_| random.array(3.0)), core::array::from_fn(|_| random.array(2.0)))
+}
+
+fn l_q<const N: usize>(model: &Model<2>, q: &[[f64; 2]; N]) -> [[f64; 2]; N] {
+    let mut l_q = [[f64::NAN; 2]; N];
+    model.in_f64().l_q(q, &mut [], &mut l_q);
+    l_q
+}
+
+#[test]
+fn forces_on_many_nodes_are_differences_of_the_printed_potential() {
+    const STEP: f64 = 1e-5;
+    let (model, (q, v)) = (ring(NODES), state());
+    let found = l_q(&model, &q);
+    for i in 0..NODES {
+        for k in 0..2 {
+            let at = |step: f64| {
+                let mut q = q;
+                q[i][k] += step;
+                model.naive_potential(&q)
+            };
+            assert_close("l_q", found[i][k], (at(-STEP) - at(STEP)) / (2.0 * STEP), 1e-8);
+        }
+    }
+    let energies = Particles::energies(&model.in_f64(), &q, &v, &mut []);
+    let kinetic: f64 = model.nodes.iter().zip(&v).map(|(kind, v)| model.naive_kinetic(*kind, v)).sum();
+    assert_close("potential", energies.potential, model.naive_potential(&q), 1e-13);
+    assert_close("kinetic", energies.kinetic, kinetic, 1e-13);
+}
+
+#[test]
+fn packs_have_the_bits_of_one_after_another() {
+    let (model, (q, v)) = (ring(NODES), state());
+    let flat = |x: &[[f64; 2]; NODES]| -> [f64; 2 * NODES] { x.as_flattened().try_into().unwrap() };
+    let alone = Fixed::<_, 2, _, _, _, { 2 * NODES }>::new(model.in_f64()).unwrap();
+    let (q_alone, v_alone) = (flat(&q), flat(&v));
+    assert_eq!(alone.gradient(&q_alone, &v_alone).l_q, flat(&l_q(&model, &q)));
+    let packed = Particles::energies(&model.in_f64(), &q, &v, &mut []);
+    assert_eq!(packed, Lagrangian::<f64, _>::energies(&alone, &q_alone, &v_alone));
+}
+
+#[test]
+fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
+    let [fixed] = of_eight();
+    let (fixed, mut random) = (fixed.in_f64(), Random(14));
+    let (q, v): ([f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0));
+    let (dynamics, (_, slopes)) = (fixed.dynamics(&q, &v), fixed.derivatives(&q, &v));
+    let (mass, force) = (dynamics.mass.dense(), fixed.force(&q, &v));
+    for (i, v) in v.as_chunks::<2>().0.iter().enumerate() {
+        let (graph, at) = (fixed.graph(), |k: usize| 2 * i + k);
+        assert_eq!(graph.l_v(i, v), [0, 1].map(|k| dynamics.l_v[at(k)]));
+        assert_eq!(graph.drag(i, v), [0, 1].map(|k| force[at(k)]));
+        assert_eq!(graph.drag_slope(i, v), [0, 1].map(|k| slopes[at(k)][at(k)]));
+        assert_eq!(Particles::mass(graph, i, v), [0, 1].map(|k| [0, 1].map(|l| mass[at(k)][at(l)])));
+    }
+}
+
+#[test]
+fn single_precision_is_near() {
+    let (model, (q, _)) = (ring(NODES), state());
+    let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
+    let mut found = [[f32::NAN; 2]; NODES];
+    model.graph(&weights).l_q(&q.map(|x| x.map(|x| x as f32)), &mut [], &mut found);
+    for (found, exact) in found.iter().zip(l_q(&model, &q)) {
+        assert_vectors_close("l_q", &found.map(f64::from), &exact, 1e-5);
+    }
+}
+
+#[test]
+fn pairs_give_no_force_and_no_torque_to_the_whole() {
+    let nodes = [0; 9];
+    let edges: Vec<Edge> =
+        (0..9).flat_map(|b| (0..b).map(move |a| edge(((a + b) % 2) as u8, a, b))).collect();
+    let model = Model::<2>::new(every_term(2), &nodes, &edges, 15);
+    let mut random = Random(16);
+    let q: [[f64; 2]; 9] = core::array::from_fn(|_| random.array(2.0));
+    let forces = l_q(&model, &q);
+    assert!(forces.iter().flatten().any(|force| force.abs() > 1e-2), "{forces:?}");
+    let sum = |of: &dyn Fn(usize) -> f64| (0..9).map(of).sum::<f64>();
+    assert_close("force", sum(&|i| forces[i][0] + forces[i][1]), 0.0, 1e-14);
+    assert_close("torque", sum(&|i| q[i][0] * forces[i][1] - q[i][1] * forces[i][0]), 0.0, 1e-14);
+    let turned_and_moved = q.map(|[x, y]| [0.6 * x - 0.8 * y + 3.0, 0.8 * x + 0.6 * y - 1.0]);
+    let turned = l_q(&model, &turned_and_moved);
+    for (force, [x, y]) in turned.iter().zip(forces) {
+        assert_vectors_close("turned", force, &[0.6 * x - 0.8 * y, 0.8 * x + 0.6 * y], 1e-13);
+    }
+}
+
+#[test]
+fn drag_is_the_printed_formula_and_its_derivatives_are_differences() {
+    const STEP: f64 = 1e-6;
+    let [model] = of_eight();
+    let mut random = Random(17);
+    let (q, v, y): ([f64; 8], [f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0), random.array(1.0));
+    let force = |model: &FixedModel<2, 8>, v: &[f64; 8]| model.in_f64().force(&q, v);
+    let naive: [f64; 8] = core::array::from_fn(|i| model.0.naive_drag(model.0.nodes[i / 2], v[i]));
+    assert_vectors_close("drag", &force(&model, &v), &naive, 1e-14);
+    assert!(naive.iter().zip(&v).all(|(force, v)| force * v <= 0.0), "{naive:?} against {v:?}");
+    let (by_q, by_v) = model.in_f64().derivatives(&q, &v);
+    assert_eq!(by_q, [[0.0; 8]; 8]);
+    for (j, step) in (0..8).map(|j| (j, common::dual::unit::<8>(j).map(|x| STEP * x))) {
+        let at = |sign: f64| force(&model, &core::array::from_fn(|i| v[i] + sign * step[i]));
+        let (back, forth) = (at(-1.0), at(1.0));
+        for i in 0..8 {
+            assert_close("slope", by_v[i][j], (forth[i] - back[i]) / (2.0 * STEP), 1e-8);
+        }
+    }
+    let mut found = vec![0.0; model.weights().len()];
+    model.in_f64().force_gradient((&q, &v), &y, |position, value| found[position] += value);
+    for (k, found) in found.iter().enumerate() {
+        let at = |step: f64| {
+            let mut varied = model.clone();
+            varied.weights_mut()[k] += step;
+            leastaction_core::linear::dot(&y, &force(&varied, &v))
+        };
+        assert_close("weight", *found, (at(STEP) - at(-STEP)) / (2.0 * STEP), 1e-8);
+    }
+}
+
+#[test]
+fn what_is_no_graph_is_refused() {
+    let model = graphs::flat();
+    let types = model.types(&model.weights);
+    let graph = |nodes: &[u8], edges: &[Edge]| Graph::new(types, nodes, edges).err();
+    assert_eq!(graph(&[], &[]), Some(GraphError::Empty));
+    assert_eq!(graph(&[0, 3], &[]), Some(GraphError::NodeKind { node: 1, kind: 3, kinds: 3 }));
+    let edges = [edge(1, 0, 1), edge(2, 0, 1)];
+    assert_eq!(graph(&[0, 0], &edges), Some(GraphError::EdgeKind { edge: 1, kind: 2, kinds: 2 }));
+    assert_eq!(graph(&[0, 0], &[edge(0, 1, 2)]), Some(GraphError::End { edge: 0, node: 2, nodes: 2 }));
+    assert_eq!(graph(&[0, 0], &[edge(0, 7, 0)]), Some(GraphError::End { edge: 0, node: 7, nodes: 2 }));
+    assert_eq!(graph(&[0, 0], &[edge(0, 1, 1)]), Some(GraphError::Loop { edge: 0, node: 1 }));
+    let many = vec![0; MAX_NODES + 1];
+    let found = MAX_NODES + 1;
+    assert_eq!(graph(&many, &[]), Some(GraphError::TooManyNodes { found, most: MAX_NODES }));
+    assert_eq!(graph(&many[1..], &[]), None);
+    let fixed = Fixed::<_, 2, _, _, _, 7>::new(model.in_f64()).err();
+    assert_eq!(fixed, Some(GraphError::Coordinates { found: 8, compiled: 7 }));
+}
+
+#[test]
+fn numbers_that_must_be_positive_are_checked() {
+    let start = graphs::flat().weights.len() - 3 * every_term(2).numbers();
+    let check = |position: usize, number: f64| {
+        let mut model = graphs::flat();
+        model.weights[start + position] = number;
+        model.types(&model.weights).check_numbers()
+    };
+    let second = every_term(2).numbers();
+    assert_eq!(check(0, 1e-9), Ok(()));
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(check(0, bad), Err(GraphError::Mass { kind: 0 }));
+        assert_eq!(check(2 * second, bad), Err(GraphError::Mass { kind: 2 }));
+        // That type has networks instead.
+        assert_eq!(check(second, bad), Ok(()));
+    }
+    assert_eq!(check(1, 0.0), Ok(()));
+    for bad in [-1e-9, f64::NAN, f64::INFINITY] {
+        assert_eq!(check(1, bad), Err(GraphError::Drag { kind: 0 }));
+        assert_eq!(check(2 * second + 1, bad), Ok(()));
+    }
+}
