@@ -12,7 +12,7 @@ mod micro;
 mod tanh;
 mod trigonometry;
 
-pub use compensated::Compensated;
+pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};
 #[cfg(feature = "micromath")]
 pub use micro::Micro;

@@ -4,6 +4,7 @@
 pub mod dual;
 pub mod file;
 pub mod oracle;
+pub mod particles;
 pub mod shapes;
 pub mod trees;
 
