@@ -1,5 +1,5 @@
 use super::{Constraints, at};
-use crate::linear::{Matrix, dot, multiply, solve_many};
+use crate::linear::{Matrix, dot, multiply, solve_definite};
 use crate::scalar::Real;
 
 /// The Jacobian A = ∂φ/∂q at a position, row by row and never stored.
@@ -53,5 +53,5 @@ impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
 #[inline(always)]
 pub(crate) fn inverse<R: Real, const D: usize>(mass: Matrix<R, D>) -> Option<Matrix<R, D>> {
     let unit = |i| core::array::from_fn(|j| if i == j { R::one() } else { R::zero() });
-    solve_many(mass, core::array::from_fn::<[R; D], D, _>(unit)).ok()
+    solve_definite(mass, core::array::from_fn::<[R; D], D, _>(unit)).ok()
 }

@@ -1,9 +1,9 @@
 use super::points::{Points, add, copy};
 use crate::constraints::{Banded, Constrained, ConstraintError, Constraints, Room, Rows, at, inverse};
 use crate::discrete::{Newton, Report};
-use crate::linear::{Matrix, add_scaled, multiply, solve};
+use crate::linear::{Matrix, add_scaled, multiply, solve_definite};
 use crate::particles::Particles;
-use crate::scalar::{Real, max_abs};
+use crate::scalar::Real;
 
 /// Which of the two lines of a step is solved, for velocities v and impulses Λ.
 #[derive(Clone, Copy)]
@@ -45,8 +45,14 @@ fn worse<R: Real>(a: R, b: R) -> R {
     if a > b || !a.is_finite() { a } else { b }
 }
 
+/// Σ|x_i|; not finite if any is not.
+#[inline(always)]
+fn size<R: Real, const D: usize>(x: &[R; D]) -> R {
+    x.iter().fold(R::zero(), |sum, x| sum + x.abs())
+}
+
 fn largest<R: Real, const D: usize>(x: &[[R; D]]) -> R {
-    x.iter().fold(R::zero(), |largest, x| worse(largest, max_abs(x)))
+    x.iter().fold(R::zero(), |largest, x| worse(largest, size(x)))
 }
 
 /// a relative to the size of its terms; 0 where all vanish.
@@ -172,15 +178,15 @@ where
         p: &[R; D],
         stage: Stage<R>,
     ) -> Result<Report<R>, ConstraintError<R>> {
-        let (mut r, size) = self.imbalance(node, v, p, stage);
-        let (mut iterations, mut before, size) = (0, R::one() / R::zero(), size + max_abs(&r));
+        let (mut r, scale) = self.imbalance(node, v, p, stage);
+        let (mut iterations, mut before, scale) = (0, R::one() / R::zero(), scale + size(&r));
         loop {
             let mass = self.effective_mass(node, v, stage);
-            let change = solve(mass, r).map_err(|_| ConstraintError::Mass { node })?;
+            let [change] = solve_definite(mass, [r]).map_err(|_| ConstraintError::Mass { node })?;
             *v = add_scaled(v, R::one(), &change);
             iterations += 1;
             r = self.imbalance(node, v, p, stage).0;
-            let residual = relative(max_abs(&r), size);
+            let residual = relative(size(&r), scale);
             if self.done(iterations, before, residual) {
                 return self.judge(Report { iterations, residual });
             }
@@ -225,7 +231,7 @@ where
             Stage::Positions { .. } => r,
             Stage::Velocities { half } => add_scaled(&r, half, &system.drag(node, v)),
         };
-        (r, max_abs(p) + max_abs(&l_v))
+        (r, size(p) + size(&l_v))
     }
 
     /// M − ½h ∂Q/∂v of a node.
@@ -246,8 +252,8 @@ where
     fn residual(&mut self, points: &Points<R, D>, stage: Stage<R>, scale: Scale<R>) -> R {
         let mut worst = R::zero();
         for (node, (v, p)) in points.v.iter().zip(points.p.iter()).enumerate() {
-            let (r, size) = self.imbalance(node, v, p, stage);
-            worst = worse(worst, relative(max_abs(&r), size + scale.impulse));
+            let (r, terms) = self.imbalance(node, v, p, stage);
+            worst = worse(worst, relative(size(&r), terms + scale.impulse));
             if let Some(update) = self.update.get_mut(node) {
                 *update = r;
             }
