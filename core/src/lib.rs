@@ -4,7 +4,7 @@
 //! discrete Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
 //!
 //! Data flows one way through the rooms of this crate:
-//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] → [`continuous`] and [`discrete`] → [`model`].
+//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] → [`continuous`] and [`discrete`] → [`model`].
 //!
 //! # Notation
 //!
@@ -18,6 +18,8 @@
 //! | p = L_v | `p`, `l_v` | generalised momentum | kg m/s or kg m²/s |
 //! | L_q | `l_q` | ∂L/∂q | N or N m |
 //! | L_qq, L_vq, L_vv | `l_qq`, `l_vq`, `l_vv` | second derivatives; `l_vq[i][j]` = ∂²L/∂v_i∂q_j | |
+//! | φ(q) = 0, A = ∂φ/∂q | `constraints` | holonomic constraints and their Jacobian | m, 1 |
+//! | λ | `lambda` | multipliers; Aᵀλ are the constraint forces | N |
 //! | Q | `force` | generalised non-conservative force: control, damping | N or N m |
 //! | L_d(q₀, q₁) | `d1_ld`, `d2_ld` | discrete Lagrangian ≈ ∫L dt and its slot derivatives | J s |
 //! | w = (q₁ − q₀)/h | `w` | increment, the unknown of a DEL step | m/s or rad/s |
@@ -27,6 +29,7 @@
 //! **LGNN** (Bhattoo, Ranu, Krishnan, MLST 2023); variational integration after Marsden and West (Acta Numerica 2001).
 #![no_std]
 
+pub mod constraints;
 pub mod continuous;
 pub mod discrete;
 pub mod energy;

@@ -73,6 +73,41 @@ pub fn solve_many<R: Real, const N: usize, const C: usize>(
     Ok(rhs)
 }
 
+/// A⁻¹b for each b of `rhs` and a symmetric A that is positive (or negative) definite: elimination without pivoting, LDLᵀ,
+/// N divisions and no branch but the check of pivots.
+#[inline]
+pub fn solve_definite<R: Real, const N: usize, const C: usize>(
+    mut a: [[R; N]; N],
+    mut rhs: [[R; N]; C],
+) -> Result<[[R; N]; C], Singular> {
+    for k in 0..N {
+        let row_k = a[k];
+        let reciprocal = R::one() / row_k[k];
+        if !(reciprocal.abs() > R::zero() && reciprocal.is_finite()) {
+            return Err(Singular { column: k as u8 });
+        }
+        a[k][k] = reciprocal;
+        for i in k + 1..N {
+            let factor = row_k[i] * reciprocal;
+            for j in k + 1..N {
+                a[i][j] -= factor * row_k[j];
+            }
+            for b in &mut rhs {
+                b[i] -= factor * b[k];
+            }
+        }
+    }
+    for b in &mut rhs {
+        for i in (0..N).rev() {
+            for j in i + 1..N {
+                b[i] -= a[i][j] * b[j];
+            }
+            b[i] = b[i] * a[i][i];
+        }
+    }
+    Ok(rhs)
+}
+
 /// Brings the row with the largest entry of column k, among rows k and below, to row k.
 #[inline]
 fn pivot<R: Real, const N: usize, const C: usize>(

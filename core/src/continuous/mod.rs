@@ -2,8 +2,10 @@
 //!
 //! Source: the Euler–Lagrange equation (ModLaNet eq. 2; SyMo eq. 2 with forces).
 
+mod constrained;
 mod integrators;
 
+pub use constrained::{Baumgarte, Drive, constrained_acceleration, constrained_room};
 pub use integrators::{ContinuousState, midpoint_step, rk4_step};
 
 use crate::forces::{Forces, System};

@@ -19,6 +19,7 @@
 mod interval;
 mod newton;
 mod path;
+pub mod rattle;
 mod state;
 
 pub use interval::{Balance, Control, Interval, Linearised, Variation};

@@ -192,7 +192,7 @@ impl<R: Real> Newton<R> {
 
     /// Whether another update would be in vain: the residual is small enough, or acceptable and an update no longer
     /// halves it (rounding has the last word).
-    fn settled(&self, before: R, after: R) -> bool {
+    pub(super) fn settled(&self, before: R, after: R) -> bool {
         let floor = after <= self.accept && after > before.half();
         self.stop > R::zero() && (after <= self.stop || floor)
     }

@@ -1,4 +1,4 @@
-use super::Scalar;
+use super::{Real, Scalar};
 
 /// A running sum that remembers what rounding took from it (Kahan).
 ///
@@ -14,6 +14,11 @@ impl<S: Scalar> Compensated<S> {
     /// Starts at `value` with nothing carried.
     pub fn new(value: S) -> Self {
         Self { sum: value, carry: S::zero() }
+    }
+
+    /// A sum that was stored as its two parts.
+    pub fn from_parts(value: S, carry: S) -> Self {
+        Self { sum: value, carry }
     }
 
     /// The sum, rounded.
@@ -33,4 +38,31 @@ impl<S: Scalar> Compensated<S> {
         let sum = self.sum + y;
         Self { sum, carry: y - (sum - self.sum) }
     }
+}
+
+/// a + b rounded, and what rounding took: their sum is a + b exactly (Knuth).
+#[inline(always)]
+pub fn sum<R: Real>(a: R, b: R) -> (R, R) {
+    let sum = a + b;
+    let rest = sum - a;
+    (sum, (a - (sum - rest)) + (b - rest))
+}
+
+/// ab rounded, and what rounding took: their sum is ab exactly, unless a part underflows or overflows (Dekker, Veltkamp).
+#[inline(always)]
+pub fn product<R: Real>(a: R, b: R) -> (R, R) {
+    let product = a * b;
+    let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
+    let error = a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low);
+    (product, error)
+}
+
+/// A number as the sum of two of half as many digits.
+#[inline(always)]
+fn halves<R: Real>(x: R) -> (R, R) {
+    // 2^⌈digits/2⌉ + 1, of 24 or 53 binary digits.
+    let single = R::EPSILON > R::constant(1e-10);
+    let shifted = x * R::constant(if single { 4_097.0 } else { 134_217_729.0 });
+    let high = shifted - (shifted - x);
+    (high, x - high)
 }

@@ -13,7 +13,7 @@ mod packed;
 mod tanh;
 mod trigonometry;
 
-pub use compensated::Compensated;
+pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};
 #[cfg(feature = "micromath")]
 pub use micro::Micro;

@@ -5,6 +5,7 @@ pub mod dual;
 pub mod file;
 pub mod graphs;
 pub mod oracle;
+pub mod particles;
 pub mod shapes;
 pub mod trees;
 

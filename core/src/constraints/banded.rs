@@ -1,0 +1,94 @@
+use crate::scalar::Real;
+
+/// A square matrix with `band` diagonals on either side of the main one, over the caller's room, and then its factors LU.
+///
+/// Rows are stored one after the other: the 2 `band` + 1 entries around the diagonal, and the size of the diagonal entry
+/// before elimination. Without pivoting: A₁ M⁻¹ A₀ᵀ is symmetric and positive definite where both Jacobians are of one
+/// position, and where a step turns no constraint by much its symmetric part still is; the factors of a symmetric matrix
+/// are LDLᵀ.
+pub(crate) struct Banded<'a, R> {
+    band: usize,
+    entries: &'a mut [R],
+}
+
+/// Numbers in a row.
+const fn width(band: usize) -> usize {
+    2 * band + 2
+}
+
+impl<'a, R: Real> Banded<'a, R> {
+    /// Numbers of room for a matrix.
+    pub const fn room(equations: usize, band: usize) -> usize {
+        equations * width(band)
+    }
+
+    /// A matrix in this room, of meaningless entries.
+    pub fn new(band: usize, entries: &'a mut [R]) -> Self {
+        Self { band, entries }
+    }
+
+    /// Sets every entry inside the band.
+    pub fn set(&mut self, entry: impl Fn(usize, usize) -> R) {
+        let (band, width) = (self.band, width(self.band));
+        let equations = self.entries.len() / width;
+        for (k, row) in self.entries.chunks_exact_mut(width).enumerate() {
+            let mut diagonal = R::zero();
+            for (offset, value) in row.iter_mut().enumerate() {
+                let column = (k + offset).checked_sub(band).filter(|l| *l < equations && offset <= 2 * band);
+                *value = column.map_or(R::zero(), |l| entry(k, l));
+                if offset == band {
+                    diagonal = value.abs();
+                }
+            }
+            if let Some(size) = row.last_mut() {
+                *size = diagonal;
+            }
+        }
+    }
+
+    /// Factors the matrix in place; the row whose pivot is rounding, or not a number, as an error.
+    pub fn factor(&mut self) -> Result<(), usize> {
+        let (band, width) = (self.band, width(self.band));
+        // Of a redundant row the elimination leaves some units of rounding of its diagonal entry.
+        let smallest = R::constant(64.0) * R::EPSILON;
+        for k in 0..self.entries.len() / width {
+            let Some((upper, lower)) = self.entries.split_at_mut_checked((k + 1) * width) else {
+                return Err(k);
+            };
+            let mut above = upper.iter().skip(k * width + band);
+            let (Some(pivot), Some(size)) = (above.next(), upper.last()) else { return Err(k) };
+            if pivot.abs() <= smallest * *size || !pivot.is_finite() {
+                return Err(k);
+            }
+            for (offset, row) in lower.chunks_exact_mut(width).take(band).enumerate() {
+                let mut entries = row.iter_mut().skip(band - 1 - offset);
+                let Some(factor) = entries.next() else { return Err(k) };
+                *factor = *factor / *pivot;
+                for (entry, above) in entries.zip(above.clone().take(band)) {
+                    *entry -= *factor * *above;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces b by the solution; after [`Banded::factor`].
+    pub fn solve(&self, b: &mut [R]) {
+        let (band, width) = (self.band, width(self.band));
+        for (k, row) in self.entries.chunks_exact(width).enumerate() {
+            let Some((done, [value, ..])) = b.split_at_mut_checked(k) else { return };
+            for (factor, above) in row.iter().take(band).rev().zip(done.iter().rev()) {
+                *value -= *factor * *above;
+            }
+        }
+        for (k, row) in self.entries.chunks_exact(width).enumerate().rev() {
+            let Some((_, [value, done @ ..])) = b.split_at_mut_checked(k) else { return };
+            let mut entries = row.iter().skip(band).take(band + 1);
+            let Some(pivot) = entries.next() else { return };
+            for (entry, below) in entries.zip(done.iter()) {
+                *value -= *entry * *below;
+            }
+            *value = *value / *pivot;
+        }
+    }
+}

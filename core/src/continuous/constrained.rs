@@ -1,0 +1,131 @@
+use crate::constraints::{Banded, Constrained, ConstraintError, Constraints, Room, Rows, at, inverse};
+use crate::linear::{Matrix, add_scaled, multiply};
+use crate::particles::Particles;
+use crate::scalar::{Real, all_finite};
+
+/// Feedback that pulls a continuous simulation back to its constraints: φ̈ = −2ζω φ̇ − ω² φ (Baumgarte 1972).
+///
+/// Only explicit integrators need it: they let φ grow. [`crate::discrete::rattle::Rattle`] keeps φ = 0 by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Baumgarte<R> {
+    /// ω ≥ 0, rad/s; of no use beyond about 1/h.
+    pub omega: R,
+    /// Damping ratio ζ ≥ 0; 1 is critical.
+    pub zeta: R,
+}
+
+impl<R: Real> Baumgarte<R> {
+    /// No feedback: φ̈ = 0.
+    pub fn none() -> Self {
+        Self { omega: R::zero(), zeta: R::zero() }
+    }
+}
+
+/// What drives a constrained acceleration beside the system itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<'a, R, const D: usize> {
+    /// External force of each node, N.
+    pub force: Option<&'a [[R; D]]>,
+    /// Feedback of the constraints.
+    pub baumgarte: Baumgarte<R>,
+}
+
+impl<R: Real, const D: usize> Drive<'_, R, D> {
+    /// Nothing.
+    pub fn none() -> Self {
+        Self { force: None, baumgarte: Baumgarte::none() }
+    }
+}
+
+/// Numbers of room that [`constrained_acceleration`] needs.
+pub fn constrained_room<R, S, C, const D: usize>(mechanism: &Constrained<R, S, C, D>) -> usize
+where
+    R: Real,
+    S: Particles<R, D>,
+    C: Constraints<R, D> + ?Sized,
+{
+    let system = mechanism.system();
+    system.room() + system.nodes() * D * D + mechanism.matrix_room()
+}
+
+/// Writes the acceleration v̇ = M⁻¹(r + Aᵀλ), m/s², and the multipliers λ = −(A M⁻¹ Aᵀ)⁻¹(A M⁻¹ r + Ȧ v), N, with
+/// r = L_q + Q + external force.
+///
+/// Positions need not satisfy the constraints (φ̈ = 0 holds where they are). On error what is written has no meaning.
+pub fn constrained_acceleration<R, S, C, const D: usize>(
+    mechanism: &Constrained<R, S, C, D>,
+    (q, v): (&[[R; D]], &[[R; D]]),
+    drive: &Drive<R, D>,
+    room: &mut [R],
+    (acceleration, lambda): (&mut [[R; D]], &mut [R]),
+) -> Result<(), ConstraintError<R>>
+where
+    R: Real,
+    S: Particles<R, D>,
+    C: Constraints<R, D> + ?Sized,
+{
+    let (system, constraints) = (mechanism.system(), mechanism.constraints());
+    for slice in [q, v, acceleration].into_iter().chain(drive.force) {
+        mechanism.check_nodes(slice)?;
+    }
+    mechanism.check_equations(lambda)?;
+    let mut room = Room::new(constrained_room(mechanism), room)?;
+    system.l_q(q, room.numbers(system.room()), acceleration);
+    let inverses = room.blocks(system.nodes());
+    free_acceleration(system, v, drive.force, inverses, acceleration)?;
+
+    let rows = Rows { constraints, q };
+    for (k, b) in lambda.iter_mut().enumerate() {
+        *b = -(rows.times(k, acceleration) + constraints.curvature(k, q, v) + feedback(drive, &rows, k, v));
+    }
+    check_finite(acceleration, lambda)?;
+    let mut matrix = Banded::new(mechanism.band(), room.numbers(mechanism.matrix_room()));
+    matrix.set(|k, l| rows.coupling(k, inverses, &rows, l));
+    matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })?;
+    matrix.solve(lambda);
+    rows.transposed_times(lambda, |node, force| {
+        if let (Some(a), Some(inverse)) = (acceleration.get_mut(node), inverses.get(node)) {
+            *a = add_scaled(a, R::one(), &multiply(inverse, &force));
+        }
+    });
+    check_finite(acceleration, lambda)
+}
+
+fn check_finite<R: Real, const D: usize>(
+    acceleration: &[[R; D]],
+    lambda: &[R],
+) -> Result<(), ConstraintError<R>> {
+    let finite = acceleration.iter().all(all_finite) && lambda.iter().all(|lambda| lambda.is_finite());
+    if finite { Ok(()) } else { Err(ConstraintError::NotFinite) }
+}
+
+/// Replaces L_q by M⁻¹ r, and keeps the M⁻¹.
+fn free_acceleration<R: Real, S: Particles<R, D>, const D: usize>(
+    system: &S,
+    v: &[[R; D]],
+    force: Option<&[[R; D]]>,
+    inverses: &mut [Matrix<R, D>],
+    l_q: &mut [[R; D]],
+) -> Result<(), ConstraintError<R>> {
+    for (node, ((v, l_q), block)) in v.iter().zip(l_q).zip(inverses).enumerate() {
+        *block = inverse(system.mass(node, v)).ok_or(ConstraintError::Mass { node })?;
+        let mut r = add_scaled(l_q, R::one(), &system.drag(node, v));
+        if let Some(force) = force {
+            r = add_scaled(&r, R::one(), &at(force, node));
+        }
+        *l_q = multiply(block, &r);
+    }
+    Ok(())
+}
+
+/// 2ζω φ̇ + ω² φ.
+fn feedback<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
+    drive: &Drive<R, D>,
+    rows: &Rows<R, C, D>,
+    k: usize,
+    v: &[[R; D]],
+) -> R {
+    let Baumgarte { omega, zeta } = drive.baumgarte;
+    let damped = (zeta + zeta) * rows.times(k, v);
+    omega * (damped + omega * rows.constraints.value(k, rows.q))
+}

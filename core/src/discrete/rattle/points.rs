@@ -1,0 +1,178 @@
+use super::Rattle;
+use super::stage::Solver;
+use crate::constraints::{Constrained, ConstraintError, Constraints, Room};
+use crate::discrete::Newton;
+use crate::particles::Particles;
+use crate::scalar::{Compensated, Real, all_finite};
+
+/// Positions and momenta of all nodes, both summed with compensation, with what follows from them.
+#[derive(Debug)]
+pub(super) struct Points<'a, R, const D: usize> {
+    pub q: &'a mut [[R; D]],
+    pub q_carry: &'a mut [[R; D]],
+    pub p: &'a mut [[R; D]],
+    pub p_carry: &'a mut [[R; D]],
+    /// L_v(v) = p.
+    pub v: &'a mut [[R; D]],
+    /// L_q(q).
+    pub l_q: &'a mut [[R; D]],
+    /// Constraint impulses of the step, N s; when it is over, forces.
+    pub lambda: &'a mut [R],
+}
+
+/// A vector to add to, stored as value and carry.
+#[inline(always)]
+pub(super) fn add<R: Real, const D: usize>(value: &mut [R; D], carry: &mut [R; D], increment: &[R; D]) {
+    for i in 0..D {
+        let sum = Compensated::from_parts(value[i], carry[i]).plus(increment[i]);
+        (value[i], carry[i]) = (sum.value(), sum.carry());
+    }
+}
+
+/// Copies as many vectors as both have.
+pub(super) fn copy<R: Real, const D: usize>(to: &mut [[R; D]], from: &[[R; D]]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+}
+
+impl<'a, R: Real, const D: usize> Points<'a, R, D> {
+    const fn room(nodes: usize, equations: usize) -> usize {
+        6 * nodes * D + equations
+    }
+
+    fn over(nodes: usize, equations: usize, room: &mut Room<'a, R>) -> Self {
+        let [q, q_carry, p, p_carry, v, l_q] = core::array::from_fn(|_| room.vectors(nodes));
+        Self { q, q_carry, p, p_carry, v, l_q, lambda: room.numbers(equations) }
+    }
+
+    fn copy(&mut self, other: &Self) {
+        let from = [&*other.q, other.q_carry, other.p, other.p_carry, other.v, other.l_q];
+        let to = [&mut *self.q, self.q_carry, self.p, self.p_carry, self.v, self.l_q];
+        for (to, from) in to.into_iter().zip(from) {
+            copy(to, from);
+        }
+    }
+
+    /// Turns impulses into mean forces over h, and checks what the step leaves.
+    pub fn finish(&mut self, h: R) -> Result<(), ConstraintError<R>> {
+        self.lambda.iter_mut().for_each(|lambda| *lambda = *lambda / h);
+        let finite = self.q.iter().all(all_finite)
+            && self.p.iter().all(all_finite)
+            && self.l_q.iter().all(all_finite)
+            && self.lambda.iter().all(|lambda| lambda.is_finite());
+        if finite { Ok(()) } else { Err(ConstraintError::NotFinite) }
+    }
+}
+
+/// Where a constrained system is: over the caller's room, and of one system. On the chip the room is an array whose length
+/// is [`ParticleState::room`], on the host a vector.
+#[derive(Debug)]
+pub struct ParticleState<'a, R, const D: usize> {
+    now: Points<'a, R, D>,
+    /// Where the next step is made.
+    next: Points<'a, R, D>,
+}
+
+impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
+    /// Numbers of room of a state.
+    pub const fn room(nodes: usize, equations: usize) -> usize {
+        2 * Points::<R, D>::room(nodes, equations)
+    }
+
+    /// Positions q, m, that satisfy the constraints, and velocities v, m/s. The first step takes away what is left of φ, up
+    /// to √ε of its length; velocities lose at once what violates A v = 0, by impulses of the constraints.
+    ///
+    /// `state` keeps the state ([`ParticleState::room`]), `room` is only used meanwhile ([`Rattle::room`]).
+    pub fn new<S, C>(
+        mechanism: &Constrained<R, S, C, D>,
+        q: &[[R; D]],
+        v: &[[R; D]],
+        state: &'a mut [R],
+        room: &mut [R],
+    ) -> Result<Self, ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
+        mechanism.check_nodes(q)?;
+        mechanism.check_nodes(v)?;
+        check_start(mechanism.constraints(), q)?;
+        let (nodes, equations) = (q.len(), mechanism.equations());
+        let mut pieces = Room::new(Self::room(nodes, equations), state)?;
+        let mut now = Points::over(nodes, equations, &mut pieces);
+        let next = Points::over(nodes, equations, &mut pieces);
+        let newton: Newton<R> = Rattle::new(R::one(), super::Order::Two).newton;
+        Solver::new(mechanism, &newton, room)?.start(&mut now, q, v)?;
+        now.finish(R::one())?;
+        now.lambda.fill(R::zero());
+        Ok(Self { now, next })
+    }
+
+    /// q, m.
+    pub fn q(&self) -> &[[R; D]] {
+        self.now.q
+    }
+
+    /// What rounding took from q, m: the exact sum is close to q + this.
+    pub fn q_carry(&self) -> &[[R; D]] {
+        self.now.q_carry
+    }
+
+    /// v, m/s: L_v(v) = p.
+    pub fn v(&self) -> &[[R; D]] {
+        self.now.v
+    }
+
+    /// p, kg m/s.
+    pub fn p(&self) -> &[[R; D]] {
+        self.now.p
+    }
+
+    /// What rounding took from p, kg m/s.
+    pub fn p_carry(&self) -> &[[R; D]] {
+        self.now.p_carry
+    }
+
+    /// λ, N, the mean over the last step: Aᵀλ are the constraint forces. Zero before the first step.
+    pub fn lambda(&self) -> &[R] {
+        self.now.lambda
+    }
+
+    /// The room of the next step, as the state is now; an error where the state is of another system.
+    pub(super) fn copied<S, C>(
+        &mut self,
+        mechanism: &Constrained<R, S, C, D>,
+    ) -> Result<&mut Points<'a, R, D>, ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
+        mechanism.check_nodes(self.now.q)?;
+        mechanism.check_equations(self.now.lambda)?;
+        self.next.copy(&self.now);
+        self.next.lambda.fill(R::zero());
+        Ok(&mut self.next)
+    }
+
+    /// Makes the next step the present one.
+    pub(super) fn swap(&mut self) {
+        core::mem::swap(&mut self.now, &mut self.next);
+    }
+}
+
+/// An error where |φ| is more than √ε of its length, or not a number.
+fn check_start<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
+    constraints: &C,
+    q: &[[R; D]],
+) -> Result<(), ConstraintError<R>> {
+    let (mut constraint, mut residual) = (0, R::zero());
+    for k in 0..constraints.equations() {
+        let off = constraints.value(k, q).abs() / constraints.size(k);
+        if !off.is_finite() {
+            return Err(ConstraintError::NotFinite);
+        }
+        if off > residual {
+            (constraint, residual) = (k, off);
+        }
+    }
+    if residual > R::EPSILON.sqrt() { Err(ConstraintError::Off { constraint, residual }) } else { Ok(()) }
+}
