@@ -14,9 +14,11 @@
 
 mod error;
 mod fixed;
+mod messages;
 mod parameters;
 mod particles;
 mod radial;
+mod round;
 mod shape;
 mod types;
 
