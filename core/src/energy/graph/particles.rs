@@ -23,13 +23,7 @@ impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> 
 
     fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R> {
         let kinetic = self.sum_nodes(v, |kind, v| self.types.kinetic::<R::Pack, 0>(kind, v).value);
-        let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
-        self.for_edges(q, |run, kind, d| {
-            let pairs = self.types.pair::<R::Pack, 0>(kind, &d).value;
-            (0..run.len()).for_each(|l| potential += R::lane(&pairs, l));
-        });
-        potential += self.messages(q, room, |_, _| {});
-        Energies { kinetic, potential }
+        Energies { kinetic, potential: self.potential(q, room) }
     }
 
     fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
@@ -91,6 +85,17 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
             let d = packs(|l| across(q, run.get(l).unwrap_or(first)).unwrap_or([R::zero(); D]));
             visit(run, first.kind, d);
         }
+    }
+
+    /// V(q).
+    pub(super) fn potential<R: Packed<Weight = W>>(&self, q: &[[R; D]], room: &mut [R]) -> R {
+        let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
+        self.for_edges(q, |run, kind, d| {
+            let pairs = self.types.pair::<R::Pack, 0>(kind, &d).value;
+            (0..run.len()).for_each(|l| potential += R::lane(&pairs, l));
+        });
+        potential += self.messages(q, room, |_, _| {});
+        potential
     }
 
     /// n = h and n̄ = 0 at every node.
