@@ -2,17 +2,18 @@
 
 mod common;
 
-use common::graphs::{self, FixedModel, Model, edge, every_term};
+use common::graphs::{self, FixedModel, Model, edge, every_term, with_messages};
 use common::oracle::{self, Learned, at_states};
 use common::{Random, assert_close, assert_vectors_close};
 use leastaction_core::energy::LearnableForces;
-use leastaction_core::energy::graph::{Edge, Fixed, Graph, GraphError, MAX_NODES};
+use leastaction_core::energy::graph::{Edge, Fixed, Graph, GraphError, MAX_NODES, Shape};
 use leastaction_core::forces::Forces;
 use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::particles::Particles;
+use leastaction_core::scalar::Real;
 
-fn of_eight() -> [FixedModel<2, 8>; 1] {
-    [FixedModel(graphs::flat())]
+fn of_eight() -> [FixedModel<2, 8>; 2] {
+    [graphs::flat(), graphs::talking()].map(FixedModel)
 }
 
 fn of_nine() -> [FixedModel<3, 9>; 1] {
@@ -30,14 +31,14 @@ macro_rules! everywhere {
 oracle::family_tests!(everywhere);
 
 /// A ring with chords, its nodes and edges in runs longer and shorter than a pack.
-fn ring(nodes: usize) -> Model<2> {
+fn ring(shape: Shape, nodes: usize) -> Model<2> {
     let mut random = Random(11);
     let kinds: Vec<u8> = (0..nodes).map(|i| if i < 11 { 1 } else { (random.bits() % 3) as u8 }).collect();
     let next = |i: usize, by: usize| ((i + by) % nodes) as u16;
     let ring = (0..nodes).map(|i| edge(0, i as u16, next(i, 1)));
     let chords = (0..nodes / 2).map(|i| edge((random.bits() % 2) as u8, next(i, 5), i as u16));
     let edges: Vec<Edge> = ring.chain(chords).collect();
-    Model::new(every_term(2), &kinds, &edges, 12)
+    Model::new(shape, &kinds, &edges, 12)
 }
 
 const NODES: usize = 37;
@@ -47,17 +48,27 @@ fn state() -> ([[f64; 2]; NODES], [[f64; 2]; NODES]) {
     (core::array::from_fn(|_| random.array(3.0)), core::array::from_fn(|_| random.array(2.0)))
 }
 
+/// Scratch room that holds something.
+fn room<R: Real>(graph: &impl Particles<R, 2>) -> Vec<R> {
+    vec![R::constant(f64::NAN); graph.room()]
+}
+
 fn l_q<const N: usize>(model: &Model<2>, q: &[[f64; 2]; N]) -> [[f64; 2]; N] {
-    let mut l_q = [[f64::NAN; 2]; N];
-    model.in_f64().l_q(q, &mut [], &mut l_q);
+    let (graph, mut l_q) = (model.in_f64(), [[f64::NAN; 2]; N]);
+    graph.l_q(q, &mut room(&graph), &mut l_q);
     l_q
 }
 
 #[test]
 fn forces_on_many_nodes_are_differences_of_the_printed_potential() {
+    forces_are_differences(&ring(every_term(2), NODES));
+    forces_are_differences(&ring(with_messages(2), NODES));
+}
+
+fn forces_are_differences(model: &Model<2>) {
     const STEP: f64 = 1e-5;
-    let (model, (q, v)) = (ring(NODES), state());
-    let found = l_q(&model, &q);
+    let (q, v) = state();
+    let found = l_q(model, &q);
     for i in 0..NODES {
         for k in 0..2 {
             let at = |step: f64| {
@@ -68,7 +79,8 @@ fn forces_on_many_nodes_are_differences_of_the_printed_potential() {
             assert_close("l_q", found[i][k], (at(-STEP) - at(STEP)) / (2.0 * STEP), 1e-8);
         }
     }
-    let energies = Particles::energies(&model.in_f64(), &q, &v, &mut []);
+    let graph = model.in_f64();
+    let energies = Particles::energies(&graph, &q, &v, &mut room(&graph));
     let kinetic: f64 = model.nodes.iter().zip(&v).map(|(kind, v)| model.naive_kinetic(*kind, v)).sum();
     assert_close("potential", energies.potential, model.naive_potential(&q), 1e-13);
     assert_close("kinetic", energies.kinetic, kinetic, 1e-13);
@@ -76,18 +88,24 @@ fn forces_on_many_nodes_are_differences_of_the_printed_potential() {
 
 #[test]
 fn packs_have_the_bits_of_one_after_another() {
-    let (model, (q, v)) = (ring(NODES), state());
+    for shape in [every_term(2), with_messages(2)] {
+        packs_have_the_same_bits(&ring(shape, NODES));
+    }
+}
+
+fn packs_have_the_same_bits(model: &Model<2>) {
+    let (graph, (q, v)) = (model.in_f64(), state());
     let flat = |x: &[[f64; 2]; NODES]| -> [f64; 2 * NODES] { x.as_flattened().try_into().unwrap() };
-    let alone = Fixed::<_, 2, _, _, _, { 2 * NODES }>::new(model.in_f64()).unwrap();
+    let alone = Fixed::<_, 2, _, _, _, { 2 * NODES }>::new(graph).unwrap();
     let (q_alone, v_alone) = (flat(&q), flat(&v));
-    assert_eq!(alone.gradient(&q_alone, &v_alone).l_q, flat(&l_q(&model, &q)));
-    let packed = Particles::energies(&model.in_f64(), &q, &v, &mut []);
+    assert_eq!(alone.gradient(&q_alone, &v_alone).l_q, flat(&l_q(model, &q)));
+    let packed = Particles::energies(&graph, &q, &v, &mut room(&graph));
     assert_eq!(packed, Lagrangian::<f64, _>::energies(&alone, &q_alone, &v_alone));
 }
 
 #[test]
 fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
-    let [fixed] = of_eight();
+    let [fixed, _] = of_eight();
     let (fixed, mut random) = (fixed.in_f64(), Random(14));
     let (q, v): ([f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0));
     let (dynamics, (_, slopes)) = (fixed.dynamics(&q, &v), fixed.derivatives(&q, &v));
@@ -103,10 +121,11 @@ fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
 
 #[test]
 fn single_precision_is_near() {
-    let (model, (q, _)) = (ring(NODES), state());
+    let (model, (q, _)) = (ring(with_messages(2), NODES), state());
     let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
     let mut found = [[f32::NAN; 2]; NODES];
-    model.graph(&weights).l_q(&q.map(|x| x.map(|x| x as f32)), &mut [], &mut found);
+    let graph = model.graph(&weights);
+    graph.l_q(&q.map(|x| x.map(|x| x as f32)), &mut room(&graph), &mut found);
     for (found, exact) in found.iter().zip(l_q(&model, &q)) {
         assert_vectors_close("l_q", &found.map(f64::from), &exact, 1e-5);
     }
@@ -117,7 +136,7 @@ fn pairs_give_no_force_and_no_torque_to_the_whole() {
     let nodes = [0; 9];
     let edges: Vec<Edge> =
         (0..9).flat_map(|b| (0..b).map(move |a| edge(((a + b) % 2) as u8, a, b))).collect();
-    let model = Model::<2>::new(every_term(2), &nodes, &edges, 15);
+    let model = Model::<2>::new(with_messages(2), &nodes, &edges, 15);
     let mut random = Random(16);
     let q: [[f64; 2]; 9] = core::array::from_fn(|_| random.array(2.0));
     let forces = l_q(&model, &q);
@@ -135,7 +154,7 @@ fn pairs_give_no_force_and_no_torque_to_the_whole() {
 #[test]
 fn drag_is_the_printed_formula_and_its_derivatives_are_differences() {
     const STEP: f64 = 1e-6;
-    let [model] = of_eight();
+    let [model, _] = of_eight();
     let mut random = Random(17);
     let (q, v, y): ([f64; 8], [f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0), random.array(1.0));
     let force = |model: &FixedModel<2, 8>, v: &[f64; 8]| model.in_f64().force(&q, v);

@@ -117,22 +117,27 @@ impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
         visit: &mut impl Visit<W, S, T>,
     ) -> (Jet<S, T>, [Jet<S, T>; I]) {
         let (mut y, mut x_bar) = ([Jet::zero(); 1], [Jet::zero(); I]);
-        self.pull_back::<S, T, H>((x, &mut x_bar), &mut y, &[Jet::constant(weight)], visit);
+        self.pull_back::<S, T, H, _, _>((x, &mut x_bar), &mut y, visit, |_, _| [Jet::constant(weight)]);
         (y[0], x_bar)
     }
 
-    /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents.
-    pub(super) fn pull_back<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents, ȳ = `bar(y)`; both get `visit`.
+    pub(super) fn pull_back<S, const T: usize, const H: usize, V, B>(
         &self,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),
         y: &mut [Jet<S, T>],
-        y_bar: &[Jet<S, T>],
-        visit: &mut impl Visit<W, S, T>,
-    ) {
+        visit: &mut V,
+        bar: impl FnOnce(&[Jet<S, T>], &mut V) -> B,
+    ) where
+        S: Scalar<Weight = W>,
+        V: Visit<W, S, T>,
+        B: AsRef<[Jet<S, T>]>,
+    {
         let mut tape = Tape::<S, T, H, D>::default();
         self.network.forward(x, &mut tape, y);
+        let y_bar = bar(y, visit);
         let mut end = self.start + self.network.len();
-        self.network.adjoint_with_layers(&tape, (x, x_bar), y_bar, |layer, x, y_bar| {
+        self.network.adjoint_with_layers(&tape, (x, x_bar), y_bar.as_ref(), |layer, x, y_bar| {
             end -= layer.len();
             visit.layer(end, layer, x, y_bar);
         });

@@ -5,12 +5,13 @@ use super::oracle::Learned;
 use super::shapes::naive_network;
 use super::trees::network;
 use leastaction_core::energy::graph::{
-    Drag, Edge, EdgeShape, Fixed, Graph, Kinetic, NodeShape, Potential, Separation, Shape, Types,
+    Drag, Edge, EdgeShape, Fixed, Graph, Kinetic, MessageShape, NodeShape, Potential, Separation, Shape,
+    Types,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Scalar;
 
-pub const NETWORKS: usize = 9;
+pub const NETWORKS: usize = 11;
 pub const WIDTH: usize = 11;
 pub const DEPTH: usize = 3;
 
@@ -110,7 +111,37 @@ impl<const D: usize> Model<D> {
             };
             shape.potential.map_or(0.0, |network| self.run(network, vec![seen])[0])
         };
-        nodes + self.edges.iter().map(pair).sum::<f64>()
+        nodes + self.edges.iter().map(pair).sum::<f64>() + self.naive_messages(q)
+    }
+
+    /// Every edge in both directions, as LGNN's program has it.
+    fn naive_messages(&self, q: &[[f64; D]]) -> f64 {
+        let Some(messages) = self.shape.messages else { return 0.0 };
+        let h: Vec<&[f64]> = self.nodes.iter().map(|kind| self.numbers(*kind).4).collect();
+        let directed = || {
+            self.edges.iter().flat_map(|edge| {
+                [edge.ends, [edge.ends[1], edge.ends[0]]].map(|ends| (edge.kind, ends.map(usize::from)))
+            })
+        };
+        let embed = |kind: u8, [a, b]: [usize; 2]| {
+            let shape = self.shape.edges[usize::from(kind)].unwrap();
+            let square: f64 = q[a].iter().zip(&q[b]).map(|(a, b)| (a - b).powi(2)).sum();
+            let seen = if shape.separation == Separation::Distance { square.sqrt() } else { square };
+            self.run(shape.embedding.unwrap(), vec![seen])
+        };
+        let mut n: Vec<Vec<f64>> = h.iter().map(|h| h.to_vec()).collect();
+        for (kind, [from, to]) in directed() {
+            let sent = self.run(messages.message, [h[from], &embed(kind, [from, to])].concat());
+            n[to].iter_mut().zip(sent).for_each(|(n, sent)| *n += sent);
+        }
+        let edges = directed().map(|(kind, [a, b])| {
+            let product = n[a].iter().zip(&n[b]).map(|(a, b)| a * b).collect();
+            let change = self.run(messages.update, product);
+            let updated = embed(kind, [a, b]).iter().zip(change).map(|(e, change)| e + change).collect();
+            messages.edge_potential.map_or(0.0, |network| self.run(network, updated)[0])
+        });
+        let of_nodes = n.iter().map(|n| messages.node_potential.map_or(0.0, |p| self.run(p, n.clone())[0]));
+        edges.sum::<f64>() + of_nodes.sum::<f64>()
     }
 }
 
@@ -169,6 +200,34 @@ pub fn every_term(dimension: u8) -> Shape {
         .map(|(separation, network)| EdgeShape { separation, potential: Some(network), embedding: None });
     let shape = Shape::new(dimension, &networks, &nodes, &edges).expect("few parts");
     Shape { kinetic_embedding: 3, embedding: 2, ..shape }
+}
+
+/// The same, with messages as well.
+pub fn with_messages(dimension: u8) -> Shape {
+    let shape = every_term(dimension);
+    let messaging = [
+        network(1, &[4], 3, Activation::Tanh),
+        network(5, &[6], 2, Activation::Squareplus),
+        network(2, &[5], 3, Activation::Isru),
+        network(3, &[4], 1, Activation::Tanh),
+        network(2, &[3], 1, Activation::Tanh),
+    ];
+    let networks: Vec<_> = shape.networks().copied().chain(messaging).collect();
+    let edges: Vec<_> = shape.edges().map(|edge| EdgeShape { embedding: Some(5), ..*edge }).collect();
+    let nodes: Vec<_> = shape.nodes().copied().collect();
+    let messages = MessageShape { message: 6, update: 7, edge_potential: Some(8), node_potential: Some(9) };
+    Shape {
+        kinetic_embedding: shape.kinetic_embedding,
+        embedding: shape.embedding,
+        messages: Some(messages),
+        ..Shape::new(dimension, &networks, &nodes, &edges).expect("few parts")
+    }
+}
+
+/// In the plane, with messages; two edges join the same nodes, and one node has none.
+pub fn talking() -> Model<2> {
+    let edges = [edge(0, 0, 1), edge(1, 3, 1), edge(1, 1, 0)];
+    Model::new(with_messages(2), &[1, 0, 2, 1], &edges, 3)
 }
 
 /// In the plane: every type twice, edges of both types.

@@ -62,6 +62,10 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
             let force = types.pair::<S, 1>(edge.kind, &d).gradient(&d).map(|force| -force);
             exchange(l_q.as_chunks_mut().0, edge, &force);
         }
+        let add = |edge: &Edge, gradient: [Jet<S, 0>; D]| {
+            exchange(l_q.as_chunks_mut().0, edge, &gradient.map(|gradient| -gradient.value));
+        };
+        self.messages::<S, 0>(&placed(q), &mut Ignore, add, |_, _, _| {});
         l_q
     }
 
@@ -93,7 +97,24 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
             add_block(&mut l_qq, [a, a], &block);
             add_block(&mut l_qq, [b, b], &block);
         }
+        self.add_messages(q, &mut l_qq);
         l_qq
+    }
+
+    /// Column by column of blocks: how the gradients of the messages change with the place of node j.
+    fn add_messages<S: Scalar<Weight = W>>(&self, q: &[S; N], l_qq: &mut [[S; N]; N]) {
+        for j in 0..self.graph.nodes.len() {
+            let mut x = placed::<S, D, D, N>(q);
+            if let Some(x) = x.get_mut(j) {
+                *x = varied(&x.map(|x| x.value));
+            }
+            let add = |edge: &Edge, gradient: [Jet<S, D>; D]| {
+                let ([a, b], block) = (edge.ends.map(usize::from), gradient.map(|gradient| gradient.tangent));
+                add_block(l_qq, [b, j], &block);
+                add_block(l_qq, [a, j], &block.map(|row| row.map(|x| -x)));
+            };
+            self.messages::<S, D>(&x, &mut Ignore, add, |_, _, _| {});
+        }
     }
 }
 
@@ -108,6 +129,7 @@ impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, 
         self.nodes(v).for_each(|(kind, v)| kinetic += types.kinetic::<S, 0>(kind, v).value);
         self.nodes(q).for_each(|(kind, x)| potential += types.potential(kind, x));
         self.edges(q).for_each(|(edge, d)| potential += types.pair::<S, 0>(edge.kind, &d).value);
+        potential += self.messages::<S, 0>(&placed(q), &mut Ignore, |_, _| {}, |_, _, _| {}).value;
         Energies { kinetic, potential }
     }
 
@@ -151,6 +173,15 @@ impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, 
 #[inline(always)]
 pub(super) fn vectors<S, const D: usize, const N: usize>(x: &[S; N]) -> &[[S; D]] {
     x.as_chunks().0
+}
+
+/// The nodes where they are, at rest along all T directions; places beyond the last node are not used.
+fn placed<S: Scalar, const T: usize, const D: usize, const N: usize>(q: &[S; N]) -> [[Jet<S, T>; D]; N] {
+    let mut placed = [[Jet::zero(); D]; N];
+    for (slot, x) in placed.iter_mut().zip(vectors::<S, D, N>(q)) {
+        *slot = x.map(Jet::constant);
+    }
+    placed
 }
 
 /// x moving along its own axes.

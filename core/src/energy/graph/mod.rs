@@ -12,14 +12,19 @@
 //! [`Lagrangian`](crate::lagrangian::Lagrangian) for a number that is compiled in, with all derivatives, for training and for
 //! the discrete Euler–Lagrange equation.
 
+mod cutoff;
 mod error;
 mod fixed;
+mod messages;
 mod parameters;
 mod particles;
 mod radial;
+mod round;
 mod shape;
 mod types;
+mod union;
 
+pub use cutoff::cutoff_edges;
 pub use error::GraphError;
 pub use fixed::Fixed;
 pub use shape::{
@@ -27,6 +32,7 @@ pub use shape::{
     NodeShape, Potential, Separation, Shape,
 };
 pub use types::Types;
+pub use union::{Member, Union};
 
 use crate::scalar::Scalar;
 

@@ -3,7 +3,7 @@
 use super::across;
 use super::fixed::{Fixed, vectors};
 use super::radial::{ramp, square};
-use super::shape::{Drag, Kinetic, Potential};
+use super::shape::{Drag, Kinetic, MAX_EMBEDDING, MAX_NODE_TYPES, Potential};
 use super::types::{Types, inputs, sign};
 use crate::energy::part::{Part, Rows};
 use crate::energy::{Learnable, LearnableForces};
@@ -68,6 +68,32 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, co
             let Some(dd) = across(vectors(dq), edge) else { continue };
             self.graph.types.pair_gradient(edge.kind, &d, S::constant(-2.0) * dot(&d, &dd), row);
         }
+        self.message_part(q, dq, row);
+    }
+
+    fn message_part<S: Scalar<Weight = W>>(&self, q: &[S; N], dq: &[S; N], row: &mut impl FnMut(usize, S)) {
+        if self.graph.types.messaging().is_none() {
+            return;
+        }
+        let mut x = [[Jet::zero(); D]; N];
+        for ((slot, x), dx) in x.iter_mut().zip(vectors(q)).zip(vectors(dq)) {
+            *slot = moving(x, dx);
+        }
+        // The sums of what nodes of one type have.
+        let mut rates = [[S::zero(); MAX_EMBEDDING]; MAX_NODE_TYPES];
+        let embedding = |node: usize, k: usize, Jet { tangent: [rate], .. }: &Jet<S, 1>| {
+            let kind = usize::from(self.graph.kind(node));
+            if let Some(slot) = rates.get_mut(kind).and_then(|rates| rates.get_mut(k)) {
+                *slot += *rate;
+            }
+        };
+        self.messages::<S, 1>(&x, &mut Rows(&mut *row), |_, _| {}, embedding);
+        for (kind, rates) in (0..).zip(&rates) {
+            let Some(numbers) = self.graph.types.numbers(kind) else { return };
+            for (k, (rate, _)) in rates.iter().zip(numbers.embedding.1).enumerate() {
+                row(numbers.embedding.0 + k, -*rate);
+            }
+        }
     }
 }
 
@@ -109,9 +135,8 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Ty
         if node.potential == Potential::Uniform {
             dx.iter().enumerate().for_each(|(k, dx)| row(numbers.field.0 + k, -*dx));
         }
-        let moving: [_; D] = core::array::from_fn(|i| Jet { value: x[i], tangent: [dx[i]] });
-        let mut embedding = [S::zero(); super::MAX_EMBEDDING];
-        self.pull(kind, &moving, &mut Rows(&mut *row), |k, Jet { tangent: [rate], .. }| {
+        let mut embedding = [S::zero(); MAX_EMBEDDING];
+        self.pull(kind, &moving(x, dx), &mut Rows(&mut *row), |k, Jet { tangent: [rate], .. }| {
             if let Some(slot) = embedding.get_mut(k) {
                 *slot = *rate;
             }
@@ -160,4 +185,10 @@ impl<W: Copy, const L: usize> Part<'_, W, L> {
         let side = sign(self.energy::<S, H>(&[Jet::constant(x)]));
         self.series_gradient::<S, H>((&[Jet::constant(x)], &mut []), &[Jet::constant(side * c)], row);
     }
+}
+
+/// x moving with the velocity `dx`.
+#[inline(always)]
+fn moving<S: Scalar, const D: usize>(x: &[S; D], dx: &[S; D]) -> [Jet<S, 1>; D] {
+    core::array::from_fn(|i| Jet { value: x[i], tangent: [dx[i]] })
 }

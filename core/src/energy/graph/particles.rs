@@ -1,5 +1,6 @@
 //! Graphs of any size, their nodes and edges in packs.
 
+use super::messages::{Embedding, Ends, Kept};
 use super::{Edge, Graph, across, exchange};
 use crate::energy::part::Ignore;
 use crate::lagrangian::Energies;
@@ -17,20 +18,15 @@ impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 
     fn room(&self) -> usize {
-        0
+        self.types.messaging().map_or(0, |messaging| KEPT * messaging.width() * self.nodes.len())
     }
 
-    fn energies(&self, q: &[[R; D]], v: &[[R; D]], _room: &mut [R]) -> Energies<R> {
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R> {
         let kinetic = self.sum_nodes(v, |kind, v| self.types.kinetic::<R::Pack, 0>(kind, v).value);
-        let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
-        self.for_edges(q, |run, kind, d| {
-            let pairs = self.types.pair::<R::Pack, 0>(kind, &d).value;
-            (0..run.len()).for_each(|l| potential += R::lane(&pairs, l));
-        });
-        Energies { kinetic, potential }
+        Energies { kinetic, potential: self.potential(q, room) }
     }
 
-    fn l_q(&self, q: &[[R; D]], _room: &mut [R], l_q: &mut [[R; D]]) {
+    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
         let mut slots = l_q.iter_mut();
         self.for_nodes(q, |run, kind, x| {
             let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {});
@@ -39,11 +35,9 @@ impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> 
             }
         });
         self.for_edges(q, |run, kind, d| {
-            let force = self.types.pair::<R::Pack, 1>(kind, &d).gradient(&d).map(|force| -force);
-            for (l, edge) in run.iter().enumerate() {
-                exchange(l_q, edge, &force.each_ref().map(|force| R::lane(force, l)));
-            }
+            add_forces::<R, D>(l_q, run, &self.types.pair::<R::Pack, 1>(kind, &d).gradient(&d));
         });
+        self.messages(q, room, |run, gradient| add_forces::<R, D>(l_q, run, &gradient));
     }
 
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D] {
@@ -63,7 +57,7 @@ impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 }
 
-impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'_, W, D, K, H, L> {
+impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
     /// Visits neighbouring nodes of one type with their type and what `x` says of them.
     #[inline(always)]
     fn for_nodes<R: Packed<Weight = W>>(
@@ -93,6 +87,79 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Gr
         }
     }
 
+    /// V(q).
+    pub(super) fn potential<R: Packed<Weight = W>>(&self, q: &[[R; D]], room: &mut [R]) -> R {
+        let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
+        self.for_edges(q, |run, kind, d| {
+            let pairs = self.types.pair::<R::Pack, 0>(kind, &d).value;
+            (0..run.len()).for_each(|l| potential += R::lane(&pairs, l));
+        });
+        potential += self.messages(q, room, |_, _| {});
+        potential
+    }
+
+    /// n = h and n̄ = 0 at every node.
+    fn begin<R: Packed<Weight = W>>(&self, room: &mut [R]) {
+        let width = usize::from(self.types.shape().embedding);
+        let mut slots = room.iter_mut();
+        for kind in self.nodes {
+            for (k, slot) in slots.by_ref().take(KEPT * width).enumerate() {
+                *slot = if k < width { self.types.embedding(*kind, k) } else { R::zero() };
+            }
+        }
+    }
+
+    /// The ends of a pack of edges.
+    #[allow(clippy::type_complexity, reason = "a pack and how it finds its nodes")]
+    fn ends<'t, R: Packed<Weight = W>>(
+        &'t self,
+        room: &'t mut [R],
+        run: &'t [Edge],
+    ) -> PackEnds<'t, 'a, R, impl Fn(usize, usize) -> usize, D, K, H, L> {
+        let node = move |end: usize, lane: usize| run.get(lane).and_then(|edge| edge.ends.get(end)).copied();
+        let node = move |end, lane| usize::from(node(end, lane).unwrap_or(0));
+        PackEnds { graph: self, room, lanes: run.len(), node }
+    }
+
+    /// V of the messages; `add` gets its gradient in the differences of a pack of edges.
+    fn messages<R: Packed<Weight = W>>(
+        &self,
+        q: &[[R; D]],
+        room: &mut [R],
+        mut add: impl FnMut(&[Edge], [R::Pack; D]),
+    ) -> R {
+        let (mut sum, constant) = (R::zero(), |d: [R::Pack; D]| d.map(Jet::constant));
+        let Some(messaging) = self.types.messaging() else { return sum };
+        self.begin(room);
+        self.for_edges(q, |run, kind, d| {
+            let [feature, _] = messaging.feature::<_, 0>(kind, &constant(d));
+            messaging.send(kind, feature, &mut self.ends(room, run));
+        });
+        for first in (0..self.nodes.len()).step_by(R::WIDTH) {
+            let lanes = R::WIDTH.min(self.nodes.len() - first);
+            let mut ends = PackEnds { graph: self, room: &mut *room, lanes, node: |_, l| first + l };
+            if let Some(v) = messaging.settle(&mut ends, &mut Ignore) {
+                (0..lanes).for_each(|l| sum += R::lane(&v.value, l));
+            }
+        }
+        self.for_edges(q, |run, kind, d| {
+            let [feature, rate] = messaging.feature(kind, &constant(d));
+            let Some([v, bar]) = messaging.update(kind, feature, &mut self.ends(room, run), &mut Ignore)
+            else {
+                return;
+            };
+            (0..run.len()).for_each(|l| sum += R::lane(&v.value, l));
+            add(run, d.map(|d| bar.times(&rate).value * d));
+        });
+        self.for_edges(q, |run, kind, d| {
+            let [feature, rate] = messaging.feature(kind, &constant(d));
+            let bar = messaging.answer(kind, feature, &self.ends(room, run), &mut Ignore, |_, _, _| {});
+            let Some(bar) = bar else { return };
+            add(run, d.map(|d| bar.times(&rate).value * d));
+        });
+        sum
+    }
+
     #[inline(always)]
     fn sum_nodes<R: Packed<Weight = W>>(&self, x: &[[R; D]], of: impl Fn(u8, &[R::Pack; D]) -> R::Pack) -> R {
         let mut sum = R::zero();
@@ -101,6 +168,66 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Gr
             (0..run.len()).for_each(|l| sum += R::lane(&terms, l));
         });
         sum
+    }
+}
+
+/// What the messages keep at every node: n, then n̄.
+const KEPT: usize = 2;
+
+/// A pack of edges or of nodes among what is kept, node after node: lane l ends at `node(end, l)`.
+struct PackEnds<'t, 'a, R: Packed, F, const D: usize, const K: usize, const H: usize, const L: usize> {
+    graph: &'t Graph<'a, R::Weight, D, K, H, L>,
+    room: &'t mut [R],
+    lanes: usize,
+    node: F,
+}
+
+impl<R: Packed, F: Fn(usize, usize) -> usize, const D: usize, const K: usize, const H: usize, const L: usize>
+    PackEnds<'_, '_, R, F, D, K, H, L>
+{
+    /// The place of number k of what is kept at a node; lanes that are not there stand for the first.
+    fn place(&self, kept: Kept, end: usize, lane: usize, k: usize) -> usize {
+        let lane = if lane < self.lanes { lane } else { 0 };
+        let width = usize::from(self.graph.types.shape().embedding);
+        let start = KEPT * (self.node)(end, lane) + usize::from(kept == Kept::Bar);
+        start * width + k
+    }
+}
+
+impl<R: Packed, F: Fn(usize, usize) -> usize, const D: usize, const K: usize, const H: usize, const L: usize>
+    Ends<R::Pack, 0> for PackEnds<'_, '_, R, F, D, K, H, L>
+{
+    fn embedding(&self, end: usize, k: usize) -> R::Pack {
+        R::pack(|l| {
+            let kind = self.graph.kind((self.node)(end, if l < self.lanes { l } else { 0 }));
+            self.graph.types.embedding(kind, k)
+        })
+    }
+
+    fn get(&self, kept: Kept, end: usize, k: usize) -> Jet<R::Pack, 0> {
+        let at = |l| self.room.get(self.place(kept, end, l, k)).copied();
+        Jet::constant(R::pack(|l| at(l).unwrap_or(R::zero())))
+    }
+
+    fn add(&mut self, kept: Kept, x: &[Embedding<R::Pack, 0>]) {
+        for lane in 0..self.lanes {
+            for (end, x) in x.iter().enumerate() {
+                for (k, x) in x.iter().enumerate() {
+                    let place = self.place(kept, end, lane, k);
+                    if let Some(slot) = self.room.get_mut(place) {
+                        *slot += R::lane(&x.value, lane);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Takes the gradients in the differences of a pack of edges from l_q of their first ends and adds them to that of the others.
+#[inline(always)]
+fn add_forces<R: Packed, const D: usize>(l_q: &mut [[R; D]], run: &[Edge], gradient: &[R::Pack; D]) {
+    for (l, edge) in run.iter().enumerate() {
+        exchange(l_q, edge, &gradient.each_ref().map(|gradient| -R::lane(gradient, l)));
     }
 }
 

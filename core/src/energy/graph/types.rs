@@ -1,6 +1,7 @@
 //! What is learned: node types and edge types over borrowed weights, and their energies at one node or edge.
 
 use super::GraphError;
+use super::messages::collected;
 use super::radial::{Radial, ramp, square};
 use super::shape::{Drag, EdgeShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential, Shape};
 use crate::energy::part::{Part, Visit};
@@ -88,6 +89,12 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         })
     }
 
+    /// Number k of the embedding of a node type.
+    pub(super) fn embedding<S: Scalar<Weight = W>>(&self, kind: u8, k: usize) -> S {
+        let number = self.numbers(kind).and_then(|numbers| numbers.embedding.1.get(k).copied());
+        number.map_or(S::zero(), S::weight)
+    }
+
     /// T of a node, with `O` derivatives in |v|².
     pub(super) fn kinetic<S: Scalar<Weight = W>, const O: usize>(&self, kind: u8, v: &[S; D]) -> Radial<S> {
         let s = square(v);
@@ -142,7 +149,9 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
                 let x = inputs(numbers.embedding.1, x);
                 let mut x_bar = x.clone();
                 let mut y = [Jet::zero(); 1];
-                network.pull_back::<S, T, H>((&x, &mut x_bar), &mut y, &[Jet::constant(S::one())], visit);
+                network.pull_back::<S, T, H, _, _>((&x, &mut x_bar), &mut y, visit, |_, _| {
+                    [Jet::constant(S::one())]
+                });
                 let (of_embedding, of_x) =
                     x_bar.split_at_checked(numbers.embedding.1.len()).unwrap_or_default();
                 of_embedding.iter().enumerate().for_each(|(k, bar)| embedding(k, bar));
@@ -211,12 +220,7 @@ impl<W: Real, const D: usize, const K: usize, const H: usize, const L: usize> Ty
 /// The inputs of a network: an embedding, which does not move, and then `x`.
 pub(super) fn inputs<S: Scalar, const T: usize>(embedding: &[S::Weight], x: &[Jet<S, T>]) -> Inputs<S, T> {
     let constant = embedding.iter().map(|w| Jet::constant(S::weight(*w)));
-    let mut inputs = Inputs::new();
-    for x in constant.chain(x.iter().copied()) {
-        // An error leaves it out; shapes are checked when types are taken.
-        let _: Result<(), _> = inputs.push(x);
-    }
-    inputs
+    collected(constant.chain(x.iter().copied()))
 }
 
 /// ±1, and 0 at 0.

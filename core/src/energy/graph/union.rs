@@ -1,0 +1,162 @@
+//! Several trained graphs on one set of nodes.
+
+use super::{Graph, GraphError};
+use crate::lagrangian::Energies;
+use crate::particles::Particles;
+use crate::scalar::Packed;
+
+/// A graph of one model on some of the nodes of a union.
+#[derive(Clone, Copy, Debug)]
+pub struct Member<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
+    /// The graph, with nodes of its own.
+    pub graph: Graph<'a, W, D, K, H, L>,
+    /// Which node of the union each of its nodes is, upwards.
+    pub nodes: &'a [u16],
+}
+
+/// Graphs of different models on one set of nodes (LGNN's hybrid systems): their potentials and drags add; a node has the
+/// kinetic energy that the first member gives it, which would count more than once else.
+///
+/// Models that are joined must have been trained on one scale of energy: accelerations do not tell it.
+#[derive(Clone, Copy, Debug)]
+pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
+    members: &'a [Member<'a, W, D, K, H, L>],
+    nodes: usize,
+}
+
+impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Union<'a, W, D, K, H, L> {
+    /// Members on `nodes` nodes in all.
+    ///
+    /// # Errors
+    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] where a member does not name its nodes upwards,
+    /// [`GraphError::Ownerless`] for a node that no member has, [`GraphError::Empty`].
+    pub fn new(members: &'a [Member<'a, W, D, K, H, L>], nodes: usize) -> Result<Self, GraphError> {
+        let union = Self { members, nodes };
+        if nodes == 0 {
+            return Err(GraphError::Empty);
+        }
+        members.iter().enumerate().try_for_each(|(i, member)| member.check(i, nodes))?;
+        match (0..nodes).find(|node| union.holders(*node).next().is_none()) {
+            Some(node) => Err(GraphError::Ownerless { node }),
+            None => Ok(union),
+        }
+    }
+
+    /// The members that have a node, each with the type it gives it.
+    #[inline(always)]
+    fn holders(&self, node: usize) -> impl Iterator<Item = (&'a Member<'a, W, D, K, H, L>, u8)> {
+        self.members.iter().filter_map(move |member| Some((member, member.kind(node)?)))
+    }
+}
+
+impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Member<'a, W, D, K, H, L> {
+    fn check(&self, member: usize, nodes: usize) -> Result<(), GraphError> {
+        let (found, needed) = (self.nodes.len(), self.graph.nodes.len());
+        if found != needed {
+            return Err(GraphError::MemberNodes { member, found, needed });
+        }
+        let mut least = 0;
+        for node in self.nodes.iter().map(|node| usize::from(*node)) {
+            if !(least..nodes).contains(&node) {
+                return Err(GraphError::MemberOrder { member, node });
+            }
+            least = node + 1;
+        }
+        Ok(())
+    }
+
+    /// The type of a node of the union.
+    fn kind(&self, node: usize) -> Option<u8> {
+        let own = self.nodes.binary_search(&u16::try_from(node).ok()?).ok()?;
+        self.graph.nodes.get(own).copied()
+    }
+
+    /// Copies what the union's nodes have to the front of `own`, and returns that part.
+    fn gather<'o, R: Packed>(&self, x: &[[R; D]], own: &'o mut [[R; D]]) -> &'o mut [[R; D]] {
+        for (slot, node) in own.iter_mut().zip(self.nodes) {
+            *slot = x.get(usize::from(*node)).copied().unwrap_or([R::zero(); D]);
+        }
+        own.get_mut(..self.nodes.len()).unwrap_or_default()
+    }
+}
+
+impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> Particles<R, D>
+    for Union<'_, R::Weight, D, K, H, L>
+{
+    fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    fn room(&self) -> usize {
+        let room = |member: &Member<_, D, K, H, L>| {
+            2 * D * member.nodes.len() + Particles::<R, D>::room(&member.graph)
+        };
+        self.members.iter().map(room).max().unwrap_or(0)
+    }
+
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R> {
+        let (mut kinetic, mut potential) = (R::zero(), R::zero());
+        for (node, v) in v.iter().enumerate().take(self.nodes) {
+            let owner = self.holders(node).next();
+            kinetic +=
+                owner.map_or(R::zero(), |(owner, kind)| owner.graph.types.kinetic::<R, 0>(kind, v).value);
+        }
+        for member in self.members {
+            let (own, room) = split::<R, D>(room, member.nodes.len());
+            potential += member.graph.potential(member.gather(q, own), room);
+        }
+        Energies { kinetic, potential }
+    }
+
+    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
+        l_q.fill([R::zero(); D]);
+        for member in self.members {
+            let (own, room) = split::<R, D>(room, member.nodes.len());
+            let (forces, room) = split::<R, D>(room, member.nodes.len());
+            member.graph.l_q(member.gather(q, own), room, forces);
+            for (node, force) in member.nodes.iter().zip(forces) {
+                let Some(sum) = l_q.get_mut(usize::from(*node)) else { continue };
+                sum.iter_mut().zip(force).for_each(|(sum, force)| *sum += *force);
+            }
+        }
+    }
+
+    fn l_v(&self, node: usize, v: &[R; D]) -> [R; D] {
+        let owner = self.holders(node).next();
+        owner.map_or([R::zero(); D], |(owner, kind)| owner.graph.types.kinetic::<R, 1>(kind, v).gradient(v))
+    }
+
+    fn mass(&self, node: usize, v: &[R; D]) -> [[R; D]; D] {
+        let owner = self.holders(node).next();
+        owner.map_or([[R::zero(); D]; D], |(owner, kind)| {
+            owner.graph.types.kinetic::<R, 2>(kind, v).hessian(v)
+        })
+    }
+
+    fn drag(&self, node: usize, v: &[R; D]) -> [R; D] {
+        self.sum(node, v, 0)
+    }
+
+    fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D] {
+        self.sum(node, v, 1)
+    }
+}
+
+impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Union<'_, W, D, K, H, L> {
+    /// The drag of all members (0) or its slope (1).
+    fn sum<R: Packed<Weight = W>>(&self, node: usize, v: &[R; D], of: usize) -> [R; D] {
+        let mut sum = [R::zero(); D];
+        for (member, kind) in self.holders(node) {
+            for (sum, v) in sum.iter_mut().zip(v) {
+                *sum += member.graph.types.drag(kind, *v).get(of).copied().unwrap_or(R::zero());
+            }
+        }
+        sum
+    }
+}
+
+/// Room for so many vectors, and the rest; none where the room is too small.
+fn split<R: Packed, const D: usize>(room: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
+    let (own, rest) = room.split_at_mut_checked(vectors * D).unwrap_or_default();
+    (own.as_chunks_mut().0, rest)
+}
