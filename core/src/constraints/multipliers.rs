@@ -1,11 +1,11 @@
-use super::{Constraints, at};
+use super::{Constraints, Positions, at};
 use crate::linear::{Matrix, dot, multiply, solve_definite};
 use crate::scalar::Real;
 
-/// The Jacobian A = ∂φ/∂q at a position, row by row and never stored.
+/// The Jacobian A = ∂φ/∂q at positions, row by row and never stored.
 pub(crate) struct Rows<'a, R, C: ?Sized, const D: usize> {
     pub constraints: &'a C,
-    pub q: &'a [[R; D]],
+    pub x: Positions<'a, R, D>,
 }
 
 impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
@@ -14,7 +14,7 @@ impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
     fn sum(&self, equation: usize, term: impl Fn(usize, [R; D]) -> R) -> R {
         let nodes = self.constraints.nodes(equation).iter().enumerate();
         nodes.fold(R::zero(), |sum, (slot, node)| {
-            sum + term(*node, self.constraints.gradient(equation, slot, self.q))
+            sum + term(*node, self.constraints.gradient(equation, slot, self.x))
         })
     }
 
@@ -43,7 +43,7 @@ impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
     pub fn transposed_times(&self, lambda: &[R], mut add: impl FnMut(usize, [R; D])) {
         for (equation, lambda) in lambda.iter().enumerate() {
             for (slot, node) in self.constraints.nodes(equation).iter().enumerate() {
-                add(*node, self.constraints.gradient(equation, slot, self.q).map(|a| a * *lambda));
+                add(*node, self.constraints.gradient(equation, slot, self.x).map(|a| a * *lambda));
             }
         }
     }

@@ -11,7 +11,7 @@
 //! velocities and impulses together: a quadratic kinetic energy leaves only φ nonlinear, and the second line linear.
 //!
 //! Positions and momenta are summed with compensation, and φ is evaluated at position and carry
-//! ([`Constraints::carried_value`]): the step divides φ by h.
+//! ([`Positions`](crate::constraints::Positions)): the step divides φ by h.
 //!
 //! Order 4 is Suzuki's composition of five such steps, symmetric like the step itself: a method of even order that keeps
 //! constraints, momentum and reversibility.

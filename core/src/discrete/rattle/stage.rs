@@ -1,5 +1,7 @@
 use super::points::{Points, add, copy};
-use crate::constraints::{Banded, Constrained, ConstraintError, Constraints, Room, Rows, at, inverse};
+use crate::constraints::{
+    Banded, Constrained, ConstraintError, Constraints, Positions, Room, Rows, at, inverse,
+};
 use crate::discrete::{Newton, Report};
 use crate::linear::{Matrix, add_scaled, multiply, solve_definite};
 use crate::particles::Particles;
@@ -261,11 +263,12 @@ where
         if let Stage::Positions { h } = stage {
             self.move_trial(points, h);
         }
+        let (constraints, trial) =
+            (self.mechanism.constraints(), Positions::with_carry(self.trial, self.trial_carry));
         for (k, c) in self.multipliers.iter_mut().enumerate() {
-            let constraints = self.mechanism.constraints();
             *c = match stage {
-                Stage::Positions { h } => constraints.carried_value(k, self.trial, self.trial_carry) / h,
-                Stage::Velocities { .. } => Rows { constraints, q: points.q }.times(k, points.v),
+                Stage::Positions { h } => constraints.value(k, trial) / h,
+                Stage::Velocities { .. } => Rows { constraints, x: points.positions() }.times(k, points.v),
             };
             worst = worse(worst, relative(c.abs(), scale.velocity));
         }
@@ -293,10 +296,12 @@ where
             }
         }
         let constraints = self.mechanism.constraints();
-        let right = Rows { constraints, q: points.q };
+        let right = Rows { constraints, x: points.positions() };
         let left = match stage {
-            Stage::Positions { .. } => Rows { constraints, q: self.trial },
-            Stage::Velocities { .. } => Rows { constraints, q: points.q },
+            Stage::Positions { .. } => {
+                Rows { constraints, x: Positions::with_carry(self.trial, self.trial_carry) }
+            }
+            Stage::Velocities { .. } => Rows { constraints, x: points.positions() },
         };
         for (k, c) in self.multipliers.iter_mut().enumerate() {
             *c = -(*c + left.times(k, self.update));
@@ -313,18 +318,16 @@ where
         for (v, update) in points.v.iter_mut().zip(self.update.iter()) {
             *v = add_scaled(v, R::one(), update);
         }
-        let Points { q, p, p_carry, v, lambda, .. } = points;
-        Rows { constraints: self.mechanism.constraints(), q }.transposed_times(
-            self.multipliers,
-            |node, impulse| {
-                if let (Some(p), Some(carry)) = (p.get_mut(node), p_carry.get_mut(node)) {
-                    add(p, carry, &impulse);
-                }
-                if let (Some(v), Some(inverse)) = (v.get_mut(node), self.inverses.get(node)) {
-                    *v = add_scaled(v, R::one(), &multiply(inverse, &impulse));
-                }
-            },
-        );
+        let Points { q, q_carry, p, p_carry, v, lambda, .. } = points;
+        let (constraints, x) = (self.mechanism.constraints(), Positions::with_carry(q, q_carry));
+        Rows { constraints, x }.transposed_times(self.multipliers, |node, impulse| {
+            if let (Some(p), Some(carry)) = (p.get_mut(node), p_carry.get_mut(node)) {
+                add(p, carry, &impulse);
+            }
+            if let (Some(v), Some(inverse)) = (v.get_mut(node), self.inverses.get(node)) {
+                *v = add_scaled(v, R::one(), &multiply(inverse, &impulse));
+            }
+        });
         for (lambda, change) in lambda.iter_mut().zip(self.multipliers.iter()) {
             *lambda += *change;
         }
