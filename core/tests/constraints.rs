@@ -12,13 +12,16 @@ use proptest::prelude::*;
 
 type List<const D: usize> = [Holonomic<f64, D>];
 
+/// (v̇, λ).
+type Accelerations<const D: usize> = (Vec<[f64; D]>, Vec<f64>);
+
 /// (v̇, λ) of a mechanism.
 fn accelerate<const D: usize>(
     mechanism: &Constrained<f64, Exact<f64, D>, List<D>, D>,
     q: &[[f64; D]],
     v: &[[f64; D]],
     drive: &Drive<f64, D>,
-) -> Result<(Vec<[f64; D]>, Vec<f64>), ConstraintError<f64>> {
+) -> Result<Accelerations<D>, ConstraintError<f64>> {
     let mut room = vec![0.0; constrained_room(mechanism)];
     let (mut a, mut lambda) = (vec![[0.0; D]; q.len()], vec![0.0; mechanism.equations()]);
     constrained_acceleration(mechanism, (q, v), drive, &mut room, (&mut a, &mut lambda))?;

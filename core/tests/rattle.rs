@@ -11,6 +11,7 @@ use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::Real;
 use proptest::prelude::*;
+use std::time::Instant;
 
 type Mechanism<'a, R, const D: usize> = Constrained<'a, R, Exact<R, D>, [Holonomic<R, D>], D>;
 type Motion<R> = (Vec<[R; 2]>, Vec<[R; 2]>);
@@ -286,22 +287,51 @@ fn energy_and_rods_of_order_4_in_f64() {
         .assert_kept(1e-5, 1e-6, 1e-14);
 }
 
-/// A million steps, in release: cargo test --release --test rattle -- --ignored --nocapture
+/// A million steps, in release: `cargo test --release -p leastaction-core --test rattle -- --ignored --nocapture
+/// --test-threads 1`.
 #[test]
 #[ignore = "a minute in debug"]
 fn energy_and_rods_over_a_million_steps_in_f32() {
-    let steps = 1_000_000;
+    let during = |angles: &[f64], h, order| {
+        let start = Instant::now();
+        let found = Energies::during::<f32>(&Case::pendulum(angles), (h, order), 1_000_000);
+        println!("{h} s, {order:?}: {:.2} µs a step", start.elapsed().as_secs_f64());
+        found
+    };
     for h in [1e-3, 4e-3] {
-        Energies::during::<f32>(&Case::pendulum(&CHAOTIC), (h, Order::Two), steps).assert_kept(
-            2e4 * h * h,
-            1e2 * h * h,
-            1e-6,
-        );
+        during(&CHAOTIC, h, Order::Two).assert_kept(2e4 * h * h, 1e2 * h * h, 1e-6);
     }
-    Energies::during::<f32>(&Case::pendulum(&REGULAR), (0.01, Order::Two), steps)
-        .assert_kept(6e-3, 2e-4, 1e-6);
-    Energies::during::<f32>(&Case::pendulum(&REGULAR), (0.01, Order::Four), steps)
-        .assert_kept(1e-3, 3e-4, 1e-6);
+    during(&REGULAR, 4e-3, Order::Two).assert_kept(1e-3, 2e-4, 1e-6);
+    during(&REGULAR, 1e-2, Order::Two).assert_kept(6e-3, 2e-4, 1e-6);
+    during(&REGULAR, 1e-2, Order::Four).assert_kept(5e-4, 3e-4, 1e-6);
+}
+
+/// Seconds that a step of a ring of springs takes.
+fn time_of_springs<R: Real>(nodes: usize, steps: usize) -> f64 {
+    let radius = 1.1 * nodes as f64 / core::f64::consts::TAU;
+    let turn = |k: usize| (core::f64::consts::TAU * k as f64 / nodes as f64).sin_cos();
+    let q = (0..nodes).map(turn).map(|(sin, cos)| [radius * cos, 0.9 * radius * sin]).collect();
+    let system = Exact::ring(nodes);
+    let case = Case::<R> { system, constraints: vec![], start: (q, vec![[0.0; 2]; nodes]), force: None };
+    let mut start = None;
+    case.run((0.01, Order::Two), steps, |_, _| {
+        start.get_or_insert_with(Instant::now);
+    });
+    start.map_or(0.0, |start| start.elapsed().as_secs_f64()) / steps as f64
+}
+
+/// In release, as above: springs without rods take time in proportion to their number.
+#[test]
+#[ignore = "a measurement of time"]
+fn time_is_linear_in_springs() {
+    fn check<R: Real>(name: &str) {
+        let [few, many] =
+            [(500, 4_000), (5_000, 400)].map(|(nodes, steps)| time_of_springs::<R>(nodes, steps));
+        println!("{name}: {:.1} µs a step of 500 springs, {:.1} µs of 5,000", few * 1e6, many * 1e6);
+        assert!(many < 20.0 * few, "{} times the time for ten times the springs", many / few);
+    }
+    check::<f32>("f32");
+    check::<f64>("f64");
 }
 
 /// Forth, velocities turned round, and back.

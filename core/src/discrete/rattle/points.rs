@@ -1,5 +1,5 @@
 use super::Rattle;
-use super::stage::Solver;
+use super::solver::Solver;
 use crate::constraints::{Constrained, ConstraintError, Constraints, Positions, Room};
 use crate::discrete::Newton;
 use crate::particles::Particles;
