@@ -1,4 +1,4 @@
-use super::{Constraints, at};
+use super::{Constraints, Positions, at};
 use crate::linear::dot;
 use crate::scalar::{Real, product, sum};
 
@@ -55,48 +55,35 @@ impl<R: Real, const D: usize> Holonomic<R, D> {
         }
     }
 
-    /// d, from the second node or the fixed point to the first; not of a held coordinate.
+    /// d and the rest of it, from the second node or the fixed point to the first; not of a held coordinate.
     #[inline(always)]
-    fn distance(&self, q: &[[R; D]]) -> [R; D] {
+    fn distance(&self, x: Positions<R, D>) -> ([R; D], [R; D]) {
         match self {
-            Self::Rod { nodes: [a, b], .. } => minus(&at(q, *a), &at(q, *b)),
-            Self::Anchor { node, to, .. } => minus(&at(q, *node), to),
-            Self::Held { .. } => [R::zero(); D],
+            Self::Rod { nodes: [a, b], .. } => x.between(*a, *b),
+            Self::Anchor { node, to, .. } => x.from_point(*node, to),
+            Self::Held { .. } => ([R::zero(); D], [R::zero(); D]),
         }
     }
 
     #[inline(always)]
-    fn value(&self, q: &[[R; D]]) -> R {
+    fn value(&self, x: Positions<R, D>) -> R {
         match *self {
-            Self::Held { node, axis, at: value } => component(&at(q, node), axis) - value,
-            Self::Rod { length, .. } | Self::Anchor { length, .. } => {
-                let d = self.distance(q);
-                (dot(&d, &d) - length * length).half() / length
+            Self::Rod { length, .. } | Self::Anchor { length, .. } => stretch(self.distance(x), length),
+            Self::Held { node, axis, at } => {
+                let (q, carry) = x.node(node);
+                (component(&q, axis) - at) + component(&carry, axis)
             }
         }
     }
 
     #[inline(always)]
-    fn carried_value(&self, q: &[[R; D]], carry: &[[R; D]]) -> R {
-        let zero = [R::zero(); D];
-        match *self {
-            Self::Rod { nodes: [a, b], length } => {
-                stretch([&at(q, a), &at(carry, a)], [&at(q, b), &at(carry, b)], length)
-            }
-            Self::Anchor { node, to, length } => {
-                stretch([&at(q, node), &at(carry, node)], [&to, &zero], length)
-            }
-            Self::Held { node, axis, .. } => self.value(q) + component(&at(carry, node), axis),
-        }
-    }
-
-    #[inline(always)]
-    fn gradient(&self, slot: usize, q: &[[R; D]]) -> [R; D] {
+    fn gradient(&self, slot: usize, x: Positions<R, D>) -> [R; D] {
         match *self {
             Self::Held { axis, .. } => core::array::from_fn(|i| if i == axis { R::one() } else { R::zero() }),
             Self::Rod { length, .. } | Self::Anchor { length, .. } => {
                 let length = if slot == 0 { length } else { -length };
-                self.distance(q).map(|d| d / length)
+                let (d, rest) = self.distance(x);
+                core::array::from_fn(|i| (d[i] + rest[i]) / length)
             }
         }
     }
@@ -127,18 +114,16 @@ fn component<R: Real, const D: usize>(x: &[R; D], axis: usize) -> R {
     x.get(axis).copied().unwrap_or(R::zero())
 }
 
-/// (|a − b|² − ℓ²)/(2ℓ) to twice the precision of R where it is near zero; both points as value and carry.
-#[inline]
-fn stretch<R: Real, const D: usize>(a: [&[R; D]; 2], b: [&[R; D]; 2], length: R) -> R {
+/// (|d|² − ℓ²)/(2ℓ) to twice the precision of R where it is near zero.
+#[inline(always)]
+fn stretch<R: Real, const D: usize>((d, rest): ([R; D], [R; D]), length: R) -> R {
     let (square, error) = product(length, length);
     let (mut high, mut low) = (-square, -error);
     for i in 0..D {
-        let (d, lost) = sum(a[0][i], -b[0][i]);
-        let rest = (a[1][i] - b[1][i]) + lost;
-        let (square, error) = product(d, d);
+        let (square, error) = product(d[i], d[i]);
         let (total, lost) = sum(high, square);
         high = total;
-        low += lost + error + (d + d) * rest;
+        low += lost + error + (d[i] + d[i]) * rest[i];
     }
     (high + low).half() / length
 }
@@ -157,21 +142,17 @@ impl<R: Real, const D: usize> Constraints<R, D> for [Holonomic<R, D>] {
         self.get(equation).map_or(R::zero(), Holonomic::size)
     }
 
-    fn value(&self, equation: usize, q: &[[R; D]]) -> R {
-        self.get(equation).map_or(R::zero(), |item| item.value(q))
+    #[inline(always)]
+    fn value(&self, equation: usize, x: Positions<R, D>) -> R {
+        self.get(equation).map_or(R::zero(), |item| item.value(x))
     }
 
     #[inline(always)]
-    fn carried_value(&self, equation: usize, q: &[[R; D]], carry: &[[R; D]]) -> R {
-        self.get(equation).map_or(R::zero(), |item| item.carried_value(q, carry))
+    fn gradient(&self, equation: usize, slot: usize, x: Positions<R, D>) -> [R; D] {
+        self.get(equation).map_or([R::zero(); D], |item| item.gradient(slot, x))
     }
 
-    #[inline(always)]
-    fn gradient(&self, equation: usize, slot: usize, q: &[[R; D]]) -> [R; D] {
-        self.get(equation).map_or([R::zero(); D], |item| item.gradient(slot, q))
-    }
-
-    fn curvature(&self, equation: usize, _: &[[R; D]], v: &[[R; D]]) -> R {
+    fn curvature(&self, equation: usize, _: Positions<R, D>, v: &[[R; D]]) -> R {
         self.get(equation).map_or(R::zero(), |item| item.curvature(v))
     }
 }

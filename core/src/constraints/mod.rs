@@ -19,7 +19,7 @@ pub(crate) use banded::Banded;
 pub(crate) use multipliers::{Rows, inverse};
 pub(crate) use room::Room;
 
-use crate::scalar::Real;
+use crate::scalar::{Real, sum};
 
 /// Holonomic constraints φ_k(q) = 0, each of a few nodes in `D` dimensions.
 ///
@@ -33,19 +33,63 @@ pub trait Constraints<R: Real, const D: usize> {
     /// The length, m, that |φ| is to be small against; positive.
     fn size(&self, equation: usize) -> R;
     /// φ, m.
-    fn value(&self, equation: usize, q: &[[R; D]]) -> R;
+    fn value(&self, equation: usize, x: Positions<R, D>) -> R;
     /// ∂φ/∂q of the node at place `slot` of [`Constraints::nodes`].
-    fn gradient(&self, equation: usize, slot: usize, q: &[[R; D]]) -> [R; D];
+    fn gradient(&self, equation: usize, slot: usize, x: Positions<R, D>) -> [R; D];
     /// (Ȧ v) = vᵀ φ_qq v, m/s².
-    fn curvature(&self, equation: usize, q: &[[R; D]], v: &[[R; D]]) -> R;
+    fn curvature(&self, equation: usize, x: Positions<R, D>, v: &[[R; D]]) -> R;
+}
 
-    /// φ, m, at q + carry, where carry is what rounding took from q.
-    ///
-    /// A step divides φ by h: what rounding does to φ, it does to the velocity 1/h times. Whoever can compute φ beyond the
-    /// precision of R should; by default φ(q) + A carry.
-    fn carried_value(&self, equation: usize, q: &[[R; D]], carry: &[[R; D]]) -> R {
-        self.value(equation, q) + Rows { constraints: self, q }.times(equation, carry)
+/// Positions q + carry, where carry is what rounding took from q.
+///
+/// A step divides φ by h: what rounding does to φ, it does to the velocity 1/h times. So φ should use both parts, and keep more
+/// digits than R has where it can ([`Positions::between`] does for differences); at least φ(q) + A carry.
+#[derive(Clone, Copy, Debug)]
+pub struct Positions<'a, R, const D: usize> {
+    q: &'a [[R; D]],
+    carry: &'a [[R; D]],
+}
+
+impl<'a, R: Real, const D: usize> Positions<'a, R, D> {
+    /// Positions as they are, m.
+    pub fn new(q: &'a [[R; D]]) -> Self {
+        Self { q, carry: &[] }
     }
+
+    /// Positions with what rounding took from them, m.
+    pub fn with_carry(q: &'a [[R; D]], carry: &'a [[R; D]]) -> Self {
+        Self { q, carry }
+    }
+
+    /// (q, carry) of a node.
+    #[inline(always)]
+    pub fn node(&self, node: usize) -> ([R; D], [R; D]) {
+        (at(self.q, node), at(self.carry, node))
+    }
+
+    /// From node b to node a: the difference d and the rest, d + rest being exact to twice the precision of R.
+    #[inline(always)]
+    pub fn between(&self, a: usize, b: usize) -> ([R; D], [R; D]) {
+        difference(self.node(a), self.node(b))
+    }
+
+    /// From a point to node a, as [`Positions::between`].
+    #[inline(always)]
+    pub fn from_point(&self, a: usize, point: &[R; D]) -> ([R; D], [R; D]) {
+        difference(self.node(a), (*point, [R::zero(); D]))
+    }
+}
+
+/// a − b of values with carries, as value and rest.
+#[inline(always)]
+fn difference<R: Real, const D: usize>(a: ([R; D], [R; D]), b: ([R; D], [R; D])) -> ([R; D], [R; D]) {
+    let (mut d, mut rest) = ([R::zero(); D], [R::zero(); D]);
+    for i in 0..D {
+        let lost;
+        (d[i], lost) = sum(a.0[i], -b.0[i]);
+        rest[i] = (a.1[i] - b.1[i]) + lost;
+    }
+    (d, rest)
 }
 
 /// Why constrained motion was refused; a state is as it was before.

@@ -1,40 +1,31 @@
-use super::{Constraints, at};
+use super::{Constraints, Positions, at};
 use crate::linear::{Matrix, dot, multiply, solve_definite};
 use crate::scalar::Real;
 
-/// The Jacobian A = ∂φ/∂q at a position, row by row and never stored.
+/// The Jacobian A = ∂φ/∂q at positions, row by row and never stored.
 pub(crate) struct Rows<'a, R, C: ?Sized, const D: usize> {
     pub constraints: &'a C,
-    pub q: &'a [[R; D]],
+    pub x: Positions<'a, R, D>,
 }
 
 impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
-    /// Σ over the nodes of an equation.
-    #[inline(always)]
-    fn sum(&self, equation: usize, term: impl Fn(usize, [R; D]) -> R) -> R {
-        let nodes = self.constraints.nodes(equation).iter().enumerate();
-        nodes.fold(R::zero(), |sum, (slot, node)| {
-            sum + term(*node, self.constraints.gradient(equation, slot, self.q))
-        })
-    }
-
     /// (A x)_k.
     #[inline(always)]
     pub fn times(&self, equation: usize, x: &[[R; D]]) -> R {
-        self.sum(equation, |node, gradient| dot(&gradient, &at(x, node)))
+        self.constraints.nodes(equation).iter().enumerate().fold(R::zero(), |sum, (slot, node)| {
+            sum + dot(&self.constraints.gradient(equation, slot, self.x), &at(x, *node))
+        })
     }
 
     /// (A W A₀ᵀ)_kl with the blocks W_i of the nodes.
     #[inline(always)]
     pub fn coupling(&self, k: usize, weights: &[Matrix<R, D>], other: &Self, l: usize) -> R {
-        let shared = self.constraints.nodes(k).iter().any(|node| self.constraints.nodes(l).contains(node));
-        if !shared {
-            return R::zero();
-        }
-        self.sum(k, |node, left| {
-            let weight = weights.get(node).copied().unwrap_or([[R::zero(); D]; D]);
-            let weighted = multiply(&weight, &left);
-            other.sum(l, |same, right| if node == same { dot(&weighted, &right) } else { R::zero() })
+        let (rows, columns) = (self.constraints, other.constraints);
+        rows.nodes(k).iter().enumerate().fold(R::zero(), |sum, (slot, node)| {
+            let same = columns.nodes(l).iter().position(|same| same == node);
+            let (Some(same), Some(weight)) = (same, weights.get(*node)) else { return sum };
+            let (left, right) = (rows.gradient(k, slot, self.x), columns.gradient(l, same, other.x));
+            sum + dot(&left, &multiply(weight, &right))
         })
     }
 
@@ -43,7 +34,7 @@ impl<R: Real, C: Constraints<R, D> + ?Sized, const D: usize> Rows<'_, R, C, D> {
     pub fn transposed_times(&self, lambda: &[R], mut add: impl FnMut(usize, [R; D])) {
         for (equation, lambda) in lambda.iter().enumerate() {
             for (slot, node) in self.constraints.nodes(equation).iter().enumerate() {
-                add(*node, self.constraints.gradient(equation, slot, self.q).map(|a| a * *lambda));
+                add(*node, self.constraints.gradient(equation, slot, self.x).map(|a| a * *lambda));
             }
         }
     }

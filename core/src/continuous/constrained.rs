@@ -1,4 +1,6 @@
-use crate::constraints::{Banded, Constrained, ConstraintError, Constraints, Room, Rows, at, inverse};
+use crate::constraints::{
+    Banded, Constrained, ConstraintError, Constraints, Positions, Room, Rows, at, inverse,
+};
 use crate::linear::{Matrix, add_scaled, multiply};
 use crate::particles::Particles;
 use crate::scalar::{Real, all_finite};
@@ -74,9 +76,10 @@ where
     let inverses = room.blocks(system.nodes());
     free_acceleration(system, v, drive.force, inverses, acceleration)?;
 
-    let rows = Rows { constraints, q };
+    let x = Positions::new(q);
+    let rows = Rows { constraints, x };
     for (k, b) in lambda.iter_mut().enumerate() {
-        *b = -(rows.times(k, acceleration) + constraints.curvature(k, q, v) + feedback(drive, &rows, k, v));
+        *b = -(rows.times(k, acceleration) + constraints.curvature(k, x, v) + feedback(drive, &rows, k, v));
     }
     check_finite(acceleration, lambda)?;
     let mut matrix = Banded::new(mechanism.band(), room.numbers(mechanism.matrix_room()));
@@ -127,5 +130,5 @@ fn feedback<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
 ) -> R {
     let Baumgarte { omega, zeta } = drive.baumgarte;
     let damped = (zeta + zeta) * rows.times(k, v);
-    omega * (damped + omega * rows.constraints.value(k, rows.q))
+    omega * (damped + omega * rows.constraints.value(k, rows.x))
 }

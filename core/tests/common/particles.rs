@@ -196,3 +196,24 @@ pub fn rooms<R: Real, const D: usize>(
     let state = ParticleState::<R, D>::room(mechanism.system().nodes(), mechanism.equations());
     (vec![R::zero(); state], vec![R::zero(); Rattle::room(mechanism)])
 }
+
+/// A⁻¹b by Gaussian elimination with partial pivoting, of any size.
+pub fn solve_dense(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+    let n = b.len();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs())).unwrap();
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        for i in k + 1..n {
+            let factor = a[i][k] / a[k][k];
+            let above = a[k].clone();
+            a[i].iter_mut().zip(above).for_each(|(entry, above)| *entry -= factor * above);
+            b[i] -= factor * b[k];
+        }
+    }
+    for i in (0..n).rev() {
+        let known: f64 = (i + 1..n).map(|j| a[i][j] * b[j]).sum();
+        b[i] = (b[i] - known) / a[i][i];
+    }
+    b
+}

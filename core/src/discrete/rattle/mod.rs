@@ -11,7 +11,7 @@
 //! velocities and impulses together: a quadratic kinetic energy leaves only φ nonlinear, and the second line linear.
 //!
 //! Positions and momenta are summed with compensation, and φ is evaluated at position and carry
-//! ([`Constraints::carried_value`]): the step divides φ by h.
+//! ([`Positions`](crate::constraints::Positions)): the step divides φ by h.
 //!
 //! Order 4 is Suzuki's composition of five such steps, symmetric like the step itself: a method of even order that keeps
 //! constraints, momentum and reversibility.
@@ -20,6 +20,7 @@
 //! Wanner, "Geometric Numerical Integration", sections VII.1.4 and V.3.2.
 
 mod points;
+mod solver;
 mod stage;
 
 pub use points::ParticleState;
@@ -29,7 +30,7 @@ use crate::constraints::{Constrained, ConstraintError, Constraints};
 use crate::particles::Particles;
 use crate::scalar::Real;
 use points::Points;
-use stage::Solver;
+use solver::Solver;
 
 /// The order of a [`Rattle`] step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,9 +50,11 @@ pub struct Rattle<R> {
 }
 
 impl<R: Real> Rattle<R> {
-    /// An integrator of step h > 0, s. Newton's method takes at most 12 updates and stops at 4 rounding units.
+    /// An integrator of step h > 0, s. Newton's method takes at most 12 updates, and stops where rounding allows no more: what
+    /// it leaves of φ has the sign of the curvature at every step, and in f32 the energy drifts (by 3e-7 of |T| + |V| over 10⁶
+    /// steps of 4 ms of a 5-pendulum that stops at 4 ε).
     pub fn new(h: R, order: Order) -> Self {
-        let stop = R::constant(4.0) * R::EPSILON;
+        let stop = R::EPSILON.half();
         Self::with_newton(h, order, Newton { max_iterations: 12, stop, accept: R::EPSILON.sqrt() })
     }
 

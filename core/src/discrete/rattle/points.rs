@@ -1,6 +1,6 @@
 use super::Rattle;
-use super::stage::Solver;
-use crate::constraints::{Constrained, ConstraintError, Constraints, Room};
+use super::solver::Solver;
+use crate::constraints::{Constrained, ConstraintError, Constraints, Positions, Room};
 use crate::discrete::Newton;
 use crate::particles::Particles;
 use crate::scalar::{Compensated, Real, all_finite};
@@ -35,6 +35,12 @@ pub(super) fn copy<R: Real, const D: usize>(to: &mut [[R; D]], from: &[[R; D]]) 
 }
 
 impl<'a, R: Real, const D: usize> Points<'a, R, D> {
+    /// q with its carry.
+    #[inline(always)]
+    pub fn positions(&self) -> Positions<'_, R, D> {
+        Positions::with_carry(self.q, self.q_carry)
+    }
+
     const fn room(nodes: usize, equations: usize) -> usize {
         6 * nodes * D + equations
     }
@@ -95,7 +101,7 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
     {
         mechanism.check_nodes(q)?;
         mechanism.check_nodes(v)?;
-        check_start(mechanism.constraints(), q)?;
+        check_start(mechanism.constraints(), Positions::new(q))?;
         let (nodes, equations) = (q.len(), mechanism.equations());
         let mut pieces = Room::new(Self::room(nodes, equations), state)?;
         let mut now = Points::over(nodes, equations, &mut pieces);
@@ -162,11 +168,11 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
 /// An error where |φ| is more than √ε of its length, or not a number.
 fn check_start<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
     constraints: &C,
-    q: &[[R; D]],
+    x: Positions<R, D>,
 ) -> Result<(), ConstraintError<R>> {
     let (mut constraint, mut residual) = (0, R::zero());
     for k in 0..constraints.equations() {
-        let off = constraints.value(k, q).abs() / constraints.size(k);
+        let off = constraints.value(k, x).abs() / constraints.size(k);
         if !off.is_finite() {
             return Err(ConstraintError::NotFinite);
         }

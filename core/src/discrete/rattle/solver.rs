@@ -1,0 +1,308 @@
+use super::points::{Points, add, copy};
+use super::stage::{Scale, Stage, largest, relative, size, worse};
+use crate::constraints::{
+    Banded, Constrained, ConstraintError, Constraints, Positions, Room, Rows, at, inverse,
+};
+use crate::discrete::{Newton, Report};
+use crate::linear::{Matrix, add_scaled, multiply, solve_definite};
+use crate::particles::Particles;
+use crate::scalar::Real;
+
+/// One step in the caller's room.
+pub(super) struct Solver<'m, 'r, R, S, C: ?Sized, const D: usize> {
+    mechanism: &'m Constrained<'m, R, S, C, D>,
+    newton: &'m Newton<R>,
+    scratch: &'r mut [R],
+    /// q + hv and its carry.
+    trial: &'r mut [[R; D]],
+    trial_carry: &'r mut [[R; D]],
+    /// Residual of L_v(v), then the change of v that it asks for.
+    update: &'r mut [[R; D]],
+    inverses: &'r mut [Matrix<R, D>],
+    matrix: Banded<'r, R>,
+    /// Residual of the constraints as a velocity, then the change of Λ.
+    multipliers: &'r mut [R],
+}
+
+impl<'m, 'r, R, S, C, const D: usize> Solver<'m, 'r, R, S, C, D>
+where
+    R: Real,
+    S: Particles<R, D>,
+    C: Constraints<R, D> + ?Sized,
+{
+    /// Numbers of room. Without constraints each node is solved on its own.
+    pub fn room(mechanism: &Constrained<R, S, C, D>) -> usize {
+        let equations = mechanism.equations();
+        let nodes = coupled(mechanism);
+        mechanism.system().room() + nodes * D * (3 + D) + mechanism.matrix_room() + equations
+    }
+
+    pub fn new(
+        mechanism: &'m Constrained<'m, R, S, C, D>,
+        newton: &'m Newton<R>,
+        room: &'r mut [R],
+    ) -> Result<Self, ConstraintError<R>> {
+        let mut room = Room::new(Self::room(mechanism), room)?;
+        let nodes = coupled(mechanism);
+        Ok(Self {
+            mechanism,
+            newton,
+            scratch: room.numbers(mechanism.system().room()),
+            trial: room.vectors(nodes),
+            trial_carry: room.vectors(nodes),
+            update: room.vectors(nodes),
+            inverses: room.blocks(nodes),
+            matrix: Banded::new(mechanism.band(), room.numbers(mechanism.matrix_room())),
+            multipliers: room.numbers(mechanism.equations()),
+        })
+    }
+
+    /// Fills a state, its velocities projected to A v = 0.
+    pub fn start(
+        &mut self,
+        points: &mut Points<R, D>,
+        q: &[[R; D]],
+        v: &[[R; D]],
+    ) -> Result<(), ConstraintError<R>> {
+        let system = self.mechanism.system();
+        copy(points.q, q);
+        copy(points.v, v);
+        points.q_carry.fill([R::zero(); D]);
+        points.p_carry.fill([R::zero(); D]);
+        points.lambda.fill(R::zero());
+        for (node, (p, v)) in points.p.iter_mut().zip(v).enumerate() {
+            *p = system.l_v(node, v);
+        }
+        system.l_q(q, self.scratch, points.l_q);
+        self.solve(points, Stage::Velocities { half: R::zero() }).map(|_| ())
+    }
+
+    /// One step of order 2.
+    pub fn step(
+        &mut self,
+        points: &mut Points<R, D>,
+        force: Option<&[[R; D]]>,
+        h: R,
+    ) -> Result<Report<R>, ConstraintError<R>> {
+        let (system, half) = (self.mechanism.system(), h.half());
+        kick(points, force, half);
+        self.drag(points, half);
+        let positions = self.solve(points, Stage::Positions { h })?;
+        self.drift(points, h);
+        system.l_q(points.q, self.scratch, points.l_q);
+        kick(points, force, half);
+        let velocities = self.solve(points, Stage::Velocities { half })?;
+        self.drag(points, half);
+        Ok(positions.worse(velocities))
+    }
+
+    /// p += ½h Q(v).
+    fn drag(&self, points: &mut Points<R, D>, half: R) {
+        let system = self.mechanism.system();
+        let momenta = points.p.iter_mut().zip(points.p_carry.iter_mut());
+        for (node, ((p, carry), v)) in momenta.zip(points.v.iter()).enumerate() {
+            add(p, carry, &system.drag(node, v).map(|q| half * q));
+        }
+    }
+
+    /// q += hv.
+    fn drift(&self, points: &mut Points<R, D>, h: R) {
+        if self.mechanism.equations() > 0 {
+            copy(points.q, self.trial);
+            return copy(points.q_carry, self.trial_carry);
+        }
+        for ((q, carry), v) in points.q.iter_mut().zip(points.q_carry.iter_mut()).zip(points.v.iter()) {
+            add(q, carry, &v.map(|v| h * v));
+        }
+    }
+
+    fn solve(&mut self, points: &mut Points<R, D>, stage: Stage<R>) -> Result<Report<R>, ConstraintError<R>> {
+        if self.mechanism.equations() == 0 {
+            self.solve_nodes(points, stage)
+        } else {
+            self.solve_all(points, stage)
+        }
+    }
+
+    /// Node by node, where nothing couples them.
+    fn solve_nodes(
+        &self,
+        points: &mut Points<R, D>,
+        stage: Stage<R>,
+    ) -> Result<Report<R>, ConstraintError<R>> {
+        let mut worst = Report { iterations: 0, residual: R::zero() };
+        for (node, (v, p)) in points.v.iter_mut().zip(points.p.iter()).enumerate() {
+            worst = worst.worse(self.solve_node(node, v, p, stage)?);
+        }
+        Ok(worst)
+    }
+
+    #[inline]
+    fn solve_node(
+        &self,
+        node: usize,
+        v: &mut [R; D],
+        p: &[R; D],
+        stage: Stage<R>,
+    ) -> Result<Report<R>, ConstraintError<R>> {
+        let system = self.mechanism.system();
+        let (mut r, scale) = stage.imbalance(system, node, v, p);
+        let (mut iterations, mut before, scale) = (0, R::one() / R::zero(), scale + size(&r));
+        loop {
+            let mass = stage.effective_mass(system, node, v);
+            let [change] = solve_definite(mass, [r]).map_err(|_| ConstraintError::Mass { node })?;
+            *v = add_scaled(v, R::one(), &change);
+            iterations += 1;
+            r = stage.imbalance(system, node, v, p).0;
+            let residual = relative(size(&r), scale);
+            if self.done(iterations, before, residual) {
+                return self.judge(Report { iterations, residual });
+            }
+            before = residual;
+        }
+    }
+
+    /// Velocities and impulses together: residual → Newton → update.
+    fn solve_all(
+        &mut self,
+        points: &mut Points<R, D>,
+        stage: Stage<R>,
+    ) -> Result<Report<R>, ConstraintError<R>> {
+        let (mut iterations, mut before) = (0, R::one() / R::zero());
+        let mut scale = Scale { impulse: R::zero(), velocity: R::zero() };
+        if !self.residual(points, stage, scale).is_finite() {
+            return Err(ConstraintError::NotFinite);
+        }
+        scale.impulse = largest(self.update);
+        loop {
+            self.linearise(points, stage)?;
+            if iterations == 0 {
+                scale.velocity = worse(largest(points.v), largest(self.update));
+            }
+            self.apply(points);
+            iterations += 1;
+            let residual = self.residual(points, stage, scale);
+            if self.done(iterations, before, residual) {
+                return self.judge(Report { iterations, residual });
+            }
+            before = residual;
+        }
+    }
+
+    /// Writes what is left of both equations; the largest relative to its terms.
+    fn residual(&mut self, points: &Points<R, D>, stage: Stage<R>, scale: Scale<R>) -> R {
+        let (system, mut worst) = (self.mechanism.system(), R::zero());
+        for (node, (v, p)) in points.v.iter().zip(points.p.iter()).enumerate() {
+            let (r, terms) = stage.imbalance(system, node, v, p);
+            worst = worse(worst, relative(size(&r), terms + scale.impulse));
+            if let Some(update) = self.update.get_mut(node) {
+                *update = r;
+            }
+        }
+        if let Stage::Positions { h } = stage {
+            self.move_trial(points, h);
+        }
+        let (constraints, trial) =
+            (self.mechanism.constraints(), Positions::with_carry(self.trial, self.trial_carry));
+        for (k, c) in self.multipliers.iter_mut().enumerate() {
+            *c = match stage {
+                Stage::Positions { h } => constraints.value(k, trial) / h,
+                Stage::Velocities { .. } => Rows { constraints, x: points.positions() }.times(k, points.v),
+            };
+            worst = worse(worst, relative(c.abs(), scale.velocity));
+        }
+        worst
+    }
+
+    /// Trial positions q + hv.
+    fn move_trial(&mut self, points: &Points<R, D>, h: R) {
+        let start = points.q.iter().zip(points.q_carry.iter()).zip(points.v.iter());
+        let trial = self.trial.iter_mut().zip(self.trial_carry.iter_mut());
+        for ((q, carry), ((q0, carry0), v)) in trial.zip(start) {
+            (*q, *carry) = (*q0, *carry0);
+            add(q, carry, &v.map(|v| h * v));
+        }
+    }
+
+    /// Solves for the changes: M u = r for each node, then (A₁ M⁻¹ A₀ᵀ) dΛ = −(c + A₁ u).
+    fn linearise(&mut self, points: &Points<R, D>, stage: Stage<R>) -> Result<(), ConstraintError<R>> {
+        let system = self.mechanism.system();
+        for (node, v) in points.v.iter().enumerate() {
+            let mass = stage.effective_mass(system, node, v);
+            let block = inverse(mass).ok_or(ConstraintError::Mass { node })?;
+            if let (Some(update), Some(inverse)) = (self.update.get_mut(node), self.inverses.get_mut(node)) {
+                *update = multiply(&block, update);
+                *inverse = block;
+            }
+        }
+        let constraints = self.mechanism.constraints();
+        let right = Rows { constraints, x: points.positions() };
+        let left = match stage {
+            Stage::Positions { .. } => {
+                Rows { constraints, x: Positions::with_carry(self.trial, self.trial_carry) }
+            }
+            Stage::Velocities { .. } => Rows { constraints, x: points.positions() },
+        };
+        for (k, c) in self.multipliers.iter_mut().enumerate() {
+            *c = -(*c + left.times(k, self.update));
+        }
+        let inverses = &self.inverses;
+        self.matrix.set(|k, l| left.coupling(k, inverses, &right, l));
+        self.matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })?;
+        self.matrix.solve(self.multipliers);
+        Ok(())
+    }
+
+    /// v += u + M⁻¹ A₀ᵀ dΛ, p += A₀ᵀ dΛ, Λ += dΛ.
+    fn apply(&self, points: &mut Points<R, D>) {
+        for (v, update) in points.v.iter_mut().zip(self.update.iter()) {
+            *v = add_scaled(v, R::one(), update);
+        }
+        let Points { q, q_carry, p, p_carry, v, lambda, .. } = points;
+        let (constraints, x) = (self.mechanism.constraints(), Positions::with_carry(q, q_carry));
+        Rows { constraints, x }.transposed_times(self.multipliers, |node, impulse| {
+            if let (Some(p), Some(carry)) = (p.get_mut(node), p_carry.get_mut(node)) {
+                add(p, carry, &impulse);
+            }
+            if let (Some(v), Some(inverse)) = (v.get_mut(node), self.inverses.get(node)) {
+                *v = add_scaled(v, R::one(), &multiply(inverse, &impulse));
+            }
+        });
+        for (lambda, change) in lambda.iter_mut().zip(self.multipliers.iter()) {
+            *lambda += *change;
+        }
+    }
+
+    fn done(&self, iterations: u8, before: R, residual: R) -> bool {
+        iterations >= self.newton.max_iterations
+            || !residual.is_finite()
+            || self.newton.settled(before, residual)
+    }
+
+    fn judge(&self, report: Report<R>) -> Result<Report<R>, ConstraintError<R>> {
+        let Report { iterations, residual } = report;
+        if residual <= self.newton.accept {
+            Ok(report)
+        } else if residual.is_finite() {
+            Err(ConstraintError::NotConverged { iterations, residual })
+        } else {
+            Err(ConstraintError::NotFinite)
+        }
+    }
+}
+
+/// Nodes that are solved together: all where there are constraints.
+fn coupled<R: Real, S: Particles<R, D>, C: Constraints<R, D> + ?Sized, const D: usize>(
+    mechanism: &Constrained<R, S, C, D>,
+) -> usize {
+    if mechanism.equations() == 0 { 0 } else { mechanism.system().nodes() }
+}
+
+/// p += ½h (L_q + f).
+fn kick<R: Real, const D: usize>(points: &mut Points<R, D>, force: Option<&[[R; D]]>, half: R) {
+    let momenta = points.p.iter_mut().zip(points.p_carry.iter_mut());
+    for (node, ((p, carry), l_q)) in momenta.zip(points.l_q.iter()).enumerate() {
+        let total = force.map_or(*l_q, |force| add_scaled(l_q, R::one(), &at(force, node)));
+        add(p, carry, &total.map(|f| half * f));
+    }
+}
