@@ -1,7 +1,9 @@
-//! How good a model is, in SyMo's measures on equal terms; [`prediction`] has ModLaNet's.
+//! How good a model is, in SyMo's measures on equal terms; [`prediction`] has ModLaNet's, [`rollout`] LGNN's.
 
 pub mod learned;
+pub mod particles;
 pub mod prediction;
+pub mod rollout;
 
 use crate::architecture::{Architecture, Family, MAX_DISCRETE, Visitor, too_large_for_steps};
 use crate::data::{Dataset, Trajectory};

@@ -1,8 +1,12 @@
 //! What a model costs on a chip, by its shape: multiply-adds, flash, RAM and stack.
 
-use crate::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture, Visitor};
+use crate::architecture::{
+    Architecture, Family, GraphArchitecture, ModularArchitecture, RigidArchitecture, Visitor,
+};
 use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, State};
-use leastaction_core::energy::modular::{NetworkShape, PairInput, TransformShape, TypeShape};
+use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::graph::{Kinetic, MAX_NETWORKS as MAX_GRAPH_NETWORKS, NodeShape, Potential};
+use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Jet;
@@ -51,6 +55,7 @@ impl Visitor for Count<'_> {
         let evaluations = match self.architecture {
             Architecture::Rigid(rigid) => Evaluations::rigid::<N>(rigid),
             Architecture::Modular(modular) => Evaluations::modular::<N>(modular),
+            Architecture::Graph(graph) => Evaluations::graph::<N>(graph),
         };
         Cost {
             state_bytes: size_of::<State<f32, N>>(),
@@ -124,6 +129,32 @@ impl Evaluations {
         }
     }
 
+    /// Nodes: a forward pass and an adjoint of the potential, with a tangent an axis for second derivatives. Edges and networks
+    /// of kinetic energy: one pass a derivative in the squared distance or speed.
+    fn graph<const N: usize>(graph: &GraphArchitecture) -> Self {
+        let weights = GraphWeights::of(graph);
+        let d = graph.dimension();
+        let multiply_adds = |order: usize| {
+            let tangents = if order > 1 { d } else { 0 };
+            2 * (1 + tangents) * weights.potentials + (1 + order) * (weights.kinetics + weights.edges)
+        };
+        let (widest, depth) = (weights.widest, weights.deepest);
+        let arrays = size_of::<[[f32; 8]; N]>();
+        let matrices = size_of::<[[[f32; N]; N]; 2]>();
+        Self {
+            handle_bytes: MAX_GRAPH_NETWORKS * (depth + 1) * LAYER + 8 * WORD,
+            dynamics: Work {
+                multiply_adds: multiply_adds(1),
+                stack_bytes: tape::<0, 0>(widest, depth) + arrays,
+            },
+            hessian: Work {
+                multiply_adds: multiply_adds(2),
+                stack_bytes: tape::<3, 3>(widest, depth) + arrays + matrices,
+            },
+            gradient: multiply_adds(1),
+        }
+    }
+
     /// At every Gauss point the second derivatives and, for the residual after the update, the first derivatives once more.
     fn newton<P: Path, const N: usize>(&self) -> Work {
         let nodes = P::nodes::<f32>().as_ref().len();
@@ -178,6 +209,41 @@ impl NetworkWeights {
             tape::<4, 4>(self.widest, self.deepest)
         } else {
             tape::<2, 2>(self.widest, self.deepest)
+        }
+    }
+}
+
+/// Weights that one evaluation of all networks of a graph multiplies.
+struct GraphWeights {
+    potentials: usize,
+    kinetics: usize,
+    edges: usize,
+    widest: usize,
+    deepest: usize,
+}
+
+impl GraphWeights {
+    fn of(architecture: &GraphArchitecture) -> Self {
+        let shape = &architecture.shape;
+        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
+        let (nodes, edges) =
+            architecture.graph().map_or((&[][..], &[][..]), |graph| (&graph.nodes, &graph.edges));
+        let kinds = || nodes.iter().filter_map(|kind| shape.nodes().nth((*kind).into()));
+        let potential = |kind: &NodeShape| match kind.potential {
+            Potential::Network(network) => weights(network),
+            Potential::None | Potential::Uniform => 0,
+        };
+        let kinetic = |kind: &NodeShape| match kind.kinetic {
+            Kinetic::Network(network) => weights(network),
+            Kinetic::Mass => 0,
+        };
+        let pairs = edges.iter().filter_map(|edge| shape.edges().nth(edge.kind.into())?.potential);
+        Self {
+            potentials: kinds().map(potential).sum(),
+            kinetics: kinds().map(kinetic).sum(),
+            edges: pairs.map(weights).sum(),
+            widest: shape.networks().flat_map(|network| network.widths().0).max().unwrap_or(0),
+            deepest: shape.networks().map(|network| network.widths().1).max().unwrap_or(0),
         }
     }
 }

@@ -1,16 +1,20 @@
 //! The shape of a model on the host, where widths and the number of coordinates are known only at run time, and the one
 //! place where they become types.
 
+mod damping;
+mod graph;
 mod modular;
 mod rigid;
 
+pub use damping::Damping;
+pub use graph::{GraphArchitecture, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, NamedNodes, Strut};
 pub use modular::{
     MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES,
 };
 pub use rigid::{HostSystem, RigidArchitecture};
 
-use leastaction_core::energy::Learnable;
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::energy::{Learnable, LearnableForces, NetworkShape};
+use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
 use leastaction_core::model::{Family as FamilyHeader, ModelError};
 use leastaction_core::network::Dense;
@@ -41,6 +45,14 @@ pub enum Architecture {
     Rigid(RigidArchitecture),
     /// A tree of elements.
     Modular(ModularArchitecture),
+    /// A graph of particles.
+    Graph(GraphArchitecture),
+}
+
+impl From<GraphArchitecture> for Architecture {
+    fn from(graph: GraphArchitecture) -> Self {
+        Self::Graph(graph)
+    }
 }
 
 impl From<RigidArchitecture> for Architecture {
@@ -72,15 +84,23 @@ impl Architecture {
     pub fn rigid(&self) -> Option<&RigidArchitecture> {
         match self {
             Self::Rigid(rigid) => Some(rigid),
-            Self::Modular(_) => None,
+            Self::Modular(_) | Self::Graph(_) => None,
         }
     }
 
     /// The shape, if it is of the modular family.
     pub fn modular(&self) -> Option<&ModularArchitecture> {
         match self {
-            Self::Rigid(_) => None,
             Self::Modular(modular) => Some(modular),
+            Self::Rigid(_) | Self::Graph(_) => None,
+        }
+    }
+
+    /// The shape, if it is of the graph family.
+    pub fn graph(&self) -> Option<&GraphArchitecture> {
+        match self {
+            Self::Graph(graph) => Some(graph),
+            Self::Rigid(_) | Self::Modular(_) => None,
         }
     }
 
@@ -89,6 +109,16 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => read(FamilyHeader::Rigid(rigid.header())),
             Self::Modular(modular) => read(FamilyHeader::Modular(modular.header())),
+            Self::Graph(_) => unimplemented!(),
+        }
+    }
+
+    /// What the family is called.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Rigid(_) => "rigid",
+            Self::Modular(_) => "modular",
+            Self::Graph(_) => "graph",
         }
     }
 
@@ -97,6 +127,7 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => rigid.coordinates.clone(),
             Self::Modular(modular) => modular.coordinates(),
+            Self::Graph(graph) => "t".repeat(graph.n()),
         }
     }
 
@@ -104,11 +135,8 @@ impl Architecture {
     pub fn widths(&self) -> Vec<usize> {
         match self {
             Self::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
-            Self::Modular(modular) => {
-                let widths =
-                    modular.shape.networks().flat_map(|n| n.widths().0.into_iter().take(n.widths().1));
-                widths.collect()
-            }
+            Self::Modular(modular) => modular.shape.networks().flat_map(hidden).collect(),
+            Self::Graph(graph) => graph.shape.networks().flat_map(hidden).collect(),
         }
     }
 
@@ -117,6 +145,7 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => rigid.widths.len(),
             Self::Modular(modular) => modular.shape.networks().map(|n| n.widths().1).max().unwrap_or(0),
+            Self::Graph(graph) => graph.shape.networks().map(|n| n.widths().1).max().unwrap_or(0),
         }
     }
 
@@ -125,6 +154,7 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => rigid.n(),
             Self::Modular(modular) => modular.n(),
+            Self::Graph(graph) => graph.n(),
         }
     }
 
@@ -133,7 +163,11 @@ impl Architecture {
     /// # Errors
     /// Where the shape is out of the format's range.
     pub fn parameters(&self) -> Result<usize, ModelError> {
-        self.with_header(|header| header.parameters())
+        match self {
+            Self::Rigid(rigid) => rigid.parameters(),
+            Self::Modular(modular) => modular.header().parameters(),
+            Self::Graph(graph) => graph.parameters(),
+        }
     }
 
     /// Numbers in the weight block that training changes.
@@ -149,6 +183,7 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => rigid.initial_weights(seed),
             Self::Modular(modular) => modular.initial_weights(seed),
+            Self::Graph(graph) => graph.initial_weights(seed),
         }
     }
 
@@ -157,6 +192,7 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => rigid.damping_positions(),
             Self::Modular(modular) => modular.damping_positions(),
+            Self::Graph(_) => Vec::new(),
         }
     }
 
@@ -165,13 +201,16 @@ impl Architecture {
         match self {
             Self::Rigid(_) => Vec::new(),
             Self::Modular(modular) => modular.fixed_positions(),
+            Self::Graph(graph) => graph.fixed_positions(),
         }
     }
 
     /// Brings numbers that have a range (masses, damping) back into it.
     pub fn project(&self, weights: &mut [f64]) {
-        if let Self::Modular(modular) = self {
-            modular.project(weights);
+        match self {
+            Self::Rigid(_) => {}
+            Self::Modular(modular) => modular.project(weights),
+            Self::Graph(graph) => graph.project(weights),
         }
         for position in self.damping_positions() {
             if let Some(damping) = weights.get_mut(position) {
@@ -188,30 +227,47 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => rigid.dispatch(visitor),
             Self::Modular(modular) => modular.dispatch(visitor),
+            Self::Graph(graph) => graph.dispatch(visitor),
         }
     }
 }
 
+/// What host weights are evaluated in: f64, or lanes of it.
+pub trait HostScalar: Scalar<Weight = f64> + Sync + 'static {}
+impl<S: Scalar<Weight = f64> + Sync + 'static> HostScalar for S {}
+
 /// A shape whose sizes are types.
 pub trait Family<const N: usize>: Sync {
     /// Its energies over host weights.
-    type Lagrangian<'w, S: Scalar<Weight = f64>>: Lagrangian<S, N, Mass = DenseMass<S, N>>
-        + Learnable<S, N>
-        + Sync
-        + 'w;
+    type Lagrangian<'w, S: HostScalar>: Lagrangian<S, N, Mass = DenseMass<S, N>> + Learnable<S, N> + Sync + 'w
+    where
+        Self: 'w;
+    /// Its forces over host weights.
+    type Forces<'w, S: HostScalar>: Forces<S, N> + LearnableForces<S, N> + Sync + 'w
+    where
+        Self: 'w;
 
     /// The system of this shape over a weight block.
     ///
     /// # Errors
     /// Where the block or the compiled sizes do not fit.
-    fn system<'w, S: Scalar<Weight = f64>>(
-        &self,
+    fn system<'w, S: HostScalar>(
+        &'w self,
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError>;
+
+    /// The holonomic constraints φ = 0 of this shape at a state: of each its row of A = φ_q, and Ȧv. None for most.
+    fn constraints(&self, _q: &[f64; N], _v: &[f64; N]) -> Vec<Constraint<N>> {
+        Vec::new()
+    }
 }
 
+/// A row of A and its Ȧv.
+pub type Constraint<const N: usize> = ([f64; N], f64);
+
 /// The system of a family in a scalar.
-pub type FamilySystem<'w, F, S, const N: usize> = System<<F as Family<N>>::Lagrangian<'w, S>, Viscous<S, N>>;
+pub type FamilySystem<'w, F, S, const N: usize> =
+    System<<F as Family<N>>::Lagrangian<'w, S>, <F as Family<N>>::Forces<'w, S>>;
 
 /// Something to do once the sizes are types.
 pub trait Visitor {
@@ -236,4 +292,18 @@ pub(crate) fn uniform_layer(weights: &mut Vec<f64>, inputs: usize, outputs: usiz
     }
     weights.extend(layer);
     weights.extend(std::iter::repeat_n(0.0, outputs));
+}
+
+/// Units of the hidden layers.
+fn hidden(network: &NetworkShape) -> impl Iterator<Item = usize> + use<> {
+    let (widths, depth) = network.widths();
+    widths.into_iter().take(depth)
+}
+
+/// Inputs and outputs of every layer, first to last.
+fn layers(network: &NetworkShape) -> Vec<(usize, usize)> {
+    let mut sizes = vec![usize::from(network.inputs)];
+    sizes.extend(hidden(network));
+    sizes.push(network.outputs.into());
+    sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }

@@ -1,11 +1,11 @@
 //! The shape of a tree of elements on the host.
 
-use super::{DEPTH, Family, FamilySystem, Visitor, too_many, uniform_layer};
+use super::{DEPTH, Damping, Family, FamilySystem, HostScalar, Visitor, layers, too_many, uniform_layer};
 use leastaction_core::energy::modular::{
     Input, MAX_TYPES, Modular, NUMBERS, NetworkShape, Shape, TransformShape, TypeShape,
 };
+use leastaction_core::forces::System;
 use leastaction_core::model::{MAX_TREES, ModelError, ModularHeader, TreeHeader};
-use leastaction_core::scalar::Scalar;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -273,26 +273,21 @@ macro_rules! compiled {
 
 compiled!(1, 2, 3, 4, 5, 6, 8, 10, 12);
 
-/// Inputs and outputs of every layer, first to last.
-fn layers(network: &NetworkShape) -> Vec<(usize, usize)> {
-    let (widths, depth) = network.widths();
-    let mut sizes = vec![usize::from(network.inputs)];
-    sizes.extend(widths.into_iter().take(depth));
-    sizes.push(network.outputs.into());
-    sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
-}
-
 /// A tree in N coordinates.
 #[derive(Clone)]
 struct Compiled<const N: usize>(ModularArchitecture);
 
 impl<const N: usize> Family<N> for Compiled<N> {
-    type Lagrangian<'w, S: Scalar<Weight = f64>> = Modular<'w, f64, N, MAX_TYPES, MAX_WIDTH, DEPTH>;
+    type Lagrangian<'w, S: HostScalar> = Modular<'w, f64, N, MAX_TYPES, MAX_WIDTH, DEPTH>;
+    type Forces<'w, S: HostScalar> = Damping<S, N>;
 
-    fn system<'w, S: Scalar<Weight = f64>>(
-        &self,
+    fn system<'w, S: HostScalar>(
+        &'w self,
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        self.0.header().system(&self.0.tree_header(), weights)
+        let System { lagrangian, forces } = self.0.header().system(&self.0.tree_header(), weights)?;
+        let lagrangian: Self::Lagrangian<'w, S> = lagrangian;
+        let positions = lagrangian.damping_positions();
+        Ok(System { lagrangian, forces: Damping::new(forces, &positions) })
     }
 }

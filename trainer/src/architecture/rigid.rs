@@ -1,6 +1,9 @@
 //! The shape of a rigid model on the host.
 
-use super::{DEPTH, Family, FamilySystem, MAX_COORDINATES, MAX_WIDTH, Visitor, too_many, uniform_layer};
+use super::{
+    DEPTH, Damping, Family, FamilySystem, HostScalar, MAX_COORDINATES, MAX_WIDTH, Visitor, too_many,
+    uniform_layer,
+};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{MAX_HIDDEN, ModelError, RigidHeader};
@@ -146,12 +149,14 @@ impl RigidArchitecture {
 struct Compiled<const N: usize, const H: usize>(RigidArchitecture);
 
 impl<const N: usize, const H: usize> Family<N> for Compiled<N, H> {
-    type Lagrangian<'w, S: Scalar<Weight = f64>> = Rigid<'w, f64, N, H, DEPTH>;
+    type Lagrangian<'w, S: HostScalar> = Rigid<'w, f64, N, H, DEPTH>;
+    type Forces<'w, S: HostScalar> = Damping<S, N>;
 
-    fn system<'w, S: Scalar<Weight = f64>>(
-        &self,
+    fn system<'w, S: HostScalar>(
+        &'w self,
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        self.0.system::<S, N, H>(weights)
+        let System { lagrangian, forces } = self.0.system::<S, N, H>(weights)?;
+        Ok(System { lagrangian, forces: Damping::new(forces, &self.0.damping_positions()) })
     }
 }

@@ -5,7 +5,7 @@ mod mlp;
 
 pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
 
-use crate::architecture::ModularArchitecture;
+use crate::architecture::{GraphArchitecture, ModularArchitecture};
 use crate::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::model::ModelError;
 
@@ -22,6 +22,16 @@ pub trait AccelerationModel {
 }
 
 impl AccelerationModel for ModularArchitecture {
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        self.initial_weights(seed)
+    }
+
+    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        objective(&self.clone().into(), samples, LossKind::Acceleration, 2)
+    }
+}
+
+impl AccelerationModel for GraphArchitecture {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         self.initial_weights(seed)
     }

@@ -48,6 +48,16 @@ impl Truth {
         self.states.first().map_or(&[], Vec::as_slice)
     }
 
+    /// Where the motions begin.
+    pub fn starts(&self) -> &[Start] {
+        &self.starts
+    }
+
+    /// (q, v) along start `k`, \[samples\]\[2n\].
+    pub(super) fn states(&self, k: usize) -> &[f64] {
+        &self.states[k]
+    }
+
     /// When and how often predictions are compared.
     pub fn horizon(&self) -> Horizon {
         self.horizon

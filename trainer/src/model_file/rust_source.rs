@@ -49,6 +49,7 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
     let family = match model.architecture {
         Architecture::Rigid(_) => "RigidModel",
         Architecture::Modular(_) => "ModularModel",
+        Architecture::Graph(_) => "GraphModel",
     };
     writeln!(to, "use leastaction_core::model::{{ModelError, {family}}};")
 }
@@ -73,6 +74,7 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
             writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, K, H, D>;")?;
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
+        Architecture::Graph(_) => unimplemented!(),
     }
 }
 

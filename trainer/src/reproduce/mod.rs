@@ -1,4 +1,5 @@
 //! The papers' experiments, ours beside theirs.
 
+pub mod lgnn;
 pub mod modlanet;
 pub mod symo;

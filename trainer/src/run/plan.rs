@@ -179,7 +179,7 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
     let (model, data) = (architecture.n(), data.n);
     match architecture {
         _ if model == data => Ok(()),
-        Architecture::Rigid(_) => Err(PlanError::Coordinates { model, data }),
+        Architecture::Rigid(_) | Architecture::Graph(_) => Err(PlanError::Coordinates { model, data }),
         Architecture::Modular(modular) => {
             let names =
                 modular.kinds().filter_map(|kind| modular.types.get(kind)).map(|kind| kind.name.as_str());

@@ -69,6 +69,26 @@ impl Levenberg {
         self
     }
 
+    /// [`Levenberg::run`]; of all iterations, the start included, the weights with the lowest loss by `judge`.
+    #[must_use]
+    pub fn best(
+        self,
+        objective: &dyn Objective,
+        judge: &dyn Objective,
+        iterations: usize,
+        mut watch: impl FnMut(usize, &Self),
+    ) -> Vec<f64> {
+        let mut best = (judge.loss(&self.weights), self.weights.clone());
+        let _last = self.run(objective, iterations, |iteration, state| {
+            let loss = judge.loss(&state.weights);
+            if loss < best.0 {
+                best = (loss, state.weights.clone());
+            }
+            watch(iteration, state);
+        });
+        best.1
+    }
+
     /// What is minimised: the loss and the penalty.
     fn cost(&self, loss: f64, weights: &[f64]) -> f64 {
         loss + self.decay * weights.iter().map(|w| w * w).sum::<f64>()

@@ -8,14 +8,14 @@
 
 use super::residuals::Failed;
 use super::samples::Sample;
-use crate::architecture::{Family, FamilySystem};
+use crate::architecture::{Constraint, Family, FamilySystem};
 use leastaction_core::discrete::{
     Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation,
 };
 use leastaction_core::forces::Forces;
 use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
-use leastaction_core::linear::{Singular, add_scaled, multiply, solve, solve_many, transpose};
+use leastaction_core::linear::{Singular, add_scaled, dot, multiply, solve, solve_many, transpose};
 use leastaction_core::scalar::{LANES, Lanes};
 use serde::{Deserialize, Serialize};
 
@@ -70,6 +70,7 @@ pub(super) type Group<const N: usize> = [Sample<N>; LANES];
 
 /// A model over its weights, for one sample and for eight.
 pub(super) struct Systems<'w, F: Family<N>, const N: usize> {
+    family: &'w F,
     one: FamilySystem<'w, F, f64, N>,
     /// Eight side by side.
     pub eight: FamilySystem<'w, F, Lanes, N>,
@@ -77,9 +78,9 @@ pub(super) struct Systems<'w, F: Family<N>, const N: usize> {
 
 impl<'w, F: Family<N>, const N: usize> Systems<'w, F, N> {
     /// Reads the shape; once for many samples.
-    pub fn new(family: &F, weights: &'w [f64]) -> Result<Self, Failed> {
+    pub fn new(family: &'w F, weights: &'w [f64]) -> Result<Self, Failed> {
         let one = family.system::<f64>(weights).map_err(|_| Failed)?;
-        Ok(Self { one, eight: family.system::<Lanes>(weights).map_err(|_| Failed)? })
+        Ok(Self { family, one, eight: family.system::<Lanes>(weights).map_err(|_| Failed)? })
     }
 }
 
@@ -101,16 +102,51 @@ pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
 /// v̇(q, v, u) − a.
 pub(super) struct AccelerationLoss;
 
-/// M v̇ = f.
-#[derive(Clone, Copy)]
+/// M v̇ = f + Aᵀλ, A v̇ = −Ȧv.
 struct Equation<const N: usize> {
     mass: [[f64; N]; N],
     force: [f64; N],
+    constraints: Vec<Constraint<N>>,
+}
+
+/// What solves it: v̇, and how it moves with f.
+struct Solution<const N: usize> {
+    acceleration: [f64; N],
+    /// Π = M⁻¹ − M⁻¹Aᵀ(A M⁻¹Aᵀ)⁻¹A M⁻¹, symmetric; M⁻¹ without constraints.
+    compliance: [[f64; N]; N],
+}
+
+impl<const N: usize> Equation<N> {
+    fn acceleration(self) -> Result<[f64; N], Failed> {
+        if self.constraints.is_empty() {
+            return Ok(solve(self.mass, self.force)?);
+        }
+        Ok(self.solution()?.acceleration)
+    }
+
+    /// One constraint after the other, as if the rest were not there: each takes its own direction out of Π.
+    fn solution(self) -> Result<Solution<N>, Failed> {
+        let mut compliance = solve_many(transpose(&self.mass), identity())?;
+        let mut acceleration = solve(self.mass, self.force)?;
+        for (row, bend) in &self.constraints {
+            let along = multiply(&compliance, row);
+            let flexibility = dot(row, &along);
+            if !(flexibility > 0.0) {
+                return Err(Failed);
+            }
+            let lambda = -(dot(row, &acceleration) + bend) / flexibility;
+            acceleration = add_scaled(&acceleration, lambda, &along);
+            for (i, entries) in compliance.iter_mut().enumerate() {
+                *entries = add_scaled(entries, -along[i] / flexibility, &along);
+            }
+        }
+        Ok(Solution { acceleration, compliance })
+    }
 }
 
 /// The equations of motion of eight samples.
 fn equations<F: Family<N>, const N: usize>(
-    Systems { eight: system, .. }: &Systems<F, N>,
+    Systems { eight: system, family, .. }: &Systems<F, N>,
     group: &Group<N>,
 ) -> [Equation<N>; LANES] {
     let lanes = |pick: fn(&Sample<N>) -> &[f64; N]| -> [Lanes; N] {
@@ -118,11 +154,12 @@ fn equations<F: Family<N>, const N: usize>(
     };
     let (q, v, u) = (lanes(|s| &s.states[0]), lanes(|s| &s.states[1]), lanes(|s| &s.controls[0]));
     let d = system.lagrangian.dynamics(&q, &v);
-    let damping = system.forces.force(&q, &v);
-    let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + damping[i] + u[i]);
+    let drag = system.forces.force(&q, &v);
+    let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + drag[i] + u[i]);
     std::array::from_fn(|lane| Equation {
         mass: d.mass.0.map(|row| row.map(|entry| entry.0[lane])),
         force: force.map(|force| force.0[lane]),
+        constraints: family.constraints(&group[lane].states[0], &group[lane].states[1]),
     })
 }
 
@@ -133,15 +170,14 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
 
     fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
-        let equations = equations(systems, group);
-        for ((residual, Equation { mass, force }), sample) in residuals.iter_mut().zip(equations).zip(group) {
+        for ((residual, equation), sample) in residuals.iter_mut().zip(equations(systems, group)).zip(group) {
             let [_, _, a] = &sample.states;
-            *residual = add_scaled(&solve(mass, force)?, -1.0, a);
+            *residual = add_scaled(&equation.acceleration()?, -1.0, a);
         }
         Ok(residuals)
     }
 
-    /// ∂v̇ = M⁻¹ ∂(L_q + Q − d/dt L_v) with v̇ held on the right.
+    /// ∂v̇ = Π ∂(L_q + Q − d/dt L_v) with v̇ held on the right.
     fn linearise_group(
         &self,
         systems: &Systems<F, N>,
@@ -149,14 +185,11 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
         terms: &mut [Vec<Term<N>>; LANES],
     ) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
-        let equations = equations(systems, group);
-        for (lane, (Equation { mass, force }, sample)) in equations.into_iter().zip(group).enumerate() {
+        for (lane, (equation, sample)) in equations(systems, group).into_iter().zip(group).enumerate() {
             let [q, v, a] = &sample.states;
-            let predicted = solve(mass, force)?;
-            for y in solve_many(transpose(&mass), identity())? {
-                terms[lane].push(Term { q: *q, v: *v, dq: y, dv: predicted });
-            }
-            residuals[lane] = add_scaled(&predicted, -1.0, a);
+            let Solution { acceleration, compliance } = equation.solution()?;
+            terms[lane].extend(compliance.map(|y| Term { q: *q, v: *v, dq: y, dv: acceleration }));
+            residuals[lane] = add_scaled(&acceleration, -1.0, a);
         }
         Ok(residuals)
     }

@@ -5,7 +5,7 @@ use super::residuals::{ChunkRows, Failed, Residuals};
 use super::{LossKind, NormalEquations, Samples};
 use crate::architecture::{Architecture, Family, FamilySystem, MAX_DISCRETE, Visitor, too_large_for_steps};
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
-use leastaction_core::energy::Learnable;
+use leastaction_core::energy::{Learnable, LearnableForces};
 use leastaction_core::forces::System;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::{LANES, Lanes};
@@ -70,8 +70,8 @@ impl Build {
         loss: T,
     ) -> Box<dyn Objective> {
         let Self { architecture, samples, .. } = self;
-        let (damping, fixed) = (architecture.damping_positions(), architecture.fixed_positions());
-        Box::new(Sum { architecture, family: family.clone(), damping, fixed, samples, loss })
+        let fixed = architecture.fixed_positions();
+        Box::new(Sum { architecture, family: family.clone(), fixed, samples, loss })
     }
 }
 
@@ -83,8 +83,6 @@ fn del_loss<P: Path>(h: f64, kind: LossKind) -> DelLoss<P> {
 struct Sum<F, T, const N: usize> {
     architecture: Architecture,
     family: F,
-    /// Where each coordinate has its damping, where it has any.
-    damping: Vec<usize>,
     /// What the loss is not to be varied in.
     fixed: Vec<usize>,
     samples: Samples,
@@ -93,8 +91,7 @@ struct Sum<F, T, const N: usize> {
 
 impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
     fn rows<'s, 'w>(&'s self, systems: &'s Systems<'w, F, N>) -> Rows<'s, FamilySystem<'w, F, Lanes, N>> {
-        let Self { damping, fixed, .. } = self;
-        Rows { system: &systems.eight, kinds: self.loss.kinds(), damping, fixed }
+        Rows { system: &systems.eight, kinds: self.loss.kinds(), fixed: &self.fixed }
     }
 
     /// The samples from `start` on; the last of `samples` fills the group up.
@@ -121,20 +118,19 @@ fn contracted<const N: usize>(residual: &[f64; N], terms: &[Term<N>], kinds: &[T
 struct Rows<'s, Y> {
     system: &'s Y,
     kinds: &'s [TermKind],
-    /// Where each coordinate has its damping, where it has any.
-    damping: &'s [usize],
     /// What the loss is not to be varied in.
     fixed: &'s [usize],
 }
 
-impl<L, D> Rows<'_, System<L, D>> {
+impl<L, Q> Rows<'_, System<L, Q>> {
     /// Adds the derivatives in the weights of one residual component of eight samples; `terms\[lane\]\[k\]` is the term of
     /// kind k.
     fn add<const N: usize>(&self, terms: [&[Term<N>]; LANES], row: &mut [Lanes])
     where
         L: Learnable<Lanes, N>,
+        Q: LearnableForces<Lanes, N>,
     {
-        let lagrangian = &self.system.lagrangian;
+        let System { lagrangian, forces } = self.system;
         for (k, kind) in self.kinds.iter().enumerate() {
             let lanes = |field: fn(&Term<N>) -> &[f64; N]| -> [Lanes; N] {
                 std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(&terms[lane][k])[i])))
@@ -145,9 +141,7 @@ impl<L, D> Rows<'_, System<L, D>> {
                 TermKind::Along => lagrangian.directional_gradient((&q, &v), (&dq, &dv), &mut add),
                 TermKind::Residual => lagrangian.residual_gradient((&q, &v), &dv, &dq, &mut add),
             }
-            for (i, position) in self.damping.iter().enumerate() {
-                add(*position, -(dq[i] * v[i]));
-            }
+            forces.force_gradient((&q, &v), &dq, &mut add);
         }
         for position in self.fixed {
             row[*position] = Lanes([0.0; LANES]);

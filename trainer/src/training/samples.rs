@@ -3,6 +3,7 @@ use crate::data::{Dataset, Rows, Trajectory};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
+use std::ops::Range;
 use thiserror::Error;
 
 /// What a loss needs is not in the data.
@@ -91,6 +92,22 @@ impl Samples {
             states: self.states.each_ref().map(permute),
             controls: self.controls.each_ref().map(permute),
         }
+    }
+
+    /// All but the last `held_back` samples, and those.
+    #[must_use]
+    pub fn split(&self, held_back: usize) -> [Self; 2] {
+        let first = self.len().saturating_sub(held_back);
+        [self.range(0..first), self.range(first..self.len())]
+    }
+
+    /// The samples in a range, cut to those there are.
+    #[must_use]
+    pub fn range(&self, range: Range<usize>) -> Self {
+        let end = range.end.min(self.len());
+        let of = |x: &Vec<f64>| x[range.start.min(end) * self.n..end * self.n].to_vec();
+        let (states, controls) = (self.states.each_ref().map(of), self.controls.each_ref().map(of));
+        Self { states, controls, ..*self }
     }
 
     /// How many.

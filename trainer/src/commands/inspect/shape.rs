@@ -59,6 +59,7 @@ impl Shape {
         match architecture {
             Architecture::Rigid(rigid) => Self::rigid(rigid),
             Architecture::Modular(modular) => Self::modular(modular),
+            Architecture::Graph(_) => unimplemented!(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! `leastaction reproduce`.
 
+mod lgnn;
 mod modlanet;
 mod symo;
 
@@ -16,6 +17,7 @@ pub struct Reproduce {
 
 #[derive(Subcommand)]
 enum Paper {
+    Lgnn(lgnn::Lgnn),
     Modlanet(modlanet::Modlanet),
     Symo(symo::Symo),
 }
@@ -24,6 +26,7 @@ impl Reproduce {
     /// Learns and prints.
     pub fn run(self, output: Output) -> Done {
         match self.paper {
+            Paper::Lgnn(lgnn) => lgnn.run(output),
             Paper::Modlanet(modlanet) => modlanet.run(output),
             Paper::Symo(symo) => symo.run(output),
         }

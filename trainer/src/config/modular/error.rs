@@ -76,10 +76,12 @@ pub enum Problem {
         message: String,
     },
     /// The model to go on from is of another family.
-    #[error("{} holds a rigid model, which has no element types; name a modular one", file.display())]
-    Rigid {
+    #[error("{} holds a {found} model, which has no element types; name a modular one", file.display())]
+    OtherFamily {
         /// The run or the model file.
         file: PathBuf,
+        /// Its family.
+        found: &'static str,
     },
     /// No element type.
     #[error(

@@ -22,7 +22,7 @@ impl Source {
             Architecture::Modular(modular) => {
                 Ok(Self { architecture: modular.with_numbers(&weights), weights })
             }
-            Architecture::Rigid(_) => Err(Problem::Rigid { file: path.to_owned() }),
+            other => Err(Problem::OtherFamily { file: path.to_owned(), found: other.name() }),
         }
     }
 }

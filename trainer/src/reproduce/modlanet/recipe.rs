@@ -140,12 +140,5 @@ pub(super) fn best_of(
 ) -> Result<Vec<f64>, ModelError> {
     let objective = shape.objective(Samples::modlanet(rows))?;
     let judge = shape.objective(Samples::modlanet(validation))?;
-    let mut best = (judge.loss(&weights), weights.clone());
-    let _last = Levenberg::new(&*objective, weights).run(&*objective, iterations, |_, state| {
-        let loss = judge.loss(&state.weights);
-        if loss < best.0 {
-            best = (loss, state.weights.clone());
-        }
-    });
-    Ok(best.1)
+    Ok(Levenberg::new(&*objective, weights).best(&*objective, &*judge, iterations, |_, _| ()))
 }

@@ -12,6 +12,7 @@ use leastaction::data::modlanet;
 use leastaction::reproduce::modlanet::{Case, Options, Outcome, ReproduceError, run};
 use leastaction_core::energy::modular::PairInput;
 use std::path::PathBuf;
+pub use table::numbered;
 use table::{Scatter, Table, csv};
 
 /// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.

@@ -1,0 +1,98 @@
+//! Rollouts in LGNN's measures: the rollout error ‖q̂ − q‖/(‖q̂‖ + ‖q‖) and the energy violation |Ê − E|/(|Ê| + |E|), Ê and E the
+//! exact energies of the predicted and of the exact state, with geometric means over starts and times (LGNN, section 4).
+
+use super::prediction::Truth;
+use crate::ground_truth::{Motion, follow};
+use crate::parallel;
+
+/// The least error that a geometric mean takes; below it is rounding.
+const LEAST: f64 = 1e-17;
+
+/// Errors of rollouts from many starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rollouts {
+    /// Geometric mean over starts of the rollout error at each comparison but that at the start.
+    pub rollout_error: Vec<f64>,
+    /// The same of the energy violation.
+    pub energy_violation: Vec<f64>,
+    /// Rollouts that could not be followed to the end; their errors count as 1 from there on.
+    pub failed: usize,
+}
+
+impl Rollouts {
+    /// Rolls out accelerations v̇(q, v) from the starts of the truth, each step followed to `tolerance`, and on the rods of the
+    /// exact motion.
+    pub fn new(
+        truth: &Truth,
+        motion: &dyn Motion,
+        tolerance: f64,
+        acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
+    ) -> Self {
+        let project = |state: &mut [f64]| motion.project(state);
+        let one = |k: usize| {
+            let mut states: Vec<f64> = Vec::with_capacity(truth.states(k).len());
+            let keep = |state: &[f64]| states.extend_from_slice(state);
+            let start = &truth.starts()[k];
+            let failed = follow(&acceleration, project, start, truth.horizon(), tolerance, keep).is_err();
+            states.resize(truth.states(k).len(), f64::INFINITY);
+            (errors(motion, &states, truth.states(k)), failed)
+        };
+        Self::of(truth, parallel::map(truth.starts().len(), &one))
+    }
+
+    /// Other exact motions, taken for rollouts of these: how far disturbed starts lead away.
+    pub fn between(truth: &Truth, other: &Truth, motion: &dyn Motion) -> Self {
+        let one = |k: usize| (errors(motion, other.states(k), truth.states(k)), false);
+        Self::of(truth, (0..truth.starts().len()).map(one).collect())
+    }
+
+    /// Of the errors of every start, and whether it failed.
+    fn of(truth: &Truth, all: Vec<(Vec<[f64; 2]>, bool)>) -> Self {
+        let failed = all.iter().filter(|(_, failed)| *failed).count();
+        let mean = |pick: fn(&[f64; 2]) -> f64| -> Vec<f64> {
+            let at = |k: usize| geometric_mean(all.iter().map(|(errors, _)| pick(&errors[k])));
+            (1..truth.horizon().samples).map(at).collect()
+        };
+        Self { rollout_error: mean(|e| e[0]), energy_violation: mean(|e| e[1]), failed }
+    }
+
+    /// Geometric means over starts and times of the rollout error and the energy violation.
+    pub fn means(&self) -> [f64; 2] {
+        [&self.rollout_error, &self.energy_violation].map(|errors| geometric_mean(errors.iter().copied()))
+    }
+
+    /// Rollout error at the end.
+    pub fn last(&self) -> f64 {
+        self.rollout_error.last().copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// Rollout error and energy violation of every comparison.
+fn errors(motion: &dyn Motion, predicted: &[f64], exact: &[f64]) -> Vec<[f64; 2]> {
+    let n = motion.coordinates();
+    let energy = |state: &[f64]| motion.energy(&state[..n], &state[n..]);
+    let pairs = predicted.chunks_exact(2 * n).zip(exact.chunks_exact(2 * n));
+    let error = |(predicted, exact): (&[f64], &[f64])| {
+        let difference: Vec<f64> = predicted.iter().zip(exact).take(n).map(|(p, e)| p - e).collect();
+        let positions = relative(norm(&difference), norm(&predicted[..n]), norm(&exact[..n]));
+        let (ours, truth) = (energy(predicted), energy(exact));
+        [positions, relative((ours - truth).abs(), ours.abs(), truth.abs())]
+    };
+    pairs.map(error).collect()
+}
+
+/// Between 0 and 1; 1 where a term is not finite.
+fn relative(difference: f64, a: f64, b: f64) -> f64 {
+    let relative = difference / (a + b);
+    if relative.is_finite() { relative } else { 1.0 }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Of numbers ≥ 0, those below [`LEAST`] taken as it; not a number of none.
+pub fn geometric_mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), x| (sum + x.max(LEAST).ln(), count + 1));
+    (sum / count as f64).exp()
+}
