@@ -76,6 +76,60 @@ fn arm_text() -> String {
     file::text(&bytes, &parts(padding))
 }
 
+fn web_text() -> String {
+    let bytes = file::golden_web();
+    let parts = |padding| {
+        [
+            (4, "magic LACT"),
+            (1, "format version"),
+            (1, "family 2: graph"),
+            (3, "2 dimensions, kinetic embedding of 1 number, embedding of 2"),
+            (8, "network 0: present, 2 inputs, hidden width 3, then none, 1 output, activation 1: softplus"),
+            (8, "network 1: present, 1 input, hidden width 4, then none, 1 output, activation 2: squareplus"),
+            (8, "network 2: present, 1 input, no hidden layer, 2 outputs, activation 4: identity"),
+            (8, "network 3: present, 4 inputs, hidden width 3, then none, 2 outputs, activation 0: tanh"),
+            (8, "network 4: present, 2 inputs, no hidden layer, 2 outputs, activation 4: identity"),
+            (8, "network 5: present, 2 inputs, hidden width 5, then none, 1 output, activation 0: tanh"),
+            (6, "networks 6 to 11: none"),
+            (4, "node type 0: present, kinetic 0: mass, potential 1: uniform, drag 1: viscous"),
+            (5, "node type 1: present, kinetic 1: network 0, potential 0: none, drag 0: none"),
+            (4, "node types 2 to 5: none"),
+            (6, "edge type 0: present, separation 0: distance, potential: network 1, embedding: network 2"),
+            (5, "edge types 1 to 5: none"),
+            (
+                6,
+                "messages: present, message: network 3, update: network 4, of edges: network 5, of nodes: none",
+            ),
+            (9, "names of the node types, 8 letters: bob,body"),
+            (7, "names of the edge types, 6 letters: spring"),
+            (
+                5 + 3 + 6,
+                "graph 0: name, 4 letters: pair; 2 nodes: types 0, 1; 5 bytes: edge of type 0, nodes 0 and 1",
+            ),
+            (
+                5 + 4 + 16,
+                "graph 1: name, 4 letters: ring; 3 nodes: types 0, 1, 1; 15 bytes: edges 0-1, 1-2, 2-0",
+            ),
+            (18, "graphs 2 to 7: no name, no node, no edge"),
+            (6, "discretisation: present, order 4, h = 0.05 s"),
+            (38, "provenance, 37 letters"),
+            (1 + padding, "padding: its length, zeros"),
+            (2, "bytes of weights, as a varint"),
+            (4 * (9 + 4), "network 0, layers 2 to 3 to 1"),
+            (4 * (8 + 5), "network 1, layers 1 to 4 to 1"),
+            (4 * 4, "network 2, layer 1 to 2"),
+            (4 * (15 + 8), "network 3, layers 4 to 3 to 2"),
+            (4 * 6, "network 4, layer 2 to 2"),
+            (4 * (15 + 6), "network 5, layers 2 to 5 to 1"),
+            (4 * 7, "bob: mass, drag, field in x and y, kinetic embedding, embedding"),
+            (4 * 7, "body: the same"),
+            (4, "CRC-32 of all bytes above, little-endian"),
+        ]
+    };
+    let padding = bytes.len() - parts(0).iter().map(|(length, _)| length).sum::<usize>();
+    file::text(&bytes, &parts(padding))
+}
+
 #[test]
 fn the_rigid_file_is_unchanged() {
     file::assert_golden("cartpole.hex", &file::golden(), &cartpole_text());
@@ -84,4 +138,9 @@ fn the_rigid_file_is_unchanged() {
 #[test]
 fn the_modular_file_is_unchanged() {
     file::assert_golden("arm.hex", &file::golden_arm(), &arm_text());
+}
+
+#[test]
+fn the_graph_file_is_unchanged() {
+    file::assert_golden("web.hex", &file::golden_web(), &web_text());
 }

@@ -265,8 +265,8 @@ fn weights_are_as_many_as_the_shape_says() {
 fn impossible_encodings_are_malformed() {
     let file = file::golden_arm();
     let body = &file[..file.len() - 4];
-    // Family 2; an option 2; activation 5; transform 4; input 3; pair input 4; a name that is not UTF-8.
-    for (position, value) in [(5, 2), (6, 2), (13, 5), (36, 4), (42, 3), (54, 4), (56, 0xff)] {
+    // Family 3; an option 2; activation 5; transform 4; input 3; pair input 4; a name that is not UTF-8.
+    for (position, value) in [(5, 3), (6, 2), (13, 5), (36, 4), (42, 3), (54, 4), (56, 0xff)] {
         let mut changed = body.to_vec();
         changed[position] = value;
         assert_eq!(refusal(&file::sealed(&changed)), ModelError::Malformed, "byte {position}");

@@ -1,4 +1,4 @@
-use super::ModelError;
+use super::{GraphHeader, ModelError};
 use crate::energy::MAX_HIDDEN;
 use crate::energy::modular::{self, Node, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count};
@@ -66,6 +66,8 @@ pub enum Family<'a> {
     Rigid(RigidHeader<'a>),
     /// Trees of reusable elements.
     Modular(ModularHeader<'a>),
+    /// Particles with energies of nodes and edges.
+    Graph(GraphHeader<'a>),
 }
 
 /// The shape of a modular model, types and trees apart: one set of types serves many trees.
@@ -135,6 +137,7 @@ impl Header<'_> {
         match self.family {
             Family::Rigid(rigid) => rigid.validate(weights),
             Family::Modular(modular) => modular.validate(weights),
+            Family::Graph(graph) => graph.validate(weights),
         }
     }
 }
@@ -145,6 +148,7 @@ impl Family<'_> {
         match self {
             Self::Rigid(_) => "rigid",
             Self::Modular(_) => "modular",
+            Self::Graph(_) => "graph",
         }
     }
 
@@ -153,6 +157,7 @@ impl Family<'_> {
         match self {
             Self::Rigid(rigid) => rigid.parameters(),
             Self::Modular(modular) => modular.parameters(),
+            Self::Graph(graph) => graph.parameters(),
         }
     }
 }
@@ -182,11 +187,7 @@ impl<'a> ModularHeader<'a> {
             return Err(ModelError::OutOfRange { what });
         }
         let kinds = self.shape.types().count();
-        // Bytes: to split a str holds a panic that the compiler cannot exclude.
-        let names = self.names.as_bytes().split(|byte| *byte == b',');
-        if names.clone().count() != kinds || !are_names(names) {
-            return Err(ModelError::Names { of: "element types" });
-        }
+        check_names(self.names, kinds, "element types")?;
         self.check_trees()?;
         let start = weights.len().saturating_sub(modular::NUMBERS * kinds + 2);
         let numbers = weights.get(start..).unwrap_or(&[]).as_chunks().0;
@@ -285,9 +286,20 @@ impl<'a> RigidHeader<'a> {
 }
 
 /// Whether none is empty and no two are the same.
-fn are_names<'a>(names: impl Iterator<Item = &'a [u8]> + Clone) -> bool {
+pub(super) fn are_names<'a>(names: impl Iterator<Item = &'a [u8]> + Clone) -> bool {
     let mut others = names.clone().enumerate();
     others.all(|(i, name)| !name.is_empty() && names.clone().take(i).all(|other| other != name))
+}
+
+/// Checks names that are separated by commas.
+pub(super) fn check_names(names: &str, count: usize, of: &'static str) -> Result<(), ModelError> {
+    // Bytes: to split a str holds a panic that the compiler cannot exclude.
+    let each = names.as_bytes().split(|byte| *byte == b',');
+    let none = count == 0 && names.is_empty();
+    if none || (each.clone().count() == count && are_names(each)) {
+        return Ok(());
+    }
+    Err(ModelError::Names { of })
 }
 
 /// Checks the numbers of an element type.
@@ -298,6 +310,6 @@ fn check_numbers(numbers: &[f32; modular::NUMBERS]) -> Result<(), ModelError> {
     require(damping >= 0.0, "damping coefficient")
 }
 
-fn require(condition: bool, what: &'static str) -> Result<(), ModelError> {
+pub(super) fn require(condition: bool, what: &'static str) -> Result<(), ModelError> {
     if condition { Ok(()) } else { Err(ModelError::OutOfRange { what }) }
 }

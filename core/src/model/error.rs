@@ -1,3 +1,4 @@
+use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
 use core::fmt;
 
@@ -57,15 +58,22 @@ pub enum ModelError {
     },
     /// A tree of elements is none.
     Tree(TreeError),
+    /// A graph is none, or a number of its node types is out of range.
+    Graph(GraphError),
     /// Of these the names are not as many as there are, or one is empty, or two are the same.
     Names {
-        /// Element types or trees.
+        /// Element types or trees; node types, edge types or graphs.
         of: &'static str,
     },
     /// The file holds no tree of the name asked for.
     NoSuchTree {
         /// Trees that it holds.
         trees: usize,
+    },
+    /// The file holds no graph of the name asked for.
+    NoSuchGraph {
+        /// Graphs that it holds.
+        graphs: usize,
     },
     /// The file holds a model of another family.
     OtherFamily {
@@ -74,11 +82,11 @@ pub enum ModelError {
     },
     /// The file's shape is not the one the program was compiled for.
     Shape {
-        /// Which dimension: coordinates, hidden layers, or hidden width.
+        /// Which dimension: coordinates, dimensions of space, types, networks, hidden layers, or hidden width.
         what: &'static str,
         /// In the file.
         found: usize,
-        /// Compiled in: exact for coordinates, at most for the others.
+        /// Compiled in: exact for coordinates and dimensions of space, at most for the others.
         compiled: usize,
     },
 }
@@ -109,10 +117,14 @@ impl fmt::Display for ModelError {
             Self::NotFinite { index } => write!(f, "weight {index} is infinite or not a number"),
             Self::OutOfRange { what } => write!(f, "{what} is out of range"),
             Self::Tree(error) => write!(f, "{error}"),
+            Self::Graph(error) => write!(f, "{error}"),
             Self::Names { of } => {
                 write!(f, "the {of} must each have a name of its own, and not an empty one")
             }
             Self::NoSuchTree { trees } => write!(f, "none of the {trees} trees in the file has that name"),
+            Self::NoSuchGraph { graphs } => {
+                write!(f, "none of the {graphs} graphs in the file has that name")
+            }
             Self::OtherFamily { found } => {
                 write!(f, "a model of the family {found}, which is not the one asked for")
             }

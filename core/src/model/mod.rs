@@ -5,6 +5,7 @@
 
 mod document;
 mod error;
+mod graph;
 mod modular;
 mod rigid;
 
@@ -14,6 +15,7 @@ pub use document::{
     TreeHeader,
 };
 pub use error::ModelError;
+pub use graph::{GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS};
 pub use modular::ModularModel;
 pub use rigid::RigidModel;
 

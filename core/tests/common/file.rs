@@ -1,13 +1,17 @@
 //! Writes model files, valid and not.
 
+use super::graphs::edge;
 use super::trees::network;
+use leastaction_core::energy::graph::{
+    self, Drag, EdgeShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
+};
 use leastaction_core::energy::modular::{
     Input, NUMBERS, PairInput, PairShape, Shape, TransformShape, TypeShape,
 };
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::{
-    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModelError, ModularHeader,
-    RigidHeader, TreeHeader, checksum, parse,
+    Discretisation, Document, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, MAGIC, MAX_GRAPHS,
+    MAX_TREES, ModelError, ModularHeader, RigidHeader, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
 use std::path::PathBuf;
@@ -115,12 +119,61 @@ pub fn golden_arm() -> Vec<u8> {
     write(arm_header(arm()), &arm_weights(ARM_NUMBERS))
 }
 
+/// Bobs and a free body, springs between them, with messages.
+pub fn web_shape() -> graph::Shape {
+    let networks = [
+        network(2, &[3], 1, Activation::Softplus),
+        network(1, &[4], 1, Activation::Squareplus),
+        network(1, &[], 2, Activation::Identity),
+        network(4, &[3], 2, Activation::Tanh),
+        network(2, &[], 2, Activation::Identity),
+        network(2, &[5], 1, Activation::Tanh),
+    ];
+    let nodes = [
+        NodeShape { kinetic: Kinetic::Mass, potential: Potential::Uniform, drag: Drag::Viscous },
+        NodeShape { kinetic: Kinetic::Network(0), potential: Potential::None, drag: Drag::None },
+    ];
+    let edges = [EdgeShape { separation: Separation::Distance, potential: Some(1), embedding: Some(2) }];
+    let messages = MessageShape { message: 3, update: 4, edge_potential: Some(5), node_potential: None };
+    let shape = graph::Shape::new(2, &networks, &nodes, &edges).expect("few parts");
+    graph::Shape { kinetic_embedding: 1, embedding: 2, messages: Some(messages), ..shape }
+}
+
+/// The numbers of [`web_shape`]'s types: mass, drag, field, kinetic embedding, embedding.
+pub const WEB_NUMBERS: [[f32; 7]; 2] =
+    [[1.5, 0.25, 0.0, 9.5, 0.0, 0.5, -0.5], [0.0, 0.0, 0.0, 0.0, 0.75, -1.0, 0.25]];
+
+/// The edges of the graph `ring`.
+pub const RING: [[u8; 5]; 3] = [edge(0, 0, 1).to_bytes(), edge(0, 1, 2).to_bytes(), edge(0, 2, 0).to_bytes()];
+
+/// Two graphs of them, of one and of three edges.
+pub fn web() -> GraphHeader<'static> {
+    let mut graphs = [GraphLayout::default(); MAX_GRAPHS];
+    graphs[0] = GraphLayout { name: "pair", nodes: &[0, 1], edges: RING[0].as_slice() };
+    graphs[1] = GraphLayout { name: "ring", nodes: &[0, 1, 1], edges: RING.as_flattened() };
+    GraphHeader { shape: web_shape(), node_names: "bob,body", edge_names: "spring", graphs }
+}
+
+pub fn web_header(web: GraphHeader) -> Header {
+    Header { family: Family::Graph(web), ..HEADER }
+}
+
+pub fn web_weights(numbers: [[f32; 7]; 2]) -> Vec<f32> {
+    let numbers = numbers.concat();
+    [exact(web().parameters().unwrap() - numbers.len()), numbers].concat()
+}
+
+/// The valid graph file that the tests damage.
+pub fn golden_web() -> Vec<u8> {
+    write(web_header(web()), &web_weights(WEB_NUMBERS))
+}
+
 /// The file of a header and a weight block given as bytes, closed with a valid checksum.
 pub fn write_raw(header: Header, padding: Option<&[u8]>, weights: &[u8]) -> Vec<u8> {
     let with = |padding| {
         let document =
             Document { magic: MAGIC, version: FORMAT_VERSION, header, padding, weights, checksum: [0; 4] };
-        let mut buffer = vec![0; 1024 + weights.len()];
+        let mut buffer = vec![0; 8192 + weights.len()];
         postcard::to_slice(&document, &mut buffer).unwrap().to_vec()
     };
     let aligned =

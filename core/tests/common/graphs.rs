@@ -28,7 +28,7 @@ pub struct Model<const D: usize> {
     pub weights: Vec<f64>,
 }
 
-pub fn edge(kind: u8, a: u16, b: u16) -> Edge {
+pub const fn edge(kind: u8, a: u16, b: u16) -> Edge {
     Edge { kind, ends: [a, b] }
 }
 

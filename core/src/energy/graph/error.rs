@@ -85,11 +85,11 @@ pub enum GraphError {
         /// The node, from 0.
         node: usize,
     },
-    /// More pairs lie within the cutoff than there is room for edges.
+    /// More edges than there is room for.
     TooManyEdges {
         /// Edges that there is room for.
         capacity: usize,
-        /// Pairs within the cutoff.
+        /// Edges that there are.
         needed: usize,
     },
 }
@@ -125,7 +125,7 @@ impl fmt::Display for GraphError {
             }
             Self::Ownerless { node } => write!(f, "no member has node {node}"),
             Self::TooManyEdges { capacity, needed } => {
-                write!(f, "{needed} pairs within the cutoff, but room for {capacity}")
+                write!(f, "{needed} edges, but room for {capacity}")
             }
         }
     }

@@ -1,6 +1,8 @@
 //! The shape of a graph model, apart from its numbers and its graphs.
 
+use super::GraphError;
 use crate::energy::part::NetworkShape;
+use crate::scalar::Real;
 use serde::{Deserialize, Serialize};
 
 /// Networks of a model at most.
@@ -155,6 +157,24 @@ impl Shape {
         let networks =
             self.networks().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))?;
         networks.checked_add(self.numbers() * self.nodes().count())
+    }
+
+    /// Checks the numbers of all node types that must be positive: masses that are used, and coefficients of viscous drag.
+    ///
+    /// # Errors
+    /// [`GraphError::Mass`] and [`GraphError::Drag`].
+    pub fn check_numbers<W: Real>(&self, numbers: &[W]) -> Result<(), GraphError> {
+        for (kind, node) in self.nodes().enumerate() {
+            let own = numbers.get(kind * self.numbers()..).and_then(|rest| rest.first_chunk::<2>());
+            let Some([mass, drag]) = own else { return Ok(()) };
+            if node.kinetic == Kinetic::Mass && !(*mass > W::zero() && mass.is_finite()) {
+                return Err(GraphError::Mass { kind });
+            }
+            if node.drag == Drag::Viscous && !(*drag >= W::zero() && drag.is_finite()) {
+                return Err(GraphError::Drag { kind });
+            }
+        }
+        Ok(())
     }
 
     /// Numbers of an edge's embedding: what the networks of all edge types give, 0 without messages.

@@ -197,23 +197,12 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 }
 
 impl<W: Real, const D: usize, const K: usize, const H: usize, const L: usize> Types<'_, W, D, K, H, L> {
-    /// Checks the numbers that must be positive: masses that are used, and coefficients of viscous drag.
+    /// Checks the numbers that must be positive, see [`Shape::check_numbers`].
     ///
     /// # Errors
     /// [`GraphError::Mass`] and [`GraphError::Drag`].
     pub fn check_numbers(&self) -> Result<(), GraphError> {
-        for (kind, node) in (0..).zip(self.shape.nodes()) {
-            let Some(numbers) = self.numbers(kind) else { continue };
-            let ((_, mass), (_, drag)) = (numbers.mass, numbers.drag);
-            let kind = kind.into();
-            if node.kinetic == Kinetic::Mass && !(mass > W::zero() && mass.is_finite()) {
-                return Err(GraphError::Mass { kind });
-            }
-            if node.drag == Drag::Viscous && !(drag >= W::zero() && drag.is_finite()) {
-                return Err(GraphError::Drag { kind });
-            }
-        }
-        Ok(())
+        self.shape.check_numbers(self.numbers)
     }
 }
 

@@ -1,0 +1,170 @@
+use super::document::{are_names, check_names, require};
+use super::rigid::require_at_most;
+use super::{Discretisation, Family, ModelError, parse};
+use crate::energy::graph::{Edge, Graph, GraphError, Shape, Types};
+use serde::{Deserialize, Serialize};
+
+/// Graphs in one file at most.
+pub const MAX_GRAPHS: usize = 8;
+
+/// The shape of a graph model, types and graphs apart: one set of types serves graphs of any size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GraphHeader<'a> {
+    /// Networks, node types and edge types.
+    pub shape: Shape,
+    /// What the node types are called, separated by commas.
+    pub node_names: &'a str,
+    /// What the edge types are called, separated by commas; empty where there are none.
+    pub edge_names: &'a str,
+    /// The graphs, by name; the first without nodes ends the list.
+    #[serde(borrow)]
+    pub graphs: [GraphLayout<'a>; MAX_GRAPHS],
+}
+
+/// A graph: which nodes and edges there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GraphLayout<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// One byte a node: its type.
+    pub nodes: &'a [u8],
+    /// Five bytes an edge: its type, and the two nodes that it joins, each little-endian.
+    pub edges: &'a [u8],
+}
+
+impl<'a> GraphLayout<'a> {
+    /// The edges in order.
+    pub fn edges(&self) -> impl Iterator<Item = Edge> + use<'a> {
+        let (edges, _) = self.edges.as_chunks::<{ Edge::BYTES }>();
+        edges.iter().map(|bytes| Edge::from_bytes(*bytes))
+    }
+}
+
+impl Edge {
+    /// Bytes of an edge in a model file.
+    pub const BYTES: usize = 5;
+
+    /// As a model file has it.
+    pub const fn to_bytes(self) -> [u8; Self::BYTES] {
+        let ([a0, a1], [b0, b1]) = (self.ends[0].to_le_bytes(), self.ends[1].to_le_bytes());
+        [self.kind, a0, a1, b0, b1]
+    }
+
+    /// From a model file.
+    pub const fn from_bytes([kind, a0, a1, b0, b1]: [u8; Self::BYTES]) -> Self {
+        Self { kind, ends: [u16::from_le_bytes([a0, a1]), u16::from_le_bytes([b0, b1])] }
+    }
+}
+
+/// A loaded graph in `D` dimensions, ready for the solvers: at most `K` networks of at most `L` hidden layers of at most `H`
+/// units.
+#[derive(Clone, Copy, Debug)]
+pub struct GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize> {
+    /// Energies and drag over the file's weights.
+    pub graph: Graph<'a, f32, D, K, H, L>,
+    /// The step and order the model was trained for.
+    pub discretisation: Option<Discretisation>,
+}
+
+impl<'a, const D: usize, const K: usize, const H: usize, const L: usize> GraphModel<'a, D, K, H, L> {
+    /// Reads, validates and borrows a model file, and takes the graph called `name`, whose edges are read into `edges`; `bytes`
+    /// must be 4-aligned.
+    ///
+    /// # Errors
+    /// See [`ModelError`]; [`GraphError::TooManyEdges`] where `edges` is too short.
+    pub fn load(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
+        let parsed = parse(bytes)?;
+        let Family::Graph(header) = parsed.header.family else {
+            return Err(ModelError::OtherFamily { found: parsed.header.family.name() });
+        };
+        let graph = header.graph(header.layout(name)?, parsed.weights, edges)?;
+        Ok(Self { graph, discretisation: parsed.header.discretisation })
+    }
+}
+
+impl<'a> GraphHeader<'a> {
+    /// The graphs in order.
+    pub fn graphs(&self) -> impl Iterator<Item = &GraphLayout<'a>> + Clone {
+        self.graphs.iter().take_while(|graph| !graph.nodes.is_empty())
+    }
+
+    /// The graph of that name.
+    ///
+    /// # Errors
+    /// [`ModelError::NoSuchGraph`] where there is none.
+    pub fn layout(&self, name: &str) -> Result<&GraphLayout<'a>, ModelError> {
+        let none = || ModelError::NoSuchGraph { graphs: self.graphs().count() };
+        self.graphs().find(|graph| graph.name == name).ok_or_else(none)
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
+    }
+
+    /// The types over a weight block of any kind: f32 as shipped, f64 on the host.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where they are not of the compiled sizes.
+    pub fn types<'w, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize>(
+        &self,
+        weights: &'w [W],
+    ) -> Result<Types<'w, W, D, K, H, L>, ModelError> {
+        let dimension = usize::from(self.shape.dimension);
+        if dimension != D {
+            return Err(ModelError::Shape { what: "dimensions", found: dimension, compiled: D });
+        }
+        require_at_most("networks", self.shape.networks().count(), K)?;
+        for network in self.shape.networks() {
+            let (widths, depth) = network.widths();
+            require_at_most("hidden layers", depth, L)?;
+            require_at_most("units in a hidden layer", widths.into_iter().max().unwrap_or(0), H)?;
+        }
+        let (mut block, needed) = (weights, self.parameters()?);
+        let short = ModelError::WeightCount { found: weights.len(), needed };
+        Types::take(&mut block, &self.shape).ok_or(short)
+    }
+
+    /// A graph over a weight block; its edges are read into `edges`.
+    ///
+    /// # Errors
+    /// As [`GraphHeader::types`]; [`ModelError::Graph`] where it is none, or `edges` is too short.
+    pub fn graph<'w, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize>(
+        &self,
+        layout: &GraphLayout<'w>,
+        weights: &'w [W],
+        edges: &'w mut [Edge],
+    ) -> Result<Graph<'w, W, D, K, H, L>, ModelError> {
+        let (types, capacity, needed) = (self.types(weights)?, edges.len(), layout.edges().count());
+        let room = edges.get_mut(..needed);
+        let edges = room.ok_or(ModelError::Graph(GraphError::TooManyEdges { capacity, needed }))?;
+        for (slot, edge) in edges.iter_mut().zip(layout.edges()) {
+            *slot = edge;
+        }
+        Graph::new(types, layout.nodes, edges).map_err(ModelError::Graph)
+    }
+
+    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+        if let Some(what) = self.shape.misfit() {
+            return Err(ModelError::OutOfRange { what });
+        }
+        check_names(self.node_names, self.shape.nodes().count(), "node types")?;
+        check_names(self.edge_names, self.shape.edges().count(), "edge types")?;
+        self.check_graphs()?;
+        let start = weights.len().saturating_sub(self.shape.numbers() * self.shape.nodes().count());
+        self.shape.check_numbers(weights.get(start..).unwrap_or(&[])).map_err(ModelError::Graph)
+    }
+
+    fn check_graphs(&self) -> Result<(), ModelError> {
+        let written = self.graphs.iter().filter(|graph| **graph != GraphLayout::default()).count();
+        require(self.graphs().next().is_some(), "number of graphs")?;
+        require(self.graphs().count() == written, "list of graphs")?;
+        if !are_names(self.graphs().map(|graph| graph.name.as_bytes())) {
+            return Err(ModelError::Names { of: "graphs" });
+        }
+        self.graphs().try_for_each(|graph| {
+            require(graph.edges.len().is_multiple_of(Edge::BYTES), "length of a list of edges")?;
+            self.shape.check_graph(graph.nodes, graph.edges()).map_err(ModelError::Graph)
+        })
+    }
+}

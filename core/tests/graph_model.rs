@@ -1,0 +1,322 @@
+//! The model file of the graph family: what is right loads, and everything else is a typed error.
+
+mod common;
+
+use common::file::{self, Aligned, WEB_NUMBERS, web, web_header, web_weights};
+use common::graphs::{Model, edge};
+use common::trees::network;
+use common::{assert_close, assert_vectors_close};
+use leastaction_core::energy::graph::{
+    Drag, Edge, GraphError, Kinetic, MAX_EDGE_TYPES, MAX_NODE_TYPES, Potential, Shape,
+};
+use leastaction_core::model::{
+    FORMAT_VERSION, GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS, ModelError, ModularModel, parse,
+};
+use leastaction_core::network::Activation;
+use leastaction_core::particles::Particles;
+use proptest::prelude::*;
+
+/// The web in the sizes that fit it.
+type Web<'a> = GraphModel<'a, 2, 6, 5, 1>;
+
+fn refusal(file: &[u8]) -> ModelError {
+    let mut edges = [Edge::default(); 8];
+    Web::load(Aligned::new(file).bytes(), "ring", &mut edges)
+        .map(|_| ())
+        .expect_err("the file must be refused")
+}
+
+/// What loading says of a header, with as many weights as it asks for.
+fn header_refusal(header: GraphHeader) -> ModelError {
+    let count = header.parameters().unwrap();
+    let mut weights = web_weights(WEB_NUMBERS);
+    weights.resize(count, 0.5);
+    refusal(&file::write(web_header(header), &weights))
+}
+
+fn with_shape(change: impl FnOnce(&mut Shape)) -> GraphHeader<'static> {
+    let mut header = web();
+    change(&mut header.shape);
+    header
+}
+
+fn with_ring<'a>(nodes: &'a [u8], edges: &'a [u8]) -> GraphHeader<'a> {
+    let mut header = web();
+    header.graphs[1] = GraphLayout { name: "ring", nodes, edges };
+    header
+}
+
+fn out_of_range(what: &'static str) -> ModelError {
+    ModelError::OutOfRange { what }
+}
+
+#[test]
+fn a_valid_file_loads_and_is_what_was_written() {
+    let file = Aligned::new(&file::golden_web());
+    let parsed = parse(file.bytes()).unwrap();
+    assert_eq!(parsed.header, web_header(web()));
+    assert_eq!(parsed.weights, web_weights(WEB_NUMBERS));
+    assert!(file.bytes().as_ptr_range().contains(&parsed.weights.as_ptr().cast()), "borrowed in place");
+    let mut edges = [Edge::default(); 3];
+    let model = Web::load(file.bytes(), "ring", &mut edges).unwrap();
+    assert_eq!(model.discretisation, parsed.header.discretisation);
+    assert_eq!(model.graph.nodes(), [0, 1, 1]);
+    assert!(file.bytes().as_ptr_range().contains(&model.graph.nodes().as_ptr()), "borrowed in place");
+    assert_eq!(model.graph.edges(), [edge(0, 0, 1), edge(0, 1, 2), edge(0, 2, 0)]);
+    assert_eq!(model.graph.types().shape(), &file::web_shape());
+}
+
+#[test]
+fn a_loaded_graph_is_the_one_of_its_weights() {
+    let (file, mut edges) = (Aligned::new(&file::golden_web()), [Edge::default(); 3]);
+    let graph = Web::load(file.bytes(), "ring", &mut edges).unwrap().graph;
+    let mut twin = Model::<2>::new(file::web_shape(), graph.nodes(), graph.edges(), 0);
+    twin.weights = web_weights(WEB_NUMBERS).into_iter().map(f64::from).collect();
+    let (q, v) = ([[0.5_f32, -1.0], [2.0, 0.25], [-1.5, 1.0]], [[1.0_f32, -0.5], [0.25, 2.0], [0.0, 0.75]]);
+    let mut room = vec![0.0; Particles::<f32, 2>::room(&graph)];
+    let found = graph.energies(&q, &v, &mut room);
+    let wide = v.map(|v| v.map(f64::from));
+    let kinetic: f64 = twin.nodes.iter().zip(&wide).map(|(kind, v)| twin.naive_kinetic(*kind, v)).sum();
+    assert_close("T", found.kinetic.into(), kinetic, 3e-6);
+    assert_close("V", found.potential.into(), twin.naive_potential(&q.map(|q| q.map(f64::from))), 3e-6);
+    assert_vectors_close("drag", &graph.drag(0, &v[0]).map(f64::from), &[-0.25, 0.125], 0.0);
+}
+
+#[test]
+fn one_file_serves_all_its_graphs() {
+    let (file, mut edges) = (Aligned::new(&file::golden_web()), [Edge::default(); 3]);
+    let mut load = |name| Web::load(file.bytes(), name, &mut edges).map(|model| model.graph.nodes().len());
+    assert_eq!(load("pair"), Ok(2));
+    assert_eq!(load("ring"), Ok(3));
+    assert_eq!(load("star"), Err(ModelError::NoSuchGraph { graphs: 2 }));
+    assert_eq!(load(""), Err(ModelError::NoSuchGraph { graphs: 2 }));
+    let text = ModelError::NoSuchGraph { graphs: 2 }.to_string();
+    assert_eq!(text, "none of the 2 graphs in the file has that name");
+    let few = GraphModel::<2, 6, 5, 1>::load(file.bytes(), "ring", &mut edges[..2]).map(|_| ()).unwrap_err();
+    assert_eq!(few, ModelError::Graph(GraphError::TooManyEdges { capacity: 2, needed: 3 }));
+    assert!(GraphModel::<2, 12, 16, 4>::load(file.bytes(), "pair", &mut edges[..1]).is_ok());
+}
+
+#[test]
+fn every_truncation_and_every_change_of_a_byte_is_an_error() {
+    file::assert_truncations_are_refused(&file::golden_web());
+    file::assert_changes_are_refused(&file::golden_web());
+}
+
+#[test]
+fn families_are_not_mistaken_for_each_other() {
+    assert_eq!(refusal(&file::golden_arm()), ModelError::OtherFamily { found: "modular" });
+    let web = Aligned::new(&file::golden_web());
+    let error = ModularModel::<3, 3, 5, 2>::load(web.bytes(), "ring").unwrap_err();
+    assert_eq!(error, ModelError::OtherFamily { found: "graph" });
+}
+
+#[test]
+fn the_types_must_fit_the_compiled_sizes() {
+    fn load<const D: usize, const K: usize, const H: usize, const L: usize>() -> ModelError {
+        let (file, mut edges) = (Aligned::new(&file::golden_web()), [Edge::default(); 3]);
+        GraphModel::<D, K, H, L>::load(file.bytes(), "ring", &mut edges).map(|_| ()).unwrap_err()
+    }
+    let shape = |what, found, compiled| ModelError::Shape { what, found, compiled };
+    assert_eq!(load::<3, 6, 5, 1>(), shape("dimensions", 2, 3));
+    assert_eq!(load::<2, 5, 5, 1>(), shape("networks", 6, 5));
+    assert_eq!(load::<2, 6, 4, 1>(), shape("units in a hidden layer", 5, 4));
+    assert_eq!(load::<2, 6, 5, 0>(), shape("hidden layers", 1, 0));
+}
+
+#[test]
+fn what_is_no_graph_is_an_error() {
+    let bytes = |edges: &[Edge]| edges.iter().flat_map(|edge| edge.to_bytes()).collect::<Vec<u8>>();
+    let cases: [(&[u8], &[Edge], GraphError); 5] = [
+        (&[0, 2], &[], GraphError::NodeKind { node: 1, kind: 2, kinds: 2 }),
+        (&[0, 1], &[edge(0, 0, 1), edge(1, 0, 1)], GraphError::EdgeKind { edge: 1, kind: 1, kinds: 1 }),
+        (&[0, 1], &[edge(0, 0, 2)], GraphError::End { edge: 0, node: 2, nodes: 2 }),
+        (&[0, 1], &[edge(0, 256, 1)], GraphError::End { edge: 0, node: 256, nodes: 2 }),
+        (&[0, 1], &[edge(0, 1, 1)], GraphError::Loop { edge: 0, node: 1 }),
+    ];
+    for (nodes, edges, error) in cases {
+        let found = header_refusal(with_ring(nodes, &bytes(edges)));
+        assert_eq!(found, ModelError::Graph(error), "{nodes:?} {edges:?}");
+    }
+    let mut edges = bytes(&[edge(0, 0, 1), edge(0, 1, 0)]);
+    while edges.pop().is_some_and(|_| edges.len() > 5) {
+        assert_eq!(header_refusal(with_ring(&[0, 1], &edges)), out_of_range("length of a list of edges"));
+    }
+}
+
+#[test]
+fn more_than_256_nodes_have_edges() {
+    let (nodes, ends) = ([1; 600], edge(0, 599, 258).to_bytes());
+    let file = file::write(web_header(with_ring(&nodes, &ends)), &web_weights(WEB_NUMBERS));
+    let (file, mut edges) = (Aligned::new(&file), [Edge::default(); 1]);
+    let graph = Web::load(file.bytes(), "ring", &mut edges).unwrap().graph;
+    assert_eq!((graph.nodes().len(), graph.edges()), (600, &[edge(0, 599, 258)][..]));
+}
+
+#[test]
+fn names_are_there_and_different() {
+    for names in ["", "bob", "bob,body,rod", "bob,", ",bob", "bob,bob"] {
+        let error = header_refusal(GraphHeader { node_names: names, ..web() });
+        assert_eq!(error, ModelError::Names { of: "node types" }, "{names}");
+    }
+    for names in ["", "spring,rod", "spring,"] {
+        let error = header_refusal(GraphHeader { edge_names: names, ..web() });
+        assert_eq!(error, ModelError::Names { of: "edge types" }, "{names}");
+    }
+    for name in ["", "ring"] {
+        let mut header = web();
+        header.graphs[0].name = name;
+        assert_eq!(header_refusal(header), ModelError::Names { of: "graphs" }, "{name}");
+    }
+}
+
+#[test]
+fn a_model_without_edges_has_no_names_of_edges() {
+    let mut header = with_shape(|shape| {
+        shape.edges = [None; MAX_EDGE_TYPES];
+        shape.messages = None;
+    });
+    header.edge_names = "";
+    header.graphs.iter_mut().for_each(|graph| graph.edges = &[]);
+    let file = file::write(web_header(header), &web_weights(WEB_NUMBERS));
+    assert!(Web::load(Aligned::new(&file).bytes(), "ring", &mut []).is_ok());
+    let named = GraphHeader { edge_names: "spring", ..header };
+    assert_eq!(header_refusal(named), ModelError::Names { of: "edge types" });
+}
+
+#[test]
+fn lists_have_no_gap() {
+    let none = GraphHeader { graphs: [GraphLayout::default(); MAX_GRAPHS], ..web() };
+    assert_eq!(header_refusal(none), out_of_range("number of graphs"));
+    let mut gap = web();
+    gap.graphs.swap(1, 2);
+    assert_eq!(header_refusal(gap), out_of_range("list of graphs"));
+    let mut named = web();
+    named.graphs[2].name = "nothing";
+    assert_eq!(header_refusal(named), out_of_range("list of graphs"));
+    let cases = [
+        (with_shape(|shape| shape.nodes = [None; MAX_NODE_TYPES]), "number of node types"),
+        (with_shape(|shape| shape.nodes.swap(1, 2)), "list of node types"),
+        (with_shape(|shape| shape.edges.swap(0, 1)), "list of edge types"),
+        (with_shape(|shape| shape.edges[2] = shape.edges[0]), "list of edge types"),
+        (with_shape(|shape| shape.networks.swap(5, 6)), "list of networks"),
+        (with_shape(|shape| shape.dimension = 1), "number of dimensions"),
+        (with_shape(|shape| shape.dimension = 4), "number of dimensions"),
+        (with_shape(|shape| shape.embedding = 9), "length of an embedding"),
+        (with_shape(|shape| shape.kinetic_embedding = 9), "length of an embedding"),
+    ];
+    for (header, what) in cases {
+        assert_eq!(header_refusal(header), out_of_range(what));
+    }
+}
+
+#[test]
+fn networks_must_have_the_arity_of_their_use() {
+    let set = |i: usize, inputs, outputs| {
+        let network = network(inputs, &[3], outputs, Activation::Tanh);
+        with_shape(|shape| shape.networks[i] = Some(network))
+    };
+    let node = |i: usize, change: fn(&mut leastaction_core::energy::graph::NodeShape)| {
+        with_shape(|shape| shape.nodes[i].iter_mut().for_each(change))
+    };
+    let embedding =
+        |network| with_shape(|shape| shape.edges[0].iter_mut().for_each(|e| e.embedding = network));
+    let (of_node, of_edge) = ("network of a node type", "network of an edge type");
+    let of_messages = "network of the messages";
+    let cases = [
+        (set(0, 1, 1), of_node),
+        (set(0, 2, 2), of_node),
+        (node(1, |node| node.kinetic = Kinetic::Network(6)), of_node),
+        (node(0, |node| node.potential = Potential::Network(0)), of_node),
+        (node(0, |node| node.drag = Drag::Network(0)), of_node),
+        (set(1, 2, 1), of_edge),
+        (set(1, 1, 2), of_edge),
+        (embedding(None), of_edge),
+        (set(2, 2, 2), of_edge),
+        (set(2, 1, 9), "length of an embedding"),
+        (set(2, 1, 3), of_messages),
+        (set(3, 3, 2), of_messages),
+        (set(3, 4, 3), of_messages),
+        (set(4, 2, 1), of_messages),
+        (set(4, 1, 2), of_messages),
+        (set(5, 2, 2), of_messages),
+        (set(5, 3, 1), of_messages),
+        (with_shape(|shape| shape.messages.iter_mut().for_each(|m| m.node_potential = Some(1))), of_messages),
+        (with_shape(|shape| shape.messages.iter_mut().for_each(|m| m.message = 255)), of_messages),
+        (with_shape(|shape| shape.messages = None), of_edge),
+    ];
+    for (i, (header, what)) in cases.into_iter().enumerate() {
+        assert_eq!(header_refusal(header), out_of_range(what), "case {i}");
+    }
+}
+
+#[test]
+fn numbers_of_a_type_are_in_range() {
+    let with = |kind: usize, number: usize, value| {
+        let mut numbers = WEB_NUMBERS;
+        numbers[kind][number] = value;
+        file::write(web_header(web()), &web_weights(numbers))
+    };
+    for mass in [0.0, -1.0] {
+        assert_eq!(refusal(&with(0, 0, mass)), ModelError::Graph(GraphError::Mass { kind: 0 }));
+    }
+    assert_eq!(refusal(&with(0, 1, -0.5)), ModelError::Graph(GraphError::Drag { kind: 0 }));
+    assert!(parse(Aligned::new(&with(1, 0, -1.0)).bytes()).is_ok(), "a mass that is not used");
+    for kind in 0..2 {
+        for number in 0..7 {
+            let error = refusal(&with(kind, number, f32::NAN));
+            assert!(matches!(error, ModelError::NotFinite { .. }), "{error:?}");
+        }
+    }
+}
+
+#[test]
+fn weights_are_as_many_as_the_shape_says() {
+    let weights = web_weights(WEB_NUMBERS);
+    let needed = weights.len();
+    assert_eq!(needed, 13 + 13 + 4 + 23 + 6 + 21 + 2 * 7);
+    let error = refusal(&file::write(web_header(web()), &weights[1..]));
+    assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
+    let wide = with_shape(|shape| {
+        shape.networks = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 12];
+    });
+    let error = refusal(&file::write(web_header(wide), &weights));
+    assert!(matches!(error, ModelError::WeightCount { found, .. } if found == needed), "{error:?}");
+}
+
+/// Evaluates whatever loads.
+fn evaluate(file: &Aligned, name: &str) {
+    let mut edges = [Edge::default(); 8];
+    if let Ok(model) = GraphModel::<2, 12, 8, 3>::load(file.bytes(), name, &mut edges) {
+        let (graph, nodes) = (model.graph, model.graph.nodes().len());
+        let mut room = vec![0.0; Particles::<f32, 2>::room(&graph)];
+        let (q, mut l_q) = (vec![[0.3_f32; 2]; nodes], vec![[0.0; 2]; nodes]);
+        graph.l_q(&q, &mut room, &mut l_q);
+        let _ = graph.energies(&q, &q, &mut room);
+        let _ = (graph.drag(0, &q[0]), Particles::mass(&graph, nodes - 1, &q[0]));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
+
+    /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
+    #[test]
+    fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION, 2], &bytes[..]].concat());
+        let _ = parse(Aligned::new(&file).bytes());
+    }
+
+    /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
+    #[test]
+    fn sealed_changes_never_panic(changes in prop::collection::vec((6usize..180, 0u8..12), 1..4)) {
+        let file = file::golden_web();
+        let mut body = file[..file.len() - 4].to_vec();
+        for (position, value) in changes {
+            body[position] = value;
+        }
+        let file = Aligned::new(&file::sealed(&body));
+        evaluate(&file, "pair");
+        evaluate(&file, "ring");
+    }
+}
