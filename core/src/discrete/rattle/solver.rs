@@ -1,3 +1,4 @@
+use super::Rattle;
 use super::points::{Points, add, copy};
 use super::stage::{Scale, Stage, largest, relative, size, worse};
 use crate::constraints::{
@@ -30,20 +31,13 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Numbers of room. Without constraints each node is solved on its own.
-    pub fn room(mechanism: &Constrained<R, S, C, D>) -> usize {
-        let equations = mechanism.equations();
-        let nodes = coupled(mechanism);
-        mechanism.system().room() + nodes * D * (3 + D) + mechanism.matrix_room() + equations
-    }
-
     pub fn new(
         mechanism: &'m Constrained<'m, R, S, C, D>,
         newton: &'m Newton<R>,
         room: &'r mut [R],
     ) -> Result<Self, ConstraintError<R>> {
-        let mut room = Room::new(Self::room(mechanism), room)?;
-        let nodes = coupled(mechanism);
+        let mut room = Room::new(Rattle::room(mechanism), room)?;
+        let nodes = coupled(mechanism.system().nodes(), mechanism.equations());
         Ok(Self {
             mechanism,
             newton,
@@ -292,10 +286,8 @@ where
 }
 
 /// Nodes that are solved together: all where there are constraints.
-fn coupled<R: Real, S: Particles<R, D>, C: Constraints<R, D> + ?Sized, const D: usize>(
-    mechanism: &Constrained<R, S, C, D>,
-) -> usize {
-    if mechanism.equations() == 0 { 0 } else { mechanism.system().nodes() }
+pub(super) const fn coupled(nodes: usize, equations: usize) -> usize {
+    if equations == 0 { 0 } else { nodes }
 }
 
 /// p += ½h (L_q + f).
