@@ -301,9 +301,11 @@ fn energy_and_rods_over_a_million_steps_in_f32() {
     for h in [1e-3, 4e-3] {
         during(&CHAOTIC, h, Order::Two).assert_kept(2e4 * h * h, 1e2 * h * h, 1e-6);
     }
-    during(&REGULAR, 4e-3, Order::Two).assert_kept(1e-3, 2e-4, 1e-6);
+    during(&REGULAR, 4e-3, Order::Two).assert_kept(1.5e-3, 5e-4, 1e-6);
     during(&REGULAR, 1e-2, Order::Two).assert_kept(6e-3, 2e-4, 1e-6);
-    during(&REGULAR, 1e-2, Order::Four).assert_kept(5e-4, 3e-4, 1e-6);
+    // Where the method oscillates less than rounding does, the energy walks at random: 5·10⁶ roundings of about 20 J, each at
+    // random half a unit, go 3e-3 J.
+    during(&REGULAR, 1e-2, Order::Four).assert_kept(3e-3, 3e-3, 1e-6);
 }
 
 /// Seconds that a step of a ring of springs takes.
@@ -536,13 +538,99 @@ fn refused_steps_leave_the_state() {
     assert_eq!(wrong, ConstraintError::Shape { expected: 2, given: 3 });
 }
 
+/// What the start is off by, the first step takes away.
+#[test]
+fn a_start_slightly_off_is_corrected() {
+    let mut case = Case::<f64>::pendulum(&[0.5, -0.2]);
+    case.start.0[1][1] -= 1e-9;
+    let mut errors = vec![];
+    case.run((0.01, Order::Two), 1, |_, state| errors.push(rod_error(&case.constraints, state.q())));
+    assert!(errors[0] > 9e-10 && errors[1] < 1e-15, "{errors:?}");
+}
+
+/// A bead on the curve y = x⁴/4: a constraint that is none of [`Holonomic`].
+struct Curve;
+
+impl Constraints<f64, 2> for Curve {
+    fn equations(&self) -> usize {
+        1
+    }
+
+    fn nodes(&self, _: usize) -> &[usize] {
+        &[0]
+    }
+
+    fn size(&self, _: usize) -> f64 {
+        1.0
+    }
+
+    fn value(&self, _: usize, x: Positions<f64, 2>) -> f64 {
+        let ([x, y], [x_carry, y_carry]) = x.node(0);
+        (y - x.powi(4) / 4.0) + (y_carry - x.powi(3) * x_carry)
+    }
+
+    fn gradient(&self, _: usize, _: usize, x: Positions<f64, 2>) -> [f64; 2] {
+        [-x.node(0).0[0].powi(3), 1.0]
+    }
+
+    fn curvature(&self, _: usize, x: Positions<f64, 2>, v: &[[f64; 2]]) -> f64 {
+        -3.0 * (x.node(0).0[0] * v[0][0]).powi(2)
+    }
+}
+
+/// (1 + x⁶) ẍ = −3x⁵ ẋ² − g x³, by Runge–Kutta.
+fn bead(mut x: [f64; 2], end: f64, steps: usize) -> [f64; 2] {
+    let h = end / steps as f64;
+    let rate = |[x, v]: [f64; 2]| [v, -(3.0 * x.powi(5) * v * v + 10.0 * x.powi(3)) / (1.0 + x.powi(6))];
+    let shift = |x: [f64; 2], c: f64, k: [f64; 2]| [x[0] + c * k[0], x[1] + c * k[1]];
+    for _ in 0..steps {
+        let k1 = rate(x);
+        let k2 = rate(shift(x, h / 2.0, k1));
+        let k3 = rate(shift(x, h / 2.0, k2));
+        let k4 = rate(shift(x, h, k3));
+        for (c, k) in [(h / 6.0, k1), (h / 3.0, k2), (h / 3.0, k3), (h / 6.0, k4)] {
+            x = shift(x, c, k);
+        }
+    }
+    x
+}
+
+#[test]
+fn a_bead_follows_a_curve_of_the_callers_own() {
+    let system = Exact::<f64, 2>::under_gravity(&[1.7], 10.0);
+    let mechanism = Constrained::new(&system, &Curve).unwrap();
+    let mut room = vec![0.0; ParticleState::<f64, 2>::room(1, 1)];
+    let mut work = vec![0.0; Rattle::room(&mechanism)];
+    let (x, v) = (0.9_f64, 1.1);
+    let (q, velocity) = ([[x, x.powi(4) / 4.0]], [[v, x.powi(3) * v]]);
+
+    let (mut a, mut lambda) = ([[0.0; 2]], [0.0]);
+    let drive = Drive::none();
+    constrained_acceleration(&mechanism, (&q, &velocity), &drive, &mut work, (&mut a, &mut lambda)).unwrap();
+    let expected = -(3.0 * x.powi(5) * v * v + 10.0 * x.powi(3)) / (1.0 + x.powi(6));
+    assert_close("acceleration", a[0][0], expected, 1e-14);
+
+    let mut state = ParticleState::new(&mechanism, &q, &velocity, &mut room, &mut work).unwrap();
+    let rattle = Rattle::new(1e-3, Order::Four);
+    for _ in 0..1_000 {
+        rattle.step(&mechanism, &mut state, None, &mut work).unwrap();
+    }
+    let [x, v] = bead([x, v], 1.0, 20_000);
+    assert_close("x", state.q()[0][0], x, 1e-10);
+    assert_close("v", state.v()[0][0], v, 1e-9);
+    let [x, y] = state.q()[0];
+    assert!((y - x.powi(4) / 4.0).abs() < 1e-15);
+}
+
 /// On the chip the room of a state is an array.
 #[test]
 fn the_room_of_a_state_is_known_at_compile_time() {
     const ROOM: usize = ParticleState::<f32, 2>::room(2, 2);
+    const WORK: usize = Rattle::<f32>::room_of::<2>(2, 2, 1, 0);
     let case = Case::<f32>::pendulum(&[0.5, -0.2]);
     let mechanism = case.mechanism();
-    let (mut room, mut work) = ([0.0_f32; ROOM], vec![0.0; Rattle::room(&mechanism)]);
+    assert_eq!(WORK, Rattle::room(&mechanism));
+    let (mut room, mut work) = ([0.0_f32; ROOM], [0.0; WORK]);
     let (q, v) = (rounded(&case.start.0), rounded(&case.start.1));
     let mut state = ParticleState::new(&mechanism, &q, &v, &mut room, &mut work).unwrap();
     let mut random = Random(1);

@@ -92,10 +92,11 @@ impl<const D: usize> Model<D> {
 
     fn naive_node(&self, kind: u8, x: &[f64; D]) -> f64 {
         let (_, _, field, _, embedding) = self.numbers(kind);
+        let uniform: f64 = field.iter().zip(x).map(|(g, x)| g * x).sum();
         match self.shape.nodes[usize::from(kind)].unwrap().potential {
             Potential::None => 0.0,
-            Potential::Uniform => field.iter().zip(x).map(|(g, x)| g * x).sum(),
-            Potential::Network(network) => self.run(network, [embedding, x].concat())[0],
+            Potential::Uniform => uniform,
+            Potential::Network(network) => uniform + self.run(network, [embedding, x].concat())[0],
         }
     }
 

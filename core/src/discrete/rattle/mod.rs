@@ -26,11 +26,11 @@ mod stage;
 pub use points::ParticleState;
 
 use super::{Newton, Report};
-use crate::constraints::{Constrained, ConstraintError, Constraints};
+use crate::constraints::{Banded, Constrained, ConstraintError, Constraints};
 use crate::particles::Particles;
 use crate::scalar::Real;
 use points::Points;
-use solver::Solver;
+use solver::{Solver, coupled};
 
 /// The order of a [`Rattle`] step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +75,20 @@ impl<R: Real> Rattle<R> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
-        Solver::room(mechanism)
+        let system = mechanism.system();
+        Self::room_of::<D>(system.nodes(), mechanism.equations(), mechanism.band(), system.room())
+    }
+
+    /// [`Rattle::room`] from the numbers it depends on, for the length of an array: nodes, constraint equations, the band of
+    /// A M⁻¹ Aᵀ (1 for a chain in order), and the room of the system itself. Without constraints each node is solved on its
+    /// own, in no room.
+    pub const fn room_of<const D: usize>(
+        nodes: usize,
+        equations: usize,
+        band: usize,
+        system: usize,
+    ) -> usize {
+        system + coupled(nodes, equations) * D * (3 + D) + Banded::<R>::room(equations, band) + equations
     }
 
     /// Advances `state` by one step under an external force of each node, N, constant over the step.

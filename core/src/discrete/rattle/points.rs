@@ -14,8 +14,8 @@ pub(super) struct Points<'a, R, const D: usize> {
     pub p_carry: &'a mut [[R; D]],
     /// L_v(v) = p.
     pub v: &'a mut [[R; D]],
-    /// L_q(q).
-    pub l_q: &'a mut [[R; D]],
+    /// L_q(q) + Q(v), N; within a step L_q alone.
+    pub internal: &'a mut [[R; D]],
     /// Constraint impulses of the step, N s; when it is over, forces.
     pub lambda: &'a mut [R],
 }
@@ -46,13 +46,13 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
     }
 
     fn over(nodes: usize, equations: usize, room: &mut Room<'a, R>) -> Self {
-        let [q, q_carry, p, p_carry, v, l_q] = core::array::from_fn(|_| room.vectors(nodes));
-        Self { q, q_carry, p, p_carry, v, l_q, lambda: room.numbers(equations) }
+        let [q, q_carry, p, p_carry, v, internal] = core::array::from_fn(|_| room.vectors(nodes));
+        Self { q, q_carry, p, p_carry, v, internal, lambda: room.numbers(equations) }
     }
 
     fn copy(&mut self, other: &Self) {
-        let from = [&*other.q, other.q_carry, other.p, other.p_carry, other.v, other.l_q];
-        let to = [&mut *self.q, self.q_carry, self.p, self.p_carry, self.v, self.l_q];
+        let from = [&*other.q, other.q_carry, other.p, other.p_carry, other.v, other.internal];
+        let to = [&mut *self.q, self.q_carry, self.p, self.p_carry, self.v, self.internal];
         for (to, from) in to.into_iter().zip(from) {
             copy(to, from);
         }
@@ -63,7 +63,7 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
         self.lambda.iter_mut().for_each(|lambda| *lambda = *lambda / h);
         let finite = self.q.iter().all(all_finite)
             && self.p.iter().all(all_finite)
-            && self.l_q.iter().all(all_finite)
+            && self.internal.iter().all(all_finite)
             && self.lambda.iter().all(|lambda| lambda.is_finite());
         if finite { Ok(()) } else { Err(ConstraintError::NotFinite) }
     }

@@ -1,3 +1,4 @@
+use super::Rattle;
 use super::points::{Points, add, copy};
 use super::stage::{Scale, Stage, largest, relative, size, worse};
 use crate::constraints::{
@@ -30,20 +31,13 @@ where
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
-    /// Numbers of room. Without constraints each node is solved on its own.
-    pub fn room(mechanism: &Constrained<R, S, C, D>) -> usize {
-        let equations = mechanism.equations();
-        let nodes = coupled(mechanism);
-        mechanism.system().room() + nodes * D * (3 + D) + mechanism.matrix_room() + equations
-    }
-
     pub fn new(
         mechanism: &'m Constrained<'m, R, S, C, D>,
         newton: &'m Newton<R>,
         room: &'r mut [R],
     ) -> Result<Self, ConstraintError<R>> {
-        let mut room = Room::new(Self::room(mechanism), room)?;
-        let nodes = coupled(mechanism);
+        let mut room = Room::new(Rattle::room(mechanism), room)?;
+        let nodes = coupled(mechanism.system().nodes(), mechanism.equations());
         Ok(Self {
             mechanism,
             newton,
@@ -73,8 +67,10 @@ where
         for (node, (p, v)) in points.p.iter_mut().zip(v).enumerate() {
             *p = system.l_v(node, v);
         }
-        system.l_q(q, self.scratch, points.l_q);
-        self.solve(points, Stage::Velocities { half: R::zero() }).map(|_| ())
+        system.l_q(q, self.scratch, points.internal);
+        self.solve(points, Stage::Velocities { half: R::zero() })?;
+        self.drag(points, R::zero());
+        Ok(())
     }
 
     /// One step of order 2.
@@ -86,22 +82,23 @@ where
     ) -> Result<Report<R>, ConstraintError<R>> {
         let (system, half) = (self.mechanism.system(), h.half());
         kick(points, force, half);
-        self.drag(points, half);
         let positions = self.solve(points, Stage::Positions { h })?;
         self.drift(points, h);
-        system.l_q(points.q, self.scratch, points.l_q);
+        system.l_q(points.q, self.scratch, points.internal);
         kick(points, force, half);
         let velocities = self.solve(points, Stage::Velocities { half })?;
         self.drag(points, half);
         Ok(positions.worse(velocities))
     }
 
-    /// p += ½h Q(v).
+    /// p += ½h Q(v); and Q joins the internal forces, for the next kick.
     fn drag(&self, points: &mut Points<R, D>, half: R) {
         let system = self.mechanism.system();
-        let momenta = points.p.iter_mut().zip(points.p_carry.iter_mut());
-        for (node, ((p, carry), v)) in momenta.zip(points.v.iter()).enumerate() {
-            add(p, carry, &system.drag(node, v).map(|q| half * q));
+        let momenta = points.p.iter_mut().zip(points.p_carry.iter_mut()).zip(points.internal.iter_mut());
+        for (node, (((p, carry), internal), v)) in momenta.zip(points.v.iter()).enumerate() {
+            let drag = system.drag(node, v);
+            add(p, carry, &drag.map(|q| half * q));
+            *internal = add_scaled(internal, R::one(), &drag);
         }
     }
 
@@ -292,17 +289,15 @@ where
 }
 
 /// Nodes that are solved together: all where there are constraints.
-fn coupled<R: Real, S: Particles<R, D>, C: Constraints<R, D> + ?Sized, const D: usize>(
-    mechanism: &Constrained<R, S, C, D>,
-) -> usize {
-    if mechanism.equations() == 0 { 0 } else { mechanism.system().nodes() }
+pub(super) const fn coupled(nodes: usize, equations: usize) -> usize {
+    if equations == 0 { 0 } else { nodes }
 }
 
-/// p += ½h (L_q + f).
+/// p += ½h (internal + f).
 fn kick<R: Real, const D: usize>(points: &mut Points<R, D>, force: Option<&[[R; D]]>, half: R) {
     let momenta = points.p.iter_mut().zip(points.p_carry.iter_mut());
-    for (node, ((p, carry), l_q)) in momenta.zip(points.l_q.iter()).enumerate() {
-        let total = force.map_or(*l_q, |force| add_scaled(l_q, R::one(), &at(force, node)));
+    for (node, ((p, carry), internal)) in momenta.zip(points.internal.iter()).enumerate() {
+        let total = force.map_or(*internal, |force| add_scaled(internal, R::one(), &at(force, node)));
         add(p, carry, &total.map(|f| half * f));
     }
 }

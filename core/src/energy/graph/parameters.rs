@@ -132,7 +132,7 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Ty
         row: &mut impl FnMut(usize, S),
     ) {
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return };
-        if node.potential == Potential::Uniform {
+        if node.potential != Potential::None {
             dx.iter().enumerate().for_each(|(k, dx)| row(numbers.field.0 + k, -*dx));
         }
         let mut embedding = [S::zero(); MAX_EMBEDDING];

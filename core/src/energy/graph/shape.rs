@@ -30,7 +30,9 @@ pub enum Potential {
     None,
     /// g·x: a uniform field, which pulls with −g.
     Uniform,
-    /// net(h ‖ x), h the type's embedding (LGNN's V_i).
+    /// g·x + net(h ‖ x), h the type's embedding; without g LGNN's V_i.
+    ///
+    /// What is linear in x, as gravity is, a network alone has only over its data.
     Network(u8),
 }
 

@@ -116,13 +116,13 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else {
             return S::zero();
         };
+        let uniform =
+            || numbers.field.1.iter().zip(x).fold(S::zero(), |sum, (g, x)| sum + S::weight(*g) * *x);
         match node.potential {
             Potential::None => S::zero(),
-            Potential::Uniform => {
-                numbers.field.1.iter().zip(x).fold(S::zero(), |sum, (g, x)| sum + S::weight(*g) * *x)
-            }
+            Potential::Uniform => uniform(),
             Potential::Network(network) => self.network(network).map_or(S::zero(), |network| {
-                network.energy::<S, H>(&inputs(numbers.embedding.1, &x.map(Jet::constant)))
+                uniform() + network.energy::<S, H>(&inputs(numbers.embedding.1, &x.map(Jet::constant)))
             }),
         }
     }
@@ -138,12 +138,8 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         let mut pull = [Jet::zero(); D];
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return pull };
         match node.potential {
-            Potential::None => {}
-            Potential::Uniform => {
-                for (pull, g) in pull.iter_mut().zip(numbers.field.1) {
-                    *pull = Jet::constant(S::weight(*g));
-                }
-            }
+            Potential::None => return pull,
+            Potential::Uniform => {}
             Potential::Network(network) => {
                 let Some(network) = self.network(network) else { return pull };
                 let x = inputs(numbers.embedding.1, x);
@@ -159,6 +155,9 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
                     *pull = *of_x;
                 }
             }
+        }
+        for (pull, g) in pull.iter_mut().zip(numbers.field.1) {
+            pull.value += S::weight(*g);
         }
         pull
     }
