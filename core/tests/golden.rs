@@ -103,14 +103,15 @@ fn web_text() -> String {
             (9, "names of the node types, 8 letters: bob,body"),
             (7, "names of the edge types, 6 letters: spring"),
             (
-                5 + 3 + 6,
-                "graph 0: name, 4 letters: pair; 2 nodes: types 0, 1; 5 bytes: edge of type 0, nodes 0 and 1",
+                5 + 3 + 6 + 1,
+                "graph 0: name, 4 letters: pair; 2 nodes: types 0, 1; 5 bytes: edge of type 0, nodes 0 and 1; no rod",
             ),
             (
                 5 + 4 + 16,
                 "graph 1: name, 4 letters: ring; 3 nodes: types 0, 1, 1; 15 bytes: edges 0-1, 1-2, 2-0",
             ),
-            (18, "graphs 2 to 7: no name, no node, no edge"),
+            (17, "16 bytes: rods from the origin to node 0, 0.5 m, and from node 0 to node 2, 2 m"),
+            (24, "graphs 2 to 7: no name, no node, no edge, no rod"),
             (6, "discretisation: present, order 4, h = 0.05 s"),
             (38, "provenance, 37 letters"),
             (1 + padding, "padding: its length, zeros"),

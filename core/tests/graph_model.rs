@@ -6,11 +6,12 @@ use common::file::{self, Aligned, WEB_NUMBERS, web, web_header, web_weights};
 use common::graphs::{Model, edge};
 use common::trees::network;
 use common::{assert_close, assert_vectors_close};
+use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
     Drag, Edge, GraphError, Kinetic, MAX_EDGE_TYPES, MAX_NODE_TYPES, Potential, Shape,
 };
 use leastaction_core::model::{
-    FORMAT_VERSION, GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS, ModelError, ModularModel, parse,
+    FORMAT_VERSION, GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS, ModelError, ModularModel, Rod, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
@@ -42,7 +43,13 @@ fn with_shape(change: impl FnOnce(&mut Shape)) -> GraphHeader<'static> {
 
 fn with_ring<'a>(nodes: &'a [u8], edges: &'a [u8]) -> GraphHeader<'a> {
     let mut header = web();
-    header.graphs[1] = GraphLayout { name: "ring", nodes, edges };
+    header.graphs[1] = GraphLayout { name: "ring", nodes, edges, rods: &[] };
+    header
+}
+
+fn with_rods(rods: &[u8]) -> GraphHeader<'_> {
+    let mut header = web();
+    header.graphs[1].rods = rods;
     header
 }
 
@@ -64,6 +71,30 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert!(file.bytes().as_ptr_range().contains(&model.graph.nodes().as_ptr()), "borrowed in place");
     assert_eq!(model.graph.edges(), [edge(0, 0, 1), edge(0, 1, 2), edge(0, 2, 0)]);
     assert_eq!(model.graph.types().shape(), &file::web_shape());
+}
+
+#[test]
+fn rods_are_what_was_written() {
+    let header = web();
+    let rods: Vec<_> = header.layout("ring").unwrap().rods().collect();
+    let [anchor, rod] =
+        [(None, 0, 0.5), (Some(0), 2, 2.0)].map(|(from, to, length)| Rod { from, to, length });
+    assert_eq!(rods, [anchor, rod]);
+    assert_eq!(rods.iter().map(|rod| rod.to_bytes()).collect::<Vec<_>>(), file::RODS);
+    assert_eq!(anchor.constraint(), Holonomic::Anchor { node: 0, to: [0.0; 2], length: 0.5 });
+    assert_eq!(rod.constraint::<3>(), Holonomic::Rod { nodes: [2, 0], length: 2.0 });
+}
+
+#[test]
+fn rods_that_cannot_be_are_refused() {
+    let rod = |from, to, length| Rod { from, to, length }.to_bytes();
+    assert_eq!(header_refusal(with_rods(&[0; 7])), out_of_range("length of a list of rods"));
+    for bad in [rod(Some(0), 0, 1.0), rod(Some(3), 0, 1.0), rod(None, 3, 1.0)] {
+        assert_eq!(header_refusal(with_rods(&bad)), out_of_range("end of a rod"));
+    }
+    for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert_eq!(header_refusal(with_rods(&rod(None, 1, bad))), out_of_range("length of a rod"));
+    }
 }
 
 #[test]

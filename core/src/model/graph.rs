@@ -1,6 +1,7 @@
 use super::document::{are_names, check_names, require};
 use super::rigid::require_at_most;
 use super::{Discretisation, Family, ModelError, parse};
+use crate::constraints::Holonomic;
 use crate::energy::graph::{Edge, Graph, GraphError, Shape, Types};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,56 @@ pub struct GraphLayout<'a> {
     pub nodes: &'a [u8],
     /// Five bytes an edge: its type, and the two nodes that it joins, each little-endian.
     pub edges: &'a [u8],
+    /// Eight bytes a rod, which is known and not learned: what it hangs from ([`ORIGIN`] or a node), the node at its other end,
+    /// and its length (m, > 0, f32), each little-endian.
+    pub rods: &'a [u8],
+}
+
+/// Stands for the origin where a rod may hang from a node.
+pub const ORIGIN: u16 = u16::MAX;
+
+/// A massless rod of a graph in a model file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rod {
+    /// What it hangs from: a node, or `None` for the origin.
+    pub from: Option<u16>,
+    /// The node at its other end.
+    pub to: u16,
+    /// ℓ, m.
+    pub length: f32,
+}
+
+impl Rod {
+    /// Bytes of a rod in a model file.
+    pub const BYTES: usize = 8;
+
+    /// As a model file has it.
+    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+        let ([a0, a1], [b0, b1]) = (self.from.unwrap_or(ORIGIN).to_le_bytes(), self.to.to_le_bytes());
+        let [l0, l1, l2, l3] = self.length.to_le_bytes();
+        [a0, a1, b0, b1, l0, l1, l2, l3]
+    }
+
+    /// From a model file.
+    pub fn from_bytes([a0, a1, b0, b1, length @ ..]: [u8; Self::BYTES]) -> Self {
+        let from = u16::from_le_bytes([a0, a1]);
+        let from = if from == ORIGIN { None } else { Some(from) };
+        Self { from, to: u16::from_le_bytes([b0, b1]), length: f32::from_le_bytes(length) }
+    }
+
+    /// As a constraint in `D` dimensions.
+    pub fn constraint<const D: usize>(&self) -> Holonomic<f32, D> {
+        let (node, length) = (usize::from(self.to), self.length);
+        match self.from {
+            Some(from) => Holonomic::Rod { nodes: [node, from.into()], length },
+            None => Holonomic::Anchor { node, to: [0.0; D], length },
+        }
+    }
+
+    fn is_between(&self, nodes: usize) -> bool {
+        let at = |node: u16| usize::from(node) < nodes;
+        at(self.to) && self.from.is_none_or(|from| at(from) && from != self.to)
+    }
 }
 
 impl<'a> GraphLayout<'a> {
@@ -37,6 +88,12 @@ impl<'a> GraphLayout<'a> {
     pub fn edges(&self) -> impl Iterator<Item = Edge> + use<'a> {
         let (edges, _) = self.edges.as_chunks::<{ Edge::BYTES }>();
         edges.iter().map(|bytes| Edge::from_bytes(*bytes))
+    }
+
+    /// The rods in order.
+    pub fn rods(&self) -> impl Iterator<Item = Rod> + use<'a> {
+        let (rods, _) = self.rods.as_chunks::<{ Rod::BYTES }>();
+        rods.iter().map(|bytes| Rod::from_bytes(*bytes))
     }
 }
 
@@ -164,6 +221,10 @@ impl<'a> GraphHeader<'a> {
         }
         self.graphs().try_for_each(|graph| {
             require(graph.edges.len().is_multiple_of(Edge::BYTES), "length of a list of edges")?;
+            require(graph.rods.len().is_multiple_of(Rod::BYTES), "length of a list of rods")?;
+            require(graph.rods().all(|rod| rod.is_between(graph.nodes.len())), "end of a rod")?;
+            let length = |rod: Rod| rod.length.is_finite() && rod.length > 0.0;
+            require(graph.rods().all(length), "length of a rod")?;
             self.shape.check_graph(graph.nodes, graph.edges()).map_err(ModelError::Graph)
         })
     }

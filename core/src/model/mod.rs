@@ -15,7 +15,7 @@ pub use document::{
     TreeHeader,
 };
 pub use error::ModelError;
-pub use graph::{GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS};
+pub use graph::{GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS, ORIGIN, Rod};
 pub use modular::ModularModel;
 pub use rigid::RigidModel;
 

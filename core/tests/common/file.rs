@@ -146,11 +146,15 @@ pub const WEB_NUMBERS: [[f32; 7]; 2] =
 /// The edges of the graph `ring`.
 pub const RING: [[u8; 5]; 3] = [edge(0, 0, 1).to_bytes(), edge(0, 1, 2).to_bytes(), edge(0, 2, 0).to_bytes()];
 
-/// Two graphs of them, of one and of three edges.
+/// A rod of 0.5 m from the origin to node 0, and one of 2 m from there to node 2.
+pub const RODS: [[u8; 8]; 2] = [[255, 255, 0, 0, 0, 0, 0, 63], [0, 0, 2, 0, 0, 0, 0, 64]];
+
+/// Two graphs of them, of one edge, and of three edges and two rods.
 pub fn web() -> GraphHeader<'static> {
     let mut graphs = [GraphLayout::default(); MAX_GRAPHS];
-    graphs[0] = GraphLayout { name: "pair", nodes: &[0, 1], edges: RING[0].as_slice() };
-    graphs[1] = GraphLayout { name: "ring", nodes: &[0, 1, 1], edges: RING.as_flattened() };
+    graphs[0] = GraphLayout { name: "pair", nodes: &[0, 1], edges: RING[0].as_slice(), rods: &[] };
+    let (nodes, edges, rods) = (&[0, 1, 1], RING.as_flattened(), RODS.as_flattened());
+    graphs[1] = GraphLayout { name: "ring", nodes, edges, rods };
     GraphHeader { shape: web_shape(), node_names: "bob,body", edge_names: "spring", graphs }
 }
 
