@@ -81,8 +81,8 @@ fn rods_are_what_was_written() {
         [(None, 0, 0.5), (Some(0), 2, 2.0)].map(|(from, to, length)| Rod { from, to, length });
     assert_eq!(rods, [anchor, rod]);
     assert_eq!(rods.iter().map(|rod| rod.to_bytes()).collect::<Vec<_>>(), file::RODS);
-    assert_eq!(anchor.constraint(), Holonomic::Anchor { node: 0, to: [0.0; 2], length: 0.5 });
-    assert_eq!(rod.constraint::<3>(), Holonomic::Rod { nodes: [2, 0], length: 2.0 });
+    assert_eq!(anchor.constraint::<f32, 2>(), Holonomic::Anchor { node: 0, to: [0.0; 2], length: 0.5 });
+    assert_eq!(rod.constraint::<f64, 3>(), Holonomic::Rod { nodes: [2, 0], length: 2.0 });
 }
 
 #[test]

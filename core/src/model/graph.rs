@@ -3,6 +3,7 @@ use super::rigid::require_at_most;
 use super::{Discretisation, Family, ModelError, parse};
 use crate::constraints::Holonomic;
 use crate::energy::graph::{Edge, Graph, GraphError, Shape, Types};
+use crate::scalar::Real;
 use serde::{Deserialize, Serialize};
 
 /// Graphs in one file at most.
@@ -40,7 +41,7 @@ pub struct GraphLayout<'a> {
 pub const ORIGIN: u16 = u16::MAX;
 
 /// A massless rod of a graph in a model file.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rod {
     /// What it hangs from: a node, or `None` for the origin.
     pub from: Option<u16>,
@@ -69,11 +70,11 @@ impl Rod {
     }
 
     /// As a constraint in `D` dimensions.
-    pub fn constraint<const D: usize>(&self) -> Holonomic<f32, D> {
-        let (node, length) = (usize::from(self.to), self.length);
+    pub fn constraint<R: Real, const D: usize>(&self) -> Holonomic<R, D> {
+        let (node, length) = (usize::from(self.to), R::constant(self.length.into()));
         match self.from {
             Some(from) => Holonomic::Rod { nodes: [node, from.into()], length },
-            None => Holonomic::Anchor { node, to: [0.0; D], length },
+            None => Holonomic::Anchor { node, to: [R::zero(); D], length },
         }
     }
 

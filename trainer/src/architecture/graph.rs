@@ -1,11 +1,11 @@
 //! The shape of a graph of particles on the host.
 
-use super::{DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, too_many, uniform_layer};
+use super::{Constraint, DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, too_many, uniform_layer};
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{Drag, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, Shape, Types};
 use leastaction_core::forces::System;
 use leastaction_core::linear::dot;
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -27,17 +27,6 @@ pub struct NamedNodes {
     pub numbers: Vec<Number>,
 }
 
-/// A massless rod of a graph.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Strut {
-    /// What it hangs from: a node, or `None` for the origin.
-    pub from: Option<u16>,
-    /// The node at its other end.
-    pub to: u16,
-    /// Its length, m.
-    pub length: f64,
-}
-
 /// A graph by its name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedGraph {
@@ -48,21 +37,18 @@ pub struct NamedGraph {
     /// The edges.
     pub edges: Vec<Edge>,
     /// The rods, which are known and not learned.
-    pub struts: Vec<Strut>,
+    pub rods: Vec<Rod>,
 }
 
 impl NamedGraph {
     /// The rods as constraints in D dimensions.
     pub fn constraints<const D: usize>(&self) -> Vec<Holonomic<f64, D>> {
-        self.struts.iter().map(constraint).collect()
+        self.rods.iter().map(Rod::constraint).collect()
     }
-}
 
-fn constraint<const D: usize>(strut: &Strut) -> Holonomic<f64, D> {
-    let (node, length) = (usize::from(strut.to), strut.length);
-    match strut.from {
-        Some(from) => Holonomic::Rod { nodes: [node, from.into()], length },
-        None => Holonomic::Anchor { node, to: [0.0; D], length },
+    fn from_layout(layout: &GraphLayout) -> Self {
+        let (name, nodes) = (layout.name.to_owned(), layout.nodes.to_vec());
+        Self { name, nodes, edges: layout.edges().collect(), rods: layout.rods().collect() }
     }
 }
 
@@ -73,6 +59,8 @@ pub struct GraphArchitecture {
     pub shape: Shape,
     /// The names and numbers of the node types.
     pub types: Vec<NamedNodes>,
+    /// The names of the edge types.
+    pub edge_types: Vec<String>,
     /// All graphs.
     pub graphs: Vec<NamedGraph>,
     /// The graph that is trained or evaluated.
@@ -85,7 +73,47 @@ impl GraphArchitecture {
     /// # Errors
     /// Where there is none.
     pub fn graph(&self) -> Result<&NamedGraph, ModelError> {
-        self.graphs.get(self.graph).ok_or(ModelError::NoSuchTree { trees: self.graphs.len() })
+        self.graphs.get(self.graph).ok_or(ModelError::NoSuchGraph { graphs: self.graphs.len() })
+    }
+
+    /// Calls `read` with the shape in the words of the model file.
+    pub fn with_header<T>(&self, read: impl FnOnce(GraphHeader) -> T) -> T {
+        let names: Vec<&str> = self.types.iter().map(|kind| kind.name.as_str()).collect();
+        let edges = |graph: &NamedGraph| graph.edges.iter().flat_map(|edge| edge.to_bytes()).collect();
+        let rods = |graph: &NamedGraph| graph.rods.iter().flat_map(|rod| rod.to_bytes()).collect();
+        let bytes: Vec<[Vec<u8>; 2]> = self.graphs.iter().map(|graph| [edges(graph), rods(graph)]).collect();
+        let mut graphs = [GraphLayout::default(); MAX_GRAPHS];
+        for ((slot, graph), [edges, rods]) in graphs.iter_mut().zip(&self.graphs).zip(&bytes) {
+            *slot = GraphLayout { name: &graph.name, nodes: &graph.nodes, edges, rods };
+        }
+        let (node_names, edge_names) = (names.join(","), self.edge_types.join(","));
+        let (node_names, edge_names) = (node_names.as_str(), edge_names.as_str());
+        read(GraphHeader { shape: self.shape, node_names, edge_names, graphs })
+    }
+
+    /// The shape that a model file has; all numbers are known, as in the file.
+    pub fn from_header(header: &GraphHeader, weights: &[f64]) -> Self {
+        let (shape, stride) = (header.shape, header.shape.numbers());
+        let start = weights.len().saturating_sub(stride * shape.nodes().count());
+        let numbers = weights.get(start..).unwrap_or_default().chunks_exact(stride);
+        let named = |(name, numbers): (&str, &[f64])| NamedNodes {
+            name: name.to_owned(),
+            numbers: numbers.iter().copied().map(Number::known).collect(),
+        };
+        Self {
+            shape,
+            types: header.node_names.split(',').zip(numbers).map(named).collect(),
+            edge_types: header.edge_names.split(',').filter(|n| !n.is_empty()).map(str::to_owned).collect(),
+            graphs: header.graphs().map(NamedGraph::from_layout).collect(),
+            graph: 0,
+        }
+    }
+
+    /// The same with the graph of that name in mind; `None` where there is none.
+    #[must_use]
+    pub fn with_graph_named(&self, name: &str) -> Option<Self> {
+        let graph = self.graphs.iter().position(|graph| graph.name == name)?;
+        Some(Self { graph, ..self.clone() })
     }
 
     /// The same with another graph in place of all others.
@@ -157,19 +185,10 @@ impl GraphArchitecture {
         &self,
         weights: &'w [W],
     ) -> Result<HostTypes<'w, W, D>, ModelError> {
-        let widest = self.shape.networks().flat_map(|network| network.widths().0).max().unwrap_or(0);
-        let deepest = self.shape.networks().map(|network| network.widths().1).max().unwrap_or(0);
-        if widest > MAX_WIDTH {
-            return too_many("units in a hidden layer", widest, MAX_WIDTH);
-        }
-        if deepest > DEPTH {
-            return too_many("hidden layers", deepest, DEPTH);
-        }
         if let Some(what) = self.shape.misfit() {
             return Err(ModelError::OutOfRange { what });
         }
-        let short = ModelError::WeightCount { found: weights.len(), needed: self.parameters()? };
-        Types::take(&mut { weights }, &self.shape).ok_or(short)
+        self.with_header(|header| header.types(weights))
     }
 
     pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
@@ -207,24 +226,24 @@ impl<const D: usize, const N: usize> Family<N> for Compiled<D, N> {
     }
 
     fn constraints(&self, q: &[f64; N], v: &[f64; N]) -> Vec<([f64; N], f64)> {
-        let struts = self.0.graph().map_or(&[][..], |graph| &graph.struts);
-        struts.iter().map(|strut| row(strut, q.as_chunks::<D>().0, v.as_chunks::<D>().0)).collect()
+        let rods = self.0.graph().map_or(&[][..], |graph| &graph.rods);
+        rods.iter().map(|rod| row(rod, q.as_chunks::<D>().0, v.as_chunks::<D>().0)).collect()
     }
 }
 
 /// ∂φ/∂q and (d/dt ∂φ/∂q) v of a rod, with φ = (|d|² − ℓ²)/(2ℓ) as core has it.
-fn row<const D: usize, const N: usize>(strut: &Strut, q: &[[f64; D]], v: &[[f64; D]]) -> ([f64; N], f64) {
-    let (to, from) = (usize::from(strut.to), strut.from.map(usize::from));
+fn row<const D: usize, const N: usize>(rod: &Rod, q: &[[f64; D]], v: &[[f64; D]]) -> Constraint<N> {
+    let (to, from, length) = (usize::from(rod.to), rod.from.map(usize::from), f64::from(rod.length));
     let across = |x: &[[f64; D]]| -> [f64; D] {
         std::array::from_fn(|i| x[to][i] - from.map_or(0.0, |from| x[from][i]))
     };
     let (d, rate) = (across(q), across(v));
     let mut gradient = [0.0; N];
     for (i, d) in d.iter().enumerate() {
-        gradient[D * to + i] = d / strut.length;
+        gradient[D * to + i] = d / length;
         if let Some(from) = from {
-            gradient[D * from + i] = -d / strut.length;
+            gradient[D * from + i] = -d / length;
         }
     }
-    (gradient, dot(&rate, &rate) / strut.length)
+    (gradient, dot(&rate, &rate) / length)
 }

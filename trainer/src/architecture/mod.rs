@@ -7,7 +7,7 @@ mod modular;
 mod rigid;
 
 pub use damping::Damping;
-pub use graph::{GraphArchitecture, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, NamedNodes, Strut};
+pub use graph::{GraphArchitecture, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, NamedNodes};
 pub use modular::{
     MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES,
 };
@@ -76,6 +76,7 @@ impl Architecture {
         match header {
             FamilyHeader::Rigid(rigid) => Ok(RigidArchitecture::from_header(rigid).into()),
             FamilyHeader::Modular(modular) => Ok(ModularArchitecture::from_header(modular, weights).into()),
+            FamilyHeader::Graph(graph) => Ok(GraphArchitecture::from_header(graph, weights).into()),
             other => Err(ModelError::OtherFamily { found: other.name() }),
         }
     }
@@ -109,7 +110,7 @@ impl Architecture {
         match self {
             Self::Rigid(rigid) => read(FamilyHeader::Rigid(rigid.header())),
             Self::Modular(modular) => read(FamilyHeader::Modular(modular.header())),
-            Self::Graph(_) => unimplemented!(),
+            Self::Graph(graph) => graph.with_header(|header| read(FamilyHeader::Graph(header))),
         }
     }
 

@@ -1,7 +1,7 @@
 //! A model file as a Rust source file, for programs without a file system.
 
 use super::{HostModel, decode};
-use crate::architecture::{Architecture, ModularArchitecture};
+use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture, NamedGraph};
 use leastaction_core::model::{Discretisation, ModelError};
 use std::fmt::{self, Write};
 
@@ -51,6 +51,9 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
         Architecture::Modular(_) => "ModularModel",
         Architecture::Graph(_) => "GraphModel",
     };
+    if model.architecture.graph().is_some() {
+        writeln!(to, "use leastaction_core::energy::graph::Edge;")?;
+    }
     writeln!(to, "use leastaction_core::model::{{ModelError, {family}}};")
 }
 
@@ -74,8 +77,27 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
             writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, K, H, D>;")?;
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
-        Architecture::Graph(_) => unimplemented!(),
+        Architecture::Graph(graph) => write_graphs(to, graph),
     }
+}
+
+/// All graphs, with their nodes and edges.
+fn write_graphs(to: &mut String, architecture: &GraphArchitecture) -> fmt::Result {
+    let graph = architecture.graphs.get(architecture.graph);
+    let (name, edges) = graph.map_or(("", 0), |graph| (graph.name.as_str(), graph.edges.len()));
+    writeln!(to, "/// Dimensions of space.\npub const DIMENSION: usize = {};", architecture.dimension())?;
+    writeln!(to, "/// Networks.\npub const K: usize = {};", architecture.shape.networks().count())?;
+    writeln!(to, "/// The graph.\npub const GRAPH: &str = {name:?};")?;
+    writeln!(to, "/// Its edges.\npub const EDGES: usize = {edges};")?;
+    writeln!(to, "/// All graphs in the file, their nodes and edges.")?;
+    write!(to, "pub const GRAPHS: [(&str, usize, usize); {}] = [", architecture.graphs.len())?;
+    for (i, NamedGraph { name, nodes, edges, .. }) in architecture.graphs.iter().enumerate() {
+        let comma = if i == 0 { "" } else { ", " };
+        write!(to, "{comma}({name:?}, {}, {})", nodes.len(), edges.len())?;
+    }
+    writeln!(to, "];")?;
+    writeln!(to, "\n/// The loaded model, whose list of edges lives as long.")?;
+    writeln!(to, "pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, D>;")
 }
 
 /// All trees, with their coordinates.
@@ -106,9 +128,15 @@ fn write_integrator(to: &mut String, Discretisation { order, h }: Discretisation
 
 fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result {
     let length = bytes.len();
-    let tree = if matches!(model.architecture, Architecture::Modular(_)) { ", TREE" } else { "" };
+    let (edges, lists) = match model.architecture {
+        Architecture::Rigid(_) => ("", ""),
+        Architecture::Modular(_) => ("", ", TREE"),
+        Architecture::Graph(_) => ("edges: &mut [Edge; EDGES]", ", GRAPH, edges"),
+    };
+    let model_type = if edges.is_empty() { "Model" } else { "Model<'_>" };
     writeln!(to, "\n/// Validates the model, once; the weights stay where they are.")?;
-    writeln!(to, "pub fn load() -> Result<Model, ModelError> {{\n    Model::load(&FILE.0{tree})\n}}")?;
+    writeln!(to, "pub fn load({edges}) -> Result<{model_type}, ModelError> {{")?;
+    writeln!(to, "    Model::load(&FILE.0{lists})\n}}")?;
     if matches!(model.architecture, Architecture::Modular(_)) {
         writeln!(to, "\n/// The same with another tree of the file; `M` is the number of its coordinates.")?;
         writeln!(to, "pub fn load_tree<const M: usize>(name: &str) -> Result<Tree<M>, ModelError> {{")?;

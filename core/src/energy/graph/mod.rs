@@ -35,12 +35,13 @@ pub use types::Types;
 pub use union::{Member, Union};
 
 use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
 
 /// Nodes of a graph at most: edges name them by 16 bits.
 pub const MAX_NODES: usize = 1 << 16;
 
 /// An edge: its type, and the two nodes that it joins, either way round. Two nodes may share several edges; each counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edge {
     /// Which edge type it is of, from 0.
     pub kind: u8,

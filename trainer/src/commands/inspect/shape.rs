@@ -1,7 +1,9 @@
 //! The shape of a model, in words.
 
-use leastaction::architecture::{Architecture, ModularArchitecture, RigidArchitecture};
-use leastaction_core::energy::modular::{NetworkShape, Node, TransformShape, TypeShape};
+use leastaction::architecture::{Architecture, GraphArchitecture, ModularArchitecture, RigidArchitecture};
+use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
+use leastaction_core::energy::modular::{Node, TransformShape, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
 use serde::Serialize;
@@ -30,6 +32,28 @@ pub enum Shape {
         /// The one that coordinates and cost are of.
         tree: String,
     },
+    /// A graph of particles.
+    Graph {
+        /// Coordinates of a node.
+        dimension: usize,
+        /// The node types.
+        nodes: Vec<String>,
+        /// The edge types.
+        edges: Vec<String>,
+        /// All graphs.
+        graphs: Vec<GraphOf>,
+        /// The one that coordinates and cost are of.
+        graph: String,
+    },
+}
+
+/// A graph by its name and size.
+#[derive(Serialize)]
+pub struct GraphOf {
+    name: String,
+    nodes: usize,
+    edges: usize,
+    rods: usize,
 }
 
 /// An element type.
@@ -59,7 +83,7 @@ impl Shape {
         match architecture {
             Architecture::Rigid(rigid) => Self::rigid(rigid),
             Architecture::Modular(modular) => Self::modular(modular),
-            Architecture::Graph(_) => unimplemented!(),
+            Architecture::Graph(graph) => Self::graph(graph),
         }
     }
 
@@ -80,7 +104,8 @@ impl Shape {
         let types = modular.shape.types().zip(&modular.types).map(|(shape, named)| {
             let [mass, inertia, centre, length, damping] = named.numbers.map(|number| number.value);
             let transform = transform(shape, modular);
-            let potential = shape.potential.map(|network| layers(modular, network));
+            let potential =
+                shape.potential.map(|network| layers(modular.shape.networks().nth(network.into())));
             ElementType {
                 name: named.name.clone(),
                 transform,
@@ -93,9 +118,60 @@ impl Shape {
             }
         });
         let pair = modular.shape.pair.map(|pair| {
-            format!("of the {} {}", format!("{:?}", pair.input).to_lowercase(), layers(modular, pair.network))
+            format!(
+                "of the {} {}",
+                format!("{:?}", pair.input).to_lowercase(),
+                layers(modular.shape.networks().nth(pair.network.into()))
+            )
         });
         Self::Modular { types: types.collect(), pair, trees, tree: modular.tree_name().to_owned() }
+    }
+
+    fn graph(graph: &GraphArchitecture) -> Self {
+        let shape = &graph.shape;
+        let network = |network: u8| layers(shape.networks().nth(network.into()));
+        let named = shape.nodes().zip(&graph.types).map(|(kind, named)| {
+            let number = |k: usize| named.numbers.get(k).map_or(f64::NAN, |number| number.value);
+            let kinetic = match kind.kinetic {
+                Kinetic::Mass => format!("mass {:.4} kg", number(0)),
+                Kinetic::Network(n) => format!("kinetic energy {}", network(n)),
+            };
+            let field: Vec<_> = (0..graph.dimension()).map(|i| format!("{:.4}", number(2 + i))).collect();
+            let field = format!("({}) N", field.join(", "));
+            let potential = match kind.potential {
+                Potential::None => "no potential".to_owned(),
+                Potential::Uniform => format!("field {field}"),
+                Potential::Network(n) => format!("field {field}, potential {}", network(n)),
+            };
+            let drag = match kind.drag {
+                Drag::None => String::new(),
+                Drag::Viscous => format!(", drag {:.4} N s/m", number(1)),
+                Drag::Network(n) => format!(", drag {}", network(n)),
+            };
+            format!("{}: {kinetic}, {potential}{drag}", named.name)
+        });
+        let joined = shape.edges().zip(&graph.edge_types).map(|(kind, name)| {
+            let seen = match kind.separation {
+                Separation::Distance => "distance",
+                Separation::Squared => "squared distance",
+            };
+            let potential = kind.potential.map_or("no potential".to_owned(), network);
+            let embedding = kind.embedding.map_or(String::new(), |n| format!(", embedded by {}", network(n)));
+            format!("{name}: of the {seen}, {potential}{embedding}")
+        });
+        let graphs = graph.graphs.iter().map(|graph| GraphOf {
+            name: graph.name.clone(),
+            nodes: graph.nodes.len(),
+            edges: graph.edges.len(),
+            rods: graph.rods.len(),
+        });
+        Self::Graph {
+            dimension: graph.dimension(),
+            nodes: named.collect(),
+            edges: joined.collect(),
+            graphs: graphs.collect(),
+            graph: graph.graph().map_or(String::new(), |graph| graph.name.clone()),
+        }
     }
 
     /// Names and values, line by line.
@@ -115,7 +191,21 @@ impl Shape {
                 let trees = trees.iter().map(|tree| ("tree", tree.line()));
                 types.chain(pair).chain(trees).collect()
             }
+            Self::Graph { dimension, nodes, edges, graphs, .. } => {
+                let lines = [("dimensions", dimension.to_string())].into_iter();
+                let nodes = nodes.iter().map(|kind| ("node type", kind.clone()));
+                let edges = edges.iter().map(|kind| ("edge type", kind.clone()));
+                let graphs = graphs.iter().map(|graph| ("graph", graph.line()));
+                lines.chain(nodes).chain(edges).chain(graphs).collect()
+            }
         }
+    }
+}
+
+impl GraphOf {
+    fn line(&self) -> String {
+        let Self { name, nodes, edges, rods } = self;
+        format!("{name}: nodes {nodes}, edges {edges}, rods {rods}")
     }
 }
 
@@ -165,8 +255,9 @@ impl Tree {
 fn transform(shape: &TypeShape, modular: &ModularArchitecture) -> String {
     match shape.transform {
         TransformShape::Network { position, velocity, .. } => {
-            let own = velocity.map_or(String::new(), |v| format!(" with velocity {}", layers(modular, v)));
-            format!("position {}{own}", layers(modular, position))
+            let network = |network: u8| layers(modular.shape.networks().nth(network.into()));
+            let own = velocity.map_or(String::new(), |v| format!(" with velocity {}", network(v)));
+            format!("position {}{own}", network(position))
         }
         TransformShape::Rod => ROD.to_owned(),
         TransformShape::Slide => "slide".to_owned(),
@@ -175,10 +266,8 @@ fn transform(shape: &TypeShape, modular: &ModularArchitecture) -> String {
 }
 
 /// A network as 2-16-1 (tanh).
-fn layers(modular: &ModularArchitecture, network: u8) -> String {
-    let Some(NetworkShape { inputs, widths, outputs, activation }) =
-        modular.shape.networks().nth(network.into())
-    else {
+fn layers(network: Option<&NetworkShape>) -> String {
+    let Some(NetworkShape { inputs, widths, outputs, activation }) = network else {
         return "?".to_owned();
     };
     let hidden: String = widths.iter().take_while(|w| **w > 0).map(|w| format!("{w}-")).collect();

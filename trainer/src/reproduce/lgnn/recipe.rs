@@ -1,6 +1,6 @@
 //! What is learned, and how.
 
-use crate::architecture::{GraphArchitecture, NamedGraph, NamedNodes, Number, Strut};
+use crate::architecture::{GraphArchitecture, NamedGraph, NamedNodes, Number};
 use crate::baselines::AccelerationModel;
 use crate::ground_truth::LgnnSystem;
 use crate::training::{Levenberg, Samples};
@@ -8,10 +8,11 @@ use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
     Drag, Edge, EdgeShape, Kinetic, NodeShape, Potential, Separation, Shape,
 };
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{ModelError, Rod};
 use leastaction_core::network::Activation;
 
-/// Hidden units of every potential. Squareplus is nearly linear far out, and so is what is learned beyond the data.
+/// Hidden units of every potential, beside a uniform field. Squareplus is nearly linear far out, and so is what is learned beyond
+/// the data.
 const POTENTIAL: [u16; 4] = [8, 0, 0, 0];
 /// Hidden units of a spring's potential.
 const SPRING: [u16; 4] = [16, 0, 0, 0];
@@ -62,9 +63,11 @@ pub fn architecture(system: LgnnSystem, drag: bool) -> GraphArchitecture {
     for (slot, edge) in shape.edges.iter_mut().zip(edges) {
         *slot = Some(*edge);
     }
-    let numbers = [1.0, 0.0, 0.0, 0.0].map(Number::known).to_vec();
+    let field = if springs { Number::known(0.0) } else { Number::learned(0.0) };
+    let numbers = vec![Number::known(1.0), Number::known(0.0), field, field];
     let types = vec![NamedNodes { name: if springs { "node" } else { "bob" }.to_owned(), numbers }];
-    GraphArchitecture { shape, types, graphs: vec![graph(system)], graph: 0 }
+    let edge_types = edges.iter().map(|_| "spring".to_owned()).collect();
+    GraphArchitecture { shape, types, edge_types, graphs: vec![graph(system)], graph: 0 }
 }
 
 /// In the plane, without anything.
@@ -83,16 +86,16 @@ fn empty() -> Shape {
 /// The graph of a system whose nodes and springs are all of the first type.
 pub fn graph(system: LgnnSystem) -> NamedGraph {
     let number = |node: usize| node as u16;
-    let strut = |rod: crate::ground_truth::Rod| Strut {
+    let rod = |rod: crate::ground_truth::Rod| Rod {
         from: rod.from.map(number),
         to: number(rod.to),
-        length: rod.length,
+        length: rod.length as f32,
     };
     NamedGraph {
         name: system.name().to_owned(),
         nodes: vec![0; system.nodes()],
         edges: system.springs().into_iter().map(|ends| Edge { kind: 0, ends: ends.map(number) }).collect(),
-        struts: system.rods().into_iter().map(strut).collect(),
+        rods: system.rods().into_iter().map(rod).collect(),
     }
 }
 
