@@ -10,10 +10,10 @@ use leastaction_core::energy::graph::{Edge, Fixed, Graph, GraphError, MAX_NODES,
 use leastaction_core::forces::Forces;
 use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::particles::Particles;
-use leastaction_core::scalar::Real;
+use leastaction_core::scalar::{LANES, Lanes, Real};
 
-fn of_eight() -> [FixedModel<2, 8>; 2] {
-    [graphs::flat(), graphs::talking()].map(FixedModel)
+fn of_eight() -> [FixedModel<2, 8>; 3] {
+    [graphs::flat(), graphs::talking(), graphs::alike()].map(FixedModel)
 }
 
 fn of_nine() -> [FixedModel<3, 9>; 1] {
@@ -104,8 +104,25 @@ fn packs_have_the_same_bits(model: &Model<2>) {
 }
 
 #[test]
+fn lanes_have_the_bits_of_one_state_after_another() {
+    let [_, talking, _] = of_eight();
+    let fixed = talking.in_f64();
+    let mut random = Random(18);
+    let states: [([f64; 8], [f64; 8]); LANES] =
+        core::array::from_fn(|_| (random.array(2.0), random.array(2.0)));
+    let (q, v) = (states.map(|(q, _)| q), states.map(|(_, v)| v));
+    let packed = |x: [[f64; 8]; LANES]| core::array::from_fn(|i| Lanes(x.map(|x| x[i])));
+    let found = Lagrangian::<Lanes, 8>::gradient(&fixed, &packed(q), &packed(v));
+    for (l, (q, v)) in states.iter().enumerate() {
+        let alone = fixed.gradient(q, v);
+        assert_eq!(found.l_q.map(|x| x.0[l]), alone.l_q);
+        assert_eq!(found.l_v.map(|x| x.0[l]), alone.l_v);
+    }
+}
+
+#[test]
 fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
-    let [fixed, _] = of_eight();
+    let [fixed, ..] = of_eight();
     let (fixed, mut random) = (fixed.in_f64(), Random(14));
     let (q, v): ([f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0));
     let (dynamics, (_, slopes)) = (fixed.dynamics(&q, &v), fixed.derivatives(&q, &v));
@@ -154,7 +171,7 @@ fn pairs_give_no_force_and_no_torque_to_the_whole() {
 #[test]
 fn drag_is_the_printed_formula_and_its_derivatives_are_differences() {
     const STEP: f64 = 1e-6;
-    let [model, _] = of_eight();
+    let [model, ..] = of_eight();
     let mut random = Random(17);
     let (q, v, y): ([f64; 8], [f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0), random.array(1.0));
     let force = |model: &FixedModel<2, 8>, v: &[f64; 8]| model.in_f64().force(&q, v);

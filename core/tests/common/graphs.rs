@@ -231,6 +231,14 @@ pub fn talking() -> Model<2> {
     Model::new(with_messages(2), &[1, 0, 2, 1], &edges, 3)
 }
 
+/// The same of one node type: its ends are sent the same.
+pub fn alike() -> Model<2> {
+    let shape = with_messages(2);
+    let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::Network(1), drag: Drag::None };
+    let nodes = core::array::from_fn(|kind| (kind == 0).then_some(node));
+    Model::new(Shape { nodes, ..shape }, &[0; 4], &talking().edges, 6)
+}
+
 /// In the plane: every type twice, edges of both types.
 pub fn flat() -> Model<2> {
     let edges = [edge(0, 0, 1), edge(1, 3, 1), edge(1, 2, 0), edge(0, 3, 2)];

@@ -53,6 +53,11 @@ impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: u
         self.types.shape().embedding.into()
     }
 
+    /// Whether there is one node type, so that both ends of an edge are sent the same.
+    fn alike(&self) -> bool {
+        self.types.node_type(1).is_none()
+    }
+
     fn part(&self, network: u8) -> Option<&'t Part<'a, W, L>> {
         self.types.network(network)
     }
@@ -87,11 +92,13 @@ impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: u
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut e = zeros(width);
         embed.network.evaluate::<S, T, H>(&[feature], &mut e);
-        let sent = [1, 0].map(|from| {
+        let from = |from| {
             let mut sent = zeros(self.width());
             message.network.evaluate::<S, T, H>(&self.message_inputs(ends, from, &e), &mut sent);
             sent
-        });
+        };
+        let of_first = from(0);
+        let sent = [if self.alike() { of_first.clone() } else { from(1) }, of_first];
         ends.add(Kept::Node, &sent);
         Some(())
     }
@@ -161,10 +168,13 @@ impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: u
         let e = &mut zeros(width);
         embed.pull_back::<S, T, H, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
             let mut e_bar = zeros(width);
-            for (to, from) in [(0, 1), (1, 0)] {
+            let [a, b] = [0, 1].map(|end| read(ends, Kept::Bar, end, self.width()));
+            let received =
+                if self.alike() { [Some((0, plus(&a, &b))), None] } else { [Some((1, a)), Some((0, b))] };
+            for (from, bar) in received.into_iter().flatten() {
                 let x = self.message_inputs(ends, from, e);
                 let (mut x_bar, mut sent) = (x.clone(), zeros::<S, T>(self.width()));
-                let bar = |_: &[Jet<S, T>], _: &mut _| read(ends, Kept::Bar, to, self.width());
+                let bar = |_: &[Jet<S, T>], _: &mut _| bar;
                 message.pull_back::<S, T, H, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
                 let (of_sender, of_edge) = x_bar.split_at_checked(self.width()).unwrap_or_default();
                 of_sender.iter().enumerate().for_each(|(k, bar)| sender(from, k, bar));

@@ -3,10 +3,11 @@
 //!
 //! Node types and edge types are learned once and reused in any graph, of any size. With s_ab = |x_a − x_b|²,
 //!
-//! L = Σ_i T_i(|v_i|²) − Σ_i V_i(x_i) − Σ_edges U(s_ab) − V_messages   (LGNN eqs. 12–15),
+//! L = Σ_i T_i(|v_i|²) − Σ_i V_i(x_i) − Σ_edges U(s_ab) − V_messages,
 //!
-//! and drag acts on every node by its own velocity. Every term is a function of one node or of one distance, so values and
-//! derivatives take time and memory in proportion to nodes and edges; L_vq = 0 and the masses are blocks of one node each.
+//! and drag acts on every node by its own velocity; [`MessageShape`] says what the messages add. Every term sees one node or
+//! one edge with its ends, so values and derivatives take time and memory in proportion to nodes and edges; L_vq = 0, and the
+//! masses are blocks of one node each.
 //!
 //! [`Graph`] implements [`Particles`](crate::particles::Particles) for any number of nodes; [`Fixed`] implements
 //! [`Lagrangian`](crate::lagrangian::Lagrangian) for a number that is compiled in, with all derivatives, for training and for

@@ -1,6 +1,6 @@
 //! Graphs of any size, their nodes and edges in packs.
 
-use super::messages::{Embedding, Ends, Kept};
+use super::messages::{Embedding, Ends, Kept, Messaging};
 use super::{Edge, Graph, across, exchange};
 use crate::energy::part::Ignore;
 use crate::lagrangian::Energies;
@@ -135,13 +135,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
             let [feature, _] = messaging.feature::<_, 0>(kind, &constant(d));
             messaging.send(kind, feature, &mut self.ends(room, run));
         });
-        for first in (0..self.nodes.len()).step_by(R::WIDTH) {
-            let lanes = R::WIDTH.min(self.nodes.len() - first);
-            let mut ends = PackEnds { graph: self, room: &mut *room, lanes, node: |_, l| first + l };
-            if let Some(v) = messaging.settle(&mut ends, &mut Ignore) {
-                (0..lanes).for_each(|l| sum += R::lane(&v.value, l));
-            }
-        }
+        sum += self.settle(&messaging, room);
         self.for_edges(q, |run, kind, d| {
             let [feature, rate] = messaging.feature(kind, &constant(d));
             let Some([v, bar]) = messaging.update(kind, feature, &mut self.ends(room, run), &mut Ignore)
@@ -157,6 +151,19 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
             let Some(bar) = bar else { return };
             add(run, d.map(|d| bar.times(&rate).value * d));
         });
+        sum
+    }
+
+    /// The nodes' part of V of the messages, and n̄ of it.
+    fn settle<R: Packed<Weight = W>>(&self, messaging: &Messaging<W, D, K, H, L>, room: &mut [R]) -> R {
+        let mut sum = R::zero();
+        for first in (0..self.nodes.len()).step_by(R::WIDTH) {
+            let lanes = R::WIDTH.min(self.nodes.len() - first);
+            let mut ends = PackEnds { graph: self, room: &mut *room, lanes, node: |_, l| first + l };
+            if let Some(v) = messaging.settle(&mut ends, &mut Ignore) {
+                (0..lanes).for_each(|l| sum += R::lane(&v.value, l));
+            }
+        }
         sum
     }
 

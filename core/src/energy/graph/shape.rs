@@ -78,7 +78,7 @@ pub struct EdgeShape {
     pub embedding: Option<u8>,
 }
 
-/// One round of messages (LGNN, eqs. 12–15, as its program has it), with h_i the embedding of node i's type and e_ij = f_b of
+/// One round of messages (LGNN, as its published program has it), with h_i the embedding of node i's type and e_ij = f_b of
 /// the edge's separation:
 ///
 /// n_i = h_i + Σ_j f_v(h_j ‖ e_ij), e′_ij = e_ij + f_e(n_i ∘ n_j), V = 2Σ_edges f₁(e′_ij) + Σ_i f₂(n_i).
