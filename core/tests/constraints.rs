@@ -6,7 +6,7 @@ use common::particles::{Exact, Spring, hanging, rods, solve_dense};
 use common::{Random, assert_close, assert_vectors_close};
 use leastaction_core::constraints::{Constrained, ConstraintError, Constraints, Holonomic, Positions};
 use leastaction_core::continuous::{Baumgarte, Drive, constrained_acceleration, constrained_room};
-use leastaction_core::linear::dot;
+use leastaction_core::linear::{Singular, dot, multiply, solve_definite};
 use leastaction_core::particles::Particles;
 use proptest::prelude::*;
 
@@ -238,6 +238,28 @@ fn acceleration_of_a_chain_is_that_of_its_angles() {
         end = [end[0] + turning * cos - along * sin, end[1] + turning * sin + along * cos];
         assert_vectors_close(&format!("node {i}"), &a[i], &end, 1e-12);
     }
+}
+
+#[test]
+fn definite_matrices_are_solved_without_pivoting() {
+    let mut random = Random(12);
+    for _ in 0..50 {
+        let root: [[f64; 3]; 3] = core::array::from_fn(|_| random.array(1.0));
+        let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let a: [[f64; 3]; 3] =
+            core::array::from_fn(|i| core::array::from_fn(|j| dot(&root[i], &root[j]) + 0.2 * unit(i, j)));
+        let x = [random.array(2.0), random.array(2.0)];
+        for sign in [1.0, -1.0] {
+            let a = a.map(|row| row.map(|a| sign * a));
+            let found = solve_definite(a, x.map(|x| multiply(&a, &x))).unwrap();
+            for (found, x) in found.iter().zip(&x) {
+                assert_vectors_close("x", found, x, 1e-12);
+            }
+        }
+    }
+    let singular = [[1.0, 2.0], [2.0, 4.0]];
+    assert_eq!(solve_definite(singular, [[1.0, 1.0]]), Err(Singular { column: 1 }));
+    assert_eq!(solve_definite([[f64::NAN]], [[1.0]]), Err(Singular { column: 0 }));
 }
 
 #[test]

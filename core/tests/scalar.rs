@@ -6,7 +6,7 @@ use common::Random;
 use common::shapes::{self, Model};
 use leastaction_core::energy::Learnable;
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::scalar::{Compensated, LANES, Lanes, Real, Scalar, all_finite, max_abs};
+use leastaction_core::scalar::{Compensated, LANES, Lanes, Real, Scalar, all_finite, max_abs, product, sum};
 
 /// The distance between neighbouring f32 at |x|.
 fn ulp_f32(x: f64) -> f64 {
@@ -209,4 +209,27 @@ fn compensated_sums_keep_what_rounding_takes() {
     let exact = 1.0 + 1e6 * f64::from(1e-8_f32);
     assert!((f64::from(sum.value()) - exact).abs() <= ulp_f32(1.0) / 2.0);
     assert!((f64::from(sum.value()) + f64::from(sum.carry()) - exact).abs() < 1e-8);
+}
+
+/// Two numbers of 24 digits, of any size: their sum and product are exactly what comes back, in f64 and, by integers, in f32.
+#[test]
+fn sums_and_products_come_with_what_rounding_took() {
+    let mut random = Random(41);
+    for _ in 0..20_000 {
+        let mut draw = || (random.symmetric(4.0) * 2f64.powi((random.bits() % 12) as i32 - 6)) as f32;
+        let (a, b) = (draw(), draw());
+        let (high, low) = sum(a, b);
+        assert_eq!(high, a + b);
+        assert_eq!(f64::from(high) + f64::from(low), f64::from(a) + f64::from(b), "{a:e} + {b:e}");
+        let (high, low) = product(a, b);
+        assert_eq!(high, a * b);
+        assert_eq!(f64::from(high) + f64::from(low), f64::from(a) * f64::from(b), "{a:e} × {b:e}");
+    }
+    for _ in 0..20_000 {
+        let (a, b) = ((random.bits() >> 11) as i128, (random.bits() >> 11) as i128);
+        let (high, low) = product(a as f64, b as f64);
+        assert_eq!(high as i128 + low as i128, a * b, "{a} × {b}");
+        let (high, low) = sum(a as f64 * 2f64.powi(30), b as f64);
+        assert_eq!(high as i128 + low as i128, (a << 30) + b, "{a}·2³⁰ + {b}");
+    }
 }

@@ -14,7 +14,7 @@ pub(super) struct Solver<'m, 'r, R, S, C: ?Sized, const D: usize> {
     mechanism: &'m Constrained<'m, R, S, C, D>,
     newton: &'m Newton<R>,
     scratch: &'r mut [R],
-    /// q + hv and its carry.
+    /// Where the constraints are to hold, of A₁: q + hv, and then the q that it has become.
     trial: &'r mut [[R; D]],
     trial_carry: &'r mut [[R; D]],
     /// Residual of L_v(v), then the change of v that it asks for.
@@ -61,6 +61,8 @@ where
         let system = self.mechanism.system();
         copy(points.q, q);
         copy(points.v, v);
+        copy(self.trial, q);
+        self.trial_carry.fill([R::zero(); D]);
         points.q_carry.fill([R::zero(); D]);
         points.p_carry.fill([R::zero(); D]);
         points.lambda.fill(R::zero());
@@ -160,6 +162,9 @@ where
     }
 
     /// Velocities and impulses together: residual → Newton → update.
+    ///
+    /// One matrix serves for all velocities as long as the residual falls: of quadratic energies they are linear. For
+    /// positions it is always the present one: what an old matrix leaves has one sign, and f32 energies drift tenfold.
     fn solve_all(
         &mut self,
         points: &mut Points<R, D>,
@@ -171,8 +176,12 @@ where
             return Err(ConstraintError::NotFinite);
         }
         scale.impulse = largest(self.update);
+        let mut linear = false;
         loop {
-            self.linearise(points, stage)?;
+            if !linear {
+                self.linearise(points, stage)?;
+            }
+            self.changes();
             if iterations == 0 {
                 scale.velocity = worse(largest(points.v), largest(self.update));
             }
@@ -182,6 +191,7 @@ where
             if self.done(iterations, before, residual) {
                 return self.judge(Report { iterations, residual });
             }
+            linear = matches!(stage, Stage::Velocities { .. }) && R::constant(16.0) * residual < before;
             before = residual;
         }
     }
@@ -199,12 +209,12 @@ where
         if let Stage::Positions { h } = stage {
             self.move_trial(points, h);
         }
-        let (constraints, trial) =
+        let (constraints, x) =
             (self.mechanism.constraints(), Positions::with_carry(self.trial, self.trial_carry));
         for (k, c) in self.multipliers.iter_mut().enumerate() {
             *c = match stage {
-                Stage::Positions { h } => constraints.value(k, trial) / h,
-                Stage::Velocities { .. } => Rows { constraints, x: points.positions() }.times(k, points.v),
+                Stage::Positions { h } => constraints.value(k, x) / h,
+                Stage::Velocities { .. } => Rows { constraints, x }.times(k, points.v),
             };
             worst = worse(worst, relative(c.abs(), scale.velocity));
         }
@@ -221,33 +231,31 @@ where
         }
     }
 
-    /// Solves for the changes: M u = r for each node, then (A₁ M⁻¹ A₀ᵀ) dΛ = −(c + A₁ u).
+    /// Inverts M for each node, and factors A₁ M⁻¹ A₀ᵀ.
     fn linearise(&mut self, points: &Points<R, D>, stage: Stage<R>) -> Result<(), ConstraintError<R>> {
         let system = self.mechanism.system();
-        for (node, v) in points.v.iter().enumerate() {
+        for (node, (v, block)) in points.v.iter().zip(self.inverses.iter_mut()).enumerate() {
             let mass = stage.effective_mass(system, node, v);
-            let block = inverse(mass).ok_or(ConstraintError::Mass { node })?;
-            if let (Some(update), Some(inverse)) = (self.update.get_mut(node), self.inverses.get_mut(node)) {
-                *update = multiply(&block, update);
-                *inverse = block;
-            }
+            *block = inverse(mass).ok_or(ConstraintError::Mass { node })?;
         }
-        let constraints = self.mechanism.constraints();
+        let (constraints, inverses) = (self.mechanism.constraints(), &self.inverses);
+        let left = Rows { constraints, x: Positions::with_carry(self.trial, self.trial_carry) };
         let right = Rows { constraints, x: points.positions() };
-        let left = match stage {
-            Stage::Positions { .. } => {
-                Rows { constraints, x: Positions::with_carry(self.trial, self.trial_carry) }
-            }
-            Stage::Velocities { .. } => Rows { constraints, x: points.positions() },
-        };
+        self.matrix.set(|k, l| left.coupling(k, inverses, &right, l));
+        self.matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })
+    }
+
+    /// Turns residuals into changes: M u = r for each node, then (A₁ M⁻¹ A₀ᵀ) dΛ = −(c + A₁ u).
+    fn changes(&mut self) {
+        for (update, inverse) in self.update.iter_mut().zip(self.inverses.iter()) {
+            *update = multiply(inverse, update);
+        }
+        let x = Positions::with_carry(self.trial, self.trial_carry);
+        let left = Rows { constraints: self.mechanism.constraints(), x };
         for (k, c) in self.multipliers.iter_mut().enumerate() {
             *c = -(*c + left.times(k, self.update));
         }
-        let inverses = &self.inverses;
-        self.matrix.set(|k, l| left.coupling(k, inverses, &right, l));
-        self.matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })?;
         self.matrix.solve(self.multipliers);
-        Ok(())
     }
 
     /// v += u + M⁻¹ A₀ᵀ dΛ, p += A₀ᵀ dΛ, Λ += dΛ.
