@@ -1,10 +1,11 @@
 //! Arrays that the papers' programs computed, and how near ours come.
 
 use ndarray::ArrayD;
-use ndarray_npy::{NpzReader, ReadableElement};
+use ndarray_npy::{ReadNpyExt, ReadableElement};
 use safetensors::tensor::{Dtype, TensorView};
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use zip::ZipArchive;
 
 /// Agreement in double precision, relative to the largest entry.
 pub const EXACT: f64 = 1e-10;
@@ -18,15 +19,16 @@ pub fn data(paper: &str) -> PathBuf {
 }
 
 /// The arrays of an `.npz` file.
-pub struct Arrays(NpzReader<File>);
+pub struct Arrays(ZipArchive<File>);
 
 impl Arrays {
     pub fn open(path: &Path) -> Self {
-        Self(NpzReader::new(File::open(path).expect("arrays")).expect("npz"))
+        Self(ZipArchive::new(File::open(path).expect("arrays")).expect("npz"))
     }
 
     pub fn array<T: ReadableElement>(&mut self, key: &str) -> ArrayD<T> {
-        self.0.by_name(key).unwrap_or_else(|error| panic!("{key}: {error}"))
+        let file = self.0.by_name(&format!("{key}.npy")).unwrap_or_else(|error| panic!("{key}: {error}"));
+        ArrayD::read_npy(file).unwrap_or_else(|error| panic!("{key}: {error}"))
     }
 
     pub fn get(&mut self, key: &str) -> Vec<f64> {
@@ -36,7 +38,7 @@ impl Arrays {
     /// The arrays under this prefix as a file of weights: importing a gradient as if it were weights puts it in the order of
     /// our weight block.
     pub fn as_weights(&mut self, prefix: &str) -> Vec<u8> {
-        let names = self.0.names().expect("names");
+        let names: Vec<String> = self.0.file_names().map(|name| name.expect("name").into_owned()).collect();
         let names = names.iter().filter_map(|name| name.trim_end_matches(".npy").strip_prefix(prefix));
         let tensors: Vec<(&str, Vec<usize>, Vec<u8>)> = names
             .map(|name| {

@@ -43,7 +43,7 @@ pub enum Drag {
     None,
     /// −cv, c ≥ 0.
     Viscous,
-    /// −|net(v_c)|v_c (LGNN).
+    /// −|net(v_c)|v_c (LGNN); its slope jumps where the network is 0.
     Network(u8),
 }
 
