@@ -164,7 +164,8 @@ where
     /// Velocities and impulses together: residual → Newton → update.
     ///
     /// One matrix serves for all velocities as long as the residual falls: of quadratic energies they are linear. For
-    /// positions it is always the present one: what an old matrix leaves has one sign, and f32 energies drift tenfold.
+    /// positions it is always the present one: what an old matrix leaves has one sign, and
+    /// in f32 the energy drifts ten times as far.
     fn solve_all(
         &mut self,
         points: &mut Points<R, D>,
