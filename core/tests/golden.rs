@@ -124,6 +124,7 @@ fn web_text() -> String {
             (4 * (15 + 6), "network 5, layers 2 to 5 to 1"),
             (4 * 7, "bob: mass, drag, field in x and y, kinetic embedding, embedding"),
             (4 * 7, "body: the same"),
+            (4 * 2, "spring: c1, c2"),
             (4, "CRC-32 of all bytes above, little-endian"),
         ]
     };

@@ -221,7 +221,7 @@ fn what_is_no_graph_is_refused() {
 
 #[test]
 fn numbers_that_must_be_positive_are_checked() {
-    let start = graphs::flat().weights.len() - 3 * every_term(2).numbers();
+    let start = graphs::flat().weights.len() - every_term(2).all_numbers();
     let check = |position: usize, number: f64| {
         let mut model = graphs::flat();
         model.weights[start + position] = number;

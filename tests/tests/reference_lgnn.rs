@@ -72,7 +72,8 @@ fn weights(tensors: &SafeTensors) -> Vec<f64> {
         weights.iter().zip(bias).map(|(w, b)| w + b).collect::<Vec<f64>>()
     };
     let no_mass_drag_or_field = vec![0.0; 4];
-    [networks, no_mass_drag_or_field, embedding("L.fneke"), embedding("L.fne")].concat()
+    let no_law = vec![0.0; 2];
+    [networks, no_mass_drag_or_field, embedding("L.fneke"), embedding("L.fne"), no_law].concat()
 }
 
 fn check(name: &str, drag: Drag) {

@@ -209,7 +209,7 @@ impl<'a> GraphHeader<'a> {
         check_names(self.node_names, self.shape.nodes().count(), "node types")?;
         check_names(self.edge_names, self.shape.edges().count(), "edge types")?;
         self.check_graphs()?;
-        let start = weights.len().saturating_sub(self.shape.numbers() * self.shape.nodes().count());
+        let start = weights.len().saturating_sub(self.shape.all_numbers());
         self.shape.check_numbers(weights.get(start..).unwrap_or(&[])).map_err(ModelError::Graph)
     }
 

@@ -143,6 +143,9 @@ pub fn web_shape() -> graph::Shape {
 pub const WEB_NUMBERS: [[f32; 7]; 2] =
     [[1.5, 0.25, 0.0, 9.5, 0.0, 0.5, -0.5], [0.0, 0.0, 0.0, 0.0, 0.75, -1.0, 0.25]];
 
+/// The law of its edge type.
+pub const WEB_LAW: [f32; 2] = [-0.75, 0.125];
+
 /// The edges of the graph `ring`.
 pub const RING: [[u8; 5]; 3] = [edge(0, 0, 1).to_bytes(), edge(0, 1, 2).to_bytes(), edge(0, 2, 0).to_bytes()];
 
@@ -163,7 +166,7 @@ pub fn web_header(web: GraphHeader) -> Header {
 }
 
 pub fn web_weights(numbers: [[f32; 7]; 2]) -> Vec<f32> {
-    let numbers = numbers.concat();
+    let numbers = [numbers.concat(), WEB_LAW.to_vec()].concat();
     [exact(web().parameters().unwrap() - numbers.len()), numbers].concat()
 }
 

@@ -5,8 +5,8 @@ use super::oracle::Learned;
 use super::shapes::naive_network;
 use super::trees::network;
 use leastaction_core::energy::graph::{
-    Drag, Edge, EdgeShape, Fixed, Graph, Kinetic, MessageShape, NodeShape, Potential, Separation, Shape,
-    Types,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, Fixed, Graph, Kinetic, MessageShape, NodeShape, Potential,
+    Separation, Shape, Types,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Scalar;
@@ -35,10 +35,13 @@ pub const fn edge(kind: u8, a: u16, b: u16) -> Edge {
 impl<const D: usize> Model<D> {
     pub fn new(shape: Shape, nodes: &[u8], edges: &[Edge], seed: u64) -> Self {
         let mut weights = Random(seed).vector(shape.parameters().unwrap(), 0.8);
-        let start = weights.len() - shape.numbers() * shape.nodes().count();
-        for numbers in weights[start..].chunks_mut(shape.numbers()) {
+        let start = weights.len() - shape.all_numbers();
+        for numbers in weights[start..].chunks_exact_mut(shape.numbers()).take(shape.nodes().count()) {
             numbers[..2].iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
         }
+        // Squares of squares of distances would drown all other terms.
+        let laws = weights.len() - EDGE_NUMBERS * shape.edges().count();
+        weights[laws..].iter_mut().for_each(|x| *x *= 0.01);
         Self { shape, nodes: nodes.to_vec(), edges: edges.to_vec(), weights }
     }
 
@@ -67,7 +70,7 @@ impl<const D: usize> Model<D> {
     /// Mass, drag, field, kinetic embedding and embedding of a type.
     fn numbers(&self, kind: u8) -> (f64, f64, &[f64], &[f64], &[f64]) {
         let stride = self.shape.numbers();
-        let start = self.weights.len() - stride * (self.shape.nodes().count() - usize::from(kind));
+        let start = self.weights.len() - self.shape.all_numbers() + stride * usize::from(kind);
         let (field, rest) = self.weights[start + 2..start + stride].split_at(D);
         let (kinetic, embedding) = rest.split_at(self.shape.kinetic_embedding.into());
         (self.weights[start], self.weights[start + 1], field, kinetic, embedding)
@@ -83,10 +86,11 @@ impl<const D: usize> Model<D> {
     }
 
     pub fn naive_drag(&self, kind: u8, v: f64) -> f64 {
+        let viscous = -self.numbers(kind).1 * v;
         match self.shape.nodes[usize::from(kind)].unwrap().drag {
             Drag::None => 0.0,
-            Drag::Viscous => -self.numbers(kind).1 * v,
-            Drag::Network(network) => -self.run(network, vec![v])[0].abs() * v,
+            Drag::Viscous => viscous,
+            Drag::Network(network) => viscous - self.run(network, vec![v])[0].abs() * v,
         }
     }
 
@@ -110,7 +114,9 @@ impl<const D: usize> Model<D> {
                 Separation::Distance => square.sqrt(),
                 Separation::Squared => square,
             };
-            shape.potential.map_or(0.0, |network| self.run(network, vec![seen])[0])
+            let start = self.weights.len() - 2 * (self.shape.edges().count() - usize::from(edge.kind));
+            let law = self.weights[start] * seen + self.weights[start + 1] * seen * seen;
+            law + shape.potential.map_or(0.0, |network| self.run(network, vec![seen])[0])
         };
         nodes + self.edges.iter().map(pair).sum::<f64>() + self.naive_messages(q)
     }

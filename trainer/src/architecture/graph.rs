@@ -2,7 +2,9 @@
 
 use super::{Constraint, DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, too_many, uniform_layer};
 use leastaction_core::constraints::Holonomic;
-use leastaction_core::energy::graph::{Drag, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, Shape, Types};
+use leastaction_core::energy::graph::{
+    Drag, EDGE_NUMBERS, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, NodeShape, Potential, Shape, Types,
+};
 use leastaction_core::forces::System;
 use leastaction_core::linear::dot;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
@@ -18,13 +20,24 @@ const LEAST_MASS: f64 = 1e-6;
 /// Node and edge types over host weights.
 pub type HostTypes<'w, W, const D: usize> = Types<'w, W, D, MAX_NETWORKS, MAX_WIDTH, DEPTH>;
 
-/// A node type's name and numbers.
+/// The name and numbers of a node type or an edge type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NamedNodes {
+pub struct GraphType {
     /// What it is called.
     pub name: String,
-    /// In the order of the weight block: mass, drag, field, kinetic embedding, embedding.
+    /// In the order of the weight block: mass, drag, field, kinetic embedding, embedding of a node type; c₁ and c₂ of an edge type.
     pub numbers: Vec<Number>,
+}
+
+impl GraphType {
+    /// Types by their names, separated by commas, with known numbers.
+    fn known(names: &str, numbers: &[f64], stride: usize) -> Vec<Self> {
+        let named = |(name, numbers): (&str, &[f64])| Self {
+            name: name.to_owned(),
+            numbers: numbers.iter().copied().map(Number::known).collect(),
+        };
+        names.split(',').zip(numbers.chunks_exact(stride)).map(named).collect()
+    }
 }
 
 /// A graph by its name.
@@ -58,9 +71,9 @@ pub struct GraphArchitecture {
     /// Networks and types.
     pub shape: Shape,
     /// The names and numbers of the node types.
-    pub types: Vec<NamedNodes>,
-    /// The names of the edge types.
-    pub edge_types: Vec<String>,
+    pub node_types: Vec<GraphType>,
+    /// The names and numbers of the edge types.
+    pub edge_types: Vec<GraphType>,
     /// All graphs.
     pub graphs: Vec<NamedGraph>,
     /// The graph that is trained or evaluated.
@@ -78,7 +91,8 @@ impl GraphArchitecture {
 
     /// Calls `read` with the shape in the words of the model file.
     pub fn with_header<T>(&self, read: impl FnOnce(GraphHeader) -> T) -> T {
-        let names: Vec<&str> = self.types.iter().map(|kind| kind.name.as_str()).collect();
+        let names =
+            |types: &[GraphType]| types.iter().map(|kind| kind.name.as_str()).collect::<Vec<_>>().join(",");
         let edges = |graph: &NamedGraph| graph.edges.iter().flat_map(|edge| edge.to_bytes()).collect();
         let rods = |graph: &NamedGraph| graph.rods.iter().flat_map(|rod| rod.to_bytes()).collect();
         let bytes: Vec<[Vec<u8>; 2]> = self.graphs.iter().map(|graph| [edges(graph), rods(graph)]).collect();
@@ -86,24 +100,20 @@ impl GraphArchitecture {
         for ((slot, graph), [edges, rods]) in graphs.iter_mut().zip(&self.graphs).zip(&bytes) {
             *slot = GraphLayout { name: &graph.name, nodes: &graph.nodes, edges, rods };
         }
-        let (node_names, edge_names) = (names.join(","), self.edge_types.join(","));
+        let (node_names, edge_names) = (names(&self.node_types), names(&self.edge_types));
         let (node_names, edge_names) = (node_names.as_str(), edge_names.as_str());
         read(GraphHeader { shape: self.shape, node_names, edge_names, graphs })
     }
 
     /// The shape that a model file has; all numbers are known, as in the file.
     pub fn from_header(header: &GraphHeader, weights: &[f64]) -> Self {
-        let (shape, stride) = (header.shape, header.shape.numbers());
-        let start = weights.len().saturating_sub(stride * shape.nodes().count());
-        let numbers = weights.get(start..).unwrap_or_default().chunks_exact(stride);
-        let named = |(name, numbers): (&str, &[f64])| NamedNodes {
-            name: name.to_owned(),
-            numbers: numbers.iter().copied().map(Number::known).collect(),
-        };
+        let shape = header.shape;
+        let numbers = weights.get(weights.len().saturating_sub(shape.all_numbers())..).unwrap_or_default();
+        let (nodes, edges) = numbers.split_at(numbers.len().min(shape.numbers() * shape.nodes().count()));
         Self {
             shape,
-            types: header.node_names.split(',').zip(numbers).map(named).collect(),
-            edge_types: header.edge_names.split(',').filter(|n| !n.is_empty()).map(str::to_owned).collect(),
+            node_types: GraphType::known(header.node_names, nodes, shape.numbers()),
+            edge_types: GraphType::known(header.edge_names, edges, EDGE_NUMBERS),
             graphs: header.graphs().map(NamedGraph::from_layout).collect(),
             graph: 0,
         }
@@ -153,7 +163,7 @@ impl GraphArchitecture {
 
     /// The numbers after the networks, in the order of the weight block.
     fn numbers(&self) -> impl Iterator<Item = &Number> {
-        self.types.iter().flat_map(|kind| &kind.numbers)
+        self.node_types.iter().chain(&self.edge_types).flat_map(|kind| &kind.numbers)
     }
 
     fn numbers_start(&self) -> usize {
@@ -172,8 +182,63 @@ impl GraphArchitecture {
         for (numbers, node) in numbers.chunks_exact_mut(self.shape.numbers()).zip(self.shape.nodes()) {
             if let [mass, drag, ..] = numbers {
                 *mass = if node.kinetic == Kinetic::Mass { mass.max(LEAST_MASS) } else { *mass };
-                *drag = if node.drag == Drag::Viscous { drag.max(0.0) } else { *drag };
+                *drag = drag.max(0.0);
             }
+        }
+    }
+
+    /// The networks that stand beside a simpler law: of potentials beside a field or the law of an edge type, and of drag beside
+    /// viscous drag.
+    fn corrections(&self) -> impl Iterator<Item = u8> {
+        let node = |kind: &NodeShape| {
+            let potential = if let Potential::Network(n) = kind.potential { Some(n) } else { None };
+            let drag = if let Drag::Network(n) = kind.drag { Some(n) } else { None };
+            [potential, drag]
+        };
+        let nodes = self.shape.nodes().flat_map(node).flatten();
+        nodes.chain(self.shape.edges().filter_map(|kind| kind.potential))
+    }
+
+    /// The weights with the networks that stand beside a simpler law multiplied by `c`.
+    #[must_use]
+    pub fn with_corrections_scaled(&self, mut weights: Vec<f64>, c: f64) -> Vec<f64> {
+        let corrections: Vec<usize> = self.corrections().map(usize::from).collect();
+        let mut end = 0;
+        for (k, network) in self.shape.networks().enumerate() {
+            end += network.parameters().unwrap_or(0);
+            let last = super::layers(network).last().map_or(0, |(inputs, outputs)| (inputs + 1) * outputs);
+            if corrections.contains(&k) {
+                weights.get_mut(end - last..end).unwrap_or_default().iter_mut().for_each(|w| *w *= c);
+            }
+        }
+        weights
+    }
+
+    /// The same, with the same weight block, without the networks that stand beside a simpler law.
+    #[must_use]
+    pub fn without_corrections(&self) -> Self {
+        let mut simple = self.clone();
+        for kind in simple.shape.nodes.iter_mut().flatten() {
+            let uniform = kind.potential != Potential::None;
+            kind.potential = if uniform { Potential::Uniform } else { Potential::None };
+            kind.drag = if kind.drag == Drag::None { Drag::None } else { Drag::Viscous };
+        }
+        simple.shape.edges.iter_mut().flatten().for_each(|kind| kind.potential = None);
+        simple
+    }
+
+    /// Whether a number of a law that networks stand beside is learned: drag, a field, the law of an edge type.
+    pub fn has_laws(&self) -> bool {
+        let nodes =
+            self.node_types.iter().flat_map(|kind| kind.numbers.iter().skip(1).take(1 + self.dimension()));
+        nodes.chain(self.edge_types.iter().flat_map(|kind| &kind.numbers)).any(|number| number.learned)
+    }
+
+    /// Takes over the numbers after the networks.
+    pub fn copy_numbers(&self, from: &[f64], to: &mut [f64]) {
+        let start = self.numbers_start();
+        for (to, from) in to.iter_mut().zip(from).skip(start) {
+            *to = *from;
         }
     }
 

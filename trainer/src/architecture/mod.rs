@@ -7,7 +7,7 @@ mod modular;
 mod rigid;
 
 pub use damping::Damping;
-pub use graph::{GraphArchitecture, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, NamedNodes};
+pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
 pub use modular::{
     MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES,
 };

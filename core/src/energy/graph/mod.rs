@@ -29,8 +29,8 @@ pub use cutoff::cutoff_edges;
 pub use error::GraphError;
 pub use fixed::Fixed;
 pub use shape::{
-    Drag, EdgeShape, Kinetic, MAX_EDGE_TYPES, MAX_EMBEDDING, MAX_NETWORKS, MAX_NODE_TYPES, MessageShape,
-    NodeShape, Potential, Separation, Shape,
+    Drag, EDGE_NUMBERS, EdgeShape, Kinetic, MAX_EDGE_TYPES, MAX_EMBEDDING, MAX_NETWORKS, MAX_NODE_TYPES,
+    MessageShape, NodeShape, Potential, Separation, Shape,
 };
 pub use types::Types;
 pub use union::{Member, Union};

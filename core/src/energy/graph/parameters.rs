@@ -154,22 +154,26 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Ty
         c: S,
         row: &mut impl FnMut(usize, S),
     ) {
-        let Some(edge) = self.edge_type(kind) else { return };
+        let (Some(edge), Some((start, _))) = (self.edge_type(kind), self.law(kind)) else { return };
+        let z: Jet<S, 2> = edge.separation.series(square(d));
+        let linear = c * z.tangent[0];
+        row(start, linear);
+        row(start + 1, (linear + linear) * z.value);
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return };
         let y_bar = [Jet { value: S::zero(), tangent: [c, S::zero()] }];
-        network.series_gradient::<S, H>((&[edge.separation.series(square(d))], &mut []), &y_bar, row);
+        network.series_gradient::<S, H>((&[z], &mut []), &y_bar, row);
     }
 
     /// Visits y ∂Q/∂θ of a node along one axis.
     fn drag_gradient<S: Scalar<Weight = W>>(&self, kind: u8, v: S, y: S, row: &mut impl FnMut(usize, S)) {
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return };
-        match node.drag {
-            Drag::None => {}
-            Drag::Viscous => row(numbers.drag.0, -(y * v)),
-            Drag::Network(network) => {
-                let Some(network) = self.network(network) else { return };
-                network.size_gradient::<S, H>(v, -(y * v), row);
-            }
+        if node.drag != Drag::None {
+            row(numbers.drag.0, -(y * v));
+        }
+        if let Drag::Network(network) = node.drag
+            && let Some(network) = self.network(network)
+        {
+            network.size_gradient::<S, H>(v, -(y * v), row);
         }
     }
 }

@@ -25,6 +25,24 @@ impl<S: Scalar> Radial<S> {
         Self { value: c * s, first: c, second: S::zero() }
     }
 
+    /// c₁φ + c₂φ².
+    #[inline(always)]
+    pub fn quadratic(&self, [c1, c2]: [S; 2]) -> Self {
+        let slope = c1 + (c2 + c2) * self.value;
+        Self {
+            value: (c1 + c2 * self.value) * self.value,
+            first: slope * self.first,
+            second: slope * self.second + (c2 + c2) * self.first * self.first,
+        }
+    }
+
+    /// The sum.
+    #[inline(always)]
+    pub fn plus(&self, other: &Self) -> Self {
+        let Self { value, first, second } = *other;
+        Self { value: self.value + value, first: self.first + first, second: self.second + second }
+    }
+
     /// ∂φ/∂w = 2φ′w.
     #[inline(always)]
     pub fn gradient<const D: usize>(&self, w: &[S; D]) -> [S; D] {

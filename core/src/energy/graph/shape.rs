@@ -11,6 +11,8 @@ pub const MAX_NETWORKS: usize = 12;
 pub const MAX_NODE_TYPES: usize = 6;
 /// Edge types of a model at most.
 pub const MAX_EDGE_TYPES: usize = 6;
+/// Numbers of an edge type: c₁ and c₂ of its law.
+pub const EDGE_NUMBERS: usize = 2;
 /// Numbers of an embedding at most.
 pub const MAX_EMBEDDING: usize = 8;
 
@@ -43,7 +45,7 @@ pub enum Drag {
     None,
     /// −cv, c ≥ 0.
     Viscous,
-    /// −|net(v_c)|v_c (LGNN); its slope jumps where the network is 0.
+    /// −(c + |net(v_c)|)v_c, without c LGNN's; its slope jumps where the network is 0.
     Network(u8),
 }
 
@@ -67,12 +69,13 @@ pub struct NodeShape {
     pub drag: Drag,
 }
 
-/// The shape of an edge type.
+/// The shape of an edge type: U = c₁z + c₂z² + net(z) of what it sees, z. Of the distance, c₁ and c₂ alone are a linear spring,
+/// ½k(r − ℓ)² but for a constant; what is so simple a network alone has only over its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EdgeShape {
     /// What its networks see.
     pub separation: Separation,
-    /// The network of the pair potential U, once an edge.
+    /// The network of the pair potential, once an edge.
     pub potential: Option<u8>,
     /// The network f_b of its embedding; all edge types of a model with messages have one, and none without.
     pub embedding: Option<u8>,
@@ -95,7 +98,8 @@ pub struct MessageShape {
 }
 
 /// The shape of a graph model. Its weight block: the networks in order, then of each node type its numbers: mass (kg), viscous
-/// drag (N s/m), field (N, as many as dimensions), kinetic embedding, embedding. What a type does not use has no meaning.
+/// drag c (N s/m), field (N, as many as dimensions), kinetic embedding, embedding; then of each edge type c₁ and c₂. What a type does
+/// not use has no meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shape {
     /// Dimensions of space, 2 or 3.
@@ -154,11 +158,16 @@ impl Shape {
         2 + field_and_embeddings.iter().sum::<usize>()
     }
 
+    /// Numbers of all node types, then of all edge types: what follows the networks in the weight block.
+    pub fn all_numbers(&self) -> usize {
+        self.numbers() * self.nodes().count() + EDGE_NUMBERS * self.edges().count()
+    }
+
     /// Numbers in the weight block; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         let networks =
             self.networks().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))?;
-        networks.checked_add(self.numbers() * self.nodes().count())
+        networks.checked_add(self.all_numbers())
     }
 
     /// Checks the numbers of all node types that must be positive: masses that are used, and coefficients of viscous drag.
@@ -172,7 +181,7 @@ impl Shape {
             if node.kinetic == Kinetic::Mass && !(*mass > W::zero() && mass.is_finite()) {
                 return Err(GraphError::Mass { kind });
             }
-            if node.drag == Drag::Viscous && !(*drag >= W::zero() && drag.is_finite()) {
+            if node.drag != Drag::None && !(*drag >= W::zero() && drag.is_finite()) {
                 return Err(GraphError::Drag { kind });
             }
         }

@@ -3,7 +3,7 @@
 use super::GraphError;
 use super::messages::collected;
 use super::radial::{Radial, ramp, square};
-use super::shape::{Drag, EdgeShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential, Shape};
+use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential, Shape};
 use crate::energy::part::{Part, Visit};
 use crate::network::Jet;
 use crate::scalar::{Real, Scalar};
@@ -20,7 +20,7 @@ pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
 pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     shape: Shape,
     networks: [Option<Part<'a, W, L>>; K],
-    /// Those of all node types, from `start` of the weight block on.
+    /// Those of all node types and of all edge types, from `start` of the weight block on.
     numbers: &'a [W],
     start: usize,
 }
@@ -47,7 +47,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         for (slot, network) in networks.iter_mut().zip(shape.networks()) {
             *slot = Some(Part::take::<H>(block, &mut start, network)?);
         }
-        let (numbers, rest) = block.split_at_checked(shape.numbers() * shape.nodes().count())?;
+        let (numbers, rest) = block.split_at_checked(shape.all_numbers())?;
         *block = rest;
         Some(Self { shape: *shape, networks, numbers, start })
     }
@@ -93,6 +93,13 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     pub(super) fn embedding<S: Scalar<Weight = W>>(&self, kind: u8, k: usize) -> S {
         let number = self.numbers(kind).and_then(|numbers| numbers.embedding.1.get(k).copied());
         number.map_or(S::zero(), S::weight)
+    }
+
+    /// c₁ and c₂ of an edge type, and the place of c₁ in the weight block.
+    #[inline(always)]
+    pub(super) fn law(&self, kind: u8) -> Option<(usize, [W; EDGE_NUMBERS])> {
+        let at = self.shape.numbers() * self.shape.nodes().count() + EDGE_NUMBERS * usize::from(kind);
+        Some((self.start + at, *self.numbers.get(at..)?.first_chunk()?))
     }
 
     /// T of a node, with `O` derivatives in |v|².
@@ -167,29 +174,30 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     pub(super) fn pair<S: Scalar<Weight = W>, const O: usize>(&self, kind: u8, d: &[S; D]) -> Radial<S> {
         let s = square(d);
         let none = Radial::linear(S::zero(), s);
-        let Some(edge) = self.edge_type(kind) else { return none };
-        let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return none };
+        let (Some(edge), Some((_, law))) = (self.edge_type(kind), self.law(kind)) else { return none };
+        let z = edge.separation.series::<S, O>(s);
+        let law = Radial::of(&z).quadratic(law.map(S::weight));
+        let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return law };
         let mut y = [Jet::zero(); 1];
-        network.network.series::<S, O, H>(&[edge.separation.series(s)], &mut y);
-        Radial::of(&y[0])
+        network.network.series::<S, O, H>(&[z], &mut y);
+        law.plus(&Radial::of(&y[0]))
     }
 
     /// Q of a node along one axis, and ∂Q/∂v.
     pub(super) fn drag<S: Scalar<Weight = W>>(&self, kind: u8, v: S) -> [S; 2] {
         let none = [S::zero(); 2];
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return none };
+        let c = S::weight(numbers.drag.1);
+        let viscous = [-(c * v), -c];
         match node.drag {
             Drag::None => none,
-            Drag::Viscous => {
-                let c = S::weight(numbers.drag.1);
-                [-(c * v), -c]
-            }
-            Drag::Network(network) => self.network(network).map_or(none, |network| {
+            Drag::Viscous => viscous,
+            Drag::Network(network) => self.network(network).map_or(viscous, |network| {
                 let mut y = [Jet::<S, 1>::zero(); 1];
                 network.network.series::<S, 1, H>(&[ramp(v)], &mut y);
                 let [Jet { value, tangent: [slope] }] = y;
                 let size = -value.neg_abs();
-                [-(size * v), -(size + sign(value) * slope * v)]
+                [viscous[0] - size * v, viscous[1] - (size + sign(value) * slope * v)]
             }),
         }
     }

@@ -130,7 +130,7 @@ impl Shape {
     fn graph(graph: &GraphArchitecture) -> Self {
         let shape = &graph.shape;
         let network = |network: u8| layers(shape.networks().nth(network.into()));
-        let named = shape.nodes().zip(&graph.types).map(|(kind, named)| {
+        let named = shape.nodes().zip(&graph.node_types).map(|(kind, named)| {
             let number = |k: usize| named.numbers.get(k).map_or(f64::NAN, |number| number.value);
             let kinetic = match kind.kinetic {
                 Kinetic::Mass => format!("mass {:.4} kg", number(0)),
@@ -150,14 +150,16 @@ impl Shape {
             };
             format!("{}: {kinetic}, {potential}{drag}", named.name)
         });
-        let joined = shape.edges().zip(&graph.edge_types).map(|(kind, name)| {
+        let joined = shape.edges().zip(&graph.edge_types).map(|(kind, named)| {
+            let name = &named.name;
+            let law: Vec<_> = named.numbers.iter().map(|number| format!("{:.4}", number.value)).collect();
             let seen = match kind.separation {
                 Separation::Distance => "distance",
                 Separation::Squared => "squared distance",
             };
             let potential = kind.potential.map_or("no potential".to_owned(), network);
             let embedding = kind.embedding.map_or(String::new(), |n| format!(", embedded by {}", network(n)));
-            format!("{name}: of the {seen}, {potential}{embedding}")
+            format!("{name}: of the {seen}, law ({}), {potential}{embedding}", law.join(", "))
         });
         let graphs = graph.graphs.iter().map(|graph| GraphOf {
             name: graph.name.clone(),

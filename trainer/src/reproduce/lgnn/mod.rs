@@ -66,12 +66,14 @@ pub struct Options {
     pub iterations: usize,
     /// Starts of rollouts; fewer of large systems.
     pub starts: usize,
+    /// Whether no simple law stands beside the networks.
+    pub networks_alone: bool,
 }
 
 impl Options {
     /// Of the printed tables.
     pub fn new(seed: u64) -> Self {
-        Self { seed, iterations: 200, starts: 100 }
+        Self { seed, iterations: 200, starts: 100, networks_alone: false }
     }
 }
 
@@ -141,7 +143,7 @@ impl Experiment<'_> {
         let settings = LgnnSettings { drag, ..LgnnSettings::published(system, seed) };
         let all = Samples::accelerations(&lgnn_set(&settings)?)?;
         let samples = samples.map_or_else(|| all.clone(), |count| all.shuffled(!seed).range(0..count));
-        let architecture = architecture(system, drag > 0.0);
+        let architecture = architecture(system, drag > 0.0, self.options.networks_alone)?;
         let (clock, iterations) = (Instant::now(), self.options.iterations);
         let tell = &mut *self.tell;
         let name = format!("{} of {}", system.name(), system.nodes());

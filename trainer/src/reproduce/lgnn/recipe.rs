@@ -1,12 +1,12 @@
 //! What is learned, and how.
 
-use crate::architecture::{GraphArchitecture, NamedGraph, NamedNodes, Number};
+use crate::architecture::{GraphArchitecture, GraphType, NamedGraph, Number};
 use crate::baselines::AccelerationModel;
 use crate::ground_truth::LgnnSystem;
 use crate::training::{Levenberg, Samples};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
-    Drag, Edge, EdgeShape, Kinetic, NodeShape, Potential, Separation, Shape,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, Kinetic, NodeShape, Potential, Separation, Shape,
 };
 use leastaction_core::model::{ModelError, Rod};
 use leastaction_core::network::Activation;
@@ -20,6 +20,8 @@ const SPRING: [u16; 4] = [16, 0, 0, 0];
 const DRAG: [u16; 4] = [5, 0, 0, 0];
 /// Of 4 samples 3 are learned from, and one judges.
 const JUDGES: usize = 4;
+/// Size of the networks' outputs when they join the laws.
+const CORRECTION: f64 = 1e-3;
 
 /// A trained model.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,47 +42,42 @@ impl Model {
 
 /// The shape for a system: bobs with a potential of their place, or nodes joined by springs with a potential of their squared
 /// distance; all of the known mass of 1 kg, which fixes the scale of L; with drag, one of each component of the velocity.
-pub fn architecture(system: LgnnSystem, drag: bool) -> GraphArchitecture {
+///
+/// Beside every network stands a simple law that it corrects: a uniform field, a polynomial of the squared distance, viscous drag.
+/// With `networks_alone` those are known to be 0.
+///
+/// # Errors
+/// None; shapes this small fit.
+pub fn architecture(
+    system: LgnnSystem,
+    drag: bool,
+    networks_alone: bool,
+) -> Result<GraphArchitecture, ModelError> {
     let network =
         |inputs, widths| NetworkShape { inputs, widths, outputs: 1, activation: Activation::Squareplus };
+    let law =
+        |learned: bool| if learned && !networks_alone { Number::learned(0.0) } else { Number::known(0.0) };
     let springs = matches!(system, LgnnSystem::Spring(_));
-    let mut networks = vec![if springs { network(1, SPRING) } else { network(2, POTENTIAL) }];
-    let drag = if drag {
-        networks.push(network(1, DRAG));
-        Drag::Network(1)
-    } else {
-        Drag::None
+    let networks = [if springs { network(1, SPRING) } else { network(2, POTENTIAL) }, network(1, DRAG)];
+    let node = NodeShape {
+        kinetic: Kinetic::Mass,
+        potential: if springs { Potential::None } else { Potential::Network(0) },
+        drag: if drag { Drag::Network(1) } else { Drag::None },
     };
-    let potential = if springs { Potential::None } else { Potential::Network(0) };
-    let node = NodeShape { kinetic: Kinetic::Mass, potential, drag };
     let spring = EdgeShape { separation: Separation::Squared, potential: Some(0), embedding: None };
-    let edges: &[EdgeShape] = if springs { &[spring] } else { &[] };
-    let mut shape = Shape { networks: Default::default(), ..empty() };
-    for (slot, network) in shape.networks.iter_mut().zip(networks) {
-        *slot = Some(network);
-    }
-    shape.nodes[0] = Some(node);
-    for (slot, edge) in shape.edges.iter_mut().zip(edges) {
-        *slot = Some(*edge);
-    }
-    let field = if springs { Number::known(0.0) } else { Number::learned(0.0) };
-    let numbers = vec![Number::known(1.0), Number::known(0.0), field, field];
-    let types = vec![NamedNodes { name: if springs { "node" } else { "bob" }.to_owned(), numbers }];
-    let edge_types = edges.iter().map(|_| "spring".to_owned()).collect();
-    GraphArchitecture { shape, types, edge_types, graphs: vec![graph(system)], graph: 0 }
-}
-
-/// In the plane, without anything.
-fn empty() -> Shape {
-    Shape {
-        dimension: 2,
-        kinetic_embedding: 0,
-        embedding: 0,
-        networks: Default::default(),
-        nodes: Default::default(),
-        edges: Default::default(),
-        messages: None,
-    }
+    let (networks, edges) = (&networks[..1 + usize::from(drag)], &[spring][..usize::from(springs)]);
+    let shape =
+        Shape::new(2, networks, &[node], edges).ok_or(ModelError::OutOfRange { what: "number of types" })?;
+    let numbers = vec![Number::known(1.0), law(drag), law(!springs), law(!springs)];
+    let name = if springs { "node" } else { "bob" }.to_owned();
+    let spring = |_| GraphType { name: "spring".to_owned(), numbers: vec![law(true); EDGE_NUMBERS] };
+    Ok(GraphArchitecture {
+        shape,
+        node_types: vec![GraphType { name, numbers }],
+        edge_types: edges.iter().map(spring).collect(),
+        graphs: vec![graph(system)],
+        graph: 0,
+    })
 }
 
 /// The graph of a system whose nodes and springs are all of the first type.
@@ -99,8 +96,9 @@ pub fn graph(system: LgnnSystem) -> NamedGraph {
     }
 }
 
-/// Learns from accelerations by Levenberg–Marquardt on three quarters of the samples, and keeps the iteration that is best on the
-/// fourth; `watch` is called with the iteration and the loss. Also the mean squared errors on both.
+/// Learns from accelerations by Levenberg–Marquardt on three quarters of the samples: first the simple laws alone, then with
+/// the networks beside them; keeps what is best on the fourth quarter. `watch` is called with the iteration and the loss. Also
+/// the mean squared errors on both.
 ///
 /// # Errors
 /// Where the shape is beyond what is compiled.
@@ -112,10 +110,21 @@ pub fn train(
     mut watch: impl FnMut(usize, f64),
 ) -> Result<(Model, [f64; 2]), ModelError> {
     let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
-    let (objective, judge) = (architecture.objective(rows)?, architecture.objective(judges)?);
-    let start = Levenberg::new(&*objective, architecture.initial_weights(seed));
-    let weights =
-        start.best(&*objective, &*judge, iterations, |iteration, state| watch(iteration, state.loss));
+    let (objective, judge) = (architecture.objective(rows.clone())?, architecture.objective(judges)?);
+    let mut best = Vec::new();
+    let mut random = architecture.initial_weights(seed);
+    if architecture.has_laws() {
+        let simple = architecture.without_corrections().objective(rows)?;
+        let silent = architecture.with_corrections_scaled(random.clone(), 0.0);
+        let laws = Levenberg::new(&*simple, silent).best(&*simple, &*judge, iterations, |_, _| ());
+        random = architecture.with_corrections_scaled(random, CORRECTION);
+        architecture.copy_numbers(&laws, &mut random);
+        best.push(laws);
+    }
+    let start = Levenberg::new(&*objective, random);
+    best.push(start.best(&*objective, &*judge, iterations, |iteration, state| watch(iteration, state.loss)));
+    let loss = |weights: &Vec<f64>| judge.loss(weights);
+    let weights = best.into_iter().min_by(|a, b| loss(a).total_cmp(&loss(b))).unwrap_or_default();
     let errors = [objective.loss(&weights), judge.loss(&weights)];
     Ok((Model { architecture, weights }, errors))
 }

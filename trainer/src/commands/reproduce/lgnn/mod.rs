@@ -29,6 +29,9 @@ pub struct Lgnn {
     /// Starts of the rollouts; of large systems fewer are taken.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     starts: u32,
+    /// No simple law (uniform field, polynomial of the squared distance, viscous drag) beside the networks.
+    #[arg(long)]
+    networks_alone: bool,
     /// Of the initial weights and of the data.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
@@ -47,8 +50,12 @@ impl Lgnn {
         let mut rows = Vec::new();
         for case in Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)) {
             for seed in (self.seed..).take(self.seeds as usize) {
-                let options =
-                    Options { iterations: self.iterations as usize, starts: self.starts as usize, seed };
+                let options = Options {
+                    iterations: self.iterations as usize,
+                    starts: self.starts as usize,
+                    networks_alone: self.networks_alone,
+                    seed,
+                };
                 let outcomes = run(case, &options, &mut |line| output.note(line));
                 rows.extend(outcomes.map_err(|error| Failure::Work(error.to_string()))?);
             }
