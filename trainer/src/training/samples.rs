@@ -110,6 +110,12 @@ impl Samples {
         Self { states, controls, ..*self }
     }
 
+    /// Mean square of the last states: of accelerations for the acceleration loss.
+    pub fn mean_square(&self) -> f64 {
+        let [.., last] = &self.states;
+        last.iter().map(|x| x * x).sum::<f64>() / last.len() as f64
+    }
+
     /// How many.
     pub fn len(&self) -> usize {
         self.states[0].len() / self.n.max(1)
