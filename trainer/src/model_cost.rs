@@ -1,11 +1,10 @@
 //! What a model costs on a chip, by its shape: multiply-adds, flash, RAM and stack.
 
-use crate::architecture::{
-    Architecture, Family, GraphArchitecture, ModularArchitecture, RigidArchitecture, Visitor,
-};
+mod graph;
+
+use crate::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture, Visitor};
 use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, State};
 use leastaction_core::energy::NetworkShape;
-use leastaction_core::energy::graph::{Kinetic, MAX_NETWORKS as MAX_GRAPH_NETWORKS, NodeShape, Potential};
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::ModelError;
@@ -30,10 +29,12 @@ pub struct Cost {
     pub handle_bytes: usize,
     /// One acceleration.
     pub acceleration: Work,
-    /// One Newton iteration of a step of order 2.
-    pub newton_order_2: Work,
-    /// One Newton iteration of a step of order 4.
-    pub newton_order_4: Work,
+    /// What is done for a step of order 2.
+    pub step_order_2: Work,
+    /// The same of order 4.
+    pub step_order_4: Work,
+    /// Whether that is one Newton iteration, of which a step takes 2 to 3; else the whole step.
+    pub iterated: bool,
 }
 
 /// The cost of models of this shape.
@@ -41,7 +42,10 @@ pub struct Cost {
 /// # Errors
 /// Where the shape is beyond what is compiled.
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
-    architecture.dispatch(Count { architecture })
+    match architecture {
+        Architecture::Graph(graph) => graph::cost(graph),
+        Architecture::Rigid(_) | Architecture::Modular(_) => architecture.dispatch(Count { architecture }),
+    }
 }
 
 struct Count<'a> {
@@ -55,14 +59,16 @@ impl Visitor for Count<'_> {
         let evaluations = match self.architecture {
             Architecture::Rigid(rigid) => Evaluations::rigid::<N>(rigid),
             Architecture::Modular(modular) => Evaluations::modular::<N>(modular),
-            Architecture::Graph(graph) => Evaluations::graph::<N>(graph),
+            // Counted without a compiled size.
+            Architecture::Graph(_) => Evaluations::none(),
         };
         Cost {
             state_bytes: size_of::<State<f32, N>>(),
             handle_bytes: evaluations.handle_bytes,
             acceleration: evaluations.dynamics,
-            newton_order_2: evaluations.newton::<Midpoint, N>(),
-            newton_order_4: evaluations.newton::<Galerkin, N>(),
+            step_order_2: evaluations.newton::<Midpoint, N>(),
+            step_order_4: evaluations.newton::<Galerkin, N>(),
+            iterated: true,
         }
     }
 }
@@ -129,30 +135,9 @@ impl Evaluations {
         }
     }
 
-    /// Nodes: a forward pass and an adjoint of the potential, with a tangent an axis for second derivatives. Edges and networks
-    /// of kinetic energy: one pass a derivative in the squared distance or speed.
-    fn graph<const N: usize>(graph: &GraphArchitecture) -> Self {
-        let weights = GraphWeights::of(graph);
-        let d = graph.dimension();
-        let multiply_adds = |order: usize| {
-            let tangents = if order > 1 { d } else { 0 };
-            2 * (1 + tangents) * weights.potentials + (1 + order) * (weights.kinetics + weights.edges)
-        };
-        let (widest, depth) = (weights.widest, weights.deepest);
-        let arrays = size_of::<[[f32; 8]; N]>();
-        let matrices = size_of::<[[[f32; N]; N]; 2]>();
-        Self {
-            handle_bytes: MAX_GRAPH_NETWORKS * (depth + 1) * LAYER + 8 * WORD,
-            dynamics: Work {
-                multiply_adds: multiply_adds(1),
-                stack_bytes: tape::<0, 0>(widest, depth) + arrays,
-            },
-            hessian: Work {
-                multiply_adds: multiply_adds(2),
-                stack_bytes: tape::<3, 3>(widest, depth) + arrays + matrices,
-            },
-            gradient: multiply_adds(1),
-        }
+    fn none() -> Self {
+        let nothing = Work { multiply_adds: 0, stack_bytes: 0 };
+        Self { handle_bytes: 0, dynamics: nothing, hessian: nothing, gradient: 0 }
     }
 
     /// At every Gauss point the second derivatives and, for the residual after the update, the first derivatives once more.
@@ -213,41 +198,6 @@ impl NetworkWeights {
     }
 }
 
-/// Weights that one evaluation of all networks of a graph multiplies.
-struct GraphWeights {
-    potentials: usize,
-    kinetics: usize,
-    edges: usize,
-    widest: usize,
-    deepest: usize,
-}
-
-impl GraphWeights {
-    fn of(architecture: &GraphArchitecture) -> Self {
-        let shape = &architecture.shape;
-        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
-        let (nodes, edges) =
-            architecture.graph().map_or((&[][..], &[][..]), |graph| (&graph.nodes, &graph.edges));
-        let kinds = || nodes.iter().filter_map(|kind| shape.nodes().nth((*kind).into()));
-        let potential = |kind: &NodeShape| match kind.potential {
-            Potential::Network(network) => weights(network),
-            Potential::None | Potential::Uniform => 0,
-        };
-        let kinetic = |kind: &NodeShape| match kind.kinetic {
-            Kinetic::Network(network) => weights(network),
-            Kinetic::Mass => 0,
-        };
-        let pairs = edges.iter().filter_map(|edge| shape.edges().nth(edge.kind.into())?.potential);
-        Self {
-            potentials: kinds().map(potential).sum(),
-            kinetics: kinds().map(kinetic).sum(),
-            edges: pairs.map(weights).sum(),
-            widest: shape.networks().flat_map(|network| network.widths().0).max().unwrap_or(0),
-            deepest: shape.networks().map(|network| network.widths().1).max().unwrap_or(0),
-        }
-    }
-}
-
 fn network_weights(network: &NetworkShape) -> usize {
     let (widths, depth) = network.widths();
     let mut inputs = usize::from(network.inputs);
@@ -291,15 +241,15 @@ mod tests {
         let cost = cost(&cartpole(24)).unwrap();
         let weights = 3 * 24 + 24 * 24 + 24 * 4;
         assert_eq!(cost.acceleration.multiply_adds, 3 * weights);
-        assert_eq!(cost.newton_order_2.multiply_adds, 6 * weights);
-        assert_eq!(cost.newton_order_4.multiply_adds, 12 * weights);
+        assert_eq!(cost.step_order_2.multiply_adds, 6 * weights);
+        assert_eq!(cost.step_order_4.multiply_adds, 12 * weights);
     }
 
     #[test]
     fn the_tape_is_that_of_the_compiled_sizes() {
         let tape = size_of::<Tape<f32, 2, 24, 2>>();
         let adjoint = size_of::<[[Jet<f32, 0>; 24]; 2]>();
-        let stack = cost(&cartpole(24)).unwrap().newton_order_2.stack_bytes;
+        let stack = cost(&cartpole(24)).unwrap().step_order_2.stack_bytes;
         assert!((tape + adjoint..tape + adjoint + 1024).contains(&stack), "{stack}");
     }
 

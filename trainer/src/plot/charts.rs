@@ -133,6 +133,14 @@ impl<'a> Panel<'a> {
 /// # Errors
 /// [`PlotError`]: the file cannot be written.
 pub fn time_series(path: &Path, title: &str, panels: &[Panel<'_>]) -> Result<(), PlotError> {
+    stacked(path, title, "time (s)", panels)
+}
+
+/// Draws panels one above the other over the same axis.
+///
+/// # Errors
+/// [`PlotError`]: the file cannot be written.
+pub fn stacked(path: &Path, title: &str, x_label: &str, panels: &[Panel<'_>]) -> Result<(), PlotError> {
     let times = panels.iter().flat_map(|panel| values(panel.series, |point| point.0));
     let time = Axis::tight(Scale::Linear, times, X_TICKS);
     let axes: Vec<_> = panels.iter().map(Panel::axis).collect();
@@ -142,7 +150,7 @@ pub fn time_series(path: &Path, title: &str, panels: &[Panel<'_>]) -> Result<(),
         draw_title(canvas, title)?;
         let mut top = HEAD;
         for (index, (panel, axis)) in panels.iter().zip(axes).enumerate() {
-            let x_label = if index + 1 == panels.len() { "time (s)" } else { "" };
+            let x_label = if index + 1 == panels.len() { x_label } else { "" };
             draw_panel(canvas, (top, left), panel, (&time, axis), x_label)?;
             top += panel.height(left);
         }

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-pub use charts::{Panel, Phase, Vertical, log_log, loss_curve, phase_portrait, time_series};
+pub use charts::{Panel, Phase, Vertical, log_log, loss_curve, phase_portrait, stacked, time_series};
 pub use series::{Angle, Series, Stroke};
 
 /// A chart that could not be made.

@@ -139,9 +139,20 @@ impl Report {
                 self.flash_bytes
             );
         };
-        let Cost { state_bytes, handle_bytes, acceleration, newton_order_2, newton_order_4 } = cost;
-        if let Shape::Modular { tree, .. } = &self.shape {
-            writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
+        let Cost { state_bytes, handle_bytes, acceleration, step_order_2, step_order_4, iterated } = cost;
+        let [second, fourth] = if iterated {
+            ["Newton iteration, order 2", "Newton iteration, order 4"]
+        } else {
+            ["step, order 2", "step, order 4"]
+        };
+        match &self.shape {
+            Shape::Rigid { .. } => {}
+            Shape::Modular { tree, .. } => {
+                writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
+            }
+            Shape::Graph { graph, .. } => {
+                writeln!(f, "graph {graph}, of {} coordinates", self.coordinates.len())?;
+            }
         }
         writeln!(
             f,
@@ -149,11 +160,7 @@ impl Report {
             self.flash_bytes
         )?;
         writeln!(f, "{:<30} {:>13} {:>13}", "", "multiply-adds", "stack bytes")?;
-        let rows = [
-            ("acceleration", acceleration),
-            ("Newton iteration, order 2", newton_order_2),
-            ("Newton iteration, order 4", newton_order_4),
-        ];
+        let rows = [("acceleration", acceleration), (second, step_order_2), (fourth, step_order_4)];
         rows.iter().try_for_each(|(name, work)| {
             writeln!(f, "{name:<30} {:>13} {:>13}", work.multiply_adds, work.stack_bytes)
         })

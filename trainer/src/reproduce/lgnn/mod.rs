@@ -3,11 +3,13 @@
 //!
 //! Data and truth are exact motion; the authors' carry the error of their integrator, which is what their training loss ends at.
 
+mod insight;
 mod outcome;
 mod published;
 mod recipe;
 mod speed;
 
+pub use insight::{Compared, Insight};
 pub use outcome::{Outcome, ReproduceError, RolledOut};
 pub use published::{PARAMETERS, Published};
 pub use recipe::{Model, architecture, graph, train};
@@ -171,6 +173,7 @@ impl Experiment<'_> {
             drag_error: None,
             step_microseconds: None,
             pictured: None,
+            insight: Insight::new(&model, drag, &samples)?,
             published: Published::default(),
         };
         let drag_error = (drag > 0.0).then(|| drag_error(&model, drag, &samples)).transpose()?;
@@ -241,7 +244,9 @@ impl Experiment<'_> {
         };
         let (system, count) = (system.name(), system.nodes());
         let pictured = Some((horizon.h, rollouts));
-        Ok(Outcome { system, count, rolled_out: Some(rolled_out), pictured, ..row })
+        let rods = insight::pulls(&driven, &truss, truth.first(), horizon.h);
+        let insight = Insight { rods, ..row.insight };
+        Ok(Outcome { system, count, rolled_out: Some(rolled_out), pictured, insight, ..row })
     }
 
     /// The model of five springs on more and more, with the time of a step.

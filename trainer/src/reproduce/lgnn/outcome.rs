@@ -1,6 +1,6 @@
 //! What an experiment gives, and why it cannot be done.
 
-use super::{Case, Published};
+use super::{Case, Insight, Published};
 use crate::evaluate::rollout::Rollouts;
 use crate::ground_truth::{GenerationError, IntegrationError};
 use leastaction_core::constraints::ConstraintError;
@@ -69,6 +69,9 @@ pub struct Outcome {
     /// The rollouts over time, with the time between comparisons, s.
     #[serde(skip)]
     pub pictured: Option<(f64, Rollouts)>,
+    /// What was learned, beside the truth.
+    #[serde(skip)]
+    pub insight: Insight,
     /// The paper's.
     #[serde(skip)]
     pub published: Published,

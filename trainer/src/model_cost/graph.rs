@@ -1,0 +1,121 @@
+//! What a graph costs, whatever its size.
+
+use super::{Cost, LAYER, WORD, Work, network_weights, tape};
+use crate::architecture::GraphArchitecture;
+use leastaction_core::discrete::rattle::{ParticleState, Rattle};
+use leastaction_core::energy::graph::{Edge, Kinetic, NodeShape, Potential, Shape};
+use leastaction_core::model::{ModelError, Rod};
+
+/// Steps of order 2 that one of order 4 is composed of.
+const COMPOSED: usize = 5;
+
+/// A step is RATTLE's: forces once, momenta and velocities of every node; state and room are the caller's.
+pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError> {
+    let graph = architecture.graph()?;
+    let shape = &architecture.shape;
+    let networks = || shape.networks().map(|network| network.widths());
+    let widest = networks().flat_map(|(widths, _)| widths).max().unwrap_or(0);
+    let depth = networks().map(|(_, depth)| depth).max().unwrap_or(0);
+    let stack_bytes = tape::<1, 1>(widest, depth);
+    let (nodes, rods) = (graph.nodes.len(), graph.rods.len());
+    let numbers = if architecture.dimension() == 3 {
+        ParticleState::<f32, 3>::room(nodes, rods)
+            + Rattle::<f32>::room_of::<3>(nodes, rods, band(&graph.rods), 0)
+    } else {
+        ParticleState::<f32, 2>::room(nodes, rods)
+            + Rattle::<f32>::room_of::<2>(nodes, rods, band(&graph.rods), 0)
+    };
+    let forces = Forces::of(shape, &graph.nodes, &graph.edges).multiply_adds();
+    Ok(Cost {
+        state_bytes: size_of::<f32>() * numbers,
+        // The shape, the networks' layers, and the edges, which are read into RAM.
+        handle_bytes: size_of::<Shape>()
+            + shape.networks().count() * (depth + 1) * LAYER
+            + size_of::<Edge>() * graph.edges.len()
+            + 8 * WORD,
+        acceleration: Work { multiply_adds: forces, stack_bytes },
+        step_order_2: Work { multiply_adds: forces, stack_bytes },
+        step_order_4: Work { multiply_adds: COMPOSED * forces, stack_bytes },
+        iterated: false,
+    })
+}
+
+/// The largest distance in the list between two rods that share a node.
+fn band(rods: &[Rod]) -> usize {
+    let share = |a: &Rod, b: &Rod| {
+        let ends = |rod: &Rod| [rod.from, Some(rod.to)];
+        ends(a).iter().flatten().any(|end| ends(b).contains(&Some(*end)))
+    };
+    let reach =
+        |k: usize| (k + 1..rods.len()).rev().find(|l| share(&rods[k], &rods[*l])).map_or(0, |l| l - k);
+    (0..rods.len()).map(reach).max().unwrap_or(0)
+}
+
+/// Weights that one evaluation of all networks multiplies.
+struct Forces {
+    potentials: usize,
+    kinetics: usize,
+    edges: usize,
+    messages: usize,
+}
+
+impl Forces {
+    fn of(shape: &Shape, nodes: &[u8], edges: &[Edge]) -> Self {
+        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
+        let kinds = || nodes.iter().filter_map(|kind| shape.nodes().nth((*kind).into()));
+        let potential = |kind: &NodeShape| match kind.potential {
+            Potential::Network(network) => weights(network),
+            Potential::None | Potential::Uniform => 0,
+        };
+        let kinetic = |kind: &NodeShape| match kind.kinetic {
+            Kinetic::Network(network) => weights(network),
+            Kinetic::Mass => 0,
+        };
+        let joined = || edges.iter().filter_map(|edge| shape.edges().nth(edge.kind.into()));
+        let pairs = joined().flat_map(|kind| [kind.potential, kind.embedding]).flatten();
+        let messages = shape.messages.map_or(0, |messages| {
+            let an_edge = 2 * weights(messages.message)
+                + weights(messages.update)
+                + messages.edge_potential.map_or(0, weights);
+            edges.len() * an_edge + nodes.len() * messages.node_potential.map_or(0, weights)
+        });
+        Self {
+            potentials: kinds().map(potential).sum(),
+            kinetics: kinds().map(kinetic).sum(),
+            edges: pairs.map(weights).sum(),
+            messages,
+        }
+    }
+
+    /// Potentials and messages: a forward pass and an adjoint; edges: one with a derivative; kinetic energies: one with a derivative
+    /// for the momentum and one with two for the mass.
+    fn multiply_adds(&self) -> usize {
+        2 * (self.potentials + self.edges + self.messages) + 5 * self.kinetics
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ground_truth::LgnnSystem;
+    use crate::reproduce::lgnn::architecture;
+
+    #[test]
+    fn three_pendulums_and_five_springs_by_hand() {
+        let pendulums = cost(&architecture(LgnnSystem::Pendulum(3), false, false).unwrap()).unwrap();
+        assert_eq!(pendulums.step_order_2.multiply_adds, 2 * 3 * (2 * 8 + 8));
+        assert_eq!(pendulums.step_order_4.multiply_adds, 5 * 2 * 3 * (2 * 8 + 8));
+        let springs = cost(&architecture(LgnnSystem::Spring(5), false, false).unwrap()).unwrap();
+        assert_eq!(springs.acceleration.multiply_adds, 2 * 5 * (16 + 16));
+        // Two states of six vectors a node; without rods there is no room to solve in.
+        assert_eq!(springs.state_bytes, 4 * 2 * 6 * 5 * 2);
+    }
+
+    #[test]
+    fn the_band_of_a_chain_is_one() {
+        let rod = |from: Option<u16>, to| Rod { from, to, length: 1.0 };
+        assert_eq!(band(&[rod(None, 0), rod(Some(0), 1), rod(Some(1), 2)]), 1);
+        assert_eq!(band(&[rod(None, 0), rod(Some(1), 2), rod(Some(0), 1)]), 2);
+        assert_eq!(band(&[rod(None, 0), rod(None, 1)]), 0);
+    }
+}
