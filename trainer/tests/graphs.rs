@@ -17,15 +17,18 @@ fn shape(system: LgnnSystem, drag: bool) -> GraphArchitecture {
     architecture(system, drag, false).expect("a shape")
 }
 
-fn acceleration_loss(shape: &GraphArchitecture, samples: Samples) -> Box<dyn Objective> {
-    objective(&shape.clone().into(), samples, LossKind::Acceleration, 2).expect("compiled")
+fn loss(shape: &GraphArchitecture, samples: Samples, kind: LossKind) -> Box<dyn Objective> {
+    objective(&shape.clone().into(), samples, kind, 2).expect("compiled")
+}
+
+fn triples(system: LgnnSystem, h: f64) -> Samples {
+    let settings = LgnnSettings { h, trajectories: 2, samples: 12, ..LgnnSettings::published(system, 3) };
+    Samples::triples(&lgnn_set(&settings).expect("data"))
 }
 
 /// ∂(mean square)/∂θ = 2Jᵀr/rows, by `gradient` and by the normal equations, is that of central differences; where a number is
 /// known it is 0.
-fn check_gradient(system: LgnnSystem, drag: bool) {
-    let shape = shape(system, drag);
-    let objective = acceleration_loss(&shape, samples(system, if drag { 0.1 } else { 0.0 }, 2));
+fn check_gradient(shape: &GraphArchitecture, objective: &dyn Objective) {
     // Away from where laws are 0, and drag without a kink.
     let mut weights: Vec<f64> = shape.initial_weights(9).iter().map(|w| w + 0.05).collect();
     let equations = objective.normal_equations(&weights).expect("evaluates");
@@ -43,19 +46,44 @@ fn check_gradient(system: LgnnSystem, drag: bool) {
         let expected = if fixed.contains(&k) { 0.0 } else { difference };
         for found in [equations.gradient[k], gradient.gradient[k]] {
             let off = (factor * found - expected).abs();
-            assert!(off <= 1e-6 * (1.0 + expected.abs()), "{system:?}, weight {k}: {found} {expected}");
+            assert!(off <= 1e-6 * (1.0 + expected.abs()), "weight {k}: {found} {expected}");
         }
     }
 }
 
 #[test]
 fn gradients_on_rods_are_those_of_the_loss() {
-    check_gradient(LgnnSystem::Pendulum(3), true);
+    let (system, shape) = (LgnnSystem::Pendulum(3), shape(LgnnSystem::Pendulum(3), true));
+    check_gradient(&shape, &*loss(&shape, samples(system, 0.1, 2), LossKind::Acceleration));
+    check_gradient(&shape, &*loss(&shape, triples(system, 0.01), LossKind::DelResidual));
+}
+
+#[test]
+fn the_del_residual_of_exact_motion_on_rods_is_of_third_order() {
+    let system = LgnnSystem::Pendulum(2);
+    let shape = shape(system, false);
+    let mut weights = shape.with_corrections_scaled(shape.initial_weights(0), 0.0);
+    let numbers = weights.len() - 4;
+    weights[numbers..].copy_from_slice(&[1.0, 0.0, 0.0, 10.0]);
+    let residual = |h: f64| loss(&shape, triples(system, h), LossKind::DelResidual).loss(&weights).sqrt();
+    let order = (residual(4e-3) / residual(2e-3)).log2();
+    assert!((order - 3.0).abs() < 0.2, "{order}");
+}
+
+#[test]
+fn other_discrete_losses_on_rods_are_refused() {
+    let (system, shape) = (LgnnSystem::Pendulum(2), shape(LgnnSystem::Pendulum(2), false));
+    for (kind, order) in [(LossKind::NextPosition, 2), (LossKind::DelResidual, 4)] {
+        let refused = objective(&shape.clone().into(), triples(system, 0.01), kind, order);
+        assert!(refused.err().is_some_and(|error| error.to_string().contains("rods")));
+    }
 }
 
 #[test]
 fn gradients_of_springs_are_those_of_the_loss() {
-    check_gradient(LgnnSystem::Spring(5), false);
+    let (system, shape) = (LgnnSystem::Spring(3), shape(LgnnSystem::Spring(3), false));
+    check_gradient(&shape, &*loss(&shape, samples(system, 0.0, 2), LossKind::Acceleration));
+    check_gradient(&shape, &*loss(&shape, triples(system, 0.05), LossKind::NextPosition));
 }
 
 #[test]
@@ -65,7 +93,8 @@ fn the_exact_numbers_have_no_error_on_rods() {
     let mut weights = shape.with_corrections_scaled(shape.initial_weights(0), 0.0);
     let numbers = weights.len() - 4;
     weights[numbers..].copy_from_slice(&[1.0, drag, 0.0, 10.0]);
-    assert!(acceleration_loss(&shape, samples(system, drag, 2)).loss(&weights) < 1e-24);
+    let objective = loss(&shape, samples(system, drag, 2), LossKind::Acceleration);
+    assert!(objective.loss(&weights) < 1e-24);
 }
 
 #[test]

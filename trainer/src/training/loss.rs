@@ -129,16 +129,8 @@ impl<const N: usize> Equation<N> {
         let mut compliance = solve_many(transpose(&self.mass), identity())?;
         let mut acceleration = solve(self.mass, self.force)?;
         for (row, bend) in &self.constraints {
-            let along = multiply(&compliance, row);
-            let flexibility = dot(row, &along);
-            if !(flexibility > 0.0) {
-                return Err(Failed);
-            }
-            let lambda = -(dot(row, &acceleration) + bend) / flexibility;
-            acceleration = add_scaled(&acceleration, lambda, &along);
-            for (i, entries) in compliance.iter_mut().enumerate() {
-                *entries = add_scaled(entries, -along[i] / flexibility, &along);
-            }
+            let missing = -(dot(row, &acceleration) + bend);
+            acceleration = add_scaled(&acceleration, missing, &take_out(&mut compliance, row)?);
         }
         Ok(Solution { acceleration, compliance })
     }
@@ -249,7 +241,8 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P
     fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         for (residual, sample) in residuals.iter_mut().zip(group) {
-            *residual = self.residual(&systems.one, &sample.states, &sample.controls)?;
+            let tangent = tangent(systems.family, &sample.states)?;
+            *residual = multiply(&tangent, &self.residual(&systems.one, &sample.states, &sample.controls)?);
         }
         Ok(residuals)
     }
@@ -262,7 +255,9 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P
     ) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            *residual = self.linearise(&systems.one, &sample.states, &sample.controls, terms)?;
+            let tangent = tangent(systems.family, &sample.states)?;
+            let all = self.linearise(&systems.one, &tangent, &sample.states, &sample.controls, terms)?;
+            *residual = multiply(&tangent, &all);
         }
         Ok(residuals)
     }
@@ -287,6 +282,7 @@ impl<P: Path + Sync> DelLoss<P> {
     fn linearise<L, F, const N: usize>(
         &self,
         system: &System<L, F>,
+        tangent: &[[f64; N]; N],
         states: &[[f64; N]; 3],
         controls: &[[f64; N]; 3],
         terms: &mut Vec<Term<N>>,
@@ -299,7 +295,7 @@ impl<P: Path + Sync> DelLoss<P> {
         let (before, after) = (&pair.before.interval, &pair.after.interval);
         let ahead = after.linearise(system);
         let rows =
-            if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { identity() };
+            if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { *tangent };
         let (mut slaved_before, mut slaved_after) = ([[0.0; N]; N], [[0.0; N]; N]);
         if P::BUBBLE {
             let momentum_s = before.end_momentum_s(system);
@@ -312,6 +308,33 @@ impl<P: Path + Sync> DelLoss<P> {
         }
         Ok(pair.residual)
     }
+}
+
+/// The projection to what the constraints at the middle position leave free, I without constraints: their impulses Aᵀλ have no
+/// part there.
+fn tangent<F: Family<N>, const N: usize>(
+    family: &F,
+    [_, q, _]: &[[f64; N]; 3],
+) -> Result<[[f64; N]; N], Failed> {
+    let mut tangent = identity();
+    for (row, _) in family.constraints(q, &[0.0; N]) {
+        take_out(&mut tangent, &row)?;
+    }
+    Ok(tangent)
+}
+
+/// Takes the direction of a constraint out of a symmetric matrix: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa).
+fn take_out<const N: usize>(matrix: &mut [[f64; N]; N], row: &[f64; N]) -> Result<[f64; N], Failed> {
+    let along = multiply(matrix, row);
+    let flexibility = dot(row, &along);
+    // Not a number where a weight has left its range.
+    if flexibility.is_nan() || flexibility <= 0.0 {
+        return Err(Failed);
+    }
+    for (i, entries) in matrix.iter_mut().enumerate() {
+        *entries = add_scaled(entries, -along[i] / flexibility, &along);
+    }
+    Ok(along.map(|x| x / flexibility))
 }
 
 /// Rows y of −h K⁻¹, K = ∂G/∂w with the bubble following.

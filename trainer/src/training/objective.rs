@@ -38,8 +38,16 @@ pub fn objective(
     order: u8,
 ) -> Result<Box<dyn Objective>, ModelError> {
     architecture.parameters()?;
+    let rods = architecture.graph().is_some_and(|graph| graph.graph().is_ok_and(|g| !g.rods.is_empty()));
+    let steps = kind == LossKind::NextPosition || kind == LossKind::DelResidual && order != 2;
+    if rods && steps {
+        return Err(ModelError::OutOfRange { what: RODS });
+    }
     architecture.dispatch(Build { architecture: architecture.clone(), samples, kind, order })?
 }
+
+/// What of the losses is known on rods.
+const RODS: &str = "loss of a graph with rods (only the acceleration, or the DEL residual of order 2)";
 
 struct Build {
     architecture: Architecture,

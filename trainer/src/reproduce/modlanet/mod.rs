@@ -65,7 +65,8 @@ impl Case {
             (Self::ThreeBody | Self::ExtendBody, PairInput::InverseDistance) => 20,
             (Self::DatasetSize, _) => 30,
             (Self::DirectLarge, _) => 40,
-            (Self::DoublePendulum | Self::ExtendPendulum | Self::Noise, _) => 150,
+            (Self::DoublePendulum | Self::ExtendPendulum, _) => 600,
+            (Self::Noise, _) => 150,
         }
     }
 

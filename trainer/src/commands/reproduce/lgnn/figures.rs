@@ -16,10 +16,10 @@ pub fn draw(folder: &Path, rows: &[Outcome]) -> Done {
         let file = folder.join(format!("{name}-errors.svg"));
         draw_errors(&file, row).map_err(|error| Failure::file(&file, error))?;
         let Insight { spring, drag, rods } = &row.insight;
-        let (potential, force) = ("potential energy of a spring (J)", "drag (N)");
+        let (potential, force) = ("potential (J)", "drag (N)");
         learned(folder, &format!("{name}-spring"), "length (m)", &[(potential, spring)])?;
         learned(folder, &format!("{name}-drag"), "velocity (m/s)", &[(force, drag)])?;
-        let pulls: Vec<_> = rods.iter().map(|rod| ("pull of a rod (N)", rod)).collect();
+        let pulls: Vec<_> = rods.iter().map(|rod| ("pull (N)", rod)).collect();
         learned(folder, &format!("{name}-rods"), "time (s)", &pulls)?;
     }
     Ok(())
