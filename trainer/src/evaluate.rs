@@ -1,9 +1,9 @@
-//! How good a model is, in SyMo's measures on equal terms; [`prediction`] has ModLaNet's, [`rollout`] LGNN's.
+//! How good a model is, in SyMo's measures on equal terms; [`prediction`] has ModLaNet's, [`rollouts`] LGNN's.
 
 pub mod learned;
 pub mod particles;
 pub mod prediction;
-pub mod rollout;
+pub mod rollouts;
 
 use crate::architecture::{Architecture, Family, MAX_DISCRETE, Visitor, too_large_for_steps};
 use crate::data::{Dataset, Trajectory};

@@ -18,7 +18,7 @@ pub use speed::{LINEAR_SIZES, step_microseconds};
 use crate::architecture::HostTypes;
 use crate::evaluate::particles::Driven;
 use crate::evaluate::prediction::Truth;
-use crate::evaluate::rollout::Rollouts;
+use crate::evaluate::rollouts::Rollouts;
 use crate::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, lgnn_starts};
 use crate::training::Samples;
 use leastaction_core::energy::graph::{Graph, Member, Union};

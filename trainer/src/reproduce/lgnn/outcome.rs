@@ -1,7 +1,7 @@
 //! What an experiment gives, and why it cannot be done.
 
 use super::{Case, Insight, Published};
-use crate::evaluate::rollout::Rollouts;
+use crate::evaluate::rollouts::Rollouts;
 use crate::ground_truth::{GenerationError, IntegrationError};
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::energy::graph::GraphError;
