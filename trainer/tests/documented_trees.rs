@@ -53,7 +53,7 @@ fn trajectory(motion: &dyn Motion, spread: f64, id: i64) -> Trajectory {
         v.extend_from_slice(&state[n..]);
         a.extend(out);
     };
-    follow(exact, &start, Horizon { h: 0.05, samples: 20 }, 1e-10, keep).unwrap();
+    follow(exact, |_| Some(()), &start, Horizon { h: 0.05, samples: 20 }, 1e-10, keep).unwrap();
     let rows = |values| Rows::from_flat(n, values).unwrap();
     Trajectory { id, t0: 0.0, q: rows(q), v: Some(rows(v)), a: Some(rows(a)), u: None }
 }

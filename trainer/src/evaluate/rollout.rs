@@ -91,7 +91,7 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Of numbers ≥ 0, those below [`LEAST`] taken as it; not a number of none.
+/// Of numbers ≥ 0, those below 1e-17 taken as that; not a number of none.
 pub fn geometric_mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0usize), |(sum, count), x| (sum + x.max(LEAST).ln(), count + 1));
     (sum / count as f64).exp()

@@ -131,7 +131,7 @@ impl<const N: usize> Equation<N> {
         for (row, bend) in &self.constraints {
             let along = multiply(&compliance, row);
             let flexibility = dot(row, &along);
-            if !(flexibility > 0.0) {
+            if flexibility.is_nan() || flexibility <= 0.0 {
                 return Err(Failed);
             }
             let lambda = -(dot(row, &acceleration) + bend) / flexibility;

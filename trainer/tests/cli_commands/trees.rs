@@ -20,13 +20,20 @@ fn trajectory(chain: &Chain, id: i64) -> Trajectory {
         Start { q: (0..n).map(|i| spread(i, 0.3)).collect(), v: (0..n).map(|i| spread(i, 1.1)).collect() };
     let (mut q, mut v, mut a) = (Vec::new(), Vec::new(), Vec::new());
     let exact = |q: &[f64], v: &[f64], a: &mut [f64]| chain.acceleration(q, v, a);
-    follow(exact, &start, Horizon { h: 0.05, samples: 30 }, 1e-10, |state| {
-        let mut out = vec![0.0; n];
-        chain.acceleration(&state[..n], &state[n..], &mut out).unwrap();
-        q.extend_from_slice(&state[..n]);
-        v.extend_from_slice(&state[n..]);
-        a.extend(out);
-    })
+    follow(
+        exact,
+        |_| Some(()),
+        &start,
+        Horizon { h: 0.05, samples: 30 },
+        1e-10,
+        |state| {
+            let mut out = vec![0.0; n];
+            chain.acceleration(&state[..n], &state[n..], &mut out).unwrap();
+            q.extend_from_slice(&state[..n]);
+            v.extend_from_slice(&state[n..]);
+            a.extend(out);
+        },
+    )
     .unwrap();
     let rows = |values| Rows::from_flat(n, values).unwrap();
     Trajectory { id, t0: 0.0, q: rows(q), v: Some(rows(v)), a: Some(rows(a)), u: None }
