@@ -5,87 +5,46 @@
 #[allow(dead_code, reason = "each test binary uses its own part")]
 mod reference;
 
-use leastaction_core::energy::NetworkShape;
-use leastaction_core::energy::graph::{
-    Drag, Edge, EdgeShape, Fixed, Graph, Kinetic, MessageShape, NodeShape, Potential, Separation, Shape,
-    Types,
-};
+use leastaction::architecture::{DEPTH, Family, GraphArchitecture, HostTypes, MAX_GRAPH_WIDTH, Visitor};
+use leastaction::evaluate::particles::Driven;
+use leastaction::import::{Imported, LGNN_EMBEDDINGS, lgnn};
+use leastaction::training::{LossKind, Samples, objective};
+use leastaction_core::energy::graph::{Fixed, Graph, MAX_NETWORKS};
 use leastaction_core::forces::Forces;
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::network::{Activation, Dense};
 use reference::{Arrays, EXACT, assert_close, assert_within, data, scale};
-use safetensors::SafeTensors;
 use std::fs;
 
 /// Coordinates of three nodes in the plane.
 const N: usize = 6;
-/// The authors' names of the networks, in our order, with inputs, units of both hidden layers, and outputs.
-const NETWORKS: [(&str, u8, u16, u8); 8] = [
-    ("L.ke", 6, 10, 1),
-    ("L.ff3", 7, 5, 1),
-    ("drag", 1, 5, 1),
-    ("L.fb", 1, 5, 5),
-    ("L.fv", 10, 5, 5),
-    ("L.fe", 5, 5, 5),
-    ("L.ff1", 5, 5, 1),
-    ("L.ff2", 5, 5, 1),
-];
+const BOBS: usize = N / 2;
 
-fn shape(drag: Drag) -> Shape {
-    let networks = NETWORKS.map(|(_, inputs, width, outputs)| {
-        NetworkShape::new(inputs, &[width; 2], outputs, Activation::Squareplus).expect("few layers")
-    });
-    let node = NodeShape { kinetic: Kinetic::Network(0), potential: Potential::Network(1), drag };
-    let edge = EdgeShape { separation: Separation::Distance, potential: None, embedding: Some(3) };
-    let messages = MessageShape { message: 4, update: 5, edge_potential: Some(6), node_potential: Some(7) };
-    Shape {
-        kinetic_embedding: 5,
-        embedding: 5,
-        messages: Some(messages),
-        ..Shape::new(2, &networks, &[node], &[edge]).expect("few parts")
-    }
-}
-
-fn tensor(tensors: &SafeTensors, name: &str) -> Vec<f64> {
-    let bytes = tensors.tensor(name).expect("tensor").data().to_vec();
-    bytes.as_chunks().0.iter().map(|x| f64::from_le_bytes(*x)).collect()
-}
-
-/// A layer of theirs, row by row, in our order.
-fn layer(tensors: &SafeTensors, name: &str) -> Vec<f64> {
-    let (rows, bias) = (tensor(tensors, &format!("{name}.weight")), tensor(tensors, &format!("{name}.bias")));
-    let (outputs, inputs) = (bias.len(), rows.len() / bias.len());
-    let mut weights = rows.clone();
-    for (k, weight) in rows.into_iter().enumerate() {
-        weights[Dense::<f64>::position(inputs, outputs, k / inputs, k % inputs)] = weight;
-    }
-    [weights, bias].concat()
-}
-
-/// The weight block: an embedding is what their linear layer makes of the one type there is.
-fn weights(tensors: &SafeTensors) -> Vec<f64> {
-    let layers = NETWORKS.iter().flat_map(|(name, ..)| (0..3).map(move |i| format!("{name}.{i}")));
-    let networks: Vec<f64> = layers.flat_map(|name| layer(tensors, &name)).collect();
-    let embedding = |name: &str| {
-        let bias = tensor(tensors, &format!("{name}.0.bias"));
-        let weights = tensor(tensors, &format!("{name}.0.weight"));
-        weights.iter().zip(bias).map(|(w, b)| w + b).collect::<Vec<f64>>()
-    };
-    let no_mass_drag_or_field = vec![0.0; 4];
-    let no_law = vec![0.0; 2];
-    [networks, no_mass_drag_or_field, embedding("L.fneke"), embedding("L.fne"), no_law].concat()
-}
-
-fn check(name: &str, drag: Drag) {
+fn network(name: &str, drag: bool) -> Imported {
     let file = fs::read(data("lgnn").join(format!("{name}_network.safetensors"))).expect("weights");
-    let weights = weights(&SafeTensors::deserialize(&file).expect("safetensors"));
-    let mut block = &weights[..];
-    let types = Types::<f64, 2, 8, 10, 2>::take(&mut block, &shape(drag)).expect("weights of this shape");
-    assert!(block.is_empty());
-    let edges = [[0, 1], [1, 2]].map(|ends| Edge { kind: 0, ends });
-    let graph = Graph::new(types, &[0; 3], &edges).expect("a graph");
-    let fixed = Fixed::<_, 2, _, _, _, N>::new(graph).expect("as many coordinates");
-    let mut reference = Arrays::open(&data("lgnn").join(format!("{name}_reference.npz")));
+    lgnn(&file, BOBS, drag).expect("import")
+}
+
+fn graph(imported: &Imported) -> &GraphArchitecture {
+    imported.architecture.graph().expect("a graph")
+}
+
+type Model<'a> = Fixed<'a, f64, 2, MAX_NETWORKS, MAX_GRAPH_WIDTH, DEPTH, N>;
+
+fn types(imported: &Imported) -> HostTypes<'_, f64, 2> {
+    graph(imported).host_types(&imported.weights).expect("weights of this shape")
+}
+
+fn arrays(name: &str) -> Arrays {
+    Arrays::open(&data("lgnn").join(format!("{name}_reference.npz")))
+}
+
+/// Energies, their derivatives and the drag.
+fn check_energies(name: &str, drag: bool) {
+    let imported = network(name, drag);
+    let layout = graph(&imported).graph().expect("a chain");
+    let particles = Graph::new(types(&imported), &layout.nodes, &layout.edges).expect("a graph");
+    let fixed: Model = Fixed::new(particles).expect("as many coordinates");
+    let mut reference = arrays(name);
     let (q, v) = (reference.get("q"), reference.get("v"));
     let (mut kinetic, mut potential, mut l_q, mut mass, mut force) = (vec![], vec![], vec![], vec![], vec![]);
     for (q, v) in q.as_chunks::<N>().0.iter().zip(v.as_chunks::<N>().0) {
@@ -108,11 +67,91 @@ fn check(name: &str, drag: Drag) {
 #[test]
 #[ignore = "needs LEASTACTION_REFERENCE"]
 fn energies_and_derivatives_agree() {
-    check("3_pendulum", Drag::None);
+    check_energies("3_pendulum", false);
 }
 
 #[test]
 #[ignore = "needs LEASTACTION_REFERENCE"]
 fn energies_derivatives_and_drag_agree() {
-    check("3_pendulum_drag", Drag::Network(2));
+    check_energies("3_pendulum_drag", true);
+}
+
+/// The constraints' rows of A, one after the other, and Ȧv.
+struct Rows<'a>(&'a [f64], &'a [f64]);
+
+impl Visitor for Rows<'_> {
+    type Output = [Vec<f64>; 2];
+
+    fn visit<F: Family<M> + Clone + 'static, const M: usize>(self, family: &F) -> Self::Output {
+        let state = |x: &[f64]| -> [f64; M] { std::array::from_fn(|i| x[i]) };
+        let rows = family.constraints(&state(self.0), &state(self.1));
+        [rows.iter().flat_map(|(row, _)| *row).collect(), rows.iter().map(|(_, bend)| *bend).collect()]
+    }
+}
+
+/// The constraints, their multipliers and the accelerations: φ is |d|² − ℓ² in their program, (|d|² − ℓ²)/2ℓ in ours, and their
+/// rods have 1 m. The second half of the states lies off the rods.
+fn check_motion(name: &str, drag: bool) {
+    let imported = network(name, drag);
+    let layout = graph(&imported).graph().expect("a chain");
+    let particles = Graph::new(types(&imported), &layout.nodes, &layout.edges).expect("a graph");
+    let rods = layout.constraints::<2>();
+    let driven = Driven::new(&particles, &rods, &[]).expect("rods");
+    let mut reference = arrays(name);
+    let (q, v) = (reference.get("q"), reference.get("v"));
+    let (mut jacobian, mut bend, mut lambda, mut acceleration) = (vec![], vec![], vec![], vec![]);
+    for (q, v) in q.chunks_exact(N).zip(v.chunks_exact(N)) {
+        let [rows, rate] = imported.architecture.dispatch(Rows(q, v)).expect("compiled");
+        jacobian.extend(rows.iter().map(|x| 2.0 * x));
+        bend.extend(rate.iter().map(|x| 2.0 * x));
+        lambda.extend(driven.multipliers(q, v).expect("rods that do not contradict each other"));
+        let mut a = [0.0; N];
+        driven.acceleration(q, v, &mut a).expect("rods that do not contradict each other");
+        acceleration.extend(a);
+    }
+    assert_close("A", &jacobian, &reference.get("A"), EXACT);
+    assert_close("dA/dt v", &bend, &reference.get("Adot_v"), EXACT);
+    let theirs: Vec<f64> = reference.get("lam").iter().map(|lambda| 2.0 * lambda).collect();
+    assert_close("lambda", &lambda, &theirs, 1e-9);
+    assert_close("acceleration", &acceleration, &reference.get("acc"), 1e-9);
+}
+
+#[test]
+#[ignore = "needs LEASTACTION_REFERENCE"]
+fn rods_and_accelerations_agree() {
+    check_motion("3_pendulum", false);
+    check_motion("3_pendulum_drag", true);
+}
+
+/// Their gradient in the order of our weight block; an embedding is the sum of a weight and a bias, and so would be its gradient.
+fn gradient(arrays: &mut Arrays, prefix: &str) -> Vec<f64> {
+    let imported = lgnn(&arrays.as_weights(prefix), BOBS, false).expect("gradient as weights");
+    let embeddings: usize =
+        LGNN_EMBEDDINGS.iter().map(|name| arrays.get(&format!("{prefix}{name}.0.bias")).len()).sum();
+    let mut gradient = imported.weights;
+    let end = gradient.len() - 2;
+    gradient[end - embeddings..end].iter_mut().for_each(|g| *g *= 0.5);
+    gradient
+}
+
+#[test]
+#[ignore = "needs LEASTACTION_REFERENCE"]
+fn losses_and_parameter_gradients_agree() {
+    let mut training = Arrays::open(&data("lgnn").join("3_pendulum_gradients.npz"));
+    let states = ["R", "V", "F"].map(|key| training.get(key));
+    let free = vec![0.0; states[0].len()];
+    let samples = Samples { n: N, h: 0.0, controls: [free.clone(), free.clone(), free], states };
+    let initial = lgnn(&training.as_weights("init."), BOBS, false).expect("import");
+    for (Imported { architecture, weights, .. }, what) in
+        [(initial, "init"), (network("3_pendulum", false), "trained")]
+    {
+        let loss = objective(&architecture, samples.clone(), LossKind::Acceleration, 2).expect("compiled");
+        let theirs = training.get(&format!("loss_{what}"));
+        assert_close(&format!("{what}: loss"), &[loss.loss(&weights)], &theirs, 1e-9);
+        let equations = loss.gradient(&weights, 0..loss.samples()).expect("finite");
+        let factor = 2.0 / equations.rows as f64;
+        let ours: Vec<f64> = equations.gradient.iter().map(|g| factor * g).collect();
+        let theirs = gradient(&mut training, &format!("grad_{what}."));
+        assert_close(&format!("{what}: gradient"), &ours, &theirs, 1e-9);
+    }
 }

@@ -5,7 +5,9 @@ pub mod particles;
 pub mod prediction;
 pub mod rollouts;
 
-use crate::architecture::{Architecture, Family, MAX_DISCRETE, Visitor, too_large_for_steps};
+use crate::architecture::{
+    Architecture, Family, GraphArchitecture, MAX_DISCRETE, Visitor, too_large_for_steps,
+};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
 use crate::parallel;
@@ -53,7 +55,7 @@ impl Visitor for Rollout<'_> {
     }
 }
 
-/// [`rollout`] of any system, exact or learned.
+/// [`rollout()`] of any system, exact or learned.
 pub fn rollout_system<L, F, const N: usize>(system: &System<L, F>, order: u8, data: &Dataset) -> Vec<Vec<f64>>
 where
     L: Lagrangian<f64, N> + Sync,
@@ -230,8 +232,28 @@ pub fn acceleration_mse(
 ) -> Result<Option<(f64, f64)>, ModelError> {
     let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
     let squares: Vec<f64> = samples.states[2].iter().map(|a| a * a).collect();
-    let error = objective(architecture, samples, LossKind::Acceleration, 4)?.loss(weights);
+    let error = match architecture {
+        Architecture::Graph(graph) => graph_error(graph, weights, &samples)?,
+        Architecture::Rigid(_) | Architecture::Modular(_) => {
+            objective(architecture, samples, LossKind::Acceleration, 4)?.loss(weights)
+        }
+    };
     Ok(Some((error, mean(&squares))))
+}
+
+/// That of a graph of any size; infinite where an acceleration does not exist.
+fn graph_error(graph: &GraphArchitecture, weights: &[f64], samples: &Samples) -> Result<f64, ModelError> {
+    let forced = learned::forced(graph, weights)?;
+    let n = samples.n.max(1);
+    let [q, v, a] = samples.states.each_ref().map(|x| x.chunks_exact(n));
+    let mut out = vec![0.0; n];
+    let mut sum = Some(0.0);
+    for (((q, v), u), a) in q.zip(v).zip(samples.controls[0].chunks_exact(n)).zip(a) {
+        let exists = forced(q, v, u, &mut out);
+        let square = out.iter().zip(a).map(|(ours, a)| (ours - a) * (ours - a)).sum::<f64>();
+        sum = sum.zip(exists).map(|(sum, ())| sum + square);
+    }
+    Ok(sum.map_or(f64::INFINITY, |sum| sum / samples.states[2].len() as f64))
 }
 
 /// Mean squared error of the position one step ahead, from the two before it.

@@ -4,6 +4,8 @@
 mod files;
 #[path = "cli_commands/generate.rs"]
 mod generate;
+#[path = "cli_commands/graphs.rs"]
+mod graphs;
 #[path = "cli_commands/import.rs"]
 mod import;
 #[path = "cli_commands/interrupt.rs"]

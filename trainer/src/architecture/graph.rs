@@ -17,6 +17,9 @@ pub const MAX_WIDTH: usize = 64;
 /// The smallest mass, kg, that training may reach.
 const LEAST_MASS: f64 = 1e-6;
 
+/// Size of the outputs of networks when they join a simpler law.
+const CORRECTION: f64 = 1e-3;
+
 /// Node and edge types over host weights.
 pub type HostTypes<'w, W, const D: usize> = Types<'w, W, D, MAX_NETWORKS, MAX_WIDTH, DEPTH>;
 
@@ -161,6 +164,13 @@ impl GraphArchitecture {
         weights
     }
 
+    /// What training begins with: as [`GraphArchitecture::initial_weights`], but that networks beside laws that are learned first
+    /// hardly move them.
+    pub fn beginning(&self, seed: u64) -> Vec<f64> {
+        let weights = self.initial_weights(seed);
+        if self.has_laws() { self.with_corrections_scaled(weights, CORRECTION) } else { weights }
+    }
+
     /// The numbers after the networks, in the order of the weight block.
     fn numbers(&self) -> impl Iterator<Item = &Number> {
         self.node_types.iter().chain(&self.edge_types).flat_map(|kind| &kind.numbers)
@@ -234,6 +244,37 @@ impl GraphArchitecture {
         nodes.chain(self.edge_types.iter().flat_map(|kind| &kind.numbers)).any(|number| number.learned)
     }
 
+    /// What is learned first: the simple laws alone; `None` where there are none, or nothing stands beside them.
+    #[must_use]
+    pub fn laws_alone(&self) -> Option<Self> {
+        let simple = self.without_corrections();
+        (self.has_laws() && simple.shape != self.shape).then_some(simple)
+    }
+
+    /// Whether the scale of the energies is known without a force: by a mass, or by a field, a law or drag with no network beside.
+    pub fn shows_scale(&self) -> bool {
+        let Ok(graph) = self.graph() else { return false };
+        let acts = |number: &Number| !number.learned && number.value != 0.0;
+        let node = |kind: &u8| {
+            let kind = usize::from(*kind);
+            let (shape, named) = (self.shape.nodes().nth(kind)?, self.node_types.get(kind)?);
+            let (mass, drag) = (named.numbers.first()?, named.numbers.get(1)?);
+            let mut field = named.numbers.iter().skip(2).take(self.dimension());
+            Some(
+                shape.kinetic == Kinetic::Mass && acts(mass)
+                    || shape.drag == Drag::Viscous && acts(drag)
+                    || shape.potential == Potential::Uniform && field.any(acts),
+            )
+        };
+        let edge = |edge: &Edge| {
+            let kind = usize::from(edge.kind);
+            let (shape, named) = (self.shape.edges().nth(kind)?, self.edge_types.get(kind)?);
+            Some(shape.potential.is_none() && named.numbers.iter().any(acts))
+        };
+        graph.nodes.iter().any(|kind| node(kind).unwrap_or(false))
+            || graph.edges.iter().any(|kind| edge(kind).unwrap_or(false))
+    }
+
     /// Takes over the numbers after the networks.
     pub fn copy_numbers(&self, from: &[f64], to: &mut [f64]) {
         let start = self.numbers_start();
@@ -255,22 +296,28 @@ impl GraphArchitecture {
         }
         self.with_header(|header| header.types(weights))
     }
-
-    pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-        let family = || self.clone();
-        match (self.dimension(), self.n()) {
-            (2, 2) => Ok(visitor.visit(&Compiled::<2, 2>(family()))),
-            (2, 4) => Ok(visitor.visit(&Compiled::<2, 4>(family()))),
-            (2, 6) => Ok(visitor.visit(&Compiled::<2, 6>(family()))),
-            (2, 8) => Ok(visitor.visit(&Compiled::<2, 8>(family()))),
-            (2, 10) => Ok(visitor.visit(&Compiled::<2, 10>(family()))),
-            (3, 6) => Ok(visitor.visit(&Compiled::<3, 6>(family()))),
-            (3, 9) => Ok(visitor.visit(&Compiled::<3, 9>(family()))),
-            (2, n) => too_many("coordinates of a graph to train", n, 10),
-            (_, n) => too_many("coordinates of a graph to train", n, 9),
-        }
-    }
 }
+
+macro_rules! compiled {
+    ($(($d:literal, $n:literal)),*) => {
+        /// Dimensions and numbers of coordinates that a graph to train can have.
+        pub const SIZES: &[(usize, usize)] = &[$(($d, $n)),*];
+
+        impl GraphArchitecture {
+            pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
+                match (self.dimension(), self.n()) {
+                    $(($d, $n) => Ok(visitor.visit(&Compiled::<$d, $n>(self.clone()))),)*
+                    (d, n) => {
+                        let most = SIZES.iter().filter(|(of, _)| *of == d).map(|(_, n)| *n).max().unwrap_or(0);
+                        too_many("coordinates of a graph to train", n, most)
+                    }
+                }
+            }
+        }
+    };
+}
+
+compiled!((2, 2), (2, 4), (2, 6), (2, 8), (2, 10), (3, 6), (3, 9));
 
 /// A graph in N coordinates, D of each node.
 #[derive(Clone)]

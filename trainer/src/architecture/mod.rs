@@ -7,7 +7,9 @@ mod modular;
 mod rigid;
 
 pub use damping::Damping;
-pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
+pub use graph::{
+    GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, SIZES as GRAPH_SIZES,
+};
 pub use modular::{
     MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES,
 };
@@ -103,6 +105,42 @@ impl Architecture {
             Self::Graph(graph) => Some(graph),
             Self::Rigid(_) | Self::Modular(_) => None,
         }
+    }
+
+    /// What a model of several mechanisms calls them, tree or graph, and the name of the one that is meant.
+    pub fn part(&self) -> Option<(&'static str, &str)> {
+        match self {
+            Self::Rigid(_) => None,
+            Self::Modular(modular) => Some(("tree", modular.tree_name())),
+            Self::Graph(graph) => Some(("graph", graph.graph().map_or("", |graph| &graph.name))),
+        }
+    }
+
+    /// The names of all trees or graphs.
+    pub fn parts(&self) -> Vec<&str> {
+        match self {
+            Self::Rigid(_) => Vec::new(),
+            Self::Modular(modular) => modular.trees.iter().map(|tree| tree.name.as_str()).collect(),
+            Self::Graph(graph) => graph.graphs.iter().map(|graph| graph.name.as_str()).collect(),
+        }
+    }
+
+    /// The same with the tree or graph of that name in mind; `None` where there is none.
+    #[must_use]
+    pub fn with_part_named(&self, name: &str) -> Option<Self> {
+        match self {
+            Self::Rigid(_) => None,
+            Self::Modular(modular) => modular.with_tree_named(name).map(Self::from),
+            Self::Graph(graph) => graph.with_graph_named(name).map(Self::from),
+        }
+    }
+
+    /// Whether the host steps it by the discrete Euler–Lagrange equation: it has at most [`MAX_DISCRETE`] coordinates, and no
+    /// rods.
+    pub fn has_steps(&self) -> bool {
+        let rods =
+            self.graph().and_then(|graph| graph.graph().ok()).is_some_and(|graph| !graph.rods.is_empty());
+        self.n() <= MAX_DISCRETE && !rods
     }
 
     /// Calls `read` with the shape in the words of the model file.

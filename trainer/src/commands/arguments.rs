@@ -15,6 +15,11 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text).filter(|x| *x >= 0.0).ok_or_else(|| "it must be a finite number, 0 or above".to_owned())
 }
 
+/// A finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    number(text).ok_or_else(|| "it must be a finite number".to_owned())
+}
+
 /// Order of a discrete Euler–Lagrange step.
 pub fn order(text: &str) -> Result<u8, String> {
     text.parse().ok().filter(|order| matches!(order, 2 | 4)).ok_or_else(|| "it must be 2 or 4".to_owned())

@@ -1,13 +1,14 @@
 //! `leastaction generate`.
 
 use super::Done;
-use super::arguments::{not_negative, positive, seed};
+use super::arguments::{finite, not_negative, positive, seed};
 use super::output::{Failure, Output, refuse, written};
 use super::system::{Kind, System};
 use clap::Args;
 use leastaction::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
 use leastaction::ground_truth::{
-    ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many, modlanet_set_of, symo_set,
+    GenerationError, LgnnSettings, LgnnSystem, ManyBody, Mechanism, ModlanetSettings, Settings, generate,
+    generate_many, lgnn_set, modlanet_set_of, symo_set,
 };
 use serde::Serialize;
 use std::fmt;
@@ -17,11 +18,14 @@ use std::path::PathBuf;
 ///
 /// Trajectories begin at random states. Those of the pendulum, the cart-pole and the acrobot (SyMo's distributions) are each under
 /// a constant random force of at most 2 N (or N m) on the actuated coordinate, and the log has q, v, a, u and t. Those of
-/// n-pendulum and n-body (ModLaNet's distributions; masses, lengths and k are 1) are free, and the log has q, v, a and t.
+/// n-pendulum and n-body (ModLaNet's distributions; masses, lengths and k are 1) are free, and the log has q, v, a and t. Those of
+/// rod-pendulum, n-spring and hybrid (LGNN's; masses and lengths are 1) are in Cartesian coordinates, (x, y) of every node.
 ///
 /// Example: leastaction generate cartpole -o cartpole.npz --trajectories 32
 ///
 /// Example: leastaction generate n-body --count 3 -o bodies.npz --modlanet-layout
+///
+/// Example: leastaction generate n-spring --count 5 -o springs.npz
 #[derive(Args)]
 pub struct Generate {
     /// The mechanism.
@@ -29,16 +33,16 @@ pub struct Generate {
     /// The log to write, .npz or .csv.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// How many pendulums or bodies [default: 2 pendulums, 3 bodies].
+    /// How many pendulums, bodies or nodes [default: 2 of n-pendulum, 3 bodies, 3 of rod-pendulum, 5 of n-spring].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_ELEMENTS))]
     count: Option<u32>,
-    /// How many trajectories [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts].
+    /// How many trajectories [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts of those; 100 of LGNN's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     trajectories: Option<u32>,
-    /// States in each [default: 34; 101 of n-pendulum and n-body].
+    /// States in each [default: 34; 101 of n-pendulum and n-body; 100 of LGNN's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(MIN_SAMPLES as i64..))]
     samples: Option<u32>,
-    /// Time between states, s [default: 0.1 for pendulums, else 0.05].
+    /// Time between states, s [default: 0.1 for pendulum, n-pendulum and n-spring, 0.01 with rods, else 0.05].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     h: Option<f64>,
     /// Limit of the initial velocities of n-pendulum, rad/s [default: 10 for 2 pendulums, else 8].
@@ -50,6 +54,9 @@ pub struct Generate {
     /// Viscous damping of every coordinate, N s/m or N m s/rad.
     #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     drag: f64,
+    /// Force along x on the second node of LGNN's systems, N; the log then has u.
+    #[arg(long, default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pull: f64,
     /// Of the random numbers.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
@@ -57,7 +64,7 @@ pub struct Generate {
     #[arg(long)]
     no_control: bool,
     /// SyMo's whole data set in SyMo's layout: 128 training and 128 test trajectories of 34 states, 16 free ones of 502.
-    #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "no_control", "modlanet_layout"])]
+    #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "pull", "no_control", "modlanet_layout"])]
     symo_layout: bool,
     /// A training and a test set (the last tenth of the trajectories) in ModLaNet's layout.
     #[arg(long)]
@@ -102,6 +109,11 @@ impl Generate {
                 let system = system(self.count.map_or(default, |count| count as usize));
                 (system.name(), self.modlanet(system)?)
             }
+            Kind::Lgnn(system) => {
+                let default = if self.system == System::NSpring { 5 } else { 3 };
+                let system = system(self.count.map_or(default, |count| count as usize));
+                (system.name(), self.lgnn(system)?)
+            }
         };
         output.report(&Report { system, file: self.output, trajectories, samples, h, seed: self.seed })
     }
@@ -110,6 +122,7 @@ impl Generate {
         let foreign = [
             (self.count.is_some(), "--count"),
             (self.speed.is_some(), "--speed"),
+            (self.pull != 0.0, "--pull"),
             (self.modlanet_layout, "--modlanet-layout"),
         ];
         refuse(mechanism.name(), &foreign)?;
@@ -146,6 +159,7 @@ impl Generate {
     fn modlanet(&self, system: ManyBody) -> Result<Size, Failure> {
         let foreign = [
             (self.drag != 0.0, "--drag"),
+            (self.pull != 0.0, "--pull"),
             (self.no_control, "--no-control"),
             (self.symo_layout, "--symo-layout"),
             (self.speed.is_some() && matches!(system, ManyBody::Bodies(_)), "--speed"),
@@ -161,6 +175,31 @@ impl Generate {
         let set = modlanet_set_of(&settings).map_err(failed)?;
         modlanet::write(&self.output, &set).map_err(written)?;
         Ok((settings.trajectories, set.train.q.len() + set.test.q.len(), settings.h))
+    }
+
+    fn lgnn(&self, system: LgnnSystem) -> Result<Size, Failure> {
+        let foreign = [
+            (self.count.is_some() && system == LgnnSystem::Hybrid, "--count"),
+            (self.speed.is_some(), "--speed"),
+            (self.no_control, "--no-control"),
+            (self.symo_layout, "--symo-layout"),
+            (self.modlanet_layout, "--modlanet-layout"),
+        ];
+        refuse(system.name(), &foreign)?;
+        let published = LgnnSettings::published(system, self.seed);
+        let settings = LgnnSettings {
+            drag: self.drag,
+            pull: self.pull,
+            trajectories: self.trajectories.map_or(published.trajectories, |count| count as usize),
+            samples: self.samples.map_or(published.samples, |count| count as usize),
+            h: self.h.unwrap_or(published.h),
+            noise: self.noise,
+            ..published
+        };
+        self.log(&lgnn_set(&settings).map_err(|error| match error {
+            GenerationError::Mechanism(error) => Failure::Input(format!("{}: {error}", system.name())),
+            other => failed(other),
+        })?)
     }
 
     fn modlanet_settings(&self, system: ManyBody) -> ModlanetSettings {

@@ -24,6 +24,7 @@ pub struct Import {
 enum Source {
     Symo(Symo),
     Modlanet(Modlanet),
+    Lgnn(Lgnn),
 }
 
 /// A network of the SyMo authors' program (SyMo, E2E-SyMo or L-NODE): safetensors with their tensor names.
@@ -73,6 +74,27 @@ struct Modlanet {
     output: PathBuf,
 }
 
+/// A network of the LGNN authors' program that was trained on pendulums: safetensors with their tensor names.
+///
+/// The one node type in the file serves a chain of any number of bobs in Cartesian coordinates, on known rods of 1 m. Weights are
+/// rounded to single precision.
+///
+/// Example: leastaction import lgnn 3_pendulum.safetensors --count 5 -o m.postcard
+#[derive(Args)]
+struct Lgnn {
+    /// The safetensors file.
+    file: PathBuf,
+    /// How many bobs the chain has, at most 32.
+    #[arg(long, default_value_t = 3)]
+    count: u8,
+    /// The drag in the file was trained (every file has one).
+    #[arg(long)]
+    drag: bool,
+    /// The model file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum Element {
     /// Each hanging from the one before: angles, learned transforms, potentials without activation.
@@ -109,6 +131,7 @@ impl Import {
         match self.source {
             Source::Symo(symo) => symo.run(output),
             Source::Modlanet(modlanet) => modlanet.run(output),
+            Source::Lgnn(lgnn) => lgnn.run(output),
         }
     }
 }
@@ -148,6 +171,15 @@ impl Modlanet {
             Element::Pendulum => ManyBody::Pendulum(count(2)),
             Element::Body => ManyBody::Bodies(count(3)),
         }
+    }
+}
+
+impl Lgnn {
+    fn run(self, output: Output) -> Done {
+        let bytes = std::fs::read(&self.file).map_err(|error| Failure::input(&self.file, error))?;
+        let imported = import::lgnn(&bytes, self.count.into(), self.drag)
+            .map_err(|error| Failure::input(&self.file, error))?;
+        Files { from: &self.file, to: self.output }.write(&imported, None, "LGNN", output)
     }
 }
 

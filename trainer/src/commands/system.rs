@@ -1,7 +1,7 @@
 //! Mechanisms by their names on the command line.
 
 use clap::ValueEnum;
-use leastaction::ground_truth::{ManyBody, Mechanism};
+use leastaction::ground_truth::{LgnnSystem, ManyBody, Mechanism};
 
 /// What can be simulated, and what models can be compared with.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -16,6 +16,12 @@ pub enum System {
     NPendulum,
     /// Bodies in the plane that attract each other, masses and k 1.
     NBody,
+    /// Bobs in Cartesian coordinates on rods, masses and lengths 1.
+    RodPendulum,
+    /// A ring of nodes joined by springs, masses and lengths 1.
+    NSpring,
+    /// Two bobs on rods and two nodes that each hang by a spring from either bob.
+    Hybrid,
 }
 
 /// Whose systems.
@@ -24,6 +30,8 @@ pub enum Kind {
     Symo(Mechanism),
     /// Of ModLaNet's, of any number of elements.
     Modlanet(fn(usize) -> ManyBody),
+    /// Of LGNN's, of any number of nodes but for the hybrid.
+    Lgnn(fn(usize) -> LgnnSystem),
 }
 
 impl System {
@@ -35,6 +43,9 @@ impl System {
             Self::Acrobot => Kind::Symo(Mechanism::Acrobot),
             Self::NPendulum => Kind::Modlanet(ManyBody::Pendulum),
             Self::NBody => Kind::Modlanet(ManyBody::Bodies),
+            Self::RodPendulum => Kind::Lgnn(LgnnSystem::Pendulum),
+            Self::NSpring => Kind::Lgnn(LgnnSystem::Spring),
+            Self::Hybrid => Kind::Lgnn(|_| LgnnSystem::Hybrid),
         }
     }
 }

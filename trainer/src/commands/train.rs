@@ -4,7 +4,7 @@ use super::output::{Failure, Output, print};
 use super::progress::Progress;
 use super::{Done, interrupt};
 use clap::{Args, ValueEnum};
-use leastaction::config::{Config, DEFAULTS, MODULAR_DEFAULTS};
+use leastaction::config::{Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
 use leastaction::data;
 use leastaction::run::{Ending, Plan, Run};
 use serde::Serialize;
@@ -37,7 +37,8 @@ pub struct Train {
     /// Show no progress.
     #[arg(short, long)]
     quiet: bool,
-    /// Print a configuration with every key explained, and do nothing else; `modular`: one for trees of elements.
+    /// Print a configuration with every key explained, and do nothing else; `modular`: one for trees of elements, `graph`: one for
+    /// particles.
     #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "rigid")]
     print_defaults: Option<Family>,
 }
@@ -49,6 +50,8 @@ enum Family {
     Rigid,
     /// Trees of elements.
     Modular,
+    /// Graphs of particles.
+    Graph,
 }
 
 /// What came out of training.
@@ -107,6 +110,7 @@ impl Train {
         let (Some(file), Some(folder)) = (&self.config, &self.output) else {
             return print(match self.print_defaults {
                 Some(Family::Modular) => MODULAR_DEFAULTS,
+                Some(Family::Graph) => GRAPH_DEFAULTS,
                 _ => DEFAULTS,
             });
         };

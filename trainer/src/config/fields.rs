@@ -160,6 +160,13 @@ pub(super) fn order<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> 
     }
 }
 
+pub(super) fn dimension<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> {
+    match u8::deserialize(from)? {
+        dimension @ (2 | 3) => Ok(dimension),
+        other => Err(Error::invalid_value(Unexpected::Unsigned(other.into()), &"2 or 3")),
+    }
+}
+
 pub(super) fn widths<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u16>, D::Error> {
     let widths = Vec::<u16>::deserialize(from)?;
     let sensible = |width: &u16| (1..=MAX_WIDTH).contains(&usize::from(*width));

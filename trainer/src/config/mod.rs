@@ -3,18 +3,23 @@
 
 mod error;
 mod fields;
+mod graph;
 mod model;
 mod modular;
+mod parts;
+mod problem;
 mod read;
 mod rigid;
 
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
-pub use model::ModelConfig;
-pub use modular::{
-    Assembled, ElementConfig, ModularConfig, ModularError, NumberConfig, PairConfig, PairKind, Problem, Step,
-    TransformKind, TypeConfig,
+pub use graph::{
+    EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
 };
+pub use model::ModelConfig;
+pub use modular::{Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig};
+pub use parts::NumberConfig;
+pub use problem::{Problem, ShapeError, Step};
 pub use rigid::RigidConfig;
 
 use crate::architecture::Architecture;
@@ -26,6 +31,8 @@ use std::path::{Path, PathBuf};
 pub const DEFAULTS: &str = include_str!("defaults.toml");
 /// A configuration for trees of elements, every key of `[model]` explained.
 pub const MODULAR_DEFAULTS: &str = include_str!("modular.toml");
+/// A configuration for graphs of particles, every key of `[model]` explained.
+pub const GRAPH_DEFAULTS: &str = include_str!("graph.toml");
 
 /// What to learn, from what, and how.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -174,10 +181,17 @@ impl Config {
         if let Some(folder) = folder {
             config.data.file = folder.join(&config.data.file);
         }
-        if let ModelConfig::Modular(modular) = &mut config.model {
-            let from = modular.from.as_mut();
-            from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
-            modular.assemble().map_err(|error| read::located(file, text, &error))?;
+        let located = |error: ShapeError| read::located(file, text, &error);
+        match &mut config.model {
+            ModelConfig::Rigid(_) => {}
+            ModelConfig::Modular(modular) => {
+                let from = modular.from.as_mut();
+                from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
+                modular.assemble().map_err(located)?;
+            }
+            ModelConfig::Graph(graph) => {
+                graph.assemble().map_err(located)?;
+            }
         }
         Ok(config)
     }
@@ -214,8 +228,8 @@ impl Config {
     /// The shape of the model, and the weights that training begins with.
     ///
     /// # Errors
-    /// [`ModularError`] where a tree or its types cannot be, or the model that they come from cannot be read.
-    pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ModularError> {
+    /// [`ShapeError`] where a tree, a graph or its types cannot be, or the model that they come from cannot be read.
+    pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ShapeError> {
         let seed = self.training.seed;
         match &self.model {
             ModelConfig::Rigid(rigid) => {
@@ -227,6 +241,11 @@ impl Config {
                 let assembled = modular.assemble()?;
                 let weights = assembled.initial_weights(seed);
                 Ok((assembled.architecture.into(), weights))
+            }
+            ModelConfig::Graph(graph) => {
+                let architecture = graph.assemble()?;
+                let weights = architecture.beginning(seed);
+                Ok((architecture.into(), weights))
             }
         }
     }

@@ -1,6 +1,7 @@
 //! `[model]`, whatever the family.
 
 use super::fields::Coordinates;
+use super::graph::GraphConfig;
 use super::modular::ModularConfig;
 use super::rigid::RigidConfig;
 use serde::Serialize;
@@ -13,6 +14,8 @@ pub enum ModelConfig {
     Rigid(RigidConfig),
     /// `family = "modular"`.
     Modular(ModularConfig),
+    /// `family = "graph"`.
+    Graph(GraphConfig),
 }
 
 impl From<Coordinates> for ModelConfig {
@@ -30,5 +33,11 @@ impl From<RigidConfig> for ModelConfig {
 impl From<ModularConfig> for ModelConfig {
     fn from(modular: ModularConfig) -> Self {
         Self::Modular(modular)
+    }
+}
+
+impl From<GraphConfig> for ModelConfig {
+    fn from(graph: GraphConfig) -> Self {
+        Self::Graph(graph)
     }
 }

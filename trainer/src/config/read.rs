@@ -1,6 +1,8 @@
 //! From the text of a file to a configuration.
 
-use super::modular::{ModularConfig, ModularError};
+use super::graph::GraphConfig;
+use super::modular::ModularConfig;
+use super::problem::ShapeError;
 use super::{Config, ConfigError, DataConfig, ModelConfig, RigidConfig, TrainingConfig};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -14,6 +16,7 @@ use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 enum Family {
     Rigid,
     Modular,
+    Graph,
 }
 
 /// A file with a model of a known family.
@@ -32,12 +35,13 @@ impl<M: Into<ModelConfig>> From<File<M>> for Config {
     }
 }
 
-/// The configuration, without a look at whether its trees can be.
+/// The configuration, without a look at whether its trees or graphs can be.
 pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
     let mut document = DeTable::parse(text)?;
     match take_family(document.get_mut())? {
         Family::Rigid => read::<RigidConfig>(document),
         Family::Modular => read::<ModularConfig>(document),
+        Family::Graph => read::<GraphConfig>(document),
     }
 }
 
@@ -57,14 +61,14 @@ fn take_family(document: &mut DeTable) -> Result<Family, toml::de::Error> {
 }
 
 /// The error with the line of what is wrong.
-pub(super) fn located(file: &Path, text: &str, error: &ModularError) -> ConfigError {
+pub(super) fn located(file: &Path, text: &str, error: &ShapeError) -> ConfigError {
     let document = DeTable::parse(text).ok();
     let start = document.map_or(0, |document| start(&document, error));
     ConfigError::at(file, text, start, error.problem.to_string())
 }
 
 /// Where the innermost part of the place begins that the text has.
-fn start(document: &Spanned<DeTable>, error: &ModularError) -> usize {
+fn start(document: &Spanned<DeTable>, error: &ShapeError) -> usize {
     let mut start = 0;
     let mut steps = error.place.iter();
     let Some((key, value)) = steps.next().and_then(|step| document.get_ref().get_key_value(step.key()))

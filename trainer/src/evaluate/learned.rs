@@ -28,21 +28,46 @@ pub fn functions<'w>(
     }
 }
 
-/// Those of a graph of any size, on its rods.
+/// Writes v̇(q, v, u) of particles under a force u, N on every coordinate, or none where it is empty; `None` as for
+/// [`Acceleration`].
+pub(super) type Forced<'w> = Box<dyn Fn(&[f64], &[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w>;
+
+/// The accelerations of a graph of any size, on its rods.
+pub(super) fn forced<'w>(
+    architecture: &GraphArchitecture,
+    weights: &'w [f64],
+) -> Result<Forced<'w>, ModelError> {
+    match architecture.dimension() {
+        3 => forced_in::<3>(architecture, weights),
+        _ => forced_in::<2>(architecture, weights),
+    }
+}
+
+fn forced_in<'w, const D: usize>(
+    architecture: &GraphArchitecture,
+    weights: &'w [f64],
+) -> Result<Forced<'w>, ModelError> {
+    let types: HostTypes<'_, f64, D> = architecture.host_types(weights)?;
+    let graph = architecture.graph()?.clone();
+    Graph::new(types, &graph.nodes, &graph.edges).map_err(ModelError::Graph)?;
+    let rods = graph.constraints::<D>();
+    Ok(Box::new(move |q, v, u, out| {
+        let particles = Graph::new(types, &graph.nodes, &graph.edges).ok()?;
+        Driven::new(&particles, &rods, u.as_chunks().0).ok()?.acceleration(q, v, out)
+    }))
+}
+
+/// Those of a graph of any size.
 fn graph_functions<'w, const D: usize>(
     architecture: &GraphArchitecture,
     weights: &'w [f64],
 ) -> Result<(Acceleration<'w>, Energy<'w>), ModelError> {
     let types: HostTypes<'_, f64, D> = architecture.host_types(weights)?;
-    let (graph, same) = (architecture.graph()?.clone(), architecture.graph()?.clone());
-    Graph::new(types, &graph.nodes, &graph.edges).map_err(ModelError::Graph)?;
-    let rods = graph.constraints::<D>();
-    let accelerations = move |q: &[f64], v: &[f64], out: &mut [f64]| {
-        let particles = Graph::new(types, &graph.nodes, &graph.edges).ok()?;
-        Driven::new(&particles, &rods, &[]).ok()?.acceleration(q, v, out)
-    };
+    let graph = architecture.graph()?.clone();
+    let forced = forced_in::<D>(architecture, weights)?;
+    let accelerations = move |q: &[f64], v: &[f64], out: &mut [f64]| forced(q, v, &[], out);
     let energies = move |q: &[f64], v: &[f64]| {
-        let Ok(particles) = Graph::new(types, &same.nodes, &same.edges) else { return f64::NAN };
+        let Ok(particles) = Graph::new(types, &graph.nodes, &graph.edges) else { return f64::NAN };
         let mut room = vec![0.0; Particles::<f64, D>::room(&particles)];
         let Energies { kinetic, potential } = particles.energies(q.as_chunks().0, v.as_chunks().0, &mut room);
         kinetic + potential

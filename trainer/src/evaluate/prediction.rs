@@ -63,23 +63,25 @@ impl Truth {
         self.horizon
     }
 
-    /// Predicts from the same starts by accelerations v̇(q, v), followed to `tolerance`, and measures the errors.
+    /// Predicts from the same starts by accelerations v̇(q, v), followed to `tolerance` and on the rods of the exact motion, and
+    /// measures the errors.
     ///
-    /// `energy(q, v)` (J) is what is compared with the exact energy of the exact motion: the authors take the exact energy of the
-    /// predicted state. A prediction that cannot be followed to the end counts as infinitely wrong from there on.
+    /// The exact energy of the predicted state (J) is compared with that of the exact motion, as the authors do. A prediction that cannot be followed to the end counts as infinitely wrong from there on.
     pub fn compare(
         &self,
         tolerance: f64,
+        motion: &dyn Motion,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
-        energy: impl Fn(&[f64], &[f64]) -> f64 + Sync,
     ) -> Prediction {
+        let project = |state: &mut [f64]| motion.project(state);
+        let energy = |q: &[f64], v: &[f64]| motion.energy(q, v);
         let one = |k: usize| {
             let mut states = Vec::with_capacity(self.states[k].len());
             let keep = |state: &[f64]| states.extend_from_slice(state);
             let start = &self.starts[k];
-            let failed = follow(&acceleration, |_| Some(()), start, self.horizon, tolerance, keep).is_err();
+            let failed = follow(&acceleration, project, start, self.horizon, tolerance, keep).is_err();
             states.resize(self.states[k].len(), f64::INFINITY);
-            let errors = self.errors(k, &states, &energies(&states, self.angles.len(), &energy), failed);
+            let errors = self.errors(k, &states, &energies(&states, self.angles.len(), energy), failed);
             (errors, if k == 0 { states } else { Vec::new() })
         };
         let (errors, states): (Vec<_>, Vec<_>) = parallel::map(self.starts.len(), &one).into_iter().unzip();
@@ -101,7 +103,7 @@ impl Truth {
             a.iter_mut().for_each(|a| *a = f64::from(*a as f32));
             Some(())
         };
-        self.compare(ROUNDED_TOLERANCE, rounded, |q, v| motion.energy(q, v))
+        self.compare(ROUNDED_TOLERANCE, motion, rounded)
     }
 
     fn errors(&self, k: usize, predicted: &[f64], energies: &[f64], failed: bool) -> Errors {

@@ -3,7 +3,7 @@
 
 use super::logged::{GenerationError, Horizon, Start, logged};
 use super::{BadMechanism, Rod, Truss};
-use crate::data::Dataset;
+use crate::data::{Dataset, Rows};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -158,11 +158,19 @@ fn hybrid(stream: &mut Pcg64) -> Vec<[f64; 2]> {
     x
 }
 
-/// Trajectories with positions, velocities and exact accelerations.
+/// Trajectories with positions, velocities and exact accelerations, and the force where there is one.
 ///
 /// # Errors
 /// For a system that cannot be, and where the motion cannot be followed.
 pub fn lgnn_set(settings: &LgnnSettings) -> Result<Dataset, GenerationError> {
     let LgnnSettings { h, samples, noise, seed, .. } = *settings;
-    Ok(logged(&settings.truss()?, &lgnn_starts(settings), Horizon { h, samples }, noise, seed)?)
+    let truss = settings.truss()?;
+    let mut data = logged(&truss, &lgnn_starts(settings), Horizon { h, samples }, noise, seed)?;
+    if !truss.pulls.is_empty() {
+        let force = truss.pull().into_flattened();
+        for trajectory in &mut data.trajectories {
+            trajectory.u = Rows::from_flat(data.n, force.repeat(samples));
+        }
+    }
+    Ok(data)
 }

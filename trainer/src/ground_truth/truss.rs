@@ -52,7 +52,7 @@ impl Truss {
         }
     }
 
-    /// Checks that there are nodes with masses, and that rods and springs end at two of them.
+    /// Checks that there are nodes with masses, that rods and springs end at two of them, and that pulls are on one.
     ///
     /// # Errors
     /// [`BadMechanism`].
@@ -65,6 +65,11 @@ impl Truss {
         if nodes == 0 {
             return Err(BadMechanism::Empty);
         }
+        let pulled = self.pulls.iter().map(|(node, _)| *node).find(|node| *node >= nodes);
+        if let Some(element) = pulled {
+            let (quantity, range) = ("a pull, but nodes there are", "on one of them");
+            return Err(BadMechanism::OutOfRange { element, quantity, value: nodes as f64, range });
+        }
         match rods.chain(self.springs.iter().copied()).find(|ends| outside(*ends)) {
             Some([_, to]) => Err(BadMechanism::OutOfRange {
                 element: to,
@@ -74,6 +79,13 @@ impl Truss {
             }),
             None => Ok(self),
         }
+    }
+
+    /// F on every node, N.
+    pub fn pull(&self) -> Vec<[f64; 2]> {
+        let mut force = vec![[0.0; 2]; self.masses.len()];
+        self.pulls.iter().for_each(|(node, pull)| add(&mut force[*node], 1.0, pull));
+        force
     }
 
     /// −V_q + Q of every node.

@@ -1,10 +1,12 @@
 //! Networks that were trained elsewhere: weights in safetensors under the names of the authors' programs.
 
+mod lgnn;
 mod modlanet;
 mod symo;
 #[cfg(test)]
 mod tests;
 
+pub use lgnn::{EMBEDDINGS as LGNN_EMBEDDINGS, NETWORKS as LGNN_NETWORKS, lgnn};
 pub use modlanet::modlanet;
 pub use symo::symo;
 
@@ -14,7 +16,7 @@ use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use thiserror::Error;
 
-/// Elements of an imported tree at most: two coordinates each, it still fits a model file.
+/// Elements of an imported tree or chain at most: two coordinates each, a tree still fits a model file.
 pub const MAX_ELEMENTS: usize = 32;
 
 /// Why weights could not be imported.
@@ -54,6 +56,12 @@ pub enum ImportError {
         /// The option that says what is expected.
         option: &'static str,
     },
+    /// The networks do not fit each other.
+    #[error("the {part} does not fit the other networks in the file")]
+    Misfit {
+        /// Which part.
+        part: &'static str,
+    },
     /// A tensor has another element type.
     #[error("tensor {name} holds {found:?}; F32 and F64 are read")]
     Type {
@@ -70,8 +78,8 @@ pub enum ImportError {
         /// Where, row by row.
         index: usize,
     },
-    /// No tree of so many elements.
-    #[error("{found} elements; a tree has 1 to {MAX_ELEMENTS}; check --count")]
+    /// No tree or chain of so many elements.
+    #[error("{found} elements; 1 to {MAX_ELEMENTS} are possible; check --count")]
     Count {
         /// Asked for.
         found: usize,
@@ -96,7 +104,8 @@ pub struct Imported {
     pub architecture: Architecture,
     /// Its weight block.
     pub weights: Vec<f64>,
-    /// Whether it was trained through the discrete dynamics (SyMo, E2E-SyMo), and not through accelerations (L-NODE, ModLaNet).
+    /// Whether it was trained through the discrete dynamics (SyMo, E2E-SyMo), and not through accelerations (L-NODE, ModLaNet,
+    /// LGNN).
     pub discrete: bool,
 }
 
@@ -149,6 +158,13 @@ impl Tensors<'_> {
     fn width(&self, name: &str) -> Option<u16> {
         let bias = self.file.tensor(&format!("{name}.bias")).ok()?;
         Some(bias.shape().first().map_or(0, |width| u16::try_from(*width).unwrap_or(u16::MAX)))
+    }
+
+    /// Inputs of the layer `name`, by its weight.
+    fn inputs(&self, name: &str) -> Result<usize, ImportError> {
+        let name = format!("{name}.weight");
+        let weight = self.file.tensor(&name).map_err(|_| ImportError::Missing(name))?;
+        Ok(weight.shape().last().copied().unwrap_or(0))
     }
 
     /// The entries, row by row.

@@ -1,4 +1,4 @@
-use super::{ImportError, Imported, modlanet, symo};
+use super::{ImportError, Imported, lgnn, modlanet, symo};
 use crate::architecture::{Architecture, Family, Visitor};
 use crate::ground_truth::ManyBody;
 use leastaction_core::energy::rigid::Coordinate;
@@ -228,4 +228,102 @@ fn symo_errors_name_the_tensor() {
     );
     assert!(refused(|file| put(file, "nn.fc_lo.weight", &[1, 5])).contains("nn.fc_lo.weight has no place"));
     assert!(refused(File::clear).contains("no tensor of SyMo"));
+}
+
+/// Names, inputs and outputs of the LGNN authors' networks in the plane: embeddings of 2 and 4 numbers, of edges 5.
+const LGNN: [(&str, usize, usize); 8] = [
+    ("L.ke", 3, 1),
+    ("L.ff3", 6, 1),
+    ("drag", 1, 1),
+    ("L.fb", 1, 5),
+    ("L.fv", 9, 4),
+    ("L.fe", 4, 5),
+    ("L.ff1", 5, 1),
+    ("L.ff2", 4, 1),
+];
+
+fn lgnn_pendulums() -> File {
+    let mut file = File::new();
+    let mut layer = |name: String, inputs: usize, outputs: usize| {
+        put(&mut file, &format!("{name}.weight"), &[outputs, inputs]);
+        put(&mut file, &format!("{name}.bias"), &[outputs]);
+    };
+    for (name, inputs, outputs) in LGNN {
+        layer(format!("{name}.0"), inputs, 3);
+        layer(format!("{name}.1"), 3, 7);
+        layer(format!("{name}.2"), 7, outputs);
+    }
+    layer("L.fneke.0".to_owned(), 1, 2);
+    layer("L.fne.0".to_owned(), 1, 4);
+    file
+}
+
+/// The layers of this name: squareplus but for the last.
+fn lgnn_network(file: &File, name: &str, x: &[f64]) -> Vec<f64> {
+    let layers: Vec<_> = (0..)
+        .map_while(|k| Some((file.get(&format!("{name}.{k}.weight"))?, &file[&format!("{name}.{k}.bias")])))
+        .collect();
+    layers.iter().enumerate().fold(x.to_vec(), |x, (k, ((_, rows), (_, bias)))| {
+        let sums = rows
+            .chunks(x.len())
+            .zip(bias)
+            .map(|(row, bias)| bias + row.iter().zip(&x).map(|(w, x)| w * x).sum::<f64>());
+        let hidden = k + 1 < layers.len();
+        sums.map(|y| if hidden { 0.5 * (y + (y * y + 4.0).sqrt()) } else { y }).collect()
+    })
+}
+
+/// The authors' T and V of a chain, whose edges go both ways.
+fn lgnn_theirs(file: &File, x: &[[f64; 2]], v: &[[f64; 2]]) -> Energies<f64> {
+    let net = |name: &str, x: &[&[f64]]| lgnn_network(file, name, &x.concat());
+    let number = |name: &str, x: &[&[f64]]| net(name, x)[0];
+    let [kinetic, own] = ["L.fneke", "L.fne"].map(|name| net(name, &[&[1.0]]));
+    let kinetic = v.iter().map(|v| number("L.ke", &[&kinetic, &[v[0] * v[0] + v[1] * v[1]]])).sum();
+    let edge = |a: usize, b: usize| net("L.fb", &[&[(x[a][0] - x[b][0]).hypot(x[a][1] - x[b][1])]]);
+    let neighbours = |i: usize| (0..x.len()).filter(move |j| i.abs_diff(*j) == 1);
+    let node = |i: usize| -> Vec<f64> {
+        let messages = neighbours(i).map(|j| net("L.fv", &[&own, &edge(i, j)]));
+        messages.fold(own.clone(), |sum, message| sum.iter().zip(message).map(|(a, b)| a + b).collect())
+    };
+    let mut potential = 0.0;
+    for (i, x) in x.iter().enumerate() {
+        potential += number("L.ff3", &[&own, x]) + number("L.ff2", &[&node(i)]);
+        for j in neighbours(i) {
+            let product: Vec<f64> = node(i).iter().zip(node(j)).map(|(a, b)| a * b).collect();
+            let update = net("L.fe", &[&product]);
+            let sum: Vec<f64> = edge(i, j).iter().zip(update).map(|(a, b)| a + b).collect();
+            potential += number("L.ff1", &[&sum]);
+        }
+    }
+    Energies { kinetic, potential }
+}
+
+#[test]
+fn lgnn_pendulums_are_the_written_out_network() {
+    let file = lgnn_pendulums();
+    for count in [1, 2, 3] {
+        let imported = lgnn(&bytes(&file), count, false).unwrap();
+        assert!(!imported.discrete);
+        let x: Vec<[f64; 2]> = (0..count).map(|i| [0.6 - i as f64, -0.7 * i as f64 - 0.4]).collect();
+        let v: Vec<[f64; 2]> = (0..count).map(|i| [0.2 * i as f64, 0.7]).collect();
+        let found = ours(&imported, x.as_flattened(), v.as_flattened());
+        assert_equal(found, lgnn_theirs(&file, &x, &v));
+    }
+}
+
+#[test]
+fn lgnn_errors_name_the_tensor() {
+    let refused = |change: fn(&mut File)| {
+        let mut file = lgnn_pendulums();
+        change(&mut file);
+        lgnn(&bytes(&file), 2, true).unwrap_err().to_string()
+    };
+    assert!(refused(|file| drop(file.remove("L.fe.1.weight"))).contains("L.fe.1.weight is missing"));
+    assert!(refused(|file| drop(file.remove("L.fne.0.bias"))).contains("L.fne.0.bias is missing"));
+    assert!(refused(|file| put(file, "L.fne.0.weight", &[4, 2])).contains("L.fne.0.weight has shape [4, 2]"));
+    assert!(refused(|file| put(file, "L.fne.1.bias", &[4])).contains("L.fne.1.bias has no place"));
+    assert!(refused(|file| file.get_mut("drag.0.bias").unwrap().1[2] = f64::NAN).contains("drag.0.bias"));
+    assert!(refused(File::clear).contains("no tensor of LGNN"));
+    let wrong = refused(|file| put(file, "L.ff3.0.weight", &[3, 9]));
+    assert!(wrong.contains("number of dimensions"), "{wrong}");
 }

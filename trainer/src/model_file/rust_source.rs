@@ -46,15 +46,15 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
     } else {
         writeln!(to)?;
     }
-    let family = match model.architecture {
-        Architecture::Rigid(_) => "RigidModel",
-        Architecture::Modular(_) => "ModularModel",
-        Architecture::Graph(_) => "GraphModel",
+    let imports = match model.architecture {
+        Architecture::Rigid(_) => "ModelError, RigidModel",
+        Architecture::Modular(_) => "ModelError, ModularModel",
+        Architecture::Graph(_) => "GraphModel, ModelError",
     };
     if model.architecture.graph().is_some() {
         writeln!(to, "use leastaction_core::energy::graph::Edge;")?;
     }
-    writeln!(to, "use leastaction_core::model::{{ModelError, {family}}};")
+    writeln!(to, "use leastaction_core::model::{{{imports}}};")
 }
 
 fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {

@@ -59,7 +59,7 @@ impl Folder {
         let mut config = config.clone();
         let model = match &mut config.model {
             ModelConfig::Modular(modular) => modular.from.as_mut(),
-            ModelConfig::Rigid(_) => None,
+            ModelConfig::Rigid(_) | ModelConfig::Graph(_) => None,
         };
         for file in std::iter::once(&mut config.data.file).chain(model) {
             *file = fs::canonicalize(&*file).unwrap_or_else(|_| file.clone());

@@ -1,8 +1,8 @@
 //! What a run does, from a configuration and data: the stages, each with its losses.
 
 use super::fingerprint;
-use crate::architecture::{Architecture, ModularArchitecture};
-use crate::config::{Config, ModelConfig, ModularError, OptimiserKind, TrainingConfig};
+use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
+use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
 use leastaction_core::model::{Discretisation, ModelError};
@@ -36,15 +36,44 @@ pub enum PlanError {
         /// Of the data.
         data: usize,
     },
+    /// The data has another number of coordinates than the graph.
+    #[error(
+        "[model] graph = {graph:?} has {model} coordinates, {dimension} of each node, but the data has {data}; name the graph that \
+         the data is of, its nodes in the order of q"
+    )]
+    Graph {
+        /// What it is called.
+        graph: String,
+        /// Coordinates of a node.
+        dimension: usize,
+        /// Of the graph.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
     /// Masses that nothing determines.
     #[error(
-        "[[model.types]]: every mass of the tree is learned, but no sample is forced (u is zero or missing), and free motion does \
+        "[[model.{types}]]: every mass of the {of} is learned, but no sample is forced (u is zero or missing), and free motion does \
          not show a common factor of all masses; give one type a known mass, as mass = 1.0, or log motion under a known force"
     )]
-    Masses,
-    /// The trees and their types cannot be.
+    Masses {
+        /// The key of the types.
+        types: &'static str,
+        /// Tree or graph.
+        of: &'static str,
+    },
+    /// A discrete loss of what is on rods.
+    #[error(
+        "[training] loss: the graph {graph:?} has rods, with which only accelerations are learned; set loss = \"acceleration\" \
+         (v and a are needed in the data)"
+    )]
+    Rods {
+        /// What it is called.
+        graph: String,
+    },
+    /// The trees or graphs and their types cannot be.
     #[error("{0}")]
-    Modular(#[from] ModularError),
+    Shape(#[from] ShapeError),
     /// A DEL-residual loss without any force.
     #[error(
         "no sample is forced (u is zero or missing), and without a force the DEL residual is least for L = 0, which is \
@@ -121,18 +150,24 @@ impl Plan {
         let mut notices = Vec::new();
         let parts = split(&data, config.data.validation, &mut notices);
         let forced = parts.0.is_forced();
-        if !forced && architecture.modular().is_some_and(ModularArchitecture::learns_every_mass) {
-            return Err(PlanError::Masses);
-        }
-        let scale = forced || architecture.modular().is_some_and(ModularArchitecture::shows_scale);
-        let mut kinds = kinds(&config.training, scale, &mut notices)?;
+        check_gauge(&architecture, forced)?;
+        check_rods(&architecture, config.training.loss)?;
+        let scale = forced
+            || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
+            || architecture.graph().is_some_and(GraphArchitecture::shows_scale);
+        let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
+        let mut kinds = kinds(&config.training, laws.is_some(), scale, &mut notices)?;
+        let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
         if goes_on(&config) {
             // A warm-up would leave trained weights for ones that are better on another loss.
             kinds.retain(|(name, _)| *name != WARM_UP);
         }
         let stages = kinds
             .into_iter()
-            .map(|(name, kind)| stage(name, kind, &config.training, &architecture, &parts))
+            .map(|(name, kind)| {
+                let shape = if name == WARM_UP { &first } else { &architecture };
+                stage(name, kind, &config.training, shape, &parts)
+            })
             .collect::<Result<_, _>>()?;
         let TrainingConfig { loss, order, .. } = config.training;
         let discretisation = Discretisation { order, h: data.h as f32 };
@@ -179,7 +214,11 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
     let (model, data) = (architecture.n(), data.n);
     match architecture {
         _ if model == data => Ok(()),
-        Architecture::Rigid(_) | Architecture::Graph(_) => Err(PlanError::Coordinates { model, data }),
+        Architecture::Rigid(_) => Err(PlanError::Coordinates { model, data }),
+        Architecture::Graph(graph) => {
+            let (graph, dimension) = (graph.graph()?.name.clone(), graph.dimension());
+            Err(PlanError::Graph { graph, dimension, model, data })
+        }
         Architecture::Modular(modular) => {
             let names =
                 modular.kinds().filter_map(|kind| modular.types.get(kind)).map(|kind| kind.name.as_str());
@@ -187,6 +226,26 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
             Err(PlanError::Tree { tree, elements, model, data })
         }
     }
+}
+
+/// Refuses what free motion does not determine.
+fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanError> {
+    let (types, of, open) = match architecture {
+        Architecture::Rigid(_) => return Ok(()),
+        Architecture::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
+        Architecture::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
+    };
+    if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
+}
+
+/// Refuses steps of what is on rods.
+fn check_rods(architecture: &Architecture, loss: LossKind) -> Result<(), PlanError> {
+    let Some(graph) = architecture.graph() else { return Ok(()) };
+    let graph = graph.graph()?;
+    if graph.rods.is_empty() || loss == LossKind::Acceleration {
+        return Ok(());
+    }
+    Err(PlanError::Rods { graph: graph.name.clone() })
 }
 
 /// Whether training begins with trained weights.
@@ -209,9 +268,11 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> (Dataset, 
     (training, Some(validation))
 }
 
-/// The stages and their losses; `scale`: whether that of L is known, by a force or otherwise.
+/// The stages and their losses. `laws`: whether simple laws are learned before the networks beside them; `scale`: whether that of
+/// L is known, by a force or otherwise.
 fn kinds(
     training: &TrainingConfig,
+    laws: bool,
     scale: bool,
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<(&'static str, LossKind)>, PlanError> {
@@ -222,9 +283,13 @@ fn kinds(
         notices.push(Notice::UnknownScale);
     }
     let mut kinds = vec![("training", training.loss)];
-    if training.loss == LossKind::NextPosition && training.warm_up > 0 {
-        if scale {
-            kinds.insert(0, (WARM_UP, LossKind::DelResidual));
+    let first = match training.loss {
+        LossKind::NextPosition => Some(LossKind::DelResidual),
+        loss => laws.then_some(loss),
+    };
+    if let Some(first) = first.filter(|_| training.warm_up > 0) {
+        if scale || first == LossKind::Acceleration {
+            kinds.insert(0, (WARM_UP, first));
         } else {
             notices.push(Notice::NoWarmUp);
         }

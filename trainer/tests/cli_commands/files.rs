@@ -5,11 +5,15 @@ use leastaction::architecture::{Architecture, RigidArchitecture};
 use leastaction::config::Config;
 use leastaction::model_file::{decode, encode, rust_source};
 use leastaction_core::continuous::acceleration;
+use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::Discretisation;
+use leastaction_core::particles::Particles;
 
 #[path = "../cli_golden/model.rs"]
 mod golden;
+#[path = "../cli_golden/graphs.rs"]
+mod golden_graphs;
 #[path = "../cli_golden/trees.rs"]
 mod golden_trees;
 
@@ -105,6 +109,19 @@ fn example_of_trees() -> (Architecture, Vec<u8>) {
     (architecture, bytes)
 }
 
+/// Graphs of two sizes over the same types.
+fn example_of_graphs() -> (Architecture, Vec<u8>) {
+    let text = "[data]\nfile = \"none\"\n[model]\nfamily = \"graph\"\ngraph = \"pair\"\n\
+                [[model.node_types]]\nname = \"bob\"\nmass = 2.0\nfield = [0.0, 9.5]\npotential = [3]\n\
+                [[model.edge_types]]\nname = \"spring\"\nlaw = [-2.0, 1.0]\npotential = [2]\n\
+                [model.graphs.pair]\nnodes = [\"bob\", \"bob\"]\nedges = [[0, 1]]\n\
+                [model.graphs.three]\nnodes = [\"bob\", \"bob\", \"bob\"]\nedges = [[0, 1], [1, 2]]\n\
+                rods = [{ from = \"origin\", to = 0, length = 0.5 }]\n";
+    let (architecture, weights) = Config::parse(text, "c.toml".as_ref()).unwrap().beginning().unwrap();
+    let bytes = encode(&architecture, &weights, None, "an example").unwrap();
+    (architecture, bytes)
+}
+
 /// Set UPDATE_GOLDEN to write the file anew after a deliberate change.
 fn is_golden(source: &str, name: &str) {
     let file = format!("{}/tests/cli_golden/{name}", env!("CARGO_MANIFEST_DIR"));
@@ -118,6 +135,28 @@ fn is_golden(source: &str, name: &str) {
 fn rust_source_is_the_golden_file() {
     is_golden(&rust_source(&example()).unwrap(), "model.rs");
     is_golden(&rust_source(&example_of_trees().1).unwrap(), "trees.rs");
+    is_golden(&rust_source(&example_of_graphs().1).unwrap(), "graphs.rs");
+}
+
+#[test]
+fn rust_source_of_graphs_compiles_and_is_the_same_model() {
+    use golden_graphs::{D, DIMENSION, EDGES, GRAPH, GRAPHS, H, K, N, load};
+    let (architecture, bytes) = example_of_graphs();
+    let host = decode(&bytes).unwrap();
+    assert_eq!(&host.architecture, &architecture);
+    let weights = host.weights_f32();
+    let named = architecture.graph().unwrap().graph().unwrap();
+    let types =
+        architecture.graph().unwrap().with_header(|header| header.types::<f32, DIMENSION, K, H, D>(&weights));
+    let here = Graph::new(types.unwrap(), &named.nodes, &named.edges).unwrap();
+    let mut edges = [Edge::default(); EDGES];
+    let there = load(&mut edges).unwrap();
+    let (q, v) = ([[0.3, -0.4], [0.9, 0.1]], [[-1.2, 0.2], [0.5, 0.7]]);
+    let energies = |graph: &dyn Particles<f32, DIMENSION>| graph.energies(&q, &v, &mut []);
+    assert_eq!(energies(&there.graph), energies(&here));
+    assert!(energies(&here).potential != 0.0);
+    assert_eq!((N, H, D, K, EDGES, GRAPH), (4, 3, 1, 2, 1, "pair"));
+    assert_eq!(GRAPHS, [("pair", 2, 1), ("three", 3, 2)]);
 }
 
 #[test]

@@ -88,6 +88,70 @@ fn modlanet_refuses_what_it_cannot_use() {
     bench.run("import modlanet n.safetensors -o m.postcard").bad(2, &["not a safetensors file"]);
 }
 
+/// A network of the LGNN authors': hidden layers of 3 units, embeddings of 2 and 4 numbers, in the plane.
+const LGNN: [(&str, usize, usize); 8] = [
+    ("L.ke", 3, 1),
+    ("L.ff3", 6, 1),
+    ("drag", 1, 1),
+    ("L.fb", 1, 5),
+    ("L.fv", 9, 4),
+    ("L.fe", 4, 5),
+    ("L.ff1", 5, 1),
+    ("L.ff2", 4, 1),
+];
+
+fn lgnn(bench: &Bench, networks: &[(&str, usize, usize)]) {
+    let mut shapes: Vec<(String, Vec<usize>)> = Vec::new();
+    let mut layer = |name: String, inputs: usize, outputs: usize| {
+        shapes.push((format!("{name}.weight"), vec![outputs, inputs]));
+        shapes.push((format!("{name}.bias"), vec![outputs]));
+    };
+    for (name, inputs, outputs) in networks {
+        layer(format!("{name}.0"), *inputs, 3);
+        layer(format!("{name}.1"), 3, *outputs);
+    }
+    layer("L.fneke.0".to_owned(), 1, 2);
+    layer("L.fne.0".to_owned(), 1, 4);
+    let named: Vec<_> = shapes.iter().map(|(name, shape)| (name.as_str(), shape.as_slice())).collect();
+    tensors(bench, "n.safetensors", &named);
+}
+
+#[test]
+fn lgnn_pendulums_become_a_model() {
+    let bench = Bench::new();
+    lgnn(&bench, &LGNN);
+    let report = bench.run("import lgnn n.safetensors --count 2 -o m.postcard --json").good().json();
+    let networks: usize =
+        LGNN.iter().map(|(_, inputs, outputs)| 3 * inputs + 3 + 3 * outputs + outputs).sum();
+    assert_eq!(report["parameters"].as_u64(), Some(networks as u64 + 2 + 2 + 2 + 4 + 2));
+    assert_eq!(report["coordinates"].as_str(), Some("tttt"));
+    let inspected = bench.run("inspect m.postcard --json").good().json();
+    assert_eq!(inspected["provenance"].as_str(), Some("imported from n.safetensors (LGNN)"));
+    assert_eq!(inspected["graphs"][0]["rods"].as_u64(), Some(2));
+    assert_eq!(inspected["graphs"][0]["edges"].as_u64(), Some(1));
+    assert!(!inspected["nodes"][0].as_str().unwrap().contains("drag"), "{inspected}");
+    bench.run("import lgnn n.safetensors --drag -o m.postcard").good();
+    let inspected = bench.run("inspect m.postcard --json").good().json();
+    assert!(inspected["nodes"][0].as_str().unwrap().contains("drag 1-3-1"), "{inspected}");
+}
+
+#[test]
+fn lgnn_refuses_what_it_cannot_use() {
+    let bench = Bench::new();
+    bench.write("n.safetensors", "not tensors");
+    bench.run("import lgnn n.safetensors -o m.postcard").bad(2, &["not a safetensors file"]);
+    lgnn(&bench, &LGNN[..7]);
+    bench.run("import lgnn n.safetensors -o m.postcard").bad(2, &["L.ff2.0.bias is missing"]);
+    bench.run("import lgnn n.safetensors --count 33 -o m.postcard").bad(2, &["33 elements", "--count"]);
+    let mut other = LGNN;
+    other[4].1 = 8;
+    lgnn(&bench, &other);
+    bench.run("import lgnn n.safetensors -o m.postcard").bad(2, &["network of the messages"]);
+    lgnn(&bench, &[&LGNN[..], &[("L.ff4", 1, 1)]].concat());
+    bench.run("import lgnn n.safetensors -o m.postcard").bad(2, &["L.ff4.", "no place"]);
+    assert!(!bench.at("m.postcard").exists());
+}
+
 #[test]
 fn symo_becomes_a_model() {
     let bench = Bench::new();

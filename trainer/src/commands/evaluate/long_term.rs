@@ -4,17 +4,64 @@ use super::super::output::{Failure, folder};
 use leastaction::atomic;
 use leastaction::evaluate::learned::functions;
 use leastaction::evaluate::prediction::{Prediction, TOLERANCE, Truth};
-use leastaction::ground_truth::{Horizon, ManyBody, ModlanetSettings, starts};
+use leastaction::ground_truth::{
+    BadMechanism, Horizon, LgnnSettings, LgnnSystem, ManyBody, ModlanetSettings, Motion, Start, lgnn_starts,
+    starts,
+};
 use leastaction::model_file::HostModel;
 use leastaction::plot::{Panel, Series, Vertical, time_series};
 use serde::Serialize;
 use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// An exact system of any size.
+#[derive(Clone, Copy)]
+pub enum Scalable {
+    /// Of ModLaNet's.
+    Modlanet(ManyBody),
+    /// Of LGNN's.
+    Lgnn(LgnnSystem),
+}
+
+impl Scalable {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Modlanet(system) => system.name(),
+            Self::Lgnn(system) => system.name(),
+        }
+    }
+
+    fn count(self) -> usize {
+        match self {
+            Self::Modlanet(system) => system.count(),
+            Self::Lgnn(system) => system.nodes(),
+        }
+    }
+
+    fn motion(self) -> Result<Box<dyn Motion>, BadMechanism> {
+        match self {
+            Self::Modlanet(system) => system.motion(),
+            Self::Lgnn(system) => Ok(Box::new(LgnnSettings::published(system, 0).truss()?)),
+        }
+    }
+
+    /// Starts of the authors' distribution.
+    fn starts(self, trajectories: usize, seed: u64) -> Vec<Start> {
+        match self {
+            Self::Modlanet(system) => {
+                starts(&ModlanetSettings { trajectories, ..ModlanetSettings::published(system, seed) })
+            }
+            Self::Lgnn(system) => {
+                lgnn_starts(&LgnnSettings { trajectories, ..LgnnSettings::published(system, seed) })
+            }
+        }
+    }
+}
+
 /// From how many random starts of the system, and how far.
 pub struct Request<'a> {
     pub model: &'a HostModel,
-    pub system: ManyBody,
+    pub system: Scalable,
     pub starts: usize,
     pub seconds: f64,
     pub seed: u64,
@@ -68,14 +115,13 @@ impl Request<'_> {
     /// Predicts, and writes the curves into a folder where one is named.
     pub fn run(&self, output: Option<&Path>) -> Result<LongTerm, Failure> {
         let failed = |error: &dyn fmt::Display| Failure::Work(error.to_string());
-        let motion = self.system.motion().map_err(|error| failed(&error))?;
-        let published = ModlanetSettings::published(self.system, self.seed);
-        let starts = starts(&ModlanetSettings { trajectories: self.starts, ..published });
+        let motion = self.system.motion().map_err(|error| Failure::Input(error.to_string()))?;
+        let starts = self.system.starts(self.starts, self.seed);
         let truth = Truth::new(motion.as_ref(), starts, Horizon::of_seconds(self.seconds))
             .map_err(|error| failed(&error))?;
         let HostModel { architecture, weights, .. } = self.model;
         let (accelerations, _) = functions(architecture, weights).map_err(|error| failed(&error))?;
-        let learned = truth.compare(TOLERANCE, accelerations, |q, v| motion.energy(q, v));
+        let learned = truth.compare(TOLERANCE, motion.as_ref(), accelerations);
         let floor = truth.single_precision(motion.as_ref());
         let mut report = LongTerm {
             system: self.system.name(),

@@ -5,18 +5,19 @@ mod report;
 
 use super::Done;
 use super::arguments::{order, positive, seed};
-use super::inspect::load_tree;
+use super::inspect::load_part;
 use super::output::{Failure, Output, refuse};
 use super::system::{Kind, System};
 use clap::Args;
+use leastaction::architecture::MAX_DISCRETE;
 use leastaction::data::{self, Dataset};
 use leastaction::evaluate::{
     acceleration_mse, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout,
 };
-use leastaction::ground_truth::{ManyBody, Mechanism};
+use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
 use leastaction_core::model::ModelError;
-use long_term::Request;
+use long_term::{Request, Scalable};
 use report::Report;
 use std::path::PathBuf;
 
@@ -25,10 +26,10 @@ use std::path::PathBuf;
 /// Accelerations, where the log has v and a; positions one step ahead, and over whole trajectories from their first two
 /// positions, under the logged control.
 ///
-/// With --system n-pendulum or n-body also predictions from random starts by the learned accelerations (weights as shipped, else
-/// in double precision), in ModLaNet's measures and beside those of the exact accelerations in single precision:
-/// A_q = |q' - q| / samples, angles not wrapped; A_E likewise, of the exact energy of the predicted state; and the time until the
-/// position is 0.1 m or rad off.
+/// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid also predictions from random starts by the learned
+/// accelerations (weights as shipped, else in double precision; on the rods, where there are some), in ModLaNet's measures and beside
+/// those of the exact accelerations in single precision: A_q = |q' - q| / samples, angles not wrapped; A_E likewise, of the exact
+/// energy of the predicted state; and the time until the position is 0.1 m or rad off.
 ///
 /// Example: leastaction evaluate m.postcard --data log.npz
 ///
@@ -43,10 +44,10 @@ pub struct Evaluate {
     /// Order of the steps, 2 or 4 [default: that of the model, else 4].
     #[arg(long, value_parser = order)]
     order: Option<u8>,
-    /// Of a model of several trees the one that the log is of [default: the one that was trained].
-    #[arg(long, value_name = "NAME")]
+    /// Of a model of several trees or graphs the one that the log is of [default: the one that was trained].
+    #[arg(long, visible_alias = "graph", value_name = "NAME")]
     tree: Option<String>,
-    /// Also compare with this exact mechanism: inertia and, over motion without force, energy; predictions of n-pendulum and n-body.
+    /// Also compare with this exact mechanism: inertia and, over motion without force, energy; predictions of systems of any size.
     #[arg(long)]
     system: Option<System>,
     /// Predictions from so many random starts [default: 100].
@@ -66,7 +67,7 @@ pub struct Evaluate {
 impl Evaluate {
     /// Reads and measures.
     pub fn run(self, output: Output) -> Done {
-        let (model, _) = load_tree(&self.model, self.tree.as_deref())?;
+        let (model, _) = load_part(&self.model, self.tree.as_deref())?;
         let (log, notes) = data::read(&self.data).map_err(|error| Failure::Input(error.to_string()))?;
         notes.iter().for_each(|note| output.note(&format!("note: {note}")));
         self.check(&model, &log, output)?;
@@ -80,13 +81,19 @@ impl Evaluate {
         }
         let failed = |error| Failure::input(&self.model, error);
         let mut report = self.measure(&model, &log, symo).map_err(failed)?;
-        if report.one_step_mse.is_infinite() || report.rollout_mse.is_infinite() {
+        if report.one_step_mse.is_none() {
+            output.note(&format!(
+                "note: positions are not stepped: of what has rods, or more than {MAX_DISCRETE} coordinates, accelerations alone are \
+                 measured"
+            ));
+        }
+        if [report.one_step_mse, report.rollout_mse].contains(&Some(f64::INFINITY)) {
             output.note(&format!(
                 "note: steps of {} s cannot be solved from every state of the log; where they cannot, the error counts as infinite",
                 log.h
             ));
         }
-        if let Some(Exact::Modlanet(system)) = system {
+        if let Some(Exact::Scalable(system)) = system {
             report.prediction = Some(self.request(&model, system).run(self.output.as_deref())?);
         }
         output.report(&report)
@@ -95,12 +102,11 @@ impl Evaluate {
     fn check(&self, model: &HostModel, log: &Dataset, output: Output) -> Done {
         let n = model.architecture.n();
         if log.n != n {
-            let message = match model.architecture.modular() {
+            let message = match model.architecture.part() {
                 None => format!("q has {} coordinates, the model {n}", log.n),
-                Some(modular) => {
-                    let tree = modular.tree_name();
+                Some((what, name)) => {
                     format!(
-                        "q has {} coordinates, tree {tree:?} {n}; name the tree of the log with --tree",
+                        "q has {} coordinates, {what} {name:?} {n}; name the {what} of the log with --{what}",
                         log.n
                     )
                 }
@@ -143,12 +149,23 @@ impl Evaluate {
                     let message = format!("--system {}: the model must have {what}", of(1).name());
                     return Err(Failure::Input(message));
                 }
-                Ok(Exact::Modlanet(of(if bodies { n / 2 } else { n })))
+                Ok(Exact::Scalable(Scalable::Modlanet(of(if bodies { n / 2 } else { n }))))
+            }
+            Kind::Lgnn(of) => {
+                let system = of(n / 2);
+                let plane = model.architecture.graph().is_some_and(|graph| graph.dimension() == 2);
+                if !plane || 2 * system.nodes() != n {
+                    let (name, nodes) = (system.name(), system.nodes());
+                    let message =
+                        format!("--system {name}: the model must be a graph of {nodes} nodes in the plane");
+                    return Err(Failure::Input(message));
+                }
+                Ok(Exact::Scalable(Scalable::Lgnn(system)))
             }
         }
     }
 
-    fn request<'a>(&self, model: &'a HostModel, system: ManyBody) -> Request<'a> {
+    fn request<'a>(&self, model: &'a HostModel, system: Scalable) -> Request<'a> {
         Request {
             model,
             system,
@@ -166,26 +183,34 @@ impl Evaluate {
     ) -> Result<Report, ModelError> {
         let (architecture, weights) = (&model.architecture, &model.weights);
         let order = self.order.or(model.discretisation.map(|d| d.order)).unwrap_or(4);
-        let runs = rollout(architecture, weights, order, log)?;
-        let errors = integration_errors(&runs, log);
+        let steps = architecture.has_steps();
+        let runs = steps.then(|| rollout(architecture, weights, order, log)).transpose()?;
+        let errors = runs.as_ref().map(|runs| integration_errors(runs, log));
+        let one_step = || one_step_mse(architecture, weights, order, log);
+        // Under a force even the true energy does not keep its first value, which the measure compares with.
+        let free = system.filter(|_| !log.is_forced());
         let inertia = |system| inertia_mse(architecture, weights, system, log);
+        let part = |what| {
+            let (_, name) = architecture.part().filter(|(of, _)| *of == what)?;
+            Some(name.to_owned())
+        };
         let acceleration = acceleration_mse(architecture, weights, log)?;
         Ok(Report {
             model: self.model.clone(),
             data: self.data.clone(),
-            tree: architecture.modular().map(|modular| modular.tree_name().to_owned()),
+            tree: part("tree"),
+            graph: part("graph"),
             order,
             h: log.h,
             trajectories: log.trajectories.len(),
             samples: log.samples(),
             acceleration_mse: acceleration.map(|(error, _)| error),
             acceleration_relative: acceleration.map(|(error, square)| error / square),
-            one_step_mse: one_step_mse(architecture, weights, order, log)?,
-            rollout_mse: errors.mean,
-            rollout_median: errors.median,
-            rollout_mse_100: errors.first_100,
-            // Under a force even the true energy does not keep its first value, which the measure compares with.
-            energy_mse: system.filter(|_| !log.is_forced()).map(|system| energy_mse(system, &runs, log)),
+            one_step_mse: steps.then(one_step).transpose()?,
+            rollout_mse: errors.as_ref().map(|errors| errors.mean),
+            rollout_median: errors.as_ref().map(|errors| errors.median),
+            rollout_mse_100: errors.as_ref().map(|errors| errors.first_100),
+            energy_mse: free.zip(runs).map(|(system, runs)| energy_mse(system, &runs, log)),
             inertia_mse: system.map(inertia).transpose()?,
             prediction: None,
         })
@@ -195,5 +220,5 @@ impl Evaluate {
 /// An exact mechanism of the model's size.
 enum Exact {
     Symo(Mechanism),
-    Modlanet(ManyBody),
+    Scalable(Scalable),
 }

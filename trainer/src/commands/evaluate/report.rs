@@ -12,6 +12,8 @@ pub struct Report {
     pub data: PathBuf,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tree: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub graph: Option<String>,
     pub order: u8,
     pub h: f64,
     pub trajectories: usize,
@@ -21,10 +23,14 @@ pub struct Report {
     /// As a part of the mean squared acceleration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration_relative: Option<f64>,
-    pub one_step_mse: f64,
-    pub rollout_mse: f64,
-    pub rollout_median: f64,
-    pub rollout_mse_100: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub one_step_mse: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rollout_mse: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rollout_median: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rollout_mse_100: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_mse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,18 +42,21 @@ pub struct Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { trajectories, samples, order, h, .. } = self;
-        let tree = self.tree.as_ref().map_or(String::new(), |tree| format!("tree {tree}; "));
+        let named = |what, name: &Option<String>| {
+            name.as_ref().map_or(String::new(), |name| format!("{what} {name}; "))
+        };
+        let part = named("tree", &self.tree) + &named("graph", &self.graph);
         writeln!(
             f,
-            "{tree}{trajectories} trajectories, {samples} samples; order {order}, step {h} s; mean squared errors"
+            "{part}{trajectories} trajectories, {samples} samples; order {order}, step {h} s; mean squared errors"
         )?;
         let rows = [
             ("acceleration", self.acceleration_mse),
             ("  relative to its mean square", self.acceleration_relative),
-            ("position, one step ahead", Some(self.one_step_mse)),
-            ("position, whole trajectories", Some(self.rollout_mse)),
-            ("  median over trajectories", Some(self.rollout_median)),
-            ("  first 100 steps", Some(self.rollout_mse_100)),
+            ("position, one step ahead", self.one_step_mse),
+            ("position, whole trajectories", self.rollout_mse),
+            ("  median over trajectories", self.rollout_median),
+            ("  first 100 steps", self.rollout_mse_100),
             ("energy along them (J²)", self.energy_mse),
             ("inertia matrix", self.inertia_mse),
         ];

@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 pub struct Inspect {
     /// The model file.
     model: PathBuf,
-    /// Of a model of several trees the one that coordinates and cost are of [default: the one that was trained].
-    #[arg(long, value_name = "NAME")]
+    /// Of a model of several trees or graphs the one that coordinates and cost are of [default: the one that was trained].
+    #[arg(long, visible_alias = "graph", value_name = "NAME")]
     tree: Option<String>,
 }
 
@@ -47,7 +47,7 @@ struct Report {
 impl Inspect {
     /// Reads and reports.
     pub fn run(self, output: Output) -> Done {
-        let (model, bytes) = load_tree(&self.model, self.tree.as_deref())?;
+        let (model, bytes) = load_part(&self.model, self.tree.as_deref())?;
         output.report(&report(self.model, model, bytes))
     }
 }
@@ -60,18 +60,18 @@ pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
     Ok((model, bytes.len()))
 }
 
-/// The same with a tree of that name in mind, where one is named.
-pub fn load_tree(file: &Path, tree: Option<&str>) -> Result<(HostModel, usize), Failure> {
+/// The same with the tree or graph of that name in mind, where one is named.
+pub fn load_part(file: &Path, name: Option<&str>) -> Result<(HostModel, usize), Failure> {
     let (mut model, bytes) = load(file)?;
-    if let Some(name) = tree {
-        let Some(modular) = model.architecture.modular() else {
-            return Err(Failure::input(file, "a rigid model has no trees; leave out --tree"));
+    if let Some(name) = name {
+        let Some((what, _)) = model.architecture.part() else {
+            return Err(Failure::input(file, "a rigid model has no trees or graphs; leave out --tree"));
         };
-        let known = || modular.trees.iter().map(|tree| tree.name.as_str()).collect::<Vec<_>>().join(", ");
-        let found = modular.with_tree_named(name).ok_or_else(|| {
-            Failure::input(file, format!("no tree is called {name:?}; there are: {}", known()))
+        let known = || model.architecture.parts().join(", ");
+        let found = model.architecture.with_part_named(name).ok_or_else(|| {
+            Failure::input(file, format!("no {what} is called {name:?}; there are: {}", known()))
         })?;
-        model.architecture = found.into();
+        model.architecture = found;
     }
     Ok((model, bytes))
 }

@@ -2,13 +2,15 @@
 
 use super::numbers::DEFAULTS;
 use super::source::Source;
-use super::{ElementConfig, ModularConfig, ModularError, PairConfig, Problem, TransformKind, TypeConfig};
+use super::{ElementConfig, ModularConfig, PairConfig, Problem, ShapeError, TransformKind, TypeConfig};
 use crate::architecture::{MODULAR_SIZES, ModularArchitecture, NamedTree, NamedType, Number};
+use crate::config::parts::Networks;
+use crate::config::problem::{check_count, check_name, list};
 use leastaction_core::energy::modular::{
     Input, MAX_NETWORKS, MAX_TYPES, NUMBERS, NetworkShape, PairInput, PairShape, SPACE, Shape,
     TransformShape, TypeShape,
 };
-use leastaction_core::model::{MAX_HIDDEN, MAX_TREES};
+use leastaction_core::model::MAX_TREES;
 use leastaction_core::network::Activation;
 use std::ops::Range;
 
@@ -69,8 +71,8 @@ impl ModularConfig {
     /// The model that these types and trees are; reads the one to go on from, where there is one.
     ///
     /// # Errors
-    /// [`ModularError`]: what cannot be, and where.
-    pub fn assemble(&self) -> Result<Assembled, ModularError> {
+    /// [`ShapeError`]: what cannot be, and where.
+    pub fn assemble(&self) -> Result<Assembled, ShapeError> {
         let mut model = match &self.from {
             None => Assembly::default(),
             Some(file) => Assembly::of(&Source::read(file).map_err(|problem| problem.at(["from".into()]))?),
@@ -114,7 +116,7 @@ impl ModularConfig {
 /// A model while it is put together.
 #[derive(Default)]
 struct Assembly {
-    networks: Vec<NetworkShape>,
+    networks: Networks,
     types: Vec<(TypeShape, NamedType)>,
     pair: Option<PairShape>,
     coefficients: Option<[Number; 2]>,
@@ -135,7 +137,7 @@ impl Assembly {
             trees.swap(0, architecture.tree);
         }
         Self {
-            networks: shape.networks().copied().collect(),
+            networks: Networks(shape.networks().copied().collect()),
             old: types.len(),
             types,
             pair: shape.pair,
@@ -149,7 +151,7 @@ impl Assembly {
         self.types.iter().position(|(_, named)| named.name == name)
     }
 
-    fn add_type(&mut self, i: usize, kind: &TypeConfig, twice: bool) -> Result<(), ModularError> {
+    fn add_type(&mut self, i: usize, kind: &TypeConfig, twice: bool) -> Result<(), ShapeError> {
         let at = |key: &str, problem: Problem| problem.at(["types".into(), i.into(), key.into()]);
         let name = || kind.name.clone();
         check_name(&kind.name).map_err(|problem| at("name", problem))?;
@@ -180,7 +182,7 @@ impl Assembly {
     fn type_shape(&mut self, kind: &TypeConfig, transform: TransformKind) -> TypeShape {
         let activation = kind.activation.unwrap_or(Activation::Tanh);
         let mut network =
-            |widths: &[u16], inputs, outputs| self.add_network(widths, (inputs, outputs), activation);
+            |widths: &[u16], inputs, outputs| self.networks.add(widths, (inputs, outputs), activation);
         let default = [WIDTH];
         let transform = match (transform, transform.input()) {
             (_, Some(input)) => {
@@ -196,20 +198,6 @@ impl Assembly {
         TypeShape { transform, potential: kind.potential.as_ref().map(|widths| network(widths, SPACE, 1)) }
     }
 
-    /// The number of a new network.
-    fn add_network(
-        &mut self,
-        units: &[u16],
-        (inputs, outputs): (usize, usize),
-        activation: Activation,
-    ) -> u8 {
-        let mut widths = [0; MAX_HIDDEN];
-        widths.iter_mut().zip(units).for_each(|(slot, width)| *slot = *width);
-        self.networks.push(NetworkShape { inputs: inputs as u8, widths, outputs: outputs as u8, activation });
-        // More than the format holds are refused afterwards.
-        u8::try_from(self.networks.len() - 1).unwrap_or(u8::MAX)
-    }
-
     fn add_pair(&mut self, pair: &PairConfig) -> Result<(), Problem> {
         if self.pair.is_some() {
             return Err(Problem::Pair);
@@ -217,12 +205,12 @@ impl Assembly {
         let input = PairInput::from(pair.input);
         let widths = pair.hidden.clone().unwrap_or_else(|| vec![WIDTH]);
         let activation = pair.activation.unwrap_or(Activation::Tanh);
-        let network = self.add_network(&widths, (input.features(), 1), activation);
+        let network = self.networks.add(&widths, (input.features(), 1), activation);
         self.pair = Some(PairShape { network, input });
         Ok(())
     }
 
-    fn add_tree(&mut self, name: &str, elements: &[ElementConfig]) -> Result<(), ModularError> {
+    fn add_tree(&mut self, name: &str, elements: &[ElementConfig]) -> Result<(), ShapeError> {
         let at = |problem: Problem| problem.at(["trees".into(), name.into()]);
         check_name(name).map_err(at)?;
         if elements.is_empty() {
@@ -253,7 +241,8 @@ impl Assembly {
     fn element(&self, e: usize, element: &ElementConfig) -> Result<(usize, usize), Problem> {
         let kind = |name: &String| {
             let known = || list(self.types.iter().map(|(_, named)| named.name.as_str()));
-            self.kind(name).ok_or_else(|| Problem::UnknownType { name: name.clone(), known: known() })
+            let what = "element type";
+            self.kind(name).ok_or_else(|| Problem::UnknownType { what, name: name.clone(), known: known() })
         };
         match element {
             ElementConfig::Next(name) => {
@@ -270,19 +259,11 @@ impl Assembly {
     }
 
     /// That the model file and this program hold it.
-    fn check(&self) -> Result<(), ModularError> {
-        let most = |what, place: &str, found, most| {
-            let too_many = Problem::TooMany { what, found, most };
-            if found <= most { Ok(()) } else { Err(too_many.at([place.into()])) }
-        };
-        most("element types", "types", self.types.len(), MAX_TYPES)?;
-        most(
-            "networks (positions, velocities, potentials, pair)",
-            "types",
-            self.networks.len(),
-            MAX_NETWORKS,
-        )?;
-        most("trees", "trees", self.trees.len(), MAX_TREES)?;
+    fn check(&self) -> Result<(), ShapeError> {
+        check_count("element types", "types", self.types.len(), MAX_TYPES)?;
+        let networks = "networks (positions, velocities, potentials, pair)";
+        check_count(networks, "types", self.networks.0.len(), MAX_NETWORKS)?;
+        check_count("trees", "trees", self.trees.len(), MAX_TREES)?;
         let trained = self.trees.first();
         let found = trained.map_or(0, |tree| {
             let kinds = tree.elements.iter().step_by(2).filter_map(|kind| self.types.get(usize::from(*kind)));
@@ -298,7 +279,7 @@ impl Assembly {
 
     fn finish(self) -> Assembled {
         let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: self.pair };
-        shape.networks.iter_mut().zip(&self.networks).for_each(|(slot, network)| *slot = Some(*network));
+        shape.networks.iter_mut().zip(&self.networks.0).for_each(|(slot, network)| *slot = Some(*network));
         shape.types.iter_mut().zip(&self.types).for_each(|(slot, (kind, _))| *slot = Some(*kind));
         let types = self.types.into_iter().map(|(_, named)| named).collect();
         let coefficients = self.coefficients.unwrap_or([Number::known(1.0); 2]);
@@ -316,13 +297,4 @@ fn transform_of(shape: &TypeShape) -> TransformKind {
         TransformShape::Slide => TransformKind::Slide,
         TransformShape::Free => TransformKind::Free,
     }
-}
-
-fn check_name(name: &str) -> Result<(), Problem> {
-    let good = !name.trim().is_empty() && !name.contains(',');
-    if good { Ok(()) } else { Err(Problem::Name { name: name.to_owned() }) }
-}
-
-fn list<T: ToString>(names: impl Iterator<Item = T>) -> String {
-    names.map(|name| name.to_string()).collect::<Vec<_>>().join(", ")
 }

@@ -1,16 +1,16 @@
 //! `[model]` of the modular family: element types, and trees of them.
 
 mod assemble;
-mod error;
 mod numbers;
 mod source;
 mod values;
 
 pub use assemble::Assembled;
-pub use error::{ModularError, Problem, Step};
-pub use values::{ElementConfig, NumberConfig, PairKind, TransformKind};
+pub use values::{ElementConfig, PairKind, TransformKind};
 
 use super::fields;
+use super::parts::NumberConfig;
+use super::problem::{Problem, ShapeError};
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -1,7 +1,8 @@
 //! The numbers of element types.
 
-use super::{NumberConfig, Problem, TransformKind, TypeConfig};
+use super::{Problem, TransformKind, TypeConfig};
 use crate::architecture::Number;
+use crate::config::parts::{NumberConfig, Range};
 use leastaction_core::energy::modular::NUMBERS;
 
 /// A point of 1 kg at the end of whatever carries it.
@@ -27,29 +28,21 @@ impl TypeConfig {
         transform: TransformKind,
         defaults: [Number; NUMBERS],
     ) -> Result<[Number; NUMBERS], (&'static str, Problem)> {
-        type Rule = (&'static str, bool, fn(f32) -> bool, &'static str);
-        const ABOVE: &str = "a finite number above 0";
-        const NOT_BELOW: &str = "a finite number, 0 or above";
-        let rules: [Rule; NUMBERS] = [
-            ("mass", true, |x| x > 0.0, ABOVE),
-            ("inertia", transform.turns(), |x| x >= 0.0, NOT_BELOW),
-            ("centre", true, |_| true, "a finite number"),
-            ("length", transform == TransformKind::Rod, |x| x > 0.0, ABOVE),
-            ("damping", true, |x| x >= 0.0, NOT_BELOW),
+        let rules: [(&'static str, bool, Range); NUMBERS] = [
+            ("mass", true, Range::ABOVE),
+            ("inertia", transform.turns(), Range::NOT_BELOW),
+            ("centre", true, Range::ANY),
+            ("length", transform == TransformKind::Rod, Range::ABOVE),
+            ("damping", true, Range::NOT_BELOW),
         ];
         let given = [self.mass, self.inertia, self.centre, self.length, self.damping];
         let mut numbers = defaults;
-        for ((number, given), (key, has_meaning, good, range)) in numbers.iter_mut().zip(given).zip(rules) {
+        for ((number, given), (key, has_meaning, range)) in numbers.iter_mut().zip(given).zip(rules) {
             let Some(NumberConfig { value, learned }) = given else { continue };
             if !has_meaning {
                 return Err((key, Problem::Meaningless { key, transform: transform.name() }));
             }
-            // As the model file will have it.
-            let single = value as f32;
-            if !single.is_finite() || !good(single) {
-                return Err((key, Problem::OutOfRange { key, value, range }));
-            }
-            *number = Number { value, learned };
+            *number = range.number(key, value, learned).map_err(|problem| (key, problem))?;
         }
         Ok(numbers)
     }

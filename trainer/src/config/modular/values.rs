@@ -79,56 +79,6 @@ impl From<PairKind> for PairInput {
     }
 }
 
-/// A number of a type: `1.0` is known, `{ learn = 1.0 }` is learned from there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NumberConfig {
-    /// Its value, where training begins if it is learned.
-    pub value: f64,
-    /// Whether it is learned.
-    pub learned: bool,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Learned {
-    learn: f64,
-}
-
-struct NumberVisitor;
-
-impl<'de> Visitor<'de> for NumberVisitor {
-    type Value = NumberConfig;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number, as 1.0, or { learn = 1.0 }")
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<NumberConfig, E> {
-        Ok(NumberConfig { value, learned: false })
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<NumberConfig, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<NumberConfig, A::Error> {
-        let Learned { learn } = Learned::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(NumberConfig { value: learn, learned: true })
-    }
-}
-
-impl<'de> Deserialize<'de> for NumberConfig {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        from.deserialize_any(NumberVisitor)
-    }
-}
-
-impl Serialize for NumberConfig {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        if self.learned { Learned { learn: self.value }.serialize(to) } else { to.serialize_f64(self.value) }
-    }
-}
-
 /// An element of a tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ElementConfig {

@@ -227,7 +227,7 @@ impl Experiment<'_> {
         let truss = settings.truss().map_err(crate::ground_truth::GenerationError::from)?;
         let truth = Truth::new(&truss, lgnn_starts(&settings), horizon)?;
         let rods = graph(system).constraints();
-        let force = force(&truss);
+        let force = if truss.pulls.is_empty() { Vec::new() } else { truss.pull() };
         let driven = Driven::new(particles, &rods, &force)?;
         let rollouts = Rollouts::new(&truth, &truss, TOLERANCE, |q, v, a| driven.acceleration(q, v, a));
         let [floor_rollout_error, floor_energy_violation] = floor(&truth, &truss, seed)?;
@@ -309,15 +309,6 @@ const FEWEST_STARTS: usize = 4;
 fn horizon(system: LgnnSystem) -> Horizon {
     let (h, seconds) = if system.rods().is_empty() { (0.1, 20.0) } else { (0.05, 10.0) };
     Horizon { h, samples: (seconds / h) as usize + 1 }
-}
-
-/// The force on every node; empty where there is none.
-fn force(truss: &Truss) -> Vec<[f64; 2]> {
-    let mut force = vec![[0.0; 2]; if truss.pulls.is_empty() { 0 } else { truss.masses.len() }];
-    for (node, pull) in &truss.pulls {
-        force[*node] = *pull;
-    }
-    force
 }
 
 /// Exact motion from disturbed starts, taken for a prediction.

@@ -22,8 +22,6 @@ const DRAG: [u16; 4] = [5, 0, 0, 0];
 const JUDGES: usize = 4;
 /// Mean squared error, relative to the mean square, that is rounding.
 const ROUNDING: f64 = 1e-26;
-/// Size of the networks' outputs when they join the laws.
-const CORRECTION: f64 = 1e-3;
 
 /// A trained model.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,7 +117,7 @@ pub fn train(
         let simple = architecture.without_corrections().objective(rows)?;
         let silent = architecture.with_corrections_scaled(random.clone(), 0.0);
         let laws = Levenberg::new(&*simple, silent).best(&*simple, &*judge, iterations, |_, _| ());
-        random = architecture.with_corrections_scaled(random, CORRECTION);
+        random = architecture.beginning(seed);
         architecture.copy_numbers(&laws, &mut random);
         best.push(laws);
     }

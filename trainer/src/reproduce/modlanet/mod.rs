@@ -262,7 +262,7 @@ impl Experiment<'_> {
         let settings = ModlanetSettings { trajectories: self.options.starts, speed: 8.0, ..settings };
         let truth = Truth::new(motion.as_ref(), starts(&settings), Horizon::of_seconds(length))?;
         let (accelerations, _) = functions(&model.shape(), &model.weights)?;
-        let ours = truth.compare(TOLERANCE, accelerations, |q, v| motion.energy(q, v));
+        let ours = truth.compare(TOLERANCE, motion.as_ref(), accelerations);
         let floor = truth.single_precision(motion.as_ref());
         outcome.predicted = Some(Predicted::new(length, &ours, &floor));
         let (h, exact) = (truth.horizon().h, truth.first().to_vec());

@@ -1,4 +1,4 @@
-//! What is wrong with a tree of elements, and where in the configuration.
+//! What is wrong with `[model]`, and where in the configuration.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ pub enum Step {
 
 impl Step {
     /// The key, empty for a position.
-    pub(in crate::config) fn key(&self) -> &str {
+    pub(super) fn key(&self) -> &str {
         match self {
             Self::Key(key) => key,
             Self::Index(_) => "",
@@ -23,7 +23,7 @@ impl Step {
     }
 
     /// The position, where it is one.
-    pub(in crate::config) fn index(&self) -> Option<usize> {
+    pub(super) fn index(&self) -> Option<usize> {
         match self {
             Self::Key(_) => None,
             Self::Index(index) => Some(*index),
@@ -43,16 +43,16 @@ impl From<usize> for Step {
     }
 }
 
-/// A `[model]` that is no tree of elements.
+/// A `[model]` of element types and trees, or of node and edge types and graphs, that cannot be.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub struct ModularError {
+pub struct ShapeError {
     /// From the top of the file to the value.
     pub place: Vec<Step>,
     /// What is wrong there.
     pub problem: Problem,
 }
 
-impl fmt::Display for ModularError {
+impl fmt::Display for ShapeError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         for (i, step) in self.place.iter().enumerate() {
             match step {
@@ -65,7 +65,7 @@ impl fmt::Display for ModularError {
     }
 }
 
-/// What is wrong with a tree of elements.
+/// What is wrong with trees of elements or with graphs.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -149,9 +149,21 @@ pub enum Problem {
         /// In words.
         range: &'static str,
     },
+    /// Not as many numbers as there are dimensions.
+    #[error("`{key}` has {found} numbers; it must have {needed}, one for each dimension")]
+    Dimensions {
+        /// The key.
+        key: &'static str,
+        /// Given.
+        found: usize,
+        /// Of space.
+        needed: usize,
+    },
     /// A type that does not exist.
-    #[error("no element type is called {name:?}; there are: {known}")]
+    #[error("no {what} is called {name:?}; there are: {known}")]
     UnknownType {
+        /// Element type, node type or edge type.
+        what: &'static str,
         /// As given.
         name: String,
         /// All names.
@@ -188,10 +200,54 @@ pub enum Problem {
         /// All names.
         known: String,
     },
-    /// A tree of a size that this program cannot train.
-    #[error("a tree of {found} coordinates, but this program was compiled for {compiled}")]
+    /// No node type.
+    #[error("no node types: add a [[model.node_types]] with a name and a mass")]
+    NoNodeTypes,
+    /// No graph at all.
+    #[error(
+        "no graph: add [model.graphs.three] with nodes = [\"bob\", \"bob\", \"bob\"] and what joins them"
+    )]
+    NoGraph,
+    /// A graph without nodes.
+    #[error("a graph needs at least one node")]
+    EmptyGraph,
+    /// Several graphs, and none is chosen.
+    #[error("which graph is the data of? add graph = \"...\" to [model]; there are: {known}")]
+    WhichGraph {
+        /// All names.
+        known: String,
+    },
+    /// A graph that does not exist.
+    #[error("no graph is called {name:?}; there are: {known}")]
+    UnknownGraph {
+        /// As given.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// A pair of nodes where there is not exactly one edge type.
+    #[error(
+        "of which type is this edge? write {{ type = \"...\", between = [0, 1] }}; a pair alone does where there is one edge type"
+    )]
+    WhichEdgeType,
+    /// An edge or a rod to a node that does not exist.
+    #[error("there is no node {node}: the graph has {nodes}, counted from 0")]
+    NoNode {
+        /// As given.
+        node: u16,
+        /// Of the graph.
+        nodes: usize,
+    },
+    /// An edge or a rod from a node to itself.
+    #[error("it joins node {node} to itself; name two nodes")]
+    Loop {
+        /// The node.
+        node: u16,
+    },
+    /// A tree or a graph of a size that this program cannot train.
+    #[error("{found} coordinates to train, but this program was compiled for {compiled}")]
     Size {
-        /// Of the tree.
+        /// Of the tree or graph.
         found: usize,
         /// What can be trained.
         compiled: String,
@@ -200,8 +256,30 @@ pub enum Problem {
 
 impl Problem {
     /// This problem at a place of the configuration.
-    pub(super) fn at<const N: usize>(self, place: [Step; N]) -> ModularError {
+    pub(super) fn at<const N: usize>(self, place: [Step; N]) -> ShapeError {
         let place = std::iter::once(Step::from("model")).chain(place).collect();
-        ModularError { place, problem: self }
+        ShapeError { place, problem: self }
     }
+}
+
+/// Refuses what a model file cannot hold as a name.
+pub(super) fn check_name(name: &str) -> Result<(), Problem> {
+    let good = !name.trim().is_empty() && !name.contains(',');
+    if good { Ok(()) } else { Err(Problem::Name { name: name.to_owned() }) }
+}
+
+/// Names or numbers, for people.
+pub(super) fn list<T: ToString>(names: impl Iterator<Item = T>) -> String {
+    names.map(|name| name.to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// Refuses more than can be held; `key` is where they are.
+pub(super) fn check_count(
+    what: &'static str,
+    key: &str,
+    found: usize,
+    most: usize,
+) -> Result<(), ShapeError> {
+    let too_many = Problem::TooMany { what, found, most };
+    if found <= most { Ok(()) } else { Err(too_many.at([key.into()])) }
 }
