@@ -62,10 +62,10 @@ pub enum PlanError {
         /// Tree or graph.
         of: &'static str,
     },
-    /// A discrete loss of what is on rods.
+    /// A discrete loss that is not known on rods.
     #[error(
-        "[training] loss: the graph {graph:?} has rods, with which only accelerations are learned; set loss = \"acceleration\" \
-         (v and a are needed in the data)"
+        "[training] loss: the graph {graph:?} has rods, with which accelerations are learned, or the DEL residual of order 2; set \
+         loss = \"acceleration\" (v and a are needed in the data), or loss = \"del-residual\" and order = 2"
     )]
     Rods {
         /// What it is called.
@@ -151,7 +151,7 @@ impl Plan {
         let parts = split(&data, config.data.validation, &mut notices);
         let forced = parts.0.is_forced();
         check_gauge(&architecture, forced)?;
-        check_rods(&architecture, config.training.loss)?;
+        check_rods(&architecture, &config.training)?;
         let scale = forced
             || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
             || architecture.graph().is_some_and(GraphArchitecture::shows_scale);
@@ -239,10 +239,15 @@ fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanErro
 }
 
 /// Refuses steps of what is on rods.
-fn check_rods(architecture: &Architecture, loss: LossKind) -> Result<(), PlanError> {
+fn check_rods(architecture: &Architecture, training: &TrainingConfig) -> Result<(), PlanError> {
     let Some(graph) = architecture.graph() else { return Ok(()) };
     let graph = graph.graph()?;
-    if graph.rods.is_empty() || loss == LossKind::Acceleration {
+    let known = match training.loss {
+        LossKind::Acceleration => true,
+        LossKind::DelResidual => training.order == 2,
+        LossKind::NextPosition => false,
+    };
+    if graph.rods.is_empty() || known {
         return Ok(());
     }
     Err(PlanError::Rods { graph: graph.name.clone() })
