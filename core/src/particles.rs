@@ -4,12 +4,16 @@
 //! memory grow linearly with the system.
 
 use crate::lagrangian::Energies;
+use crate::linear::Matrix;
 use crate::scalar::Real;
 
 /// What the solvers see of a system of particles in `D` dimensions.
 ///
 /// Slices of nodes are as long as [`Particles::nodes`] says, in the order of the nodes. Evaluation cannot fail: where the
 /// numbers leave the range of R the result is not finite, and the solvers say so.
+///
+/// The methods on neighbouring nodes are for systems that are faster with several of them side by side; bits are those of one
+/// after another.
 pub trait Particles<R: Real, const D: usize> {
     /// Number of nodes.
     fn nodes(&self) -> usize;
@@ -28,4 +32,29 @@ pub trait Particles<R: Real, const D: usize> {
     fn drag(&self, node: usize, v: &[R; D]) -> [R; D];
     /// ∂Q_i/∂v_i, component by component, N s/m.
     fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D];
+
+    /// [`Particles::l_v`] of neighbouring nodes, `first` and as many as there are velocities.
+    fn momenta(&self, first: usize, v: &[[R; D]], l_v: &mut [[R; D]]) {
+        each(first, v, l_v, |node, v| self.l_v(node, v));
+    }
+    /// [`Particles::mass`] of neighbouring nodes.
+    fn masses(&self, first: usize, v: &[[R; D]], masses: &mut [Matrix<R, D>]) {
+        each(first, v, masses, |node, v| self.mass(node, v));
+    }
+    /// [`Particles::drag`] of neighbouring nodes.
+    fn drags(&self, first: usize, v: &[[R; D]], drags: &mut [[R; D]]) {
+        each(first, v, drags, |node, v| self.drag(node, v));
+    }
+    /// [`Particles::drag_slope`] of neighbouring nodes.
+    fn drag_slopes(&self, first: usize, v: &[[R; D]], slopes: &mut [[R; D]]) {
+        each(first, v, slopes, |node, v| self.drag_slope(node, v));
+    }
+}
+
+/// Writes what `of` says of one node after another.
+#[inline(always)]
+fn each<V, T>(first: usize, v: &[V], to: &mut [T], of: impl Fn(usize, &V) -> T) {
+    for (node, (v, to)) in (first..).zip(v.iter().zip(to)) {
+        *to = of(node, v);
+    }
 }

@@ -136,6 +136,25 @@ fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
     }
 }
 
+/// From a node in the middle on, across runs of types and past a whole pack.
+#[test]
+fn neighbours_have_the_bits_of_one_after_another() {
+    const FIRST: usize = 5;
+    let (model, (_, v)) = (ring(every_term(2), NODES), state());
+    let (graph, v) = (model.in_f64(), &v[FIRST..NODES - 2]);
+    let (mut l_v, mut drags, mut slopes) = (v.to_vec(), v.to_vec(), v.to_vec());
+    let mut masses = vec![[[f64::NAN; 2]; 2]; v.len()];
+    graph.momenta(FIRST, v, &mut l_v);
+    graph.masses(FIRST, v, &mut masses);
+    graph.drags(FIRST, v, &mut drags);
+    graph.drag_slopes(FIRST, v, &mut slopes);
+    for (i, v) in v.iter().enumerate() {
+        let node = FIRST + i;
+        assert_eq!((l_v[i], masses[i]), (graph.l_v(node, v), Particles::mass(&graph, node, v)));
+        assert_eq!((drags[i], slopes[i]), (graph.drag(node, v), graph.drag_slope(node, v)));
+    }
+}
+
 #[test]
 fn single_precision_is_near() {
     let (model, (q, _)) = (ring(with_messages(2), NODES), state());

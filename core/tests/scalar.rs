@@ -133,6 +133,17 @@ fn elementary_functions_of_numbers_that_are_none() {
 }
 
 #[test]
+fn square_roots_of_lanes_have_the_bits_of_one_after_another() {
+    for k in -40..40 {
+        let x: [f64; LANES] = core::array::from_fn(|l| (1.3 + l as f64) * 7.1_f64.powi(k));
+        assert_eq!(Lanes(x).sqrt().0, x.map(Scalar::sqrt));
+    }
+    let edges = [0.0, -0.0, f64::INFINITY, f64::MAX, f64::MIN_POSITIVE, 5e-324, -1.0, f64::NAN];
+    let (wide, alone) = (Lanes(edges).sqrt().0, edges.map(Scalar::sqrt));
+    assert!(wide.iter().zip(&alone).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
+}
+
+#[test]
 fn norms_say_where_a_number_is_none() {
     assert_eq!(max_abs(&[1.0_f32, -3.0, 2.0]), 3.0);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -10,27 +10,10 @@ import json
 import os
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from common import Failure, build_ours, exit_code, positive, run
-
-# Before JAX starts its threads: everything below runs on one processor.
-os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
-os.environ["OMP_NUM_THREADS"] = "1"
-os.environ["JAX_PLATFORMS"] = "cpu"
-if hasattr(os, "sched_setaffinity"):
-    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-
-try:
-    import jax
-    import jax.numpy as jnp
-    import numpy as np
-except ImportError as error:
-    print(f"error: {error}: run `pip install jax` for the interpreter {sys.executable}", file=sys.stderr)
-    sys.exit(2)
-
-jax.config.update("jax_enable_x64", True)
+from one_core import Timed, jax, jnp, np, relative_error
 
 SIZES = ((2, 16, 16, 2), (2, 16, 16, 1))  # (cos q, sin q) → x of one pendulum's end; x → U
 CHUNKS = (1, 9)  # the rows of the Jacobian are multiplied all at once, or in so many parts
@@ -142,23 +125,7 @@ def normal_of(formula, chunks):
     return normal
 
 
-# ---------------------------------------------------------------- timing
-
-
-class Timed:
-    """A compiled function with its best wall and processor seconds, and its first output."""
-
-    def __init__(self, name, function, arguments):
-        self.name, self.arguments = name, arguments
-        self.compiled = jax.jit(function).lower(*arguments).compile()
-        self.output = jax.block_until_ready(self.compiled(*arguments))
-        self.wall = self.cpu = np.inf
-
-    def measure(self):
-        wall, cpu = time.perf_counter(), time.process_time()
-        jax.block_until_ready(self.compiled(*self.arguments))
-        self.cpu = min(self.cpu, time.process_time() - cpu)
-        self.wall = min(self.wall, time.perf_counter() - wall)
+# ---------------------------------------------------------------- our program
 
 
 class Ours:
@@ -208,12 +175,6 @@ def read_rows(options, executable, folder):
 
 
 # ---------------------------------------------------------------- the report
-
-
-def relative_error(got, expected):
-    """‖Δ‖∞ / ‖expected‖∞."""
-    got, expected = np.asarray(got), np.asarray(expected)
-    return float(np.abs(got - expected).max() / np.abs(expected).max())
 
 
 def errors_of(gradients, normals, ours):

@@ -110,8 +110,9 @@ fn free_acceleration<R: Real, S: Particles<R, D>, const D: usize>(
     inverses: &mut [Matrix<R, D>],
     l_q: &mut [[R; D]],
 ) -> Result<(), ConstraintError<R>> {
+    system.masses(0, v, inverses);
     for (node, ((v, l_q), block)) in v.iter().zip(l_q).zip(inverses).enumerate() {
-        *block = inverse(system.mass(node, v)).ok_or(ConstraintError::Mass { node })?;
+        *block = inverse(*block).ok_or(ConstraintError::Mass { node })?;
         let mut r = add_scaled(l_q, R::one(), &system.drag(node, v));
         if let Some(force) = force {
             r = add_scaled(&r, R::one(), &at(force, node));

@@ -23,9 +23,9 @@ pub struct Tape<S, const T: usize, const H: usize, const D: usize> {
 impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Tape<S, T, H, D> {
     fn default() -> Self {
         Self {
-            units: [const { Vec::new() }; D],
-            slopes: [const { Vec::new() }; D],
-            rates: [const { Vec::new() }; D],
+            units: core::array::from_fn(|_| Vec::new()),
+            slopes: core::array::from_fn(|_| Vec::new()),
+            rates: core::array::from_fn(|_| Vec::new()),
         }
     }
 }
@@ -136,7 +136,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        let mut units = [const { Vec::<_, H>::new() }; D];
+        let mut units = core::array::from_fn::<_, D, _>(|_| Vec::<_, H>::new());
         let mut input = x;
         for (layer, units) in self.hidden.iter().flatten().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());

@@ -15,7 +15,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         x: &[Jet<S, K>],
         y: &mut [Jet<S, K>],
     ) {
-        let mut units = [const { Vec::<_, H>::new() }; D];
+        let mut units = core::array::from_fn::<_, D, _>(|_| Vec::<_, H>::new());
         let mut input = x;
         for (layer, units) in self.hidden().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());
@@ -80,7 +80,7 @@ struct Record<S, const H: usize, const D: usize> {
 
 impl<S: Scalar, const H: usize, const D: usize> Record<S, H, D> {
     fn new() -> Self {
-        Self { units: [const { Vec::new() }; D], bends: [const { Vec::new() }; D] }
+        Self { units: core::array::from_fn(|_| Vec::new()), bends: [const { Vec::new() }; D] }
     }
 }
 

@@ -80,6 +80,12 @@ impl Scalar for Lanes {
     fn constant(x: f64) -> Self {
         Self([x; LANES])
     }
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(wide::f64x8::new(self.0).sqrt().to_array())
+    }
+    #[cfg(not(target_arch = "x86_64"))]
     #[inline(always)]
     fn sqrt(self) -> Self {
         self.map(Scalar::sqrt)

@@ -1,5 +1,4 @@
 use super::{LANES, Lanes, Real, Scalar};
-use core::array;
 
 /// A real number that is evaluated several at a time where that is faster: the same operations in the same order, so
 /// every lane has the bits that it has alone.
@@ -20,8 +19,9 @@ impl Packed for f64 {
     const WIDTH: usize = LANES;
 
     #[inline(always)]
-    fn pack(lane: impl FnMut(usize) -> Self) -> Lanes {
-        Lanes(array::from_fn(lane))
+    fn pack(mut lane: impl FnMut(usize) -> Self) -> Lanes {
+        // Written out: not every call of a closure in a loop over an array is inlined.
+        Lanes([lane(0), lane(1), lane(2), lane(3), lane(4), lane(5), lane(6), lane(7)])
     }
     #[inline(always)]
     fn lane(pack: &Lanes, lane: usize) -> Self {

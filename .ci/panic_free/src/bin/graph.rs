@@ -22,6 +22,14 @@ fn all(particles: &impl Particles<f32, 2>) {
     black_box(l_q);
     black_box((particles.l_v(node, v), particles.mass(node, v)));
     black_box((particles.drag(node, v), particles.drag_slope(node, v)));
+    let mut masses = [[[0.0; 2]; 2]; NODES];
+    particles.momenta(node, &q, &mut l_q);
+    particles.masses(node, &q, &mut masses);
+    black_box((l_q, masses));
+    particles.drags(node, &q, &mut l_q);
+    black_box(l_q);
+    particles.drag_slopes(node, &q, &mut l_q);
+    black_box(l_q);
 }
 
 #[inline(never)]

@@ -1,6 +1,6 @@
 use super::Rattle;
 use super::points::{Points, add, copy};
-use super::stage::{Scale, Stage, largest, relative, size, worse};
+use super::stage::{BLOCK, Scale, Stage, largest, relative, size, worse};
 use crate::constraints::{
     Banded, Constrained, ConstraintError, Constraints, Positions, Room, Rows, at, inverse,
 };
@@ -66,9 +66,7 @@ where
         points.q_carry.fill([R::zero(); D]);
         points.p_carry.fill([R::zero(); D]);
         points.lambda.fill(R::zero());
-        for (node, (p, v)) in points.p.iter_mut().zip(v).enumerate() {
-            *p = system.l_v(node, v);
-        }
+        system.momenta(0, v, points.p);
         system.l_q(q, self.scratch, points.internal);
         self.solve(points, Stage::Velocities { half: R::zero() })?;
         self.drag(points, R::zero());
@@ -95,12 +93,15 @@ where
 
     /// p += ½h Q(v); and Q joins the internal forces, for the next kick.
     fn drag(&self, points: &mut Points<R, D>, half: R) {
-        let system = self.mechanism.system();
         let momenta = points.p.iter_mut().zip(points.p_carry.iter_mut()).zip(points.internal.iter_mut());
-        for (node, (((p, carry), internal), v)) in momenta.zip(points.v.iter()).enumerate() {
-            let drag = system.drag(node, v);
-            add(p, carry, &drag.map(|q| half * q));
-            *internal = add_scaled(internal, R::one(), &drag);
+        let mut momenta = momenta.map(|((p, carry), internal)| (p, carry, internal));
+        for (block, v) in points.v.chunks(BLOCK).enumerate() {
+            let mut drags = [[R::zero(); D]; BLOCK];
+            self.mechanism.system().drags(block * BLOCK, v, &mut drags);
+            for (drag, (p, carry, internal)) in drags.iter().zip(momenta.by_ref()) {
+                add(p, carry, &drag.map(|q| half * q));
+                *internal = add_scaled(internal, R::one(), drag);
+            }
         }
     }
 
@@ -123,42 +124,49 @@ where
         }
     }
 
-    /// Node by node, where nothing couples them.
+    /// Block by block, where nothing couples nodes.
     fn solve_nodes(
         &self,
         points: &mut Points<R, D>,
         stage: Stage<R>,
     ) -> Result<Report<R>, ConstraintError<R>> {
         let mut worst = Report { iterations: 0, residual: R::zero() };
-        for (node, (v, p)) in points.v.iter_mut().zip(points.p.iter()).enumerate() {
-            worst = worst.worse(self.solve_node(node, v, p, stage)?);
+        for (block, (v, p)) in points.v.chunks_mut(BLOCK).zip(points.p.chunks(BLOCK)).enumerate() {
+            worst = worst.worse(self.solve_block(block * BLOCK, v, p, stage)?);
         }
         Ok(worst)
     }
 
+    /// Each node by Newton's method of its own; those that are done wait for the others.
     #[inline]
-    fn solve_node(
+    fn solve_block(
         &self,
-        node: usize,
-        v: &mut [R; D],
-        p: &[R; D],
+        first: usize,
+        v: &mut [[R; D]],
+        p: &[[R; D]],
         stage: Stage<R>,
     ) -> Result<Report<R>, ConstraintError<R>> {
-        let system = self.mechanism.system();
-        let (mut r, scale) = stage.imbalance(system, node, v, p);
-        let (mut iterations, mut before, scale) = (0, R::one() / R::zero(), scale + size(&r));
-        loop {
-            let mass = stage.effective_mass(system, node, v);
-            let [change] = solve_definite(mass, [r]).map_err(|_| ConstraintError::Mass { node })?;
-            *v = add_scaled(v, R::one(), &change);
+        let (system, mut block) = (self.mechanism.system(), Block::new());
+        stage.imbalances(system, first, (v, p), (&mut block.r, &mut block.terms));
+        let mut scale = block.terms;
+        scale.iter_mut().zip(&block.r).for_each(|(scale, r)| *scale += size(r));
+        let (mut worst, mut iterations) = (Report { iterations: 0, residual: R::zero() }, 0);
+        while block.done.iter().zip(&*v).any(|(done, _)| !done) {
+            stage.effective_masses(system, first, v, &mut block.masses);
+            block.update(first, v)?;
             iterations += 1;
-            r = stage.imbalance(system, node, v, p).0;
-            let residual = relative(size(&r), scale);
-            if self.done(iterations, before, residual) {
-                return self.judge(Report { iterations, residual });
+            stage.imbalances(system, first, (v, p), (&mut block.r, &mut block.terms));
+            let lanes = block.r.iter().zip(&scale).zip(&mut block.before).zip(&mut block.done).zip(&*v);
+            for ((((r, scale), before), done), _) in lanes.filter(|((_, done), _)| !**done) {
+                let residual = relative(size(r), *scale);
+                *done = self.done(iterations, *before, residual);
+                *before = residual;
+                if *done {
+                    worst = worst.worse(self.judge(Report { iterations, residual })?);
+                }
             }
-            before = residual;
         }
+        Ok(worst)
     }
 
     /// Velocities and impulses together: residual → Newton → update.
@@ -200,11 +208,12 @@ where
     /// Writes what is left of both equations; the largest relative to its terms.
     fn residual(&mut self, points: &Points<R, D>, stage: Stage<R>, scale: Scale<R>) -> R {
         let (system, mut worst) = (self.mechanism.system(), R::zero());
-        for (node, (v, p)) in points.v.iter().zip(points.p.iter()).enumerate() {
-            let (r, terms) = stage.imbalance(system, node, v, p);
-            worst = worse(worst, relative(size(&r), terms + scale.impulse));
-            if let Some(update) = self.update.get_mut(node) {
-                *update = r;
+        let mut terms = [R::zero(); BLOCK];
+        let blocks = points.v.chunks(BLOCK).zip(points.p.chunks(BLOCK)).zip(self.update.chunks_mut(BLOCK));
+        for (block, ((v, p), r)) in blocks.enumerate() {
+            stage.imbalances(system, block * BLOCK, (v, p), (&mut *r, &mut terms));
+            for (r, terms) in r.iter().zip(&terms) {
+                worst = worse(worst, relative(size(r), *terms + scale.impulse));
             }
         }
         if let Stage::Positions { h } = stage {
@@ -235,9 +244,12 @@ where
     /// Inverts M for each node, and factors A₁ M⁻¹ A₀ᵀ.
     fn linearise(&mut self, points: &Points<R, D>, stage: Stage<R>) -> Result<(), ConstraintError<R>> {
         let system = self.mechanism.system();
-        for (node, (v, block)) in points.v.iter().zip(self.inverses.iter_mut()).enumerate() {
-            let mass = stage.effective_mass(system, node, v);
-            *block = inverse(mass).ok_or(ConstraintError::Mass { node })?;
+        let blocks = points.v.chunks(BLOCK).zip(self.inverses.chunks_mut(BLOCK));
+        for (block, (v, masses)) in blocks.enumerate() {
+            stage.effective_masses(system, block * BLOCK, v, masses);
+        }
+        for (node, mass) in self.inverses.iter_mut().enumerate() {
+            *mass = inverse(*mass).ok_or(ConstraintError::Mass { node })?;
         }
         let (constraints, inverses) = (self.mechanism.constraints(), &self.inverses);
         let left = Rows { constraints, x: Positions::with_carry(self.trial, self.trial_carry) };
@@ -294,6 +306,43 @@ where
         } else {
             Err(ConstraintError::NotFinite)
         }
+    }
+}
+
+/// Nodes that are evaluated side by side, and how far Newton's method is with each.
+struct Block<R, const D: usize> {
+    /// What is left of the momenta, and the size of its terms.
+    r: [[R; D]; BLOCK],
+    terms: [R; BLOCK],
+    masses: [Matrix<R, D>; BLOCK],
+    /// The residual before the last update.
+    before: [R; BLOCK],
+    done: [bool; BLOCK],
+}
+
+impl<R: Real, const D: usize> Block<R, D> {
+    fn new() -> Self {
+        let zero = R::zero();
+        Self {
+            r: [[zero; D]; BLOCK],
+            terms: [zero; BLOCK],
+            masses: [[[zero; D]; D]; BLOCK],
+            before: [R::one() / zero; BLOCK],
+            done: [false; BLOCK],
+        }
+    }
+
+    /// v += M⁻¹r where it is not done.
+    #[inline(always)]
+    fn update(&self, first: usize, v: &mut [[R; D]]) -> Result<(), ConstraintError<R>> {
+        let equations = self.masses.iter().zip(&self.r).zip(&self.done);
+        for (node, (v, ((mass, r), done))) in (first..).zip(v.iter_mut().zip(equations)) {
+            if !done {
+                let [change] = solve_definite(*mass, [*r]).map_err(|_| ConstraintError::Mass { node })?;
+                *v = add_scaled(v, R::one(), &change);
+            }
+        }
+        Ok(())
     }
 }
 

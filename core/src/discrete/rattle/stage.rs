@@ -11,41 +11,50 @@ pub(super) enum Stage<R> {
     Velocities { half: R },
 }
 
+/// Nodes at most that are evaluated side by side.
+pub(super) const BLOCK: usize = 8;
+
 impl<R: Real> Stage<R> {
-    /// p + ½h Q(v) − L_v(v) of a node, and the size of its terms.
-    #[inline(always)]
-    pub fn imbalance<S: Particles<R, D>, const D: usize>(
+    /// Writes p + ½h Q(v) − L_v(v) of a block of nodes, and the size of its terms.
+    #[inline]
+    pub fn imbalances<S: Particles<R, D>, const D: usize>(
         self,
         system: &S,
-        node: usize,
-        v: &[R; D],
-        p: &[R; D],
-    ) -> ([R; D], R) {
-        let l_v = system.l_v(node, v);
-        let r = add_scaled(p, -R::one(), &l_v);
-        let r = match self {
-            Self::Positions { .. } => r,
-            Self::Velocities { half } => add_scaled(&r, half, &system.drag(node, v)),
-        };
-        (r, size(p) + size(&l_v))
+        first: usize,
+        (v, p): (&[[R; D]], &[[R; D]]),
+        (r, terms): (&mut [[R; D]], &mut [R; BLOCK]),
+    ) {
+        system.momenta(first, v, r);
+        for ((r, terms), p) in r.iter_mut().zip(terms).zip(p) {
+            *terms = size(p) + size(r);
+            *r = add_scaled(p, -R::one(), r);
+        }
+        if let Self::Velocities { half } = self {
+            let mut drags = [[R::zero(); D]; BLOCK];
+            system.drags(first, v, &mut drags);
+            r.iter_mut().zip(&drags).for_each(|(r, drag)| *r = add_scaled(r, half, drag));
+        }
     }
 
-    /// M − ½h ∂Q/∂v of a node.
-    #[inline(always)]
-    pub fn effective_mass<S: Particles<R, D>, const D: usize>(
+    /// Writes M − ½h ∂Q/∂v of a block of nodes.
+    #[inline]
+    pub fn effective_masses<S: Particles<R, D>, const D: usize>(
         self,
         system: &S,
-        node: usize,
-        v: &[R; D],
-    ) -> Matrix<R, D> {
-        let mut mass = system.mass(node, v);
+        first: usize,
+        v: &[[R; D]],
+        masses: &mut [Matrix<R, D>],
+    ) {
+        system.masses(first, v, masses);
         if let Self::Velocities { half } = self {
-            let slope = system.drag_slope(node, v);
-            for i in 0..D {
-                mass[i][i] -= half * slope[i];
+            let mut slopes = [[R::zero(); D]; BLOCK];
+            system.drag_slopes(first, v, &mut slopes);
+            for (mass, slope) in masses.iter_mut().zip(&slopes) {
+                for i in 0..D {
+                    mass[i][i] -= half * slope[i];
+                }
             }
         }
-        mass
     }
 }
 

@@ -156,11 +156,11 @@ impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, 
     for Fixed<'_, S::Weight, D, K, H, L, N>
 {
     fn force(&self, _: &[S; N], v: &[S; N]) -> [S; N] {
-        self.each(v, |kind, v| v.map(|v| self.graph.types.drag(kind, v)[0]))
+        self.each(v, |kind, v| self.graph.types.drags(kind, v)[0])
     }
 
     fn derivatives(&self, _: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]) {
-        let slopes = self.each(v, |kind, v| v.map(|v| self.graph.types.drag(kind, v)[1]));
+        let slopes = self.each(v, |kind, v| self.graph.types.drags(kind, v)[1]);
         let mut q_v = [[S::zero(); N]; N];
         for (i, (row, slope)) in q_v.iter_mut().zip(slopes).enumerate() {
             row[i] = slope;

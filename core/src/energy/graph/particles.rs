@@ -4,10 +4,10 @@ use super::messages::{Embedding, Ends, Kept, Messaging};
 use super::{Edge, Graph, across, exchange};
 use crate::energy::part::Ignore;
 use crate::lagrangian::Energies;
+use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::particles::Particles;
-use crate::scalar::Packed;
-use core::array;
+use crate::scalar::{Packed, Scalar};
 use core::iter;
 
 impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> Particles<R, D>
@@ -27,13 +27,11 @@ impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 
     fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
-        let mut slots = l_q.iter_mut();
-        self.for_nodes(q, |run, kind, x| {
+        let pull = |kind, x: &[R::Pack; D]| {
             let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {});
-            for (l, slot) in slots.by_ref().take(run.len()).enumerate() {
-                *slot = pull.each_ref().map(|pull| -R::lane(&pull.value, l));
-            }
-        });
+            pull.map(|pull| -pull.value)
+        };
+        self.write_nodes(0, (q, &mut *l_q), pull, lane);
         self.for_edges(q, |run, kind, d| {
             add_forces::<R, D>(l_q, run, &self.types.pair::<R::Pack, 1>(kind, &d).gradient(&d));
         });
@@ -49,28 +47,81 @@ impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 
     fn drag(&self, node: usize, v: &[R; D]) -> [R; D] {
-        v.map(|v| self.types.drag(self.kind(node), v)[0])
+        self.types.drags(self.kind(node), v)[0]
     }
 
     fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D] {
-        v.map(|v| self.types.drag(self.kind(node), v)[1])
+        self.types.drags(self.kind(node), v)[1]
+    }
+
+    fn momenta(&self, first: usize, v: &[[R; D]], l_v: &mut [[R; D]]) {
+        let momentum = |kind, v: &[R::Pack; D]| self.types.kinetic::<R::Pack, 1>(kind, v).gradient(v);
+        self.write_nodes(first, (v, l_v), momentum, lane);
+    }
+
+    fn masses(&self, first: usize, v: &[[R; D]], masses: &mut [Matrix<R, D>]) {
+        let mass = |kind, v: &[R::Pack; D]| self.types.kinetic::<R::Pack, 2>(kind, v).hessian(v);
+        self.write_nodes(first, (v, masses), mass, matrix);
+    }
+
+    fn drags(&self, first: usize, v: &[[R; D]], drags: &mut [[R; D]]) {
+        self.write_nodes(first, (v, drags), |kind, v| self.types.drags(kind, v)[0], lane);
+    }
+
+    fn drag_slopes(&self, first: usize, v: &[[R; D]], slopes: &mut [[R; D]]) {
+        self.write_nodes(first, (v, slopes), |kind, v| self.types.drags(kind, v)[1], lane);
     }
 }
 
+/// One lane of a pack of matrices.
+#[inline(always)]
+fn matrix<R: Packed, const D: usize>(x: &Matrix<R::Pack, D>, at: usize) -> Matrix<R, D> {
+    let mut one = [[R::zero(); D]; D];
+    one.iter_mut().zip(x).for_each(|(one, row)| *one = lane(row, at));
+    one
+}
+
+/// One lane of a pack of vectors.
+#[inline(always)]
+fn lane<R: Packed, const D: usize>(x: &[R::Pack; D], lane: usize) -> [R; D] {
+    let mut one = [R::zero(); D];
+    one.iter_mut().zip(x).for_each(|(one, x)| *one = R::lane(x, lane));
+    one
+}
+
 impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
-    /// Visits neighbouring nodes of one type with their type and what `x` says of them.
+    /// Visits neighbouring nodes of one type, from `first` on, with their type and what `x` says of them.
     #[inline(always)]
     fn for_nodes<R: Packed<Weight = W>>(
         &self,
+        first: usize,
         mut x: &[[R; D]],
         mut visit: impl FnMut(&[u8], u8, [R::Pack; D]),
     ) {
-        for run in runs(self.nodes, |kind| *kind, R::WIDTH) {
+        let nodes = self.nodes.get(first..).unwrap_or_default();
+        let nodes = nodes.get(..x.len()).unwrap_or(nodes);
+        for run in runs(nodes, |kind| *kind, R::WIDTH) {
             let Some((own, rest)) = x.split_at_checked(run.len()) else { return };
             x = rest;
             let (Some(kind), Some(first)) = (run.first(), own.first()) else { return };
             visit(run, *kind, packs(|l| *own.get(l).unwrap_or(first)));
         }
+    }
+
+    /// Writes `of` every node's type and what `x` says of it, from node `first` on; `lane` takes what is written from a pack.
+    #[inline(always)]
+    fn write_nodes<R: Packed<Weight = W>, P, T>(
+        &self,
+        first: usize,
+        (x, to): (&[[R; D]], &mut [T]),
+        of: impl Fn(u8, &[R::Pack; D]) -> P,
+        lane: impl Fn(&P, usize) -> T,
+    ) {
+        let mut slots = to.iter_mut();
+        self.for_nodes(first, x, |run, kind, x| {
+            let packed = of(kind, &x);
+            (0..run.len()).zip(slots.by_ref()).for_each(|(l, slot)| *slot = lane(&packed, l));
+        });
     }
 
     /// Visits neighbouring edges of one type with their type and what lies between their ends.
@@ -170,7 +221,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     #[inline(always)]
     fn sum_nodes<R: Packed<Weight = W>>(&self, x: &[[R; D]], of: impl Fn(u8, &[R::Pack; D]) -> R::Pack) -> R {
         let mut sum = R::zero();
-        self.for_nodes(x, |run, kind, x| {
+        self.for_nodes(0, x, |run, kind, x| {
             let terms = of(kind, &x);
             (0..run.len()).for_each(|l| sum += R::lane(&terms, l));
         });
@@ -234,14 +285,16 @@ impl<R: Packed, F: Fn(usize, usize) -> usize, const D: usize, const K: usize, co
 #[inline(always)]
 fn add_forces<R: Packed, const D: usize>(l_q: &mut [[R; D]], run: &[Edge], gradient: &[R::Pack; D]) {
     for (l, edge) in run.iter().enumerate() {
-        exchange(l_q, edge, &gradient.each_ref().map(|gradient| -R::lane(gradient, l)));
+        exchange(l_q, edge, &lane(gradient, l).map(|gradient: R| -gradient));
     }
 }
 
 /// The vectors of every lane, component by component.
 #[inline(always)]
 fn packs<R: Packed, const D: usize>(lane: impl Fn(usize) -> [R; D]) -> [R::Pack; D] {
-    array::from_fn(|i| R::pack(|l| lane(l)[i]))
+    let mut packs = [R::Pack::zero(); D];
+    packs.iter_mut().enumerate().for_each(|(i, pack)| *pack = R::pack(|l| lane(l)[i]));
+    packs
 }
 
 /// Parts of a list whose items are of one kind, each as long as it may be and at most `width`.

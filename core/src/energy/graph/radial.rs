@@ -15,12 +15,14 @@ pub(super) struct Radial<S> {
 
 impl<S: Scalar> Radial<S> {
     /// φ and as many of its derivatives as are carried.
+    #[inline(always)]
     pub fn of<const O: usize>(series: &Jet<S, O>) -> Self {
         let at = |k: usize| series.tangent.get(k).copied().unwrap_or(S::zero());
         Self { value: series.value, first: at(0), second: at(1) }
     }
 
     /// cs.
+    #[inline(always)]
     pub fn linear(c: S, s: S) -> Self {
         Self { value: c * s, first: c, second: S::zero() }
     }
@@ -46,15 +48,18 @@ impl<S: Scalar> Radial<S> {
     /// ∂φ/∂w = 2φ′w.
     #[inline(always)]
     pub fn gradient<const D: usize>(&self, w: &[S; D]) -> [S; D] {
-        let c = self.first + self.first;
-        w.map(|w| c * w)
+        let (c, mut gradient) = (self.first + self.first, *w);
+        gradient.iter_mut().for_each(|w| *w = c * *w);
+        gradient
     }
 
     /// ∂²φ/∂w² = 2φ′1 + 4φ″wwᵀ.
+    #[inline(always)]
     pub fn hessian<const D: usize>(&self, w: &[S; D]) -> [[S; D]; D] {
         let along = S::constant(4.0) * self.second;
-        let mut hessian = w.map(|a| w.map(|b| along * a * b));
-        for (i, row) in hessian.iter_mut().enumerate() {
+        let mut hessian = [[S::zero(); D]; D];
+        for (i, (row, a)) in hessian.iter_mut().zip(w).enumerate() {
+            row.iter_mut().zip(w).for_each(|(entry, b)| *entry = along * *a * *b);
             row[i] += self.first + self.first;
         }
         hessian

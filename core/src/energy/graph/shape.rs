@@ -153,6 +153,7 @@ impl Shape {
     }
 
     /// Numbers of a node type beside its networks.
+    #[inline(always)]
     pub fn numbers(&self) -> usize {
         let field_and_embeddings = [self.dimension, self.kinetic_embedding, self.embedding].map(usize::from);
         2 + field_and_embeddings.iter().sum::<usize>()

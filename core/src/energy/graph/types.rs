@@ -72,6 +72,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         self.networks.get(usize::from(network))?.as_ref()
     }
 
+    #[inline(always)]
     pub(super) fn numbers(&self, kind: u8) -> Option<Numbers<'a, W>> {
         let [kinetic, h] = [self.shape.kinetic_embedding, self.shape.embedding].map(usize::from);
         let stride = self.shape.numbers();
@@ -103,6 +104,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// T of a node, with `O` derivatives in |v|².
+    #[inline(always)]
     pub(super) fn kinetic<S: Scalar<Weight = W>, const O: usize>(&self, kind: u8, v: &[S; D]) -> Radial<S> {
         let s = square(v);
         let at_rest = Radial::linear(S::zero(), s);
@@ -183,7 +185,21 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         law.plus(&Radial::of(&y[0]))
     }
 
+    /// Q of a node along each axis, and ∂Q/∂v there.
+    #[inline(always)]
+    pub(super) fn drags<S: Scalar<Weight = W>>(&self, kind: u8, v: &[S; D]) -> [[S; D]; 2] {
+        let mut drags = [[S::zero(); D]; 2];
+        if self.node_type(kind).is_some_and(|node| node.drag != Drag::None) {
+            let [values, slopes] = &mut drags;
+            for ((v, value), slope) in v.iter().zip(values).zip(slopes) {
+                [*value, *slope] = self.drag(kind, *v);
+            }
+        }
+        drags
+    }
+
     /// Q of a node along one axis, and ∂Q/∂v.
+    #[inline(always)]
     pub(super) fn drag<S: Scalar<Weight = W>>(&self, kind: u8, v: S) -> [S; 2] {
         let none = [S::zero(); 2];
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return none };
