@@ -55,7 +55,7 @@ impl Visitor for Rollout<'_> {
     }
 }
 
-/// [`rollout()`] of any system, exact or learned.
+/// [`rollout`] of any system, exact or learned.
 pub fn rollout_system<L, F, const N: usize>(system: &System<L, F>, order: u8, data: &Dataset) -> Vec<Vec<f64>>
 where
     L: Lagrangian<f64, N> + Sync,

@@ -92,6 +92,11 @@ impl GraphArchitecture {
         self.graphs.get(self.graph).ok_or(ModelError::NoSuchGraph { graphs: self.graphs.len() })
     }
 
+    /// Whether the graph that is meant has rods.
+    pub fn has_rods(&self) -> bool {
+        self.graph().is_ok_and(|graph| !graph.rods.is_empty())
+    }
+
     /// Calls `read` with the shape in the words of the model file.
     pub fn with_header<T>(&self, read: impl FnOnce(GraphHeader) -> T) -> T {
         let names =

@@ -138,9 +138,7 @@ impl Architecture {
     /// Whether the host steps it by the discrete Euler–Lagrange equation: it has at most [`MAX_DISCRETE`] coordinates, and no
     /// rods.
     pub fn has_steps(&self) -> bool {
-        let rods =
-            self.graph().and_then(|graph| graph.graph().ok()).is_some_and(|graph| !graph.rods.is_empty());
-        self.n() <= MAX_DISCRETE && !rods
+        self.n() <= MAX_DISCRETE && !self.graph().is_some_and(GraphArchitecture::has_rods)
     }
 
     /// Calls `read` with the shape in the words of the model file.

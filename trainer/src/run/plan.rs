@@ -238,19 +238,15 @@ fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanErro
     if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
 }
 
-/// Refuses steps of what is on rods.
+/// Refuses losses that are not known on rods.
 fn check_rods(architecture: &Architecture, training: &TrainingConfig) -> Result<(), PlanError> {
-    let Some(graph) = architecture.graph() else { return Ok(()) };
-    let graph = graph.graph()?;
+    let Some(graph) = architecture.graph().filter(|graph| graph.has_rods()) else { return Ok(()) };
     let known = match training.loss {
         LossKind::Acceleration => true,
         LossKind::DelResidual => training.order == 2,
         LossKind::NextPosition => false,
     };
-    if graph.rods.is_empty() || known {
-        return Ok(());
-    }
-    Err(PlanError::Rods { graph: graph.name.clone() })
+    if known { Ok(()) } else { Err(PlanError::Rods { graph: graph.graph()?.name.clone() }) }
 }
 
 /// Whether training begins with trained weights.

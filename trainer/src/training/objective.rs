@@ -3,7 +3,9 @@
 use super::loss::{AccelerationLoss, DelLoss, Group, GroupLoss, Systems, Term, TermKind};
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::{LossKind, NormalEquations, Samples};
-use crate::architecture::{Architecture, Family, FamilySystem, MAX_DISCRETE, Visitor, too_large_for_steps};
+use crate::architecture::{
+    Architecture, Family, FamilySystem, GraphArchitecture, MAX_DISCRETE, Visitor, too_large_for_steps,
+};
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
 use leastaction_core::energy::{Learnable, LearnableForces};
 use leastaction_core::forces::System;
@@ -38,7 +40,7 @@ pub fn objective(
     order: u8,
 ) -> Result<Box<dyn Objective>, ModelError> {
     architecture.parameters()?;
-    let rods = architecture.graph().is_some_and(|graph| graph.graph().is_ok_and(|g| !g.rods.is_empty()));
+    let rods = architecture.graph().is_some_and(GraphArchitecture::has_rods);
     let steps = kind == LossKind::NextPosition || kind == LossKind::DelResidual && order != 2;
     if rods && steps {
         return Err(ModelError::OutOfRange { what: RODS });

@@ -101,6 +101,18 @@ fn bobs_on_two_rods_serve_on_four() {
 }
 
 #[test]
+fn the_residual_of_order_2_trains_on_rods() {
+    let bench = Bench::new();
+    generate(&bench, "rod-pendulum --count 2 -o two.npz");
+    let training = "loss = \"del-residual\"\norder = 2\niterations = 9";
+    config(&bench, "two.npz", &format!("graph = \"two\"\n{RODS}"), training);
+    bench.run("train c.toml -o run -q").good();
+    bench.model("run");
+    let report = bench.run("evaluate run.postcard --data two.npz --json").good().json();
+    assert!(report["acceleration_relative"].as_f64().unwrap() < 1e-4, "{report}");
+}
+
+#[test]
 fn every_loss_trains_springs_and_a_run_goes_on_bit_for_bit() {
     let bench = Bench::new();
     generate(&bench, "n-spring --count 3 -o three.npz --h 0.05");
@@ -131,6 +143,8 @@ fn what_does_not_fit_is_refused() {
     let two = format!("graph = \"two\"\n{RODS}");
     config(&bench, "two.npz", &two, "loss = \"next-position\"");
     bench.run("train c.toml -o new").bad(2, &["\"two\" has rods", "loss = \"acceleration\""]);
+    config(&bench, "two.npz", &two, "loss = \"del-residual\"");
+    bench.run("train c.toml -o new").bad(2, &["\"two\" has rods", "order = 2"]);
     config(&bench, "ring.npz", &two, "loss = \"acceleration\"");
     bench
         .run("train c.toml -o new")
