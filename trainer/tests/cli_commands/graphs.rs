@@ -142,9 +142,9 @@ fn what_does_not_fit_is_refused() {
     generate(&bench, "n-spring --count 4 -o ring.npz");
     let two = format!("graph = \"two\"\n{RODS}");
     config(&bench, "two.npz", &two, "loss = \"next-position\"");
-    bench.run("train c.toml -o new").bad(2, &["rods of the graph \"two\"", "loss = \"acceleration\""]);
+    bench.run("train c.toml -o new").bad(2, &["\"two\" has rods", "loss = \"acceleration\""]);
     config(&bench, "two.npz", &two, "loss = \"del-residual\"");
-    bench.run("train c.toml -o new").bad(2, &["rods of the graph \"two\"", "order = 2"]);
+    bench.run("train c.toml -o new").bad(2, &["\"two\" has rods", "order = 2"]);
     config(&bench, "ring.npz", &two, "loss = \"acceleration\"");
     bench
         .run("train c.toml -o new")
