@@ -62,9 +62,9 @@ pub enum PlanError {
         /// Tree or graph.
         of: &'static str,
     },
-    /// A loss that is not known on rods.
+    /// A discrete loss that is not known on rods.
     #[error(
-        "[training] loss: on the rods of the graph {graph:?} only accelerations and the DEL residual of order 2 are known; set \
+        "[training] loss: the graph {graph:?} has rods, with which accelerations are learned, or the DEL residual of order 2; set \
          loss = \"acceleration\" (v and a are needed in the data), or loss = \"del-residual\" and order = 2"
     )]
     Rods {
