@@ -96,7 +96,7 @@ fn check_motion(name: &str, drag: bool) {
     let layout = graph(&imported).graph().expect("a chain");
     let particles = Graph::new(types(&imported), &layout.nodes, &layout.edges).expect("a graph");
     let rods = layout.constraints::<2>();
-    let driven = Driven::new(&particles, &rods, &[]).expect("rods");
+    let driven = Driven::new(&particles, &rods).expect("rods");
     let mut reference = arrays(name);
     let (q, v) = (reference.get("q"), reference.get("v"));
     let (mut jacobian, mut bend, mut lambda, mut acceleration) = (vec![], vec![], vec![], vec![]);
@@ -104,9 +104,9 @@ fn check_motion(name: &str, drag: bool) {
         let [rows, rate] = imported.architecture.dispatch(Rows(q, v)).expect("compiled");
         jacobian.extend(rows.iter().map(|x| 2.0 * x));
         bend.extend(rate.iter().map(|x| 2.0 * x));
-        lambda.extend(driven.multipliers(q, v).expect("rods that do not contradict each other"));
+        lambda.extend(driven.multipliers(q, v, &[]).expect("rods that do not contradict each other"));
         let mut a = [0.0; N];
-        driven.acceleration(q, v, &mut a).expect("rods that do not contradict each other");
+        driven.acceleration(q, v, &[], &mut a).expect("rods that do not contradict each other");
         acceleration.extend(a);
     }
     assert_close("A", &jacobian, &reference.get("A"), EXACT);

@@ -231,28 +231,29 @@ pub fn acceleration_mse(
     data: &Dataset,
 ) -> Result<Option<(f64, f64)>, ModelError> {
     let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
-    let squares: Vec<f64> = samples.states[2].iter().map(|a| a * a).collect();
+    let square = samples.mean_square();
     let error = match architecture {
         Architecture::Graph(graph) => graph_error(graph, weights, &samples)?,
         Architecture::Rigid(_) | Architecture::Modular(_) => {
             objective(architecture, samples, LossKind::Acceleration, 4)?.loss(weights)
         }
     };
-    Ok(Some((error, mean(&squares))))
+    Ok(Some((error, square)))
 }
 
 /// That of a graph of any size; infinite where an acceleration does not exist.
 fn graph_error(graph: &GraphArchitecture, weights: &[f64], samples: &Samples) -> Result<f64, ModelError> {
-    let forced = learned::forced(graph, weights)?;
     let n = samples.n.max(1);
     let [q, v, a] = samples.states.each_ref().map(|x| x.chunks_exact(n));
+    let rows = q.zip(v).zip(samples.controls[0].chunks_exact(n)).zip(a);
     let mut out = vec![0.0; n];
-    let mut sum = Some(0.0);
-    for (((q, v), u), a) in q.zip(v).zip(samples.controls[0].chunks_exact(n)).zip(a) {
-        let exists = forced(q, v, u, &mut out);
-        let square = out.iter().zip(a).map(|(ours, a)| (ours - a) * (ours - a)).sum::<f64>();
-        sum = sum.zip(exists).map(|(sum, ())| sum + square);
-    }
+    let sum = learned::with_forced(graph, weights, |forced| {
+        rows.map(|(((q, v), u), a)| {
+            forced(q, v, u, &mut out)?;
+            Some(out.iter().zip(a).map(|(ours, a)| (ours - a) * (ours - a)).sum::<f64>())
+        })
+        .sum::<Option<f64>>()
+    })?;
     Ok(sum.map_or(f64::INFINITY, |sum| sum / samples.states[2].len() as f64))
 }
 

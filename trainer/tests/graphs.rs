@@ -1,11 +1,14 @@
 //! Graphs of particles: losses on rods, training by laws and networks, rollouts, model files.
 
-use leastaction::architecture::{Architecture, GraphArchitecture};
-use leastaction::evaluate::learned::functions;
+use leastaction::architecture::{Architecture, GraphArchitecture, HostTypes};
+use leastaction::evaluate::learned::with_accelerations;
 use leastaction::ground_truth::{LgnnSettings, LgnnSystem, Motion, lgnn_set, lgnn_starts};
 use leastaction::model_file::{decode, encode};
 use leastaction::reproduce::lgnn::{Case, Options, architecture, graph, run, train};
 use leastaction::training::{LossKind, Objective, Samples, objective};
+use leastaction_core::energy::graph::Graph;
+use leastaction_core::lagrangian::Energies;
+use leastaction_core::particles::Particles;
 
 fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {
     let published = LgnnSettings::published(system, 3);
@@ -152,14 +155,19 @@ fn a_model_file_keeps_shape_rods_and_accelerations() {
     assert_eq!(five.n(), 10);
     let settings = LgnnSettings { trajectories: 1, ..LgnnSettings::published(LgnnSystem::Pendulum(5), 0) };
     let start = &lgnn_starts(&settings)[0];
-    let (accelerations, energy) = functions(&five.into(), &weights).expect("any size");
     let mut a = [0.0; 10];
-    accelerations(&start.q, &start.v, &mut a).expect("exists");
+    let found = with_accelerations(&five.clone().into(), &weights, |f| f(&start.q, &start.v, &mut a));
+    found.expect("any size").expect("exists");
     let truss = settings.truss().expect("exists");
     // At rest the rods take all of the acceleration along them.
     let state = [start.q.as_slice(), &a].concat();
     let mut projected = state.clone();
     truss.project(&mut projected).expect("near");
     assert!(state.iter().zip(&projected).all(|(a, b)| (a - b).abs() < 1e-9));
-    assert!(energy(&start.q, &start.v).is_finite());
+    let (types, layout): (HostTypes<'_, f64, 2>, _) =
+        (five.host_types(&weights).expect("fits"), five.graph().expect("is there"));
+    let particles = Graph::new(types, &layout.nodes, &layout.edges).expect("a graph");
+    let Energies { kinetic, potential } =
+        particles.energies(start.q.as_chunks().0, start.v.as_chunks().0, &mut []);
+    assert!((kinetic + potential).is_finite());
 }

@@ -1,6 +1,9 @@
 //! The shape of a graph of particles on the host.
 
-use super::{Constraint, DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, too_many, uniform_layer};
+use super::{
+    Constraint, DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, known_positions, layers,
+    random_layers, too_many,
+};
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, NodeShape, Potential, Shape, Types,
@@ -8,8 +11,6 @@ use leastaction_core::energy::graph::{
 use leastaction_core::forces::System;
 use leastaction_core::linear::dot;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
-use rand::SeedableRng;
-use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 /// Units of a hidden layer of a network of a graph at most.
@@ -160,11 +161,7 @@ impl GraphArchitecture {
 
     /// Random networks, the numbers as given.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut stream = Pcg64::seed_from_u64(seed);
-        let mut weights = Vec::new();
-        for (inputs, outputs) in self.shape.networks().flat_map(super::layers) {
-            uniform_layer(&mut weights, inputs, outputs, &mut stream);
-        }
+        let mut weights = random_layers(self.shape.networks().flat_map(layers), seed);
         weights.extend(self.numbers().map(|number| number.value));
         weights
     }
@@ -187,8 +184,7 @@ impl GraphArchitecture {
 
     /// The positions of the known numbers.
     pub fn fixed_positions(&self) -> Vec<usize> {
-        let numbers = (self.numbers_start()..).zip(self.numbers());
-        numbers.filter(|(_, number)| !number.learned).map(|(position, _)| position).collect()
+        known_positions(self.numbers_start(), self.numbers().copied())
     }
 
     /// Masses above 0, viscous drag not below.
@@ -221,7 +217,7 @@ impl GraphArchitecture {
         let mut end = 0;
         for (k, network) in self.shape.networks().enumerate() {
             end += network.parameters().unwrap_or(0);
-            let last = super::layers(network).last().map_or(0, |(inputs, outputs)| (inputs + 1) * outputs);
+            let last = layers(network).last().map_or(0, |(inputs, outputs)| (inputs + 1) * outputs);
             if corrections.contains(&k) {
                 weights.get_mut(end - last..end).unwrap_or_default().iter_mut().for_each(|w| *w *= c);
             }
@@ -231,7 +227,7 @@ impl GraphArchitecture {
 
     /// The same, with the same weight block, without the networks that stand beside a simpler law.
     #[must_use]
-    pub fn without_corrections(&self) -> Self {
+    fn without_corrections(&self) -> Self {
         let mut simple = self.clone();
         for kind in simple.shape.nodes.iter_mut().flatten() {
             let uniform = kind.potential != Potential::None;
@@ -243,7 +239,7 @@ impl GraphArchitecture {
     }
 
     /// Whether a number of a law that networks stand beside is learned: drag, a field, the law of an edge type.
-    pub fn has_laws(&self) -> bool {
+    fn has_laws(&self) -> bool {
         let nodes =
             self.node_types.iter().flat_map(|kind| kind.numbers.iter().skip(1).take(1 + self.dimension()));
         nodes.chain(self.edge_types.iter().flat_map(|kind| &kind.numbers)).any(|number| number.learned)
@@ -278,14 +274,6 @@ impl GraphArchitecture {
         };
         graph.nodes.iter().any(|kind| node(kind).unwrap_or(false))
             || graph.edges.iter().any(|kind| edge(kind).unwrap_or(false))
-    }
-
-    /// Takes over the numbers after the networks.
-    pub fn copy_numbers(&self, from: &[f64], to: &mut [f64]) {
-        let start = self.numbers_start();
-        for (to, from) in to.iter_mut().zip(from).skip(start) {
-            *to = *from;
-        }
     }
 
     /// Node and edge types over a weight block.

@@ -21,7 +21,8 @@ use leastaction_core::lagrangian::{DenseMass, Lagrangian};
 use leastaction_core::model::{Family as FamilyHeader, ModelError};
 use leastaction_core::network::Dense;
 use leastaction_core::scalar::Scalar;
-use rand::{Rng, RngExt};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 /// Hidden layers at most on the host.
@@ -200,11 +201,7 @@ impl Architecture {
     /// # Errors
     /// Where the shape is out of the format's range.
     pub fn parameters(&self) -> Result<usize, ModelError> {
-        match self {
-            Self::Rigid(rigid) => rigid.parameters(),
-            Self::Modular(modular) => modular.header().parameters(),
-            Self::Graph(graph) => graph.parameters(),
-        }
+        self.with_header(|header| header.parameters())
     }
 
     /// Numbers in the weight block that training changes.
@@ -316,6 +313,20 @@ pub trait Visitor {
 
 fn too_many<T>(what: &'static str, found: usize, compiled: usize) -> Result<T, ModelError> {
     Err(ModelError::Shape { what, found, compiled })
+}
+
+/// Layers of these inputs and outputs, as [`uniform_layer`] has them.
+fn random_layers(layers: impl IntoIterator<Item = (usize, usize)>, seed: u64) -> Vec<f64> {
+    let (mut stream, mut weights) = (Pcg64::seed_from_u64(seed), Vec::new());
+    for (inputs, outputs) in layers {
+        uniform_layer(&mut weights, inputs, outputs, &mut stream);
+    }
+    weights
+}
+
+/// The positions, from `start` on, of the numbers that are known.
+fn known_positions(start: usize, numbers: impl Iterator<Item = Number>) -> Vec<usize> {
+    (start..).zip(numbers).filter(|(_, number)| !number.learned).map(|(position, _)| position).collect()
 }
 
 /// Appends a layer: uniform with Glorot's variance, biases zero.

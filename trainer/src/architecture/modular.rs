@@ -1,13 +1,14 @@
 //! The shape of a tree of elements on the host.
 
-use super::{DEPTH, Damping, Family, FamilySystem, HostScalar, Visitor, layers, too_many, uniform_layer};
+use super::{
+    DEPTH, Damping, Family, FamilySystem, HostScalar, Visitor, known_positions, layers, random_layers,
+    too_many,
+};
 use leastaction_core::energy::modular::{
     Input, MAX_TYPES, Modular, NUMBERS, NetworkShape, Shape, TransformShape, TypeShape,
 };
 use leastaction_core::forces::System;
 use leastaction_core::model::{MAX_TREES, ModelError, ModularHeader, TreeHeader};
-use rand::SeedableRng;
-use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 /// Units of a hidden layer of a network of an element at most.
@@ -168,11 +169,7 @@ impl ModularArchitecture {
 
     /// Random networks, the numbers as given.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut stream = Pcg64::seed_from_u64(seed);
-        let mut weights = Vec::new();
-        for (inputs, outputs) in self.shape.networks().flat_map(layers) {
-            uniform_layer(&mut weights, inputs, outputs, &mut stream);
-        }
+        let mut weights = random_layers(self.shape.networks().flat_map(layers), seed);
         weights.extend(self.numbers().map(|number| number.value));
         weights
     }
@@ -188,8 +185,7 @@ impl ModularArchitecture {
 
     /// The positions of the known numbers.
     pub fn fixed_positions(&self) -> Vec<usize> {
-        let numbers = (self.numbers_start()..).zip(self.numbers());
-        numbers.filter(|(_, number)| !number.learned).map(|(position, _)| position).collect()
+        known_positions(self.numbers_start(), self.numbers())
     }
 
     /// The type of every element of the tree.

@@ -1,16 +1,14 @@
 //! The shape of a rigid model on the host.
 
 use super::{
-    DEPTH, Damping, Family, FamilySystem, HostScalar, MAX_COORDINATES, MAX_WIDTH, Visitor, too_many,
-    uniform_layer,
+    DEPTH, Damping, Family, FamilySystem, HostScalar, MAX_COORDINATES, MAX_WIDTH, Visitor, random_layers,
+    too_many,
 };
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{MAX_HIDDEN, ModelError, RigidHeader};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Scalar;
-use rand::SeedableRng;
-use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 /// A rigid system over host weights: its type has the compiled sizes.
@@ -98,11 +96,7 @@ impl RigidArchitecture {
 
     /// Random weights: uniform with Glorot's variance, biases and damping zero.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut stream = Pcg64::seed_from_u64(seed);
-        let mut weights = Vec::new();
-        for (inputs, outputs) in self.layers() {
-            uniform_layer(&mut weights, inputs, outputs, &mut stream);
-        }
+        let mut weights = random_layers(self.layers(), seed);
         weights.extend(std::iter::repeat_n(0.0, if self.damped { self.n() } else { 0 }));
         weights
     }

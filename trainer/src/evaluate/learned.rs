@@ -1,102 +1,73 @@
-//! A learned model as plain functions on slices, whatever its family and size.
+//! A learned model as a plain function on slices, whatever its family and size.
 
 use super::particles::Driven;
 use crate::architecture::{Architecture, Family, GraphArchitecture, HostTypes, Visitor};
-use leastaction_core::continuous::{acceleration, energy};
+use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::graph::Graph;
-use leastaction_core::lagrangian::Energies;
 use leastaction_core::model::ModelError;
-use leastaction_core::particles::Particles;
 
 /// Writes v̇(q, v), m/s² or rad/s², of a free motion; `None` where it does not exist or a slice is too short.
-pub type Acceleration<'w> = Box<dyn Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w>;
-/// The energy T + V, J; not a number where a slice is too short.
-pub type Energy<'w> = Box<dyn Fn(&[f64], &[f64]) -> f64 + Sync + 'w>;
+pub type Accelerations<'w> = dyn Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w;
+/// Writes v̇(q, v, u) of particles under a force u, N on every coordinate, or none where it is empty; `None` as for
+/// [`Accelerations`].
+pub(super) type Forced<'w> = dyn Fn(&[f64], &[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w;
 
-/// The accelerations that a model gives, and its own energy.
+/// Calls `then` with the accelerations that a model gives; its shape is read once.
 ///
 /// # Errors
 /// Where the shape is beyond what is compiled.
-pub fn functions<'w>(
+pub fn with_accelerations<T>(
     architecture: &Architecture,
-    weights: &'w [f64],
-) -> Result<(Acceleration<'w>, Energy<'w>), ModelError> {
+    weights: &[f64],
+    then: impl FnOnce(&Accelerations) -> T,
+) -> Result<T, ModelError> {
     match architecture {
-        Architecture::Graph(graph) if graph.dimension() == 3 => graph_functions::<3>(graph, weights),
-        Architecture::Graph(graph) => graph_functions::<2>(graph, weights),
-        Architecture::Rigid(_) | Architecture::Modular(_) => architecture.dispatch(Functions { weights })?,
+        Architecture::Graph(graph) => {
+            with_forced(graph, weights, |forced| then(&|q, v, out| forced(q, v, &[], out)))
+        }
+        Architecture::Rigid(_) | Architecture::Modular(_) => architecture.dispatch(Free { weights, then })?,
     }
 }
 
-/// Writes v̇(q, v, u) of particles under a force u, N on every coordinate, or none where it is empty; `None` as for
-/// [`Acceleration`].
-pub(super) type Forced<'w> = Box<dyn Fn(&[f64], &[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w>;
-
-/// The accelerations of a graph of any size, on its rods.
-pub(super) fn forced<'w>(
+/// Calls `then` with the accelerations of a graph of any size, on its rods.
+pub(super) fn with_forced<T>(
     architecture: &GraphArchitecture,
-    weights: &'w [f64],
-) -> Result<Forced<'w>, ModelError> {
+    weights: &[f64],
+    then: impl FnOnce(&Forced) -> T,
+) -> Result<T, ModelError> {
     match architecture.dimension() {
-        3 => forced_in::<3>(architecture, weights),
-        _ => forced_in::<2>(architecture, weights),
+        3 => forced_in::<3, T>(architecture, weights, then),
+        _ => forced_in::<2, T>(architecture, weights, then),
     }
 }
 
-fn forced_in<'w, const D: usize>(
+fn forced_in<const D: usize, T>(
     architecture: &GraphArchitecture,
-    weights: &'w [f64],
-) -> Result<Forced<'w>, ModelError> {
+    weights: &[f64],
+    then: impl FnOnce(&Forced) -> T,
+) -> Result<T, ModelError> {
     let types: HostTypes<'_, f64, D> = architecture.host_types(weights)?;
-    let graph = architecture.graph()?.clone();
-    Graph::new(types, &graph.nodes, &graph.edges).map_err(ModelError::Graph)?;
+    let graph = architecture.graph()?;
+    let particles = Graph::new(types, &graph.nodes, &graph.edges).map_err(ModelError::Graph)?;
     let rods = graph.constraints::<D>();
-    Ok(Box::new(move |q, v, u, out| {
-        let particles = Graph::new(types, &graph.nodes, &graph.edges).ok()?;
-        Driven::new(&particles, &rods, u.as_chunks().0).ok()?.acceleration(q, v, out)
-    }))
+    let driven = Driven::new(&particles, &rods).map_err(|_| ModelError::OutOfRange { what: "rod" })?;
+    Ok(then(&|q, v, u, out| driven.acceleration(q, v, u, out)))
 }
 
-/// Those of a graph of any size.
-fn graph_functions<'w, const D: usize>(
-    architecture: &GraphArchitecture,
+struct Free<'w, C> {
     weights: &'w [f64],
-) -> Result<(Acceleration<'w>, Energy<'w>), ModelError> {
-    let types: HostTypes<'_, f64, D> = architecture.host_types(weights)?;
-    let graph = architecture.graph()?.clone();
-    let forced = forced_in::<D>(architecture, weights)?;
-    let accelerations = move |q: &[f64], v: &[f64], out: &mut [f64]| forced(q, v, &[], out);
-    let energies = move |q: &[f64], v: &[f64]| {
-        let Ok(particles) = Graph::new(types, &graph.nodes, &graph.edges) else { return f64::NAN };
-        let mut room = vec![0.0; Particles::<f64, D>::room(&particles)];
-        let Energies { kinetic, potential } = particles.energies(q.as_chunks().0, v.as_chunks().0, &mut room);
-        kinetic + potential
-    };
-    Ok((Box::new(accelerations), Box::new(energies)))
+    then: C,
 }
 
-struct Functions<'w> {
-    weights: &'w [f64],
-}
+impl<T, C: FnOnce(&Accelerations) -> T> Visitor for Free<'_, C> {
+    type Output = Result<T, ModelError>;
 
-impl<'w> Visitor for Functions<'w> {
-    type Output = Result<(Acceleration<'w>, Energy<'w>), ModelError>;
-
-    fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output {
-        let (weights, family, same) = (self.weights, family.clone(), family.clone());
-        family.system::<f64>(weights)?;
-        let accelerations = move |q: &[f64], v: &[f64], out: &mut [f64]| {
+    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
+        let system = family.system::<f64>(self.weights)?;
+        Ok((self.then)(&|q, v, out| {
             let (q, v) = (q.first_chunk::<N>()?, v.first_chunk::<N>()?);
-            let system = family.system::<f64>(weights).ok()?;
             *out.first_chunk_mut::<N>()? = acceleration(&system, q, v, &[0.0; N]).ok()?;
             Some(())
-        };
-        let energies = move |q: &[f64], v: &[f64]| match (q.first_chunk(), v.first_chunk()) {
-            (Some(q), Some(v)) => {
-                same.system::<f64>(weights).map_or(f64::NAN, |system| energy(&system.lagrangian, q, v))
-            }
-            _ => f64::NAN,
-        };
-        Ok((Box::new(accelerations), Box::new(energies)))
+        }))
     }
 }

@@ -7,44 +7,38 @@ use leastaction_core::particles::Particles;
 /// The rods of a system in D dimensions.
 pub type Rods<const D: usize> = [Holonomic<f64, D>];
 
-/// A system of particles on its rods, under a constant force.
+/// A system of particles on its rods, under forces.
 #[derive(Debug)]
 pub struct Driven<'a, P, const D: usize> {
     mechanism: Constrained<'a, f64, P, Rods<D>, D>,
-    force: &'a [[f64; D]],
 }
 
 impl<'a, P: Particles<f64, D>, const D: usize> Driven<'a, P, D> {
-    /// The system on these rods; `force` (N) is that on every node, or empty.
+    /// The system on these rods.
     ///
     /// # Errors
     /// Where a rod ends at no node or has no length.
-    pub fn new(
-        system: &'a P,
-        rods: &'a Rods<D>,
-        force: &'a [[f64; D]],
-    ) -> Result<Self, ConstraintError<f64>> {
-        Ok(Self { mechanism: Constrained::new(system, rods)?, force })
+    pub fn new(system: &'a P, rods: &'a Rods<D>) -> Result<Self, ConstraintError<f64>> {
+        Ok(Self { mechanism: Constrained::new(system, rods)? })
     }
 
-    /// Writes v̇(q, v), m/s²; `None` where it does not exist or a slice has not one entry a coordinate.
-    pub fn acceleration(&self, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
-        let mut lambda = vec![0.0; self.mechanism.constraints().equations()];
-        self.write(q, v, out, &mut lambda)
+    /// Writes v̇(q, v, u), m/s², under a force u, N on every coordinate, or none where it is empty; `None` where it does not exist
+    /// or a slice has not one entry a coordinate.
+    pub fn acceleration(&self, q: &[f64], v: &[f64], u: &[f64], out: &mut [f64]) -> Option<()> {
+        self.solve(q, v, u, out).map(|_| ())
     }
 
     /// The multiplier of every rod, N: above 0 where it is pushed apart; `None` as for accelerations.
-    pub fn multipliers(&self, q: &[f64], v: &[f64]) -> Option<Vec<f64>> {
-        let mut lambda = vec![0.0; self.mechanism.constraints().equations()];
-        self.write(q, v, &mut vec![0.0; q.len()], &mut lambda)?;
-        Some(lambda)
+    pub fn multipliers(&self, q: &[f64], v: &[f64], u: &[f64]) -> Option<Vec<f64>> {
+        self.solve(q, v, u, &mut vec![0.0; q.len()])
     }
 
-    fn write(&self, q: &[f64], v: &[f64], out: &mut [f64], lambda: &mut [f64]) -> Option<()> {
-        let force = (!self.force.is_empty()).then_some(self.force);
-        let drive = Drive { force, ..Drive::none() };
+    fn solve(&self, q: &[f64], v: &[f64], u: &[f64], out: &mut [f64]) -> Option<Vec<f64>> {
+        let drive = Drive { force: (!u.is_empty()).then_some(u.as_chunks().0), ..Drive::none() };
         let mut room = vec![0.0; constrained_room(&self.mechanism)];
+        let mut lambda = vec![0.0; self.mechanism.constraints().equations()];
         let (q, v, out) = (q.as_chunks().0, v.as_chunks().0, out.as_chunks_mut().0);
-        constrained_acceleration(&self.mechanism, (q, v), &drive, &mut room, (out, lambda)).ok()
+        constrained_acceleration(&self.mechanism, (q, v), &drive, &mut room, (out, &mut lambda)).ok()?;
+        Some(lambda)
     }
 }

@@ -66,26 +66,39 @@ impl Truth {
     /// Predicts from the same starts by accelerations v̇(q, v), followed to `tolerance` and on the rods of the exact motion, and
     /// measures the errors.
     ///
-    /// The exact energy of the predicted state (J) is compared with that of the exact motion, as the authors do. A prediction that cannot be followed to the end counts as infinitely wrong from there on.
+    /// The exact energy of the predicted state (J) is compared with that of the exact motion, as the authors do. A prediction that
+    /// cannot be followed to the end counts as infinitely wrong from there on.
     pub fn compare(
         &self,
         tolerance: f64,
         motion: &dyn Motion,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
     ) -> Prediction {
-        let project = |state: &mut [f64]| motion.project(state);
         let energy = |q: &[f64], v: &[f64]| motion.energy(q, v);
         let one = |k: usize| {
-            let mut states = Vec::with_capacity(self.states[k].len());
-            let keep = |state: &[f64]| states.extend_from_slice(state);
-            let start = &self.starts[k];
-            let failed = follow(&acceleration, project, start, self.horizon, tolerance, keep).is_err();
-            states.resize(self.states[k].len(), f64::INFINITY);
+            let (states, failed) = self.predicted(k, tolerance, motion, &acceleration);
             let errors = self.errors(k, &states, &energies(&states, self.angles.len(), energy), failed);
             (errors, if k == 0 { states } else { Vec::new() })
         };
         let (errors, states): (Vec<_>, Vec<_>) = parallel::map(self.starts.len(), &one).into_iter().unzip();
         self.summarise(&errors, states.into_iter().next().unwrap_or_default())
+    }
+
+    /// (q, v) along start `k`, \[samples\]\[2n\], by accelerations, on the rods of the exact motion; whether they could not be
+    /// followed to the end, from where on they are infinite.
+    pub(super) fn predicted(
+        &self,
+        k: usize,
+        tolerance: f64,
+        motion: &dyn Motion,
+        acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()>,
+    ) -> (Vec<f64>, bool) {
+        let mut states = Vec::with_capacity(self.states[k].len());
+        let keep = |state: &[f64]| states.extend_from_slice(state);
+        let project = |state: &mut [f64]| motion.project(state);
+        let failed = follow(acceleration, project, &self.starts[k], self.horizon, tolerance, keep).is_err();
+        states.resize(self.states[k].len(), f64::INFINITY);
+        (states, failed)
     }
 
     /// The errors of other exact motions, taken for predictions of these: how far disturbed starts lead away. Starts without

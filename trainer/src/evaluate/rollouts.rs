@@ -2,7 +2,7 @@
 //! exact energies of the predicted and of the exact state, with geometric means over starts and times (LGNN, section 4).
 
 use super::prediction::Truth;
-use crate::ground_truth::{Motion, follow};
+use crate::ground_truth::Motion;
 use crate::parallel;
 
 /// The least error that a geometric mean takes; below it is rounding.
@@ -28,13 +28,8 @@ impl Rollouts {
         tolerance: f64,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
     ) -> Self {
-        let project = |state: &mut [f64]| motion.project(state);
         let one = |k: usize| {
-            let mut states: Vec<f64> = Vec::with_capacity(truth.states(k).len());
-            let keep = |state: &[f64]| states.extend_from_slice(state);
-            let start = &truth.starts()[k];
-            let failed = follow(&acceleration, project, start, truth.horizon(), tolerance, keep).is_err();
-            states.resize(truth.states(k).len(), f64::INFINITY);
+            let (states, failed) = truth.predicted(k, tolerance, motion, &acceleration);
             (errors(motion, &states, truth.states(k)), failed)
         };
         Self::of(truth, parallel::map(truth.starts().len(), &one))

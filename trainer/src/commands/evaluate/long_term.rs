@@ -2,7 +2,7 @@
 
 use super::super::output::{Failure, folder};
 use leastaction::atomic;
-use leastaction::evaluate::learned::functions;
+use leastaction::evaluate::learned::with_accelerations;
 use leastaction::evaluate::prediction::{Prediction, TOLERANCE, Truth};
 use leastaction::ground_truth::{
     BadMechanism, Horizon, LgnnSettings, LgnnSystem, ManyBody, ModlanetSettings, Motion, Start, lgnn_starts,
@@ -120,8 +120,10 @@ impl Request<'_> {
         let truth = Truth::new(motion.as_ref(), starts, Horizon::of_seconds(self.seconds))
             .map_err(|error| failed(&error))?;
         let HostModel { architecture, weights, .. } = self.model;
-        let (accelerations, _) = functions(architecture, weights).map_err(|error| failed(&error))?;
-        let learned = truth.compare(TOLERANCE, motion.as_ref(), accelerations);
+        let learned = with_accelerations(architecture, weights, |accelerations| {
+            truth.compare(TOLERANCE, motion.as_ref(), accelerations)
+        })
+        .map_err(|error| failed(&error))?;
         let floor = truth.single_precision(motion.as_ref());
         let mut report = LongTerm {
             system: self.system.name(),

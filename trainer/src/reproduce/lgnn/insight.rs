@@ -80,17 +80,21 @@ fn dragged(model: &Model, drag: f64, samples: &Samples) -> Result<Compared, Repr
     Ok(Compared { rows: (0..POINTS).map(row).collect() })
 }
 
-/// The pull of every rod along an exact motion: states (q, v), `h` seconds apart.
+/// The pull of every rod along an exact motion under a force u: states (q, v), `h` seconds apart.
 pub(super) fn pulls<P: Particles<f64, 2>>(
     driven: &Driven<'_, P, 2>,
+    u: &[f64],
     truss: &Truss,
     states: &[f64],
     h: f64,
 ) -> Vec<Compared> {
+    if truss.rods.is_empty() {
+        return Vec::new();
+    }
     let n = 2 * truss.masses.len();
     let at = |(k, state): (usize, &[f64])| {
         let (q, v) = state.split_at(n);
-        Some((k as f64 * h, driven.multipliers(q, v)?, truss.tensions(q, v)?))
+        Some((k as f64 * h, driven.multipliers(q, v, u)?, truss.tensions(q, v)?))
     };
     let all: Vec<_> = states.chunks_exact(2 * n).enumerate().filter_map(at).collect();
     let rod = |i: usize| Compared {

@@ -227,9 +227,9 @@ impl Experiment<'_> {
         let truss = settings.truss().map_err(crate::ground_truth::GenerationError::from)?;
         let truth = Truth::new(&truss, lgnn_starts(&settings), horizon)?;
         let rods = graph(system).constraints();
-        let force = if truss.pulls.is_empty() { Vec::new() } else { truss.pull() };
-        let driven = Driven::new(particles, &rods, &force)?;
-        let rollouts = Rollouts::new(&truth, &truss, TOLERANCE, |q, v, a| driven.acceleration(q, v, a));
+        let u = if truss.pulls.is_empty() { Vec::new() } else { truss.pull().into_flattened() };
+        let driven = Driven::new(particles, &rods)?;
+        let rollouts = Rollouts::new(&truth, &truss, TOLERANCE, |q, v, a| driven.acceleration(q, v, &u, a));
         let [floor_rollout_error, floor_energy_violation] = floor(&truth, &truss, seed)?;
         let [rollout_error, energy_violation] = rollouts.means();
         let rolled_out = RolledOut {
@@ -244,7 +244,7 @@ impl Experiment<'_> {
         };
         let (system, count) = (system.name(), system.nodes());
         let pictured = Some((horizon.h, rollouts));
-        let rods = insight::pulls(&driven, &truss, truth.first(), horizon.h);
+        let rods = insight::pulls(&driven, &u, &truss, truth.first(), horizon.h);
         let insight = Insight { rods, ..row.insight };
         Ok(Outcome { system, count, rolled_out: Some(rolled_out), pictured, insight, ..row })
     }

@@ -110,21 +110,18 @@ pub fn train(
     mut watch: impl FnMut(usize, f64),
 ) -> Result<(Model, [f64; 2]), ModelError> {
     let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
-    let (objective, judge) = (architecture.objective(rows.clone())?, architecture.objective(judges)?);
+    let (objective, judge) = (architecture.objective(rows.clone())?, architecture.objective(judges.clone())?);
     let mut best = Vec::new();
-    let mut random = architecture.initial_weights(seed);
-    if architecture.has_laws() {
-        let simple = architecture.without_corrections().objective(rows)?;
-        let silent = architecture.with_corrections_scaled(random.clone(), 0.0);
-        let laws = Levenberg::new(&*simple, silent).best(&*simple, &*judge, iterations, |_, _| ());
-        random = architecture.beginning(seed);
-        architecture.copy_numbers(&laws, &mut random);
-        best.push(laws);
+    let mut weights = architecture.beginning(seed);
+    if let Some(laws) = architecture.laws_alone() {
+        let (objective, judge) = (laws.objective(rows)?, laws.objective(judges)?);
+        weights = Levenberg::new(&*objective, weights).best(&*objective, &*judge, iterations, |_, _| ());
+        best.push(architecture.with_corrections_scaled(weights.clone(), 0.0));
     }
     // Where the laws are all there is, networks could only learn rounding.
     let rounding = ROUNDING * samples.mean_square();
     if best.first().is_none_or(|laws| judge.loss(laws) > rounding) {
-        let start = Levenberg::new(&*objective, random);
+        let start = Levenberg::new(&*objective, weights);
         best.push(
             start.best(&*objective, &*judge, iterations, |iteration, state| watch(iteration, state.loss)),
         );

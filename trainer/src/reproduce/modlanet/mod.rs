@@ -14,7 +14,7 @@ pub use stepping::{Energies, LongRun, SteppingError, long_run};
 use crate::architecture::ModularArchitecture;
 use crate::baselines::AccelerationModel;
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
-use crate::evaluate::learned::functions;
+use crate::evaluate::learned::with_accelerations;
 use crate::evaluate::prediction::{TOLERANCE, Truth};
 use crate::ground_truth::{
     GenerationError, Horizon, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of, starts,
@@ -261,8 +261,9 @@ impl Experiment<'_> {
         let settings = ModlanetSettings::published(system, self.options.seed ^ UNSEEN);
         let settings = ModlanetSettings { trajectories: self.options.starts, speed: 8.0, ..settings };
         let truth = Truth::new(motion.as_ref(), starts(&settings), Horizon::of_seconds(length))?;
-        let (accelerations, _) = functions(&model.shape(), &model.weights)?;
-        let ours = truth.compare(TOLERANCE, motion.as_ref(), accelerations);
+        let ours = with_accelerations(&model.shape(), &model.weights, |accelerations| {
+            truth.compare(TOLERANCE, motion.as_ref(), accelerations)
+        })?;
         let floor = truth.single_precision(motion.as_ref());
         outcome.predicted = Some(Predicted::new(length, &ours, &floor));
         let (h, exact) = (truth.horizon().h, truth.first().to_vec());
