@@ -22,8 +22,14 @@ struct Reached {
 }
 
 fn main() {
-    let case =
-        Case { mechanism: Mechanism::Cartpole, model: Model::E2eSymo, order: 4, trajectories: 32, seed: 0 };
+    let case = Case {
+        mechanism: Mechanism::Cartpole,
+        model: Model::E2eSymo,
+        order: 4,
+        trajectories: 32,
+        seed: 0,
+        most_iterations: usize::MAX,
+    };
     let set = symo_set(case.mechanism, 0).expect("the motion can be followed");
     let recipe = case.recipe();
     let samples = Samples::triples(&set.train.truncated(case.trajectories)).shuffled(case.seed);

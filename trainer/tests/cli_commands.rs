@@ -10,6 +10,8 @@ mod graphs;
 mod import;
 #[path = "cli_commands/interrupt.rs"]
 mod interrupt;
+#[path = "cli_commands/reproduce.rs"]
+mod reproduce;
 #[path = "cli_commands/resume.rs"]
 mod resume;
 #[path = "cli_commands/simulate.rs"]

@@ -125,7 +125,7 @@ fn networks_learn_what_they_are_not_told() {
 fn a_model_runs_on_graphs_that_it_was_not_trained_on() {
     let options = Options { iterations: 20, starts: 2, ..Options::new(1) };
     for case in [Case::Pendulum, Case::Hybrid, Case::HybridForce] {
-        let rows = run(case, &options, &mut |_| ()).expect("runs");
+        let rows = run(case, &options, &|_| ()).expect("runs");
         for row in rows {
             let rolled_out = row.rolled_out.expect("rolled out");
             assert_eq!(rolled_out.failed, 0);

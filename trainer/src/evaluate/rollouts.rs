@@ -8,6 +8,15 @@ use crate::parallel;
 /// The least error that a geometric mean takes; below it is rounding.
 const LEAST: f64 = 1e-17;
 
+/// What the rollout error is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compared {
+    /// Positions (LGNN).
+    Positions,
+    /// Positions and velocities (CHNN).
+    States,
+}
+
 /// Errors of rollouts from many starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rollouts {
@@ -25,19 +34,20 @@ impl Rollouts {
     pub fn new(
         truth: &Truth,
         motion: &dyn Motion,
+        compared: Compared,
         tolerance: f64,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
     ) -> Self {
         let one = |k: usize| {
             let (states, failed) = truth.predicted(k, tolerance, motion, &acceleration);
-            (errors(motion, &states, truth.states(k)), failed)
+            (errors(motion, compared, &states, truth.states(k)), failed)
         };
         Self::of(truth, parallel::map(truth.starts().len(), &one))
     }
 
     /// Other exact motions, taken for rollouts of these: how far disturbed starts lead away.
-    pub fn between(truth: &Truth, other: &Truth, motion: &dyn Motion) -> Self {
-        let one = |k: usize| (errors(motion, other.states(k), truth.states(k)), false);
+    pub fn between(truth: &Truth, other: &Truth, motion: &dyn Motion, compared: Compared) -> Self {
+        let one = |k: usize| (errors(motion, compared, other.states(k), truth.states(k)), false);
         Self::of(truth, (0..truth.starts().len()).map(one).collect())
     }
 
@@ -63,13 +73,14 @@ impl Rollouts {
 }
 
 /// Rollout error and energy violation of every comparison.
-fn errors(motion: &dyn Motion, predicted: &[f64], exact: &[f64]) -> Vec<[f64; 2]> {
+fn errors(motion: &dyn Motion, compared: Compared, predicted: &[f64], exact: &[f64]) -> Vec<[f64; 2]> {
     let n = motion.coordinates();
+    let width = if compared == Compared::Positions { n } else { 2 * n };
     let energy = |state: &[f64]| motion.energy(&state[..n], &state[n..]);
     let pairs = predicted.chunks_exact(2 * n).zip(exact.chunks_exact(2 * n));
     let error = |(predicted, exact): (&[f64], &[f64])| {
-        let difference: Vec<f64> = predicted.iter().zip(exact).take(n).map(|(p, e)| p - e).collect();
-        let positions = relative(norm(&difference), norm(&predicted[..n]), norm(&exact[..n]));
+        let difference: Vec<f64> = predicted.iter().zip(exact).take(width).map(|(p, e)| p - e).collect();
+        let positions = relative(norm(&difference), norm(&predicted[..width]), norm(&exact[..width]));
         let (ours, truth) = (energy(predicted), energy(exact));
         [positions, relative((ours - truth).abs(), ours.abs(), truth.abs())]
     };

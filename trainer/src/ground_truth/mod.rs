@@ -28,7 +28,8 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 
 /// A mechanism by its name on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Mechanism {
     /// A rod on a pivot, θ = 0 upright, torque u: θ̈ = 1.5 g sin θ + 3u.
     Pendulum,

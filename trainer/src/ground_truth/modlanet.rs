@@ -30,6 +30,14 @@ impl ManyBody {
         }
     }
 
+    /// Coordinates: an angle a pendulum, two of a body.
+    pub fn coordinates(self) -> usize {
+        match self {
+            Self::Pendulum(count) => count,
+            Self::Bodies(count) => 2 * count,
+        }
+    }
+
     /// Number of elements.
     pub fn count(self) -> usize {
         match self {

@@ -3,23 +3,29 @@
 //!
 //! Data and truth are exact motion; the authors' carry the error of their integrator, which is what their training loss ends at.
 
+mod figures;
+mod growth;
 mod insight;
 mod outcome;
 mod published;
 mod recipe;
 mod speed;
+mod task;
 
 pub use insight::{Compared, Insight};
 pub use outcome::{Outcome, ReproduceError, RolledOut};
 pub use published::{PARAMETERS, Published};
 pub use recipe::{Model, architecture, graph, train};
 pub use speed::{LINEAR_SIZES, step_microseconds};
+pub use task::tasks;
 
 use crate::architecture::HostTypes;
 use crate::evaluate::particles::Driven;
 use crate::evaluate::prediction::Truth;
-use crate::evaluate::rollouts::Rollouts;
-use crate::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, lgnn_starts};
+use crate::evaluate::rollouts::{Compared as What, Rollouts};
+use crate::ground_truth::{
+    Horizon, IntegrationError, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, lgnn_starts,
+};
 use crate::training::Samples;
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
@@ -60,7 +66,7 @@ impl Case {
 }
 
 /// How a case is run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Options {
     /// Of the initial weights and of generated data.
     pub seed: u64,
@@ -77,6 +83,11 @@ impl Options {
     pub fn new(seed: u64) -> Self {
         Self { seed, iterations: 200, starts: 100, networks_alone: false }
     }
+
+    /// For a first look.
+    pub fn quick(seed: u64) -> Self {
+        Self { iterations: 60, starts: 10, ..Self::new(seed) }
+    }
 }
 
 /// Runs a case; `tell` gets a line of progress now and then.
@@ -86,9 +97,9 @@ impl Options {
 pub fn run(
     case: Case,
     options: &Options,
-    tell: &mut dyn FnMut(&str),
+    tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Outcome>, ReproduceError> {
-    let mut experiment = Experiment { case, options, tell };
+    let experiment = Experiment { case, options, tell };
     match case {
         Case::Pendulum => {
             experiment.sizes(LgnnSystem::Pendulum(3), 0.0, &[3, 4, 5].map(LgnnSystem::Pendulum))
@@ -124,7 +135,7 @@ const SAMPLES: [usize; 5] = [100, 500, 1_000, 5_000, 10_000];
 struct Experiment<'a> {
     case: Case,
     options: &'a Options,
-    tell: &'a mut dyn FnMut(&str),
+    tell: &'a (dyn Fn(&str) + Sync),
 }
 
 /// A trained model with the row that training gives.
@@ -136,7 +147,7 @@ struct Learned {
 impl Experiment<'_> {
     /// Learns a system from the authors' number of samples, or from the first so many of them in an order drawn by the seed.
     fn learn(
-        &mut self,
+        &self,
         system: LgnnSystem,
         drag: f64,
         samples: Option<usize>,
@@ -147,7 +158,7 @@ impl Experiment<'_> {
         let samples = samples.map_or_else(|| all.clone(), |count| all.shuffled(!seed).range(0..count));
         let architecture = architecture(system, drag > 0.0, self.options.networks_alone)?;
         let (clock, iterations) = (Instant::now(), self.options.iterations);
-        let tell = &mut *self.tell;
+        let tell = self.tell;
         let name = format!("{} of {}", system.name(), system.nodes());
         let watch = |iteration: usize, loss: f64| {
             if iteration.is_multiple_of(20) {
@@ -182,7 +193,7 @@ impl Experiment<'_> {
 
     /// Learns a system, and rolls the model out on it and on others.
     fn sizes(
-        &mut self,
+        &self,
         trained: LgnnSystem,
         drag: f64,
         systems: &[LgnnSystem],
@@ -193,7 +204,7 @@ impl Experiment<'_> {
 
     /// Rolls a model out on a system.
     fn roll_out(
-        &mut self,
+        &self,
         learned: &Learned,
         trained: LgnnSystem,
         system: LgnnSystem,
@@ -210,7 +221,7 @@ impl Experiment<'_> {
 
     /// The row with the rollouts of learned particles on a system.
     fn rolled_out<P: Particles<f64, 2> + Sync>(
-        &mut self,
+        &self,
         row: Outcome,
         system: LgnnSystem,
         particles: &P,
@@ -229,8 +240,10 @@ impl Experiment<'_> {
         let rods = graph(system).constraints();
         let u = if truss.pulls.is_empty() { Vec::new() } else { truss.pull().into_flattened() };
         let driven = Driven::new(particles, &rods)?;
-        let rollouts = Rollouts::new(&truth, &truss, TOLERANCE, |q, v, a| driven.acceleration(q, v, &u, a));
-        let [floor_rollout_error, floor_energy_violation] = floor(&truth, &truss, seed)?;
+        let rollouts = Rollouts::new(&truth, &truss, What::Positions, TOLERANCE, |q, v, a| {
+            driven.acceleration(q, v, &u, a)
+        });
+        let [floor_rollout_error, floor_energy_violation] = floor(&truth, &truss, What::Positions, seed)?;
         let [rollout_error, energy_violation] = rollouts.means();
         let rolled_out = RolledOut {
             rollout_seconds: horizon.h * (horizon.samples - 1) as f64,
@@ -250,7 +263,7 @@ impl Experiment<'_> {
     }
 
     /// The model of five springs on more and more, with the time of a step.
-    fn scale(&mut self) -> Result<Vec<Outcome>, ReproduceError> {
+    fn scale(&self) -> Result<Vec<Outcome>, ReproduceError> {
         let trained = LgnnSystem::Spring(5);
         let learned = self.learn(trained, 0.0, None)?;
         let one = |count: usize| {
@@ -262,7 +275,7 @@ impl Experiment<'_> {
     }
 
     /// The union of the models of three pendulums and of five springs.
-    fn hybrid(&mut self, pull: f64) -> Result<Vec<Outcome>, ReproduceError> {
+    fn hybrid(&self, pull: f64) -> Result<Vec<Outcome>, ReproduceError> {
         let bobs = self.learn(LgnnSystem::Pendulum(3), 0.0, None)?;
         let springs = self.learn(LgnnSystem::Spring(5), 0.0, None)?;
         let system = LgnnSystem::Hybrid;
@@ -288,7 +301,7 @@ impl Experiment<'_> {
     }
 
     /// Pendulums and springs from more and more samples.
-    fn data_efficiency(&mut self) -> Result<Vec<Outcome>, ReproduceError> {
+    fn data_efficiency(&self) -> Result<Vec<Outcome>, ReproduceError> {
         let mut rows = Vec::new();
         for system in [LgnnSystem::Pendulum(3), LgnnSystem::Spring(5)] {
             for samples in SAMPLES {
@@ -312,7 +325,12 @@ fn horizon(system: LgnnSystem) -> Horizon {
 }
 
 /// Exact motion from disturbed starts, taken for a prediction.
-fn floor(truth: &Truth, truss: &Truss, seed: u64) -> Result<[f64; 2], ReproduceError> {
+pub(super) fn floor(
+    truth: &Truth,
+    truss: &Truss,
+    compared: What,
+    seed: u64,
+) -> Result<[f64; 2], IntegrationError> {
     let sign = |k: usize| if (seed >> (k % 64)) & 1 == 0 { DISTURBANCE } else { -DISTURBANCE };
     let disturbed = |start: &Start| {
         let mut state: Vec<f64> = start.q.iter().enumerate().map(|(k, q)| q + sign(k)).collect();
@@ -323,7 +341,7 @@ fn floor(truth: &Truth, truss: &Truss, seed: u64) -> Result<[f64; 2], ReproduceE
     };
     let starts = truth.starts().iter().map(disturbed).collect();
     let other = Truth::new(truss, starts, truth.horizon())?;
-    Ok(Rollouts::between(truth, &other, truss).means())
+    Ok(Rollouts::between(truth, &other, truss, compared).means())
 }
 
 /// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, those below 1% of the fastest left out.

@@ -1,15 +1,18 @@
 //! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 
+mod figures;
 mod noise;
 mod outcome;
 mod published;
 mod recipe;
 mod stepping;
+mod task;
 
 pub use outcome::{Outcome, Pictured, Predicted, ReproduceError, Stepped};
 pub use published::Published;
 pub use recipe::{Model, architecture, fine_tune, train, tree};
 pub use stepping::{Energies, LongRun, SteppingError, long_run};
+pub use task::{ModlanetData, tasks};
 
 use crate::architecture::ModularArchitecture;
 use crate::baselines::AccelerationModel;
@@ -81,7 +84,7 @@ impl Case {
 }
 
 /// How a case is run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Options {
     /// What the bodies' pair potential sees.
     pub pair: PairInput,
@@ -109,6 +112,11 @@ impl Options {
             steps: 1_000_000,
         }
     }
+
+    /// For a first look.
+    pub fn quick(seed: u64) -> Self {
+        Self { iterations: Some(60), most_samples: 40_000, starts: 10, steps: 100_000, ..Self::new(seed) }
+    }
 }
 
 /// Runs a case; `tell` gets a line of progress now and then.
@@ -118,11 +126,11 @@ impl Options {
 pub fn run(
     case: Case,
     options: &Options,
-    data: Option<ModlanetSet>,
-    tell: &mut dyn FnMut(&str),
+    data: Option<&ModlanetSet>,
+    tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Outcome>, ReproduceError> {
-    let mut experiment = Experiment { case, options, tell };
-    let set = |system| data.clone().map_or_else(|| modlanet_set(system, options.seed), Ok);
+    let experiment = Experiment { case, options, tell };
+    let set = |system| data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok);
     match case {
         Case::DoublePendulum => {
             let system = ManyBody::Pendulum(2);
@@ -167,7 +175,7 @@ fn large(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
 struct Experiment<'a> {
     case: Case,
     options: &'a Options,
-    tell: &'a mut dyn FnMut(&str),
+    tell: &'a (dyn Fn(&str) + Sync),
 }
 
 impl Experiment<'_> {
@@ -187,7 +195,7 @@ impl Experiment<'_> {
 
     /// Learns a system from its own data; with `prediction` also predicts so many seconds.
     fn learn(
-        &mut self,
+        &self,
         system: ManyBody,
         set: &ModlanetSet,
         prediction: Option<f64>,
@@ -195,7 +203,7 @@ impl Experiment<'_> {
         let architecture = self.architecture(system, set)?;
         let clock = Instant::now();
         let (iterations, seed) = (self.iterations(), self.options.seed);
-        let tell = &mut *self.tell;
+        let tell = self.tell;
         let model = train(architecture, &set.train, iterations, seed, |iteration, loss| {
             if iteration % 10 == 0 {
                 tell(&format!("iteration {iteration} of {iterations}: training loss {loss:.2e}"));
@@ -247,7 +255,7 @@ impl Experiment<'_> {
 
     /// Predictions from starts that no training data has.
     fn predict(
-        &mut self,
+        &self,
         outcome: &mut Outcome,
         system: ManyBody,
         model: &Model,
@@ -273,7 +281,7 @@ impl Experiment<'_> {
 
     /// The trained model in larger systems, as it is and fine-tuned.
     fn extend(
-        &mut self,
+        &self,
         system: ManyBody,
         set: &ModlanetSet,
         larger: &[ManyBody],
@@ -286,7 +294,7 @@ impl Experiment<'_> {
         Ok(rows)
     }
 
-    fn extend_to(&mut self, system: ManyBody, model: &Model) -> Result<[Outcome; 2], ReproduceError> {
+    fn extend_to(&self, system: ManyBody, model: &Model) -> Result<[Outcome; 2], ReproduceError> {
         let set = modlanet_set(system, self.options.seed)?;
         let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
         zero_shot.samples = 0;
@@ -303,7 +311,7 @@ impl Experiment<'_> {
     }
 
     /// The double pendulum from more and more samples, with the same iterations.
-    fn dataset_size(&mut self) -> Result<Vec<Outcome>, ReproduceError> {
+    fn dataset_size(&self) -> Result<Vec<Outcome>, ReproduceError> {
         let system = ManyBody::Pendulum(2);
         let sizes = [10_000, 20_000, 40_000, 100_000, 1_000_000];
         let mut rows = Vec::new();

@@ -23,11 +23,7 @@ impl Experiment<'_> {
     /// The system from few samples, without and with noise, by the model and by an MLP of at least as many weights: both by
     /// the same iterations, and of each that with the lowest error on a fifth of the samples, held back and as noisy as the
     /// others. The test set is without noise.
-    pub(super) fn noise(
-        &mut self,
-        system: ManyBody,
-        set: &ModlanetSet,
-    ) -> Result<Vec<Outcome>, ReproduceError> {
+    pub(super) fn noise(&self, system: ManyBody, set: &ModlanetSet) -> Result<Vec<Outcome>, ReproduceError> {
         let modular = self.architecture(system, set)?;
         let weights = modular.initial_weights(self.options.seed).len();
         let mlp = Mlp::with_weights(&modular.coordinates(), weights)?;
@@ -110,7 +106,7 @@ mod tests {
     #[test]
     fn the_model_is_better_than_a_network_of_its_size() {
         let options = Options { iterations: Some(8), ..Options::new(0) };
-        let rows = run(Case::Noise, &options, Some(set()), &mut |_| ()).unwrap();
+        let rows = run(Case::Noise, &options, Some(&set()), &|_| ()).unwrap();
         let conditions: Vec<_> = rows.iter().map(|row| (row.samples, row.noise, row.kind)).collect();
         assert_eq!(
             conditions[..4],

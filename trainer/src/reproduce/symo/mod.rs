@@ -1,6 +1,13 @@
 //! SyMo's experiments (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot learned from 8 to 128 trajectories of
 //! positions and controls.
 
+mod figures;
+mod published;
+mod task;
+
+pub use published::{Published, published};
+pub use task::{SymoData, overview, tasks};
+
 use crate::architecture::{Architecture, RigidArchitecture};
 use crate::data::symo::SymoSet;
 use crate::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
@@ -22,7 +29,7 @@ pub enum Model {
 }
 
 /// One row of the tables.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Case {
     /// Which mechanism.
     pub mechanism: Mechanism,
@@ -34,6 +41,8 @@ pub struct Case {
     pub trajectories: usize,
     /// Of the initial weights.
     pub seed: u64,
+    /// Iterations of the recipe at most.
+    pub most_iterations: usize,
 }
 
 /// What a case gives, in SyMo's measures on equal terms.
@@ -83,87 +92,6 @@ impl Outcome {
     }
 }
 
-/// What the published program reaches, on equal terms; `None` where it is not known or, beyond 100 steps of the chaotic
-/// acrobot, means nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Published {
-    /// Weights of its network.
-    pub parameters: usize,
-    /// In the order of [`Outcome::measures`].
-    pub measures: [Option<f64>; 6],
-}
-
-/// The published program's figures for a case, measured with it on its own data.
-pub fn published(case: &Case) -> Option<Published> {
-    let known = |measures: [f64; 6]| measures.map(Some);
-    let early = |[test, early, energy, inertia]: [f64; 4]| {
-        [Some(test), None, None, Some(early), Some(energy), Some(inertia)]
-    };
-    let (parameters, measures) = match (case.mechanism, case.model, case.trajectories) {
-        (Mechanism::Pendulum, Model::Symo, 8) => {
-            (17_154, known([3.8e-7, 0.023, 0.0015, 0.0015, 5.0e-3, 1.7e-5]))
-        }
-        (Mechanism::Pendulum, Model::E2eSymo, 8) => {
-            (17_154, known([2.8e-7, 0.023, 0.0014, 0.0015, 5.0e-3, 1.7e-5]))
-        }
-        (Mechanism::Pendulum, Model::Symo, 32) => {
-            (17_154, known([1.75e-7, 0.0034, 0.0016, 2e-4, 5.0e-3, 9e-6]))
-        }
-        (Mechanism::Pendulum, Model::E2eSymo, 32) => {
-            (17_154, known([1.58e-7, 0.0039, 0.0021, 1.8e-4, 5.0e-3, 9e-6]))
-        }
-        (Mechanism::Pendulum, Model::Symo, 128) => {
-            (17_154, known([1.27e-7, 0.028, 0.0036, 9e-4, 5.1e-3, 1e-5]))
-        }
-        (Mechanism::Pendulum, Model::E2eSymo, 128) => {
-            (17_154, known([1.13e-7, 0.028, 0.0030, 1.3e-3, 5.1e-3, 1e-5]))
-        }
-        (Mechanism::Cartpole, Model::Symo, 8) => {
-            (67_844, known([2.3e-6, 1.16, 0.16, 0.0036, 1.3e-3, 1.5e-4]))
-        }
-        (Mechanism::Cartpole, Model::E2eSymo, 8) => {
-            (67_844, known([5.1e-6, 33.8, 0.32, 0.064, 0.91, 8.7e-3]))
-        }
-        (Mechanism::Cartpole, Model::Symo, 32) => {
-            (67_844, known([4.25e-7, 0.110, 0.033, 8e-4, 1.8e-5, 1.9e-6]))
-        }
-        (Mechanism::Cartpole, Model::E2eSymo, 32) => {
-            (67_844, known([4.64e-8, 0.069, 0.035, 1.7e-4, 7.2e-6, 5.8e-6]))
-        }
-        (Mechanism::Cartpole, Model::Symo, 128) => {
-            (67_844, known([1.56e-7, 0.100, 0.0042, 3e-4, 2.2e-5, 6.3e-7]))
-        }
-        (Mechanism::Cartpole, Model::E2eSymo, 128) => {
-            (67_844, known([7.1e-9, 0.159, 0.155, 3.7e-4, 5.0e-6, 1.1e-5]))
-        }
-        (Mechanism::Acrobot, Model::Symo, 8) => (68_100, early([4.2e-3, 91.0, 245.0, 3.7])),
-        (Mechanism::Acrobot, Model::E2eSymo, 8) => (68_100, early([2.5e-6, 2.5, 2.0, 0.021])),
-        (Mechanism::Acrobot, Model::Symo, 32) => (68_100, early([1.6e-7, 2.2, 0.023, 7.5e-3])),
-        (Mechanism::Acrobot, Model::E2eSymo, 32) => (68_100, early([3.0e-8, 0.0047, 0.0050, 4.3e-5])),
-        (Mechanism::Acrobot, Model::Symo, 128) => (68_100, early([7.1e-9, 0.0012, 2.9e-3, 1e-4])),
-        (Mechanism::Acrobot, Model::E2eSymo, 128) => (68_100, early([8.1e-9, 0.0042, 3.0e-3, 1.2e-4])),
-        _ => return None,
-    };
-    Some(Published { parameters, measures })
-}
-
-/// The rows as comma-separated values with a header.
-pub fn csv(rows: &[&Outcome]) -> String {
-    let mut text = String::from(
-        "system,model,order,trajectories,parameters,train_mse,test_mse,integration_mse,integration_median,\
-         integration_mse_100,energy_mse,inertia_mse,train_seconds,seed\n",
-    );
-    for row in rows {
-        let model = if row.model == Model::Symo { "symo" } else { "e2e-symo" };
-        let Outcome { system, order, trajectories, parameters, train_mse, train_seconds, seed, .. } = row;
-        let measures = row.measures().map(|m| format!("{m:e}")).join(",");
-        text += &format!(
-            "{system},{model},{order},{trajectories},{parameters},{train_mse:e},{measures},{train_seconds:.1},{seed}\n"
-        );
-    }
-    text
-}
-
 /// How a case is learned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
@@ -196,7 +124,7 @@ impl Case {
             (_, Mechanism::Cartpole) => (30, 1e-9),
             (_, Mechanism::Acrobot) => (30, 0.0),
         };
-        Recipe { architecture, warm_up: 20, iterations, decay }
+        Recipe { architecture, warm_up: 20, iterations: iterations.min(self.most_iterations), decay }
     }
 
     fn acrobot_widths(&self) -> Vec<u16> {

@@ -1,35 +1,33 @@
 //! Pictures of what the table says.
 
-use super::table::numbered;
-use crate::commands::Done;
-use crate::commands::output::Failure;
-use leastaction::ground_truth::ManyBody;
-use leastaction::plot::{
-    Angle, Panel, Phase, PlotError, Series, Stroke, Vertical, phase_portrait, time_series,
-};
-use leastaction::reproduce::modlanet::{LongRun, Outcome, Pictured};
+use super::super::{numbered, option_name};
+use super::{LongRun, Outcome, Pictured};
+use crate::ground_truth::ManyBody;
+use crate::plot::{Angle, Panel, Phase, PlotError, Series, Stroke, Vertical, phase_portrait, time_series};
 use std::path::Path;
 
 /// How much of a motion a picture of paths shows, s.
 const PATH_SECONDS: f64 = 10.0;
 
-/// Draws every prediction over time (the paper's Figures 5 and 6) and the paths of its first start (Figure 7), and the energies
-/// of the long run.
-pub fn draw(folder: &Path, rows: &[Outcome]) -> Done {
-    for row in rows {
-        let name = format!("{}-{}", numbered(row.system, row.count), row.kind);
-        if let Some(pictured) = &row.pictured {
-            let file = folder.join(format!("{name}-errors.svg"));
-            draw_errors(&file, row, pictured).map_err(|error| Failure::file(&file, error))?;
-            let file = folder.join(format!("{name}-paths.svg"));
-            draw_paths(&file, row, pictured).map_err(|error| Failure::file(&file, error))?;
-        }
-        if let Some(run) = &row.long_run {
-            let file = folder.join(format!("{name}-energy.svg"));
-            draw_energy(&file, run).map_err(|error| Failure::file(&file, error))?;
-        }
+/// Draws the prediction over time (the paper's Figures 5 and 6), the paths of its first start (Figure 7), and the energies of the
+/// long run; the names of the files.
+pub(super) fn draw(folder: &Path, row: &Outcome) -> Result<Vec<String>, PlotError> {
+    let name =
+        format!("{}-{}-{}-{}", option_name(&row.case), numbered(row.system, row.count), row.kind, row.seed);
+    let mut drawn = Vec::new();
+    let mut file = |what: &str| {
+        let file = format!("{name}-{what}.svg");
+        drawn.push(file.clone());
+        folder.join(file)
+    };
+    if let Some(pictured) = &row.pictured {
+        draw_errors(&file("errors"), row, pictured)?;
+        draw_paths(&file("paths"), row, pictured)?;
     }
-    Ok(())
+    if let Some(run) = &row.long_run {
+        draw_energy(&file("energy"), run)?;
+    }
+    Ok(drawn)
 }
 
 fn is_chain(row: &Outcome) -> bool {

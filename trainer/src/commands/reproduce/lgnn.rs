@@ -1,0 +1,66 @@
+//! `leastaction reproduce lgnn`.
+
+use super::selection::Selection;
+use crate::commands::Done;
+use crate::commands::output::Output;
+use clap::Args;
+use leastaction::reproduce::LGNN;
+use leastaction::reproduce::lgnn::{Case, Options, tasks};
+
+/// LGNN (Bhattoo et al., MLST 2023): pendulums on rods and rings of springs from accelerations, run on other numbers of them.
+///
+/// Runs every case that the options leave open and prints its errors beside those of the authors' program: geometric means of the
+/// rollout error and of the energy violation. Data and truth are exact motion. With -o also as a page with pictures.
+///
+/// Example: leastaction reproduce lgnn --case pendulum --json
+#[derive(Args)]
+pub struct Lgnn {
+    /// Only this experiment.
+    #[arg(long)]
+    case: Option<Case>,
+    /// Iterations of Levenberg-Marquardt at most: 200, or 60 with --quick.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: Option<u32>,
+    /// Starts of the rollouts: 100, or 10 with --quick; of large systems fewer are taken.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    starts: Option<u32>,
+    /// No simple law (uniform field, polynomial of the squared distance, viscous drag) beside the networks.
+    #[arg(long)]
+    networks_alone: bool,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+impl Lgnn {
+    /// Learns, rolls out and prints.
+    pub fn run(self, output: Output) -> Done {
+        let seed = self.selection.seed;
+        let usual = if self.selection.quick { Options::quick(seed) } else { Options::new(seed) };
+        let given = |given: Option<u32>, usual: usize| given.map_or(usual, |given| given as usize);
+        let options = Options {
+            iterations: given(self.iterations, usual.iterations),
+            starts: given(self.starts, usual.starts),
+            networks_alone: self.networks_alone,
+            ..usual
+        };
+        let cases: Vec<Case> =
+            Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
+        let tasks = tasks(&cases, &options, self.selection.seeds as usize, &self.arguments());
+        self.selection.run(&LGNN, tasks, output)
+    }
+
+    /// The options beside case and seed.
+    fn arguments(&self) -> String {
+        let number = |name: &str, given: Option<u32>| {
+            given.map_or(String::new(), |given| format!(" --{name} {given}"))
+        };
+        let flag = |name: &str, is_given: bool| if is_given { format!(" --{name}") } else { String::new() };
+        [
+            number("iterations", self.iterations),
+            number("starts", self.starts),
+            flag("networks-alone", self.networks_alone),
+            flag("quick", self.selection.quick),
+        ]
+        .concat()
+    }
+}

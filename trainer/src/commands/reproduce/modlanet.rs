@@ -1,0 +1,116 @@
+//! `leastaction reproduce modlanet`.
+
+use super::selection::Selection;
+use crate::commands::Done;
+use crate::commands::output::{Failure, Output};
+use clap::{Args, ValueEnum};
+use leastaction::data::modlanet;
+use leastaction::reproduce::MODLANET;
+use leastaction::reproduce::modlanet::{Case, ModlanetData, Options, tasks};
+use leastaction_core::energy::modular::PairInput;
+use std::path::PathBuf;
+
+/// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
+///
+/// Runs every case that the options leave open and prints its errors beside the paper's. Predictions are judged in the
+/// paper's measures, which are not mean squares: the Frobenius norm of the errors over the number of comparisons, averaged
+/// over 100 starts. Pendulums are chaotic: what exact physics in single precision reaches stands beside. With -o also as a page
+/// with pictures.
+///
+/// Example: leastaction reproduce modlanet --case double-pendulum --json
+#[derive(Args)]
+pub struct Modlanet {
+    /// Only this experiment.
+    #[arg(long)]
+    case: Option<Case>,
+    /// A data set in the layout of the ModLaNet authors (x, v, ac, test_x, …) instead of a generated one, of two pendulums or
+    /// three bodies; needs --case.
+    #[arg(long, value_name = "FILE", requires = "case")]
+    data: Option<PathBuf>,
+    /// What the bodies' pair potential sees of two positions.
+    #[arg(long, default_value = "inverse-distance")]
+    pair: Pair,
+    /// Iterations of Levenberg-Marquardt at most; by default as many as the case needs, or 60 with --quick.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: Option<u32>,
+    /// The most samples of dataset-size: 1,000,000, or 40,000 with --quick.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(10_000..))]
+    samples: Option<u32>,
+    /// Starts of the predictions: 100, or 10 with --quick; 0 makes none.
+    #[arg(long)]
+    starts: Option<u32>,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Pair {
+    /// One over the distance of the two: 1/|a - b|.
+    InverseDistance,
+    /// The distance of the two: |a - b|.
+    Distance,
+    /// The difference: a - b.
+    Difference,
+    /// Both positions (the authors').
+    Concat,
+}
+
+impl Modlanet {
+    /// Learns and prints.
+    pub fn run(self, output: Output) -> Done {
+        let cases: Vec<Case> =
+            Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
+        let seeds = self.selection.seeds as usize;
+        let data = self.data_set()?;
+        let tasks = tasks(&cases, &self.options(), seeds, data.as_ref(), &self.arguments());
+        self.selection.run(&MODLANET, tasks, output)
+    }
+
+    /// The data of the file, if there is one and it is of the case's system.
+    fn data_set(&self) -> Result<Option<ModlanetData>, Failure> {
+        let (Some(file), Some(case)) = (&self.data, self.case) else { return Ok(None) };
+        let refused = |reason: &str| Failure::Input(format!("{}: {reason}", file.display()));
+        let system =
+            case.system().ok_or_else(|| refused("this case generates its data; leave out --data"))?;
+        let set = modlanet::read(file).map_err(|error| Failure::Input(error.to_string()))?;
+        let (found, needed) = (set.train.q.width(), system.coordinates());
+        if found != needed {
+            return Err(refused(&format!("the data has {found} coordinates, the case needs {needed}")));
+        }
+        Ok(Some(ModlanetData { file: file.display().to_string(), set: set.into() }))
+    }
+
+    fn options(&self) -> Options {
+        let seed = self.selection.seed;
+        let usual = if self.selection.quick { Options::quick(seed) } else { Options::new(seed) };
+        Options {
+            pair: match self.pair {
+                Pair::InverseDistance => PairInput::InverseDistance,
+                Pair::Distance => PairInput::Distance,
+                Pair::Difference => PairInput::Difference,
+                Pair::Concat => PairInput::Concat,
+            },
+            iterations: self.iterations.map(|iterations| iterations as usize).or(usual.iterations),
+            most_samples: self.samples.map_or(usual.most_samples, |samples| samples as usize),
+            starts: self.starts.map_or(usual.starts, |starts| starts as usize),
+            ..usual
+        }
+    }
+
+    /// The options beside case and seed.
+    fn arguments(&self) -> String {
+        let number = |name: &str, given: Option<u32>| {
+            given.map_or(String::new(), |given| format!(" --{name} {given}"))
+        };
+        let pair = self.pair.to_possible_value().filter(|_| self.pair != Pair::InverseDistance);
+        [
+            self.data.as_ref().map_or(String::new(), |file| format!(" --data {}", file.display())),
+            pair.map_or(String::new(), |pair| format!(" --pair {}", pair.get_name())),
+            number("iterations", self.iterations),
+            number("samples", self.samples),
+            number("starts", self.starts),
+            if self.selection.quick { " --quick".to_owned() } else { String::new() },
+        ]
+        .concat()
+    }
+}

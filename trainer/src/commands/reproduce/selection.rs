@@ -1,0 +1,137 @@
+//! Which of a paper's tasks, where they go, and what is printed of them.
+
+use crate::commands::Done;
+use crate::commands::arguments::seed;
+use crate::commands::output::{Failure, Output, folder, object, print};
+use clap::Args;
+use leastaction::reproduce::folder::{FolderError, Results};
+use leastaction::reproduce::record::{Finished, Record};
+use leastaction::reproduce::task::{Shard, Task, run_all};
+use leastaction::reproduce::{PageError, Paper, table};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+/// What every paper's command takes.
+#[derive(Args)]
+pub struct Selection {
+    /// Only tasks with this in their name; more than once: with one of these. --list prints the names.
+    #[arg(long, value_name = "TEXT")]
+    only: Vec<String>,
+    /// Print the names of the tasks and do none.
+    #[arg(long)]
+    list: bool,
+    /// Of the initial weights and, where it is generated, of the data.
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Do every task with so many seeds from --seed on: medians are printed, with the least and the largest.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub seeds: u32,
+    /// Fewer rows, iterations and starts, for a first look.
+    #[arg(long)]
+    pub quick: bool,
+    /// Tasks side by side; those that measure times come last, alone.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    jobs: u32,
+    /// Only every Nth task from the Ith on, for many machines; `reproduce merge` joins what they give.
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    shard: Shard,
+    /// Writes a page with all tables and pictures there, the same as CSV and JSON, and what every task gave: a run that was
+    /// interrupted goes on where it stopped.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+impl Selection {
+    /// The seeds.
+    pub fn seeds(&self) -> impl Iterator<Item = u64> {
+        (self.seed..).take(self.seeds as usize)
+    }
+
+    /// Does the chosen ones of these tasks, writes and prints.
+    pub fn run(&self, paper: &Paper, tasks: Vec<Box<dyn Task>>, output: Output) -> Done {
+        let tasks = self.chosen(tasks)?;
+        if self.list {
+            return print(&tasks.iter().map(|task| format!("{}\n", task.name())).collect::<String>());
+        }
+        let results = self.output.as_deref().map(|path| open(path, paper)).transpose()?;
+        let finished =
+            run_all(paper.name, &tasks, results.as_ref(), self.jobs as usize, &|line| output.note(line))?;
+        if let (Some(path), Some(results)) = (&self.output, &results) {
+            for file in paper.write(path, results, &finished)? {
+                output.note(&format!("wrote {}", file.display()));
+            }
+        }
+        report(&finished, output)?;
+        failure(&finished)
+    }
+
+    fn chosen(&self, tasks: Vec<Box<dyn Task>>) -> Result<Vec<Box<dyn Task>>, Failure> {
+        let is_chosen = |name: &str| self.only.is_empty() || self.only.iter().any(|text| name.contains(text));
+        let chosen: Vec<_> = tasks.into_iter().filter(|task| is_chosen(&task.name())).collect();
+        if chosen.is_empty() {
+            let texts = self.only.join(" or ");
+            return Err(Failure::Input(format!("no task has {texts} in its name; --list prints the names")));
+        }
+        Ok(self.shard.of(chosen))
+    }
+}
+
+/// The folder of a paper's results.
+pub fn open(path: &Path, paper: &Paper) -> Result<Results, Failure> {
+    folder(path)?;
+    Ok(Results::open(path, paper.name)?)
+}
+
+/// The tables, or all numbers as one object: that of the only row, or the rows and what sums them up.
+pub fn report(finished: &[Finished], output: Output) -> Done {
+    if !output.json {
+        return print(&table::text(finished));
+    }
+    let records = || finished.iter().flat_map(|task| &task.records);
+    let details = |of: fn(&&Record) -> bool| -> Vec<&Value> {
+        records().filter(of).map(|record| &record.details).collect()
+    };
+    let (rows, sums) = (details(|record| !record.is_summary), details(|record| record.is_summary));
+    if let ([row], []) = (&rows[..], &sums[..]) {
+        return object(row);
+    }
+    let mut all = Map::new();
+    all.insert("rows".to_owned(), rows.into_iter().cloned().collect());
+    for sum in sums.into_iter().filter_map(Value::as_object) {
+        all.extend(sum.clone());
+    }
+    let failed = finished.iter().filter_map(|task| Some((task.task.clone(), task.failure.clone()?.into())));
+    let failed: Map<String, Value> = failed.collect();
+    if !failed.is_empty() {
+        all.insert("failed".to_owned(), failed.into());
+    }
+    object(&all)
+}
+
+/// Tasks that failed make the command fail, when all others are done.
+fn failure(finished: &[Finished]) -> Done {
+    let failed: Vec<String> = finished
+        .iter()
+        .filter_map(|task| Some(format!("{}: {}", task.task, task.failure.as_ref()?)))
+        .collect();
+    if failed.is_empty() { Ok(()) } else { Err(Failure::Work(failed.join("\n"))) }
+}
+
+impl From<FolderError> for Failure {
+    fn from(error: FolderError) -> Self {
+        let message = error.to_string();
+        match error {
+            FolderError::File { .. } => Self::Work(message),
+            _ => Self::Input(message),
+        }
+    }
+}
+
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        match error {
+            PageError::Results(error) => error.into(),
+            error => Self::Work(error.to_string()),
+        }
+    }
+}

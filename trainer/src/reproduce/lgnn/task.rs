@@ -1,0 +1,160 @@
+//! The experiments as tasks, their rows as records.
+
+use super::super::record::{Measure, Record};
+use super::super::task::{Task, TaskError};
+use super::super::{numbered, option_name};
+use super::growth::Growth;
+use super::{Case, Options, Outcome, PARAMETERS, figures, run};
+use std::path::Path;
+
+/// A case with one seed.
+struct Experiment {
+    case: Case,
+    options: Options,
+    /// The options beside case and seed, as on the command line.
+    arguments: String,
+}
+
+/// The tasks of these cases, each with as many seeds from that of the options on; `arguments` are the options beside case and
+/// seed, as on the command line.
+pub fn tasks(cases: &[Case], options: &Options, seeds: usize, arguments: &str) -> Vec<Box<dyn Task>> {
+    let one = |case: Case, seed: u64| -> Box<dyn Task> {
+        Box::new(Experiment { case, options: Options { seed, ..*options }, arguments: arguments.to_owned() })
+    };
+    let of_case = |case: &Case| (options.seed..).take(seeds).map(|seed| one(*case, seed)).collect::<Vec<_>>();
+    cases.iter().flat_map(of_case).collect()
+}
+
+impl Task for Experiment {
+    fn name(&self) -> String {
+        format!("{}-{}", option_name(&self.case), self.options.seed)
+    }
+
+    fn command(&self) -> String {
+        let (case, seed) = (option_name(&self.case), self.options.seed);
+        format!("leastaction reproduce lgnn --case {case} --seed {seed}{}", self.arguments)
+    }
+
+    fn data(&self) -> String {
+        let seed = self.options.seed;
+        format!(
+            "exact motion of our own generator, seed {seed}; the authors' figures are on that of their own integrator"
+        )
+    }
+
+    fn settings(&self) -> String {
+        serde_json::to_string(&(self.case, self.options)).unwrap_or_default()
+    }
+
+    fn expected_seconds(&self) -> f64 {
+        match self.case {
+            Case::Pendulum | Case::Spring => 5.0,
+            Case::Scale => 30.0,
+            Case::Hybrid | Case::HybridForce => 8.0,
+            Case::Drag => 40.0,
+            Case::DataEfficiency => 30.0,
+        }
+    }
+
+    fn is_timed(&self) -> bool {
+        self.case == Case::Scale
+    }
+
+    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+        let rows = run(self.case, &self.options, tell)?;
+        let mut records = Vec::new();
+        for row in &rows {
+            let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, row))?;
+            records.push(Record { pictures: drawn, ..record(row)? });
+        }
+        if let (Some(growth), Some(row)) = (Growth::of(&rows), records.first()) {
+            records.push(summary(&growth, row)?);
+        }
+        Ok(records)
+    }
+}
+
+fn table(case: Case) -> &'static str {
+    match case {
+        Case::Pendulum | Case::Spring => "Pendulums on rods and rings of springs (Figures 3 and 4)",
+        Case::Scale => "More springs than were trained on (Figure 5)",
+        Case::Hybrid | Case::HybridForce => "Pendulums and springs joined, from two models (Figure 4)",
+        Case::Drag => "With drag",
+        Case::DataEfficiency => "From few samples and many",
+    }
+}
+
+fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
+    let with_drag = if row.drag > 0.0 { "yes" } else { "no" };
+    let subject = [
+        ("system", numbered(row.system, row.count)),
+        ("model is", row.kind.to_owned()),
+        ("drag", with_drag.to_owned()),
+        ("pull, N", row.pull.to_string()),
+        ("samples", row.samples.to_string()),
+    ];
+    Ok(Record {
+        table: table(row.case).to_owned(),
+        subject: subject.map(|(name, value)| (name.to_owned(), value)).to_vec(),
+        model: "ours".to_owned(),
+        is_ours: true,
+        parameters: row.parameters,
+        paper_parameters: row.published.rollout_error.map(|_| PARAMETERS[usize::from(row.drag > 0.0)]),
+        seed: row.seed,
+        train_seconds: row.train_seconds,
+        measures: measures(row),
+        note: note(row),
+        pictures: Vec::new(),
+        details: serde_json::to_value(row)?,
+        is_summary: false,
+    })
+}
+
+fn measures(row: &Outcome) -> Vec<Measure> {
+    let mut measures = vec![
+        Measure::error("train MSE", row.train_mse, None),
+        Measure::error("held-back MSE", row.validation_mse, None),
+    ];
+    if let Some(rolled) = &row.rolled_out {
+        let (re, ev) = (row.published.rollout_error, row.published.energy_violation);
+        measures
+            .push(Measure::error("rollout error", rolled.rollout_error, re).over(rolled.floor_rollout_error));
+        measures.push(Measure::error("… at the end", rolled.last_rollout_error, None));
+        measures.push(
+            Measure::error("energy violation", rolled.energy_violation, ev)
+                .over(rolled.floor_energy_violation),
+        );
+    }
+    measures
+}
+
+/// What has no column.
+fn note(row: &Outcome) -> Option<String> {
+    let failed = row.rolled_out.map(|rolled| rolled.failed).filter(|failed| *failed > 0);
+    let failed = failed.map(|failed| format!("{failed} rollouts could not be followed to the end"));
+    let drag =
+        row.drag_error.map(|error| format!("learned drag within {:.2e}% of the exact one", 100.0 * error));
+    let step = row.step_microseconds.map(|time| format!("one step takes {time:.2} µs"));
+    let notes: Vec<String> = [failed, drag, step].into_iter().flatten().collect();
+    Some(notes.join("; ")).filter(|note| !note.is_empty())
+}
+
+/// Like a row of the case, with how the rows grow instead.
+fn summary(growth: &Growth, row: &Record) -> Result<Record, serde_json::Error> {
+    let measures = vec![
+        Measure::error("time ∝ springs to the power of", growth.time_exponent, None),
+        Measure::error("energy violation to the power of", growth.energy_violation_slope, None),
+        Measure::error("µs a step of 500", growth.microseconds_per_step_500, None),
+    ];
+    Ok(Record {
+        table: "Growth with the number of springs".to_owned(),
+        subject: vec![("springs".to_owned(), "5 to 5,000".to_owned())],
+        measures,
+        note: None,
+        pictures: Vec::new(),
+        paper_parameters: None,
+        details: serde_json::to_value(growth)?,
+        is_summary: true,
+        ..row.clone()
+    })
+}

@@ -1,0 +1,162 @@
+//! The experiments as tasks, their rows as records.
+
+use super::super::record::{Measure, Record};
+use super::super::task::{Task, TaskError};
+use super::super::{numbered, option_name};
+use super::{Case, Options, Outcome, Predicted, Stepped, figures, run};
+use crate::data::modlanet::ModlanetSet;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A data set that was read.
+#[derive(Clone, Debug)]
+pub struct ModlanetData {
+    /// From where.
+    pub file: String,
+    /// What.
+    pub set: Arc<ModlanetSet>,
+}
+
+/// A case with one seed.
+struct Experiment {
+    case: Case,
+    options: Options,
+    data: Option<ModlanetData>,
+    /// The options beside case and seed, as on the command line.
+    arguments: String,
+}
+
+/// The tasks of these cases, each with as many seeds from that of the options on; without data it is generated. `arguments` are the
+/// options beside case and seed, as on the command line.
+pub fn tasks(
+    cases: &[Case],
+    options: &Options,
+    seeds: usize,
+    data: Option<&ModlanetData>,
+    arguments: &str,
+) -> Vec<Box<dyn Task>> {
+    let one = |case: Case, seed: u64| -> Box<dyn Task> {
+        let options = Options { seed, ..options.clone() };
+        Box::new(Experiment { case, options, data: data.cloned(), arguments: arguments.to_owned() })
+    };
+    let of_case = |case: &Case| (options.seed..).take(seeds).map(|seed| one(*case, seed)).collect::<Vec<_>>();
+    cases.iter().flat_map(of_case).collect()
+}
+
+impl Task for Experiment {
+    fn name(&self) -> String {
+        format!("{}-{}", option_name(&self.case), self.options.seed)
+    }
+
+    fn command(&self) -> String {
+        let (case, seed) = (option_name(&self.case), self.options.seed);
+        format!("leastaction reproduce modlanet --case {case} --seed {seed}{}", self.arguments)
+    }
+
+    fn data(&self) -> String {
+        let generated = || format!("exact motion of our own generator, seed {}", self.options.seed);
+        self.data.as_ref().map_or_else(generated, |data| data.file.clone())
+    }
+
+    fn settings(&self) -> String {
+        serde_json::to_string(&(self.case, &self.options, self.data())).unwrap_or_default()
+    }
+
+    fn expected_seconds(&self) -> f64 {
+        match self.case {
+            Case::DoublePendulum | Case::ExtendPendulum => 40.0,
+            Case::ThreeBody => 10.0,
+            Case::ExtendBody => 20.0,
+            Case::DatasetSize => 90.0,
+            Case::DirectLarge | Case::Noise => 30.0,
+        }
+    }
+
+    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+        let data = self.data.as_ref().map(|data| &*data.set);
+        let mut records = Vec::new();
+        for row in run(self.case, &self.options, data, tell)? {
+            let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &row))?;
+            records.push(Record { pictures: drawn, ..record(&row)? });
+        }
+        Ok(records)
+    }
+}
+
+/// The title of a case's table, and whether there are predictions in it.
+fn table(case: Case) -> (&'static str, bool) {
+    match case {
+        Case::DoublePendulum | Case::ThreeBody => {
+            ("Accelerations, and predictions of 30 s (Table 2, Figure 5)", true)
+        }
+        Case::ExtendPendulum | Case::ExtendBody => {
+            ("More elements than were trained on, 10 s (Figures 6 and 7)", true)
+        }
+        Case::DatasetSize => ("Two pendulums by the number of samples (Table 4)", false),
+        Case::DirectLarge => ("Large systems learned directly (Figure 8)", false),
+        Case::Noise => ("Few and noisy samples of two pendulums", false),
+    }
+}
+
+fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
+    let (table, has_predictions) = table(row.case);
+    let subject = [
+        ("system", numbered(row.system, row.count)),
+        ("samples", row.samples.to_string()),
+        ("noise", row.noise.to_string()),
+    ];
+    let (model, is_ours) = model(row.kind);
+    Ok(Record {
+        table: table.to_owned(),
+        subject: subject.map(|(name, value)| (name.to_owned(), value)).to_vec(),
+        model,
+        is_ours,
+        parameters: row.parameters,
+        paper_parameters: row.published.parameters,
+        seed: row.seed,
+        train_seconds: row.train_seconds,
+        measures: measures(row, has_predictions),
+        note: note(row),
+        pictures: Vec::new(),
+        details: serde_json::to_value(row)?,
+        is_summary: false,
+    })
+}
+
+/// As in the table, and whether it is ours.
+fn model(kind: &str) -> (String, bool) {
+    match kind {
+        "mlp" => ("MLP".to_owned(), false),
+        "trained" => ("ours".to_owned(), true),
+        other => (format!("ours, {other}"), true),
+    }
+}
+
+fn measures(row: &Outcome, has_predictions: bool) -> Vec<Measure> {
+    let mut measures = vec![
+        Measure::error("train MSE", row.train_mse, None),
+        Measure::error("test MSE", row.test_mse, row.published.test_mse),
+        Measure::error("relative test MSE", row.relative_test_mse, None),
+    ];
+    if has_predictions {
+        let of = |value: fn(&Predicted) -> f64| row.predicted.as_ref().map_or(f64::NAN, value);
+        let (position, energy) = (row.published.position, row.published.energy);
+        measures.push(Measure::error("A_q", of(|p| p.position), position).over(of(|p| p.floor_position)));
+        measures.push(Measure::error("A_E", of(|p| p.energy), energy).over(of(|p| p.floor_energy)));
+        let valid = Measure::error("valid, s", of(|p| p.valid_seconds), None).more_is_better();
+        measures.push(valid.over(of(|p| p.floor_valid_seconds)));
+    }
+    measures
+}
+
+/// The energies of the long run.
+fn note(row: &Outcome) -> Option<String> {
+    let Stepped { steps, step_seconds, energy_del_2, energy_del_4, energy_rk4 } = row.stepped?;
+    let [two, four, rk4] = [energy_del_2, energy_del_4, energy_rk4].map(|energy| {
+        let (largest, drift) = (energy.largest, energy.drift);
+        format!("at most {largest:.1e} J off, drift {drift:+.1e} J")
+    });
+    Some(format!(
+        "energy along {steps} steps of {step_seconds} s in f32: DEL of order 2 {two}; order 4 {four}; Runge-Kutta {rk4}"
+    ))
+}

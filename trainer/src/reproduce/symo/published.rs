@@ -1,0 +1,68 @@
+//! What the authors' program reaches.
+
+use super::{Case, Model};
+use crate::ground_truth::Mechanism;
+
+/// What the published program reaches, on equal terms; `None` where it is not known or, beyond 100 steps of the chaotic
+/// acrobot, means nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Published {
+    /// Weights of its network.
+    pub parameters: usize,
+    /// In the order of [`Outcome::measures`].
+    pub measures: [Option<f64>; 6],
+}
+
+/// The published program's figures for a case, measured with it on its own data.
+pub fn published(case: &Case) -> Option<Published> {
+    let known = |measures: [f64; 6]| measures.map(Some);
+    let early = |[test, early, energy, inertia]: [f64; 4]| {
+        [Some(test), None, None, Some(early), Some(energy), Some(inertia)]
+    };
+    let (parameters, measures) = match (case.mechanism, case.model, case.trajectories) {
+        (Mechanism::Pendulum, Model::Symo, 8) => {
+            (17_154, known([3.8e-7, 0.023, 0.0015, 0.0015, 5.0e-3, 1.7e-5]))
+        }
+        (Mechanism::Pendulum, Model::E2eSymo, 8) => {
+            (17_154, known([2.8e-7, 0.023, 0.0014, 0.0015, 5.0e-3, 1.7e-5]))
+        }
+        (Mechanism::Pendulum, Model::Symo, 32) => {
+            (17_154, known([1.75e-7, 0.0034, 0.0016, 2e-4, 5.0e-3, 9e-6]))
+        }
+        (Mechanism::Pendulum, Model::E2eSymo, 32) => {
+            (17_154, known([1.58e-7, 0.0039, 0.0021, 1.8e-4, 5.0e-3, 9e-6]))
+        }
+        (Mechanism::Pendulum, Model::Symo, 128) => {
+            (17_154, known([1.27e-7, 0.028, 0.0036, 9e-4, 5.1e-3, 1e-5]))
+        }
+        (Mechanism::Pendulum, Model::E2eSymo, 128) => {
+            (17_154, known([1.13e-7, 0.028, 0.0030, 1.3e-3, 5.1e-3, 1e-5]))
+        }
+        (Mechanism::Cartpole, Model::Symo, 8) => {
+            (67_844, known([2.3e-6, 1.16, 0.16, 0.0036, 1.3e-3, 1.5e-4]))
+        }
+        (Mechanism::Cartpole, Model::E2eSymo, 8) => {
+            (67_844, known([5.1e-6, 33.8, 0.32, 0.064, 0.91, 8.7e-3]))
+        }
+        (Mechanism::Cartpole, Model::Symo, 32) => {
+            (67_844, known([4.25e-7, 0.110, 0.033, 8e-4, 1.8e-5, 1.9e-6]))
+        }
+        (Mechanism::Cartpole, Model::E2eSymo, 32) => {
+            (67_844, known([4.64e-8, 0.069, 0.035, 1.7e-4, 7.2e-6, 5.8e-6]))
+        }
+        (Mechanism::Cartpole, Model::Symo, 128) => {
+            (67_844, known([1.56e-7, 0.100, 0.0042, 3e-4, 2.2e-5, 6.3e-7]))
+        }
+        (Mechanism::Cartpole, Model::E2eSymo, 128) => {
+            (67_844, known([7.1e-9, 0.159, 0.155, 3.7e-4, 5.0e-6, 1.1e-5]))
+        }
+        (Mechanism::Acrobot, Model::Symo, 8) => (68_100, early([4.2e-3, 91.0, 245.0, 3.7])),
+        (Mechanism::Acrobot, Model::E2eSymo, 8) => (68_100, early([2.5e-6, 2.5, 2.0, 0.021])),
+        (Mechanism::Acrobot, Model::Symo, 32) => (68_100, early([1.6e-7, 2.2, 0.023, 7.5e-3])),
+        (Mechanism::Acrobot, Model::E2eSymo, 32) => (68_100, early([3.0e-8, 0.0047, 0.0050, 4.3e-5])),
+        (Mechanism::Acrobot, Model::Symo, 128) => (68_100, early([7.1e-9, 0.0012, 2.9e-3, 1e-4])),
+        (Mechanism::Acrobot, Model::E2eSymo, 128) => (68_100, early([8.1e-9, 0.0042, 3.0e-3, 1.2e-4])),
+        _ => return None,
+    };
+    Some(Published { parameters, measures })
+}

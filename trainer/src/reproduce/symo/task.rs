@@ -1,0 +1,116 @@
+//! The cases as tasks, their rows as records.
+
+use super::super::option_name;
+use super::super::record::{Measure, Record};
+use super::super::task::{Task, TaskError};
+use super::{Case, Outcome, published};
+use crate::data::symo::SymoSet;
+use crate::ground_truth::{IntegrationError, Mechanism, symo_set};
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+pub use super::figures::overview;
+
+/// The data of a mechanism: generated when the first task wants it, or read.
+#[derive(Clone, Debug)]
+pub struct SymoData {
+    set: Arc<OnceLock<Result<SymoSet, IntegrationError>>>,
+    mechanism: Mechanism,
+    seed: u64,
+    /// Where it was read from.
+    file: Option<String>,
+}
+
+impl SymoData {
+    /// By our own generator.
+    pub fn generated(mechanism: Mechanism, seed: u64) -> Self {
+        Self { set: Arc::default(), mechanism, seed, file: None }
+    }
+
+    /// What was read from a file.
+    pub fn read(mechanism: Mechanism, file: String, set: SymoSet) -> Self {
+        Self { set: Arc::new(Ok(set).into()), mechanism, seed: 0, file: Some(file) }
+    }
+
+    fn get(&self) -> Result<&SymoSet, IntegrationError> {
+        self.set.get_or_init(|| symo_set(self.mechanism, self.seed)).as_ref().map_err(Clone::clone)
+    }
+}
+
+/// A case on its data.
+struct Experiment {
+    case: Case,
+    data: SymoData,
+    /// The options beside those that name the case, as on the command line.
+    arguments: String,
+}
+
+/// The tasks of these cases on the data of their mechanism; `arguments` are the options beside those that name a case, as on the
+/// command line.
+pub fn tasks(cases: &[Case], data: &SymoData, arguments: &str) -> Vec<Box<dyn Task>> {
+    let one = |case: &Case| -> Box<dyn Task> {
+        Box::new(Experiment { case: *case, data: data.clone(), arguments: arguments.to_owned() })
+    };
+    cases.iter().map(one).collect()
+}
+
+impl Task for Experiment {
+    fn name(&self) -> String {
+        let Case { mechanism, model, order, trajectories, seed, .. } = &self.case;
+        format!("{}-{}-{order}-{trajectories}-{seed}", mechanism.name(), option_name(model))
+    }
+
+    fn command(&self) -> String {
+        let Case { mechanism, model, order, trajectories, seed, .. } = &self.case;
+        let (system, model) = (mechanism.name(), option_name(model));
+        let case = format!("--system {system} --model {model} --order {order} --trajectories {trajectories}");
+        format!("leastaction reproduce symo {case} --seed {seed}{}", self.arguments)
+    }
+
+    fn data(&self) -> String {
+        let generated = || format!("exact motion of our own generator, seed {}", self.data.seed);
+        self.data.file.clone().unwrap_or_else(generated)
+    }
+
+    fn settings(&self) -> String {
+        let data = self.data();
+        serde_json::to_string(&(self.case, data)).unwrap_or_default()
+    }
+
+    fn expected_seconds(&self) -> f64 {
+        let per_trajectory = if self.case.order == 4 { 1.0 } else { 0.1 };
+        per_trajectory * (self.case.trajectories + 8) as f64
+    }
+
+    fn run(&self, _: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+        let watch = |iteration: usize, loss: f64| {
+            if iteration.is_multiple_of(20) {
+                tell(&format!("iteration {iteration}: loss {loss:.2e}"));
+            }
+        };
+        let outcome = self.case.run(self.data.get()?, watch)?;
+        Ok(vec![record(&self.case, &outcome)?])
+    }
+}
+
+fn record(case: &Case, row: &Outcome) -> Result<Record, serde_json::Error> {
+    let published = published(case);
+    let names = ["test", "integration", "… median", "… 100 steps", "energy", "inertia"];
+    let paper = published.map_or([None; 6], |published| published.measures);
+    let measures = names.into_iter().zip(row.measures()).zip(paper);
+    Ok(Record {
+        table: case.mechanism.name().to_owned(),
+        subject: vec![("trajectories".to_owned(), case.trajectories.to_string())],
+        model: format!("{}, order {}", option_name(&case.model), case.order),
+        is_ours: true,
+        parameters: row.parameters,
+        paper_parameters: published.map(|published| published.parameters),
+        seed: row.seed,
+        train_seconds: row.train_seconds,
+        measures: measures.map(|((name, ours), paper)| Measure::error(name, ours, paper)).collect(),
+        note: None,
+        pictures: Vec::new(),
+        details: serde_json::to_value(row)?,
+        is_summary: false,
+    })
+}

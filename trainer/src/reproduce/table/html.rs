@@ -1,0 +1,134 @@
+use super::super::{Overview, Paper, distinct};
+use super::{Finished, Row, Table, exceptions, number, tables};
+use std::path::Path;
+
+/// A page that needs nothing else: the tables with the paper's numbers, ours, their ratio and the spread over the seeds, the
+/// command and the data of every row, and the pictures of `folder`; on top what is better than ours.
+pub fn page(paper: &Paper, results: &[Finished], folder: &Path, overviews: &[Overview]) -> String {
+    let tables = tables(results);
+    let body: String = tables.iter().map(|table| section(table, folder, overviews)).collect();
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<p>{about}</p>\n{}{}{body}</body>\n</html>\n",
+        list("Ours is not the best in", &exceptions(&tables)),
+        list("Failed", &failures(results)),
+        title = escaped(paper.title),
+        about = escaped(paper.about),
+    )
+}
+
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b}\
+h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2.5rem}\
+div.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}\
+th,td{padding:.25rem .6rem;text-align:right;border-bottom:1px solid #ddd}th{border-bottom:2px solid #888;vertical-align:bottom}\
+td.text,th.text{text-align:left}tr.other td{color:#666}td b{color:#00527a}small{color:#666;display:block}\
+td.worse b{color:#a33c00}code{font-size:.8rem;background:#f3f3f3;padding:.05rem .3rem}\
+details{margin:.4rem 0}summary{cursor:pointer;color:#00527a}svg{max-width:100%;height:auto}ul{padding-left:1.2rem}";
+
+fn list(title: &str, items: &[String]) -> String {
+    if items.is_empty() {
+        return String::new();
+    }
+    let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escaped(item))).collect();
+    format!("<h2>{title}</h2>\n<ul>\n{items}</ul>\n")
+}
+
+fn failures(results: &[Finished]) -> Vec<String> {
+    let reason = |task: &Finished| task.failure.as_ref().map(|reason| format!("{}: {reason}", task.task));
+    results.iter().filter_map(reason).collect()
+}
+
+fn section(table: &Table, folder: &Path, overviews: &[Overview]) -> String {
+    let Some(first) = table.rows.first() else { return String::new() };
+    let text = |name: &str| format!("<th class=\"text\">{}</th>", escaped(name));
+    let subject: String = first.first.subject.iter().map(|(name, _)| text(name)).collect();
+    let names = first.first.measures.iter().map(|measure| format!("<th>{}</th>", escaped(&measure.name)));
+    let rows: String = table.rows.iter().map(line).collect();
+    format!(
+        "<h2>{}</h2>\n<div class=\"wide\"><table>\n<tr>{subject}{}<th>weights</th>{}<th>training, s</th></tr>\n{rows}</table></div>\n{}{}",
+        escaped(table.title),
+        text("model"),
+        names.collect::<String>(),
+        commands(table),
+        pictures(table, folder, overviews),
+    )
+}
+
+fn line(row: &Row) -> String {
+    let record = row.first;
+    let text = |value: &str| format!("<td class=\"text\">{}</td>", escaped(value));
+    let subject: String = record.subject.iter().map(|(_, value)| text(value)).collect();
+    let note = record.note.as_ref().map_or(String::new(), |note| format!("<small>{}</small>", escaped(note)));
+    let weights =
+        record.paper_parameters.map_or(String::new(), |count| format!("<small>paper {count}</small>"));
+    let cells: String = (0..record.measures.len()).map(|k| cell(row, k)).collect();
+    let class = if record.is_ours { "ours" } else { "other" };
+    let seconds = row.train_seconds() / row.seeds.len() as f64;
+    format!(
+        "<tr class=\"{class}\">{subject}<td class=\"text\">{}{note}</td><td>{}{weights}</td>{cells}<td>{seconds:.1}</td></tr>\n",
+        escaped(&record.model),
+        record.parameters,
+    )
+}
+
+/// Ours, the spread, the paper's with the ratio, the floor.
+fn cell(row: &Row, k: usize) -> String {
+    let (cell, Some(measure)) = (row.cell(k), row.first.measures.get(k)) else {
+        return "<td></td>".to_owned();
+    };
+    let mut text = format!("<b>{}</b>", number(cell.median));
+    if row.seeds.len() > 1 && cell.range[0].is_finite() {
+        let [least, largest] = cell.range.map(|x| number(Some(x)));
+        text += &format!("<small>{least} … {largest}, {} seeds</small>", row.seeds.len());
+    }
+    let ratio = measure.paper.zip(cell.median).map(|(paper, ours)| ours / paper);
+    if let Some(paper) = measure.paper {
+        let ratio = ratio.map_or(String::new(), |ratio| format!(", ratio {}", number(Some(ratio))));
+        text += &format!("<small>paper {}{ratio}</small>", number(Some(paper)));
+    }
+    if let Some(floor) = measure.floor {
+        text += &format!("<small>floor {}</small>", number(Some(floor)));
+    }
+    let is_worse =
+        ratio.is_some_and(|ratio| (measure.better == super::Better::Less) == (ratio > 1.0) && ratio != 1.0);
+    format!("<td{}>{text}</td>", if is_worse { " class=\"worse\"" } else { "" })
+}
+
+/// Every task of the table once: what it took, from what, by which command.
+fn commands(table: &Table) -> String {
+    let mut tasks: Vec<&Finished> = Vec::new();
+    for row in &table.rows {
+        if !tasks.iter().any(|task| task.task == row.task.task) {
+            tasks.push(row.task);
+        }
+    }
+    let item = |task: &&Finished| {
+        let (command, data) = (escaped(&task.command), escaped(&task.data));
+        format!("<li><code>{command}</code> ({:.0} s; {data})</li>\n", task.seconds)
+    };
+    let items: String = tasks.iter().map(item).collect();
+    format!("<details><summary>commands and data</summary>\n<ul>\n{items}</ul>\n</details>\n")
+}
+
+/// Those of the whole table, then those of its rows.
+fn pictures(table: &Table, folder: &Path, overviews: &[Overview]) -> String {
+    let of_table = overviews.iter().filter(|overview| overview.table == table.title);
+    let of_table = of_table.map(|overview| overview.file.as_str());
+    let of_rows = table.rows.iter().flat_map(|row| &row.first.pictures).map(String::as_str);
+    let names = distinct(of_table.chain(of_rows));
+    names.into_iter().filter_map(|name| picture(name, folder)).collect()
+}
+
+/// The picture itself; nothing where its file is gone.
+fn picture(name: &str, folder: &Path) -> Option<String> {
+    let svg = std::fs::read_to_string(folder.join(name)).ok()?;
+    let svg = &svg[svg.find("<svg")?..];
+    let title = escaped(name.trim_end_matches(".svg"));
+    Some(format!("<details><summary>{title}</summary>\n{svg}\n</details>\n"))
+}
+
+/// As HTML has text.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

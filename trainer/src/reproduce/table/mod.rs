@@ -1,0 +1,143 @@
+//! The rows of a paper as tables: the seeds of a row side by side, and what is better than ours.
+
+mod csv;
+mod html;
+mod text;
+
+pub use csv::csv;
+pub use html::page;
+pub use text::text;
+
+use super::record::{Better, Finished, Measure, Record};
+
+/// A table of a paper.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table<'r> {
+    /// Its title.
+    pub title: &'r str,
+    /// Its rows; every row has the columns of the first.
+    pub rows: Vec<Row<'r>>,
+}
+
+/// A row: all seeds of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row<'r> {
+    /// The first seed's.
+    pub first: &'r Record,
+    /// What gave it.
+    pub task: &'r Finished,
+    /// All seeds.
+    pub seeds: Vec<&'r Record>,
+}
+
+/// A number over all seeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// The median; `None` where most seeds have no finite number.
+    pub median: Option<f64>,
+    /// The least and the largest.
+    pub range: [f64; 2],
+}
+
+impl Row<'_> {
+    /// Measure `k` over the seeds.
+    pub fn cell(&self, k: usize) -> Cell {
+        let of = |record: &&Record| record.measures.get(k).and_then(|measure| measure.ours);
+        let mut values: Vec<f64> = self.seeds.iter().filter_map(of).collect();
+        values.sort_by(f64::total_cmp);
+        let median = Some(values.len())
+            .filter(|finite| 2 * finite > self.seeds.len())
+            .map(|finite| values[finite / 2]);
+        let end = |value: Option<&f64>| value.copied().unwrap_or(f64::NAN);
+        Cell { median, range: [end(values.first()), end(values.last())] }
+    }
+
+    /// Training time of all seeds, s.
+    pub fn train_seconds(&self) -> f64 {
+        self.seeds.iter().map(|record| record.train_seconds).sum()
+    }
+}
+
+/// The tables of these results, in the order in which they come.
+pub fn tables(results: &[Finished]) -> Vec<Table<'_>> {
+    let mut tables: Vec<Table> = Vec::new();
+    for (task, record) in
+        results.iter().flat_map(|task| task.records.iter().map(move |record| (task, record)))
+    {
+        let at = tables.iter().position(|table| table.title == record.table).unwrap_or_else(|| {
+            tables.push(Table { title: &record.table, rows: Vec::new() });
+            tables.len() - 1
+        });
+        let rows = &mut tables[at].rows;
+        match rows.iter_mut().find(|row| row.first.is_like(record)) {
+            Some(row) => row.seeds.push(record),
+            None => rows.push(Row { first: record, task, seeds: vec![record] }),
+        }
+    }
+    tables
+}
+
+/// Where another model, or the paper's, is better than ours and ours is not at the floor of exact physics, in words.
+pub fn exceptions(tables: &[Table]) -> Vec<String> {
+    let mut found = Vec::new();
+    for table in tables {
+        for ours in table.rows.iter().filter(|row| row.first.is_ours) {
+            let rivals =
+                table.rows.iter().filter(|row| !row.first.is_ours && row.first.subject == ours.first.subject);
+            for (k, measure) in ours.first.measures.iter().enumerate() {
+                let others =
+                    rivals.clone().filter_map(|row| Some((row.first.model.as_str(), row.cell(k).median?)));
+                let paper = measure.paper.map(|x| ("the paper", x));
+                found.extend(
+                    others.chain(paper).filter_map(|other| exception(table, ours, (k, measure), other)),
+                );
+            }
+        }
+    }
+    found
+}
+
+/// Times the floor that ours may be at.
+const AT_FLOOR: f64 = 2.0;
+
+fn exception(
+    table: &Table,
+    ours: &Row,
+    (k, measure): (usize, &Measure),
+    (who, theirs): (&str, f64),
+) -> Option<String> {
+    let median = ours.cell(k).median;
+    let is_better = |x: f64| match measure.better {
+        Better::Less => x <= theirs || measure.floor.is_some_and(|floor| x <= AT_FLOOR * floor),
+        Better::More => x >= theirs || measure.floor.is_some_and(|floor| AT_FLOOR * x >= floor),
+    };
+    if median.is_some_and(is_better) {
+        return None;
+    }
+    let (subject, model) = (subject(ours.first), &ours.first.model);
+    let median = number(median);
+    Some(format!(
+        "{}, {subject}: {}: {model} {median}, {who} {}",
+        table.title,
+        measure.name,
+        number(Some(theirs))
+    ))
+}
+
+/// The subject of a row in words.
+pub fn subject(record: &Record) -> String {
+    record.subject.iter().map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Three digits, or a dash.
+pub fn number(x: Option<f64>) -> String {
+    match x {
+        None => "–".to_owned(),
+        Some(x) if x == 0.0 => "0".to_owned(),
+        Some(x) if (0.01..1e4).contains(&x.abs()) => {
+            let digits = (2 - x.abs().log10().floor() as i32).max(0) as usize;
+            format!("{x:.digits$}")
+        }
+        Some(x) => format!("{x:.2e}"),
+    }
+}

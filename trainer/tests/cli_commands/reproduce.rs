@@ -1,0 +1,58 @@
+use super::support::Bench;
+
+/// Two short tasks.
+const SHORT: &str = "reproduce lgnn --case hybrid --iterations 2 --starts 1 --seeds 2";
+
+#[test]
+fn shares_of_two_machines_make_the_page_of_one() {
+    let bench = Bench::new();
+    bench.run(&format!("{SHORT} -o whole --jobs 2")).good();
+    for share in ["1/2", "2/2"] {
+        bench.run(&format!("{SHORT} -o {} --shard {share}", share.replace('/', "-"))).good();
+    }
+    bench.run("reproduce merge 1-2 2-2 -o joined").good();
+    // All but the training time.
+    let rows = |name: &str| -> Vec<Vec<String>> {
+        let text = bench.text(name);
+        let records = csv::Reader::from_reader(text.as_bytes()).into_records();
+        let cells = |record: csv::StringRecord| {
+            record.iter().enumerate().filter(|(k, _)| *k != 10).map(|(_, cell)| cell.to_owned()).collect()
+        };
+        records.map(|record| cells(record.unwrap())).collect()
+    };
+    assert_eq!(rows("joined/lgnn.csv"), rows("whole/lgnn.csv"));
+    let page = bench.text("joined/lgnn.html");
+    for words in ["LGNN", "2 seeds", "paper 1.30e-3", "<svg", "--case hybrid --seed 0 --iterations 2"] {
+        assert!(page.contains(words), "{words}");
+    }
+    let again = bench.run(&format!("{SHORT} -o whole")).good();
+    assert!(again.stderr.contains("2 of 2 tasks were done before"), "{}", again.stderr);
+}
+
+#[test]
+fn tasks_are_chosen_by_name() {
+    let bench = Bench::new();
+    let names = |words: &str| bench.run(words).good().stdout;
+    assert_eq!(
+        names("reproduce lgnn --list --only drag --only hybrid"),
+        "hybrid-0\nhybrid-force-0\ndrag-0\n"
+    );
+    assert_eq!(
+        names("reproduce symo --list --quick --system pendulum --order 4 --seed 3").lines().count(),
+        4
+    );
+    assert_eq!(names("reproduce modlanet --list --shard 7/7"), "noise-0\n");
+    bench.run("reproduce lgnn --only pendulums").bad(2, &["pendulums", "--list"]);
+    bench.run("reproduce lgnn --shard 3/2").bad(2, &["--shard", "I/N"]);
+}
+
+#[test]
+fn results_of_other_options_are_kept() {
+    let bench = Bench::new();
+    let short = "reproduce lgnn --case hybrid --iterations 2 --starts 1 -o out";
+    bench.run(short).good();
+    let before = bench.read("out/lgnn/hybrid-0.json");
+    bench.run(&short.replace("--starts 1", "--starts 2")).bad(2, &["hybrid-0.json", "other options"]);
+    assert_eq!(bench.read("out/lgnn/hybrid-0.json"), before);
+    bench.run("reproduce merge nowhere -o joined").bad(2, &["nowhere"]);
+}
