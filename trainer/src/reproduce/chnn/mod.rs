@@ -14,9 +14,10 @@ use crate::architecture::HostTypes;
 use crate::evaluate::particles::Driven;
 use crate::evaluate::prediction::Truth;
 use crate::evaluate::rollouts::{Compared, Rollouts};
-use crate::ground_truth::{GenerationError, Horizon};
+use crate::ground_truth::{GenerationError, Horizon, Truss};
 use crate::training::Samples;
 use leastaction_core::energy::graph::Graph;
+use leastaction_core::particles::Particles;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -56,6 +57,8 @@ pub struct Outcome {
     pub parameters: usize,
     /// Mean squared error of the accelerations of the training data's interpolation, on samples held back.
     pub validation_mse: f64,
+    /// Largest relative error of a learned mass; the first is known.
+    pub mass_error: f64,
     /// Geometric mean over starts and times of the rollout error of (q, v).
     pub rollout_error: f64,
     /// The same at the end.
@@ -116,6 +119,7 @@ pub fn run(count: usize, options: &Options, tell: &(dyn Fn(&str) + Sync)) -> Res
         trajectories,
         parameters: model.weights.len() - model.architecture.fixed_positions().len(),
         validation_mse,
+        mass_error: mass_error(&particles, &truss),
         rollout_error,
         last_rollout_error: rollouts.last(),
         energy_violation,
@@ -125,4 +129,14 @@ pub fn run(count: usize, options: &Options, tell: &(dyn Fn(&str) + Sync)) -> Res
         train_seconds,
         seed,
     })
+}
+
+/// Accelerations show masses but for a common factor, which the first, of 1, fixes.
+fn mass_error(learned: &impl Particles<f64, 2>, truss: &Truss) -> f64 {
+    let first = truss.masses.first().copied().unwrap_or(1.0);
+    let error = |(node, mass): (usize, &f64)| {
+        let [[learned, _], _] = learned.mass(node, &[0.0; 2]);
+        (learned * first / mass - 1.0).abs()
+    };
+    truss.masses.iter().enumerate().map(error).fold(0.0, f64::max)
 }

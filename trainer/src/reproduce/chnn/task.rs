@@ -82,6 +82,7 @@ fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
         train_seconds: row.train_seconds,
         measures: vec![
             Measure::error("held-back MSE", row.validation_mse, None),
+            Measure::error("masses", row.mass_error, None),
             Measure::error("rollout error", row.rollout_error, clnn).over(row.floor_rollout_error),
             Measure::error("… at the end", row.last_rollout_error, None),
             Measure::error("energy violation", row.energy_violation, None).over(row.floor_energy_violation),
