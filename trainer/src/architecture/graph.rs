@@ -4,12 +4,11 @@ use super::{
     Constraint, DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, known_positions, layers,
     random_layers, too_many,
 };
-use leastaction_core::constraints::Holonomic;
+use leastaction_core::constraints::{Constraints, Holonomic, Positions};
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, NodeShape, Potential, Shape, Types,
 };
 use leastaction_core::forces::System;
-use leastaction_core::linear::dot;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
 use serde::{Deserialize, Serialize};
 
@@ -330,25 +329,29 @@ impl<const D: usize, const N: usize> Family<N> for Compiled<D, N> {
         Ok(System { lagrangian: fixed, forces: fixed })
     }
 
-    fn constraints(&self, q: &[f64; N], v: &[f64; N]) -> Vec<([f64; N], f64)> {
+    const CONSTRAINED: bool = true;
+
+    fn constraints(&self, q: &[f64; N]) -> Vec<Constraint<N>> {
         let rods = self.0.graph().map_or(&[][..], |graph| &graph.rods);
-        rods.iter().map(|rod| row(rod, q.as_chunks::<D>().0, v.as_chunks::<D>().0)).collect()
+        rods.iter().map(|rod| constraint(rod, q.as_chunks::<D>().0)).collect()
     }
 }
 
-/// ∂φ/∂q and (d/dt ∂φ/∂q) v of a rod, with φ = (|d|² − ℓ²)/(2ℓ) as core has it.
-fn row<const D: usize, const N: usize>(rod: &Rod, q: &[[f64; D]], v: &[[f64; D]]) -> Constraint<N> {
-    let (to, from, length) = (usize::from(rod.to), rod.from.map(usize::from), f64::from(rod.length));
-    let across = |x: &[[f64; D]]| -> [f64; D] {
-        std::array::from_fn(|i| x[to][i] - from.map_or(0.0, |from| x[from][i]))
-    };
-    let (d, rate) = (across(q), across(v));
-    let mut gradient = [0.0; N];
-    for (i, d) in d.iter().enumerate() {
-        gradient[D * to + i] = d / length;
-        if let Some(from) = from {
-            gradient[D * from + i] = -d / length;
+/// A rod's φ = (|d|² − ℓ²)/(2ℓ) as core has it: its gradient is ±d/ℓ at the two ends, and ∂²φ/∂q² ±1/ℓ.
+fn constraint<const D: usize, const N: usize>(rod: &Rod, q: &[[f64; D]]) -> Constraint<N> {
+    let (rods, x) = ([rod.constraint::<f64, D>()], Positions::new(q));
+    let value = rods.value(0, x);
+    let (mut gradient, mut hessian) = ([0.0; N], [[0.0; N]; N]);
+    let ends = [(Some(rod.to), 1.0 / f64::from(rod.length)), (rod.from, -1.0 / f64::from(rod.length))];
+    let ends = || ends.iter().filter_map(|(node, share)| Some((usize::from((*node)?), share)));
+    for (slot, (node, share)) in ends().enumerate() {
+        let along = rods.gradient(0, slot, x);
+        for i in 0..D {
+            gradient[D * node + i] = along[i];
+            for (other, sign) in ends() {
+                hessian[D * node + i][D * other + i] = share * sign.signum();
+            }
         }
     }
-    (gradient, dot(&rate, &rate) / length)
+    Constraint { value, gradient, hessian }
 }

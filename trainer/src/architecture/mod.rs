@@ -18,6 +18,7 @@ pub use rigid::{HostSystem, RigidArchitecture};
 use leastaction_core::energy::{Learnable, LearnableForces, NetworkShape};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::linear::{dot, multiply};
 use leastaction_core::model::{Family as FamilyHeader, ModelError};
 use leastaction_core::network::Dense;
 use leastaction_core::scalar::Scalar;
@@ -290,14 +291,32 @@ pub trait Family<const N: usize>: Sync {
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError>;
 
-    /// The holonomic constraints φ = 0 of this shape at a state: of each its row of A = φ_q, and Ȧv. None for most.
-    fn constraints(&self, _q: &[f64; N], _v: &[f64; N]) -> Vec<Constraint<N>> {
+    /// Whether shapes of this family can have holonomic constraints; then L = T(v) − V(q), and drag depends on v alone.
+    const CONSTRAINED: bool = false;
+
+    /// The holonomic constraints φ(q) = 0 of this shape. None for most.
+    fn constraints(&self, _q: &[f64; N]) -> Vec<Constraint<N>> {
         Vec::new()
     }
 }
 
-/// A row of A and its Ȧv.
-pub type Constraint<const N: usize> = ([f64; N], f64);
+/// A holonomic constraint at a position.
+#[derive(Clone, Copy, Debug)]
+pub struct Constraint<const N: usize> {
+    /// φ, m.
+    pub value: f64,
+    /// ∂φ/∂q, a row of A.
+    pub gradient: [f64; N],
+    /// ∂²φ/∂q², 1/m.
+    pub hessian: [[f64; N]; N],
+}
+
+impl<const N: usize> Constraint<N> {
+    /// (Ȧv) = vᵀ φ_qq v, m/s².
+    pub fn curvature(&self, v: &[f64; N]) -> f64 {
+        dot(v, &multiply(&self.hessian, v))
+    }
+}
 
 /// The system of a family in a scalar.
 pub type FamilySystem<'w, F, S, const N: usize> =

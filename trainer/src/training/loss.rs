@@ -8,7 +8,7 @@
 
 use super::residuals::Failed;
 use super::samples::Sample;
-use crate::architecture::{Constraint, Family, FamilySystem};
+use crate::architecture::{Family, FamilySystem};
 use leastaction_core::discrete::{
     Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation,
 };
@@ -19,7 +19,7 @@ use leastaction_core::linear::{Singular, add_scaled, dot, multiply, solve, solve
 use leastaction_core::scalar::{LANES, Lanes};
 use serde::{Deserialize, Serialize};
 
-/// What is minimised.
+/// What is minimised. The discrete losses are those of the DEL integrator, and on rods those of RATTLE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum LossKind {
@@ -70,8 +70,10 @@ pub(super) type Group<const N: usize> = [Sample<N>; LANES];
 
 /// A model over its weights, for one sample and for eight.
 pub(super) struct Systems<'w, F: Family<N>, const N: usize> {
-    family: &'w F,
-    one: FamilySystem<'w, F, f64, N>,
+    /// The shape.
+    pub family: &'w F,
+    /// One.
+    pub one: FamilySystem<'w, F, f64, N>,
     /// Eight side by side.
     pub eight: FamilySystem<'w, F, Lanes, N>,
 }
@@ -106,7 +108,8 @@ pub(super) struct AccelerationLoss;
 struct Equation<const N: usize> {
     mass: [[f64; N]; N],
     force: [f64; N],
-    constraints: Vec<Constraint<N>>,
+    /// Rows of A, and Ȧv.
+    constraints: Vec<([f64; N], f64)>,
 }
 
 /// What solves it: v̇, and how it moves with f.
@@ -148,10 +151,14 @@ fn equations<F: Family<N>, const N: usize>(
     let d = system.lagrangian.dynamics(&q, &v);
     let drag = system.forces.force(&q, &v);
     let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + drag[i] + u[i]);
+    let constraints = |[q, v, _]: &[[f64; N]; 3]| {
+        let constraints = family.constraints(q).into_iter();
+        constraints.map(|constraint| (constraint.gradient, constraint.curvature(v))).collect()
+    };
     std::array::from_fn(|lane| Equation {
         mass: d.mass.0.map(|row| row.map(|entry| entry.0[lane])),
         force: force.map(|force| force.0[lane]),
-        constraints: family.constraints(&group[lane].states[0], &group[lane].states[1]),
+        constraints: constraints(&group[lane].states),
     })
 }
 
@@ -187,7 +194,7 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     }
 }
 
-/// A loss of three consecutive positions under the discrete dynamics of path P.
+/// A loss of three consecutive positions under the discrete dynamics of path P, without constraints.
 pub(super) struct DelLoss<P> {
     /// The integrator.
     pub del: Del<f64, P>,
@@ -241,8 +248,7 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P
     fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         for (residual, sample) in residuals.iter_mut().zip(group) {
-            let tangent = tangent(systems.family, &sample.states)?;
-            *residual = multiply(&tangent, &self.residual(&systems.one, &sample.states, &sample.controls)?);
+            *residual = self.solve(&systems.one, &sample.states, &sample.controls)?.residual;
         }
         Ok(residuals)
     }
@@ -255,34 +261,18 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P
     ) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            let tangent = tangent(systems.family, &sample.states)?;
-            let all = self.linearise(&systems.one, &tangent, &sample.states, &sample.controls, terms)?;
-            *residual = multiply(&tangent, &all);
+            *residual = self.linearise(&systems.one, &sample.states, &sample.controls, terms)?;
         }
         Ok(residuals)
     }
 }
 
 impl<P: Path + Sync> DelLoss<P> {
-    fn residual<L, F, const N: usize>(
-        &self,
-        system: &System<L, F>,
-        states: &[[f64; N]; 3],
-        controls: &[[f64; N]; 3],
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>,
-    {
-        Ok(self.solve(system, states, controls)?.residual)
-    }
-
     /// With G = p₁ + d1_ld the DEL residual, dG = ∂G + G_s₀ ds₀ + G_s₁ ds₁ and the bubbles follow their own equations; the
     /// next position follows from 0 = dG + K dw.
     fn linearise<L, F, const N: usize>(
         &self,
         system: &System<L, F>,
-        tangent: &[[f64; N]; N],
         states: &[[f64; N]; 3],
         controls: &[[f64; N]; 3],
         terms: &mut Vec<Term<N>>,
@@ -295,7 +285,7 @@ impl<P: Path + Sync> DelLoss<P> {
         let (before, after) = (&pair.before.interval, &pair.after.interval);
         let ahead = after.linearise(system);
         let rows =
-            if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { *tangent };
+            if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { identity() };
         let (mut slaved_before, mut slaved_after) = ([[0.0; N]; N], [[0.0; N]; N]);
         if P::BUBBLE {
             let momentum_s = before.end_momentum_s(system);
@@ -310,21 +300,11 @@ impl<P: Path + Sync> DelLoss<P> {
     }
 }
 
-/// The projection to what the constraints at the middle position leave free, I without constraints: their impulses Aᵀλ have no
-/// part there.
-fn tangent<F: Family<N>, const N: usize>(
-    family: &F,
-    [_, q, _]: &[[f64; N]; 3],
-) -> Result<[[f64; N]; N], Failed> {
-    let mut tangent = identity();
-    for (row, _) in family.constraints(q, &[0.0; N]) {
-        take_out(&mut tangent, &row)?;
-    }
-    Ok(tangent)
-}
-
 /// Takes the direction of a constraint out of a symmetric matrix: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa).
-fn take_out<const N: usize>(matrix: &mut [[f64; N]; N], row: &[f64; N]) -> Result<[f64; N], Failed> {
+pub(super) fn take_out<const N: usize>(
+    matrix: &mut [[f64; N]; N],
+    row: &[f64; N],
+) -> Result<[f64; N], Failed> {
     let along = multiply(matrix, row);
     let flexibility = dot(row, &along);
     // Not a number where a weight has left its range.
@@ -377,6 +357,6 @@ fn push_terms<P: Path, const N: usize>(
     }
 }
 
-fn identity<const N: usize>() -> [[f64; N]; N] {
+pub(super) fn identity<const N: usize>() -> [[f64; N]; N] {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }

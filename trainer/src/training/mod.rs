@@ -6,6 +6,7 @@ mod loss;
 mod normal;
 mod objective;
 mod residuals;
+mod rods;
 mod samples;
 
 pub use adam::{Adam, AdamSettings};
