@@ -4,7 +4,7 @@ use super::{
     Constraint, DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, known_positions, layers,
     random_layers, too_many,
 };
-use leastaction_core::constraints::{Constraints, Holonomic, Positions};
+use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, NodeShape, Potential, Shape, Types,
 };
@@ -333,25 +333,6 @@ impl<const D: usize, const N: usize> Family<N> for Compiled<D, N> {
 
     fn constraints(&self, q: &[f64; N]) -> Vec<Constraint<N>> {
         let rods = self.0.graph().map_or(&[][..], |graph| &graph.rods);
-        rods.iter().map(|rod| constraint(rod, q.as_chunks::<D>().0)).collect()
+        rods.iter().map(|rod| Constraint::of_rod(rod, q.as_chunks::<D>().0)).collect()
     }
-}
-
-/// A rod's φ = (|d|² − ℓ²)/(2ℓ) as core has it: its gradient is ±d/ℓ at the two ends, and ∂²φ/∂q² ±1/ℓ.
-fn constraint<const D: usize, const N: usize>(rod: &Rod, q: &[[f64; D]]) -> Constraint<N> {
-    let (rods, x) = ([rod.constraint::<f64, D>()], Positions::new(q));
-    let value = rods.value(0, x);
-    let (mut gradient, mut hessian) = ([0.0; N], [[0.0; N]; N]);
-    let ends = [(Some(rod.to), 1.0 / f64::from(rod.length)), (rod.from, -1.0 / f64::from(rod.length))];
-    let ends = || ends.iter().filter_map(|(node, share)| Some((usize::from((*node)?), share)));
-    for (slot, (node, share)) in ends().enumerate() {
-        let along = rods.gradient(0, slot, x);
-        for i in 0..D {
-            gradient[D * node + i] = along[i];
-            for (other, sign) in ends() {
-                hessian[D * node + i][D * other + i] = share * sign.signum();
-            }
-        }
-    }
-    Constraint { value, gradient, hessian }
 }

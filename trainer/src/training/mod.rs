@@ -1,6 +1,7 @@
 //! Learning the weights of a model from motion: the losses and the optimisers.
 
 mod adam;
+mod del;
 mod levenberg;
 mod loss;
 mod normal;

@@ -1,6 +1,7 @@
 //! A loss over all samples, as the optimisers see it, and that of a learned Lagrangian.
 
-use super::loss::{AccelerationLoss, DelLoss, Group, GroupLoss, Systems, Term, TermKind};
+use super::del::DelLoss;
+use super::loss::{AccelerationLoss, Group, GroupLoss, Systems, Term, TermKind};
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::rods::RodsLoss;
 use super::{LossKind, NormalEquations, Samples};
