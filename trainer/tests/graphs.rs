@@ -55,31 +55,9 @@ fn check_gradient(shape: &GraphArchitecture, objective: &dyn Objective) {
 }
 
 #[test]
-fn gradients_on_rods_are_those_of_the_loss() {
+fn gradients_of_accelerations_on_rods_are_those_of_the_loss() {
     let (system, shape) = (LgnnSystem::Pendulum(3), shape(LgnnSystem::Pendulum(3), true));
     check_gradient(&shape, &*loss(&shape, samples(system, 0.1, 2), LossKind::Acceleration));
-    check_gradient(&shape, &*loss(&shape, triples(system, 0.01), LossKind::DelResidual));
-}
-
-#[test]
-fn the_del_residual_of_exact_motion_on_rods_is_of_third_order() {
-    let system = LgnnSystem::Pendulum(2);
-    let shape = shape(system, false);
-    let mut weights = shape.with_corrections_scaled(shape.initial_weights(0), 0.0);
-    let numbers = weights.len() - 4;
-    weights[numbers..].copy_from_slice(&[1.0, 0.0, 0.0, 10.0]);
-    let residual = |h: f64| loss(&shape, triples(system, h), LossKind::DelResidual).loss(&weights).sqrt();
-    let order = (residual(4e-3) / residual(2e-3)).log2();
-    assert!((order - 3.0).abs() < 0.2, "{order}");
-}
-
-#[test]
-fn other_discrete_losses_on_rods_are_refused() {
-    let (system, shape) = (LgnnSystem::Pendulum(2), shape(LgnnSystem::Pendulum(2), false));
-    for (kind, order) in [(LossKind::NextPosition, 2), (LossKind::DelResidual, 4)] {
-        let refused = objective(&shape.clone().into(), triples(system, 0.01), kind, order);
-        assert!(refused.err().is_some_and(|error| error.to_string().contains("rods")));
-    }
 }
 
 #[test]

@@ -9,7 +9,6 @@ use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, NodeShape, Potential, Shape, Types,
 };
 use leastaction_core::forces::System;
-use leastaction_core::linear::dot;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
 use serde::{Deserialize, Serialize};
 
@@ -330,25 +329,10 @@ impl<const D: usize, const N: usize> Family<N> for Compiled<D, N> {
         Ok(System { lagrangian: fixed, forces: fixed })
     }
 
-    fn constraints(&self, q: &[f64; N], v: &[f64; N]) -> Vec<([f64; N], f64)> {
-        let rods = self.0.graph().map_or(&[][..], |graph| &graph.rods);
-        rods.iter().map(|rod| row(rod, q.as_chunks::<D>().0, v.as_chunks::<D>().0)).collect()
-    }
-}
+    const CONSTRAINED: bool = true;
 
-/// ∂φ/∂q and (d/dt ∂φ/∂q) v of a rod, with φ = (|d|² − ℓ²)/(2ℓ) as core has it.
-fn row<const D: usize, const N: usize>(rod: &Rod, q: &[[f64; D]], v: &[[f64; D]]) -> Constraint<N> {
-    let (to, from, length) = (usize::from(rod.to), rod.from.map(usize::from), f64::from(rod.length));
-    let across = |x: &[[f64; D]]| -> [f64; D] {
-        std::array::from_fn(|i| x[to][i] - from.map_or(0.0, |from| x[from][i]))
-    };
-    let (d, rate) = (across(q), across(v));
-    let mut gradient = [0.0; N];
-    for (i, d) in d.iter().enumerate() {
-        gradient[D * to + i] = d / length;
-        if let Some(from) = from {
-            gradient[D * from + i] = -d / length;
-        }
+    fn constraints(&self, q: &[f64; N]) -> Vec<Constraint<N>> {
+        let rods = self.0.graph().map_or(&[][..], |graph| &graph.rods);
+        rods.iter().map(|rod| Constraint::of_rod(rod, q.as_chunks::<D>().0)).collect()
     }
-    (gradient, dot(&rate, &rate) / length)
 }

@@ -1,12 +1,16 @@
 //! The shape of a model on the host, where widths and the number of coordinates are known only at run time, and the one
 //! place where they become types.
 
+mod constraint;
 mod damping;
+mod family;
 mod graph;
 mod modular;
 mod rigid;
 
+pub use constraint::Constraint;
 pub use damping::Damping;
+pub use family::{Family, FamilySystem, HostScalar, Visitor};
 pub use graph::{
     GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, SIZES as GRAPH_SIZES,
 };
@@ -15,12 +19,9 @@ pub use modular::{
 };
 pub use rigid::{HostSystem, RigidArchitecture};
 
-use leastaction_core::energy::{Learnable, LearnableForces, NetworkShape};
-use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::{Family as FamilyHeader, ModelError};
 use leastaction_core::network::Dense;
-use leastaction_core::scalar::Scalar;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -264,51 +265,6 @@ impl Architecture {
             Self::Graph(graph) => graph.dispatch(visitor),
         }
     }
-}
-
-/// What host weights are evaluated in: f64, or lanes of it.
-pub trait HostScalar: Scalar<Weight = f64> + Sync + 'static {}
-impl<S: Scalar<Weight = f64> + Sync + 'static> HostScalar for S {}
-
-/// A shape whose sizes are types.
-pub trait Family<const N: usize>: Sync {
-    /// Its energies over host weights.
-    type Lagrangian<'w, S: HostScalar>: Lagrangian<S, N, Mass = DenseMass<S, N>> + Learnable<S, N> + Sync + 'w
-    where
-        Self: 'w;
-    /// Its forces over host weights.
-    type Forces<'w, S: HostScalar>: Forces<S, N> + LearnableForces<S, N> + Sync + 'w
-    where
-        Self: 'w;
-
-    /// The system of this shape over a weight block.
-    ///
-    /// # Errors
-    /// Where the block or the compiled sizes do not fit.
-    fn system<'w, S: HostScalar>(
-        &'w self,
-        weights: &'w [f64],
-    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError>;
-
-    /// The holonomic constraints φ = 0 of this shape at a state: of each its row of A = φ_q, and Ȧv. None for most.
-    fn constraints(&self, _q: &[f64; N], _v: &[f64; N]) -> Vec<Constraint<N>> {
-        Vec::new()
-    }
-}
-
-/// A row of A and its Ȧv.
-pub type Constraint<const N: usize> = ([f64; N], f64);
-
-/// The system of a family in a scalar.
-pub type FamilySystem<'w, F, S, const N: usize> =
-    System<<F as Family<N>>::Lagrangian<'w, S>, <F as Family<N>>::Forces<'w, S>>;
-
-/// Something to do once the sizes are types.
-pub trait Visitor {
-    /// What it gives.
-    type Output;
-    /// Does it for N coordinates.
-    fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output;
 }
 
 fn too_many<T>(what: &'static str, found: usize, compiled: usize) -> Result<T, ModelError> {

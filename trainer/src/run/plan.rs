@@ -62,15 +62,6 @@ pub enum PlanError {
         /// Tree or graph.
         of: &'static str,
     },
-    /// A discrete loss that is not known on rods.
-    #[error(
-        "[training] loss: the graph {graph:?} has rods, with which accelerations are learned, or the DEL residual of order 2; set \
-         loss = \"acceleration\" (v and a are needed in the data), or loss = \"del-residual\" and order = 2"
-    )]
-    Rods {
-        /// What it is called.
-        graph: String,
-    },
     /// The trees or graphs and their types cannot be.
     #[error("{0}")]
     Shape(#[from] ShapeError),
@@ -151,7 +142,6 @@ impl Plan {
         let parts = split(&data, config.data.validation, &mut notices);
         let forced = parts.0.is_forced();
         check_gauge(&architecture, forced)?;
-        check_rods(&architecture, &config.training)?;
         let scale = forced
             || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
             || architecture.graph().is_some_and(GraphArchitecture::shows_scale);
@@ -236,17 +226,6 @@ fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanErro
         Architecture::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
     };
     if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
-}
-
-/// Refuses losses that are not known on rods.
-fn check_rods(architecture: &Architecture, training: &TrainingConfig) -> Result<(), PlanError> {
-    let Some(graph) = architecture.graph().filter(|graph| graph.has_rods()) else { return Ok(()) };
-    let known = match training.loss {
-        LossKind::Acceleration => true,
-        LossKind::DelResidual => training.order == 2,
-        LossKind::NextPosition => false,
-    };
-    if known { Ok(()) } else { Err(PlanError::Rods { graph: graph.graph()?.name.clone() }) }
 }
 
 /// Whether training begins with trained weights.

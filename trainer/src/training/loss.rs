@@ -8,18 +8,15 @@
 
 use super::residuals::Failed;
 use super::samples::Sample;
-use crate::architecture::{Constraint, Family, FamilySystem};
-use leastaction_core::discrete::{
-    Control, Del, Interval, Linearised, Newton, Path, Solved, StepError, Variation,
-};
+use crate::architecture::{Family, FamilySystem};
+use leastaction_core::discrete::StepError;
 use leastaction_core::forces::Forces;
-use leastaction_core::forces::System;
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::{Singular, add_scaled, dot, multiply, solve, solve_many, transpose};
 use leastaction_core::scalar::{LANES, Lanes};
 use serde::{Deserialize, Serialize};
 
-/// What is minimised.
+/// What is minimised. The discrete losses are those of the DEL integrator, and on rods those of RATTLE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum LossKind {
@@ -70,8 +67,10 @@ pub(super) type Group<const N: usize> = [Sample<N>; LANES];
 
 /// A model over its weights, for one sample and for eight.
 pub(super) struct Systems<'w, F: Family<N>, const N: usize> {
-    family: &'w F,
-    one: FamilySystem<'w, F, f64, N>,
+    /// The shape.
+    pub family: &'w F,
+    /// One.
+    pub one: FamilySystem<'w, F, f64, N>,
     /// Eight side by side.
     pub eight: FamilySystem<'w, F, Lanes, N>,
 }
@@ -106,7 +105,8 @@ pub(super) struct AccelerationLoss;
 struct Equation<const N: usize> {
     mass: [[f64; N]; N],
     force: [f64; N],
-    constraints: Vec<Constraint<N>>,
+    /// Rows of A, and Ȧv.
+    constraints: Vec<([f64; N], f64)>,
 }
 
 /// What solves it: v̇, and how it moves with f.
@@ -148,10 +148,14 @@ fn equations<F: Family<N>, const N: usize>(
     let d = system.lagrangian.dynamics(&q, &v);
     let drag = system.forces.force(&q, &v);
     let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + drag[i] + u[i]);
+    let constraints = |[q, v, _]: &[[f64; N]; 3]| {
+        let constraints = family.constraints(q).into_iter();
+        constraints.map(|constraint| (constraint.gradient, constraint.curvature(v))).collect()
+    };
     std::array::from_fn(|lane| Equation {
         mass: d.mass.0.map(|row| row.map(|entry| entry.0[lane])),
         force: force.map(|force| force.0[lane]),
-        constraints: family.constraints(&group[lane].states[0], &group[lane].states[1]),
+        constraints: constraints(&group[lane].states),
     })
 }
 
@@ -187,144 +191,11 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     }
 }
 
-/// A loss of three consecutive positions under the discrete dynamics of path P.
-pub(super) struct DelLoss<P> {
-    /// The integrator.
-    pub del: Del<f64, P>,
-    /// Newton's bounds in training.
-    pub newton: Newton<f64>,
-    /// Whether the residual is that of the next position; else that of the DEL equation.
-    pub next_position: bool,
-}
-
-/// The two intervals of a triple, solved as far as the loss wants, and the residual.
-struct Pair<P, const N: usize> {
-    before: Solved<f64, P, N>,
-    after: Solved<f64, P, N>,
-    residual: [f64; N],
-}
-
-impl<P: Path + Sync> DelLoss<P> {
-    fn solve<L, F, const N: usize>(
-        &self,
-        system: &System<L, F>,
-        [q0, q1, q2]: &[[f64; N]; 3],
-        [u0, u1, u2]: &[[f64; N]; 3],
-    ) -> Result<Pair<P, N>, Failed>
-    where
-        L: Lagrangian<f64, N>,
-        F: Forces<f64, N>,
-    {
-        let h = self.del.h();
-        let increment = |a: &[f64; N], b: &[f64; N]| std::array::from_fn(|i| (b[i] - a[i]) / h);
-        let (w0, w1): ([f64; N], [f64; N]) = (increment(q0, q1), increment(q1, q2));
-        let before = Interval::new(*q0, w0, h, Control { start: *u0, end: *u1 });
-        let before = self.newton.solve_bubble(system, before)?;
-        let p = before.balance.end_momentum();
-        let after = Interval::new(*q1, w1, h, Control { start: *u1, end: *u2 });
-        if self.next_position {
-            let after = self.newton.solve_step(system, after, &p)?;
-            let w = after.interval.increment();
-            return Ok(Pair { before, after, residual: std::array::from_fn(|i| h * (w[i] - w1[i])) });
-        }
-        let after = self.newton.solve_bubble(system, after)?;
-        Ok(Pair { before, after, residual: add_scaled(&p, 1.0, &after.balance.d1_ld) })
-    }
-}
-
-/// One sample after the other: the steps of each take as many iterations as it needs.
-impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P> {
-    fn kinds(&self) -> &'static [TermKind] {
-        if P::BUBBLE { &[TermKind::Along; 4] } else { &[TermKind::Along; 2] }
-    }
-
-    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for (residual, sample) in residuals.iter_mut().zip(group) {
-            let tangent = tangent(systems.family, &sample.states)?;
-            *residual = multiply(&tangent, &self.residual(&systems.one, &sample.states, &sample.controls)?);
-        }
-        Ok(residuals)
-    }
-
-    fn linearise_group(
-        &self,
-        systems: &Systems<F, N>,
-        group: &Group<N>,
-        terms: &mut [Vec<Term<N>>; LANES],
-    ) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            let tangent = tangent(systems.family, &sample.states)?;
-            let all = self.linearise(&systems.one, &tangent, &sample.states, &sample.controls, terms)?;
-            *residual = multiply(&tangent, &all);
-        }
-        Ok(residuals)
-    }
-}
-
-impl<P: Path + Sync> DelLoss<P> {
-    fn residual<L, F, const N: usize>(
-        &self,
-        system: &System<L, F>,
-        states: &[[f64; N]; 3],
-        controls: &[[f64; N]; 3],
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>,
-    {
-        Ok(self.solve(system, states, controls)?.residual)
-    }
-
-    /// With G = p₁ + d1_ld the DEL residual, dG = ∂G + G_s₀ ds₀ + G_s₁ ds₁ and the bubbles follow their own equations; the
-    /// next position follows from 0 = dG + K dw.
-    fn linearise<L, F, const N: usize>(
-        &self,
-        system: &System<L, F>,
-        tangent: &[[f64; N]; N],
-        states: &[[f64; N]; 3],
-        controls: &[[f64; N]; 3],
-        terms: &mut Vec<Term<N>>,
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>,
-    {
-        let pair = self.solve(system, states, controls)?;
-        let (before, after) = (&pair.before.interval, &pair.after.interval);
-        let ahead = after.linearise(system);
-        let rows =
-            if self.next_position { next_position_rows::<P, N>(&ahead, self.del.h())? } else { *tangent };
-        let (mut slaved_before, mut slaved_after) = ([[0.0; N]; N], [[0.0; N]; N]);
-        if P::BUBBLE {
-            let momentum_s = before.end_momentum_s(system);
-            slaved_before = slaved(&momentum_s, &before.linearise(system).bubble_s)?;
-            slaved_after = slaved(&ahead.momentum_s, &ahead.bubble_s)?;
-        }
-        for y in &rows {
-            push_terms(before, y, &multiply(&slaved_before, y), Variation::end, self.del.h(), terms);
-            push_terms(after, y, &multiply(&slaved_after, y), Variation::start, self.del.h(), terms);
-        }
-        Ok(pair.residual)
-    }
-}
-
-/// The projection to what the constraints at the middle position leave free, I without constraints: their impulses Aᵀλ have no
-/// part there.
-fn tangent<F: Family<N>, const N: usize>(
-    family: &F,
-    [_, q, _]: &[[f64; N]; 3],
-) -> Result<[[f64; N]; N], Failed> {
-    let mut tangent = identity();
-    for (row, _) in family.constraints(q, &[0.0; N]) {
-        take_out(&mut tangent, &row)?;
-    }
-    Ok(tangent)
-}
-
 /// Takes the direction of a constraint out of a symmetric matrix: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa).
-fn take_out<const N: usize>(matrix: &mut [[f64; N]; N], row: &[f64; N]) -> Result<[f64; N], Failed> {
+pub(super) fn take_out<const N: usize>(
+    matrix: &mut [[f64; N]; N],
+    row: &[f64; N],
+) -> Result<[f64; N], Failed> {
     let along = multiply(matrix, row);
     let flexibility = dot(row, &along);
     // Not a number where a weight has left its range.
@@ -337,46 +208,7 @@ fn take_out<const N: usize>(matrix: &mut [[f64; N]; N], row: &[f64; N]) -> Resul
     Ok(along.map(|x| x / flexibility))
 }
 
-/// Rows y of −h K⁻¹, K = ∂G/∂w with the bubble following.
-fn next_position_rows<P: Path, const N: usize>(
-    ahead: &Linearised<f64, N>,
-    h: f64,
-) -> Result<[[f64; N]; N], Singular> {
-    let k = if P::BUBBLE { ahead.reduced()?.1 } else { ahead.momentum_w };
-    let rows = solve_many(transpose(&k), identity())?;
-    Ok(rows.map(|row| row.map(|x| -h * x)))
-}
-
-/// (A B⁻¹)ᵀ: applied to y it gives the weight of the bubble's equation.
-fn slaved<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> Result<[[f64; N]; N], Singular> {
-    // Rows of A B⁻¹ solve Bᵀx = (row of A).
-    Ok(transpose(&solve_many(transpose(b), *a)?))
-}
-
-/// The terms of one interval for the weight y of its end's (or start's) momentum and z of its bubble's equation.
-fn push_terms<P: Path, const N: usize>(
-    interval: &Interval<f64, P, N>,
-    y: &[f64; N],
-    z: &[f64; N],
-    end: fn(&leastaction_core::discrete::Node<f64>, f64) -> Variation<f64>,
-    h: f64,
-    terms: &mut Vec<Term<N>>,
-) {
-    for node in P::nodes().as_ref() {
-        let (q, v) = interval.point(node);
-        let (end, bubble) = (end(node, h), Variation::bubble(node, h));
-        let weigh = |end: f64, bubble: f64| -> [f64; N] {
-            std::array::from_fn(|i| node.weight * (end * y[i] - bubble * z[i]))
-        };
-        terms.push(Term {
-            q,
-            v,
-            dq: weigh(end.force, bubble.force),
-            dv: weigh(end.momentum, bubble.momentum),
-        });
-    }
-}
-
-fn identity<const N: usize>() -> [[f64; N]; N] {
+/// I.
+pub(super) fn identity<const N: usize>() -> [[f64; N]; N] {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }

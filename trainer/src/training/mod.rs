@@ -1,11 +1,13 @@
 //! Learning the weights of a model from motion: the losses and the optimisers.
 
 mod adam;
+mod del;
 mod levenberg;
 mod loss;
 mod normal;
 mod objective;
 mod residuals;
+mod rods;
 mod samples;
 
 pub use adam::{Adam, AdamSettings};

@@ -1,7 +1,9 @@
 //! A loss over all samples, as the optimisers see it, and that of a learned Lagrangian.
 
-use super::loss::{AccelerationLoss, DelLoss, Group, GroupLoss, Systems, Term, TermKind};
+use super::del::DelLoss;
+use super::loss::{AccelerationLoss, Group, GroupLoss, Systems, Term, TermKind};
 use super::residuals::{ChunkRows, Failed, Residuals};
+use super::rods::RodsLoss;
 use super::{LossKind, NormalEquations, Samples};
 use crate::architecture::{
     Architecture, Family, FamilySystem, GraphArchitecture, MAX_DISCRETE, Visitor, too_large_for_steps,
@@ -40,16 +42,8 @@ pub fn objective(
     order: u8,
 ) -> Result<Box<dyn Objective>, ModelError> {
     architecture.parameters()?;
-    let rods = architecture.graph().is_some_and(GraphArchitecture::has_rods);
-    let steps = kind == LossKind::NextPosition || kind == LossKind::DelResidual && order != 2;
-    if rods && steps {
-        return Err(ModelError::OutOfRange { what: RODS });
-    }
     architecture.dispatch(Build { architecture: architecture.clone(), samples, kind, order })?
 }
-
-/// What of the losses is known on rods.
-const RODS: &str = "loss of a graph with rods (only the acceleration, or the DEL residual of order 2)";
 
 struct Build {
     architecture: Architecture,
@@ -67,6 +61,9 @@ impl Visitor for Build {
             (LossKind::Acceleration, _) => Ok(self.boxed(family, AccelerationLoss)),
             // What is false for a constant is not compiled.
             _ if const { N > MAX_DISCRETE } => too_large_for_steps(N),
+            (kind, order) if const { F::CONSTRAINED } && self.has_rods() => {
+                Ok(self.boxed(family, RodsLoss::new(h, order, kind)))
+            }
             (kind, 4) => Ok(self.boxed(family, del_loss::<Galerkin>(h, kind))),
             (kind, _) => Ok(self.boxed(family, del_loss::<Midpoint>(h, kind))),
         }
@@ -74,6 +71,10 @@ impl Visitor for Build {
 }
 
 impl Build {
+    fn has_rods(&self) -> bool {
+        self.architecture.graph().is_some_and(GraphArchitecture::has_rods)
+    }
+
     fn boxed<F: Family<N> + Clone + 'static, T: GroupLoss<F, N> + 'static, const N: usize>(
         self,
         family: &F,

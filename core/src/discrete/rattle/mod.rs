@@ -41,6 +41,20 @@ pub enum Order {
     Four,
 }
 
+impl Order {
+    /// The lengths, s, of the steps of order 2 that one step of length h is made of, in order; they add up to h.
+    pub fn substeps<R: Real>(self, h: R) -> impl Iterator<Item = R> {
+        // γ = 1/(4 − ∛4) and 1 − 4γ, which is exact as it is computed: the five add up to h.
+        let outer = h * R::constant(0.414_490_771_794_375_7);
+        let middle = h - R::constant(4.0) * outer;
+        let (lengths, count) = match self {
+            Self::Two => ([h; 5], 1),
+            Self::Four => ([outer, outer, middle, outer, outer], 5),
+        };
+        lengths.into_iter().take(count)
+    }
+}
+
 /// The integrator: the step h, the order, and the bounds of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub struct Rattle<R> {
@@ -125,14 +139,8 @@ impl<R: Real> Rattle<R> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
-        if self.order == Order::Two {
-            return solver.step(next, force, self.h);
-        }
-        // γ = 1/(4 − ∛4) and 1 − 4γ, which is exact as it is computed: the five add up to h.
-        let outer = self.h * R::constant(0.414_490_771_794_375_7);
-        let middle = self.h - R::constant(4.0) * outer;
         let mut report = Report { iterations: 0, residual: R::zero() };
-        for h in [outer, outer, middle, outer, outer] {
+        for h in self.order.substeps(self.h) {
             report = report.worse(solver.step(next, force, h)?);
         }
         Ok(report)
