@@ -221,7 +221,8 @@ fn pages_and_values_say_everything() {
     let overviews = [Overview { table: "Table 1".to_owned(), file: "all.svg".to_owned() }];
     let page = table::page(&MODLANET, &results, folder.path(), &overviews);
     let said = [
-        "paper 0.500, ratio 0.500",
+        "paper 0.500",
+        "ratio 0.500",
         "3.50e-7",
         "H&lt;NN",
         "of &lt;our&gt; own",

@@ -1,6 +1,7 @@
 //! The experiments as tasks, their rows as records.
 
 use super::super::record::{Measure, Record};
+use super::super::table::number;
 use super::super::task::{Task, TaskError};
 use super::super::{numbered, option_name};
 use super::growth::Growth;
@@ -132,8 +133,9 @@ fn measures(row: &Outcome) -> Vec<Measure> {
 fn note(row: &Outcome) -> Option<String> {
     let failed = row.rolled_out.map(|rolled| rolled.failed).filter(|failed| *failed > 0);
     let failed = failed.map(|failed| format!("{failed} rollouts could not be followed to the end"));
-    let drag =
-        row.drag_error.map(|error| format!("learned drag within {:.2e}% of the exact one", 100.0 * error));
+    let drag = row
+        .drag_error
+        .map(|error| format!("learned drag within {}% of the exact one", number(Some(100.0 * error))));
     let step = row.step_microseconds.map(|time| format!("one step takes {time:.2} µs"));
     let notes: Vec<String> = [failed, drag, step].into_iter().flatten().collect();
     Some(notes.join("; ")).filter(|note| !note.is_empty())

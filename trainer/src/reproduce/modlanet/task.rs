@@ -140,7 +140,8 @@ fn measures(row: &Outcome, has_predictions: bool) -> Vec<Measure> {
     ];
     if has_predictions {
         let of = |value: fn(&Predicted) -> f64| row.predicted.as_ref().map_or(f64::NAN, value);
-        let (position, energy) = (row.published.position, row.published.energy);
+        let paper = |value: Option<f64>| value.filter(|_| row.predicted.is_some());
+        let (position, energy) = (paper(row.published.position), paper(row.published.energy));
         measures.push(Measure::error("A_q", of(|p| p.position), position).over(of(|p| p.floor_position)));
         measures.push(Measure::error("A_E", of(|p| p.energy), energy).over(of(|p| p.floor_energy)));
         let valid = Measure::error("valid, s", of(|p| p.valid_seconds), None).more_is_better();

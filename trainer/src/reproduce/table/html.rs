@@ -24,7 +24,7 @@ div.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-s
 th,td{padding:.25rem .6rem;text-align:right;border-bottom:1px solid #ddd}th{border-bottom:2px solid #888;vertical-align:bottom}\
 td.text,th.text{text-align:left}tr.other td{color:#666}td b{color:#00527a}small{color:#666;display:block}\
 td.worse b{color:#a33c00}code{font-size:.8rem;background:#f3f3f3;padding:.05rem .3rem}\
-details{margin:.4rem 0}summary{cursor:pointer;color:#00527a}svg{max-width:100%;height:auto}ul{padding-left:1.2rem}";
+details{margin:.4rem 0}summary{cursor:pointer;color:#00527a}svg{max-width:100%;height:auto}ul{padding-left:1.2rem}ul.notes{font-size:.8rem;color:#444}";
 
 fn list(title: &str, items: &[String]) -> String {
     if items.is_empty() {
@@ -46,10 +46,11 @@ fn section(table: &Table, folder: &Path, overviews: &[Overview]) -> String {
     let names = first.first.measures.iter().map(|measure| format!("<th>{}</th>", escaped(&measure.name)));
     let rows: String = table.rows.iter().map(line).collect();
     format!(
-        "<h2>{}</h2>\n<div class=\"wide\"><table>\n<tr>{subject}{}<th>weights</th>{}<th>training, s</th></tr>\n{rows}</table></div>\n{}{}",
+        "<h2>{}</h2>\n<div class=\"wide\"><table>\n<tr>{subject}{}<th>weights</th>{}<th>training, s</th></tr>\n{rows}</table></div>\n{}{}{}",
         escaped(table.title),
         text("model"),
         names.collect::<String>(),
+        notes(table),
         commands(table),
         pictures(table, folder, overviews),
     )
@@ -59,14 +60,13 @@ fn line(row: &Row) -> String {
     let record = row.first;
     let text = |value: &str| format!("<td class=\"text\">{}</td>", escaped(value));
     let subject: String = record.subject.iter().map(|(_, value)| text(value)).collect();
-    let note = record.note.as_ref().map_or(String::new(), |note| format!("<small>{}</small>", escaped(note)));
     let weights =
         record.paper_parameters.map_or(String::new(), |count| format!("<small>paper {count}</small>"));
     let cells: String = (0..record.measures.len()).map(|k| cell(row, k)).collect();
     let class = if record.is_ours { "ours" } else { "other" };
     let seconds = row.train_seconds() / row.seeds.len() as f64;
     format!(
-        "<tr class=\"{class}\">{subject}<td class=\"text\">{}{note}</td><td>{}{weights}</td>{cells}<td>{seconds:.1}</td></tr>\n",
+        "<tr class=\"{class}\">{subject}<td class=\"text\">{}</td><td>{}{weights}</td>{cells}<td>{seconds:.1}</td></tr>\n",
         escaped(&record.model),
         record.parameters,
     )
@@ -84,8 +84,10 @@ fn cell(row: &Row, k: usize) -> String {
     }
     let ratio = measure.paper.zip(cell.median).map(|(paper, ours)| ours / paper);
     if let Some(paper) = measure.paper {
-        let ratio = ratio.map_or(String::new(), |ratio| format!(", ratio {}", number(Some(ratio))));
-        text += &format!("<small>paper {}{ratio}</small>", number(Some(paper)));
+        text += &format!("<small>paper {}</small>", number(Some(paper)));
+    }
+    if let Some(ratio) = ratio {
+        text += &format!("<small>ratio {}</small>", number(Some(ratio)));
     }
     if let Some(floor) = measure.floor {
         text += &format!("<small>floor {}</small>", number(Some(floor)));
@@ -93,6 +95,17 @@ fn cell(row: &Row, k: usize) -> String {
     let is_worse =
         ratio.is_some_and(|ratio| (measure.better == super::Better::Less) == (ratio > 1.0) && ratio != 1.0);
     format!("<td{}>{text}</td>", if is_worse { " class=\"worse\"" } else { "" })
+}
+
+/// What has no column.
+fn notes(table: &Table) -> String {
+    let note = |row: &Row| {
+        let (record, note) = (row.first, row.first.note.as_ref()?);
+        let (subject, model) = (escaped(&super::subject(record)), escaped(&record.model));
+        Some(format!("<li>{subject}, {model}: {}</li>\n", escaped(note)))
+    };
+    let notes: String = table.rows.iter().filter_map(note).collect();
+    if notes.is_empty() { notes } else { format!("<ul class=\"notes\">\n{notes}</ul>\n") }
 }
 
 /// Every task of the table once: what it took, from what, by which command.
@@ -117,15 +130,16 @@ fn pictures(table: &Table, folder: &Path, overviews: &[Overview]) -> String {
     let of_table = of_table.map(|overview| overview.file.as_str());
     let of_rows = table.rows.iter().flat_map(|row| &row.first.pictures).map(String::as_str);
     let names = distinct(of_table.chain(of_rows));
-    names.into_iter().filter_map(|name| picture(name, folder)).collect()
+    names.into_iter().enumerate().filter_map(|(k, name)| picture(name, folder, k == 0)).collect()
 }
 
-/// The picture itself; nothing where its file is gone.
-fn picture(name: &str, folder: &Path) -> Option<String> {
+/// The picture itself, to be unfolded or shown at once; nothing where its file is gone.
+fn picture(name: &str, folder: &Path, is_shown: bool) -> Option<String> {
     let svg = std::fs::read_to_string(folder.join(name)).ok()?;
     let svg = &svg[svg.find("<svg")?..];
     let title = escaped(name.trim_end_matches(".svg"));
-    Some(format!("<details><summary>{title}</summary>\n{svg}\n</details>\n"))
+    let open = if is_shown { " open" } else { "" };
+    Some(format!("<details{open}><summary>{title}</summary>\n{svg}\n</details>\n"))
 }
 
 /// As HTML has text.
