@@ -2,6 +2,8 @@
 //! positions and controls.
 
 mod figures;
+mod floor;
+mod portrait;
 mod published;
 mod task;
 
@@ -16,7 +18,6 @@ use crate::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::ModelError;
 use serde::Serialize;
-use std::time::Instant;
 
 /// Which of SyMo's two models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -137,17 +138,6 @@ impl Case {
             Model::Symo => LossKind::DelResidual,
             Model::E2eSymo => LossKind::NextPosition,
         }
-    }
-
-    /// Learns and evaluates; `watch` is called with the iteration and the loss.
-    ///
-    /// # Errors
-    /// Where the shape is beyond what is compiled.
-    pub fn run(&self, set: &SymoSet, mut watch: impl FnMut(usize, f64)) -> Result<Outcome, ModelError> {
-        let clock = Instant::now();
-        let recipe = self.recipe();
-        let weights = self.train(&recipe, set, &mut watch)?;
-        self.outcome(&recipe.architecture, &weights, set, clock.elapsed().as_secs_f64())
     }
 
     /// The learned weights.

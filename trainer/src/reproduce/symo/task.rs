@@ -3,11 +3,13 @@
 use super::super::option_name;
 use super::super::record::{Measure, Record};
 use super::super::task::{Task, TaskError};
-use super::{Case, Outcome, published};
+use super::floor::floor;
+use super::{Case, Outcome, portrait, published};
 use crate::data::symo::SymoSet;
 use crate::ground_truth::{IntegrationError, Mechanism, symo_set};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
 pub use super::figures::overview;
 
@@ -82,22 +84,32 @@ impl Task for Experiment {
         per_trajectory * (self.case.trajectories + 8) as f64
     }
 
-    fn run(&self, _: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
         let watch = |iteration: usize, loss: f64| {
             if iteration.is_multiple_of(20) {
                 tell(&format!("iteration {iteration}: loss {loss:.2e}"));
             }
         };
-        let outcome = self.case.run(self.data.get()?, watch)?;
-        Ok(vec![record(&self.case, &outcome)?])
+        let (case, set, clock) = (&self.case, self.data.get()?, Instant::now());
+        let recipe = case.recipe();
+        let weights = case.train(&recipe, set, watch)?;
+        let outcome = case.outcome(&recipe.architecture, &weights, set, clock.elapsed().as_secs_f64())?;
+        let drawn = pictures.filter(|_| case.trajectories == PORTRAYED);
+        let drawn =
+            drawn.map(|folder| portrait::draw(folder, &self.name(), case, (&recipe.architecture, &weights)));
+        let record = record(case, &outcome, floor(case.mechanism, case.order, set))?;
+        Ok(vec![Record { pictures: drawn.transpose()?.into_iter().collect(), ..record }])
     }
 }
 
-fn record(case: &Case, row: &Outcome) -> Result<Record, serde_json::Error> {
+/// Trajectories of the models whose motion is drawn.
+const PORTRAYED: usize = 32;
+
+fn record(case: &Case, row: &Outcome, floor: [f64; 6]) -> Result<Record, serde_json::Error> {
     let published = published(case);
     let names = ["test", "integration", "… median", "… 100 steps", "energy", "inertia"];
     let paper = published.map_or([None; 6], |published| published.measures);
-    let measures = names.into_iter().zip(row.measures()).zip(paper);
+    let measures = names.into_iter().zip(row.measures()).zip(paper).zip(floor);
     Ok(Record {
         table: case.mechanism.name().to_owned(),
         subject: vec![("trajectories".to_owned(), case.trajectories.to_string())],
@@ -107,7 +119,9 @@ fn record(case: &Case, row: &Outcome) -> Result<Record, serde_json::Error> {
         paper_parameters: published.map(|published| published.parameters),
         seed: row.seed,
         train_seconds: row.train_seconds,
-        measures: measures.map(|((name, ours), paper)| Measure::error(name, ours, paper)).collect(),
+        measures: measures
+            .map(|(((name, ours), paper), floor)| Measure::error(name, ours, paper).over(floor))
+            .collect(),
         note: None,
         pictures: Vec::new(),
         details: serde_json::to_value(row)?,
