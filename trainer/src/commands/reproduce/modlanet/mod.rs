@@ -4,14 +4,15 @@ mod figures;
 mod table;
 
 use crate::commands::Done;
-use crate::commands::arguments::seed;
-use crate::commands::output::{Failure, Output, folder, object};
+use crate::commands::arguments::{positive, seed};
+use crate::commands::output::{Failure, Output, folder, object, refuse};
 use clap::{Args, ValueEnum};
 use leastaction::atomic;
 use leastaction::data::modlanet;
-use leastaction::reproduce::modlanet::{Case, Options, Outcome, ReproduceError, run};
+use leastaction::reproduce::modlanet::{Case, Limits, Options, Outcome, ReproduceError, run};
 use leastaction_core::energy::modular::PairInput;
 use std::path::PathBuf;
+use std::time::Duration;
 pub use table::numbered;
 use table::{Scatter, Table, csv};
 
@@ -20,6 +21,10 @@ use table::{Scatter, Table, csv};
 /// Runs every case that the options leave open and prints its errors beside the paper's. Predictions are judged in the
 /// paper's measures, which are not mean squares: the Frobenius norm of the errors over the number of comparisons, averaged
 /// over 100 starts. Pendulums are chaotic: what exact physics in single precision reaches stands beside.
+///
+/// With --baselines the models that the paper compares with (HNN, LNN and MLP, and light ones of about ModLaNet's size) are
+/// trained by their authors' recipes beside ours: Adam with 10,000 epochs of pendulums, 3,000 of bodies, which takes an hour and
+/// more for some. A row that ran out of time, or diverged, says so.
 ///
 /// Example: leastaction reproduce modlanet --case double-pendulum --json
 #[derive(Args)]
@@ -50,6 +55,15 @@ pub struct Modlanet {
     /// predictions.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     seeds: u32,
+    /// Also trains the models that the paper compares with, in double-pendulum and three-body.
+    #[arg(long)]
+    baselines: bool,
+    /// Epochs of the baselines at most; by default as many as their authors'.
+    #[arg(long, requires = "baselines", value_parser = clap::value_parser!(u64).range(1..))]
+    epochs: Option<u64>,
+    /// Minutes of training of each baseline at most, and again of its predictions; by default no limit.
+    #[arg(long, requires = "baselines", value_parser = positive)]
+    minutes: Option<f64>,
     /// Writes table.csv there, and pictures: errors and paths of every prediction, and for double-pendulum the energy over a
     /// million steps.
     #[arg(short, long, value_name = "DIR")]
@@ -71,6 +85,10 @@ enum Pair {
 impl Modlanet {
     /// Learns and prints.
     pub fn run(self, output: Output) -> Done {
+        if let Some(case) = self.case.filter(|case| self.baselines && !case.has_baselines()) {
+            let name = case.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
+            refuse(&name, &[(true, "--baselines")])?;
+        }
         self.output.as_deref().map_or(Ok(()), folder)?;
         let mut rows = Vec::new();
         for case in Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)) {
@@ -117,6 +135,10 @@ impl Modlanet {
             most_samples: self.samples as usize,
             starts: if self.seeds > 1 { 0 } else { self.starts as usize },
             steps: if self.seeds > 1 { 0 } else { LONG_RUN },
+            baselines: self.baselines.then(|| Limits {
+                epochs: self.epochs,
+                time: self.minutes.map(|minutes| Duration::from_secs_f64(60.0 * minutes.min(LONGEST))),
+            }),
             ..Options::new(seed)
         }
     }
@@ -129,5 +151,7 @@ impl Modlanet {
     }
 }
 
+/// More minutes than anyone waits.
+const LONGEST: f64 = 1e9;
 /// Steps of the long run in single precision.
 const LONG_RUN: usize = 1_000_000;

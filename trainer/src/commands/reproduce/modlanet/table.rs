@@ -8,7 +8,7 @@ use std::fmt;
 pub fn csv(rows: &[Outcome]) -> String {
     let mut text = String::from(
         "system,count,kind,samples,parameters,train_mse,test_mse,relative_test_mse,position,energy,valid_seconds,\
-         floor_position,floor_energy,floor_valid_seconds,train_seconds,seed,noise\n",
+         floor_position,floor_energy,floor_valid_seconds,train_seconds,seed,noise,epochs,stopped,unpredicted\n",
     );
     for row in rows {
         let Outcome { system, count, kind, samples, parameters, train_mse, test_mse, .. } = row;
@@ -20,9 +20,12 @@ pub fn csv(rows: &[Outcome]) -> String {
             },
         );
         text += &format!(
-            "{system},{count},{kind},{samples},{parameters},{train_mse:e},{test_mse:e},{:e},{predicted},{:.1},{},{}\n",
+            "{system},{count},{kind},{samples},{parameters},{train_mse:e},{test_mse:e},{:e},{predicted},{:.1},{},{},",
             row.relative_test_mse, row.train_seconds, row.seed, row.noise
         );
+        let epochs = row.epochs.map_or(String::new(), |epochs| epochs.to_string());
+        let stopped = row.ending.words().unwrap_or_default();
+        text += &format!("{epochs},{stopped},{}\n", row.unpredicted.unwrap_or_default());
     }
     text
 }
@@ -84,6 +87,7 @@ impl fmt::Display for Table {
         writeln!(f)?;
         self.rows.iter().try_for_each(|row| {
             ours(f, row)?;
+            remarks(f, row)?;
             theirs(f, row)?;
             row.stepped.as_ref().map_or(Ok(()), |stepped| energies(f, stepped))
         })?;
@@ -95,7 +99,8 @@ impl fmt::Display for Table {
             "\ntest: mean squared error of accelerations; rel.: relative to the mean squared acceleration. A_q, A_E: errors of\n\
              predicted positions and energies in the paper's measure; valid s: median time until the (wrapped) position is 0.1\n\
              off. f32: exact physics in single precision. s: of training. noise: on positions and velocities of the samples, the\n\
-             test set has none. mlp: a plain network from the state to the accelerations."
+             test set has none. mlp: a plain network from the state to the accelerations; hnn: momenta from the true mass matrix. The\n\
+             losses of HNN and MLP that the ModLaNet authors' program prints are of the rate of the momenta alone."
         )
     }
 }
@@ -139,6 +144,14 @@ fn ours(f: &mut fmt::Formatter, row: &Outcome) -> fmt::Result {
         }
     }
     writeln!(f, " {:>8.1}", row.train_seconds)
+}
+
+/// How training ended, and why there is no prediction.
+fn remarks(f: &mut fmt::Formatter, row: &Outcome) -> fmt::Result {
+    let stopped = row.ending.words();
+    let unpredicted = row.unpredicted.map(|why| format!("no prediction: {why}"));
+    let remarks: Vec<String> = stopped.into_iter().chain(unpredicted).collect();
+    if remarks.is_empty() { Ok(()) } else { writeln!(f, "{:<12}   {}", "", remarks.join("; ")) }
 }
 
 fn energies(f: &mut fmt::Formatter, stepped: &Stepped) -> fmt::Result {
