@@ -1,11 +1,31 @@
 //! Work on all threads, in order.
 
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use std::sync::LazyLock;
 
-/// What `work` makes of 0, 1, … `count` − 1, on as many threads as there are.
+/// Bytes of a thread's stack: what passes through a wide network leave for each other lies there.
+const STACK: usize = 16 << 20;
+
+/// As many threads as there are processors; none where they cannot be had.
+static THREADS: LazyLock<Option<ThreadPool>> = LazyLock::new(|| threads(0).ok());
+
+/// So many threads with room for wide networks; 0: as many as there are processors.
+///
+/// # Errors
+/// Where they cannot be had.
+pub fn threads(count: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    ThreadPoolBuilder::new().num_threads(count).stack_size(STACK).build()
+}
+
+/// What `work` makes of 0, 1, … `count` − 1, on as many threads as there are; within a pool on those of the pool.
 ///
 /// A call by reference: a thread pool's loops are large, and every model of every size would otherwise bring its own to
 /// compile.
 pub fn map<T: Send>(count: usize, work: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
-    (0..count).into_par_iter().map(work).collect()
+    let all = || (0..count).into_par_iter().map(work).collect();
+    match (rayon::current_thread_index(), THREADS.as_ref()) {
+        (None, Some(threads)) => threads.install(all),
+        _ => all(),
+    }
 }

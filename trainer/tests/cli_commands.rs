@@ -1,5 +1,7 @@
 //! The command as people use it: exit codes, files, messages, interruption.
 
+#[path = "cli_commands/baselines.rs"]
+mod baselines;
 #[path = "cli_commands/files.rs"]
 mod files;
 #[path = "cli_commands/generate.rs"]

@@ -272,7 +272,7 @@ fn too_many<T>(what: &'static str, found: usize, compiled: usize) -> Result<T, M
 }
 
 /// Layers of these inputs and outputs, as [`uniform_layer`] has them.
-fn random_layers(layers: impl IntoIterator<Item = (usize, usize)>, seed: u64) -> Vec<f64> {
+pub(crate) fn random_layers(layers: impl IntoIterator<Item = (usize, usize)>, seed: u64) -> Vec<f64> {
     let (mut stream, mut weights) = (Pcg64::seed_from_u64(seed), Vec::new());
     for (inputs, outputs) in layers {
         uniform_layer(&mut weights, inputs, outputs, &mut stream);
@@ -286,7 +286,7 @@ fn known_positions(start: usize, numbers: impl Iterator<Item = Number>) -> Vec<u
 }
 
 /// Appends a layer: uniform with Glorot's variance, biases zero.
-pub(crate) fn uniform_layer(weights: &mut Vec<f64>, inputs: usize, outputs: usize, stream: &mut impl Rng) {
+fn uniform_layer(weights: &mut Vec<f64>, inputs: usize, outputs: usize, stream: &mut impl Rng) {
     let limit = (6.0 / (inputs + outputs) as f64).sqrt();
     let mut layer = vec![0.0; inputs * outputs];
     for i in 0..outputs {

@@ -1,13 +1,13 @@
 //! A plain network from the state to the acceleration, which knows nothing of mechanics.
 
-use super::AccelerationModel;
-use crate::architecture::uniform_layer;
-use crate::training::{ChunkRows, Failed, Objective, Residuals, Samples};
+use super::features::{count, first, group, inputs, squares};
+use super::{AccelerationModel, Follow, coordinates_fit};
+use crate::architecture::random_layers;
+use crate::evaluate::prediction::{Prediction, Truth};
+use crate::training::{ChunkRows, Failed, NormalEquations, Objective, Residuals, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp as Network, Tape};
 use leastaction_core::scalar::{LANES, Lanes};
-use rand::SeedableRng;
-use rand_pcg::Pcg64;
 use std::ops::Range;
 
 /// Units of a hidden layer at most.
@@ -44,6 +44,16 @@ impl Mlp {
         enough.ok_or(ModelError::Shape { what: "weights of an MLP", found: weights, compiled })
     }
 
+    /// With so many units in each hidden layer, α = ν = 1; `coordinates` as in [`Mlp::with_weights`].
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where that is more than [`MAX_WIDTH`].
+    pub fn of_width(coordinates: &str, width: usize) -> Result<Self, ModelError> {
+        let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
+        let mlp = Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
+        if width <= MAX_WIDTH { Ok(mlp) } else { Err(error) }
+    }
+
     /// The same with the root mean squares of these samples as ν and α.
     #[must_use]
     pub fn scaled_to(self, samples: &Samples) -> Self {
@@ -63,17 +73,18 @@ impl Mlp {
 
     /// Inputs and outputs of every layer, first to last.
     fn layers(&self) -> [(usize, usize); DEPTH + 1] {
-        let (n, angles) = (self.n(), self.coordinates.matches('a').count());
-        [(2 * n + angles, self.width), (self.width, self.width), (self.width, n)]
+        [(count(&self.coordinates), self.width), (self.width, self.width), (self.width, self.n())]
     }
 
     /// s(q) and v/ν of one sample.
-    fn inputs(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
-        let feature = |(kind, q): (char, &f64)| match kind {
-            'a' => vec![q.cos(), q.sin()],
-            _ => vec![*q],
-        };
-        self.coordinates.chars().zip(q).flat_map(feature).chain(v.iter().map(|v| v / self.velocity)).collect()
+    fn inputs(&self, q: &[f64], v: &[f64]) -> Vec<Jet<f64, 0>> {
+        let state: Vec<_> = q.iter().copied().chain(v.iter().map(|v| v / self.velocity)).collect();
+        inputs(&self.coordinates, &state.into_iter().map(Jet::constant).collect::<Vec<_>>())
+    }
+
+    fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w, f64, DEPTH>> {
+        let [(inputs, width), _, (_, outputs)] = self.layers();
+        Network::take(&mut weights, inputs, &[width; DEPTH], outputs, Activation::Tanh)
     }
 }
 
@@ -85,22 +96,28 @@ fn scale(values: &[f64]) -> f64 {
 
 impl AccelerationModel for Mlp {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let (mut weights, mut stream) = (Vec::new(), Pcg64::seed_from_u64(seed));
-        for (inputs, outputs) in self.layers() {
-            uniform_layer(&mut weights, inputs, outputs, &mut stream);
-        }
-        weights
+        random_layers(self.layers(), seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         let n = self.n();
-        if samples.n != n {
-            return Err(ModelError::Shape { what: "coordinates", found: samples.n, compiled: n });
-        }
+        coordinates_fit(&samples, n)?;
         let [q, v, a] = samples.states;
         let states = q.chunks_exact(n).zip(v.chunks_exact(n));
-        let inputs = states.flat_map(|(q, v)| self.inputs(q, v)).collect();
+        let inputs = states.flat_map(|(q, v)| self.inputs(q, v)).map(|x| x.value).collect();
         Ok(Box::new(Regression { mlp: self.clone(), inputs, targets: a }))
+    }
+
+    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
+        let short = ModelError::Shape { what: "weights", found: weights.len(), compiled: self.parameters() };
+        let network = self.network(weights).ok_or(short)?;
+        Ok(follow.compare(truth, |q, v, out| {
+            let mut outputs = vec![Jet::zero(); self.n()];
+            network.evaluate::<_, 0, MAX_WIDTH>(&self.inputs(q, v), &mut outputs);
+            let scaled = outputs.iter().map(|y| self.acceleration * y.value);
+            out.iter_mut().zip(scaled).for_each(|(out, y)| *out = y);
+            Some(())
+        }))
     }
 }
 
@@ -114,20 +131,13 @@ struct Regression {
 }
 
 impl Regression {
-    fn network<'w>(&self, mut weights: &'w [f64]) -> Result<Network<'w, f64, DEPTH>, Failed> {
-        let [(inputs, width), _, (_, outputs)] = self.mlp.layers();
-        Network::take(&mut weights, inputs, &[width; DEPTH], outputs, Activation::Tanh).ok_or(Failed)
-    }
-
-    /// Eight samples from `start` on, of rows of `width` numbers; that before `end` fills the group up.
-    fn group(values: &[f64], width: usize, start: usize, end: usize) -> Vec<Lanes> {
-        let sample = |lane: usize| (start + lane).min(end - 1);
-        (0..width).map(|i| Lanes(std::array::from_fn(|lane| values[sample(lane) * width + i]))).collect()
+    fn network<'w>(&self, weights: &'w [f64]) -> Result<Network<'w, f64, DEPTH>, Failed> {
+        self.mlp.network(weights).ok_or(Failed)
     }
 
     fn inputs(&self, start: usize, end: usize) -> Vec<Jet<Lanes, 0>> {
         let [(width, _), ..] = self.mlp.layers();
-        Self::group(&self.inputs, width, start, end).into_iter().map(Jet::constant).collect()
+        group(&self.inputs, width, start, end).into_iter().map(Jet::constant).collect()
     }
 
     /// α, in every lane.
@@ -137,7 +147,7 @@ impl Regression {
 
     /// α times the outputs, less the targets.
     fn errors(&self, outputs: &[Jet<Lanes, 0>], start: usize, end: usize) -> impl Iterator<Item = Lanes> {
-        let targets = Self::group(&self.targets, self.mlp.n(), start, end);
+        let targets = group(&self.targets, self.mlp.n(), start, end);
         outputs.iter().zip(targets).map(|(output, target)| self.acceleration() * output.value - target)
     }
 }
@@ -162,7 +172,7 @@ impl Residuals for Regression {
         for start in samples.clone().step_by(LANES) {
             network.evaluate::<_, 0, MAX_WIDTH>(&self.inputs(start, samples.end), &mut outputs);
             for error in self.errors(&outputs, start, samples.end) {
-                sum += error.0.iter().take(samples.end - start).map(|r| r * r).sum::<f64>();
+                sum += squares(&error, samples.end - start);
             }
         }
         Ok(sum)
@@ -184,15 +194,43 @@ impl Residuals for Regression {
                 rows.residual[row..row + own].copy_from_slice(&error.0[..own]);
                 outputs.fill(Jet::zero());
                 outputs[i] = Jet::constant(self.acceleration());
+                rows.buffer.fill(Lanes([0.0; LANES]));
                 gradient(&network, &tape, [&inputs, &outputs], &mut rows.buffer);
                 rows.store(row, own);
             }
         }
         Ok(())
     }
+
+    /// Without the Jacobian: one adjoint of all outputs, weighed by the residuals.
+    fn add_gradient(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        rows: &mut ChunkRows,
+        sum: &mut NormalEquations,
+    ) -> Result<(), Failed> {
+        let network = self.network(weights)?;
+        rows.reset_buffer(weights.len());
+        let mut tape = Tape::<Lanes, 0, MAX_WIDTH, DEPTH>::default();
+        let mut outputs = vec![Jet::zero(); self.mlp.n()];
+        for start in samples.clone().step_by(LANES) {
+            let inputs = self.inputs(start, samples.end);
+            network.forward(&inputs, &mut tape, &mut outputs);
+            let errors: Vec<Lanes> = self.errors(&outputs, start, samples.end).collect();
+            for (output, error) in outputs.iter_mut().zip(errors) {
+                let error = first(&error, samples.end - start);
+                sum.squares += squares(&error, LANES);
+                *output = Jet::constant(self.acceleration() * error);
+            }
+            gradient(&network, &tape, [&inputs, &outputs], &mut rows.buffer);
+        }
+        sum.add_lanes(&rows.buffer, samples.len() * self.mlp.n());
+        Ok(())
+    }
 }
 
-/// ∂(ȳ·y)/∂θ of eight samples.
+/// Adds ∂(ȳ·y)/∂θ of eight samples.
 fn gradient(
     network: &Network<f64, DEPTH>,
     tape: &Tape<Lanes, 0, MAX_WIDTH, DEPTH>,
@@ -202,15 +240,17 @@ fn gradient(
     let mut start = network.len();
     network.layer_adjoints(tape, x, y_bar, |layer, inputs, outputs| {
         start -= layer.len();
-        layer.series_gradient(inputs, outputs, |position, g| gradient[start + position] = g);
+        layer.series_gradient(inputs, outputs, |position, g| gradient[start + position] += g);
     });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baselines::oracle::{check_normal_equations, features, network};
     use crate::training::{Adam, AdamSettings, Levenberg};
-    use rand::RngExt;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
 
     /// Two angles and a length between them; 21 samples, which no number of lanes divides.
     const COORDINATES: &str = "ata";
@@ -232,23 +272,9 @@ mod tests {
         let row = |x: &Vec<f64>, k: usize| [x[3 * k], x[3 * k + 1], x[3 * k + 2]];
         let mut errors = Vec::new();
         for k in 0..SAMPLES {
-            let ([q, v, a], mut at) = (samples.states.each_ref().map(|x| row(x, k)), 0);
-            let mut x = vec![q[0].cos(), q[0].sin(), q[1], q[2].cos(), q[2].sin()];
-            x.extend(v.map(|v| v / mlp.velocity));
-            for (layer, outputs) in [mlp.width, mlp.width, 3].into_iter().enumerate() {
-                let bias = at + x.len() * outputs;
-                let sum = |i: usize| {
-                    let weight = |j| {
-                        let position =
-                            leastaction_core::network::Dense::<f64>::position(x.len(), outputs, i, j);
-                        weights[at + position]
-                    };
-                    (0..x.len()).map(|j| weight(j) * x[j]).sum::<f64>() + weights[bias + i]
-                };
-                let y: Vec<f64> = (0..outputs).map(sum).collect();
-                x = if layer < 2 { y.into_iter().map(f64::tanh).collect() } else { y };
-                at = bias + outputs;
-            }
+            let [q, v, a] = samples.states.each_ref().map(|x| row(x, k));
+            let state = [q, v.map(|v| v / mlp.velocity)].concat();
+            let x = network(weights, features(COORDINATES, &state), [mlp.width, 3], f64::tanh);
             errors.extend(x.iter().zip(a).map(|(x, a)| mlp.acceleration * x - a));
         }
         errors
@@ -270,34 +296,9 @@ mod tests {
     fn loss_and_normal_equations_are_those_of_plain_loops_and_differences() {
         let (mlp, samples) = (mlp(), samples());
         let objective = mlp.objective(samples.clone()).unwrap();
-        let weights = mlp.initial_weights(1);
-        let plain = |weights: &[f64]| errors(weights, &samples, &mlp);
-        let r = plain(&weights);
-        let columns: Vec<Vec<f64>> = (0..weights.len())
-            .map(|j| {
-                let moved = |h: f64| {
-                    let mut moved = weights.clone();
-                    moved[j] += h;
-                    plain(&moved)
-                };
-                moved(1e-5).iter().zip(moved(-1e-5)).map(|(a, b)| (a - b) / 2e-5).collect()
-            })
-            .collect();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let close = |found: f64, expected: f64| {
-            assert!((found - expected).abs() < 1e-6 * (1.0 + expected.abs()), "{found} {expected}");
-        };
-        close(objective.loss(&weights), dot(&r, &r) / r.len() as f64);
-        let equations = objective.normal_equations(&weights).unwrap();
-        close(equations.mean_square(), objective.loss(&weights));
-        for (i, column) in columns.iter().enumerate() {
-            close(equations.gradient[i], dot(column, &r));
-            for (j, other) in columns.iter().enumerate().take(i + 1) {
-                close(equations.gram[(i, j)], dot(column, other));
-            }
-        }
-        let gradient = objective.gradient(&weights, 0..SAMPLES).unwrap();
-        assert_eq!((gradient.gradient, gradient.squares), (equations.gradient, equations.squares));
+        check_normal_equations(&*objective, &mlp.initial_weights(1), |weights| {
+            errors(weights, &samples, &mlp)
+        });
     }
 
     #[test]

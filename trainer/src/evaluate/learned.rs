@@ -54,9 +54,12 @@ fn forced_in<const D: usize, T>(
     Ok(then(&|q, v, u, out| driven.acceleration(q, v, u, out)))
 }
 
-struct Free<'w, C> {
-    weights: &'w [f64],
-    then: C,
+/// Calls `then` with the accelerations of a family without rods.
+pub(crate) struct Free<'w, C> {
+    /// Its weight block.
+    pub weights: &'w [f64],
+    /// What is done.
+    pub then: C,
 }
 
 impl<T, C: FnOnce(&Accelerations) -> T> Visitor for Free<'_, C> {

@@ -74,9 +74,22 @@ impl Truth {
         motion: &dyn Motion,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
     ) -> Prediction {
+        self.compare_paths(motion, |start, keep| {
+            let project = |state: &mut [f64]| motion.project(state);
+            follow(&acceleration, project, start, self.horizon, tolerance, keep)
+        })
+    }
+
+    /// As [`Truth::compare`], where `path` gives the predicted states (q, v) from a start to its second argument, one after the
+    /// other at the times of the horizon, or an error where it cannot go on.
+    pub fn compare_paths(
+        &self,
+        motion: &dyn Motion,
+        path: impl Fn(&Start, &mut dyn FnMut(&[f64])) -> Result<(), IntegrationError> + Sync,
+    ) -> Prediction {
         let energy = |q: &[f64], v: &[f64]| motion.energy(q, v);
         let one = |k: usize| {
-            let (states, failed) = self.predicted(k, tolerance, motion, &acceleration);
+            let (states, failed) = self.path(k, &path);
             let errors = self.errors(k, &states, &energies(&states, self.angles.len(), energy), failed);
             (errors, if k == 0 { states } else { Vec::new() })
         };
@@ -93,10 +106,20 @@ impl Truth {
         motion: &dyn Motion,
         acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()>,
     ) -> (Vec<f64>, bool) {
+        self.path(k, |start, keep| {
+            let project = |state: &mut [f64]| motion.project(state);
+            follow(&acceleration, project, start, self.horizon, tolerance, keep)
+        })
+    }
+
+    /// The states of one path from start `k`, infinite from where it does not go on; whether there are such.
+    fn path(
+        &self,
+        k: usize,
+        path: impl Fn(&Start, &mut dyn FnMut(&[f64])) -> Result<(), IntegrationError>,
+    ) -> (Vec<f64>, bool) {
         let mut states = Vec::with_capacity(self.states[k].len());
-        let keep = |state: &[f64]| states.extend_from_slice(state);
-        let project = |state: &mut [f64]| motion.project(state);
-        let failed = follow(acceleration, project, &self.starts[k], self.horizon, tolerance, keep).is_err();
+        let failed = path(&self.starts[k], &mut |state| states.extend_from_slice(state)).is_err();
         states.resize(self.states[k].len(), f64::INFINITY);
         (states, failed)
     }

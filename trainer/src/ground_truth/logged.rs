@@ -103,14 +103,27 @@ fn trajectory(
 /// Where the motion cannot be followed to the tolerance, relative to 1 + |x| in each step; `t` counts from the start.
 pub fn follow(
     acceleration: impl FnMut(&[f64], &[f64], &mut [f64]) -> Option<()>,
-    mut project: impl FnMut(&mut [f64]) -> Option<()>,
+    project: impl FnMut(&mut [f64]) -> Option<()>,
     start: &Start,
     horizon: Horizon,
     tolerance: f64,
+    keep: impl FnMut(&[f64]),
+) -> Result<(), IntegrationError> {
+    let state = [start.q.as_slice(), &start.v].concat();
+    follow_flow(second_order(acceleration), project, state, (horizon, tolerance), keep)
+}
+
+/// As [`follow`], from a state of any kind, whose rate ẋ = f(x) `rate` writes.
+///
+/// # Errors
+/// As of [`follow`].
+pub fn follow_flow(
+    mut rate: impl FnMut(&[f64], &mut [f64]) -> Option<()>,
+    mut project: impl FnMut(&mut [f64]) -> Option<()>,
+    mut state: Vec<f64>,
+    (horizon, tolerance): (Horizon, f64),
     mut keep: impl FnMut(&[f64]),
 ) -> Result<(), IntegrationError> {
-    let mut state = [start.q.as_slice(), &start.v].concat();
-    let mut rate = second_order(acceleration);
     let mut integrator = Extrapolation::new(state.len(), tolerance);
     for k in 0..horizon.samples {
         if k > 0 {

@@ -17,7 +17,7 @@ pub(crate) use generate::noisy;
 pub use generate::{Settings, generate, symo_set};
 pub use integrate::{Extrapolation, IntegrationError, second_order};
 pub use lgnn::{LgnnSettings, LgnnSystem, lgnn_set, lgnn_starts};
-pub use logged::{GenerationError, Horizon, Start, follow, logged};
+pub use logged::{GenerationError, Horizon, Start, follow, follow_flow, logged};
 pub use modlanet::{
     ManyBody, ModlanetSettings, circular_speed, generate_many, modlanet_set, modlanet_set_of, starts,
 };

@@ -22,6 +22,7 @@ pub use plan::{Notice, Plan, PlanError};
 pub use state::{Best, Row};
 
 use crate::config::TrainingConfig;
+use crate::parallel;
 use crate::training::Progress;
 use checkpoint::Checkpoint;
 use folder::{Folder, History};
@@ -303,9 +304,9 @@ impl Run {
     }
 }
 
-/// Threads of our own; `None` for rayon's.
+/// Threads of our own; `None` for as many as there are processors.
 fn pool(threads: usize) -> Result<Option<rayon::ThreadPool>, rayon::ThreadPoolBuildError> {
-    (threads > 0).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build()).transpose()
+    (threads > 0).then(|| parallel::threads(threads)).transpose()
 }
 
 /// Does something on these threads.

@@ -2,7 +2,7 @@
 
 use super::plan::{Plan, Stage};
 use crate::config::{AdamConfig, OptimiserKind, TrainingConfig};
-use crate::training::{Adam, AdamSettings, Levenberg, Objective, Progress};
+use crate::training::{Adam, AdamSettings, Levenberg, Objective, Progress, Schedule};
 use serde::{Deserialize, Serialize};
 
 /// An optimiser with its state.
@@ -50,7 +50,8 @@ impl Optimiser {
 
 fn adam_settings(training: &TrainingConfig) -> AdamSettings {
     let AdamConfig { learning_rate, batch, plateau_factor, plateau_patience } = training.adam;
-    AdamSettings { learning_rate, batch, plateau_factor, plateau_patience, seed: training.seed }
+    let schedule = Schedule::Plateau { factor: plateau_factor, patience: plateau_patience };
+    AdamSettings { learning_rate, batch, schedule, decay: 0.0, seed: training.seed }
 }
 
 /// The best weights of a stage, and their losses.

@@ -1,7 +1,7 @@
-//! Adam with learning rate reduced on a plateau, as SyMo trains; kept for comparison and for very large networks.
+//! Adam with a learning rate that falls, as the papers train; kept for comparison and for very large networks.
 //!
-//! Source: Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015; the schedule is PyTorch's
-//! `ReduceLROnPlateau`.
+//! Source: Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015; the schedules are PyTorch's
+//! `ReduceLROnPlateau` and `MultiStepLR`, the decay its `weight_decay`.
 
 use super::{Objective, Progress};
 use rand::SeedableRng;
@@ -23,18 +23,40 @@ pub struct AdamSettings {
     pub learning_rate: f64,
     /// Samples a step; 0: all.
     pub batch: usize,
-    /// What the step size is multiplied by on a plateau, below 1.
-    pub plateau_factor: f64,
-    /// Epochs without improvement before that.
-    pub plateau_patience: u32,
+    /// How the step size falls.
+    pub schedule: Schedule,
+    /// λ: λθ is added to the gradient of the loss.
+    pub decay: f64,
     /// Of the order of the batches.
     pub seed: u64,
+}
+
+/// How the step size falls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Schedule {
+    /// It does not.
+    Constant,
+    /// On a plateau.
+    Plateau {
+        /// What it is multiplied by, below 1.
+        factor: f64,
+        /// Epochs without improvement before that.
+        patience: u32,
+    },
+    /// After given epochs.
+    Steps {
+        /// What it is multiplied by, below 1.
+        factor: f64,
+        /// The epochs.
+        epochs: [u64; 3],
+    },
 }
 
 impl AdamSettings {
     /// SyMo's: 1e-3, batches of 4 samples a trajectory, ×0.7 after 50 epochs.
     pub fn symo(trajectories: usize, seed: u64) -> Self {
-        Self { learning_rate: 1e-3, batch: 4 * trajectories, plateau_factor: 0.7, plateau_patience: 50, seed }
+        let schedule = Schedule::Plateau { factor: 0.7, patience: 50 };
+        Self { learning_rate: 1e-3, batch: 4 * trajectories, schedule, decay: 0.0, seed }
     }
 }
 
@@ -91,7 +113,7 @@ impl Adam {
         }
         self.loss = squares / rows as f64;
         self.epoch += 1;
-        self.follow_plateau();
+        self.follow_schedule();
         Progress::Lower
     }
 
@@ -112,22 +134,95 @@ impl Adam {
         for (((w, m), s), g) in
             self.weights.iter_mut().zip(&mut self.mean).zip(&mut self.square).zip(gradient)
         {
-            let g = scale * g;
+            let g = scale * g + self.settings.decay * *w;
             *m = BETA_1 * *m + (1.0 - BETA_1) * g;
             *s = BETA_2 * *s + (1.0 - BETA_2) * g * g;
             *w -= self.rate * (*m / correction_1) / ((*s / correction_2).sqrt() + EPSILON);
         }
     }
 
-    fn follow_plateau(&mut self) {
+    fn follow_schedule(&mut self) {
+        match self.settings.schedule {
+            Schedule::Constant => {}
+            Schedule::Plateau { factor, patience } => self.follow_plateau(factor, patience),
+            Schedule::Steps { factor, epochs } => {
+                if epochs.contains(&self.epoch) {
+                    self.rate *= factor;
+                }
+            }
+        }
+    }
+
+    fn follow_plateau(&mut self, factor: f64, patience: u32) {
         if self.loss < self.best * (1.0 - THRESHOLD) {
             (self.best, self.bad_epochs) = (self.loss, 0);
             return;
         }
         self.bad_epochs += 1;
-        if self.bad_epochs > self.settings.plateau_patience {
-            self.rate *= self.settings.plateau_factor;
+        if self.bad_epochs > patience {
+            self.rate *= factor;
             self.bad_epochs = 0;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::training::NormalEquations;
+    use faer::Mat;
+
+    /// Nothing depends on the weights.
+    struct Flat;
+
+    impl Objective for Flat {
+        fn parameters(&self) -> usize {
+            2
+        }
+        fn samples(&self) -> usize {
+            1
+        }
+        fn loss(&self, _: &[f64]) -> f64 {
+            1.0
+        }
+        fn normal_equations(&self, _: &[f64]) -> Option<NormalEquations> {
+            None
+        }
+        fn gradient(&self, _: &[f64], _: Range<usize>) -> Option<NormalEquations> {
+            Some(NormalEquations { gram: Mat::new(), gradient: vec![0.0; 2], squares: 1.0, rows: 1 })
+        }
+        fn project(&self, _: &mut [f64]) {}
+    }
+
+    fn adam(schedule: Schedule, decay: f64) -> Adam {
+        let settings = AdamSettings { learning_rate: 0.1, batch: 0, schedule, decay, seed: 0 };
+        Adam::new(&Flat, vec![1.0, -3.0], settings)
+    }
+
+    #[test]
+    fn decay_pulls_weights_to_zero_and_none_leaves_them() {
+        let mut adam_with = adam(Schedule::Constant, 1e-2);
+        adam_with.iterate(&Flat);
+        // A first step of Adam has the length of the rate, whatever the gradient.
+        assert!((adam_with.weights[0] - 0.9).abs() < 1e-6 && (adam_with.weights[1] + 2.9).abs() < 1e-6);
+        let mut without = adam(Schedule::Constant, 0.0);
+        without.iterate(&Flat);
+        assert_eq!(without.weights, [1.0, -3.0]);
+    }
+
+    #[test]
+    fn rates_fall_when_the_schedule_says() {
+        let rates = |schedule| {
+            let mut adam = adam(schedule, 0.0);
+            std::array::from_fn::<f64, 6, _>(|_| {
+                adam.iterate(&Flat);
+                adam.rate()
+            })
+        };
+        assert_eq!(rates(Schedule::Constant), [0.1; 6]);
+        let steps = Schedule::Steps { factor: 0.5, epochs: [2, 5, 9] };
+        assert_eq!(rates(steps), [0.1, 0.05, 0.05, 0.05, 0.025, 0.025]);
+        let plateau = Schedule::Plateau { factor: 0.5, patience: 1 };
+        assert_eq!(rates(plateau), [0.1, 0.1, 0.05, 0.05, 0.025, 0.025]);
     }
 }

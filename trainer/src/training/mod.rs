@@ -10,10 +10,11 @@ mod residuals;
 mod rods;
 mod samples;
 
-pub use adam::{Adam, AdamSettings};
+pub use adam::{Adam, AdamSettings, Schedule};
 pub use levenberg::{Levenberg, Progress};
 pub use loss::LossKind;
 pub use normal::NormalEquations;
+pub(crate) use objective::Accelerations;
 pub use objective::{Objective, objective};
 pub(crate) use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};

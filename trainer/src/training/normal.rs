@@ -1,5 +1,6 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par};
+use leastaction_core::scalar::Lanes;
 
 /// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (its lower triangle), Jᵀr and rᵀr.
 /// Memory is that of JᵀJ, whatever the number of samples.
@@ -44,6 +45,14 @@ impl NormalEquations {
         }
         self.squares += residual.iter().map(|r| r * r).sum::<f64>();
         self.rows += residual.len();
+    }
+
+    /// Adds a gradient that was summed in lanes, of so many residual components.
+    pub(crate) fn add_lanes(&mut self, gradient: &[Lanes], rows: usize) {
+        for (sum, lanes) in self.gradient.iter_mut().zip(gradient) {
+            *sum += lanes.0.iter().sum::<f64>();
+        }
+        self.rows += rows;
     }
 
     /// Adds the normal equations of the penalty λ|θ|² on the mean square.

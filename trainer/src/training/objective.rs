@@ -81,8 +81,27 @@ impl Build {
         loss: T,
     ) -> Box<dyn Objective> {
         let Self { architecture, samples, .. } = self;
-        let fixed = architecture.fixed_positions();
-        Box::new(Sum { architecture, family: family.clone(), fixed, samples, loss })
+        let (fixed, parameters) = (architecture.fixed_positions(), architecture.parameters().unwrap_or(0));
+        let project = Box::new(move |weights: &mut [f64]| architecture.project(weights));
+        Box::new(Sum { family: family.clone(), parameters, fixed, samples, loss, project })
+    }
+}
+
+/// The acceleration loss over samples for a family whose weights are all learned, so many of them.
+pub(crate) struct Accelerations {
+    /// Numbers in the weight block.
+    pub parameters: usize,
+    /// (q, v, v̇).
+    pub samples: Samples,
+}
+
+impl Visitor for Accelerations {
+    type Output = Box<dyn Objective>;
+
+    fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output {
+        let Self { parameters, samples } = self;
+        let (family, loss, project) = (family.clone(), AccelerationLoss, Box::new(|_: &mut [f64]| ()));
+        Box::new(Sum { family, parameters, fixed: Vec::new(), samples, loss, project })
     }
 }
 
@@ -92,12 +111,15 @@ fn del_loss<P: Path>(h: f64, kind: LossKind) -> DelLoss<P> {
 }
 
 struct Sum<F, T, const N: usize> {
-    architecture: Architecture,
     family: F,
+    /// Numbers in the weight block.
+    parameters: usize,
     /// What the loss is not to be varied in.
     fixed: Vec<usize>,
     samples: Samples,
     loss: T,
+    /// Brings weights that have a range back into it.
+    project: Box<dyn Fn(&mut [f64]) + Sync>,
 }
 
 impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
@@ -162,7 +184,7 @@ impl<L, Q> Rows<'_, System<L, Q>> {
 
 impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N> {
     fn parameters(&self) -> usize {
-        self.architecture.parameters().unwrap_or(0)
+        self.parameters
     }
 
     fn samples(&self) -> usize {
@@ -230,14 +252,11 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N
                 std::array::from_fn(|lane| contracted(&residuals[lane], &terms[lane], self.loss.kinds()));
             self.rows(&systems).add(weighed.each_ref().map(Vec::as_slice), &mut rows.buffer);
         }
-        for (gradient, lanes) in sum.gradient.iter_mut().zip(&rows.buffer) {
-            *gradient += lanes.0.iter().sum::<f64>();
-        }
-        sum.rows += samples.len() * N;
+        sum.add_lanes(&rows.buffer, samples.len() * N);
         Ok(())
     }
 
     fn project(&self, weights: &mut [f64]) {
-        self.architecture.project(weights);
+        (self.project)(weights);
     }
 }

@@ -41,7 +41,7 @@ fn tasks_are_chosen_by_name() {
         names("reproduce symo --list --quick --system pendulum --order 4 --seed 3").lines().count(),
         4
     );
-    assert_eq!(names("reproduce modlanet --list --shard 7/7"), "noise-0\n");
+    assert_eq!(names("reproduce modlanet --list --ours-alone --shard 7/7"), "noise-0\n");
     bench.run("reproduce lgnn --only pendulums").bad(2, &["pendulums", "--list"]);
     bench.run("reproduce lgnn --shard 3/2").bad(2, &["--shard", "I/N"]);
 }

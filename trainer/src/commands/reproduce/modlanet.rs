@@ -2,13 +2,15 @@
 
 use super::selection::Selection;
 use crate::commands::Done;
+use crate::commands::arguments::positive;
 use crate::commands::output::{Failure, Output};
 use clap::{Args, ValueEnum};
 use leastaction::data::modlanet;
 use leastaction::reproduce::MODLANET;
-use leastaction::reproduce::modlanet::{Case, ModlanetData, Options, tasks};
+use leastaction::reproduce::modlanet::{Case, Limits, ModlanetData, Options, tasks};
 use leastaction_core::energy::modular::PairInput;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 ///
@@ -16,6 +18,10 @@ use std::path::PathBuf;
 /// paper's measures, which are not mean squares: the Frobenius norm of the errors over the number of comparisons, averaged
 /// over 100 starts. Pendulums are chaotic: what exact physics in single precision reaches stands beside. With -o also as a page
 /// with pictures.
+///
+/// The models that the paper compares with (HNN, LNN and MLP, and light ones of about ModLaNet's size) are trained by their
+/// authors' recipes: Adam with 10,000 epochs of pendulums, 3,000 of bodies, which would take hours for some. A row that ran out of
+/// time, or diverged, says so.
 ///
 /// Example: leastaction reproduce modlanet --case double-pendulum --json
 #[derive(Args)]
@@ -39,9 +45,25 @@ pub struct Modlanet {
     /// Starts of the predictions: 100, or 10 with --quick; 0 makes none.
     #[arg(long)]
     starts: Option<u32>,
+    /// Without the models that the paper compares with.
+    #[arg(long)]
+    ours_alone: bool,
+    /// Epochs of those models at most; by default as many as their authors'.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    epochs: Option<u64>,
+    /// Minutes of training of each of them at most, and again of its predictions: 5, or 0.1 with --quick.
+    #[arg(long, value_parser = positive)]
+    minutes: Option<f64>,
     #[command(flatten)]
     selection: Selection,
 }
+
+/// Minutes of training of the models that the paper compares with.
+const MINUTES: f64 = 5.0;
+/// The same for a first look.
+const QUICK_MINUTES: f64 = 0.1;
+/// More minutes than anyone waits.
+const LONGEST: f64 = 1e9;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Pair {
@@ -62,7 +84,8 @@ impl Modlanet {
             Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
         let seeds = self.selection.seeds as usize;
         let data = self.data_set()?;
-        let tasks = tasks(&cases, &self.options(), seeds, data.as_ref(), &self.arguments());
+        let limits = (!self.ours_alone).then(|| self.limits());
+        let tasks = tasks(&cases, (&self.options(), limits), seeds, data.as_ref(), &self.arguments());
         self.selection.run(&MODLANET, tasks, output)
     }
 
@@ -97,6 +120,12 @@ impl Modlanet {
         }
     }
 
+    fn limits(&self) -> Limits {
+        let usual = if self.selection.quick { QUICK_MINUTES } else { MINUTES };
+        let minutes = self.minutes.unwrap_or(usual).min(LONGEST);
+        Limits { epochs: self.epochs, time: Some(Duration::from_secs_f64(60.0 * minutes)) }
+    }
+
     /// The options beside case and seed.
     fn arguments(&self) -> String {
         let number = |name: &str, given: Option<u32>| {
@@ -109,6 +138,8 @@ impl Modlanet {
             number("iterations", self.iterations),
             number("samples", self.samples),
             number("starts", self.starts),
+            self.epochs.map_or(String::new(), |epochs| format!(" --epochs {epochs}")),
+            self.minutes.map_or(String::new(), |minutes| format!(" --minutes {minutes}")),
             if self.selection.quick { " --quick".to_owned() } else { String::new() },
         ]
         .concat()

@@ -1,6 +1,8 @@
 //! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 
+mod baselines;
 mod figures;
+mod judge;
 mod noise;
 mod outcome;
 mod published;
@@ -8,21 +10,20 @@ mod recipe;
 mod stepping;
 mod task;
 
-pub use outcome::{Outcome, Pictured, Predicted, ReproduceError, Stepped};
+pub use baselines::{Baseline, Limits, Recipe};
+pub use outcome::{Ending, Outcome, Pictured, Predicted, ReproduceError, Stepped};
 pub use published::Published;
 pub use recipe::{Model, architecture, fine_tune, train, tree};
 pub use stepping::{Energies, LongRun, SteppingError, long_run};
 pub use task::{ModlanetData, tasks};
 
 use crate::architecture::ModularArchitecture;
-use crate::baselines::AccelerationModel;
+use crate::baselines::{AccelerationModel, Follow};
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
-use crate::evaluate::learned::with_accelerations;
-use crate::evaluate::prediction::{TOLERANCE, Truth};
-use crate::ground_truth::{
-    GenerationError, Horizon, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of, starts,
-};
+use crate::evaluate::prediction::TOLERANCE;
+use crate::ground_truth::{GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of};
 use crate::training::Samples;
+use judge::Judge;
 use leastaction_core::energy::modular::PairInput;
 use leastaction_core::model::ModelError;
 use serde::Serialize;
@@ -71,6 +72,11 @@ impl Case {
             (Self::DoublePendulum | Self::ExtendPendulum, _) => 600,
             (Self::Noise, _) => 150,
         }
+    }
+
+    /// Whether the paper has other models in it.
+    pub fn has_baselines(self) -> bool {
+        matches!(self, Self::DoublePendulum | Self::ThreeBody)
     }
 
     /// The system whose data the case can take from a file.
@@ -134,7 +140,7 @@ pub fn run(
     match case {
         Case::DoublePendulum => {
             let system = ManyBody::Pendulum(2);
-            let (mut outcome, model) = experiment.learn(system, &set(system)?, Some(30.0))?;
+            let (mut outcome, model) = experiment.table_2(system, &set(system)?)?;
             if options.steps > 0 {
                 (experiment.tell)(&format!("{} steps in single precision", options.steps));
                 let run = long_run(&model, options.steps, LONG_STEP)?;
@@ -145,7 +151,7 @@ pub fn run(
         }
         Case::ThreeBody => {
             let system = ManyBody::Bodies(3);
-            Ok(vec![experiment.learn(system, &set(system)?, Some(30.0))?.0])
+            Ok(vec![experiment.table_2(system, &set(system)?)?.0])
         }
         Case::ExtendPendulum => {
             let system = ManyBody::Pendulum(2);
@@ -158,13 +164,30 @@ pub fn run(
         Case::DatasetSize => experiment.dataset_size(),
         Case::DirectLarge => [ManyBody::Pendulum(4), ManyBody::Bodies(6)]
             .into_iter()
-            .map(|system| Ok(experiment.learn(system, &large(system, options.seed)?, None)?.0))
+            .map(|system| Ok(experiment.learn(system, &large(system, options.seed)?)?.0))
             .collect(),
         Case::Noise => {
             let system = ManyBody::Pendulum(2);
             experiment.noise(system, &set(system)?)
         }
     }
+}
+
+/// Runs one of the models that the paper compares with in a case that has them; `tell` gets a line of progress now and then.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn run_baseline(
+    (case, baseline): (Case, Baseline),
+    (options, limits): (&Options, Limits),
+    data: Option<&ModlanetSet>,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Outcome, ReproduceError> {
+    let experiment = Experiment { case, options, tell };
+    let system = case.system().unwrap_or(ManyBody::Pendulum(2));
+    let set = data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok)?;
+    let judge = experiment.judge(system, PREDICTION)?;
+    experiment.baseline(baseline, (system, &set), limits, judge.as_ref())
 }
 
 /// As many trajectories as the trained sizes have.
@@ -193,13 +216,17 @@ impl Experiment<'_> {
         Ok(architecture)
     }
 
-    /// Learns a system from its own data; with `prediction` also predicts so many seconds.
-    fn learn(
-        &self,
-        system: ManyBody,
-        set: &ModlanetSet,
-        prediction: Option<f64>,
-    ) -> Result<(Outcome, Model), ReproduceError> {
+    /// A system with predictions of 30 s.
+    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, Model), ReproduceError> {
+        let (mut outcome, model) = self.learn(system, set)?;
+        if let Some(judge) = &self.judge(system, PREDICTION)? {
+            self.predict(&mut outcome, judge, &model)?;
+        }
+        Ok((outcome, model))
+    }
+
+    /// Learns a system from its own data.
+    fn learn(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, Model), ReproduceError> {
         let architecture = self.architecture(system, set)?;
         let clock = Instant::now();
         let (iterations, seed) = (self.iterations(), self.options.seed);
@@ -212,9 +239,6 @@ impl Experiment<'_> {
         let seconds = clock.elapsed().as_secs_f64();
         let mut outcome = self.outcome(system, "trained", set, model.learned(), seconds)?;
         outcome.published = published::trained(system);
-        if let Some(length) = prediction {
-            self.predict(&mut outcome, system, &model, length)?;
-        }
         Ok((outcome, model))
     }
 
@@ -240,8 +264,11 @@ impl Experiment<'_> {
             test_mse,
             relative_test_mse: test_mse / set.test.mean_squared_acceleration(),
             train_seconds,
+            epochs: None,
+            ending: Ending::Complete,
             seed: self.options.seed,
             predicted: None,
+            unpredicted: None,
             stepped: None,
             pictured: None,
             long_run: None,
@@ -253,29 +280,19 @@ impl Experiment<'_> {
         self.options.iterations.unwrap_or_else(|| self.case.iterations(self.options.pair))
     }
 
-    /// Predictions from starts that no training data has.
-    fn predict(
-        &self,
-        outcome: &mut Outcome,
-        system: ManyBody,
-        model: &Model,
-        length: f64,
-    ) -> Result<(), ReproduceError> {
+    /// What judges predictions of so many seconds; `None` where none are made.
+    fn judge(&self, system: ManyBody, length: f64) -> Result<Option<Judge>, ReproduceError> {
         if self.options.starts == 0 {
-            return Ok(());
+            return Ok(None);
         }
-        (self.tell)(&format!("{} of {}: predicting {length} s", system.name(), system.count()));
-        let motion = system.motion().map_err(GenerationError::from)?;
-        let settings = ModlanetSettings::published(system, self.options.seed ^ UNSEEN);
-        let settings = ModlanetSettings { trajectories: self.options.starts, speed: 8.0, ..settings };
-        let truth = Truth::new(motion.as_ref(), starts(&settings), Horizon::of_seconds(length))?;
-        let ours = with_accelerations(&model.shape(), &model.weights, |accelerations| {
-            truth.compare(TOLERANCE, motion.as_ref(), accelerations)
-        })?;
-        let floor = truth.single_precision(motion.as_ref());
-        outcome.predicted = Some(Predicted::new(length, &ours, &floor));
-        let (h, exact) = (truth.horizon().h, truth.first().to_vec());
-        outcome.pictured = Some(Pictured { h, ours, floor, exact });
+        (self.tell)(&format!("{} of {}: exact motions of {length} s", system.name(), system.count()));
+        Judge::new(system, self.options, length).map(Some)
+    }
+
+    fn predict(&self, outcome: &mut Outcome, judge: &Judge, model: &Model) -> Result<(), ReproduceError> {
+        (self.tell)(&format!("{} of {}: predicting {} s", outcome.system, outcome.count, judge.length));
+        let follow = Follow { motion: judge.motion.as_ref(), tolerance: TOLERANCE, deadline: None };
+        judge.put(outcome, judge.predict(model.learned(), follow)?);
         Ok(())
     }
 
@@ -286,7 +303,7 @@ impl Experiment<'_> {
         set: &ModlanetSet,
         larger: &[ManyBody],
     ) -> Result<Vec<Outcome>, ReproduceError> {
-        let (trained, model) = self.learn(system, set, None)?;
+        let (trained, model) = self.learn(system, set)?;
         let mut rows = vec![trained];
         for system in larger {
             rows.extend(self.extend_to(*system, &model.extended(*system))?);
@@ -299,14 +316,19 @@ impl Experiment<'_> {
         let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
         zero_shot.samples = 0;
         zero_shot.published = published::extended(system, false);
-        self.predict(&mut zero_shot, system, model, 10.0)?;
+        let judge = self.judge(system, 10.0)?;
+        if let Some(judge) = &judge {
+            self.predict(&mut zero_shot, judge, model)?;
+        }
         let clock = Instant::now();
         let [rows, validation] = held_back(&set.train, 9);
         let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
         let seconds = clock.elapsed().as_secs_f64();
         let mut fine_tuned = self.outcome(system, "fine-tuned", &set, tuned.learned(), seconds)?;
         fine_tuned.published = published::extended(system, true);
-        self.predict(&mut fine_tuned, system, &tuned, 10.0)?;
+        if let Some(judge) = &judge {
+            self.predict(&mut fine_tuned, judge, &tuned)?;
+        }
         Ok([zero_shot, fine_tuned])
     }
 
@@ -320,15 +342,15 @@ impl Experiment<'_> {
             let published = ModlanetSettings::published(system, self.options.seed);
             // Of every ten trajectories of 101 states nine are for training.
             let settings = ModlanetSettings { trajectories: samples / 100, ..published };
-            let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?, None)?;
+            let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?)?;
             rows.push(Outcome { published: published::by_samples(samples), ..outcome });
         }
         Ok(rows)
     }
 }
 
-/// Makes the stream of prediction starts another than that of the data.
-const UNSEEN: u64 = 0x5eed_0000_0000_0000;
+/// Length of the predictions of what a model was trained on, s.
+const PREDICTION: f64 = 30.0;
 /// Step of the long run, s.
 const LONG_STEP: f32 = 0.01;
 /// Iterations of fine-tuning.

@@ -4,7 +4,7 @@ use super::{Case, Energies, LongRun, Published, SteppingError};
 use crate::evaluate::prediction::Prediction;
 use crate::ground_truth::GenerationError;
 use leastaction_core::model::ModelError;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 /// A prediction beside the floor of single precision, in the authors' measures.
@@ -84,6 +84,38 @@ impl From<&LongRun> for Stepped {
     }
 }
 
+/// How training ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// As its recipe has it.
+    Complete,
+    /// There was no more time.
+    OutOfTime {
+        /// Epochs done.
+        epoch: u64,
+    },
+    /// The loss was not a finite number any more.
+    Diverged {
+        /// In this epoch.
+        epoch: u64,
+    },
+}
+
+impl Ending {
+    /// In words; `None` where training was complete.
+    pub fn words(self) -> Option<String> {
+        match self {
+            Self::Complete => None,
+            Self::OutOfTime { epoch } => Some(format!("out of time at epoch {epoch}")),
+            Self::Diverged { epoch } => Some(format!("diverged at epoch {epoch}")),
+        }
+    }
+}
+
+fn in_words<S: Serializer>(ending: &Ending, serializer: S) -> Result<S::Ok, S::Error> {
+    ending.words().serialize(serializer)
+}
+
 /// What one row of a table gives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
@@ -93,7 +125,8 @@ pub struct Outcome {
     pub system: &'static str,
     /// Elements.
     pub count: usize,
-    /// `trained`, `zero-shot` or `fine-tuned`; `mlp`: a plain network of the same size, trained.
+    /// `trained`, `zero-shot` or `fine-tuned`; or a baseline: of [`Case::Noise`] `mlp` is a plain network of the same size,
+    /// else as in [`Baseline::name`](super::Baseline::name).
     pub kind: &'static str,
     /// Rows learned from.
     pub samples: usize,
@@ -109,11 +142,18 @@ pub struct Outcome {
     pub relative_test_mse: f64,
     /// Training time, s.
     pub train_seconds: f64,
+    /// Epochs of Adam; none by Levenberg–Marquardt.
+    pub epochs: Option<u64>,
+    /// How training ended, in words; null where it was complete.
+    #[serde(rename = "stopped", serialize_with = "in_words")]
+    pub ending: Ending,
     /// Of the weights and of generated data.
     pub seed: u64,
     /// Long predictions, where the paper has them.
     #[serde(flatten)]
     pub predicted: Option<Predicted>,
+    /// Why there are none.
+    pub unpredicted: Option<&'static str>,
     /// A million steps in single precision, of two pendulums.
     #[serde(flatten)]
     pub stepped: Option<Stepped>,

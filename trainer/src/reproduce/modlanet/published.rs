@@ -1,5 +1,6 @@
 //! What the paper and its authors' program reach.
 
+use super::Baseline;
 use crate::ground_truth::ManyBody;
 
 /// Errors as printed: of accelerations, and of predictions in the authors' measures. `None`: not printed, or it failed.
@@ -50,6 +51,31 @@ pub fn by_samples(samples: usize) -> Published {
         _ => None,
     };
     Published { parameters: Some(6_275), test_mse, ..Published::default() }
+}
+
+/// A model that the paper compares with (Table 2); the light MLP by the authors' program, whose losses of HNN and MLP are those
+/// of ṗ alone. Where predictions are left out they fail.
+pub fn baseline(system: ManyBody, baseline: Baseline) -> Published {
+    let failing = |parameters, test_mse| Published {
+        parameters: Some(parameters),
+        test_mse: Some(test_mse),
+        ..Published::default()
+    };
+    match (system, baseline) {
+        (ManyBody::Pendulum(2), Baseline::Hnn) => row(41_600, 9.8e3, 4.91, 12.4),
+        (ManyBody::Pendulum(2), Baseline::LightHnn) => failing(6_225, 5.0e2),
+        (ManyBody::Pendulum(2), Baseline::Lnn) => failing(364_200, 7.1e2),
+        (ManyBody::Pendulum(2), Baseline::LightLnn) => failing(6_150, 4.3e3),
+        (ManyBody::Pendulum(2), Baseline::Mlp) => row(42_000, 6.5e2, 3.42, 673.0),
+        (ManyBody::Pendulum(2), Baseline::LightMlp) => failing(6_375, 3.57),
+        (ManyBody::Bodies(3), Baseline::Hnn) => row(43_200, 2.9e-4, 9.6e-2, 4.7e-3),
+        (ManyBody::Bodies(3), Baseline::LightHnn) => row(6_020, 3.6e-4, 0.112, 5.3e-3),
+        (ManyBody::Bodies(3), Baseline::Lnn) => failing(369_000, 2.2e-5),
+        (ManyBody::Bodies(3), Baseline::LightLnn) => failing(5_950, 7.8e-4),
+        (ManyBody::Bodies(3), Baseline::Mlp) => row(45_200, 1.45e-4, 0.264, 2.1e-2),
+        (ManyBody::Bodies(3), Baseline::LightMlp) => failing(6_720, 2.11e-3),
+        _ => Published::default(),
+    }
 }
 
 fn row(parameters: usize, test_mse: f64, position: f64, energy: f64) -> Published {

@@ -3,7 +3,7 @@
 use super::super::record::{Measure, Record};
 use super::super::task::{Task, TaskError};
 use super::super::{numbered, option_name};
-use super::{Case, Options, Outcome, Predicted, Stepped, figures, run};
+use super::{Baseline, Case, Limits, Options, Outcome, Predicted, Stepped, figures, run, run_baseline};
 use crate::data::modlanet::ModlanetSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -17,40 +17,52 @@ pub struct ModlanetData {
     pub set: Arc<ModlanetSet>,
 }
 
-/// A case with one seed.
+/// A case with one seed: our model, or one that the paper compares with.
 struct Experiment {
     case: Case,
+    baseline: Option<(Baseline, Limits)>,
     options: Options,
     data: Option<ModlanetData>,
     /// The options beside case and seed, as on the command line.
     arguments: String,
 }
 
-/// The tasks of these cases, each with as many seeds from that of the options on; without data it is generated. `arguments` are the
-/// options beside case and seed, as on the command line.
+/// The tasks of these cases, each with as many seeds from that of the options on, and within the limits, if there are any, those of
+/// the models that the paper compares with; without data it is generated. `arguments` are the options beside case and seed, as on
+/// the command line.
 pub fn tasks(
     cases: &[Case],
-    options: &Options,
+    (options, limits): (&Options, Option<Limits>),
     seeds: usize,
     data: Option<&ModlanetData>,
     arguments: &str,
 ) -> Vec<Box<dyn Task>> {
-    let one = |case: Case, seed: u64| -> Box<dyn Task> {
+    let one = |case: Case, baseline: Option<(Baseline, Limits)>, seed: u64| -> Box<dyn Task> {
         let options = Options { seed, ..options.clone() };
-        Box::new(Experiment { case, options, data: data.cloned(), arguments: arguments.to_owned() })
+        Box::new(Experiment { case, baseline, options, data: data.cloned(), arguments: arguments.to_owned() })
     };
-    let of_case = |case: &Case| (options.seed..).take(seeds).map(|seed| one(*case, seed)).collect::<Vec<_>>();
-    cases.iter().flat_map(of_case).collect()
+    let mut tasks = Vec::new();
+    for case in cases {
+        let limits = limits.filter(|_| case.has_baselines());
+        let baselines =
+            limits.into_iter().flat_map(|limits| Baseline::ALL.map(|baseline| Some((baseline, limits))));
+        for baseline in [None].into_iter().chain(baselines) {
+            tasks.extend((options.seed..).take(seeds).map(|seed| one(*case, baseline, seed)));
+        }
+    }
+    tasks
 }
 
 impl Task for Experiment {
     fn name(&self) -> String {
-        format!("{}-{}", option_name(&self.case), self.options.seed)
+        let model = self.baseline.map_or(String::new(), |(baseline, _)| format!("-{}", baseline.name()));
+        format!("{}{model}-{}", option_name(&self.case), self.options.seed)
     }
 
     fn command(&self) -> String {
         let (case, seed) = (option_name(&self.case), self.options.seed);
-        format!("leastaction reproduce modlanet --case {case} --seed {seed}{}", self.arguments)
+        let only = self.baseline.map_or(String::new(), |_| format!(" --only {}", self.name()));
+        format!("leastaction reproduce modlanet --case {case}{only} --seed {seed}{}", self.arguments)
     }
 
     fn data(&self) -> String {
@@ -59,10 +71,13 @@ impl Task for Experiment {
     }
 
     fn settings(&self) -> String {
-        serde_json::to_string(&(self.case, &self.options, self.data())).unwrap_or_default()
+        serde_json::to_string(&(self.case, self.baseline, &self.options, self.data())).unwrap_or_default()
     }
 
     fn expected_seconds(&self) -> f64 {
+        if let Some((_, limits)) = self.baseline {
+            return limits.time.map_or(AN_HOUR, |time| 1.5 * time.as_secs_f64());
+        }
         match self.case {
             Case::DoublePendulum | Case::ExtendPendulum => 40.0,
             Case::ThreeBody => 10.0,
@@ -74,14 +89,23 @@ impl Task for Experiment {
 
     fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
         let data = self.data.as_ref().map(|data| &*data.set);
+        let rows = match self.baseline {
+            None => run(self.case, &self.options, data, tell)?,
+            Some((baseline, limits)) => {
+                vec![run_baseline((self.case, baseline), (&self.options, limits), data, tell)?]
+            }
+        };
         let mut records = Vec::new();
-        for row in run(self.case, &self.options, data, tell)? {
+        for row in rows {
             let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &row))?;
             records.push(Record { pictures: drawn, ..record(&row)? });
         }
         Ok(records)
     }
 }
+
+/// s.
+const AN_HOUR: f64 = 3_600.0;
 
 /// The title of a case's table, and whether there are predictions in it.
 fn table(case: Case) -> (&'static str, bool) {
@@ -125,8 +149,10 @@ fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
 
 /// As in the table, and whether it is ours.
 fn model(kind: &str) -> (String, bool) {
+    if let Some(baseline) = Baseline::ALL.into_iter().find(|baseline| baseline.name() == kind) {
+        return (baseline.title().to_owned(), false);
+    }
     match kind {
-        "mlp" => ("MLP".to_owned(), false),
         "trained" => ("ours".to_owned(), true),
         other => (format!("ours, {other}"), true),
     }
@@ -150,14 +176,20 @@ fn measures(row: &Outcome, has_predictions: bool) -> Vec<Measure> {
     measures
 }
 
-/// The energies of the long run.
+/// How training ended, why there are no predictions, and the energies of the long run.
 fn note(row: &Outcome) -> Option<String> {
-    let Stepped { steps, step_seconds, energy_del_2, energy_del_4, energy_rk4 } = row.stepped?;
+    let unpredicted = row.unpredicted.map(|why| format!("no predictions: {why}"));
+    let notes = [row.ending.words(), unpredicted, row.stepped.as_ref().map(energies)];
+    Some(notes.into_iter().flatten().collect::<Vec<_>>().join("; ")).filter(|note| !note.is_empty())
+}
+
+fn energies(stepped: &Stepped) -> String {
+    let Stepped { steps, step_seconds, energy_del_2, energy_del_4, energy_rk4 } = stepped;
     let [two, four, rk4] = [energy_del_2, energy_del_4, energy_rk4].map(|energy| {
         let (largest, drift) = (energy.largest, energy.drift);
         format!("at most {largest:.1e} J off, drift {drift:+.1e} J")
     });
-    Some(format!(
+    format!(
         "energy along {steps} steps of {step_seconds} s in f32: DEL of order 2 {two}; order 4 {four}; Runge-Kutta {rk4}"
-    ))
+    )
 }

@@ -1,0 +1,70 @@
+//! What the networks of the baselines see of a state, and groups of samples side by side.
+
+use leastaction_core::network::Jet;
+use leastaction_core::scalar::{LANES, Lanes, Scalar};
+
+/// The inputs for a state x = (q, y), y velocities or momenta, with their tangents: translations as they are, of angles cosine
+/// and sine, coordinate by coordinate; then y. `coordinates` has a letter each, `a` for angles.
+///
+/// ModLaNet's authors feed angles wrapped to \[0, 2π); cosine and sine have no seam, and are what the modular family sees.
+pub(super) fn inputs<S: Scalar, const T: usize>(coordinates: &str, state: &[Jet<S, T>]) -> Vec<Jet<S, T>> {
+    let mut inputs = Vec::with_capacity(count(coordinates));
+    for (kind, q) in coordinates.chars().zip(state) {
+        if kind == 'a' {
+            let (sin, cos) = q.value.sin_cos();
+            inputs.extend([q.chain(cos, -sin), q.chain(sin, cos)]);
+        } else {
+            inputs.push(*q);
+        }
+    }
+    inputs.extend_from_slice(&state[coordinates.len()..]);
+    inputs
+}
+
+/// The adjoint of the state, and its tangents, from that of its inputs `x`.
+pub(super) fn adjoint<S: Scalar, const T: usize>(
+    coordinates: &str,
+    x: &[Jet<S, T>],
+    bar: &[Jet<S, T>],
+) -> Vec<Jet<S, T>> {
+    let (mut state_bar, mut at) = (Vec::with_capacity(2 * coordinates.len()), 0);
+    for kind in coordinates.chars() {
+        if kind == 'a' {
+            let (cos, sin) = (x[at], x[at + 1]);
+            let minus_sin = sin.scaled(-S::one());
+            state_bar.push(bar[at].times(&minus_sin).plus(&bar[at + 1].times(&cos)));
+            at += 2;
+        } else {
+            state_bar.push(bar[at]);
+            at += 1;
+        }
+    }
+    state_bar.extend_from_slice(&bar[at..]);
+    state_bar
+}
+
+/// How many inputs there are.
+pub(super) fn count(coordinates: &str) -> usize {
+    2 * coordinates.len() + coordinates.matches('a').count()
+}
+
+/// Eight samples from `start` on, of rows of `width` numbers; that before `end` fills the group up.
+pub(super) fn group(values: &[f64], width: usize, start: usize, end: usize) -> Vec<Lanes> {
+    let sample = |lane: usize| (start + lane).min(end - 1);
+    (0..width).map(|i| Lanes(std::array::from_fn(|lane| values[sample(lane) * width + i]))).collect()
+}
+
+/// Values with their derivative along a direction.
+pub(super) fn moving<S: Scalar>(values: &[S], direction: &[S]) -> Vec<Jet<S, 1>> {
+    values.iter().zip(direction).map(|(value, rate)| Jet { value: *value, tangent: [*rate] }).collect()
+}
+
+/// The first `count` lanes, squared and added.
+pub(super) fn squares(residual: &Lanes, count: usize) -> f64 {
+    residual.0.iter().take(count.min(LANES)).map(|r| r * r).sum()
+}
+
+/// The first `count` lanes; 0 in the others, which fill a group up.
+pub(super) fn first(lanes: &Lanes, count: usize) -> Lanes {
+    Lanes(std::array::from_fn(|lane| if lane < count { lanes.0[lane] } else { 0.0 }))
+}
