@@ -47,7 +47,8 @@ pub const LGNN: Paper = Paper {
     title: "LGNN (Bhattoo et al., MLST 2023)",
     about: "Geometric means over starts and times of the rollout error |q' - q| / (|q'| + |q|) and of the energy violation \
             |E' - E| / (|E'| + |E|). The floor is that of exact motion from starts that are off by 1e-8 m. MSE: mean squared \
-            error of accelerations. The paper's numbers were measured with its authors' program on data and truth of its own \
+            error of accelerations. Ours: a simple law (uniform field, polynomial of the squared distance, viscous drag) beside every \
+            network; networks alone: without. The paper's numbers were measured with its authors' program on data and truth of its own \
             integrator; ours are on exact motion.",
     overview: none,
 };

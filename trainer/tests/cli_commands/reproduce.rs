@@ -42,6 +42,11 @@ fn tasks_are_chosen_by_name() {
         4
     );
     assert_eq!(names("reproduce modlanet --list --ours-alone --shard 7/7"), "noise-0\n");
+    let models = |words: &str| names(&format!("reproduce modlanet --list {words}")).lines().count();
+    assert_eq!(
+        (models("--case three-body"), models("--case three-body --baselines"), models("")),
+        (1, 7, 19)
+    );
     bench.run("reproduce lgnn --only pendulums").bad(2, &["pendulums", "--list"]);
     bench.run("reproduce lgnn --shard 3/2").bad(2, &["--shard", "I/N"]);
 }

@@ -24,12 +24,16 @@ pub struct Lgnn {
     /// Starts of the rollouts: 100, or 10 with --quick; of large systems fewer are taken.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     starts: Option<u32>,
-    /// No simple law (uniform field, polynomial of the squared distance, viscous drag) beside the networks.
+    /// No simple law (uniform field, polynomial of the squared distance, viscous drag) beside the networks; without --case some are
+    /// learned both ways.
     #[arg(long)]
     networks_alone: bool,
     #[command(flatten)]
     selection: Selection,
 }
+
+/// What is also learned by networks without laws, if no case is named.
+const WITHOUT_LAWS: [Case; 4] = [Case::Pendulum, Case::Spring, Case::Hybrid, Case::HybridForce];
 
 impl Lgnn {
     /// Learns, rolls out and prints.
@@ -45,8 +49,13 @@ impl Lgnn {
         };
         let cases: Vec<Case> =
             Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
-        let tasks = tasks(&cases, &options, self.selection.seeds as usize, &self.arguments());
-        self.selection.run(&LGNN, tasks, output)
+        let (seeds, arguments) = (self.selection.seeds as usize, self.arguments());
+        let mut all = tasks(&cases, &options, seeds, &arguments);
+        if self.case.is_none() && !self.networks_alone {
+            let options = Options { networks_alone: true, ..options };
+            all.extend(tasks(&WITHOUT_LAWS, &options, seeds, &arguments));
+        }
+        self.selection.run(&LGNN, all, output)
     }
 
     /// The options beside case and seed.
@@ -54,12 +63,10 @@ impl Lgnn {
         let number = |name: &str, given: Option<u32>| {
             given.map_or(String::new(), |given| format!(" --{name} {given}"))
         };
-        let flag = |name: &str, is_given: bool| if is_given { format!(" --{name}") } else { String::new() };
         [
             number("iterations", self.iterations),
             number("starts", self.starts),
-            flag("networks-alone", self.networks_alone),
-            flag("quick", self.selection.quick),
+            if self.selection.quick { " --quick".to_owned() } else { String::new() },
         ]
         .concat()
     }

@@ -7,7 +7,7 @@ use crate::commands::output::{Failure, Output};
 use clap::{Args, ValueEnum};
 use leastaction::data::modlanet;
 use leastaction::reproduce::MODLANET;
-use leastaction::reproduce::modlanet::{Case, Limits, ModlanetData, Options, tasks};
+use leastaction::reproduce::modlanet::{Baseline, Case, Limits, ModlanetData, Options, tasks};
 use leastaction_core::energy::modular::PairInput;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -45,7 +45,10 @@ pub struct Modlanet {
     /// Starts of the predictions: 100, or 10 with --quick; 0 makes none.
     #[arg(long)]
     starts: Option<u32>,
-    /// Without the models that the paper compares with.
+    /// Also the models that the paper compares with, with --quick the light ones; without --case they are there anyway.
+    #[arg(long, conflicts_with = "ours_alone")]
+    baselines: bool,
+    /// Without them.
     #[arg(long)]
     ours_alone: bool,
     /// Epochs of those models at most; by default as many as their authors'.
@@ -84,8 +87,8 @@ impl Modlanet {
             Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
         let seeds = self.selection.seeds as usize;
         let data = self.data_set()?;
-        let limits = (!self.ours_alone).then(|| self.limits());
-        let tasks = tasks(&cases, (&self.options(), limits), seeds, data.as_ref(), &self.arguments());
+        let baselines = (self.baselines(), self.limits());
+        let tasks = tasks(&cases, &self.options(), baselines, seeds, data.as_ref(), &self.arguments());
         self.selection.run(&MODLANET, tasks, output)
     }
 
@@ -117,6 +120,14 @@ impl Modlanet {
             most_samples: self.samples.map_or(usual.most_samples, |samples| samples as usize),
             starts: self.starts.map_or(usual.starts, |starts| starts as usize),
             ..usual
+        }
+    }
+
+    fn baselines(&self) -> &'static [Baseline] {
+        match (self.baselines || self.case.is_none() && !self.ours_alone, self.selection.quick) {
+            (false, _) => &[],
+            (true, true) => &Baseline::LIGHT,
+            (true, false) => &Baseline::ALL,
         }
     }
 

@@ -7,9 +7,9 @@ use crate::plot::{Panel, PlotError, Series, Stroke, Vertical, stacked, time_seri
 use std::path::Path;
 
 /// Draws the errors of the rollout over time (the paper's Figures 3 and 4), the potential of the springs, the drag, and the pulls of
-/// the rods along one motion; the names of the files.
-pub(super) fn draw(folder: &Path, row: &Outcome) -> Result<Vec<String>, PlotError> {
-    let name = name(row);
+/// the rods along one motion, in files that begin with the name of the task; their names.
+pub(super) fn draw(folder: &Path, task: &str, row: &Outcome) -> Result<Vec<String>, PlotError> {
+    let name = format!("{task}-{}-{}", numbered(row.system, row.count), row.samples);
     let Insight { spring, drag, rods } = &row.insight;
     let mut drawn = Vec::new();
     drawn.extend(draw_errors(folder, &format!("{name}-errors.svg"), row)?);
@@ -19,11 +19,6 @@ pub(super) fn draw(folder: &Path, row: &Outcome) -> Result<Vec<String>, PlotErro
     let pulls: Vec<_> = rods.iter().map(|rod| ("pull (N)", rod)).collect();
     drawn.extend(learned(folder, &format!("{name}-rods"), "time (s)", &pulls)?);
     Ok(drawn)
-}
-
-fn name(row: &Outcome) -> String {
-    let case = super::super::option_name(&row.case);
-    format!("{case}-{}-{}-{}", numbered(row.system, row.count), row.samples, row.seed)
 }
 
 fn draw_errors(folder: &Path, name: &str, row: &Outcome) -> Result<Option<String>, PlotError> {

@@ -28,12 +28,14 @@ pub fn tasks(cases: &[Case], options: &Options, seeds: usize, arguments: &str) -
 
 impl Task for Experiment {
     fn name(&self) -> String {
-        format!("{}-{}", option_name(&self.case), self.options.seed)
+        let alone = if self.options.networks_alone { "-networks-alone" } else { "" };
+        format!("{}{alone}-{}", option_name(&self.case), self.options.seed)
     }
 
     fn command(&self) -> String {
         let (case, seed) = (option_name(&self.case), self.options.seed);
-        format!("leastaction reproduce lgnn --case {case} --seed {seed}{}", self.arguments)
+        let alone = if self.options.networks_alone { " --networks-alone" } else { "" };
+        format!("leastaction reproduce lgnn --case {case}{alone} --seed {seed}{}", self.arguments)
     }
 
     fn data(&self) -> String {
@@ -48,13 +50,15 @@ impl Task for Experiment {
     }
 
     fn expected_seconds(&self) -> f64 {
-        match self.case {
-            Case::Pendulum | Case::Spring => 5.0,
-            Case::Scale => 30.0,
-            Case::Hybrid | Case::HybridForce => 8.0,
-            Case::Drag => 40.0,
-            Case::DataEfficiency => 30.0,
-        }
+        let longer = if self.options.networks_alone { 8.0 } else { 1.0 };
+        longer
+            * match self.case {
+                Case::Pendulum | Case::Spring => 5.0,
+                Case::Scale => 30.0,
+                Case::Hybrid | Case::HybridForce => 8.0,
+                Case::Drag => 40.0,
+                Case::DataEfficiency => 30.0,
+            }
     }
 
     fn is_timed(&self) -> bool {
@@ -65,8 +69,9 @@ impl Task for Experiment {
         let rows = run(self.case, &self.options, tell)?;
         let mut records = Vec::new();
         for row in &rows {
-            let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, row))?;
-            records.push(Record { pictures: drawn, ..record(row)? });
+            let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &self.name(), row))?;
+            let model = if self.options.networks_alone { "ours, networks alone" } else { "ours" }.to_owned();
+            records.push(Record { pictures: drawn, model, ..record(row)? });
         }
         if let (Some(growth), Some(row)) = (Growth::of(&rows), records.first()) {
             records.push(summary(&growth, row)?);

@@ -55,6 +55,9 @@ impl Baseline {
     pub const ALL: [Self; 6] =
         [Self::Hnn, Self::LightHnn, Self::Lnn, Self::LightLnn, Self::Mlp, Self::LightMlp];
 
+    /// Those that are about as large as ModLaNet.
+    pub const LIGHT: [Self; 3] = [Self::LightHnn, Self::LightLnn, Self::LightMlp];
+
     /// As in tables.
     pub fn title(self) -> &'static str {
         match self {

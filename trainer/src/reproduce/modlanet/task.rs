@@ -27,12 +27,13 @@ struct Experiment {
     arguments: String,
 }
 
-/// The tasks of these cases, each with as many seeds from that of the options on, and within the limits, if there are any, those of
-/// the models that the paper compares with; without data it is generated. `arguments` are the options beside case and seed, as on
-/// the command line.
+/// The tasks of these cases, each with as many seeds from that of the options on, and within the limits those of models that the
+/// paper compares with, where it has them; without data it is generated. `arguments` are the options beside case and seed, as on the
+/// command line.
 pub fn tasks(
     cases: &[Case],
-    (options, limits): (&Options, Option<Limits>),
+    options: &Options,
+    (baselines, limits): (&[Baseline], Limits),
     seeds: usize,
     data: Option<&ModlanetData>,
     arguments: &str,
@@ -43,9 +44,8 @@ pub fn tasks(
     };
     let mut tasks = Vec::new();
     for case in cases {
-        let limits = limits.filter(|_| case.has_baselines());
-        let baselines =
-            limits.into_iter().flat_map(|limits| Baseline::ALL.map(|baseline| Some((baseline, limits))));
+        let baselines = if case.has_baselines() { baselines } else { &[] };
+        let baselines = baselines.iter().map(|baseline| Some((*baseline, limits)));
         for baseline in [None].into_iter().chain(baselines) {
             tasks.extend((options.seed..).take(seeds).map(|seed| one(*case, baseline, seed)));
         }
@@ -61,7 +61,7 @@ impl Task for Experiment {
 
     fn command(&self) -> String {
         let (case, seed) = (option_name(&self.case), self.options.seed);
-        let only = self.baseline.map_or(String::new(), |_| format!(" --only {}", self.name()));
+        let only = self.baseline.map_or(String::new(), |_| format!(" --baselines --only {}", self.name()));
         format!("leastaction reproduce modlanet --case {case}{only} --seed {seed}{}", self.arguments)
     }
 
