@@ -84,8 +84,9 @@ impl Visitor for Rows<'_> {
 
     fn visit<F: Family<M> + Clone + 'static, const M: usize>(self, family: &F) -> Self::Output {
         let state = |x: &[f64]| -> [f64; M] { std::array::from_fn(|i| x[i]) };
-        let rows = family.constraints(&state(self.0), &state(self.1));
-        [rows.iter().flat_map(|(row, _)| *row).collect(), rows.iter().map(|(_, bend)| *bend).collect()]
+        let (rows, v) = (family.constraints(&state(self.0)), state(self.1));
+        let bend = rows.iter().map(|row| row.curvature(&v)).collect();
+        [rows.iter().flat_map(|row| row.gradient).collect(), bend]
     }
 }
 

@@ -110,6 +110,9 @@ fn del_loss<P: Path>(h: f64, kind: LossKind) -> DelLoss<P> {
     DelLoss { del: Del::with_newton(h, newton), newton, next_position: kind == LossKind::NextPosition }
 }
 
+/// Brings weights that have a range back into it.
+type Projection = Box<dyn Fn(&mut [f64]) + Sync>;
+
 struct Sum<F, T, const N: usize> {
     family: F,
     /// Numbers in the weight block.
@@ -118,8 +121,7 @@ struct Sum<F, T, const N: usize> {
     fixed: Vec<usize>,
     samples: Samples,
     loss: T,
-    /// Brings weights that have a range back into it.
-    project: Box<dyn Fn(&mut [f64]) + Sync>,
+    project: Projection,
 }
 
 impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {

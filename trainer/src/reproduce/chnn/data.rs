@@ -1,6 +1,6 @@
 //! The authors' chains, starts and training trajectories.
 
-use crate::data::{Dataset, Rows};
+use crate::data::Dataset;
 use crate::ground_truth::{BadMechanism, Horizon, IntegrationError, Motion, Rod, Start, Truss, logged};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -73,9 +73,8 @@ pub fn training_set(truss: &Truss, trajectories: usize, seed: u64) -> Result<Dat
     for trajectory in &mut data.trajectories {
         let first = CHUNK * stream.random_range(0..CHUNKS);
         let chosen: Vec<usize> = (first..first + CHUNK).collect();
-        let cut = |rows: &Rows| rows.select(&chosen);
-        trajectory.q = cut(&trajectory.q);
-        trajectory.v = trajectory.v.as_ref().map(cut);
+        trajectory.q = trajectory.q.select(&chosen);
+        trajectory.v = trajectory.v.as_ref().map(|v| v.select(&chosen));
         trajectory.a = None;
     }
     Ok(data)

@@ -133,7 +133,7 @@ pub fn subject(record: &Record) -> String {
 pub fn number(x: Option<f64>) -> String {
     match x {
         None => "–".to_owned(),
-        Some(x) if x == 0.0 => "0".to_owned(),
+        Some(0.0) => "0".to_owned(),
         Some(x) if (0.01..1e4).contains(&x.abs()) => {
             let digits = (2 - x.abs().log10().floor() as i32).max(0) as usize;
             format!("{x:.digits$}")
