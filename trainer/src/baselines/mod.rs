@@ -2,8 +2,10 @@
 //! same samples.
 
 mod mlp;
+mod node;
 
 pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
+pub use node::Node;
 
 use crate::architecture::{GraphArchitecture, ModularArchitecture};
 use crate::training::{LossKind, Objective, Samples, objective};

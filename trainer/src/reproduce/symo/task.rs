@@ -78,7 +78,7 @@ impl Task for Experiment {
     }
 
     fn expected_seconds(&self) -> f64 {
-        let per_trajectory = if self.case.order == 4 { 1.0 } else { 0.1 };
+        let per_trajectory = if self.case.order == 4 && self.case.model.is_discrete() { 1.0 } else { 0.1 };
         per_trajectory * (self.case.trajectories + 8) as f64
     }
 
@@ -93,6 +93,12 @@ impl Task for Experiment {
     }
 }
 
+/// A model's name in the tables; that of a baseline says its integrator.
+fn label(case: &Case) -> String {
+    let name = option_name(&case.model);
+    if case.model.is_discrete() { format!("{name}, order {}", case.order) } else { name }
+}
+
 fn record(case: &Case, row: &Outcome) -> Result<Record, serde_json::Error> {
     let published = published(case);
     let names = ["test", "integration", "… median", "… 100 steps", "energy", "inertia"];
@@ -101,8 +107,8 @@ fn record(case: &Case, row: &Outcome) -> Result<Record, serde_json::Error> {
     Ok(Record {
         table: case.mechanism.name().to_owned(),
         subject: vec![("trajectories".to_owned(), case.trajectories.to_string())],
-        model: format!("{}, order {}", option_name(&case.model), case.order),
-        is_ours: true,
+        model: label(case),
+        is_ours: case.model.is_discrete(),
         parameters: row.parameters,
         paper_parameters: published.map(|published| published.parameters),
         seed: row.seed,
