@@ -151,7 +151,8 @@ fn losses_and_parameter_gradients_agree() {
     let mut training = Arrays::open(&data("lgnn").join("3_pendulum_gradients.npz"));
     let states = ["R", "V", "F"].map(|key| training.get(key));
     let free = vec![0.0; states[0].len()];
-    let samples = Samples { n: N, h: 0.0, controls: [free.clone(), free.clone(), free], states };
+    let samples =
+        Samples { n: N, h: 0.0, controls: [free.clone(), free.clone(), free], states, ..Samples::default() };
     let acceleration_loss = |imported: &Imported| {
         objective(&imported.architecture, samples.clone(), LossKind::Acceleration, 2).expect("compiled")
     };

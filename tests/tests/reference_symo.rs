@@ -47,7 +47,7 @@ impl Reference {
         let n = self.imported.architecture.n();
         let states = ["q_prev", "q", "q_next"].map(|key| self.arrays.get(key));
         let controls = ["u_prev", "u", "u_next"].map(|key| self.arrays.get(key));
-        Samples { n, h: self.h, states, controls }
+        Samples { n, h: self.h, states, controls, ..Samples::default() }
     }
 
     /// The gradient that the file has under this prefix, in the order of our weight block.

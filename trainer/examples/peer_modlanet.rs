@@ -83,6 +83,7 @@ fn samples(rows: &[f64]) -> Samples {
         h: 0.0,
         states: [part(0), part(1), part(2)],
         controls: [still.clone(), still.clone(), still],
+        ..Samples::default()
     }
 }
 

@@ -1,9 +1,11 @@
-//! How good a model is, in SyMo's measures on equal terms; [`prediction`] has ModLaNet's, [`rollouts`] LGNN's.
+//! How good a model is, in SyMo's measures on equal terms, [`states`] those of models that are stepped from states;
+//! [`prediction`] has ModLaNet's, [`rollouts`] LGNN's.
 
 pub mod learned;
 pub mod particles;
 pub mod prediction;
 pub mod rollouts;
+pub mod states;
 
 use crate::architecture::{
     Architecture, Family, GraphArchitecture, MAX_DISCRETE, Visitor, too_large_for_steps,
@@ -126,8 +128,13 @@ pub fn integration_errors(predicted: &[Vec<f64>], data: &Dataset) -> Integration
 
 fn mean_square(a: &[f64], b: &[f64], range: std::ops::Range<usize>) -> f64 {
     let range = range.start..range.end.min(a.len());
-    let squares: Vec<f64> = a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (a - b) * (a - b)).collect();
-    let mean = mean(&squares);
+    let errors: Vec<f64> = a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a - b).collect();
+    mean_square_or_infinite(&errors)
+}
+
+/// Infinite where one is not a number.
+fn mean_square_or_infinite(errors: &[f64]) -> f64 {
+    let mean = mean(&errors.iter().map(|e| e * e).collect::<Vec<_>>());
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 
@@ -152,24 +159,24 @@ pub fn energy_mse(mechanism: Mechanism, predicted: &[Vec<f64>], data: &Dataset) 
 }
 
 fn exact_energy_mse<const N: usize>(exact: &Trigonometric<N>, predicted: &[Vec<f64>], data: &Dataset) -> f64 {
-    let mut squares = Vec::new();
+    let mut errors = Vec::new();
     for (positions, trajectory) in predicted.iter().zip(&data.trajectories) {
         let (rows, _) = positions.as_chunks::<N>();
-        let start = initial_energy(exact, trajectory)
-            .unwrap_or_else(|| midpoint_energy(exact, &rows[0], &rows[1], data.h));
-        squares.extend(rows.windows(2).skip(1).map(|pair| {
-            let difference = midpoint_energy(exact, &pair[0], &pair[1], data.h) - start;
-            difference * difference
-        }));
+        let start = start_energy(exact, trajectory, data.h);
+        let pairs = rows.windows(2).skip(1);
+        errors.extend(pairs.map(|pair| midpoint_energy(exact, &pair[0], &pair[1], data.h) - start));
     }
-    let mean = mean(&squares);
-    if mean.is_finite() { mean } else { f64::INFINITY }
+    mean_square_or_infinite(&errors)
 }
 
-fn initial_energy<const N: usize>(exact: &Trigonometric<N>, trajectory: &Trajectory) -> Option<f64> {
+/// Of the first state, or of the first midpoint where there are no velocities.
+fn start_energy<const N: usize>(exact: &Trigonometric<N>, trajectory: &Trajectory, h: f64) -> f64 {
     let row = |x: &[f64]| -> [f64; N] { std::array::from_fn(|i| x[i]) };
-    let v = trajectory.v.as_ref()?;
-    Some(energy(exact, &row(&trajectory.q[0]), &row(&v[0])))
+    let q = &trajectory.q;
+    match &trajectory.v {
+        Some(v) => energy(exact, &row(&q[0]), &row(&v[0])),
+        None => midpoint_energy(exact, &row(&q[0]), &row(&q[1]), h),
+    }
 }
 
 fn midpoint_energy<const N: usize>(exact: &Trigonometric<N>, a: &[f64; N], b: &[f64; N], h: f64) -> f64 {
@@ -247,7 +254,7 @@ fn graph_error(graph: &GraphArchitecture, weights: &[f64], samples: &Samples) ->
     let [q, v, a] = samples.states.each_ref().map(|x| x.chunks_exact(n));
     let rows = q.zip(v).zip(samples.controls[0].chunks_exact(n)).zip(a);
     let mut out = vec![0.0; n];
-    let sum = learned::with_forced(graph, weights, |forced| {
+    let sum = learned::with_forced_graph(graph, weights, |forced| {
         rows.map(|(((q, v), u), a)| {
             forced(q, v, u, &mut out)?;
             Some(out.iter().zip(a).map(|(ours, a)| (ours - a) * (ours - a)).sum::<f64>())

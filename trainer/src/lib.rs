@@ -17,4 +17,5 @@ pub mod parallel;
 pub mod plot;
 pub mod reproduce;
 pub mod run;
+pub mod runge_kutta;
 pub mod training;

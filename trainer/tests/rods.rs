@@ -102,7 +102,7 @@ fn stepped<const D: usize>(shape: &GraphArchitecture, weights: &[f64], order: Or
     }
     let controls: Vec<Vec<f64>> = (0..=STEPS).map(control).collect();
     let triples = |rows: &[Vec<f64>]| [0, 1, 2].map(|k| rows[k..k + STEPS - 1].concat());
-    Samples { n, h: H, states: triples(&positions), controls: triples(&controls) }
+    Samples { n, h: H, states: triples(&positions), controls: triples(&controls), ..Samples::default() }
 }
 
 /// Every shape with a motion of its own at its weights.

@@ -89,7 +89,7 @@ impl Mlp {
 }
 
 /// The root mean square; 1 where it is 0.
-fn scale(values: &[f64]) -> f64 {
+pub(super) fn scale(values: &[f64]) -> f64 {
     let square = values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
     if square > 0.0 { square.sqrt() } else { 1.0 }
 }
@@ -264,7 +264,7 @@ mod tests {
         let mut stream = Pcg64::seed_from_u64(3);
         let states = [3.0, 2.0, 5.0]
             .map(|range: f64| (0..3 * SAMPLES).map(|_| stream.random_range(-range..range)).collect());
-        Samples { n: 3, h: 0.0, states, controls: Default::default() }
+        Samples { n: 3, states, ..Samples::default() }
     }
 
     /// The network in plain loops, and the errors of all samples.

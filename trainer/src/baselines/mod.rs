@@ -5,12 +5,14 @@ mod features;
 mod hnn;
 mod lnn;
 mod mlp;
+mod node;
 #[cfg(test)]
 mod oracle;
 
 pub use hnn::{Hnn, MAX_WIDTH as MAX_HNN_WIDTH, Momenta};
 pub use lnn::{Lnn, LnnLagrangian, MAX_WIDTH as MAX_LNN_WIDTH};
 pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
+pub use node::Node;
 
 use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
 use crate::evaluate::learned::with_accelerations;

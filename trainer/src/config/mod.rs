@@ -65,7 +65,7 @@ pub struct DataConfig {
 pub struct TrainingConfig {
     /// What is minimised.
     pub loss: LossKind,
-    /// Of the discrete Euler–Lagrange equation, 2 or 4.
+    /// Of the discrete Euler–Lagrange equation or, for the next state, of the Runge–Kutta step: 2 or 4.
     #[serde(deserialize_with = "fields::order")]
     pub order: u8,
     /// Which optimiser.

@@ -8,9 +8,8 @@ use leastaction_core::model::ModelError;
 
 /// Writes v̇(q, v), m/s² or rad/s², of a free motion; `None` where it does not exist or a slice is too short.
 pub type Accelerations<'w> = dyn Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w;
-/// Writes v̇(q, v, u) of particles under a force u, N on every coordinate, or none where it is empty; `None` as for
-/// [`Accelerations`].
-pub(super) type Forced<'w> = dyn Fn(&[f64], &[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w;
+/// Writes v̇(q, v, u) under a force u on every coordinate, N or N m, or none where it is empty; `None` as for [`Accelerations`].
+pub type Forced<'w> = dyn Fn(&[f64], &[f64], &[f64], &mut [f64]) -> Option<()> + Sync + 'w;
 
 /// Calls `then` with the accelerations that a model gives; its shape is read once.
 ///
@@ -21,16 +20,26 @@ pub fn with_accelerations<T>(
     weights: &[f64],
     then: impl FnOnce(&Accelerations) -> T,
 ) -> Result<T, ModelError> {
+    with_forced(architecture, weights, |forced| then(&|q, v, out| forced(q, v, &[], out)))
+}
+
+/// Calls `then` with the accelerations that a model gives under forces; its shape is read once.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn with_forced<T>(
+    architecture: &Architecture,
+    weights: &[f64],
+    then: impl FnOnce(&Forced) -> T,
+) -> Result<T, ModelError> {
     match architecture {
-        Architecture::Graph(graph) => {
-            with_forced(graph, weights, |forced| then(&|q, v, out| forced(q, v, &[], out)))
-        }
+        Architecture::Graph(graph) => with_forced_graph(graph, weights, then),
         Architecture::Rigid(_) | Architecture::Modular(_) => architecture.dispatch(Free { weights, then })?,
     }
 }
 
 /// Calls `then` with the accelerations of a graph of any size, on its rods.
-pub(super) fn with_forced<T>(
+pub(super) fn with_forced_graph<T>(
     architecture: &GraphArchitecture,
     weights: &[f64],
     then: impl FnOnce(&Forced) -> T,
@@ -54,7 +63,7 @@ fn forced_in<const D: usize, T>(
     Ok(then(&|q, v, u, out| driven.acceleration(q, v, u, out)))
 }
 
-/// Calls `then` with the accelerations of a family without rods.
+/// Calls `then` with the accelerations of a family without rods under forces.
 pub(crate) struct Free<'w, C> {
     /// Its weight block.
     pub weights: &'w [f64],
@@ -62,14 +71,15 @@ pub(crate) struct Free<'w, C> {
     pub then: C,
 }
 
-impl<T, C: FnOnce(&Accelerations) -> T> Visitor for Free<'_, C> {
+impl<T, C: FnOnce(&Forced) -> T> Visitor for Free<'_, C> {
     type Output = Result<T, ModelError>;
 
     fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
         let system = family.system::<f64>(self.weights)?;
-        Ok((self.then)(&|q, v, out| {
+        Ok((self.then)(&|q, v, u, out| {
             let (q, v) = (q.first_chunk::<N>()?, v.first_chunk::<N>()?);
-            *out.first_chunk_mut::<N>()? = acceleration(&system, q, v, &[0.0; N]).ok()?;
+            let u = if u.is_empty() { &[0.0; N] } else { u.first_chunk::<N>()? };
+            *out.first_chunk_mut::<N>()? = acceleration(&system, q, v, u).ok()?;
             Some(())
         }))
     }

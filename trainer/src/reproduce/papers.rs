@@ -58,9 +58,10 @@ pub const SYMO: Paper = Paper {
     name: "symo",
     title: "SyMo (Santos et al., L4DC 2022)",
     about: "Mean squared errors: test, of positions one step ahead; integration, of positions over 16 free motions of 500 steps, \
-            with their median and their first 100 steps; energy along them (J²), the true energy at the model's midpoints; \
-            inertia matrix at the test positions. The floor is exact physics stepped by the same DEL equation, which a learned \
-            Lagrangian can go below. The paper's numbers were measured with its authors' program on equal terms; \
+            with their median and their first 100 steps; energy along them (J²), the true energy at the model's midpoints, of \
+            L-NODE and NODE, which are given the velocities, at its states; inertia matrix at the test positions. The floor is exact \
+            physics stepped by the same DEL equation, which a learned Lagrangian can go below. The paper's numbers were measured with \
+            its authors' program on equal terms; \
             the acrobot is chaotic, and beyond 100 steps its positions mean nothing.",
     overview: symo::overview,
 };

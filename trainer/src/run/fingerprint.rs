@@ -14,13 +14,13 @@ pub(super) fn of_bytes(bytes: &[u8]) -> u64 {
 /// CRC-64/XZ over every number of a data set that the loss reads: the same for the same motion in another file or format,
 /// and, where the loss needs positions and controls alone, whatever the logged velocities and accelerations are.
 pub(super) fn of_data(data: &Dataset, loss: LossKind) -> u64 {
-    let state = loss == LossKind::Acceleration;
+    let (state, acceleration) = (!loss.is_discrete(), loss == LossKind::Acceleration);
     let mut digest = CRC.digest();
     digest.update(&(data.n as u64).to_le_bytes());
     digest.update(&data.h.to_le_bytes());
     for trajectory in &data.trajectories {
         let Trajectory { q, v, a, u, .. } = trajectory;
-        for rows in [Some(q), v.as_ref().filter(|_| state), a.as_ref().filter(|_| state), u.as_ref()] {
+        for rows in [Some(q), v.as_ref().filter(|_| state), a.as_ref().filter(|_| acceleration), u.as_ref()] {
             add_rows(&mut digest, rows);
         }
     }

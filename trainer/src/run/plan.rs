@@ -164,7 +164,7 @@ impl Plan {
         Ok(Self {
             architecture,
             initial,
-            discretisation: (loss != LossKind::Acceleration).then_some(discretisation),
+            discretisation: loss.is_discrete().then_some(discretisation),
             data_fingerprint: fingerprint::of_data(&data, loss),
             stages,
             notices,
@@ -268,7 +268,7 @@ fn kinds(
         loss => laws.then_some(loss),
     };
     if let Some(first) = first.filter(|_| training.warm_up > 0) {
-        if scale || first == LossKind::Acceleration {
+        if scale || first != LossKind::DelResidual {
             kinds.insert(0, (WARM_UP, first));
         } else {
             notices.push(Notice::NoWarmUp);
@@ -293,7 +293,8 @@ fn stage(
     let build = |data: &Dataset| -> Result<Box<dyn Objective>, PlanError> {
         let samples = match kind {
             LossKind::Acceleration => Samples::accelerations(data)?,
-            _ => Samples::triples(data),
+            LossKind::NextState => Samples::next_states(data)?,
+            LossKind::DelResidual | LossKind::NextPosition => Samples::triples(data),
         };
         Ok(objective(architecture, samples, kind, order)?)
     };

@@ -56,6 +56,8 @@ impl<P: Path + Sync> DelLoss<P> {
 
 /// One sample after the other: the steps of each take as many iterations as it needs.
 impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P> {
+    type Residual = [f64; N];
+
     fn kinds(&self) -> &'static [TermKind] {
         if P::BUBBLE { &[TermKind::Along; 4] } else { &[TermKind::Along; 2] }
     }

@@ -6,14 +6,15 @@
 //! function theorem only chooses the δq and δv. That of an acceleration is ∂/∂θ (F − d/dt L_v)·y. Two kernels in core do the
 //! rest.
 
+use super::dual::Dual;
 use super::residuals::Failed;
 use super::samples::Sample;
 use crate::architecture::{Family, FamilySystem};
 use leastaction_core::discrete::StepError;
-use leastaction_core::forces::Forces;
-use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::{Singular, add_scaled, dot, multiply, solve, solve_many, transpose};
-use leastaction_core::scalar::{LANES, Lanes};
+use leastaction_core::forces::{Forces, System};
+use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::linear::{Matrix, Singular, add_scaled, dot, multiply, solve, solve_many, transpose};
+use leastaction_core::scalar::{LANES, Lanes, Scalar};
 use serde::{Deserialize, Serialize};
 
 /// What is minimised. The discrete losses are those of the DEL integrator, and on rods those of RATTLE.
@@ -26,6 +27,15 @@ pub enum LossKind {
     NextPosition,
     /// The acceleration at logged positions and velocities.
     Acceleration,
+    /// Position and velocity after an explicit Runge–Kutta step from logged ones (L-NODE); without rods.
+    NextState,
+}
+
+impl LossKind {
+    /// Whether it is one of the DEL integrator: positions and controls suffice.
+    pub fn is_discrete(self) -> bool {
+        matches!(self, Self::DelResidual | Self::NextPosition)
+    }
 }
 
 /// One term of a residual's derivative in the weights.
@@ -73,29 +83,62 @@ pub(super) struct Systems<'w, F: Family<N>, const N: usize> {
     pub one: FamilySystem<'w, F, f64, N>,
     /// Eight side by side.
     pub eight: FamilySystem<'w, F, Lanes, N>,
+    weights: &'w [f64],
 }
 
 impl<'w, F: Family<N>, const N: usize> Systems<'w, F, N> {
     /// Reads the shape; once for many samples.
     pub fn new(family: &'w F, weights: &'w [f64]) -> Result<Self, Failed> {
         let one = family.system::<f64>(weights).map_err(|_| Failed)?;
-        Ok(Self { family, one, eight: family.system::<Lanes>(weights).map_err(|_| Failed)? })
+        Ok(Self { family, one, eight: family.system::<Lanes>(weights).map_err(|_| Failed)?, weights })
+    }
+
+    /// Eight side by side with their derivatives along a direction.
+    pub fn moving(&self) -> Result<FamilySystem<'w, F, Dual, N>, Failed> {
+        self.family.system::<Dual>(self.weights).map_err(|_| Failed)
+    }
+}
+
+/// The residual components of a sample.
+pub(super) trait Components: Copy {
+    /// How many.
+    const COUNT: usize;
+    /// In order.
+    fn as_slice(&self) -> &[f64];
+}
+
+impl<const N: usize> Components for [f64; N] {
+    const COUNT: usize = N;
+
+    fn as_slice(&self) -> &[f64] {
+        self
+    }
+}
+
+impl<const N: usize, const M: usize> Components for [[f64; N]; M] {
+    const COUNT: usize = N * M;
+
+    fn as_slice(&self) -> &[f64] {
+        self.as_flattened()
     }
 }
 
 /// A loss over eight samples side by side, with the bits that each has alone.
 pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
+    /// Of a sample.
+    type Residual: Components;
     /// The kinds of the terms that each component has, in order.
     fn kinds(&self) -> &'static [TermKind];
     /// The residuals.
-    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed>;
+    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>)
+    -> Result<[Self::Residual; LANES], Failed>;
     /// The residuals, and for every sample and component its terms: `terms[sample][component * kinds + k]`.
     fn linearise_group(
         &self,
         systems: &Systems<F, N>,
         group: &Group<N>,
         terms: &mut [Vec<Term<N>>; LANES],
-    ) -> Result<[[f64; N]; LANES], Failed>;
+    ) -> Result<[Self::Residual; LANES], Failed>;
 }
 
 /// v̇(q, v, u) − a.
@@ -136,6 +179,21 @@ impl<const N: usize> Equation<N> {
     }
 }
 
+/// M and f = L_q − L_vq v + Q + u.
+pub(super) fn equation<L, Q, S: Scalar, const N: usize>(
+    System { lagrangian, forces }: &System<L, Q>,
+    q: &[S; N],
+    v: &[S; N],
+    u: &[S; N],
+) -> (Matrix<S, N>, [S; N])
+where
+    L: Lagrangian<S, N, Mass = DenseMass<S, N>>,
+    Q: Forces<S, N>,
+{
+    let (d, drag) = (lagrangian.dynamics(q, v), forces.force(q, v));
+    (d.mass.0, std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + drag[i] + u[i]))
+}
+
 /// The equations of motion of eight samples.
 fn equations<F: Family<N>, const N: usize>(
     Systems { eight: system, family, .. }: &Systems<F, N>,
@@ -145,21 +203,21 @@ fn equations<F: Family<N>, const N: usize>(
         std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| pick(&group[lane])[i])))
     };
     let (q, v, u) = (lanes(|s| &s.states[0]), lanes(|s| &s.states[1]), lanes(|s| &s.controls[0]));
-    let d = system.lagrangian.dynamics(&q, &v);
-    let drag = system.forces.force(&q, &v);
-    let force: [Lanes; N] = std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + drag[i] + u[i]);
+    let (mass, force) = equation(system, &q, &v, &u);
     let constraints = |[q, v, _]: &[[f64; N]; 3]| {
         let constraints = family.constraints(q).into_iter();
         constraints.map(|constraint| (constraint.gradient, constraint.curvature(v))).collect()
     };
     std::array::from_fn(|lane| Equation {
-        mass: d.mass.0.map(|row| row.map(|entry| entry.0[lane])),
+        mass: mass.map(|row| row.map(|entry| entry.0[lane])),
         force: force.map(|force| force.0[lane]),
         constraints: constraints(&group[lane].states),
     })
 }
 
 impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
+    type Residual = [f64; N];
+
     fn kinds(&self) -> &'static [TermKind] {
         &[TermKind::Residual]
     }

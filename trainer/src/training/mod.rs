@@ -2,8 +2,10 @@
 
 mod adam;
 mod del;
+mod dual;
 mod levenberg;
 mod loss;
+mod next_state;
 mod normal;
 mod objective;
 mod residuals;
@@ -13,6 +15,7 @@ mod samples;
 pub use adam::{Adam, AdamSettings, Schedule};
 pub use levenberg::{Levenberg, Progress};
 pub use loss::LossKind;
+pub(crate) use next_state::Steps;
 pub use normal::NormalEquations;
 pub(crate) use objective::Accelerations;
 pub use objective::{Objective, objective};

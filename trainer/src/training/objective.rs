@@ -1,13 +1,15 @@
 //! A loss over all samples, as the optimisers see it, and that of a learned Lagrangian.
 
 use super::del::DelLoss;
-use super::loss::{AccelerationLoss, Group, GroupLoss, Systems, Term, TermKind};
+use super::loss::{AccelerationLoss, Components, GroupLoss, Systems, Term, TermKind};
+use super::next_state::NextStateLoss;
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::rods::RodsLoss;
 use super::{LossKind, NormalEquations, Samples};
 use crate::architecture::{
     Architecture, Family, FamilySystem, GraphArchitecture, MAX_DISCRETE, Visitor, too_large_for_steps,
 };
+use crate::runge_kutta::RungeKutta;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Path};
 use leastaction_core::energy::{Learnable, LearnableForces};
 use leastaction_core::forces::System;
@@ -31,7 +33,8 @@ pub trait Objective: Sync {
     fn project(&self, weights: &mut [f64]);
 }
 
-/// The objective of a loss over samples for a model of this shape; `order` (2 or 4) matters to the discrete losses.
+/// The objective of a loss over samples for a model of this shape; `order` (2 or 4) matters to the discrete losses and
+/// to that of the next state: 2 is the explicit midpoint rule there, 4 the 3/8 rule.
 ///
 /// # Errors
 /// Where the shape is beyond what is compiled.
@@ -61,6 +64,13 @@ impl Visitor for Build {
             (LossKind::Acceleration, _) => Ok(self.boxed(family, AccelerationLoss)),
             // What is false for a constant is not compiled.
             _ if const { N > MAX_DISCRETE } => too_large_for_steps(N),
+            (LossKind::NextState, _) if const { F::CONSTRAINED } && self.has_rods() => {
+                let what = "rods under the next-state loss";
+                Err(ModelError::Shape { what, found: self.rods(), compiled: 0 })
+            }
+            (LossKind::NextState, order) => {
+                Ok(self.boxed(family, NextStateLoss { h, method: RungeKutta::of_order(order) }))
+            }
             (kind, order) if const { F::CONSTRAINED } && self.has_rods() => {
                 Ok(self.boxed(family, RodsLoss::new(h, order, kind)))
             }
@@ -71,6 +81,11 @@ impl Visitor for Build {
 }
 
 impl Build {
+    fn rods(&self) -> usize {
+        let graph = self.architecture.graph().and_then(|graph| graph.graph().ok());
+        graph.map_or(0, |graph| graph.rods.len())
+    }
+
     fn has_rods(&self) -> bool {
         self.architecture.graph().is_some_and(GraphArchitecture::has_rods)
     }
@@ -128,15 +143,15 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Sum<F, T, N> {
     fn rows<'s, 'w>(&'s self, systems: &'s Systems<'w, F, N>) -> Rows<'s, FamilySystem<'w, F, Lanes, N>> {
         Rows { system: &systems.eight, kinds: self.loss.kinds(), fixed: &self.fixed }
     }
+}
 
-    /// The samples from `start` on; the last of `samples` fills the group up.
-    fn group(&self, start: usize, samples: &Range<usize>) -> Group<N> {
-        std::array::from_fn(|lane| self.samples.get((start + lane).min(samples.end - 1)))
-    }
+/// Σ r².
+fn squares(residual: &[f64]) -> f64 {
+    residual.iter().map(|r| r * r).sum()
 }
 
 /// Of each kind one term: the components' terms, weighed by the residual.
-fn contracted<const N: usize>(residual: &[f64; N], terms: &[Term<N>], kinds: &[TermKind]) -> Vec<Term<N>> {
+fn contracted<const N: usize>(residual: &[f64], terms: &[Term<N>], kinds: &[TermKind]) -> Vec<Term<N>> {
     let weighed = |(k, kind): (usize, &TermKind)| {
         let of_kind = || terms.iter().skip(k).step_by(kinds.len()).zip(residual);
         let sum = |field: fn(&Term<N>) -> &[f64; N]| -> [f64; N] {
@@ -194,16 +209,16 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N
     }
 
     fn components(&self) -> usize {
-        N
+        T::Residual::COUNT
     }
 
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
         let systems = Systems::new(&self.family, weights)?;
         let mut sum = 0.0;
         for start in samples.clone().step_by(LANES) {
-            let residuals = self.loss.residuals(&systems, &self.group(start, &samples))?;
+            let residuals = self.loss.residuals(&systems, &self.samples.group(start, &samples))?;
             let own = residuals.iter().take(samples.end - start);
-            sum += own.map(|residual| residual.iter().map(|r| r * r).sum::<f64>()).sum::<f64>();
+            sum += own.map(|residual| squares(residual.as_slice())).sum::<f64>();
         }
         Ok(sum)
     }
@@ -211,17 +226,17 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
         let systems = Systems::new(&self.family, weights)?;
         let (count, width) = (samples.len(), self.loss.kinds().len());
-        rows.reset(count * N, weights.len());
+        rows.reset(count * T::Residual::COUNT, weights.len());
         for start in (0..count).step_by(LANES) {
             let mut terms = [const { Vec::new() }; LANES];
-            let group = self.group(samples.start + start, &samples);
+            let group = self.samples.group(samples.start + start, &samples);
             let residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
             for (k, residual) in (start..count).zip(residuals) {
-                for (i, residual) in residual.into_iter().enumerate() {
-                    rows.residual[i * count + k] = residual;
+                for (i, residual) in residual.as_slice().iter().enumerate() {
+                    rows.residual[i * count + k] = *residual;
                 }
             }
-            for i in 0..N {
+            for i in 0..T::Residual::COUNT {
                 let terms = terms.each_ref().map(|terms| &terms[i * width..]);
                 rows.buffer.fill(Lanes([0.0; LANES]));
                 self.rows(&systems).add(terms, &mut rows.buffer);
@@ -244,17 +259,19 @@ impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N
         rows.reset_buffer(weights.len());
         for start in samples.clone().step_by(LANES) {
             let mut terms = [const { Vec::new() }; LANES];
-            let group = self.group(start, &samples);
-            let mut residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
-            for residual in residuals.iter_mut().skip(samples.end - start) {
-                *residual = [0.0; N];
-            }
-            sum.squares += residuals.as_flattened().iter().map(|r| r * r).sum::<f64>();
+            let group = self.samples.group(start, &samples);
+            let residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
+            // What fills the group up has no residual.
+            let none = vec![0.0; T::Residual::COUNT];
+            let own: [&[f64]; LANES] = std::array::from_fn(|lane| {
+                if lane < samples.end - start { residuals[lane].as_slice() } else { &none }
+            });
+            sum.squares += own.iter().copied().flatten().map(|r| r * r).sum::<f64>();
             let weighed: [Vec<Term<N>>; LANES] =
-                std::array::from_fn(|lane| contracted(&residuals[lane], &terms[lane], self.loss.kinds()));
+                std::array::from_fn(|lane| contracted(own[lane], &terms[lane], self.loss.kinds()));
             self.rows(&systems).add(weighed.each_ref().map(Vec::as_slice), &mut rows.buffer);
         }
-        sum.add_lanes(&rows.buffer, samples.len() * N);
+        sum.add_lanes(&rows.buffer, samples.len() * T::Residual::COUNT);
         Ok(())
     }
 

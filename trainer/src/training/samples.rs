@@ -1,5 +1,6 @@
 use crate::data::modlanet::ModlanetRows;
 use crate::data::{Dataset, Rows, Trajectory};
+use leastaction_core::scalar::LANES;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
@@ -14,7 +15,8 @@ pub enum SampleError {
     Missing(&'static str),
 }
 
-/// Three consecutive positions with the controls at them, or one state with its acceleration: what a loss is a mean over.
+/// Three consecutive positions with the controls at them, or one state with its acceleration or the next state: what a loss is a
+/// mean over.
 ///
 /// All numbers are \[samples\]\[n\], flat.
 #[derive(Clone, Debug, Default)]
@@ -23,9 +25,12 @@ pub struct Samples {
     pub n: usize,
     /// Step, s.
     pub h: f64,
-    /// Positions: (q₋, q, q₊) for the discrete losses; (q, v, v̇) for the acceleration loss.
+    /// Positions: (q₋, q, q₊) for the discrete losses; (q, v, v̇) for the acceleration loss; (q, v, q₊) for that of the
+    /// next state.
     pub states: [Vec<f64>; 3],
-    /// Controls at the same times; for the acceleration loss the first is u.
+    /// Velocities after a step, v₊, for the loss of the next state; else empty.
+    pub next_velocities: Vec<f64>,
+    /// Controls at the same times; for the acceleration loss and that of the next state the first is u.
     pub controls: [Vec<f64>; 3],
 }
 
@@ -34,6 +39,8 @@ pub struct Samples {
 pub(super) struct Sample<const N: usize> {
     /// As [`Samples::states`].
     pub states: [[f64; N]; 3],
+    /// As [`Samples::next_velocities`]; zeros where there are none.
+    pub next_velocity: [f64; N],
     /// As [`Samples::controls`].
     pub controls: [[f64; N]; 3],
 }
@@ -56,7 +63,13 @@ impl Samples {
     pub fn modlanet(rows: &ModlanetRows) -> Self {
         let states = [&rows.q, &rows.v, &rows.a].map(|rows| rows.as_flat().to_vec());
         let control = vec![0.0; states[0].len()];
-        Self { n: rows.q.width(), h: 0.0, controls: [control.clone(), control.clone(), control], states }
+        Self {
+            n: rows.q.width(),
+            h: 0.0,
+            controls: [control.clone(), control.clone(), control],
+            states,
+            ..Self::default()
+        }
     }
 
     /// Every state with its acceleration.
@@ -72,6 +85,28 @@ impl Samples {
             for (states, source) in samples.states.iter_mut().zip([&trajectory.q, v, a]) {
                 states.extend(rows(source, 0, count));
             }
+            for controls in &mut samples.controls {
+                controls.extend(control(trajectory, data.n, 0, count));
+            }
+        }
+        Ok(samples)
+    }
+
+    /// Every two consecutive states, with the control at the first.
+    ///
+    /// # Errors
+    /// Where velocities are missing.
+    pub fn next_states(data: &Dataset) -> Result<Self, SampleError> {
+        let mut samples = Self { n: data.n, h: data.h, ..Self::default() };
+        for trajectory in &data.trajectories {
+            let v = trajectory.v.as_ref().ok_or(SampleError::Missing("velocities (v)"))?;
+            let count = trajectory.samples().saturating_sub(1);
+            for (states, (source, start)) in
+                samples.states.iter_mut().zip([(&trajectory.q, 0), (v, 0), (&trajectory.q, 1)])
+            {
+                states.extend(rows(source, start, count));
+            }
+            samples.next_velocities.extend(rows(v, 1, count));
             for controls in &mut samples.controls {
                 controls.extend(control(trajectory, data.n, 0, count));
             }
@@ -114,6 +149,7 @@ impl Samples {
             n,
             h: self.h,
             states: self.states.each_ref().map(permute),
+            next_velocities: of_some(&self.next_velocities, permute),
             controls: self.controls.each_ref().map(permute),
         }
     }
@@ -131,7 +167,7 @@ impl Samples {
         let end = range.end.min(self.len());
         let of = |x: &Vec<f64>| x[range.start.min(end) * self.n..end * self.n].to_vec();
         let (states, controls) = (self.states.each_ref().map(of), self.controls.each_ref().map(of));
-        Self { states, controls, ..*self }
+        Self { states, controls, next_velocities: of_some(&self.next_velocities, of), ..*self }
     }
 
     /// Mean square of the last states: of accelerations for the acceleration loss.
@@ -150,14 +186,29 @@ impl Samples {
         self.len() == 0
     }
 
+    /// Eight samples from `start` on; the last of `samples` fills them up.
+    pub(super) fn group<const N: usize>(&self, start: usize, samples: &Range<usize>) -> [Sample<N>; LANES] {
+        std::array::from_fn(|lane| self.get((start + lane).min(samples.end - 1)))
+    }
+
     /// Sample `k` as arrays.
-    pub(super) fn get<const N: usize>(&self, k: usize) -> Sample<N> {
+    fn get<const N: usize>(&self, k: usize) -> Sample<N> {
         let row = |x: &Vec<f64>| std::array::from_fn(|i| x[k * N + i]);
         Sample {
             states: std::array::from_fn(|j| row(&self.states[j])),
+            next_velocity: if self.next_velocities.is_empty() {
+                [0.0; N]
+            } else {
+                row(&self.next_velocities)
+            },
             controls: std::array::from_fn(|j| row(&self.controls[j])),
         }
     }
+}
+
+/// What becomes of numbers that some losses alone have.
+fn of_some(x: &Vec<f64>, change: impl Fn(&Vec<f64>) -> Vec<f64>) -> Vec<f64> {
+    if x.is_empty() { Vec::new() } else { change(x) }
 }
 
 /// The accelerations of `count` states from the third on; see [`Samples::interpolated`].

@@ -39,7 +39,7 @@ fn tasks_are_chosen_by_name() {
     );
     assert_eq!(
         names("reproduce symo --list --quick --system pendulum --order 4 --seed 3").lines().count(),
-        4
+        8
     );
     assert_eq!(names("reproduce modlanet --list --ours-alone --shard 7/7"), "noise-0\n");
     let models = |words: &str| names(&format!("reproduce modlanet --list {words}")).lines().count();
@@ -47,8 +47,37 @@ fn tasks_are_chosen_by_name() {
         (models("--case three-body"), models("--case three-body --baselines"), models("")),
         (1, 7, 19)
     );
+    assert_eq!(
+        names("reproduce symo --list --system acrobot --trajectories 16 --only node"),
+        "acrobot-l-node-rk4-4-16-0\nacrobot-l-node-midpoint-2-16-0\nacrobot-node-rk4-4-16-0\nacrobot-node-midpoint-2-16-0\n"
+    );
+    bench.run("reproduce symo --model node-rk4 --order 2").bad(2, &["--order 2", "order 4"]);
     bench.run("reproduce lgnn --only pendulums").bad(2, &["pendulums", "--list"]);
     bench.run("reproduce lgnn --shard 3/2").bad(2, &["--shard", "I/N"]);
+}
+
+#[test]
+fn baselines_of_symo_stand_beside_it() {
+    let bench = Bench::new();
+    bench
+        .run("reproduce symo --system pendulum --trajectories 8 --quick --order 4 --only node -o out")
+        .good();
+    let text = bench.text("out/symo.csv");
+    let records: Vec<csv::StringRecord> =
+        csv::Reader::from_reader(text.as_bytes()).into_records().collect::<Result<_, _>>().unwrap();
+    let of = |model: &str, measure: &str| -> String {
+        let is_it = |record: &&csv::StringRecord| &record[2] == model && &record[6] == measure;
+        records.iter().find(is_it).unwrap_or_else(|| panic!("{model} {measure}: {text}"))[7].to_owned()
+    };
+    for model in ["l-node-rk4", "node-rk4"] {
+        let test: f64 = of(model, "test").parse().unwrap();
+        assert!(test < 1e-2, "{model}: {test}");
+    }
+    assert!(records.iter().all(|record| &record[3] == "false"), "{text}");
+    assert!(of("l-node-rk4", "inertia").parse::<f64>().unwrap() < 1e-2);
+    assert!(of("node-rk4", "inertia").parse::<f64>().is_err());
+    let page = bench.text("out/symo.html");
+    assert!(page.contains("--model node-rk4 --order 4"), "{page}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn hnn() -> Hnn {
 
 fn samples() -> Samples {
     let states = [(1, 3.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
-    Samples { n: N, h: 0.0, controls: Default::default(), states }
+    Samples { n: N, h: 0.0, controls: Default::default(), states, ..Samples::default() }
 }
 
 /// (H_q, H_p) by num-dual.

@@ -7,7 +7,7 @@ pub use lagrangian::LnnLagrangian;
 use super::features::count;
 use super::{AccelerationModel, Follow, coordinates_fit};
 use crate::architecture::{Damping, Family, FamilySystem, HostScalar, Visitor};
-use crate::evaluate::learned::{Accelerations as Function, Free};
+use crate::evaluate::learned::{Forced, Free};
 use crate::evaluate::prediction::{Prediction, Truth};
 use crate::training::{Accelerations, Objective, Samples};
 use lagrangian::DEPTH;
@@ -118,7 +118,8 @@ impl AccelerationModel for Lnn {
     }
 
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        self.dispatch(Free { weights, then: |f: &Function| follow.compare(truth, f) })?
+        let then = |f: &Forced| follow.compare(truth, |q, v, out| f(q, v, &[], out));
+        self.dispatch(Free { weights, then })?
     }
 }
 

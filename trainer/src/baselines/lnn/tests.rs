@@ -19,7 +19,7 @@ fn lnn() -> Lnn {
 
 fn samples() -> Samples {
     let states = [(1, 3.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
-    Samples { n: N, h: 0.0, controls: from_fn(|_| vec![0.0; N * SAMPLES]), states }
+    Samples { n: N, h: 0.0, controls: from_fn(|_| vec![0.0; N * SAMPLES]), states, ..Samples::default() }
 }
 
 /// Weights of a mass matrix that is far from singular at the samples.
@@ -102,7 +102,13 @@ fn both_optimisers_train_it() {
 fn the_largest_has_a_gradient() {
     let lnn = Lnn::new("tttttt", MAX_WIDTH).unwrap();
     let state = |seed| random(6 * 9, 2.0, seed);
-    let samples = Samples { n: 6, h: 0.0, states: [1, 2, 3].map(state), controls: [4, 5, 6].map(state) };
+    let samples = Samples {
+        n: 6,
+        h: 0.0,
+        states: [1, 2, 3].map(state),
+        controls: [4, 5, 6].map(state),
+        ..Samples::default()
+    };
     let objective = lnn.objective(samples).unwrap();
     assert!(objective.gradient(&lnn.initial_weights(0), 0..9).is_some());
 }

@@ -4,7 +4,7 @@ use super::selection::Selection;
 use crate::commands::Done;
 use crate::commands::arguments::order;
 use crate::commands::output::{Failure, Output};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use leastaction::data::symo;
 use leastaction::ground_truth::Mechanism;
 use leastaction::reproduce::SYMO;
@@ -14,7 +14,8 @@ use std::path::PathBuf;
 
 /// SyMo (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot from positions and controls.
 ///
-/// Learns every case that the options leave open (all: three systems, two models, orders 2 and 4, 8 to 128 trajectories)
+/// Learns every case that the options leave open (all: three systems, SyMo's two models of orders 2 and 4 and four baselines,
+/// 8 to 128 trajectories)
 /// and prints its errors beside the published program's on equal terms. With -o also as a page with pictures.
 ///
 /// Example: leastaction reproduce symo --system cartpole --model e2e-symo --order 4 --trajectories 32 --json
@@ -23,7 +24,7 @@ pub struct Symo {
     /// Only this mechanism.
     #[arg(long)]
     system: Option<Mechanism>,
-    /// Only this loss.
+    /// Only this model.
     #[arg(long)]
     model: Option<Model>,
     /// Only this order, 2 or 4.
@@ -50,6 +51,12 @@ impl Symo {
         let mut tasks = Vec::new();
         for mechanism in self.systems() {
             tasks.extend(self.tasks(mechanism)?);
+        }
+        if let (Some(model), Some(order), true) = (self.model, self.order, tasks.is_empty()) {
+            let orders = model.orders().iter().map(u8::to_string).collect::<Vec<_>>().join(" and ");
+            return Err(Failure::Input(format!(
+                "--order {order}: the integrator of this model has order {orders}"
+            )));
         }
         self.selection.run(&SYMO, tasks, output)
     }
@@ -86,13 +93,13 @@ impl Symo {
         let quick = self.selection.quick;
         let all: &[usize] = if quick { &[8, 32] } else { &[8, 16, 32, 64, 128] };
         let sizes = self.trajectories.map_or_else(|| all.to_vec(), |only| vec![only as usize]);
-        let orders = self.order.map_or_else(|| vec![2, 4], |only| vec![only]);
-        let models = self.model.map_or_else(|| vec![Model::Symo, Model::E2eSymo], |only| vec![only]);
+        let models = self.model.map_or_else(|| Model::value_variants().to_vec(), |only| vec![only]);
+        let is_wanted = |order: &&u8| self.order.is_none_or(|only| only == **order);
         let most_iterations = if quick { QUICK } else { usize::MAX };
         let mut cases = Vec::new();
         for trajectories in sizes {
             for model in &models {
-                for order in &orders {
+                for order in model.orders().iter().filter(is_wanted) {
                     let (model, order) = (*model, *order);
                     cases.push(Case { mechanism, model, order, trajectories, seed, most_iterations });
                 }

@@ -41,7 +41,8 @@ fn draw(file: &Path, title: &str, rows: &[&Record], k: usize) -> Result<(), Plot
         let rows = || rows.iter().filter(|record| record.model == model);
         let ours = rows().filter_map(|record| point(record, record.measures.get(k)?.ours));
         series.push(Series::new(model, ours).with_stroke(Stroke::Dotted));
-        if model.ends_with("order 2") {
+        // The published models of the discrete equation have order 2.
+        if !model.ends_with("order 4") {
             let paper = rows().filter_map(|record| point(record, record.measures.get(k)?.paper));
             let label = format!("{}, published", model.trim_end_matches(", order 2"));
             series.push(Series::new(label, paper).with_stroke(Stroke::Dotted));

@@ -5,9 +5,11 @@ mod figures;
 mod floor;
 mod portrait;
 mod published;
+mod states;
 mod task;
 
 pub use published::{Published, published};
+pub use states::CaseError;
 pub use task::{SymoData, overview, tasks};
 
 use crate::architecture::{Architecture, RigidArchitecture};
@@ -19,7 +21,7 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::ModelError;
 use serde::Serialize;
 
-/// Which of SyMo's two models.
+/// Which of the models: SyMo's two, and the baselines that are stepped by Runge–Kutta from logged velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Model {
@@ -27,6 +29,30 @@ pub enum Model {
     Symo,
     /// The error of the implicit step's next position is minimised.
     E2eSymo,
+    /// SyMo's network, the error of the next state by a Runge–Kutta step of order 4 is minimised.
+    LNodeRk4,
+    /// The same with the explicit midpoint rule.
+    LNodeMidpoint,
+    /// A plain network for the acceleration, stepped as L-NODE of order 4.
+    NodeRk4,
+    /// The same with the explicit midpoint rule.
+    NodeMidpoint,
+}
+
+impl Model {
+    /// Whether it is one of the discrete Euler–Lagrange equation, and not one that those are compared with.
+    pub fn is_discrete(self) -> bool {
+        matches!(self, Self::Symo | Self::E2eSymo)
+    }
+
+    /// Of its integrators.
+    pub fn orders(self) -> &'static [u8] {
+        match self {
+            Self::Symo | Self::E2eSymo => &[2, 4],
+            Self::LNodeRk4 | Self::NodeRk4 => &[4],
+            Self::LNodeMidpoint | Self::NodeMidpoint => &[2],
+        }
+    }
 }
 
 /// One row of the tables.
@@ -71,8 +97,8 @@ pub struct Outcome {
     pub integration_mse_100: f64,
     /// Mean squared error of the true energy along them (J²).
     pub energy_mse: f64,
-    /// Mean squared error of the inertia matrix on the test set.
-    pub inertia_mse: f64,
+    /// Mean squared error of the inertia matrix on the test set; NODE has none.
+    pub inertia_mse: Option<f64>,
     /// Training time, s.
     pub train_seconds: f64,
     /// Of the initial weights.
@@ -80,7 +106,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The six measures of the tables: test, integration mean, median and first 100 steps, energy, inertia.
+    /// The six measures of the tables: test, integration mean, median and first 100 steps, energy, inertia; not a number where
+    /// there is none.
     pub fn measures(&self) -> [f64; 6] {
         [
             self.test_mse,
@@ -88,7 +115,7 @@ impl Outcome {
             self.integration_median,
             self.integration_mse_100,
             self.energy_mse,
-            self.inertia_mse,
+            self.inertia_mse.unwrap_or(f64::NAN),
         ]
     }
 }
@@ -98,12 +125,26 @@ impl Outcome {
 pub struct Recipe {
     /// The network.
     pub architecture: Architecture,
-    /// Iterations on the order-2 DEL residual, which is finite whatever the weights, before the loss itself.
+    /// Iterations on the order-2 DEL residual, which is finite whatever the weights, before the loss of a discrete model itself.
     pub warm_up: usize,
     /// Iterations on the loss.
     pub iterations: usize,
     /// Penalty on the weights.
     pub decay: f64,
+}
+
+impl Recipe {
+    /// So many iterations on an objective.
+    fn minimise(
+        &self,
+        objective: &dyn Objective,
+        weights: Vec<f64>,
+        iterations: usize,
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Vec<f64> {
+        let levenberg = Levenberg::new(objective, weights).with_decay(self.decay);
+        levenberg.run(objective, iterations, |iteration, levenberg| watch(iteration, levenberg.loss)).weights
+    }
 }
 
 impl Case {
@@ -134,13 +175,10 @@ impl Case {
     }
 
     fn loss(&self) -> LossKind {
-        match self.model {
-            Model::Symo => LossKind::DelResidual,
-            Model::E2eSymo => LossKind::NextPosition,
-        }
+        if self.model == Model::Symo { LossKind::DelResidual } else { LossKind::NextPosition }
     }
 
-    /// The learned weights.
+    /// The learned weights of a discrete model.
     ///
     /// # Errors
     /// Where the shape is beyond what is compiled.
@@ -155,17 +193,11 @@ impl Case {
         let warm_up = objective(architecture, samples.clone(), LossKind::DelResidual, 2)?;
         let weights = architecture.initial_weights(self.seed);
         let loss = objective(architecture, samples, self.loss(), self.order)?;
-        let mut minimise = |objective: &dyn Objective, weights, iterations| {
-            let levenberg = Levenberg::new(objective, weights).with_decay(recipe.decay);
-            levenberg
-                .run(objective, iterations, |iteration, levenberg| watch(iteration, levenberg.loss))
-                .weights
-        };
-        let weights = minimise(&*warm_up, weights, recipe.warm_up);
-        Ok(minimise(&*loss, weights, recipe.iterations))
+        let weights = recipe.minimise(&*warm_up, weights, recipe.warm_up, &mut watch);
+        Ok(recipe.minimise(&*loss, weights, recipe.iterations, &mut watch))
     }
 
-    /// The measures of a model.
+    /// The measures of a discrete model.
     ///
     /// # Errors
     /// Where the shape is beyond what is compiled.
@@ -191,7 +223,7 @@ impl Case {
             integration_median: integration.median,
             integration_mse_100: integration.first_100,
             energy_mse: energy_mse(self.mechanism, &runs, &set.integration),
-            inertia_mse: inertia_mse(architecture, weights, self.mechanism, &set.test)?,
+            inertia_mse: Some(inertia_mse(architecture, weights, self.mechanism, &set.test)?),
             train_seconds,
             seed: self.seed,
         })

@@ -19,6 +19,9 @@ pub fn published(case: &Case) -> Option<Published> {
     let early = |[test, early, energy, inertia]: [f64; 4]| {
         [Some(test), None, None, Some(early), Some(energy), Some(inertia)]
     };
+    let no_inertia = |[test, mean, median, early, energy]: [f64; 5]| {
+        [Some(test), Some(mean), Some(median), Some(early), Some(energy), None]
+    };
     let (parameters, measures) = match (case.mechanism, case.model, case.trajectories) {
         (Mechanism::Pendulum, Model::Symo, 8) => {
             (17_154, known([3.8e-7, 0.023, 0.0015, 0.0015, 5.0e-3, 1.7e-5]))
@@ -55,6 +58,23 @@ pub fn published(case: &Case) -> Option<Published> {
         }
         (Mechanism::Cartpole, Model::E2eSymo, 128) => {
             (67_844, known([7.1e-9, 0.159, 0.155, 3.7e-4, 5.0e-6, 1.1e-5]))
+        }
+        (Mechanism::Pendulum, Model::LNodeRk4, 32) => {
+            (17_154, known([3.5e-8, 0.50, 0.019, 7e-4, 2.0e-3, 6.5e-7]))
+        }
+        (Mechanism::Pendulum, Model::NodeRk4, 32) => (17_281, no_inertia([3.4e-8, 65.0, 1.9, 0.034, 0.11])),
+        (Mechanism::Cartpole, Model::LNodeRk4, 32) => {
+            (67_844, known([3.9e-8, 0.27, 0.28, 0.0015, 2.1e-6, 2.8e-5]))
+        }
+        (Mechanism::Cartpole, Model::LNodeRk4, 128) => {
+            (67_844, known([5.8e-10, 0.22, 0.23, 8e-4, 1.4e-6, 2e-5]))
+        }
+        (Mechanism::Cartpole, Model::NodeRk4, 128) => {
+            (68_098, no_inertia([1.3e-9, 0.43, 0.053, 9e-4, 2.4e-3]))
+        }
+        (Mechanism::Acrobot, Model::LNodeRk4, 128) => (68_100, early([5.5e-10, 0.0010, 4e-4, 9e-6])),
+        (Mechanism::Acrobot, Model::NodeRk4, 128) => {
+            (68_354, [Some(4.2e-8), None, None, Some(3.2), Some(35.0), None])
         }
         (Mechanism::Acrobot, Model::Symo, 8) => (68_100, early([4.2e-3, 91.0, 245.0, 3.7])),
         (Mechanism::Acrobot, Model::E2eSymo, 8) => (68_100, early([2.5e-6, 2.5, 2.0, 0.021])),

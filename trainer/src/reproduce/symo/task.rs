@@ -80,7 +80,7 @@ impl Task for Experiment {
     }
 
     fn expected_seconds(&self) -> f64 {
-        let per_trajectory = if self.case.order == 4 { 1.0 } else { 0.1 };
+        let per_trajectory = if self.case.order == 4 && self.case.model.is_discrete() { 1.0 } else { 0.1 };
         per_trajectory * (self.case.trajectories + 8) as f64
     }
 
@@ -90,8 +90,12 @@ impl Task for Experiment {
                 tell(&format!("iteration {iteration}: loss {loss:.2e}"));
             }
         };
-        let (case, set, clock) = (&self.case, self.data.get()?, Instant::now());
-        let recipe = case.recipe();
+        let (case, set) = (&self.case, self.data.get()?);
+        if !case.model.is_discrete() {
+            let outcome = case.run_from_states(set, &mut { watch })?;
+            return Ok(vec![record(case, &outcome, [f64::NAN; 6])?]);
+        }
+        let (clock, recipe) = (Instant::now(), case.recipe());
         let weights = case.train(&recipe, set, watch)?;
         let outcome = case.outcome(&recipe.architecture, &weights, set, clock.elapsed().as_secs_f64())?;
         let drawn = pictures.filter(|_| case.trajectories == PORTRAYED);
@@ -105,6 +109,12 @@ impl Task for Experiment {
 /// Trajectories of the models whose motion is drawn.
 const PORTRAYED: usize = 32;
 
+/// A model's name in the tables; that of a baseline says its integrator.
+fn label(case: &Case) -> String {
+    let name = option_name(&case.model);
+    if case.model.is_discrete() { format!("{name}, order {}", case.order) } else { name }
+}
+
 fn record(case: &Case, row: &Outcome, floor: [f64; 6]) -> Result<Record, serde_json::Error> {
     let published = published(case);
     let names = ["test", "integration", "… median", "… 100 steps", "energy", "inertia"];
@@ -113,8 +123,8 @@ fn record(case: &Case, row: &Outcome, floor: [f64; 6]) -> Result<Record, serde_j
     Ok(Record {
         table: case.mechanism.name().to_owned(),
         subject: vec![("trajectories".to_owned(), case.trajectories.to_string())],
-        model: format!("{}, order {}", option_name(&case.model), case.order),
-        is_ours: true,
+        model: label(case),
+        is_ours: case.model.is_discrete(),
         parameters: row.parameters,
         paper_parameters: published.map(|published| published.parameters),
         seed: row.seed,

@@ -162,6 +162,8 @@ fn push_terms<const N: usize>(
 
 /// One sample after the other, as their steps take as many iterations as each needs.
 impl<F: Family<N>, const N: usize> GroupLoss<F, N> for RodsLoss {
+    type Residual = [f64; N];
+
     fn kinds(&self) -> &'static [TermKind] {
         if self.middle() == 1 { &[TermKind::Along; 3] } else { &[TermKind::Along; 19] }
     }

@@ -1,0 +1,417 @@
+//! NODE: a plain network from the state and the control to the acceleration, learned through the steps that it is run with.
+
+use super::mlp::{MAX_WIDTH, scale};
+use crate::architecture::random_layers;
+use crate::runge_kutta::{RungeKutta, Stage, State};
+use crate::training::{ChunkRows, Failed, Objective, Residuals, Samples, Steps};
+use leastaction_core::energy::rigid::{Coordinate, feature_count};
+use leastaction_core::model::ModelError;
+use leastaction_core::network::{Activation, Jet, Mlp as Network, Tape};
+use leastaction_core::scalar::{LANES, Lanes, Scalar};
+use std::ops::Range;
+
+/// Hidden layers at most.
+const DEPTH: usize = 2;
+/// Coordinates at most.
+const MAX_COORDINATES: usize = 4;
+
+/// v̇ = αN(s(q), v/ν, u/μ) with tanh layers; s(q) are the translations and the cosine and sine of the angles, coordinate by
+/// coordinate, and u the control of the one coordinate that has it.
+///
+/// SyMo's authors feed velocities and the control as they are (α = ν = μ = 1) and cyclic coordinates too.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// What each coordinate is.
+    coordinates: Vec<Coordinate>,
+    /// Units of the hidden layers.
+    widths: Vec<usize>,
+    /// The coordinate that the control acts on.
+    actuated: usize,
+    /// α, m/s² or rad/s².
+    acceleration: f64,
+    /// ν, m/s or rad/s.
+    velocity: f64,
+    /// μ, N or N m.
+    control: f64,
+}
+
+/// A feature of a coordinate and its derivative.
+struct Feature<S> {
+    coordinate: usize,
+    value: S,
+    slope: S,
+}
+
+type Jets<S> = Vec<Jet<S, 0>>;
+
+impl Node {
+    /// Hidden layers of these units, α = ν = μ = 1; `actuated` is the coordinate with the control.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] for more coordinates, layers or units than are compiled, or fewer coordinates than `actuated` needs.
+    pub fn new(coordinates: &[Coordinate], widths: &[usize], actuated: usize) -> Result<Self, ModelError> {
+        let shape = |what, found, compiled| Err(ModelError::Shape { what, found, compiled });
+        let width = widths.iter().copied().max().unwrap_or(0);
+        match coordinates.len() {
+            n if n <= actuated || n > MAX_COORDINATES => shape("coordinates", n, MAX_COORDINATES),
+            _ if widths.len() > DEPTH => shape("hidden layers", widths.len(), DEPTH),
+            _ if width > MAX_WIDTH => shape("units in a hidden layer", width, MAX_WIDTH),
+            _ => Ok(Self {
+                coordinates: coordinates.to_vec(),
+                widths: widths.to_vec(),
+                actuated,
+                acceleration: 1.0,
+                velocity: 1.0,
+                control: 1.0,
+            }),
+        }
+    }
+
+    /// The same with root mean squares of these steps as ν and μ, and that of (v₊ − v)/h as α.
+    #[must_use]
+    pub fn scaled_to(self, samples: &Samples) -> Self {
+        let [_, v, _] = &samples.states;
+        let rates = samples.next_velocities.iter().zip(v).map(|(after, before)| (after - before) / samples.h);
+        let controls = samples.controls[0].chunks_exact(self.n()).map(|u| u[self.actuated]);
+        Self {
+            acceleration: scale(&rates.collect::<Vec<_>>()),
+            velocity: scale(v),
+            control: scale(&controls.collect::<Vec<_>>()),
+            ..self
+        }
+    }
+
+    /// Coordinates.
+    pub fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> usize {
+        self.layers().windows(2).map(|pair| (pair[0] + 1) * pair[1]).sum()
+    }
+
+    /// Random weights.
+    pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        random_layers(self.layers().windows(2).map(|pair| (pair[0], pair[1])), seed)
+    }
+
+    /// The mean squared error of position and velocity after a step, over [`Samples::next_states`].
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] for samples of other coordinates.
+    pub fn objective(&self, samples: Samples, method: RungeKutta) -> Result<Box<dyn Objective>, ModelError> {
+        let (node, n) = (self.clone(), self.n());
+        if samples.n != n {
+            return Err(ModelError::Shape { what: "coordinates", found: samples.n, compiled: n });
+        }
+        Ok(match n {
+            1 => Box::new(NextState::<1> { node, samples, method }),
+            2 => Box::new(NextState::<2> { node, samples, method }),
+            3 => Box::new(NextState::<3> { node, samples, method }),
+            _ => Box::new(NextState::<MAX_COORDINATES> { node, samples, method }),
+        })
+    }
+
+    /// Writes v̇(q, v, u), m/s² or rad/s², u a force on every coordinate of which one is felt; `None` where a slice is too short.
+    pub fn acceleration(&self, weights: &[f64], [q, v, u]: [&[f64]; 3], out: &mut [f64]) -> Option<()> {
+        let network = self.network(weights).ok()?;
+        let inputs = self.inputs(q, v, *u.get(self.actuated)?);
+        let mut outputs: Jets<f64> = vec![Jet::zero(); self.n()];
+        network.evaluate::<_, 0, MAX_WIDTH>(&inputs, &mut outputs);
+        for (i, output) in outputs.iter().enumerate() {
+            *out.get_mut(i)? = self.acceleration * output.value;
+        }
+        Some(())
+    }
+
+    /// Inputs, units of the hidden layers, outputs.
+    fn layers(&self) -> Vec<usize> {
+        let inputs = feature_count(&self.coordinates) + self.n() + 1;
+        std::iter::once(inputs).chain(self.widths.iter().copied()).chain([self.n()]).collect()
+    }
+
+    fn network<'w>(&self, mut weights: &'w [f64]) -> Result<Network<'w, f64, DEPTH>, Failed> {
+        let inputs = self.layers()[0];
+        Network::take(&mut weights, inputs, &self.widths, self.n(), Activation::Tanh).ok_or(Failed)
+    }
+
+    /// s(q).
+    fn features<S: Scalar>(&self, q: &[S]) -> Vec<Feature<S>> {
+        let of = |(coordinate, (kind, q)): (usize, (&Coordinate, &S))| match kind {
+            Coordinate::Translation => vec![Feature { coordinate, value: *q, slope: S::one() }],
+            Coordinate::Angle => {
+                let (sin, cos) = q.sin_cos();
+                let feature = |value, slope| Feature { coordinate, value, slope };
+                vec![feature(cos, -sin), feature(sin, cos)]
+            }
+            Coordinate::Cyclic => Vec::new(),
+        };
+        self.coordinates.iter().zip(q).enumerate().flat_map(of).collect()
+    }
+
+    fn inputs<S: Scalar>(&self, q: &[S], v: &[S], u: S) -> Jets<S> {
+        let features = self.features(q).into_iter().map(|feature| feature.value);
+        let velocities = v.iter().map(|v| *v / S::constant(self.velocity));
+        features.chain(velocities).chain([u / S::constant(self.control)]).map(Jet::constant).collect()
+    }
+}
+
+/// The squared error of the next state.
+struct NextState<const N: usize> {
+    node: Node,
+    samples: Samples,
+    method: RungeKutta,
+}
+
+/// What a stage leaves for its adjoint.
+struct Trace {
+    inputs: Jets<Lanes>,
+    tape: Tape<Lanes, 0, MAX_WIDTH, DEPTH>,
+}
+
+impl<const N: usize> NextState<N> {
+    /// v̇ of eight samples.
+    fn outputs(&self, outputs: &[Jet<Lanes, 0>]) -> [Lanes; N] {
+        let scale = Lanes::constant(self.node.acceleration);
+        std::array::from_fn(|i| scale * outputs[i].value)
+    }
+
+    fn errors(&self, network: &Network<f64, DEPTH>, steps: &Steps<N>) -> State<Lanes, N> {
+        let u = steps.control[self.node.actuated];
+        let mut outputs = [Jet::zero(); N];
+        let Ok(stages) = self.method.stages(self.samples.h, &steps.start, |q, v| {
+            network.evaluate::<_, 0, MAX_WIDTH>(&self.node.inputs(q, v, u), &mut outputs);
+            Ok::<_, std::convert::Infallible>(self.outputs(&outputs))
+        });
+        steps.errors(&self.method.end(self.samples.h, &steps.start, &stages))
+    }
+
+    /// The stages of eight steps, and what leads back through them.
+    fn traced(&self, network: &Network<f64, DEPTH>, steps: &Steps<N>) -> (Vec<Stage<Lanes, N>>, Vec<Trace>) {
+        let u = steps.control[self.node.actuated];
+        let mut traces = Vec::new();
+        let Ok(stages) = self.method.stages(self.samples.h, &steps.start, |q, v| {
+            let mut trace = Trace { inputs: self.node.inputs(q, v, u), tape: Tape::default() };
+            let mut outputs = [Jet::zero(); N];
+            network.forward(&trace.inputs, &mut trace.tape, &mut outputs);
+            traces.push(trace);
+            Ok::<_, std::convert::Infallible>(self.outputs(&outputs))
+        });
+        (stages, traces)
+    }
+
+    /// (y·∂v̇/∂q, y·∂v̇/∂v) of a stage; adds y·∂v̇/∂θ.
+    fn pull(
+        &self,
+        network: &Network<f64, DEPTH>,
+        (stage, trace): (&Stage<Lanes, N>, &Trace),
+        y: &[Lanes; N],
+        gradient: &mut [Lanes],
+    ) -> State<Lanes, N> {
+        let y_bar = y.map(|y| Jet::constant(Lanes::constant(self.node.acceleration) * y));
+        let mut x_bar = vec![Jet::zero(); trace.inputs.len()];
+        let mut start = network.len();
+        network.adjoint_with_layers(
+            &trace.tape,
+            (&trace.inputs, &mut x_bar),
+            &y_bar,
+            |layer, inputs, outputs| {
+                start -= layer.len();
+                layer.series_gradient(inputs, outputs, |position, g| gradient[start + position] += g);
+            },
+        );
+        let features = self.node.features(&stage.state[0]);
+        let mut q_bar = [Lanes::zero(); N];
+        for (feature, bar) in features.iter().zip(&x_bar) {
+            q_bar[feature.coordinate] += feature.slope * bar.value;
+        }
+        let velocity = Lanes::constant(self.node.velocity);
+        [q_bar, std::array::from_fn(|i| x_bar[features.len() + i].value / velocity)]
+    }
+}
+
+impl<const N: usize> Residuals for NextState<N> {
+    fn parameters(&self) -> usize {
+        self.node.parameters()
+    }
+
+    fn samples(&self) -> usize {
+        self.samples.len()
+    }
+
+    fn components(&self) -> usize {
+        2 * N
+    }
+
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let network = self.node.network(weights)?;
+        let mut sum = 0.0;
+        for start in samples.clone().step_by(LANES) {
+            let errors = self.errors(&network, &Steps::from_samples(&self.samples, start, &samples));
+            for error in errors.as_flattened() {
+                sum += error.0.iter().take(samples.end - start).map(|r| r * r).sum::<f64>();
+            }
+        }
+        Ok(sum)
+    }
+
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let network = self.node.network(weights)?;
+        let (count, h) = (samples.len(), self.samples.h);
+        rows.reset(count * 2 * N, weights.len());
+        for start in samples.clone().step_by(LANES) {
+            let steps = Steps::from_samples(&self.samples, start, &samples);
+            let (stages, traces) = self.traced(&network, &steps);
+            let errors = steps.errors(&self.method.end(h, &steps.start, &stages));
+            let own = (samples.end - start).min(LANES);
+            for (component, error) in errors.as_flattened().iter().enumerate() {
+                let row = component * count + start - samples.start;
+                rows.residual[row..row + own].copy_from_slice(&error.0[..own]);
+                let mut end_bar = [[Lanes::zero(); N]; 2];
+                end_bar.as_flattened_mut()[component] = Lanes::one();
+                rows.reset_buffer(weights.len());
+                let buffer = &mut rows.buffer;
+                self.method
+                    .adjoint(h, &end_bar, |k, y| self.pull(&network, (&stages[k], &traces[k]), y, buffer));
+                rows.store(row, own);
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ground_truth::{Mechanism, Settings, generate};
+    use crate::training::Levenberg;
+    use leastaction_core::linear::add_scaled;
+    use rand::RngExt;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64;
+
+    const H: f64 = 0.1;
+    /// No number of lanes divides it.
+    const STEPS: usize = 11;
+
+    fn node() -> Node {
+        let coordinates = [Coordinate::Cyclic, Coordinate::Translation, Coordinate::Angle];
+        Node::new(&coordinates, &[5, 4], 1).unwrap().scaled_to(&samples())
+    }
+
+    /// Of a cyclic coordinate, a length and an angle.
+    fn samples() -> Samples {
+        let mut stream = Pcg64::seed_from_u64(3);
+        let mut numbers =
+            |range: f64| (0..3 * STEPS).map(|_| stream.random_range(-range..range)).collect::<Vec<f64>>();
+        Samples {
+            n: 3,
+            h: H,
+            states: [3.0, 2.0, 3.0].map(&mut numbers),
+            next_velocities: numbers(2.5),
+            controls: [1.0, 4.0, 2.0].map(&mut numbers),
+        }
+    }
+
+    /// The errors of all samples, by the accelerations of one sample.
+    fn errors(node: &Node, weights: &[f64], samples: &Samples, method: RungeKutta) -> Vec<f64> {
+        let row = |x: &[f64], k: usize| [x[3 * k], x[3 * k + 1], x[3 * k + 2]];
+        let mut errors = Vec::new();
+        for k in 0..STEPS {
+            let ([q, v, q_after], u) =
+                (samples.states.each_ref().map(|x| row(x, k)), row(&samples.controls[0], k));
+            let stages = method.stages(H, &[q, v], |q, v| {
+                let mut out = [0.0; 3];
+                node.acceleration(weights, [q, v, &u], &mut out).map(|()| out).ok_or(Failed)
+            });
+            let end = method.end(H, &[q, v], &stages.unwrap());
+            errors.extend(add_scaled(&end[0], -1.0, &q_after));
+            errors.extend(add_scaled(&end[1], -1.0, &row(&samples.next_velocities, k)));
+        }
+        errors
+    }
+
+    #[test]
+    fn accelerations_are_those_of_plain_loops() {
+        let node = Node {
+            acceleration: 3.0,
+            velocity: 2.0,
+            control: 0.5,
+            ..Node::new(&[Coordinate::Angle], &[2], 0).unwrap()
+        };
+        let weights: Vec<f64> = (0..node.parameters()).map(|k| 0.1 + 0.2 * k as f64).collect();
+        assert_eq!(weights.len(), 4 * 2 + 2 + 2 + 1);
+        let (x, mut expected) = ([0.6_f64.cos(), 0.6_f64.sin(), 1.4 / 2.0, 0.3 / 0.5], weights[12]);
+        for i in 0..2 {
+            let weight = |j: usize| weights[leastaction_core::network::Dense::<f64>::position(4, 2, i, j)];
+            let z = (0..4).map(|j| weight(j) * x[j]).sum::<f64>() + weights[8 + i];
+            expected += weights[10 + i] * z.tanh();
+        }
+        let mut out = [0.0];
+        node.acceleration(&weights, [&[0.6], &[1.4], &[0.3]], &mut out).unwrap();
+        assert!((out[0] - 3.0 * expected).abs() < 1e-13, "{} {}", out[0], 3.0 * expected);
+    }
+
+    #[test]
+    fn loss_and_normal_equations_are_those_of_differences() {
+        let (node, samples) = (node(), samples());
+        let weights = node.initial_weights(1);
+        for method in [RungeKutta::Midpoint, RungeKutta::ThreeEighths] {
+            let objective = node.objective(samples.clone(), method).unwrap();
+            let plain = |weights: &[f64]| errors(&node, weights, &samples, method);
+            let r = plain(&weights);
+            let column = |j: usize| -> Vec<f64> {
+                let moved = |h: f64| {
+                    let mut moved = weights.clone();
+                    moved[j] += h;
+                    plain(&moved)
+                };
+                moved(1e-5).iter().zip(moved(-1e-5)).map(|(a, b)| (a - b) / 2e-5).collect()
+            };
+            let columns: Vec<Vec<f64>> = (0..weights.len()).map(column).collect();
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let close = |found: f64, expected: f64| {
+                assert!((found - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{found} {expected}");
+            };
+            close(objective.loss(&weights), dot(&r, &r) / r.len() as f64);
+            let equations = objective.normal_equations(&weights).unwrap();
+            close(equations.mean_square(), objective.loss(&weights));
+            for (i, column) in columns.iter().enumerate() {
+                close(equations.gradient[i], dot(column, &r));
+                for (j, other) in columns.iter().enumerate().take(i + 1) {
+                    close(equations.gram[(i, j)], dot(column, other));
+                }
+            }
+            assert_eq!(objective.gradient(&weights, 0..STEPS).unwrap().gradient, equations.gradient);
+        }
+    }
+
+    #[test]
+    fn a_pendulum_is_learned() {
+        let data = generate(&Settings::symo(Mechanism::Pendulum, 8, 1)).unwrap();
+        let samples = Samples::next_states(&data).unwrap();
+        let node = Node::new(&[Coordinate::Angle], &[12], 0).unwrap().scaled_to(&samples);
+        for method in [RungeKutta::Midpoint, RungeKutta::ThreeEighths] {
+            let objective = node.objective(samples.clone(), method).unwrap();
+            let start = node.initial_weights(1);
+            let before = objective.loss(&start);
+            let levenberg = Levenberg::new(&*objective, start).run(&*objective, 30, |_, _| ());
+            assert!(levenberg.loss < 1e-3 * before, "{method:?}: {before:e} to {:e}", levenberg.loss);
+        }
+    }
+
+    #[test]
+    fn what_is_not_compiled_is_refused() {
+        let shape = |error| matches!(error, Err(ModelError::Shape { .. }));
+        assert!(
+            shape(Node::new(&[Coordinate::Angle; 5], &[3], 0))
+                && shape(Node::new(&[Coordinate::Angle], &[3], 1))
+        );
+        assert!(
+            shape(Node::new(&[Coordinate::Angle], &[3; 3], 0))
+                && shape(Node::new(&[Coordinate::Angle], &[257], 0))
+        );
+        assert!(node().objective(Samples { n: 1, ..samples() }, RungeKutta::Midpoint).is_err());
+    }
+}

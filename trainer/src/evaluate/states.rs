@@ -1,0 +1,147 @@
+//! Models that are stepped from states by an explicit Runge–Kutta method, in SyMo's measures on equal terms.
+
+use super::{mean_square_or_infinite, start_energy};
+use crate::data::{Dataset, Trajectory};
+use crate::parallel;
+use crate::runge_kutta::{RungeKutta, State};
+use leastaction_core::continuous::energy;
+use leastaction_core::energy::trigonometric::Trigonometric;
+
+/// A learned v̇(q, v, u), m/s² or rad/s², and how it is stepped: the control at the start of a step is held during it.
+pub struct Stepper<A> {
+    /// How.
+    pub method: RungeKutta,
+    /// `None` where it does not exist.
+    pub acceleration: A,
+}
+
+impl<A> Stepper<A> {
+    /// The state after a step; `None` where an acceleration does not exist.
+    fn step<const N: usize>(&self, h: f64, state: &State<f64, N>, u: &[f64; N]) -> Option<State<f64, N>>
+    where
+        A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
+    {
+        let acceleration = |q: &[f64; N], v: &[f64; N]| (self.acceleration)(q, v, u).ok_or(());
+        let stages = self.method.stages(h, state, acceleration).ok()?;
+        Some(self.method.end(h, state, &stages))
+    }
+
+    /// States that free or forced steps from the second of each trajectory give, (q, v) each, after the first two as logged: as
+    /// many steps as a model makes that starts from two positions.
+    ///
+    /// Where a step fails, or the log has no velocities, the rest of the trajectory is not a number.
+    pub fn rollout<const N: usize>(&self, data: &Dataset) -> Vec<Vec<State<f64, N>>>
+    where
+        A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]> + Sync,
+    {
+        parallel::map(data.trajectories.len(), &|k| self.run(data.h, &data.trajectories[k]))
+    }
+
+    fn run<const N: usize>(&self, h: f64, trajectory: &Trajectory) -> Vec<State<f64, N>>
+    where
+        A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
+    {
+        let lost = [[f64::NAN; N]; 2];
+        let mut states: Vec<_> = (0..2).map(|k| logged(trajectory, k).unwrap_or(lost)).collect();
+        for k in 1..trajectory.samples() - 1 {
+            states.push(self.step(h, &states[k], &control(trajectory, k)).unwrap_or(lost));
+        }
+        states
+    }
+
+    /// Mean squared error of the position one step ahead of logged states, from the second of each trajectory on: the positions
+    /// that a model predicts which starts from two of them.
+    pub fn one_step_mse<const N: usize>(&self, data: &Dataset) -> f64
+    where
+        A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
+    {
+        let steps = data.trajectories.iter().flat_map(|t| (1..t.samples() - 1).map(move |k| (t, k)));
+        let errors = steps.flat_map(|(trajectory, k)| {
+            let next = logged(trajectory, k)
+                .and_then(|state| self.step::<N>(data.h, &state, &control(trajectory, k)));
+            let [q, _] = next.unwrap_or([[f64::NAN; N]; 2]);
+            let exact: [f64; N] = row(&trajectory.q[k + 1]);
+            std::array::from_fn::<f64, N, _>(|i| q[i] - exact[i])
+        });
+        mean_square_or_infinite(&errors.collect::<Vec<_>>())
+    }
+}
+
+fn row<const N: usize>(x: &[f64]) -> [f64; N] {
+    std::array::from_fn(|i| x[i])
+}
+
+fn logged<const N: usize>(trajectory: &Trajectory, k: usize) -> Option<State<f64, N>> {
+    Some([row(&trajectory.q[k]), row(&trajectory.v.as_ref()?[k])])
+}
+
+fn control<const N: usize>(trajectory: &Trajectory, k: usize) -> [f64; N] {
+    trajectory.u.as_ref().map_or([0.0; N], |u| row(&u[k]))
+}
+
+/// The positions of rollouts, \[samples\]\[n\], flat.
+pub fn positions<const N: usize>(runs: &[Vec<State<f64, N>>]) -> Vec<Vec<f64>> {
+    runs.iter().map(|run| run.iter().flat_map(|[q, _]| *q).collect()).collect()
+}
+
+/// Mean squared difference of the true energy at the states of rollouts, after the first two, from the true energy at the start.
+pub fn state_energy_mse<const N: usize>(
+    exact: &Trigonometric<N>,
+    runs: &[Vec<State<f64, N>>],
+    data: &Dataset,
+) -> f64 {
+    let pairs = runs.iter().zip(&data.trajectories);
+    let errors = pairs.flat_map(|(run, trajectory)| {
+        let start = start_energy(exact, trajectory, data.h);
+        run.iter().skip(2).map(move |[q, v]| energy(exact, q, v) - start)
+    });
+    mean_square_or_infinite(&errors.collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::integration_errors;
+    use crate::ground_truth::{Mechanism, Settings, generate};
+    use leastaction_core::continuous::acceleration;
+    use leastaction_core::energy::trigonometric::CARTPOLE;
+    use leastaction_core::forces::System;
+
+    type Two = [f64; 2];
+
+    fn stepper(method: RungeKutta) -> Stepper<impl Fn(&Two, &Two, &Two) -> Option<Two> + Sync> {
+        let exact = |q: &Two, v: &Two, u: &Two| acceleration(&System::conservative(CARTPOLE), q, v, u).ok();
+        Stepper { method, acceleration: exact }
+    }
+
+    #[test]
+    fn exact_accelerations_are_off_by_the_method_alone() {
+        let mut data = generate(&Settings::symo(Mechanism::Cartpole, 8, 3)).unwrap();
+        let [fine, coarse] = [RungeKutta::ThreeEighths, RungeKutta::Midpoint].map(|method| {
+            let stepper = stepper(method);
+            let runs = stepper.rollout::<2>(&data);
+            let integration = integration_errors(&positions(&runs), &data).mean;
+            [stepper.one_step_mse(&data), integration, state_energy_mse(&CARTPOLE, &runs, &data)]
+        });
+        assert!(fine[0] < 1e-10 && fine[1] < 1e-6, "{fine:?}");
+        assert!(coarse[0] > 100.0 * fine[0] && coarse[1] > 100.0 * fine[1], "{fine:?} {coarse:?}");
+        // The control works on the cart: a constant energy would be wrong.
+        assert!(fine[2] > 1e-3 && fine[2].is_finite());
+        let free = Settings { control: false, ..Settings::symo(Mechanism::Cartpole, 8, 3) };
+        data = generate(&free).unwrap();
+        let runs = stepper(RungeKutta::ThreeEighths).rollout::<2>(&data);
+        assert!(state_energy_mse(&CARTPOLE, &runs, &data) < 1e-6);
+    }
+
+    #[test]
+    fn what_cannot_be_stepped_is_infinitely_wrong() {
+        let mut data = generate(&Settings::symo(Mechanism::Cartpole, 2, 3)).unwrap();
+        data.trajectories[1].v = None;
+        let stepper = stepper(RungeKutta::Midpoint);
+        let runs = stepper.rollout::<2>(&data);
+        let finite =
+            |run: &Vec<State<f64, 2>>| run.as_flattened().as_flattened().iter().all(|x| x.is_finite());
+        assert_eq!(runs.iter().map(finite).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(stepper.one_step_mse::<2>(&data), f64::INFINITY);
+    }
+}
