@@ -28,9 +28,10 @@ fn main() {
         order: 4,
         trajectories: 32,
         seed: 0,
+        noise: 0.0,
         most_iterations: usize::MAX,
     };
-    let set = symo_set(case.mechanism, 0).expect("the motion can be followed");
+    let set = symo_set(case.mechanism, 0, 0.0).expect("the motion can be followed");
     let recipe = case.recipe();
     let samples = Samples::triples(&set.train.truncated(case.trajectories)).shuffled(case.seed);
     let build = |kind, order| {

@@ -149,7 +149,7 @@ impl Generate {
     }
 
     fn write_symo(&self, mechanism: Mechanism) -> Result<Size, Failure> {
-        let set = symo_set(mechanism, self.seed).map_err(failed)?;
+        let set = symo_set(mechanism, self.seed, 0.0).map_err(failed)?;
         symo::write(&self.output, &set, mechanism.actuated()).map_err(written)?;
         let parts = [&set.train, &set.test, &set.integration];
         let trajectories = parts.iter().map(|part| part.trajectories.len()).sum();

@@ -54,12 +54,12 @@ pub fn generate(settings: &Settings) -> Result<Dataset, IntegrationError> {
 }
 
 /// The data of SyMo's experiments: 128 training and 128 test trajectories of 34 states, and 16 free ones of 502 states
-/// for long integration.
+/// for long integration; noise of this standard deviation on the states of the first two sets.
 ///
 /// # Errors
 /// Where the motion cannot be followed.
-pub fn symo_set(mechanism: Mechanism, seed: u64) -> Result<SymoSet, IntegrationError> {
-    let both = generate(&Settings::symo(mechanism, 256, seed))?;
+pub fn symo_set(mechanism: Mechanism, seed: u64, noise: f64) -> Result<SymoSet, IntegrationError> {
+    let both = generate(&Settings { noise, ..Settings::symo(mechanism, 256, seed) })?;
     let (train, test) = both.split(128);
     let free =
         Settings { samples: 502, control: false, ..Settings::symo(mechanism, 16, seed.wrapping_add(1)) };

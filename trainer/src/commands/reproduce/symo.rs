@@ -2,13 +2,13 @@
 
 use super::selection::Selection;
 use crate::commands::Done;
-use crate::commands::arguments::order;
+use crate::commands::arguments::{order, positive};
 use crate::commands::output::{Failure, Output};
 use clap::{Args, ValueEnum};
 use leastaction::data::symo;
 use leastaction::ground_truth::Mechanism;
 use leastaction::reproduce::SYMO;
-use leastaction::reproduce::symo::{Case, Model, SymoData, tasks};
+use leastaction::reproduce::symo::{Case, Model, NOISE, SymoData, tasks};
 use leastaction::reproduce::task::Task;
 use std::path::PathBuf;
 
@@ -33,6 +33,10 @@ pub struct Symo {
     /// Only this many training trajectories.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=TRAJECTORIES))]
     trajectories: Option<u32>,
+    /// Standard deviation of the noise on the training and the test set. Without any choice, the pendulum from 32 trajectories is
+    /// also learned with 0.01, 0.05 and 0.1.
+    #[arg(long, value_name = "SIGMA", value_parser = positive, conflicts_with = "data")]
+    noise: Option<f64>,
     /// A data set in the layout of the SyMo authors (train_x, test_x, int_x, …) instead of a generated one; needs --system.
     #[arg(long, value_name = "FILE", requires = "system")]
     data: Option<PathBuf>,
@@ -68,10 +72,15 @@ impl Symo {
 
     fn tasks(&self, mechanism: Mechanism) -> Result<Vec<Box<dyn Task>>, Failure> {
         let Some(file) = &self.data else {
-            let of_seed = |seed| {
-                tasks(&self.cases(mechanism, seed), &SymoData::generated(mechanism, seed), &self.arguments())
+            let all = self
+                .selection
+                .seeds()
+                .flat_map(|seed| self.noises(mechanism).into_iter().map(move |noise| (seed, noise)));
+            let of_data = |(seed, noise)| {
+                let data = SymoData::generated(mechanism, seed, noise);
+                tasks(&self.cases(mechanism, seed, noise), &data, &self.arguments())
             };
-            return Ok(self.selection.seeds().flat_map(of_seed).collect());
+            return Ok(all.flat_map(of_data).collect());
         };
         let set = symo::read(file, mechanism.step(), mechanism.actuated())
             .map_err(|error| Failure::Input(error.to_string()))?;
@@ -84,14 +93,28 @@ impl Symo {
         }
         let data = SymoData::read(mechanism, file.display().to_string(), set);
         let mut cases: Vec<Case> =
-            self.selection.seeds().flat_map(|seed| self.cases(mechanism, seed)).collect();
+            self.selection.seeds().flat_map(|seed| self.cases(mechanism, seed, 0.0)).collect();
         cases.retain(|case| case.trajectories <= available);
         Ok(tasks(&cases, &data, &self.arguments()))
     }
 
-    fn cases(&self, mechanism: Mechanism, seed: u64) -> Vec<Case> {
+    /// Those that are chosen, or none and the authors' of their study of the pendulum.
+    fn noises(&self, mechanism: Mechanism) -> Vec<f64> {
+        let is_chosen = self.model.is_some() || self.order.is_some() || self.trajectories.is_some();
+        match self.noise {
+            Some(noise) => vec![noise],
+            None if mechanism == Mechanism::Pendulum && !is_chosen => [vec![0.0], NOISE.to_vec()].concat(),
+            None => vec![0.0],
+        }
+    }
+
+    fn cases(&self, mechanism: Mechanism, seed: u64, noise: f64) -> Vec<Case> {
         let quick = self.selection.quick;
-        let all: &[usize] = if quick { &[8, 32] } else { &[8, 16, 32, 64, 128] };
+        let all: &[usize] = match (noise > 0.0, quick) {
+            (true, _) => &[32],
+            (false, true) => &[8, 32],
+            (false, false) => &[8, 16, 32, 64, 128],
+        };
         let sizes = self.trajectories.map_or_else(|| all.to_vec(), |only| vec![only as usize]);
         let models = self.model.map_or_else(|| Model::value_variants().to_vec(), |only| vec![only]);
         let is_wanted = |order: &&u8| self.order.is_none_or(|only| only == **order);
@@ -101,7 +124,7 @@ impl Symo {
             for model in &models {
                 for order in model.orders().iter().filter(is_wanted) {
                     let (model, order) = (*model, *order);
-                    cases.push(Case { mechanism, model, order, trajectories, seed, most_iterations });
+                    cases.push(Case { mechanism, model, order, trajectories, seed, noise, most_iterations });
                 }
             }
         }

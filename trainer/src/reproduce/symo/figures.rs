@@ -13,7 +13,8 @@ use std::path::Path;
 pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
     let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
     let mut drawn = Vec::new();
-    for table in distinct(records.iter().map(|record| record.table.as_str())) {
+    let is_exact = |table: &&str| !table.ends_with("noisy");
+    for table in distinct(records.iter().map(|record| record.table.as_str())).into_iter().filter(is_exact) {
         let rows: Vec<&Record> = records.iter().filter(|record| record.table == table).copied().collect();
         for (k, (name, label)) in MEASURES.into_iter().enumerate() {
             let file = format!("{table}-{name}.svg");

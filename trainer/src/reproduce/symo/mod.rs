@@ -8,7 +8,7 @@ mod published;
 mod states;
 mod task;
 
-pub use published::{Published, published};
+pub use published::{NOISE, Published, published};
 pub use states::CaseError;
 pub use task::{SymoData, overview, tasks};
 
@@ -68,6 +68,8 @@ pub struct Case {
     pub trajectories: usize,
     /// Of the initial weights.
     pub seed: u64,
+    /// Standard deviation of the noise on the states of the training and of the test set, rad or m and per second.
+    pub noise: f64,
     /// Iterations of the recipe at most.
     pub most_iterations: usize,
 }

@@ -19,23 +19,25 @@ pub struct SymoData {
     set: Arc<OnceLock<Result<SymoSet, IntegrationError>>>,
     mechanism: Mechanism,
     seed: u64,
+    noise: f64,
     /// Where it was read from.
     file: Option<String>,
 }
 
 impl SymoData {
-    /// By our own generator.
-    pub fn generated(mechanism: Mechanism, seed: u64) -> Self {
-        Self { set: Arc::default(), mechanism, seed, file: None }
+    /// By our own generator, with noise on the training and the test set.
+    pub fn generated(mechanism: Mechanism, seed: u64, noise: f64) -> Self {
+        Self { set: Arc::default(), mechanism, seed, noise, file: None }
     }
 
     /// What was read from a file.
     pub fn read(mechanism: Mechanism, file: String, set: SymoSet) -> Self {
-        Self { set: Arc::new(Ok(set).into()), mechanism, seed: 0, file: Some(file) }
+        Self { set: Arc::new(Ok(set).into()), mechanism, seed: 0, noise: 0.0, file: Some(file) }
     }
 
     fn get(&self) -> Result<&SymoSet, IntegrationError> {
-        self.set.get_or_init(|| symo_set(self.mechanism, self.seed)).as_ref().map_err(Clone::clone)
+        let generate = || symo_set(self.mechanism, self.seed, self.noise);
+        self.set.get_or_init(generate).as_ref().map_err(Clone::clone)
     }
 }
 
@@ -58,19 +60,26 @@ pub fn tasks(cases: &[Case], data: &SymoData, arguments: &str) -> Vec<Box<dyn Ta
 
 impl Task for Experiment {
     fn name(&self) -> String {
-        let Case { mechanism, model, order, trajectories, seed, .. } = &self.case;
-        format!("{}-{}-{order}-{trajectories}-{seed}", mechanism.name(), option_name(model))
+        let Case { mechanism, model, order, trajectories, seed, noise, .. } = &self.case;
+        let noise = if *noise > 0.0 { format!("-noise-{noise}") } else { String::new() };
+        format!("{}-{}-{order}-{trajectories}{noise}-{seed}", mechanism.name(), option_name(model))
     }
 
     fn command(&self) -> String {
-        let Case { mechanism, model, order, trajectories, seed, .. } = &self.case;
+        let Case { mechanism, model, order, trajectories, seed, noise, .. } = &self.case;
+        let noise = if *noise > 0.0 { format!(" --noise {noise}") } else { String::new() };
         let (system, model) = (mechanism.name(), option_name(model));
         let case = format!("--system {system} --model {model} --order {order} --trajectories {trajectories}");
-        format!("leastaction reproduce symo {case} --seed {seed}{}", self.arguments)
+        format!("leastaction reproduce symo {case}{noise} --seed {seed}{}", self.arguments)
     }
 
     fn data(&self) -> String {
-        let generated = || format!("exact motion of our own generator, seed {}", self.data.seed);
+        let noise = if self.data.noise > 0.0 {
+            format!(", with noise of {}", self.data.noise)
+        } else {
+            String::new()
+        };
+        let generated = || format!("exact motion of our own generator, seed {}{noise}", self.data.seed);
         self.data.file.clone().unwrap_or_else(generated)
     }
 
@@ -98,7 +107,7 @@ impl Task for Experiment {
         let (clock, recipe) = (Instant::now(), case.recipe());
         let weights = case.train(&recipe, set, watch)?;
         let outcome = case.outcome(&recipe.architecture, &weights, set, clock.elapsed().as_secs_f64())?;
-        let drawn = pictures.filter(|_| case.trajectories == PORTRAYED);
+        let drawn = pictures.filter(|_| case.trajectories == PORTRAYED && case.noise == 0.0);
         let drawn =
             drawn.map(|folder| portrait::draw(folder, &self.name(), case, (&recipe.architecture, &weights)));
         let record = record(case, &outcome, floor(case.mechanism, case.order, set))?;
@@ -116,13 +125,16 @@ fn label(case: &Case) -> String {
 }
 
 fn record(case: &Case, row: &Outcome, floor: [f64; 6]) -> Result<Record, serde_json::Error> {
-    let published = published(case);
+    let (published, system) = (published(case), case.mechanism.name());
     let names = ["test", "integration", "… median", "… 100 steps", "energy", "inertia"];
     let paper = published.map_or([None; 6], |published| published.measures);
     let measures = names.into_iter().zip(row.measures()).zip(paper).zip(floor);
     Ok(Record {
-        table: case.mechanism.name().to_owned(),
-        subject: vec![("trajectories".to_owned(), case.trajectories.to_string())],
+        table: if case.noise > 0.0 { format!("{system}, noisy") } else { system.to_owned() },
+        subject: vec![
+            ("trajectories".to_owned(), case.trajectories.to_string()),
+            ("noise".to_owned(), case.noise.to_string()),
+        ],
         model: label(case),
         is_ours: case.model.is_discrete(),
         parameters: row.parameters,
