@@ -1,5 +1,6 @@
 //! `leastaction reproduce lgnn`.
 
+use super::compared::Compared;
 use super::selection::Selection;
 use crate::commands::Done;
 use crate::commands::output::Output;
@@ -11,6 +12,9 @@ use leastaction::reproduce::lgnn::{Case, Options, tasks};
 ///
 /// Runs every case that the options leave open and prints its errors beside those of the authors' program: geometric means of the
 /// rollout error and of the energy violation. Data and truth are exact motion. With -o also as a page with pictures.
+///
+/// The models that the paper compares with (GNS, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row that ran out of
+/// time, or diverged, says so.
 ///
 /// Example: leastaction reproduce lgnn --case pendulum --json
 #[derive(Args)]
@@ -27,6 +31,8 @@ pub struct Lgnn {
     /// No simple law (uniform field, polynomial of the squared distance, viscous drag) beside the networks.
     #[arg(long)]
     networks_alone: bool,
+    #[command(flatten)]
+    compared: Compared,
     #[command(flatten)]
     selection: Selection,
 }
@@ -45,7 +51,9 @@ impl Lgnn {
         };
         let cases: Vec<Case> =
             Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
-        let tasks = tasks(&cases, &options, self.selection.seeds as usize, &self.arguments());
+        let limits = self.compared.limits(self.selection.quick);
+        let seeds = self.selection.seeds as usize;
+        let tasks = tasks(&cases, (&options, limits), seeds, &self.arguments());
         self.selection.run(&LGNN, tasks, output)
     }
 
@@ -59,6 +67,7 @@ impl Lgnn {
             number("iterations", self.iterations),
             number("starts", self.starts),
             flag("networks-alone", self.networks_alone),
+            self.compared.arguments(),
             flag("quick", self.selection.quick),
         ]
         .concat()
