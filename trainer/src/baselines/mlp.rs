@@ -1,14 +1,14 @@
 //! A plain network from the state to the acceleration, which knows nothing of mechanics.
 
-use super::features::{count, first, group, inputs, squares};
+use super::features::{count, inputs};
+use super::regression::{Explicit, Regression};
 use super::{AccelerationModel, Follow, coordinates_fit};
 use crate::architecture::random_layers;
 use crate::evaluate::prediction::{Prediction, Truth};
-use crate::training::{ChunkRows, Failed, NormalEquations, Objective, Residuals, Samples};
+use crate::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp as Network, Tape};
 use leastaction_core::scalar::{LANES, Lanes};
-use std::ops::Range;
 
 /// Units of a hidden layer at most.
 pub const MAX_WIDTH: usize = 256;
@@ -82,6 +82,11 @@ impl Mlp {
         inputs(&self.coordinates, &state.into_iter().map(Jet::constant).collect::<Vec<_>>())
     }
 
+    /// α, in every lane.
+    fn alpha(&self) -> Lanes {
+        Lanes([self.acceleration; LANES])
+    }
+
     fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w, f64, DEPTH>> {
         let [(inputs, width), _, (_, outputs)] = self.layers();
         Network::take(&mut weights, inputs, &[width; DEPTH], outputs, Activation::Tanh)
@@ -105,7 +110,7 @@ impl AccelerationModel for Mlp {
         let [q, v, a] = samples.states;
         let states = q.chunks_exact(n).zip(v.chunks_exact(n));
         let inputs = states.flat_map(|(q, v)| self.inputs(q, v)).map(|x| x.value).collect();
-        Ok(Box::new(Regression { mlp: self.clone(), inputs, targets: a }))
+        Ok(Box::new(Regression { model: self.clone(), inputs, targets: a }))
     }
 
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
@@ -121,112 +126,45 @@ impl AccelerationModel for Mlp {
     }
 }
 
-/// The squared error of a network over fixed inputs.
-struct Regression {
-    mlp: Mlp,
-    /// \[samples\]\[inputs\], flat.
-    inputs: Vec<f64>,
-    /// \[samples\]\[outputs\], flat.
-    targets: Vec<f64>,
-}
+impl Explicit for Mlp {
+    type Trace = (Vec<Jet<Lanes, 0>>, Tape<Lanes, 0, MAX_WIDTH, DEPTH>);
 
-impl Regression {
-    fn network<'w>(&self, weights: &'w [f64]) -> Result<Network<'w, f64, DEPTH>, Failed> {
-        self.mlp.network(weights).ok_or(Failed)
-    }
-
-    fn inputs(&self, start: usize, end: usize) -> Vec<Jet<Lanes, 0>> {
-        let [(width, _), ..] = self.mlp.layers();
-        group(&self.inputs, width, start, end).into_iter().map(Jet::constant).collect()
-    }
-
-    /// α, in every lane.
-    fn acceleration(&self) -> Lanes {
-        Lanes([self.mlp.acceleration; LANES])
-    }
-
-    /// α times the outputs, less the targets.
-    fn errors(&self, outputs: &[Jet<Lanes, 0>], start: usize, end: usize) -> impl Iterator<Item = Lanes> {
-        let targets = group(&self.targets, self.mlp.n(), start, end);
-        outputs.iter().zip(targets).map(|(output, target)| self.acceleration() * output.value - target)
-    }
-}
-
-impl Residuals for Regression {
     fn parameters(&self) -> usize {
-        self.mlp.parameters()
+        self.parameters()
     }
 
-    fn samples(&self) -> usize {
-        self.targets.len() / self.mlp.n()
+    fn inputs(&self) -> usize {
+        count(&self.coordinates)
     }
 
-    fn components(&self) -> usize {
-        self.mlp.n()
+    fn outputs(&self) -> usize {
+        self.n()
     }
 
-    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        let network = self.network(weights)?;
-        let mut outputs = vec![Jet::zero(); self.mlp.n()];
-        let mut sum = 0.0;
-        for start in samples.clone().step_by(LANES) {
-            network.evaluate::<_, 0, MAX_WIDTH>(&self.inputs(start, samples.end), &mut outputs);
-            for error in self.errors(&outputs, start, samples.end) {
-                sum += squares(&error, samples.end - start);
-            }
-        }
-        Ok(sum)
-    }
-
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        let network = self.network(weights)?;
-        let (count, n) = (samples.len(), self.mlp.n());
-        rows.reset(count * n, weights.len());
-        let mut tape = Tape::<Lanes, 0, MAX_WIDTH, DEPTH>::default();
-        let mut outputs = vec![Jet::zero(); n];
-        for start in samples.clone().step_by(LANES) {
-            let inputs = self.inputs(start, samples.end);
-            network.forward(&inputs, &mut tape, &mut outputs);
-            let own = (samples.end - start).min(LANES);
-            let errors: Vec<Lanes> = self.errors(&outputs, start, samples.end).collect();
-            for (i, error) in errors.into_iter().enumerate() {
-                let row = i * count + start - samples.start;
-                rows.residual[row..row + own].copy_from_slice(&error.0[..own]);
-                outputs.fill(Jet::zero());
-                outputs[i] = Jet::constant(self.acceleration());
-                rows.buffer.fill(Lanes([0.0; LANES]));
-                gradient(&network, &tape, [&inputs, &outputs], &mut rows.buffer);
-                rows.store(row, own);
-            }
-        }
-        Ok(())
-    }
-
-    /// Without the Jacobian: one adjoint of all outputs, weighed by the residuals.
-    fn add_gradient(
+    fn forward(
         &self,
         weights: &[f64],
-        samples: Range<usize>,
-        rows: &mut ChunkRows,
-        sum: &mut NormalEquations,
-    ) -> Result<(), Failed> {
-        let network = self.network(weights)?;
-        rows.reset_buffer(weights.len());
-        let mut tape = Tape::<Lanes, 0, MAX_WIDTH, DEPTH>::default();
-        let mut outputs = vec![Jet::zero(); self.mlp.n()];
-        for start in samples.clone().step_by(LANES) {
-            let inputs = self.inputs(start, samples.end);
-            network.forward(&inputs, &mut tape, &mut outputs);
-            let errors: Vec<Lanes> = self.errors(&outputs, start, samples.end).collect();
-            for (output, error) in outputs.iter_mut().zip(errors) {
-                let error = first(&error, samples.end - start);
-                sum.squares += squares(&error, LANES);
-                *output = Jet::constant(self.acceleration() * error);
-            }
-            gradient(&network, &tape, [&inputs, &outputs], &mut rows.buffer);
-        }
-        sum.add_lanes(&rows.buffer, samples.len() * self.mlp.n());
-        Ok(())
+        x: Vec<Lanes>,
+        (inputs, tape): &mut Self::Trace,
+        y: &mut [Lanes],
+    ) -> Option<()> {
+        *inputs = x.into_iter().map(Jet::constant).collect();
+        let mut outputs = vec![Jet::zero(); self.n()];
+        self.network(weights)?.forward(inputs, tape, &mut outputs);
+        y.iter_mut().zip(outputs).for_each(|(y, output)| *y = self.alpha() * output.value);
+        Some(())
+    }
+
+    fn adjoint(
+        &self,
+        weights: &[f64],
+        (inputs, tape): &Self::Trace,
+        y_bar: &[Lanes],
+        row: &mut [Lanes],
+    ) -> Option<()> {
+        let y_bar: Vec<_> = y_bar.iter().map(|y| Jet::constant(self.alpha() * *y)).collect();
+        gradient(&self.network(weights)?, tape, [inputs, &y_bar], row);
+        Some(())
     }
 }
 

@@ -1,14 +1,19 @@
 //! What the papers compare with: models without the structure that is learned here, trained by the same optimisers on the
 //! same samples.
 
+mod cartesian_lnn;
 mod features;
+mod gns;
 mod hnn;
 mod lnn;
 mod mlp;
 mod node;
 #[cfg(test)]
 mod oracle;
+mod regression;
 
+pub use cartesian_lnn::CartesianLnn;
+pub use gns::{Gns, GnsShape};
 pub use hnn::{Hnn, MAX_WIDTH as MAX_HNN_WIDTH, Momenta};
 pub use lnn::{Lnn, LnnLagrangian, MAX_WIDTH as MAX_LNN_WIDTH};
 pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};

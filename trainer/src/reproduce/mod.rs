@@ -9,8 +9,10 @@ pub mod record;
 pub mod symo;
 pub mod table;
 pub mod task;
+mod training;
 
 pub use papers::{CHNN, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
+pub use training::{Ending, Limits, Recipe};
 
 /// A system with its number of elements: 2-pendulum.
 pub fn numbered(system: &str, count: usize) -> String {

@@ -34,3 +34,38 @@ fn a_row_out_of_time_says_so() {
     assert_eq!(bench.text("out/modlanet.html").matches("out of time at epoch 0").count(), 6);
     bench.run("reproduce modlanet --minutes 0").bad(2, &["--minutes", "above 0"]);
 }
+
+/// In `reproduce lgnn`: 2 epochs of a baseline; systems with the numbers of nodes that it is run on.
+fn lgnn(task: &str, (model, parameters): (&str, u64), counts: &[u64]) {
+    let bench = Bench::new();
+    let run = format!("reproduce lgnn --quick --starts 1 --iterations 1 --epochs 2 --only {task} --json");
+    let report = bench.run(&run).good().json();
+    let rows = report["rows"].as_array().map_or(vec![report.clone()], Clone::clone);
+    let number = |key: &str| rows.iter().map(|row| row[key].as_u64().unwrap()).collect::<Vec<_>>();
+    assert_eq!((number("count"), number("epochs")), (counts.to_vec(), vec![2; counts.len()]));
+    for row in rows {
+        assert_eq!((&row["model"], &row["parameters"]), (&model.into(), &parameters.into()), "{row}");
+        let error = row["rollout_error"].as_f64().unwrap();
+        assert!(error > 1e-3 && error <= 1.0, "{row}");
+    }
+}
+
+#[test]
+fn gns_has_its_rows_after_few_epochs() {
+    lgnn("scale-gns", ("GNS", 2_130), &[5, 50, 500]);
+}
+
+#[test]
+fn lnn_has_its_row_after_few_epochs() {
+    lgnn("pendulum-lnn", ("LNN", 67_844), &[3]);
+}
+
+#[test]
+fn baselines_of_springs_and_pendulums_are_tasks_of_their_own() {
+    let bench = Bench::new();
+    let list = |options: &str| bench.run(&format!("reproduce lgnn --list {options}")).good().stdout;
+    let all = list("");
+    assert!(all.contains("scale-gns-0\n") && all.contains("pendulum-lnn-0\n"), "{all}");
+    let ours = list("--ours-alone");
+    assert!(!ours.contains("gns") && !ours.contains("lnn"), "{ours}");
+}

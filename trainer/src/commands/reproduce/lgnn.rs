@@ -1,5 +1,6 @@
 //! `leastaction reproduce lgnn`.
 
+use super::compared::Compared;
 use super::selection::Selection;
 use crate::commands::Done;
 use crate::commands::output::Output;
@@ -11,6 +12,9 @@ use leastaction::reproduce::lgnn::{Case, Options, tasks};
 ///
 /// Runs every case that the options leave open and prints its errors beside those of the authors' program: geometric means of the
 /// rollout error and of the energy violation. Data and truth are exact motion. With -o also as a page with pictures.
+///
+/// The models that the paper compares with (GNS, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row that ran out of
+/// time, or diverged, says so.
 ///
 /// Example: leastaction reproduce lgnn --case pendulum --json
 #[derive(Args)]
@@ -28,6 +32,8 @@ pub struct Lgnn {
     /// learned both ways.
     #[arg(long)]
     networks_alone: bool,
+    #[command(flatten)]
+    compared: Compared,
     #[command(flatten)]
     selection: Selection,
 }
@@ -49,11 +55,13 @@ impl Lgnn {
         };
         let cases: Vec<Case> =
             Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
+        let limits = Some(self.compared.limits(self.selection.quick));
+        let limits = limits.filter(|_| self.compared.are_wanted(self.case.is_none()));
         let (seeds, arguments) = (self.selection.seeds as usize, self.arguments());
-        let mut all = tasks(&cases, &options, seeds, &arguments);
+        let mut all = tasks(&cases, (&options, limits), seeds, &arguments);
         if self.case.is_none() && !self.networks_alone {
             let options = Options { networks_alone: true, ..options };
-            all.extend(tasks(&WITHOUT_LAWS, &options, seeds, &arguments));
+            all.extend(tasks(&WITHOUT_LAWS, (&options, None), seeds, &arguments));
         }
         self.selection.run(&LGNN, all, output)
     }
@@ -66,6 +74,7 @@ impl Lgnn {
         [
             number("iterations", self.iterations),
             number("starts", self.starts),
+            self.compared.arguments(),
             if self.selection.quick { " --quick".to_owned() } else { String::new() },
         ]
         .concat()

@@ -1,6 +1,7 @@
 //! `leastaction reproduce`.
 
 mod chnn;
+mod compared;
 mod lgnn;
 mod merge;
 mod modlanet;

@@ -1,16 +1,15 @@
 //! `leastaction reproduce modlanet`.
 
+use super::compared::Compared;
 use super::selection::Selection;
 use crate::commands::Done;
-use crate::commands::arguments::positive;
 use crate::commands::output::{Failure, Output};
 use clap::{Args, ValueEnum};
 use leastaction::data::modlanet;
 use leastaction::reproduce::MODLANET;
-use leastaction::reproduce::modlanet::{Baseline, Case, Limits, ModlanetData, Options, tasks};
+use leastaction::reproduce::modlanet::{Baseline, Case, ModlanetData, Options, tasks};
 use leastaction_core::energy::modular::PairInput;
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
 ///
@@ -45,28 +44,11 @@ pub struct Modlanet {
     /// Starts of the predictions: 100, or 10 with --quick; 0 makes none.
     #[arg(long)]
     starts: Option<u32>,
-    /// Also the models that the paper compares with, with --quick the light ones; without --case they are there anyway.
-    #[arg(long, conflicts_with = "ours_alone")]
-    baselines: bool,
-    /// Without them.
-    #[arg(long)]
-    ours_alone: bool,
-    /// Epochs of those models at most; by default as many as their authors'.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
-    epochs: Option<u64>,
-    /// Minutes of training of each of them at most, and again of its predictions: 5, or 0.1 with --quick.
-    #[arg(long, value_parser = positive)]
-    minutes: Option<f64>,
+    #[command(flatten)]
+    compared: Compared,
     #[command(flatten)]
     selection: Selection,
 }
-
-/// Minutes of training of the models that the paper compares with.
-const MINUTES: f64 = 5.0;
-/// The same for a first look.
-const QUICK_MINUTES: f64 = 0.1;
-/// More minutes than anyone waits.
-const LONGEST: f64 = 1e9;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Pair {
@@ -87,7 +69,7 @@ impl Modlanet {
             Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
         let seeds = self.selection.seeds as usize;
         let data = self.data_set()?;
-        let baselines = (self.baselines(), self.limits());
+        let baselines = (self.baselines(), self.compared.limits(self.selection.quick));
         let tasks = tasks(&cases, &self.options(), baselines, seeds, data.as_ref(), &self.arguments());
         self.selection.run(&MODLANET, tasks, output)
     }
@@ -123,18 +105,13 @@ impl Modlanet {
         }
     }
 
+    /// With --quick the light ones.
     fn baselines(&self) -> &'static [Baseline] {
-        match (self.baselines || self.case.is_none() && !self.ours_alone, self.selection.quick) {
+        match (self.compared.are_wanted(self.case.is_none()), self.selection.quick) {
             (false, _) => &[],
             (true, true) => &Baseline::LIGHT,
             (true, false) => &Baseline::ALL,
         }
-    }
-
-    fn limits(&self) -> Limits {
-        let usual = if self.selection.quick { QUICK_MINUTES } else { MINUTES };
-        let minutes = self.minutes.unwrap_or(usual).min(LONGEST);
-        Limits { epochs: self.epochs, time: Some(Duration::from_secs_f64(60.0 * minutes)) }
     }
 
     /// The options beside case and seed.
@@ -149,8 +126,7 @@ impl Modlanet {
             number("iterations", self.iterations),
             number("samples", self.samples),
             number("starts", self.starts),
-            self.epochs.map_or(String::new(), |epochs| format!(" --epochs {epochs}")),
-            self.minutes.map_or(String::new(), |minutes| format!(" --minutes {minutes}")),
+            self.compared.arguments(),
             if self.selection.quick { " --quick".to_owned() } else { String::new() },
         ]
         .concat()

@@ -30,7 +30,12 @@ fn draw_errors(folder: &Path, name: &str, row: &Outcome) -> Result<Option<String
     let energies = over_time("energy violation", &rollouts.energy_violation);
     let panels = [Panel::new("rollout error", &positions), Panel::new("energy violation", &energies)];
     let panels = panels.map(|panel| panel.with_vertical(Vertical::Logarithmic));
-    let title = format!("{}, {}: geometric means over the starts", numbered(row.system, row.count), row.kind);
+    let title = format!(
+        "{}, {}, {}: geometric means over the starts",
+        numbered(row.system, row.count),
+        row.model,
+        row.kind
+    );
     time_series(&folder.join(name), &title, &panels)?;
     Ok(Some(name.to_owned()))
 }

@@ -3,6 +3,7 @@
 //!
 //! Data and truth are exact motion; the authors' carry the error of their integrator, which is what their training loss ends at.
 
+mod baselines;
 mod figures;
 mod growth;
 mod insight;
@@ -11,21 +12,21 @@ mod published;
 mod recipe;
 mod speed;
 mod task;
+mod trial;
 
+pub use baselines::{Baseline, run_baseline};
 pub use insight::{Compared, Insight};
 pub use outcome::{Outcome, ReproduceError, RolledOut};
-pub use published::{PARAMETERS, Published};
+pub use published::Published;
 pub use recipe::{Model, architecture, graph, train};
 pub use speed::{LINEAR_SIZES, step_microseconds};
 pub use task::tasks;
+pub(super) use trial::floor;
 
+use super::training::Ending;
 use crate::architecture::HostTypes;
 use crate::evaluate::particles::Driven;
-use crate::evaluate::prediction::Truth;
-use crate::evaluate::rollouts::{Compared as What, Rollouts};
-use crate::ground_truth::{
-    Horizon, IntegrationError, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, lgnn_starts,
-};
+use crate::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use crate::training::Samples;
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
@@ -123,12 +124,8 @@ pub fn run(
 const DRAG: f64 = 0.1;
 /// The authors' force on the hybrid, N.
 const PULL: f64 = 10.0;
-/// Makes the stream of rollout starts another than that of the data.
-const UNSEEN: u64 = 0x5eed_0000_0000_0000;
 /// Error a step of rollouts, relative to 1 + |x|.
 const TOLERANCE: f64 = 1e-11;
-/// How far the starts of the floor are off, m.
-const DISTURBANCE: f64 = 1e-8;
 /// Samples of `data-efficiency`, those held back included.
 const SAMPLES: [usize; 5] = [100, 500, 1_000, 5_000, 10_000];
 
@@ -174,12 +171,15 @@ impl Experiment<'_> {
             drag,
             pull: 0.0,
             kind: "trained",
+            model: "ours",
             samples: samples.len(),
             parameters,
             train_mse,
             validation_mse,
             train_seconds: clock.elapsed().as_secs_f64(),
             seed,
+            epochs: None,
+            ending: Ending::Complete,
             rolled_out: None,
             drag_error: None,
             step_microseconds: None,
@@ -226,40 +226,14 @@ impl Experiment<'_> {
         system: LgnnSystem,
         particles: &P,
     ) -> Result<Outcome, ReproduceError> {
-        (self.tell)(&format!("rolling out on {} of {}", system.name(), system.nodes()));
-        let (horizon, seed) = (horizon(system), self.options.seed ^ UNSEEN);
-        let starts = self.options.starts.min((MOST_NODES / system.nodes()).max(FEWEST_STARTS));
-        let settings = LgnnSettings {
-            drag: row.drag,
-            pull: row.pull,
-            trajectories: starts,
-            ..LgnnSettings::published(system, seed)
-        };
-        let truss = settings.truss().map_err(crate::ground_truth::GenerationError::from)?;
-        let truth = Truth::new(&truss, lgnn_starts(&settings), horizon)?;
+        let trial = self.trial(&row, system)?;
         let rods = graph(system).constraints();
-        let u = if truss.pulls.is_empty() { Vec::new() } else { truss.pull().into_flattened() };
+        let u = trial.pull();
         let driven = Driven::new(particles, &rods)?;
-        let rollouts = Rollouts::new(&truth, &truss, What::Positions, TOLERANCE, |q, v, a| {
-            driven.acceleration(q, v, &u, a)
-        });
-        let [floor_rollout_error, floor_energy_violation] = floor(&truth, &truss, What::Positions, seed)?;
-        let [rollout_error, energy_violation] = rollouts.means();
-        let rolled_out = RolledOut {
-            rollout_seconds: horizon.h * (horizon.samples - 1) as f64,
-            starts,
-            rollout_error,
-            last_rollout_error: rollouts.last(),
-            energy_violation,
-            failed: rollouts.failed,
-            floor_rollout_error,
-            floor_energy_violation,
-        };
-        let (system, count) = (system.name(), system.nodes());
-        let pictured = Some((horizon.h, rollouts));
-        let rods = insight::pulls(&driven, &u, &truss, truth.first(), horizon.h);
-        let insight = Insight { rods, ..row.insight };
-        Ok(Outcome { system, count, rolled_out: Some(rolled_out), pictured, insight, ..row })
+        let rollouts = trial.roll_out(TOLERANCE, |q, v, a| driven.acceleration(q, v, &u, a));
+        let rods = trial.pulls(&driven, &u);
+        let insight = Insight { rods, ..row.insight.clone() };
+        Ok(Outcome { insight, ..trial.judged(row, rollouts)? })
     }
 
     /// The model of five springs on more and more, with the time of a step.
@@ -312,36 +286,6 @@ impl Experiment<'_> {
         }
         Ok(rows)
     }
-}
-
-/// Of large systems fewer starts are needed: nodes of all starts at most, and starts at least.
-const MOST_NODES: usize = 10_000;
-const FEWEST_STARTS: usize = 4;
-
-/// The authors' tests: 10 s of what has rods, 20 s of springs.
-fn horizon(system: LgnnSystem) -> Horizon {
-    let (h, seconds) = if system.rods().is_empty() { (0.1, 20.0) } else { (0.05, 10.0) };
-    Horizon { h, samples: (seconds / h) as usize + 1 }
-}
-
-/// Exact motion from disturbed starts, taken for a prediction.
-pub(super) fn floor(
-    truth: &Truth,
-    truss: &Truss,
-    compared: What,
-    seed: u64,
-) -> Result<[f64; 2], IntegrationError> {
-    let sign = |k: usize| if (seed >> (k % 64)) & 1 == 0 { DISTURBANCE } else { -DISTURBANCE };
-    let disturbed = |start: &Start| {
-        let mut state: Vec<f64> = start.q.iter().enumerate().map(|(k, q)| q + sign(k)).collect();
-        state.extend(&start.v);
-        crate::ground_truth::Motion::project(truss, &mut state);
-        let v = state.split_off(start.q.len());
-        Start { q: state, v }
-    };
-    let starts = truth.starts().iter().map(disturbed).collect();
-    let other = Truth::new(truss, starts, truth.horizon())?;
-    Ok(Rollouts::between(truth, &other, truss, compared).means())
 }
 
 /// Largest |Q(v) + cv|/|cv| of the learned drag over the velocities of the samples, those below 1% of the fastest left out.

@@ -1,5 +1,6 @@
 //! What an experiment gives, and why it cannot be done.
 
+use super::super::training::{Ending, in_words};
 use super::{Case, Insight, Published};
 use crate::evaluate::rollouts::Rollouts;
 use crate::ground_truth::{GenerationError, IntegrationError};
@@ -45,6 +46,8 @@ pub struct Outcome {
     pub pull: f64,
     /// `trained` on this system, or `zero-shot`.
     pub kind: &'static str,
+    /// `ours`, or a baseline as in [`Baseline::title`](super::Baseline::title).
+    pub model: &'static str,
     /// Samples learned from.
     pub samples: usize,
     /// Numbers in the weight block that are learned.
@@ -57,6 +60,11 @@ pub struct Outcome {
     pub train_seconds: f64,
     /// Of the weights and of the data.
     pub seed: u64,
+    /// Epochs of Adam; none by Levenberg–Marquardt.
+    pub epochs: Option<u64>,
+    /// How training ended, in words; null where it was complete.
+    #[serde(rename = "stopped", serialize_with = "in_words")]
+    pub ending: Ending,
     /// Rollouts.
     #[serde(flatten)]
     pub rolled_out: Option<RolledOut>,

@@ -19,7 +19,7 @@ const SPRING: [u16; 4] = [16, 0, 0, 0];
 /// Hidden units of the drag.
 const DRAG: [u16; 4] = [5, 0, 0, 0];
 /// Of 4 samples 3 are learned from, and one judges.
-const JUDGES: usize = 4;
+pub(super) const JUDGES: usize = 4;
 /// Mean squared error, relative to the mean square, that is rounding.
 const ROUNDING: f64 = 1e-26;
 

@@ -3,39 +3,57 @@
 use super::super::record::{Measure, Record};
 use super::super::table::number;
 use super::super::task::{Task, TaskError};
+use super::super::training::Limits;
 use super::super::{numbered, option_name};
 use super::growth::Growth;
-use super::{Case, Options, Outcome, PARAMETERS, figures, run};
+use super::{Baseline, Case, Options, Outcome, figures, run, run_baseline};
 use std::path::Path;
 
-/// A case with one seed.
+/// A case with one seed: our model, or one that the paper compares with.
 struct Experiment {
     case: Case,
+    baseline: Option<(Baseline, Limits)>,
     options: Options,
     /// The options beside case and seed, as on the command line.
     arguments: String,
 }
 
-/// The tasks of these cases, each with as many seeds from that of the options on; `arguments` are the options beside case and
-/// seed, as on the command line.
-pub fn tasks(cases: &[Case], options: &Options, seeds: usize, arguments: &str) -> Vec<Box<dyn Task>> {
-    let one = |case: Case, seed: u64| -> Box<dyn Task> {
-        Box::new(Experiment { case, options: Options { seed, ..*options }, arguments: arguments.to_owned() })
+/// The tasks of these cases, each with as many seeds from that of the options on, and within the limits, if there are any, those of
+/// the models that the paper compares with; `arguments` are the options beside case and seed, as on the command line.
+pub fn tasks(
+    cases: &[Case],
+    (options, limits): (&Options, Option<Limits>),
+    seeds: usize,
+    arguments: &str,
+) -> Vec<Box<dyn Task>> {
+    let one = |case: Case, baseline: Option<(Baseline, Limits)>, seed: u64| -> Box<dyn Task> {
+        let options = Options { seed, ..*options };
+        Box::new(Experiment { case, baseline, options, arguments: arguments.to_owned() })
     };
-    let of_case = |case: &Case| (options.seed..).take(seeds).map(|seed| one(*case, seed)).collect::<Vec<_>>();
-    cases.iter().flat_map(of_case).collect()
+    let mut tasks = Vec::new();
+    for case in cases {
+        let of_case = Baseline::of(*case).iter();
+        let baselines =
+            limits.into_iter().flat_map(|limits| of_case.clone().map(move |of| Some((*of, limits))));
+        for baseline in [None].into_iter().chain(baselines) {
+            tasks.extend((options.seed..).take(seeds).map(|seed| one(*case, baseline, seed)));
+        }
+    }
+    tasks
 }
 
 impl Task for Experiment {
     fn name(&self) -> String {
+        let model = self.baseline.map_or(String::new(), |(baseline, _)| format!("-{}", baseline.name()));
         let alone = if self.options.networks_alone { "-networks-alone" } else { "" };
-        format!("{}{alone}-{}", option_name(&self.case), self.options.seed)
+        format!("{}{model}{alone}-{}", option_name(&self.case), self.options.seed)
     }
 
     fn command(&self) -> String {
         let (case, seed) = (option_name(&self.case), self.options.seed);
+        let only = self.baseline.map_or(String::new(), |_| format!(" --baselines --only {}", self.name()));
         let alone = if self.options.networks_alone { " --networks-alone" } else { "" };
-        format!("leastaction reproduce lgnn --case {case}{alone} --seed {seed}{}", self.arguments)
+        format!("leastaction reproduce lgnn --case {case}{only}{alone} --seed {seed}{}", self.arguments)
     }
 
     fn data(&self) -> String {
@@ -46,10 +64,13 @@ impl Task for Experiment {
     }
 
     fn settings(&self) -> String {
-        serde_json::to_string(&(self.case, self.options)).unwrap_or_default()
+        serde_json::to_string(&(self.case, self.baseline, self.options)).unwrap_or_default()
     }
 
     fn expected_seconds(&self) -> f64 {
+        if let Some((_, limits)) = self.baseline {
+            return limits.expected_seconds();
+        }
         let longer = if self.options.networks_alone { 8.0 } else { 1.0 };
         longer
             * match self.case {
@@ -62,16 +83,21 @@ impl Task for Experiment {
     }
 
     fn is_timed(&self) -> bool {
-        self.case == Case::Scale
+        self.case == Case::Scale && self.baseline.is_none()
     }
 
     fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
-        let rows = run(self.case, &self.options, tell)?;
+        let rows = match self.baseline {
+            None => run(self.case, &self.options, tell)?,
+            Some((baseline, limits)) => run_baseline((self.case, baseline), (&self.options, limits), tell)?,
+        };
         let mut records = Vec::new();
         for row in &rows {
             let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &self.name(), row))?;
-            let model = if self.options.networks_alone { "ours, networks alone" } else { "ours" }.to_owned();
-            records.push(Record { pictures: drawn, model, ..record(row)? });
+            let alone = if self.options.networks_alone { ", networks alone" } else { "" };
+            let record = record(row)?;
+            let model = format!("{}{alone}", record.model);
+            records.push(Record { pictures: drawn, model, ..record });
         }
         if let (Some(growth), Some(row)) = (Growth::of(&rows), records.first()) {
             records.push(summary(&growth, row)?);
@@ -102,10 +128,10 @@ fn record(row: &Outcome) -> Result<Record, serde_json::Error> {
     Ok(Record {
         table: table(row.case).to_owned(),
         subject: subject.map(|(name, value)| (name.to_owned(), value)).to_vec(),
-        model: "ours".to_owned(),
-        is_ours: true,
+        model: row.model.to_owned(),
+        is_ours: row.model == "ours",
         parameters: row.parameters,
-        paper_parameters: row.published.rollout_error.map(|_| PARAMETERS[usize::from(row.drag > 0.0)]),
+        paper_parameters: row.published.parameters,
         seed: row.seed,
         train_seconds: row.train_seconds,
         measures: measures(row),
@@ -142,7 +168,7 @@ fn note(row: &Outcome) -> Option<String> {
         .drag_error
         .map(|error| format!("learned drag within {}% of the exact one", number(Some(100.0 * error))));
     let step = row.step_microseconds.map(|time| format!("one step takes {time:.2} µs"));
-    let notes: Vec<String> = [failed, drag, step].into_iter().flatten().collect();
+    let notes: Vec<String> = [row.ending.words(), failed, drag, step].into_iter().flatten().collect();
     Some(notes.join("; ")).filter(|note| !note.is_empty())
 }
 

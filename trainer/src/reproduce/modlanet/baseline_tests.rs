@@ -1,6 +1,8 @@
 use super::super::{Case, Options, run_baseline};
 use super::*;
 use crate::ground_truth::{ModlanetSettings, modlanet_set_of};
+use crate::reproduce::training::Ending;
+use std::time::Duration;
 
 /// 101 rows to learn from, 101 to test with.
 fn set(system: ManyBody) -> ModlanetSet {
@@ -49,7 +51,7 @@ fn divergence_ends_with_the_last_weights_that_had_a_loss() {
     let recipe = Baseline::LightHnn.recipe(system);
     let recipe = Recipe { adam: AdamSettings { learning_rate: 1e200, ..recipe.adam }, epochs: 9 };
     let samples = Samples::modlanet(&set(system).train);
-    let trained = recipe.train(&*model, samples.clone(), (0, None), |_, _| ()).unwrap();
+    let trained = recipe.train(&*model, samples.clone(), (0, Limits::default()), &|_| ()).unwrap();
     let Ending::Diverged { epoch } = trained.ending else { panic!("{:?}", trained.ending) };
     assert_eq!(trained.epochs, epoch - 1);
     assert!(model.training(samples).unwrap().loss(&trained.weights).is_finite());

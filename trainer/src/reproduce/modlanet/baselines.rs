@@ -1,28 +1,18 @@
 //! The models that the paper compares with (Table 2 and Figure 5), trained as its authors train them.
 
+use super::super::training::{Limits, Recipe};
 use super::published;
-use super::{Ending, Experiment, Judge, Outcome, ReproduceError};
+use super::{Experiment, Judge, Outcome, ReproduceError};
 use crate::baselines::{AccelerationModel, Follow, Hnn, Lnn, Mlp, Momenta};
 use crate::data::modlanet::ModlanetSet;
 use crate::ground_truth::ManyBody;
-use crate::training::{Adam, AdamSettings, Progress, Samples, Schedule};
+use crate::training::{AdamSettings, Samples, Schedule};
 use leastaction_core::model::ModelError;
 use serde::Serialize;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Error a step of their predictions: that of the models is far above it.
 const TOLERANCE: f64 = 1e-8;
-/// Time between lines of progress.
-const PAUSE: Duration = Duration::from_secs(10);
-
-/// Where the training of a baseline ends, beside the end of its recipe.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Limits {
-    /// Epochs; `None`: the recipe's.
-    pub epochs: Option<u64>,
-    /// Wall time of training, and again of the predictions.
-    pub time: Option<Duration>,
-}
 
 /// A model of the paper's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -39,15 +29,6 @@ pub enum Baseline {
     Mlp,
     /// The same, about as large as ModLaNet; the program has it, the table not.
     LightMlp,
-}
-
-/// How a baseline is trained: by Adam on all samples at once.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Recipe {
-    /// Passes through the samples, a step each.
-    pub epochs: u64,
-    /// Steps.
-    pub adam: AdamSettings,
 }
 
 impl Baseline {
@@ -127,44 +108,6 @@ impl Baseline {
     }
 }
 
-/// What training gives.
-struct Trained {
-    weights: Vec<f64>,
-    /// Epochs done.
-    epochs: u64,
-    ending: Ending,
-}
-
-impl Recipe {
-    /// Trains until a limit, or until the loss is not a number any more: then the weights are the last that had one.
-    fn train(
-        &self,
-        model: &dyn AccelerationModel,
-        samples: Samples,
-        (seed, time): (u64, Option<Duration>),
-        mut watch: impl FnMut(u64, f64),
-    ) -> Result<Trained, ModelError> {
-        let clock = Instant::now();
-        let objective = model.training(samples)?;
-        let mut adam = Adam::new(&*objective, model.initial_weights(seed), self.adam);
-        let mut good = adam.weights.clone();
-        for epoch in 1..=self.epochs {
-            if time.is_some_and(|time| clock.elapsed() >= time) {
-                let ending = Ending::OutOfTime { epoch: epoch - 1 };
-                return Ok(Trained { weights: adam.weights, epochs: epoch - 1, ending });
-            }
-            let before = adam.weights.clone();
-            if adam.iterate(&*objective) == Progress::Stuck || !adam.loss.is_finite() {
-                return Ok(Trained { weights: good, epochs: epoch - 1, ending: Ending::Diverged { epoch } });
-            }
-            // The loss is that of the weights before the step.
-            good = before;
-            watch(epoch, adam.loss);
-        }
-        Ok(Trained { weights: adam.weights, epochs: self.epochs, ending: Ending::Complete })
-    }
-}
-
 impl Experiment<'_> {
     /// Trains one and judges it.
     pub(super) fn baseline(
@@ -176,16 +119,10 @@ impl Experiment<'_> {
     ) -> Result<Outcome, ReproduceError> {
         let clock = Instant::now();
         let recipe = baseline.recipe(system);
-        let recipe = Recipe { epochs: limits.epochs.unwrap_or(recipe.epochs), ..recipe };
         let model = baseline.model(system, &self.architecture(system, set)?.coordinates())?;
-        let (name, tell, mut last) = (baseline.name(), self.tell, clock);
-        let samples = Samples::modlanet(&set.train);
-        let trained = recipe.train(&*model, samples, (self.options.seed, limits.time), |epoch, loss| {
-            if last.elapsed() >= PAUSE {
-                last = Instant::now();
-                tell(&format!("{name}, epoch {epoch} of {}: training loss {loss:.2e}", recipe.epochs));
-            }
-        })?;
+        let (name, samples) = (baseline.name(), Samples::modlanet(&set.train));
+        let tell = |line: &str| (self.tell)(&format!("{name}, {line}"));
+        let trained = recipe.train(&*model, samples, (self.options.seed, limits), &tell)?;
         let seconds = clock.elapsed().as_secs_f64();
         let learned = (&*model, trained.weights.as_slice());
         let mut outcome = self.outcome(system, name, set, learned, seconds)?;
@@ -210,8 +147,8 @@ impl Experiment<'_> {
             return Ok(());
         }
         (self.tell)(&format!("{}: predicting {} s", outcome.kind, judge.length));
-        let deadline = limits.time.map(|time| Instant::now() + time);
-        let follow = Follow { motion: judge.motion.as_ref(), tolerance: TOLERANCE, deadline };
+        let follow =
+            Follow { motion: judge.motion.as_ref(), tolerance: TOLERANCE, deadline: limits.deadline() };
         let found = judge.predict(learned, follow)?;
         match follow.is_late() {
             true => outcome.unpredicted = Some("out of time"),

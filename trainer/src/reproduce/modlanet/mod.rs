@@ -10,13 +10,14 @@ mod recipe;
 mod stepping;
 mod task;
 
-pub use baselines::{Baseline, Limits, Recipe};
-pub use outcome::{Ending, Outcome, Pictured, Predicted, ReproduceError, Stepped};
+pub use baselines::Baseline;
+pub use outcome::{Outcome, Pictured, Predicted, ReproduceError, Stepped};
 pub use published::Published;
 pub use recipe::{Model, architecture, fine_tune, train, tree};
 pub use stepping::{Energies, LongRun, SteppingError, long_run};
 pub use task::{ModlanetData, tasks};
 
+use super::training::{Ending, Limits};
 use crate::architecture::ModularArchitecture;
 use crate::baselines::{AccelerationModel, Follow};
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};

@@ -1,10 +1,11 @@
 //! What an experiment gives, and why it cannot be done.
 
+use super::super::training::{Ending, in_words};
 use super::{Case, Energies, LongRun, Published, SteppingError};
 use crate::evaluate::prediction::Prediction;
 use crate::ground_truth::GenerationError;
 use leastaction_core::model::ModelError;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use thiserror::Error;
 
 /// A prediction beside the floor of single precision, in the authors' measures.
@@ -82,38 +83,6 @@ impl From<&LongRun> for Stepped {
             energy_rk4: Energies::of(&run.rk4),
         }
     }
-}
-
-/// How training ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// As its recipe has it.
-    Complete,
-    /// There was no more time.
-    OutOfTime {
-        /// Epochs done.
-        epoch: u64,
-    },
-    /// The loss was not a finite number any more.
-    Diverged {
-        /// In this epoch.
-        epoch: u64,
-    },
-}
-
-impl Ending {
-    /// In words; `None` where training was complete.
-    pub fn words(self) -> Option<String> {
-        match self {
-            Self::Complete => None,
-            Self::OutOfTime { epoch } => Some(format!("out of time at epoch {epoch}")),
-            Self::Diverged { epoch } => Some(format!("diverged at epoch {epoch}")),
-        }
-    }
-}
-
-fn in_words<S: Serializer>(ending: &Ending, serializer: S) -> Result<S::Ok, S::Error> {
-    ending.words().serialize(serializer)
 }
 
 /// What one row of a table gives.

@@ -2,8 +2,9 @@
 
 use super::super::record::{Measure, Record};
 use super::super::task::{Task, TaskError};
+use super::super::training::Limits;
 use super::super::{numbered, option_name};
-use super::{Baseline, Case, Limits, Options, Outcome, Predicted, Stepped, figures, run, run_baseline};
+use super::{Baseline, Case, Options, Outcome, Predicted, Stepped, figures, run, run_baseline};
 use crate::data::modlanet::ModlanetSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -76,7 +77,7 @@ impl Task for Experiment {
 
     fn expected_seconds(&self) -> f64 {
         if let Some((_, limits)) = self.baseline {
-            return limits.time.map_or(AN_HOUR, |time| 1.5 * time.as_secs_f64());
+            return limits.expected_seconds();
         }
         match self.case {
             Case::DoublePendulum | Case::ExtendPendulum => 40.0,
@@ -103,9 +104,6 @@ impl Task for Experiment {
         Ok(records)
     }
 }
-
-/// s.
-const AN_HOUR: f64 = 3_600.0;
 
 /// The title of a case's table, and whether there are predictions in it.
 fn table(case: Case) -> (&'static str, bool) {

@@ -1,0 +1,188 @@
+//! The models that the paper compares with, trained as its authors train them.
+
+use super::super::training::{Limits, Recipe};
+use super::recipe::JUDGES;
+use super::{Case, Experiment, Insight, Options, Outcome, Published, ReproduceError, graph, published};
+use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GnsShape};
+use crate::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use crate::training::{AdamSettings, Samples, Schedule};
+use leastaction_core::model::ModelError;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Error a step of their rollouts, relative to 1 + |x|: that of the models is far above it.
+const TOLERANCE: f64 = 1e-8;
+
+/// Units of each hidden layer of LNN.
+const LNN_WIDTH: usize = 256;
+
+/// A model of the paper's figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Baseline {
+    /// Graph network from the state to the accelerations, of five springs and on more.
+    Gns,
+    /// Lagrangian network of the positions of three pendulums, with their rods.
+    Lnn,
+}
+
+impl Baseline {
+    /// Those of a case.
+    pub fn of(case: Case) -> &'static [Self] {
+        match case {
+            Case::Pendulum => &[Self::Lnn],
+            Case::Scale => &[Self::Gns],
+            _ => &[],
+        }
+    }
+
+    /// As in tables.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Gns => "GNS",
+            Self::Lnn => "LNN",
+        }
+    }
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gns => "gns",
+            Self::Lnn => "lnn",
+        }
+    }
+
+    /// Weights of the authors', where they are known.
+    pub(super) fn published_parameters(self) -> Option<usize> {
+        match self {
+            Self::Gns => Some(2_130),
+            Self::Lnn => None,
+        }
+    }
+
+    /// What it is trained on.
+    fn trained(self) -> LgnnSystem {
+        match self {
+            Self::Gns => LgnnSystem::Spring(5),
+            Self::Lnn => LgnnSystem::Pendulum(3),
+        }
+    }
+
+    /// What it is run on.
+    fn systems(self) -> Vec<LgnnSystem> {
+        match self {
+            Self::Gns => [5, 50, 500].map(LgnnSystem::Spring).to_vec(),
+            Self::Lnn => vec![LgnnSystem::Pendulum(3)],
+        }
+    }
+
+    /// Its shape on a system.
+    fn model(self, system: LgnnSystem) -> Result<Model, ModelError> {
+        Ok(match self {
+            Self::Gns => Model::Gns(Gns::new(GnsShape::LGNN, &graph(system))?),
+            Self::Lnn => Model::Lnn(CartesianLnn::new(graph(system), LNN_WIDTH)?),
+        })
+    }
+}
+
+/// A baseline on a system.
+enum Model {
+    Gns(Gns),
+    Lnn(CartesianLnn),
+}
+
+impl Model {
+    fn trained(&self) -> &dyn AccelerationModel {
+        match self {
+            Self::Gns(gns) => gns,
+            Self::Lnn(lnn) => lnn,
+        }
+    }
+
+    /// Writes v̇(q, v), m/s².
+    fn acceleration(&self, weights: &[f64], q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
+        match self {
+            Self::Gns(gns) => gns.acceleration(weights, q, v, out),
+            Self::Lnn(lnn) => lnn.acceleration(weights, q, v, out),
+        }
+    }
+}
+
+/// The authors': 10,000 epochs at 1e-3 in batches of 100.
+fn recipe(seed: u64) -> Recipe {
+    let schedule = Schedule::Constant;
+    Recipe {
+        epochs: 10_000,
+        adam: AdamSettings { learning_rate: 1e-3, batch: 100, schedule, decay: 0.0, seed },
+    }
+}
+
+/// Trains a baseline within limits, and rolls it out; `tell` gets a line of progress now and then.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn run_baseline(
+    (case, baseline): (Case, Baseline),
+    (options, limits): (&Options, Limits),
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Outcome>, ReproduceError> {
+    Experiment { case, options, tell }.baseline(baseline, limits)
+}
+
+impl Experiment<'_> {
+    fn baseline(&self, baseline: Baseline, limits: Limits) -> Result<Vec<Outcome>, ReproduceError> {
+        let (clock, seed, system) = (Instant::now(), self.options.seed, baseline.trained());
+        let samples = Samples::accelerations(&lgnn_set(&LgnnSettings::published(system, seed))?)?;
+        let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
+        let tell = |line: &str| (self.tell)(&format!("{}, {line}", baseline.name()));
+        let model = baseline.model(system)?;
+        let model = model.trained();
+        let trained = recipe(seed).train(model, rows.clone(), (seed, limits), &tell)?;
+        let row = Outcome {
+            case: self.case,
+            system: system.name(),
+            count: system.nodes(),
+            drag: 0.0,
+            pull: 0.0,
+            kind: "trained",
+            model: baseline.title(),
+            samples: samples.len(),
+            parameters: trained.weights.len(),
+            train_mse: model.objective(rows)?.loss(&trained.weights),
+            validation_mse: model.objective(judges)?.loss(&trained.weights),
+            train_seconds: clock.elapsed().as_secs_f64(),
+            seed,
+            epochs: Some(trained.epochs),
+            ending: trained.ending,
+            rolled_out: None,
+            drag_error: None,
+            step_microseconds: None,
+            pictured: None,
+            insight: Insight::default(),
+            published: Published::default(),
+        };
+        let one = |on: LgnnSystem| {
+            let kind = if on == system { "trained" } else { "zero-shot" };
+            let row = Outcome { kind, published: published::baseline(baseline, on), ..row.clone() };
+            self.baseline_on((row, baseline.model(on)?), on, &trained.weights, limits)
+        };
+        baseline.systems().into_iter().map(one).collect()
+    }
+
+    /// The row with the rollouts of a trained model on a system: those that are not done in time have failed.
+    fn baseline_on(
+        &self,
+        (row, model): (Outcome, Model),
+        system: LgnnSystem,
+        weights: &[f64],
+        limits: Limits,
+    ) -> Result<Outcome, ReproduceError> {
+        let trial = self.trial(&row, system)?;
+        let follow = Follow { motion: trial.motion(), tolerance: TOLERANCE, deadline: limits.deadline() };
+        let rollouts = trial.roll_out(follow.tolerance, |q, v, a| match follow.is_late() {
+            true => None,
+            false => model.acceleration(weights, q, v, a),
+        });
+        trial.judged(row, rollouts)
+    }
+}
