@@ -42,8 +42,10 @@ fn lgnn(task: &str, (model, parameters): (&str, u64), counts: &[u64]) {
     let report = bench.run(&run).good().json();
     let rows = report["rows"].as_array().map_or(vec![report.clone()], Clone::clone);
     let number = |key: &str| rows.iter().map(|row| row[key].as_u64().unwrap()).collect::<Vec<_>>();
-    assert_eq!((number("count"), number("epochs")), (counts.to_vec(), vec![2; counts.len()]));
+    assert_eq!(number("count"), counts);
     for row in rows {
+        let words = row["stopped"].as_str().unwrap_or_default();
+        assert!(row["epochs"] == 2 || words.starts_with("out of time at epoch"), "{row}");
         assert_eq!((&row["model"], &row["parameters"]), (&model.into(), &parameters.into()), "{row}");
         let error = row["rollout_error"].as_f64().unwrap();
         assert!(error > 1e-3 && error <= 1.0, "{row}");
