@@ -9,7 +9,7 @@ use crate::ground_truth::Mechanism;
 pub struct Published {
     /// Weights of its network.
     pub parameters: usize,
-    /// In the order of [`Outcome::measures`].
+    /// In the order of [`super::Outcome::measures`].
     pub measures: [Option<f64>; 6],
 }
 
