@@ -35,7 +35,7 @@ fn tasks_are_chosen_by_name() {
     let names = |words: &str| bench.run(words).good().stdout;
     assert_eq!(
         names("reproduce lgnn --list --only drag --only hybrid"),
-        "hybrid-0\nhybrid-force-0\ndrag-0\n"
+        "hybrid-0\nhybrid-force-0\ndrag-0\nhybrid-networks-alone-0\nhybrid-force-networks-alone-0\n"
     );
     assert_eq!(
         names("reproduce symo --list --quick --system pendulum --order 4 --seed 3").lines().count(),
