@@ -41,6 +41,7 @@ pub mod plant;
 pub mod scenario;
 mod summary;
 mod tick;
+pub mod trajectory;
 
 pub use angle::{wrap, wrap_where};
 pub use error::SetupError;

@@ -1,53 +1,113 @@
 //! What the cross-crate tests and the peer programs share.
 
-use leastaction_core::discrete::{Control, Del, Path, State, StepError};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape};
-use leastaction_core::forces::System;
-use leastaction_core::network::Activation;
+use leastaction_core::constraints::{Constrained, ConstraintError};
+use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
+use leastaction_core::forces::{Forces, System};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::ModelError;
+use leastaction_firmware_sim::trajectory::reference::{
+    BOBS, Bobs, Cartpole, Double, GRAPH, STEP, TREE, aslant, chain, newton,
+};
+use leastaction_firmware_sim::trajectory::{Free, Hanging, fingerprint};
+use std::fmt;
 
-/// Weights of a cart-pole network with layers 2 → 24 → 24 → 4.
-const WEIGHTS: usize = 2 * 24 + 24 + 24 * 24 + 24 + 24 * 4 + 4;
-
-/// Fixed pseudo-random weights in ±0.25, by integer arithmetic alone: the same bits everywhere.
-pub fn fixed_weights<const P: usize>() -> [f32; P] {
-    let mut x: u32 = 0x9e37_79b9;
-    core::array::from_fn(|_| {
-        x ^= x << 13;
-        x ^= x >> 17;
-        x ^= x << 5;
-        (x >> 8) as f32 / 33_554_432.0 - 0.25
-    })
+/// Why a run has no fingerprint, which for the models of this repository it always has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refused {
+    /// The model file.
+    Model(ModelError),
+    /// A step.
+    Step(StepError<f32>),
+    /// A step of particles.
+    Particles(ConstraintError<f32>),
 }
 
-/// FNV-1a over the bits of every position of `steps` f32 DEL steps of h = 10 ms of a fixed network under a square-wave
-/// control.
-///
-/// # Errors
-/// Where a step fails, which for this network none does.
-pub fn trajectory_hash<P: Path>(steps: usize) -> Result<u64, StepError<f32>> {
-    let weights = fixed_weights::<WEIGHTS>();
-    let shape = Shape {
-        coordinates: [Coordinate::Cyclic, Coordinate::Angle],
-        widths: &[24, 24],
-        activation: Activation::Tanh,
-        inertia: Inertia::Cholesky { epsilon: 1e-9 },
-    };
-    let lagrangian =
-        Rigid::<f32, 2, 24, 2>::take(&mut weights.as_slice(), &shape).ok_or(StepError::NotFinite)?;
-    let system = System::conservative(lagrangian);
-    let del = Del::<f32, P>::new(0.01);
-    let mut state = State::new(&system.lagrangian, [0.1, 0.7], [0.2, -0.4])?;
-    let mut hash = 0xcbf2_9ce4_8422_2325;
-    for step in 0..steps {
-        let u = if step / 64 % 2 == 0 { 0.25 } else { -0.25 };
-        del.step(&system, &mut state, &Control::held([u, 0.0]))?;
-        for q in state.q() {
-            hash = q.to_bits().to_le_bytes().iter().fold(hash, |hash, byte| fnv(hash, *byte));
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{self:?}")
+    }
+}
+
+impl std::error::Error for Refused {}
+
+/// The model files that the chip's images carry.
+const CARTPOLE: &Aligned<[u8]> =
+    &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole.postcard"));
+const DOUBLE: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip/models/double.postcard"));
+const PENDULUMS: &Aligned<[u8]> =
+    &Aligned(*include_bytes!("../../firmware-sim/chip/models/pendulums.postcard"));
+
+#[repr(align(4))]
+struct Aligned<T: ?Sized>(T);
+
+/// A run whose fingerprint every target must give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reference {
+    /// rigid, modular or graph.
+    pub family: &'static str,
+    /// 2 or 4.
+    pub order: u8,
+}
+
+impl Reference {
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let orders = |family| [2, 4].map(|order| Self { family, order });
+        ["rigid", "modular", "graph"].into_iter().flat_map(orders)
+    }
+
+    /// The fingerprint of so many steps.
+    ///
+    /// # Errors
+    /// Where the model or a step is refused.
+    pub fn hash(&self, steps: u32) -> Result<u64, Refused> {
+        match (self.family, self.order) {
+            ("rigid", order) => {
+                let model = Cartpole::load(&CARTPOLE.0).map_err(Refused::Model)?;
+                free(&model.system, order, steps)
+            }
+            ("modular", order) => {
+                let model = Double::load(&DOUBLE.0, TREE).map_err(Refused::Model)?;
+                free(&model.system, order, steps)
+            }
+            (_, 2) => bobs(Order::Two, steps),
+            _ => bobs(Order::Four, steps),
         }
     }
-    Ok(hash)
 }
 
-fn fnv(hash: u64, byte: u8) -> u64 {
-    (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+fn free<L: Lagrangian<f32, N>, F: Forces<f32, N>, const N: usize>(
+    system: &System<L, F>,
+    order: u8,
+    steps: u32,
+) -> Result<u64, Refused> {
+    if order == 2 {
+        along::<_, _, Midpoint, N>(system, steps)
+    } else {
+        along::<_, _, Galerkin, N>(system, steps)
+    }
+    .map_err(Refused::Step)
+}
+
+fn along<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize>(
+    system: &System<L, F>,
+    steps: u32,
+) -> Result<u64, StepError<f32>> {
+    let mut motion = Free::new(system, Del::<f32, P>::with_newton(STEP, newton()))?;
+    Ok(fingerprint(&mut motion, steps)?.value())
+}
+
+fn bobs(order: Order, steps: u32) -> Result<u64, Refused> {
+    let model = Bobs::load(&PENDULUMS.0, GRAPH, &mut []).map_err(Refused::Model)?;
+    let rods = chain();
+    let mechanism = Constrained::new(&model.graph, &rods[..]).map_err(Refused::Particles)?;
+    let mut room = vec![0.0; Rattle::room(&mechanism)];
+    let mut numbers = vec![0.0; ParticleState::<f32, 2>::room(BOBS, BOBS)];
+    let state = ParticleState::new(&mechanism, &aslant(), &[[0.0; 2]; BOBS], &mut numbers, &mut room)
+        .map_err(Refused::Particles)?;
+    let mut force = [[0.0; 2]; BOBS];
+    let rattle = Rattle::with_newton(STEP, order, newton());
+    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, &mut room);
+    Ok(fingerprint(&mut motion, steps).map_err(Refused::Particles)?.value())
 }

@@ -1,4 +1,5 @@
 use crate::scalar::Real;
+use core::num::NonZero;
 
 /// A square matrix with `band` diagonals on either side of the main one, over the caller's room, and then its factors LU.
 ///
@@ -11,15 +12,15 @@ pub(crate) struct Banded<'a, R> {
     entries: &'a mut [R],
 }
 
-/// Numbers in a row.
-const fn width(band: usize) -> usize {
-    2 * band + 2
+/// Numbers in a row, 2 `band` + 2; never 0, so that no division by it can fail.
+const fn width(band: usize) -> NonZero<usize> {
+    NonZero::<usize>::MIN.saturating_add(band.saturating_mul(2).saturating_add(1))
 }
 
 impl<'a, R: Real> Banded<'a, R> {
     /// Numbers of room for a matrix.
     pub const fn room(equations: usize, band: usize) -> usize {
-        equations * width(band)
+        equations * width(band).get()
     }
 
     /// A matrix in this room, of meaningless entries.
@@ -31,7 +32,7 @@ impl<'a, R: Real> Banded<'a, R> {
     pub fn set(&mut self, entry: impl Fn(usize, usize) -> R) {
         let (band, width) = (self.band, width(self.band));
         let equations = self.entries.len() / width;
-        for (k, row) in self.entries.chunks_exact_mut(width).enumerate() {
+        for (k, row) in self.entries.chunks_exact_mut(width.get()).enumerate() {
             let mut diagonal = R::zero();
             for (offset, value) in row.iter_mut().enumerate() {
                 let column = (k + offset).checked_sub(band).filter(|l| *l < equations && offset <= 2 * band);
@@ -52,15 +53,15 @@ impl<'a, R: Real> Banded<'a, R> {
         // Of a redundant row the elimination leaves some units of rounding of its diagonal entry.
         let smallest = R::constant(64.0) * R::EPSILON;
         for k in 0..self.entries.len() / width {
-            let Some((upper, lower)) = self.entries.split_at_mut_checked((k + 1) * width) else {
+            let Some((upper, lower)) = self.entries.split_at_mut_checked((k + 1) * width.get()) else {
                 return Err(k);
             };
-            let mut above = upper.iter().skip(k * width + band);
+            let mut above = upper.iter().skip(k * width.get() + band);
             let (Some(pivot), Some(size)) = (above.next(), upper.last()) else { return Err(k) };
             if pivot.abs() <= smallest * *size || !pivot.is_finite() {
                 return Err(k);
             }
-            for (offset, row) in lower.chunks_exact_mut(width).take(band).enumerate() {
+            for (offset, row) in lower.chunks_exact_mut(width.get()).take(band).enumerate() {
                 let mut entries = row.iter_mut().skip(band - 1 - offset);
                 let Some(factor) = entries.next() else { return Err(k) };
                 *factor = *factor / *pivot;
@@ -75,13 +76,13 @@ impl<'a, R: Real> Banded<'a, R> {
     /// Replaces b by the solution; after [`Banded::factor`].
     pub fn solve(&self, b: &mut [R]) {
         let (band, width) = (self.band, width(self.band));
-        for (k, row) in self.entries.chunks_exact(width).enumerate() {
+        for (k, row) in self.entries.chunks_exact(width.get()).enumerate() {
             let Some((done, [value, ..])) = b.split_at_mut_checked(k) else { return };
             for (factor, above) in row.iter().take(band).rev().zip(done.iter().rev()) {
                 *value -= *factor * *above;
             }
         }
-        for (k, row) in self.entries.chunks_exact(width).enumerate().rev() {
+        for (k, row) in self.entries.chunks_exact(width.get()).enumerate().rev() {
             let Some((_, [value, done @ ..])) = b.split_at_mut_checked(k) else { return };
             let mut entries = row.iter().skip(band).take(band + 1);
             let Some(pivot) = entries.next() else { return };

@@ -1,10 +1,13 @@
-//! Prints the hash of a fixed f32 trajectory of each order; `.ci/run` compares it between optimisation levels.
+//! Prints the fingerprints of the reference models' f32 trajectories, one line a family and order: `.ci/trajectory_hash`
+//! compares them between optimisation levels, and `firmware-sim/chip/run.sh` with those of the chips.
 
-use leastaction_core::discrete::{Galerkin, Midpoint};
-use leastaction_tests::trajectory_hash;
+use leastaction_tests::Reference;
+use std::error::Error;
 
-fn main() {
-    let steps = 100_000;
-    println!("order 2: {:016x?}", trajectory_hash::<Midpoint>(steps));
-    println!("order 4: {:016x?}", trajectory_hash::<Galerkin>(steps));
+fn main() -> Result<(), Box<dyn Error>> {
+    let steps = std::env::args().nth(1).map_or(Ok(100_000), |steps| steps.parse())?;
+    for reference in Reference::all() {
+        println!("{} {} {:016x}", reference.family, reference.order, reference.hash(steps)?);
+    }
+    Ok(())
 }

@@ -45,8 +45,8 @@ pub(super) struct Outputs<S, const T: usize, const N: usize> {
     diagonal: Jets<S, T, N>,
     /// softplus′ of the diagonal outputs.
     slopes: Jets<S, T, N>,
-    /// The strict lower triangle of L; zero elsewhere.
-    lower: [Jets<S, T, N>; N],
+    /// L, lower triangular with `diagonal` on its diagonal; of the Cholesky form alone.
+    factor: [Jets<S, T, N>; N],
     /// V, J.
     pub potential: Jet<S, T>,
 }
@@ -59,18 +59,24 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
     pub fn new(inertia: Inertia, o: &[Jet<S, T>]) -> Self {
         let mut diagonal = [Jet::zero(); N];
         let mut slopes = [Jet::zero(); N];
-        let mut lower = [[Jet::zero(); N]; N];
+        let mut factor = [[Jet::zero(); N]; N];
         let mut o = o.iter().copied();
         for (d, o) in diagonal.iter_mut().zip(&mut o) {
             *d = o;
         }
         Activation::Softplus.apply(&mut diagonal, &mut slopes);
         if inertia != Inertia::Diagonal {
-            for l in strict_lower(&mut lower) {
-                *l = o.next().unwrap_or(Jet::zero());
+            for (i, (row, d)) in factor.iter_mut().zip(&diagonal).enumerate() {
+                // Down to the diagonal: outputs, and then softplus of the first ones.
+                for l in row.iter_mut().take(i) {
+                    *l = o.next().unwrap_or(Jet::zero());
+                }
+                if let Some(l) = row.get_mut(i) {
+                    *l = *d;
+                }
             }
         }
-        Self { inertia, diagonal, slopes, lower, potential: o.next().unwrap_or(Jet::zero()) }
+        Self { inertia, diagonal, slopes, factor, potential: o.next().unwrap_or(Jet::zero()) }
     }
 
     /// The same without tangents.
@@ -80,23 +86,21 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
             inertia: self.inertia,
             diagonal: without_tangents(&self.diagonal),
             slopes: without_tangents(&self.slopes),
-            lower: core::array::from_fn(|i| without_tangents(&self.lower[i])),
+            factor: self.factor.each_ref().map(without_tangents),
             potential: self.potential.without_tangents(),
         }
-    }
-
-    /// L_ij, with the diagonal.
-    #[inline(always)]
-    fn factor(&self, i: usize, j: usize) -> Jet<S, T> {
-        if i == j { self.diagonal[i] } else { self.lower[i][j] }
     }
 
     /// Lᵀv.
     #[inline]
     fn transposed(&self, v: &Jets<S, T, N>) -> Jets<S, T, N> {
-        core::array::from_fn(|j| {
-            (j..N).fold(Jet::zero(), |sum: Jet<S, T>, i| sum.plus(&self.factor(i, j).times(&v[i])))
-        })
+        let mut y = [Jet::zero(); N];
+        for (i, (row, v)) in self.factor.iter().zip(v).enumerate() {
+            for (y, l) in y.iter_mut().zip(row).take(i + 1) {
+                *y = y.plus(&l.times(v));
+            }
+        }
+        y
     }
 
     /// p = Hv and its tangents.
@@ -107,9 +111,13 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
             Inertia::Cholesky { epsilon } => {
                 let y = self.transposed(v);
                 let epsilon = S::constant(f64::from(epsilon));
-                core::array::from_fn(|i| {
-                    (0..=i).fold(v[i].scaled(epsilon), |sum, j| sum.plus(&self.factor(i, j).times(&y[j])))
-                })
+                let mut p = v.map(|v| v.scaled(epsilon));
+                for (i, (p, row)) in p.iter_mut().zip(&self.factor).enumerate() {
+                    for (l, y) in row.iter().zip(&y).take(i + 1) {
+                        *p = p.plus(&l.times(y));
+                    }
+                }
+                p
             }
         }
     }
@@ -179,9 +187,4 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
         }
         bar
     }
-}
-
-/// The entries below the diagonal, row by row.
-fn strict_lower<X, const N: usize>(matrix: &mut [[X; N]; N]) -> impl Iterator<Item = &mut X> {
-    matrix.iter_mut().enumerate().flat_map(|(i, row)| row.iter_mut().take(i))
 }

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a Cortex-M4F (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V
+# without floating-point unit (virt). One JSON line a board, model and order: `--steps N` of each (1,000), `--only NAME` of them.
+# Uses rustup's targets where they can be had, else Debian's compiler with the standard library's source; installs what is missing.
+set -euo pipefail
+cd "$(dirname "$0")"
+source ./tools.sh
+
+steps=1000 only=
+while [ $# -gt 0 ]; do
+    case $1 in
+        --steps) steps=${2:?--steps takes a number}; shift 2 ;;
+        --only) only=${2:?--only takes a name such as rigid_2 or cortex-m7}; shift 2 ;;
+        *) echo "usage: run.sh [--steps N] [--only IMAGE|BOARD]" >&2; exit 2 ;;
+    esac
+done
+
+# The same steps on this machine.
+host=$(cd ../.. && CARGO_TARGET_DIR=${host_target:-target} cargo run --quiet --release --package leastaction-tests \
+    --bin trajectory_hash "$steps")
+expected() { sed -n "s/^$1 $2 //p" <<<"$host"; }
+
+# The value of a name in what an image printed.
+value() { sed -n "s/^$1 //p" <<<"$output"; }
+
+report() {
+    local board=$1 image=$2 elf
+    elf=$(program "$board" "$image")
+    output=$(emulate "$board" "$elf" "$steps" 2>&1) || { printf '%s on %s: %s\n' "$image" "$board" "$output" >&2; return 1; }
+    if [ "$(expected "${image%_*}" "${image##*_}")" != "$(value hash)" ]; then
+        printf '%s on %s: hash %s, on the host %s\n' "$image" "$board" "$(value hash)" "$(expected "${image%_*}" "${image##*_}")" >&2
+        return 1
+    fi
+    printf '{"board": "%s", "family": "%s", "order": %s, "hash": "%s", "steps": %s' \
+        "$board" "${image%_*}" "${image##*_}" "$(value hash)" "$(value steps)"
+    printf ', "text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s' $(sections "$elf")
+    printf ', "load_stack_bytes": %s, "acceleration_stack_bytes": %s, "stack_bytes": %s' \
+        "$(value load_stack)" "$(value acceleration_stack)" "$(value step_stack)"
+    printf ', "acceleration_instructions": %s, "step_instructions": %s, "step_instructions_worst": %s}\n' \
+        "$(value acceleration_instructions)" "$(value step_instructions)" "$(value step_instructions_worst)"
+}
+
+for board in "${boards[@]}"; do
+    build "$board"
+    for image in rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4; do
+        case "$only" in "" | "$board" | "$image") report "$board" "$image" ;; esac
+    done
+done

@@ -1,0 +1,35 @@
+//! The boards: a counter of instructions, the stack pointer, what the emulator leaves in flash, and the end.
+
+#[cfg(target_arch = "arm")]
+mod arm;
+#[cfg(target_arch = "riscv32")]
+mod riscv;
+
+#[cfg(target_arch = "arm")]
+use arm as this;
+#[cfg(target_arch = "riscv32")]
+use riscv as this;
+
+pub use this::{INSTRUCTIONS_PER_TICK, name, stack_pointer, start, ticks};
+
+use crate::print;
+
+unsafe extern "C" {
+    /// The last 64 KB of flash, by the linker script: a number, and a model file behind its length.
+    static _slot: [u32; 2];
+}
+
+/// The number that the emulator was told to put into flash; `None` where it is 0.
+pub fn argument() -> Option<u32> {
+    // SAFETY: flash that the linker leaves free; the emulator writes before the program starts.
+    let number = unsafe { (&raw const _slot).cast::<u32>().read_volatile() };
+    (number != 0).then_some(number)
+}
+
+/// Ends the emulation: with exit code 0, or with the error printed and 1.
+pub fn end(outcome: Result<(), &'static [u8]>) -> ! {
+    if let Err(error) = outcome {
+        print::line(b"error", error);
+    }
+    semihosting::process::exit(outcome.is_err().into())
+}

@@ -1,0 +1,44 @@
+//! What the images share: the board, counting instructions, watching the stack, and printing.
+//!
+//! An image runs under QEMU with one instruction a virtual nanosecond (`-icount shift=0`), so that counts are the same at
+//! every run. They are instructions, not cycles. Output goes by semihosting, as lines of a name and a value.
+#![no_std]
+
+pub mod board;
+pub mod instructions;
+pub mod models;
+pub mod print;
+pub mod report;
+pub mod stack;
+
+/// A panic that can be reached is an error of the linker: nothing defines this symbol.
+#[cfg(not(test))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    unsafe extern "C" {
+        fn a_panic_can_be_reached() -> !;
+    }
+    // SAFETY: never called, or the image would not link.
+    unsafe { a_panic_can_be_reached() }
+}
+
+/// Bytes at a multiple of 4, as a model file in flash has to lie.
+#[repr(C, align(4))]
+pub struct Aligned<const N: usize>(
+    /// The bytes.
+    pub [u8; N],
+);
+
+/// The entry of an image: runs `$run`, and ends the emulation with its success or failure.
+#[macro_export]
+macro_rules! image {
+    ($run:path) => {
+        #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+        #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
+        fn main() -> ! {
+            $crate::board::start();
+            let outcome: Result<(), &'static [u8]> = $run();
+            $crate::board::end(outcome)
+        }
+    };
+}

@@ -1,0 +1,79 @@
+# Sourced by the scripts of this folder: compilers, boards, emulators.
+
+boards=(cortex-m4f cortex-m7 riscv32imac)
+host_target=${CARGO_TARGET_DIR:-target}
+# Apart from the host's, for a build of the standard library's source.
+export CARGO_TARGET_DIR=${LEASTACTION_CHIP_TARGET:-$PWD/../../target/chip}
+
+need() {
+    command -v "$1" >/dev/null && return
+    echo "installing $2" >&2
+    apt-get update -qq >&2
+    apt-get install -y -qq --no-install-recommends "$2" >&2
+}
+
+target_of() {
+    case $1 in
+        riscv32imac) echo riscv32imac-unknown-none-elf ;;
+        *) echo thumbv7em-none-eabihf ;;
+    esac
+}
+
+flags_of() {
+    case $1 in
+        cortex-m4f) echo "-Ctarget-cpu=cortex-m4" ;;
+        cortex-m7) echo "-Ctarget-cpu=cortex-m7" ;;
+        *) echo "" ;;
+    esac
+}
+
+# rustup's target, or the packaged compiler with the library's source.
+compiler() {
+    local target=$1
+    if command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; then
+        cargo=(cargo)
+        return
+    fi
+    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ]; then
+        apt-get update -qq >&2
+        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src >&2
+    fi
+    cargo=(env RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 cargo -Zbuild-std=core)
+}
+
+build() {
+    local board=$1 target
+    target=$(target_of "$board")
+    compiler "$target"
+    RUSTFLAGS=$(flags_of "$board") "${cargo[@]}" build --quiet --release --target "$target" \
+        --target-dir "$CARGO_TARGET_DIR/$board" "${@:2}"
+}
+
+program() { echo "$CARGO_TARGET_DIR/$1/$(target_of "$1")/release/$2"; }
+
+# Runs an image with a number left in its flash; one instruction is a virtual nanosecond.
+emulate() {
+    local board=$1 elf=$2 machine emulator=qemu-system-arm slot=0x3f0000 bios=()
+    case $board in
+        cortex-m4f) machine=mps2-an386 ;;
+        cortex-m7) machine=mps2-an500 ;;
+        *) machine=virt emulator=qemu-system-riscv32 slot=0x803f0000 bios=(-bios none) ;;
+    esac
+    need $emulator "$([ $emulator = qemu-system-arm ] && echo qemu-system-arm || echo qemu-system-misc)"
+    timeout "${LEASTACTION_CHIP_TIMEOUT:-600}" $emulator -M $machine "${bios[@]}" -display none -monitor none -serial none \
+        -semihosting-config enable=on,target=native -icount shift=0 -device "loader,addr=$slot,data=$3,data-len=4" \
+        "${@:4}" -kernel "$elf"
+}
+
+# Bytes of code, of constants, and of static memory.
+sections() {
+    local text=0 rodata=0 ram=0 name size
+    while read -r name _ _ _ size _; do
+        case $name in
+            .text) text=$((16#$size)) ;;
+            .rodata) rodata=$((16#$size)) ;;
+            .data | .bss) ram=$((ram + 16#$size)) ;;
+        esac
+    done < <(readelf -SW "$1" | sed -n 's/^ *\[ *[0-9]*\] //p')
+    echo $text $rodata $ram
+}

@@ -1,0 +1,44 @@
+//! The models of `firmware-sim/chip/models`, one of each family, and how every target runs them.
+
+use leastaction_core::constraints::Holonomic;
+use leastaction_core::discrete::Newton;
+use leastaction_core::model::{GraphModel, ModularModel, RigidModel};
+
+/// The step, s.
+pub const STEP: f32 = 0.01;
+
+/// A cart-pole: layers 2 → 32 → 32 → 4.
+pub type Cartpole<'a> = RigidModel<'a, 2, 32, 2>;
+
+/// Two pendulums of one learned type: layers 2 → 8 → 2 and 2 → 8 → 1.
+pub type Double<'a> = ModularModel<'a, 2, 1, 8, 1>;
+
+/// The tree of [`Double`].
+pub const TREE: &str = "double";
+
+/// Bobs on rods: layers 2 → 8 → 1.
+pub type Bobs<'a> = GraphModel<'a, 2, 1, 8, 1>;
+
+/// The graph of [`Bobs`], with one bob more than it was learned from.
+pub const GRAPH: &str = "three";
+
+/// Bobs of the graph.
+pub const BOBS: usize = 3;
+
+/// Newton's method with two updates in every step, for a constant running time.
+pub fn newton() -> Newton<f32> {
+    Newton { max_iterations: 2, stop: 0.0, ..Newton::default() }
+}
+
+/// Rods of 1 m from the origin to the first bob and from each to the next.
+pub fn chain() -> [Holonomic<f32, 2>; BOBS] {
+    core::array::from_fn(|node| match node.checked_sub(1) {
+        None => Holonomic::Anchor { node, to: [0.0; 2], length: 1.0 },
+        Some(above) => Holonomic::Rod { nodes: [node, above], length: 1.0 },
+    })
+}
+
+/// The chain straight and aslant, m.
+pub fn aslant() -> [[f32; 2]; BOBS] {
+    core::array::from_fn(|bob| [0.6 * (bob + 1) as f32, -0.8 * (bob + 1) as f32])
+}
