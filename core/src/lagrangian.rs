@@ -67,6 +67,26 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N>;
 }
 
+impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
+    type Mass = L::Mass;
+
+    fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
+        (**self).energies(q, v)
+    }
+
+    fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
+        (**self).gradient(q, v)
+    }
+
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+        (**self).dynamics(q, v)
+    }
+
+    fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
+        (**self).hessian(q, v)
+    }
+}
+
 /// A mass matrix that can be applied and inverted.
 pub trait MassMatrix<R: Real, const N: usize> {
     /// Mv.
