@@ -4,6 +4,7 @@ use crate::linear;
 use crate::scalar::{Real, Scalar};
 
 /// Kinetic and potential energy, J.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energies<S> {
     /// T(q, v).

@@ -48,6 +48,7 @@ pub struct Header<'a> {
 
 /// The step that a model was trained with; with another it is less accurate, for a model of a discrete Lagrangian absorbs
 /// the integrator's error.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Discretisation {
     /// 2 or 4.
@@ -92,6 +93,7 @@ pub struct TreeHeader<'a> {
 }
 
 /// The shape of a rigid model.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidHeader<'a> {
     /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
