@@ -7,7 +7,7 @@ use crate::status::Status;
 use core::ffi::{CStr, c_char};
 use leastaction_core::energy::graph::{Edge, Fixed};
 use leastaction_core::forces::System;
-use leastaction_core::model::{Discretisation, Family, ModelError, parse};
+use leastaction_core::model::{Discretisation, GraphHeader, parse_as};
 
 pub(crate) const FAMILY: &CStr = c"graph";
 pub(crate) const EDGES: usize = LEASTACTION_EDGES;
@@ -31,17 +31,15 @@ impl Mechanism {
     ) -> Result<Self, Error> {
         // SAFETY: this function's promise.
         let name = unsafe { super::text(name) }?;
-        let parsed = parse(bytes)?;
-        let Family::Graph(header) = parsed.header.family else {
-            return Err(ModelError::OtherFamily { found: parsed.header.family.name() }.into());
-        };
+        let parsed = parse_as::<GraphHeader>(bytes)?;
+        let header = parsed.shape;
         let layout = header.layout(name)?;
         // Particles that nothing holds together would be another mechanism than the one that was learned.
         if layout.rods().next().is_some() {
             return Err(Error::new(Status::Rods, [layout.rods().count()]));
         }
         let particles = Fixed::new(header.graph(layout, parsed.weights, edges)?)?;
-        Ok(Self { particles, discretisation: parsed.header.discretisation })
+        Ok(Self { particles, discretisation: parsed.discretisation })
     }
 
     pub fn system(&self) -> System<&Particles, &Particles> {
