@@ -95,6 +95,8 @@ check() {
 tool header | diff include/leastaction.h - ||
     fail "the header is not up to date: in core/c/tools, cargo run --bin header > ../include/leastaction.h"
 if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax-only -x c++ include/leastaction.h; fi
+"${host[@]}" fmt --check
+"${host[@]}" fmt --check --manifest-path tools/Cargo.toml
 "${host[@]}" test --quiet --lib
 if "${host[@]}" clippy --version >/dev/null 2>&1; then
     for family in rigid modular graph; do

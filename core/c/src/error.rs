@@ -137,3 +137,55 @@ impl From<StepError<f32>> for Error {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_core::discrete::Report;
+
+    #[test]
+    fn every_error_of_a_file_has_its_status_and_numbers() {
+        let table = [
+            (ModelError::TooShort { bytes: 3 }, Status::TooShort, [3, 0, 0]),
+            (ModelError::Magic, Status::NotAModel, [0; 3]),
+            (ModelError::Version { found: 9 }, Status::Version, [9, 0, 0]),
+            (ModelError::Checksum { stored: 1, computed: u32::MAX }, Status::Checksum, [1, u32::MAX, 0]),
+            (ModelError::Malformed, Status::Malformed, [0; 3]),
+            (ModelError::TrailingBytes { bytes: 4 }, Status::TrailingBytes, [4, 0, 0]),
+            (ModelError::Unaligned { offset: 3 }, Status::Unaligned, [3, 0, 0]),
+            (ModelError::BigEndian, Status::BigEndian, [0; 3]),
+            (ModelError::WeightCount { found: 5, needed: 6 }, Status::WeightCount, [5, 6, 0]),
+            (ModelError::NotFinite { index: usize::MAX }, Status::WeightNotFinite, [u32::MAX, 0, 0]),
+            (ModelError::OutOfRange { what: "order" }, Status::OutOfRange, [0; 3]),
+            (ModelError::Names { of: "trees" }, Status::Names, [0; 3]),
+            (ModelError::NoSuchTree { trees: 2 }, Status::NoSuchTree, [2, 0, 0]),
+            (ModelError::NoSuchGraph { graphs: 2 }, Status::NoSuchGraph, [2, 0, 0]),
+            (ModelError::OtherFamily { found: "graph" }, Status::OtherFamily, [0; 3]),
+            (ModelError::Shape { what: "types", found: 3, compiled: 2 }, Status::Shape, [3, 2, 0]),
+            (ModelError::Tree(TreeError::Parent { element: 1, parent: 2 }), Status::TreeParent, [1, 2, 0]),
+            (ModelError::Graph(GraphError::Loop { edge: 4, node: 1 }), Status::GraphLoop, [4, 1, 0]),
+        ];
+        for (error, status, numbers) in table {
+            let found = Error::from(error);
+            assert_eq!((found.status, found.numbers), (status, numbers), "{error}");
+        }
+    }
+
+    #[test]
+    fn words_are_those_of_the_error() {
+        let error = Error::from(ModelError::OtherFamily { found: "graph" });
+        // SAFETY: so many bytes of a string that lives for ever.
+        let words = unsafe { core::slice::from_raw_parts(error.what.cast::<u8>(), error.what_bytes) };
+        assert_eq!(words, b"graph");
+        assert!(Error::from(ModelError::Magic).what.is_null());
+    }
+
+    #[test]
+    fn every_error_of_a_step_has_its_status_and_numbers() {
+        let slow = Error::from(StepError::NotConverged(Report { iterations: 8, residual: 0.5 }));
+        assert_eq!((slow.status, slow.numbers, slow.residual), (Status::NotConverged, [8, 0, 0], 0.5));
+        let singular = Error::from(StepError::Singular(Singular { column: 1 }));
+        assert_eq!((singular.status, singular.numbers), (Status::Singular, [1, 0, 0]));
+        assert_eq!(Error::from(StepError::NotFinite), Error::from(Status::NotFinite));
+    }
+}
