@@ -11,6 +11,16 @@ pub trait Forces<S: Scalar, const N: usize> {
     fn derivatives(&self, q: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]);
 }
 
+impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
+    fn force(&self, q: &[S; N], v: &[S; N]) -> [S; N] {
+        (**self).force(q, v)
+    }
+
+    fn derivatives(&self, q: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]) {
+        (**self).derivatives(q, v)
+    }
+}
+
 /// Linear viscous damping in every coordinate, Q_i = −c_i v_i, c_i ≥ 0 in N s/m or N m s/rad. All zero: no damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viscous<S, const N: usize> {

@@ -4,6 +4,7 @@ use crate::linear;
 use crate::scalar::{Real, Scalar};
 
 /// Kinetic and potential energy, J.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energies<S> {
     /// T(q, v).
@@ -65,6 +66,26 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N>;
     /// All first and second derivatives at (q, v).
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N>;
+}
+
+impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
+    type Mass = L::Mass;
+
+    fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
+        (**self).energies(q, v)
+    }
+
+    fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
+        (**self).gradient(q, v)
+    }
+
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+        (**self).dynamics(q, v)
+    }
+
+    fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
+        (**self).hessian(q, v)
+    }
 }
 
 /// A mass matrix that can be applied and inverted.

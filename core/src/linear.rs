@@ -7,6 +7,7 @@ use crate::scalar::{Real, Scalar};
 pub type Matrix<S, const N: usize> = [[S; N]; N];
 
 /// A pivot of the elimination was zero or not a number.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
     /// The column, from 0, in which no usable pivot was left.

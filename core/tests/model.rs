@@ -10,7 +10,7 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    Discretisation, FORMAT_VERSION, Family, Header, ModelError, RigidHeader, RigidModel, parse,
+    Discretisation, FORMAT_VERSION, Family, Header, ModelError, RigidHeader, RigidModel, parse, parse_as,
 };
 use leastaction_core::network::Activation;
 use proptest::prelude::*;
@@ -205,12 +205,32 @@ fn padding_is_at_most_three_zeros() {
 fn impossible_encodings_are_malformed() {
     let file = file::golden();
     let body = &file[..file.len() - 4];
-    // family 1; a coordinate string that is not UTF-8; activation 5; inertia 2; damped 2; option 2.
-    for (position, value) in [(5, 1), (7, 0xff), (13, 5), (14, 2), (19, 2), (20, 2)] {
+    // family 3; a coordinate string that is not UTF-8; activation 5; inertia 2; damped 2; option 2.
+    for (position, value) in [(5, 3), (7, 0xff), (13, 5), (14, 2), (19, 2), (20, 2)] {
         let mut changed = body.to_vec();
         changed[position] = value;
         assert_eq!(load_error(&file::sealed(&changed)), ModelError::Malformed, "byte {position}");
     }
+}
+
+/// A reader of one family does not decode the others, of whose shapes it holds no code.
+#[test]
+fn other_families_are_refused_before_their_shape_is_decoded() {
+    let file = file::golden();
+    let mut changed = file[..file.len() - 4].to_vec();
+    changed[5] = 1;
+    let changed = file::sealed(&changed);
+    assert_eq!(load_error(&changed), ModelError::OtherFamily { found: "modular" });
+    assert_eq!(parse(Aligned::new(&changed).bytes()), Err(ModelError::Malformed));
+}
+
+#[test]
+fn a_file_of_one_family_says_the_same_as_of_any() {
+    let file = Aligned::new(&file::golden());
+    let (any, one) = (parse(file.bytes()).unwrap(), parse_as::<RigidHeader>(file.bytes()).unwrap());
+    assert_eq!(any.header.family, Family::Rigid(one.shape));
+    assert_eq!(any.header.discretisation, one.discretisation);
+    assert_eq!((any.header.provenance, any.weights), (one.provenance, one.weights));
 }
 
 #[test]

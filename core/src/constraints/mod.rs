@@ -93,6 +93,7 @@ fn difference<R: Real, const D: usize>(a: ([R; D], [R; D]), b: ([R; D], [R; D]))
 }
 
 /// Why constrained motion was refused; a state is as it was before.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConstraintError<R> {
     /// A constraint touches a node that the system does not have.

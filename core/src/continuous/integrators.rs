@@ -5,6 +5,7 @@ use crate::linear::{Singular, add_scaled};
 use crate::scalar::Real;
 
 /// Position and velocity.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuousState<R, const N: usize> {
     /// q.

@@ -11,6 +11,7 @@ use crate::scalar::{Real, max_abs};
 ///
 /// At least one update is taken. Between `accept` and `stop` the iteration also ends where an update no longer halves the
 /// residual: rounding allows no more.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton<R> {
     /// Updates at most; 0 only checks the guess.
@@ -29,6 +30,7 @@ impl<R: Real> Default for Newton<R> {
 }
 
 /// How a step went.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report<R> {
     /// Newton updates taken.
@@ -38,6 +40,7 @@ pub struct Report<R> {
 }
 
 /// Why a step was refused; the state is as it was before.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepError<R> {
     /// The Newton matrix has no usable pivot.

@@ -1,4 +1,4 @@
-use super::{GraphHeader, ModelError};
+use super::{GraphHeader, ModelError, ShapeHeader};
 use crate::energy::MAX_HIDDEN;
 use crate::energy::modular::{self, Node, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count};
@@ -48,6 +48,7 @@ pub struct Header<'a> {
 
 /// The step that a model was trained with; with another it is less accurate, for a model of a discrete Lagrangian absorbs
 /// the integrator's error.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Discretisation {
     /// 2 or 4.
@@ -92,6 +93,7 @@ pub struct TreeHeader<'a> {
 }
 
 /// The shape of a rigid model.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidHeader<'a> {
     /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
@@ -127,18 +129,12 @@ impl Coordinate {
     }
 }
 
-impl Header<'_> {
-    /// Checks what the lengths do not say.
-    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
-        if let Some(Discretisation { order, h }) = self.discretisation {
-            require(order == 2 || order == 4, "order")?;
-            require(h.is_finite() && h > 0.0, "step h")?;
-        }
-        match self.family {
-            Family::Rigid(rigid) => rigid.validate(weights),
-            Family::Modular(modular) => modular.validate(weights),
-            Family::Graph(graph) => graph.validate(weights),
-        }
+impl Discretisation {
+    /// Checks that order and step are ones.
+    pub(super) fn validate(self) -> Result<(), ModelError> {
+        let Self { order, h } = self;
+        require(order == 2 || order == 4, "order")?;
+        require(h.is_finite() && h > 0.0, "step h")
     }
 }
 
@@ -146,9 +142,9 @@ impl Family<'_> {
     /// What the family is called.
     pub const fn name(&self) -> &'static str {
         match self {
-            Self::Rigid(_) => "rigid",
-            Self::Modular(_) => "modular",
-            Self::Graph(_) => "graph",
+            Self::Rigid(_) => RigidHeader::FAMILY.1,
+            Self::Modular(_) => ModularHeader::FAMILY.1,
+            Self::Graph(_) => GraphHeader::FAMILY.1,
         }
     }
 
@@ -182,7 +178,7 @@ impl<'a> ModularHeader<'a> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
         if let Some(what) = self.shape.misfit() {
             return Err(ModelError::OutOfRange { what });
         }
@@ -273,7 +269,7 @@ impl<'a> RigidHeader<'a> {
             .ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
         require(self.coordinates.chars().all(|c| Coordinate::from_letter(c).is_some()), "coordinate kind")?;
         let (_, depth) = self.widths();
         require(self.widths.iter().skip(depth).all(|w| *w == 0), "hidden width")?;

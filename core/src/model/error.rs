@@ -3,6 +3,7 @@ use crate::energy::modular::TreeError;
 use core::fmt;
 
 /// Why a model file was refused.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {

@@ -1,6 +1,6 @@
 use super::document::{are_names, check_names, require};
 use super::rigid::require_at_most;
-use super::{Discretisation, Family, ModelError, parse};
+use super::{Discretisation, ModelError, parse_as};
 use crate::constraints::Holonomic;
 use crate::energy::graph::{Edge, Graph, GraphError, Shape, Types};
 use crate::scalar::Real;
@@ -131,12 +131,10 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize> GraphMo
     /// # Errors
     /// See [`ModelError`]; [`GraphError::TooManyEdges`] where `edges` is too short.
     pub fn load(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
-        let parsed = parse(bytes)?;
-        let Family::Graph(header) = parsed.header.family else {
-            return Err(ModelError::OtherFamily { found: parsed.header.family.name() });
-        };
+        let parsed = parse_as::<GraphHeader>(bytes)?;
+        let header = parsed.shape;
         let graph = header.graph(header.layout(name)?, parsed.weights, edges)?;
-        Ok(Self { graph, discretisation: parsed.header.discretisation })
+        Ok(Self { graph, discretisation: parsed.discretisation })
     }
 }
 

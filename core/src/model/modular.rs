@@ -1,5 +1,5 @@
 use super::rigid::require_at_most;
-use super::{Discretisation, Family, ModelError, ModularHeader, TreeHeader, parse};
+use super::{Discretisation, ModelError, ModularHeader, TreeHeader, parse_as};
 use crate::energy::modular::Modular;
 use crate::forces::{System, Viscous};
 use crate::scalar::Scalar;
@@ -17,12 +17,10 @@ pub struct ModularModel<'a, const N: usize, const K: usize, const H: usize, cons
 impl<'a, const N: usize, const K: usize, const H: usize, const D: usize> ModularModel<'a, N, K, H, D> {
     /// Reads, validates and borrows a model file, and takes the tree called `name`; `bytes` must be 4-aligned.
     pub fn load(bytes: &'a [u8], name: &str) -> Result<Self, ModelError> {
-        let parsed = parse(bytes)?;
-        let Family::Modular(header) = parsed.header.family else {
-            return Err(ModelError::OtherFamily { found: parsed.header.family.name() });
-        };
+        let parsed = parse_as::<ModularHeader>(bytes)?;
+        let header = parsed.shape;
         let system = header.system(header.tree(name)?, parsed.weights)?;
-        Ok(Self { system, discretisation: parsed.header.discretisation })
+        Ok(Self { system, discretisation: parsed.discretisation })
     }
 }
 

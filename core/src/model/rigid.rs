@@ -1,4 +1,4 @@
-use super::{Discretisation, Family, ModelError, RigidHeader, parse};
+use super::{Discretisation, ModelError, RigidHeader, parse_as};
 use crate::energy::rigid::{Rigid, Shape};
 use crate::forces::{System, Viscous};
 use crate::scalar::Scalar;
@@ -15,12 +15,10 @@ pub struct RigidModel<'a, const N: usize, const H: usize, const D: usize> {
 impl<'a, const N: usize, const H: usize, const D: usize> RigidModel<'a, N, H, D> {
     /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
     pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
-        let parsed = parse(bytes)?;
-        let Family::Rigid(header) = parsed.header.family else {
-            return Err(ModelError::OtherFamily { found: parsed.header.family.name() });
-        };
+        let parsed = parse_as::<RigidHeader>(bytes)?;
+        let header = parsed.shape;
         let system = header.system(parsed.weights)?;
-        Ok(Self { system, discretisation: parsed.header.discretisation })
+        Ok(Self { system, discretisation: parsed.discretisation })
     }
 }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Derivatives are exact. `Squareplus` and `Isru` need only a square root, which a floating-point unit has; they
 /// square z, so |z| must stay below the root of the largest number (1.8e19 in f32), beyond which their slope is 0.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activation {
     /// tanh z: σ′ = 1 − σ², σ″ = −2σσ′.

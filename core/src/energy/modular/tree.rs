@@ -20,6 +20,7 @@ pub struct Node {
 }
 
 /// Why a tree was refused.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TreeError {

@@ -3,6 +3,7 @@ use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
 /// What a coordinate is, and so how the network sees it.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Coordinate {
     /// A length (m), fed to the network as it is.

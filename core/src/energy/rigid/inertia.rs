@@ -5,6 +5,7 @@ use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
 /// How the outputs o = (diagonal, strict lower triangle row by row, V) give the inertia matrix.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Inertia {
     /// H = diag(softplus(o)): decoupled coordinates, and the form SyMo uses for one coordinate.

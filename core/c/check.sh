@@ -1,0 +1,116 @@
+#!/usr/bin/env bash
+# Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size; links the C
+# example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
+# the same steps have in Rust, and refuse every damaged file. The committed header must be what the sources give.
+set -euo pipefail
+cd "$(dirname "$0")"
+target=thumbv7em-none-eabihf
+out=${CARGO_TARGET_DIR:-$PWD/target}
+work=$out/example
+mkdir -p "$work"
+
+if ! { command -v arm-none-eabi-gcc && command -v qemu-system-arm && command -v gcc; } >/dev/null; then
+    apt-get update -qq
+    apt-get install -y -qq --no-install-recommends gcc gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
+fi
+
+# Host programs by the compiler that cargo finds; the chip's by rustup's target where it can be had, else Debian's compiler.
+chip=(env CARGO_TARGET_DIR="$out/chip" cargo build --quiet --release --lib --target "$target")
+if ! { command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; }; then
+    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ]; then
+        apt-get update -qq
+        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src
+    fi
+    chip=(env RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 "${chip[@]:1}" -Zbuild-std=core)
+fi
+host=(env CARGO_TARGET_DIR="$out" cargo)
+
+tool() { "${host[@]}" run --quiet --manifest-path tools/Cargo.toml --bin "$@"; }
+
+fail() {
+    printf '%s\n' "$*" >&2
+    exit 1
+}
+
+sources=(example/main.c example/trace.c example/errors.c example/model.S)
+strict=(-std=c11 -O2 -Wall -Wextra -Wpedantic -Werror -ffunction-sections -fdata-sections -Wl,--gc-sections)
+m4=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16)
+
+# What one run of the example must print.
+expect() {
+    local name=$1 expected=$2
+    shift 2
+    local found
+    found=$(timeout 300 "$@") || fail "$name failed: $found"
+    [ "$found" = "$expected" ] || fail "$name: found $found, expected $expected"
+    printf '%s: %s\n' "$name" "${found//$'\n'/; }"
+}
+
+check_host() {
+    local family=$1 expected=$2
+    shift 2
+    gcc "${strict[@]}" "$@" "${sources[@]}" example/host.c "$out/release/libleastaction.a" -o "$work/$family"
+    expect "$family on the host" "$expected" "$work/$family"
+}
+
+check_chip() {
+    local family=$1 level=$2 expected=$3 image=$work/$1-$2.elf
+    shift 3
+    "${chip[@]}" "${features[@]}" --config "profile.release.opt-level=$level"
+    arm-none-eabi-gcc "${m4[@]}" "${strict[@]}" "$@" -nostdlib -Wl,-z,noexecstack -T example/chip.ld "${sources[@]}" example/chip.c \
+        "$out/chip/$target/release/libleastaction.a" -lgcc -o "$image"
+    # In the functions that the example does not need, neither.
+    if arm-none-eabi-nm "$out/chip/$target/release/libleastaction.a" 2>/dev/null | grep leastaction_panicked; then
+        fail "$family holds a panic"
+    fi
+    # Doubles are software here, and would cost thousands of instructions.
+    if arm-none-eabi-nm "$image" | grep -E ' __aeabi_(d|f2d)'; then fail "$family computes in double precision"; fi
+    arm-none-eabi-size -A "$image" | awk '/^\.(text|rodata|data|bss) /{printf "%s %s  ", $1, $2} END {print ""}'
+    expect "$family at opt-level $level on the chip" "$expected" qemu-system-arm -M mps2-an386 -display none \
+        -monitor none -serial none -chardev stdio,id=out -semihosting-config enable=on,target=native,chardev=out -kernel "$image"
+}
+
+# A family: its golden file, the name in it, and its sizes.
+check() {
+    local family=$1 golden=$2 name=$3 hash
+    shift 3
+    features=(--no-default-features --features "$family")
+    export "$@"
+    tool bytes "${features[@]}" <"../tests/golden/$golden.hex" >"$work/$golden.bin"
+    mkdir -p "$work/$family-include"
+    tool header "${features[@]}" >"$work/$family-include/leastaction.h"
+    hash=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name")
+    local expected=$hash$'\n''errors as they should be'
+    local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"")
+    [ -z "$name" ] || defines+=("-DMODEL_NAME=\"$name\"")
+    "${host[@]}" build --quiet --release --lib "${features[@]}"
+    check_host "$family" "$expected" "${defines[@]}"
+    for level in 3 '"s"'; do
+        check_chip "$family" "$level" "$expected" "${defines[@]}"
+    done
+    unset "${@%%=*}"
+}
+
+# The header of the default family and sizes is the committed one, and C++ can read it.
+tool header | diff include/leastaction.h - ||
+    fail "the header is not up to date: in core/c/tools, cargo run --bin header > ../include/leastaction.h"
+if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax-only -x c++ include/leastaction.h; fi
+"${host[@]}" fmt --check
+"${host[@]}" fmt --check --manifest-path tools/Cargo.toml
+"${host[@]}" test --quiet --lib
+if "${host[@]}" clippy --version >/dev/null 2>&1; then
+    for family in rigid modular graph; do
+        features=(--no-default-features --features "$family")
+        "${host[@]}" clippy --quiet "${features[@]}" -- -D warnings
+        "${host[@]}" clippy --quiet --manifest-path tools/Cargo.toml "${features[@]}" -- -D warnings
+    done
+fi
+
+# A size that is none is a clear error.
+wrong=$(LEASTACTION_HIDDEN=many "${host[@]}" check --quiet --lib 2>&1) && fail "a wrong size was accepted"
+[[ $wrong == *"LEASTACTION_HIDDEN must be a whole number from 1 to 1024"* ]] || fail "$wrong"
+
+check rigid cartpole "" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check modular arm arm LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
+check graph web pair LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 LEASTACTION_NETWORKS=6
+printf 'the C interface is well\n'

@@ -1,0 +1,174 @@
+/* What goes wrong has its own status, faults nothing and changes nothing. */
+#include "example.h"
+#include <math.h>
+#include <string.h>
+
+#define FILE_MOST 4096
+
+static leastaction_model model, other;
+static leastaction_state state, before;
+static leastaction_error error;
+static _Alignas(4) uint8_t file[FILE_MOST + 4];
+static size_t bytes;
+static int failures;
+static const float zero[N];
+/* Where no two particles meet. */
+static float apart[N];
+
+static void require(int line, int holds, const char *what) {
+    if (holds) return;
+    failures++;
+    put("errors.c:");
+    put_number((uint64_t)line, 10);
+    put(": ");
+    put(what);
+    put("\n");
+}
+
+#define REQUIRE(condition) require(__LINE__, condition, #condition)
+#define EXPECT(name, call) expect(__LINE__, call, LEASTACTION_STATUS_##name)
+
+/* The function returns what it should, and the error that it fills in says the same. */
+static void expect(int line, leastaction_status found, leastaction_status expected) {
+    require(line, found == expected, leastaction_message(found));
+    require(line, error.status == found, "another status in the error");
+}
+
+static leastaction_status load(size_t length) {
+    return leastaction_load(&model, sizeof model, file, length, MODEL_NAME, &error);
+}
+
+static leastaction_status of_byte(size_t position) {
+    if (position < 4) return LEASTACTION_STATUS_NOT_A_MODEL;
+    return position == 4 ? LEASTACTION_STATUS_VERSION : LEASTACTION_STATUS_CHECKSUM;
+}
+
+static void damaged(void) {
+    for (size_t i = 0; i < bytes; i++) {
+        file[i] ^= (uint8_t)(1u << i % 8);
+        expect(__LINE__, load(bytes), of_byte(i));
+        file[i] ^= (uint8_t)(1u << i % 8);
+    }
+    for (size_t length = 0; length < bytes; length++) {
+        leastaction_status found = load(length);
+        REQUIRE(found == LEASTACTION_STATUS_TOO_SHORT || found == LEASTACTION_STATUS_CHECKSUM);
+    }
+    file[4] = 99;
+    EXPECT(VERSION, load(bytes));
+    REQUIRE(error.numbers[0] == 99);
+    file[4] = 1;
+    EXPECT(NOT_LOADED, leastaction_acceleration(&model, zero, zero, zero, N, (float[N]){0}, &error));
+    EXPECT(OK, load(bytes));
+}
+
+static void misplaced(void) {
+    float x[N];
+    memmove(file + 1, file, bytes);
+    EXPECT(UNALIGNED, leastaction_load(&other, sizeof other, file + 1, bytes, MODEL_NAME, &error));
+    REQUIRE(error.numbers[0] != 0);
+    memmove(file, file + 1, bytes);
+    EXPECT(NULL_POINTER, leastaction_load(NULL, sizeof other, file, bytes, MODEL_NAME, &error));
+    EXPECT(NULL_POINTER, leastaction_load(&other, sizeof other, NULL, bytes, MODEL_NAME, &error));
+    REQUIRE(error.numbers[0] == 3);
+    EXPECT(WRONG_LENGTH, leastaction_load(&other, sizeof other + 4, file, bytes, MODEL_NAME, &error));
+    EXPECT(WRONG_LENGTH, leastaction_load(&other, sizeof other, file, SIZE_MAX, MODEL_NAME, &error));
+    void *odd = (uint8_t *)&other + 1;
+    EXPECT(MISALIGNED, leastaction_load(odd, sizeof other, file, bytes, MODEL_NAME, &error));
+    EXPECT(NOT_LOADED, leastaction_momentum(&other, zero, zero, N, x, &error));
+    EXPECT(OK, load(bytes));
+    other = model;
+    EXPECT(NOT_LOADED, leastaction_momentum(&other, zero, zero, N, x, &error));
+#ifndef LEASTACTION_RIGID
+    EXPECT(NULL_POINTER, leastaction_load(&other, sizeof other, file, bytes, NULL, &error));
+    leastaction_status none = leastaction_load(&other, sizeof other, file, bytes, "nothing", &error);
+    REQUIRE(none == LEASTACTION_STATUS_NO_SUCH_TREE || none == LEASTACTION_STATUS_NO_SUCH_GRAPH);
+    EXPECT(BAD_NAME, leastaction_load(&other, sizeof other, file, bytes, "\xff", &error));
+    static const char endless[] = "0123456789012345678901234567890123456789012345678901234567890123456789";
+    EXPECT(BAD_NAME, leastaction_load(&other, sizeof other, file, bytes, endless, &error));
+#endif
+#ifdef LEASTACTION_GRAPH
+    EXPECT(RODS, leastaction_load(&other, sizeof other, file, bytes, "ring", &error));
+    REQUIRE(error.numbers[0] == 2);
+#endif
+}
+
+static void arguments(void) {
+    float x[N];
+    const float nan[N] = {NAN};
+    const float *odd = (const float *)((const uint8_t *)zero + 1);
+    EXPECT(NULL_POINTER, leastaction_acceleration(NULL, zero, zero, zero, N, x, &error));
+    REQUIRE(error.numbers[0] == 1);
+    EXPECT(NULL_POINTER, leastaction_acceleration(&model, NULL, zero, zero, N, x, &error));
+    EXPECT(NULL_POINTER, leastaction_acceleration(&model, zero, NULL, zero, N, x, &error));
+    EXPECT(NULL_POINTER, leastaction_acceleration(&model, zero, zero, NULL, N, x, &error));
+    REQUIRE(error.numbers[0] == 4);
+    EXPECT(NULL_POINTER, leastaction_acceleration(&model, zero, zero, zero, N, NULL, &error));
+    REQUIRE(error.numbers[0] == 6);
+    EXPECT(MISALIGNED, leastaction_acceleration(&model, zero, odd, zero, N, x, &error));
+    REQUIRE(error.numbers[0] == 3);
+    EXPECT(WRONG_LENGTH, leastaction_acceleration(&model, zero, zero, zero, N + 1, x, &error));
+    REQUIRE(error.numbers[0] == N && error.numbers[1] == N + 1);
+    EXPECT(NOT_FINITE, leastaction_acceleration(&model, nan, zero, zero, N, x, &error));
+    EXPECT(NOT_FINITE, leastaction_inverse_dynamics(&model, nan, zero, zero, N, x, &error));
+    EXPECT(NOT_FINITE, leastaction_momentum(&model, zero, nan, N, x, &error));
+    EXPECT(NOT_FINITE, leastaction_energies(&model, nan, zero, N, x, &error));
+    EXPECT(NULL_POINTER, leastaction_energies(&model, zero, zero, N, NULL, &error));
+    EXPECT(NULL_POINTER, leastaction_trained_step(&model, NULL, NULL, &error));
+    leastaction_error *misplaced = (leastaction_error *)((uint8_t *)&error + 1);
+    REQUIRE(leastaction_momentum(&model, zero, zero, N, x, misplaced) == LEASTACTION_STATUS_MISALIGNED);
+}
+
+static void starts(void) {
+    const float h = 0.01f, nan[N] = {NAN};
+    const leastaction_state none = {0};
+    float x[N];
+    before = none;
+    EXPECT(NOT_STARTED, leastaction_step2(&model, &before, h, zero, zero, N, NULL, &error));
+    EXPECT(NOT_STARTED, leastaction_state_q(&before, N, x, &error));
+    EXPECT(NOT_FINITE, leastaction_start(&model, &before, nan, zero, N, &error));
+    EXPECT(NOT_STARTED, leastaction_state_p(&before, N, x, &error));
+    EXPECT(OK, leastaction_start(&model, &state, apart, zero, N, &error));
+    EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, &error));
+}
+
+static void refused_steps(void) {
+    const float h = 0.01f, nan[N] = {NAN}, huge[N] = {1e30f};
+    before = state;
+    EXPECT(NULL_POINTER, leastaction_step4(&model, NULL, h, zero, zero, N, NULL, &error));
+    REQUIRE(error.numbers[0] == 2);
+    EXPECT(NULL_POINTER, leastaction_step4(&model, &state, h, NULL, zero, N, NULL, &error));
+    EXPECT(NULL_POINTER, leastaction_step4(&model, &state, h, zero, NULL, N, NULL, &error));
+    EXPECT(WRONG_LENGTH, leastaction_step4(&model, &state, h, zero, zero, 0, NULL, &error));
+    EXPECT(BAD_STEP, leastaction_step4(&model, &state, 0, zero, zero, N, NULL, &error));
+    EXPECT(BAD_STEP, leastaction_step4(&model, &state, -h, zero, zero, N, NULL, &error));
+    EXPECT(BAD_STEP, leastaction_step2(&model, &state, NAN, zero, zero, N, NULL, &error));
+    EXPECT(NOT_FINITE, leastaction_step2(&model, &state, h, nan, zero, N, NULL, &error));
+    EXPECT(NOT_FINITE, leastaction_step4(&model, &state, h, zero, nan, N, NULL, &error));
+    EXPECT(NOT_FINITE, leastaction_start_from_positions4(&model, &state, h, nan, zero, zero, zero, N, &error));
+    EXPECT(BAD_STEP, leastaction_start_from_positions2(&model, &state, 0, zero, zero, zero, zero, N, &error));
+    leastaction_status far = leastaction_step4(&model, &state, 100, huge, huge, N, NULL, &error);
+    REQUIRE(far >= LEASTACTION_STATUS_SINGULAR && far == error.status);
+    REQUIRE(memcmp(&before, &state, sizeof state) == 0);
+    float x[N];
+    EXPECT(NULL_POINTER, leastaction_state_q(&state, N, NULL, &error));
+    EXPECT(WRONG_LENGTH, leastaction_state_w(&state, N - 1, x, &error));
+    EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, &error));
+}
+
+int errors(void) {
+    bytes = (size_t)(model_file_end - model_file);
+    REQUIRE(bytes <= FILE_MOST);
+    REQUIRE(leastaction_family()[0] != '\0' && leastaction_message(-1)[0] == 'u');
+    for (int i = 0; i < N; i++) {
+        apart[i] = (float)i / 2;
+    }
+    memcpy(file, model_file, bytes);
+    EXPECT(OK, load(bytes));
+    damaged();
+    misplaced();
+    arguments();
+    starts();
+    refused_steps();
+    put(failures == 0 ? "errors as they should be\n" : "errors not as they should be\n");
+    return failures != 0;
+}

@@ -1,0 +1,18 @@
+#include "example.h"
+
+void put_number(uint64_t number, unsigned base) {
+    char text[24];
+    size_t at = sizeof text;
+    text[--at] = '\0';
+    do {
+        text[--at] = "0123456789abcdef"[number % base];
+        number /= base;
+    } while (number != 0 && at > 0);
+    put(&text[at]);
+}
+
+int main(void) {
+    int failed = trace();
+    failed |= errors();
+    return failed;
+}

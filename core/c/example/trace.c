@@ -1,0 +1,102 @@
+/* How a firmware uses the library: load a model, evaluate it, step it. ../tools/src/bin/trace.rs does the same in Rust. */
+#include "example.h"
+#include <string.h>
+
+#define STEPS 200
+
+static leastaction_model model;
+static leastaction_state state;
+static uint64_t hash = 0xcbf29ce484222325u;
+
+/* FNV-1a over the bits of some numbers. */
+static void add(const float *x, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &x[i], sizeof bits);
+        for (int byte = 0; byte < 4; byte++) {
+            hash = (hash ^ (bits >> (8 * byte) & 0xff)) * 0x100000001b3u;
+        }
+    }
+}
+
+static int refused(const char *what, const leastaction_error *error) {
+    put(what);
+    put(": ");
+    put(leastaction_message(error->status));
+    put("\n");
+    return 1;
+}
+
+static int evaluate(const float *q, const float *v, const float *u) {
+    leastaction_error error;
+    float a[N], force[N], p[N], energies[2];
+    if (leastaction_acceleration(&model, q, v, u, N, a, &error)
+        || leastaction_inverse_dynamics(&model, q, v, a, N, force, &error)
+        || leastaction_momentum(&model, q, v, N, p, &error)
+        || leastaction_energies(&model, q, v, N, energies, &error)) {
+        return refused("evaluate", &error);
+    }
+    add(a, N);
+    add(force, N);
+    add(p, N);
+    add(energies, 2);
+    return 0;
+}
+
+static int step(float h, int order, int k) {
+    leastaction_error error;
+    leastaction_report report;
+    float q[N], p[N], w[N], u[N] = {k / 32 % 2 == 0 ? 0.25f : -0.25f};
+    leastaction_status status = order == 2 ? leastaction_step2(&model, &state, h, u, u, N, &report, &error)
+                                           : leastaction_step4(&model, &state, h, u, u, N, &report, &error);
+    if (status || leastaction_state_q(&state, N, q, &error) || leastaction_state_p(&state, N, p, &error)
+        || leastaction_state_w(&state, N, w, &error)) {
+        return refused("step", &error);
+    }
+    add(q, N);
+    add(p, N);
+    add(w, N);
+    add(&report.residual, 1);
+    return 0;
+}
+
+static int run(float h, int order) {
+    int failed = 0;
+    for (int k = 0; k < STEPS && !failed; k++) {
+        failed = step(h, order, k);
+    }
+    return failed;
+}
+
+int trace(void) {
+    leastaction_error error;
+    float h, q[N], q1[N], v[N], u[N] = {0};
+    uint8_t order;
+    for (int i = 0; i < N; i++) {
+        q[i] = (float)(i + 1) / 8;
+        v[i] = (float)(i - 1) / 4;
+    }
+    size_t bytes = (size_t)(model_file_end - model_file);
+    if (leastaction_load(&model, sizeof model, model_file, bytes, MODEL_NAME, &error)
+        || leastaction_trained_step(&model, &h, &order, &error)) {
+        return refused("load", &error);
+    }
+    h /= 8;
+    if (evaluate(q, v, u)) return 1;
+    for (order = 2; order <= 4; order += 2) {
+        if (leastaction_start(&model, &state, q, v, N, &error)) return refused("start", &error);
+        if (run(h, order)) return 1;
+        for (int i = 0; i < N; i++) {
+            q1[i] = q[i] + h * v[i];
+        }
+        leastaction_status status = order == 2
+            ? leastaction_start_from_positions2(&model, &state, h, q, q1, u, u, N, &error)
+            : leastaction_start_from_positions4(&model, &state, h, q, q1, u, u, N, &error);
+        if (status) return refused("start", &error);
+        if (run(h, order)) return 1;
+    }
+    put("trace ");
+    put_number(hash, 16);
+    put("\n");
+    return 0;
+}

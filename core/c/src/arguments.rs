@@ -1,0 +1,138 @@
+//! What a caller gives, checked before anything is done with it.
+
+use crate::config::LEASTACTION_COORDINATES;
+use crate::contents::{Loaded, STARTED, Started, loaded_tag};
+use crate::error::Error;
+use crate::family::Mechanism;
+use crate::status::Status;
+use crate::storage::{Model, State};
+use core::ptr::NonNull;
+
+/// A vector of all coordinates.
+pub(crate) type Vector = [f32; LEASTACTION_COORDINATES];
+
+/// A pointer to a T, not NULL and aligned.
+pub(crate) struct Given<T>(NonNull<T>);
+
+impl<T> Given<T> {
+    /// A pointer that stands at this place among the arguments, from 1.
+    pub fn new(pointer: *const T, argument: usize) -> Result<Self, Error> {
+        let pointer = NonNull::new(pointer.cast_mut());
+        let pointer = pointer.ok_or(Error::new(Status::NullPointer, [argument]))?;
+        if pointer.is_aligned() { Ok(Self(pointer)) } else { Err(Error::new(Status::Misaligned, [argument])) }
+    }
+
+    /// One that may be NULL.
+    pub fn optional(pointer: *const T, argument: usize) -> Result<Option<Self>, Error> {
+        if pointer.is_null() { Ok(None) } else { Self::new(pointer, argument).map(Some) }
+    }
+
+    pub fn pointer(&self) -> *mut T {
+        self.0.as_ptr()
+    }
+
+    /// Copies it.
+    ///
+    /// # Safety
+    /// It can be read as a T.
+    pub unsafe fn read(&self) -> T
+    where
+        T: Copy,
+    {
+        // SAFETY: not NULL and aligned; the rest is this function's promise.
+        unsafe { self.0.read() }
+    }
+
+    /// Writes it.
+    ///
+    /// # Safety
+    /// It can be written to.
+    pub unsafe fn write(&self, value: T) {
+        // SAFETY: not NULL and aligned; the rest is this function's promise.
+        unsafe { self.0.write(value) }
+    }
+}
+
+/// Checks that arrays are as long as they should be.
+pub(crate) fn check_length(right: usize, given: usize) -> Result<(), Error> {
+    if given == right { Ok(()) } else { Err(Error::new(Status::WrongLength, [right, given])) }
+}
+
+/// Copies arrays of `n` numbers, which must be finite; the first stands at this place among the arguments.
+///
+/// # Safety
+/// Each has `n` numbers.
+pub(crate) unsafe fn vectors<const K: usize>(
+    pointers: [*const f32; K],
+    first: usize,
+    n: usize,
+) -> Result<[Vector; K], Error> {
+    check_length(LEASTACTION_COORDINATES, n)?;
+    let mut copies = [[0.0; LEASTACTION_COORDINATES]; K];
+    for (i, (copy, pointer)) in copies.iter_mut().zip(pointers).enumerate() {
+        // SAFETY: it has n numbers, which is what a vector has.
+        *copy = finite(unsafe { Given::new(pointer.cast::<Vector>(), first + i)?.read() })?;
+    }
+    Ok(copies)
+}
+
+/// An array that a vector is written to.
+pub(crate) fn output(pointer: *mut f32, argument: usize) -> Result<Given<Vector>, Error> {
+    Given::new(pointer.cast(), argument)
+}
+
+/// The mechanism that is loaded in a storage.
+///
+/// # Safety
+/// `model` is storage as the header asks for, of which nothing else is done meanwhile.
+pub(crate) unsafe fn loaded<'a>(model: *const Model) -> Result<&'a Mechanism, Error> {
+    let pointer = Given::new(model, 1)?.pointer().cast::<Loaded>();
+    // SAFETY: a word of the caller's storage, which is larger and as aligned.
+    let tag = unsafe { (&raw const (*pointer).tag).read() };
+    if tag != loaded_tag(pointer) {
+        return Err(Status::NotLoaded.into());
+    }
+    // SAFETY: the tag is written last, when a mechanism is there.
+    Ok(unsafe { &(*pointer).mechanism })
+}
+
+/// Where a storage's state is.
+pub(crate) fn place(state: *const State, argument: usize) -> Result<Given<Started>, Error> {
+    Given::new(state, argument)?;
+    Given::new(state.cast(), argument)
+}
+
+/// The state that was started in a storage.
+///
+/// # Safety
+/// `state` is storage as the header asks for.
+pub(crate) unsafe fn started(state: *const State, argument: usize) -> Result<Started, Error> {
+    let place = place(state, argument)?;
+    // SAFETY: every bit pattern of the caller's storage is a `Started`: numbers only.
+    let started = unsafe { place.read() };
+    if started.tag == STARTED { Ok(started) } else { Err(Status::NotStarted.into()) }
+}
+
+/// Checks a step.
+pub(crate) fn check_step(h: f32) -> Result<(), Error> {
+    if h > 0.0 && h.is_finite() { Ok(()) } else { Err(Status::BadStep.into()) }
+}
+
+/// An error unless all numbers are finite.
+pub(crate) fn finite<const K: usize>(x: [f32; K]) -> Result<[f32; K], Error> {
+    if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(Status::NotFinite.into()) }
+}
+
+/// Does what a call is for, and tells the caller how it went.
+///
+/// # Safety
+/// `error` is NULL or can be written to.
+pub(crate) unsafe fn call(error: *mut Error, run: impl FnOnce() -> Result<(), Error>) -> Status {
+    let Ok(error) = Given::optional(error, 0) else { return Status::Misaligned };
+    let found = run().err().unwrap_or(Error::NONE);
+    if let Some(error) = error {
+        // SAFETY: this function's promise.
+        unsafe { error.write(found) };
+    }
+    found.status
+}

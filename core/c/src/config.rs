@@ -1,0 +1,77 @@
+//! The sizes that the library is built for, from environment variables read by the compiler.
+
+/// A size from the environment, or its default.
+macro_rules! size {
+    ($name:literal, $default:literal, $least:literal ..= $most:literal) => {
+        match option_env!($name) {
+            None => $default,
+            Some(text) => match number(text) {
+                Some(size) if $least <= size && size <= $most => size,
+                _ => panic!(concat!($name, " must be a whole number from ", $least, " to ", $most)),
+            },
+        }
+    };
+}
+
+/// Coordinates of the mechanism.
+pub const LEASTACTION_COORDINATES: usize = size!("LEASTACTION_COORDINATES", 2, 1..=64);
+/// Units of a hidden layer at most.
+pub const LEASTACTION_HIDDEN: usize = size!("LEASTACTION_HIDDEN", 32, 1..=1024);
+/// Hidden layers of a network at most.
+pub const LEASTACTION_LAYERS: usize = size!("LEASTACTION_LAYERS", 2, 1..=4);
+/// Element types at most.
+#[cfg(feature = "modular")]
+pub const LEASTACTION_TYPES: usize = size!("LEASTACTION_TYPES", 2, 1..=5);
+/// Dimensions of the space that particles move in.
+#[cfg(feature = "graph")]
+pub const LEASTACTION_DIMENSIONS: usize = size!("LEASTACTION_DIMENSIONS", 2, 2..=3);
+/// Networks of all types together at most.
+#[cfg(feature = "graph")]
+pub const LEASTACTION_NETWORKS: usize = size!("LEASTACTION_NETWORKS", 6, 1..=11);
+/// Edges of the graph at most.
+#[cfg(feature = "graph")]
+pub const LEASTACTION_EDGES: usize = size!("LEASTACTION_EDGES", 8, 1..=4096);
+
+/// Words of a network: its weights, its biases and how many they are, layer by layer.
+const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
+
+// What a model takes where pointers have 32 bits, and 2 words beyond; with 64 bits it takes fewer words. Where that ceases to
+// be so, a build fails (`contents.rs`).
+
+/// Words, as wide as a pointer, of a loaded model.
+#[cfg(feature = "rigid")]
+pub const LEASTACTION_MODEL_WORDS: usize =
+    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + 9;
+/// Words, as wide as a pointer, of a loaded model.
+#[cfg(feature = "modular")]
+pub const LEASTACTION_MODEL_WORDS: usize =
+    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + 12;
+/// Words, as wide as a pointer, of a loaded model.
+#[cfg(feature = "graph")]
+pub const LEASTACTION_MODEL_WORDS: usize =
+    LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + 68;
+
+/// Words of 32 bits of a state: 12 numbers a coordinate, and 2.
+pub const LEASTACTION_STATE_WORDS: usize = 12 * LEASTACTION_COORDINATES + 2;
+
+#[cfg(feature = "graph")]
+const _: () = assert!(
+    LEASTACTION_COORDINATES.is_multiple_of(LEASTACTION_DIMENSIONS),
+    "LEASTACTION_COORDINATES must be a multiple of LEASTACTION_DIMENSIONS"
+);
+
+/// The number that a text of digits is.
+const fn number(text: &str) -> Option<usize> {
+    let (mut digits, mut number) = (text.as_bytes(), 0);
+    if digits.is_empty() || digits.len() > 4 {
+        return None;
+    }
+    while let Some((digit, rest)) = digits.split_first() {
+        if !digit.is_ascii_digit() {
+            return None;
+        }
+        number = 10 * number + (*digit - b'0') as usize;
+        digits = rest;
+    }
+    Some(number)
+}

@@ -1,0 +1,191 @@
+use crate::status::Status;
+use core::ffi::c_char;
+use leastaction_core::discrete::StepError;
+use leastaction_core::energy::graph::GraphError;
+use leastaction_core::energy::modular::TreeError;
+use leastaction_core::linear::Singular;
+use leastaction_core::model::ModelError;
+
+/// Why a call failed, with numbers. Every function that can fail fills one in, where its last argument is not NULL; after
+/// success the status is LEASTACTION_STATUS_OK and all else is zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Error {
+    /// What the function returned.
+    pub status: Status,
+    /// What the status says they are; the others 0. Numbers beyond 32 bits are cut to UINT32_MAX.
+    pub numbers: [u32; 3],
+    /// The largest relative residual, of LEASTACTION_STATUS_NOT_CONVERGED; else 0.
+    pub residual: f32,
+    /// What it is about, in words, where the status says so; else NULL. Not ended by a zero: print it with "%.*s".
+    pub what: *const c_char,
+    /// Bytes of `what`.
+    pub what_bytes: usize,
+}
+
+impl Error {
+    pub(crate) const NONE: Self = Self::of(Status::Ok, [0; 3]);
+
+    /// An error with all its numbers, the unused ones 0.
+    const fn of(status: Status, numbers: [u32; 3]) -> Self {
+        Self { status, numbers, residual: 0.0, what: core::ptr::null(), what_bytes: 0 }
+    }
+
+    pub(crate) fn new<const K: usize>(status: Status, numbers: [usize; K]) -> Self {
+        let mut all = [0; 3];
+        for (slot, number) in all.iter_mut().zip(numbers) {
+            *slot = u32::try_from(number).unwrap_or(u32::MAX);
+        }
+        Self::of(status, all)
+    }
+
+    fn about(self, what: &'static str) -> Self {
+        Self { what: what.as_ptr().cast(), what_bytes: what.len(), ..self }
+    }
+}
+
+impl From<Status> for Error {
+    fn from(status: Status) -> Self {
+        Self::of(status, [0; 3])
+    }
+}
+
+impl From<ModelError> for Error {
+    fn from(error: ModelError) -> Self {
+        match error {
+            ModelError::TooShort { bytes } => Self::new(Status::TooShort, [bytes]),
+            ModelError::Magic => Status::NotAModel.into(),
+            ModelError::Version { found } => Self::new(Status::Version, [found.into()]),
+            ModelError::Checksum { stored, computed } => Self::of(Status::Checksum, [stored, computed, 0]),
+            ModelError::Malformed => Status::Malformed.into(),
+            ModelError::TrailingBytes { bytes } => Self::new(Status::TrailingBytes, [bytes]),
+            ModelError::Unaligned { offset } => Self::new(Status::Unaligned, [offset.into()]),
+            ModelError::BigEndian => Status::BigEndian.into(),
+            ModelError::WeightCount { found, needed } => Self::new(Status::WeightCount, [found, needed]),
+            ModelError::NotFinite { index } => Self::new(Status::WeightNotFinite, [index]),
+            ModelError::OutOfRange { what } => Self::from(Status::OutOfRange).about(what),
+            ModelError::Tree(error) => error.into(),
+            ModelError::Graph(error) => error.into(),
+            ModelError::Names { of } => Self::from(Status::Names).about(of),
+            ModelError::NoSuchTree { trees } => Self::new(Status::NoSuchTree, [trees]),
+            ModelError::NoSuchGraph { graphs } => Self::new(Status::NoSuchGraph, [graphs]),
+            ModelError::OtherFamily { found } => Self::from(Status::OtherFamily).about(found),
+            ModelError::Shape { what, found, compiled } => {
+                Self::new(Status::Shape, [found, compiled]).about(what)
+            }
+            _ => Status::OtherFileError.into(),
+        }
+    }
+}
+
+impl From<TreeError> for Error {
+    fn from(error: TreeError) -> Self {
+        match error {
+            TreeError::Empty => Status::TreeEmpty.into(),
+            TreeError::Parent { element, parent } => Self::new(Status::TreeParent, [element, parent]),
+            TreeError::Kind { element, kind, kinds } => Self::new(Status::TreeKind, [element, kind, kinds]),
+            TreeError::Coordinates { found, compiled } => {
+                Self::new(Status::TreeCoordinates, [found, compiled])
+            }
+            _ => Status::OtherTreeError.into(),
+        }
+    }
+}
+
+impl From<GraphError> for Error {
+    fn from(error: GraphError) -> Self {
+        match error {
+            GraphError::Empty => Status::GraphEmpty.into(),
+            GraphError::TooManyNodes { found, most } => Self::new(Status::GraphTooManyNodes, [found, most]),
+            GraphError::NodeKind { node, kind, kinds } => {
+                Self::new(Status::GraphNodeKind, [node, kind, kinds])
+            }
+            GraphError::EdgeKind { edge, kind, kinds } => {
+                Self::new(Status::GraphEdgeKind, [edge, kind, kinds])
+            }
+            GraphError::End { edge, node, nodes } => Self::new(Status::GraphEnd, [edge, node, nodes]),
+            GraphError::Loop { edge, node } => Self::new(Status::GraphLoop, [edge, node]),
+            GraphError::Coordinates { found, compiled } => {
+                Self::new(Status::GraphCoordinates, [found, compiled])
+            }
+            GraphError::Mass { kind } => Self::new(Status::GraphMass, [kind]),
+            GraphError::Drag { kind } => Self::new(Status::GraphDrag, [kind]),
+            GraphError::TooManyEdges { capacity, needed } => {
+                Self::new(Status::GraphTooManyEdges, [capacity, needed])
+            }
+            // Of unions, which this library does not make.
+            _ => Status::OtherGraphError.into(),
+        }
+    }
+}
+
+impl From<Singular> for Error {
+    fn from(singular: Singular) -> Self {
+        Self::new(Status::Singular, [singular.column.into()])
+    }
+}
+
+impl From<StepError<f32>> for Error {
+    fn from(error: StepError<f32>) -> Self {
+        match error {
+            StepError::Singular(singular) => singular.into(),
+            StepError::NotFinite => Status::NotFinite.into(),
+            StepError::NotConverged(report) => Self {
+                residual: report.residual,
+                ..Self::new(Status::NotConverged, [report.iterations.into()])
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_core::discrete::Report;
+
+    #[test]
+    fn every_error_of_a_file_has_its_status_and_numbers() {
+        let table = [
+            (ModelError::TooShort { bytes: 3 }, Status::TooShort, [3, 0, 0]),
+            (ModelError::Magic, Status::NotAModel, [0; 3]),
+            (ModelError::Version { found: 9 }, Status::Version, [9, 0, 0]),
+            (ModelError::Checksum { stored: 1, computed: u32::MAX }, Status::Checksum, [1, u32::MAX, 0]),
+            (ModelError::Malformed, Status::Malformed, [0; 3]),
+            (ModelError::TrailingBytes { bytes: 4 }, Status::TrailingBytes, [4, 0, 0]),
+            (ModelError::Unaligned { offset: 3 }, Status::Unaligned, [3, 0, 0]),
+            (ModelError::BigEndian, Status::BigEndian, [0; 3]),
+            (ModelError::WeightCount { found: 5, needed: 6 }, Status::WeightCount, [5, 6, 0]),
+            (ModelError::NotFinite { index: usize::MAX }, Status::WeightNotFinite, [u32::MAX, 0, 0]),
+            (ModelError::OutOfRange { what: "order" }, Status::OutOfRange, [0; 3]),
+            (ModelError::Names { of: "trees" }, Status::Names, [0; 3]),
+            (ModelError::NoSuchTree { trees: 2 }, Status::NoSuchTree, [2, 0, 0]),
+            (ModelError::NoSuchGraph { graphs: 2 }, Status::NoSuchGraph, [2, 0, 0]),
+            (ModelError::OtherFamily { found: "graph" }, Status::OtherFamily, [0; 3]),
+            (ModelError::Shape { what: "types", found: 3, compiled: 2 }, Status::Shape, [3, 2, 0]),
+            (ModelError::Tree(TreeError::Parent { element: 1, parent: 2 }), Status::TreeParent, [1, 2, 0]),
+            (ModelError::Graph(GraphError::Loop { edge: 4, node: 1 }), Status::GraphLoop, [4, 1, 0]),
+        ];
+        for (error, status, numbers) in table {
+            let found = Error::from(error);
+            assert_eq!((found.status, found.numbers), (status, numbers), "{error}");
+        }
+    }
+
+    #[test]
+    fn words_are_those_of_the_error() {
+        let error = Error::from(ModelError::OtherFamily { found: "graph" });
+        // SAFETY: so many bytes of a string that lives for ever.
+        let words = unsafe { core::slice::from_raw_parts(error.what.cast::<u8>(), error.what_bytes) };
+        assert_eq!(words, b"graph");
+        assert!(Error::from(ModelError::Magic).what.is_null());
+    }
+
+    #[test]
+    fn every_error_of_a_step_has_its_status_and_numbers() {
+        let slow = Error::from(StepError::NotConverged(Report { iterations: 8, residual: 0.5 }));
+        assert_eq!((slow.status, slow.numbers, slow.residual), (Status::NotConverged, [8, 0, 0], 0.5));
+        let singular = Error::from(StepError::Singular(Singular { column: 1 }));
+        assert_eq!((singular.status, singular.numbers), (Status::Singular, [1, 0, 0]));
+        assert_eq!(Error::from(StepError::NotFinite), Error::from(Status::NotFinite));
+    }
+}

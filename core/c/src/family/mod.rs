@@ -1,0 +1,41 @@
+//! The one family that the library is built for: its [`Mechanism`], how one is loaded, and how many edges it has at most.
+
+#[cfg(feature = "graph")]
+mod graph;
+#[cfg(feature = "modular")]
+mod modular;
+#[cfg(feature = "rigid")]
+mod rigid;
+
+#[cfg(feature = "graph")]
+pub(crate) use graph::{EDGES, FAMILY, Mechanism};
+#[cfg(feature = "modular")]
+pub(crate) use modular::{EDGES, FAMILY, Mechanism};
+#[cfg(feature = "rigid")]
+pub(crate) use rigid::{EDGES, FAMILY, Mechanism};
+
+use crate::error::Error;
+use crate::status::Status;
+use core::ffi::{CStr, c_char};
+
+/// Bytes of the name of a tree or graph at most, the zero at its end apart.
+#[cfg_attr(feature = "rigid", allow(dead_code, reason = "this family has no names"))]
+const MAX_NAME: usize = 64;
+
+/// The name of a tree or graph; a name is never read further than it may be long.
+///
+/// # Safety
+/// `name` is NULL, or bytes up to a zero.
+#[cfg_attr(feature = "rigid", allow(dead_code, reason = "this family has no names"))]
+unsafe fn text<'a>(name: *const c_char) -> Result<&'a str, Error> {
+    if name.is_null() {
+        return Err(Error::new(Status::NullPointer, [5]));
+    }
+    // SAFETY: bytes up to a zero, each read only if the one before it is none.
+    let ends = (0..=MAX_NAME).any(|i| unsafe { name.add(i).read() } == 0);
+    if !ends {
+        return Err(Status::BadName.into());
+    }
+    // SAFETY: it ends, as was just seen.
+    unsafe { CStr::from_ptr(name) }.to_str().map_err(|_| Status::BadName.into())
+}

@@ -1,0 +1,39 @@
+use crate::config::{
+    LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as D, LEASTACTION_TYPES as K,
+};
+use crate::error::Error;
+use core::ffi::{CStr, c_char};
+use leastaction_core::energy::graph::Edge;
+use leastaction_core::energy::modular::Modular;
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::model::{Discretisation, ModularModel};
+
+pub(crate) const FAMILY: &CStr = c"modular";
+pub(crate) const EDGES: usize = 0;
+
+/// A tree of elements.
+pub(crate) struct Mechanism(ModularModel<'static, N, K, H, D>);
+
+type Parts<'a> = System<&'a Modular<'static, f32, N, K, H, D>, &'a Viscous<f32, N>>;
+
+impl Mechanism {
+    /// # Safety
+    /// `name` is NULL, or bytes up to a zero.
+    pub unsafe fn load(
+        bytes: &'static [u8],
+        name: *const c_char,
+        _: &'static mut [Edge],
+    ) -> Result<Self, Error> {
+        // SAFETY: this function's promise.
+        let name = unsafe { super::text(name) }?;
+        Ok(Self(ModularModel::load(bytes, name)?))
+    }
+
+    pub fn system(&self) -> Parts<'_> {
+        System { lagrangian: &self.0.system.lagrangian, forces: &self.0.system.forces }
+    }
+
+    pub fn discretisation(&self) -> Option<Discretisation> {
+        self.0.discretisation
+    }
+}

@@ -1,0 +1,35 @@
+use crate::config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as D};
+use crate::error::Error;
+use core::ffi::{CStr, c_char};
+use leastaction_core::energy::graph::Edge;
+use leastaction_core::energy::rigid::Rigid;
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::model::{Discretisation, RigidModel};
+
+pub(crate) const FAMILY: &CStr = c"rigid";
+pub(crate) const EDGES: usize = 0;
+
+/// A rigid mechanism.
+pub(crate) struct Mechanism(RigidModel<'static, N, H, D>);
+
+type Parts<'a> = System<&'a Rigid<'static, f32, N, H, D>, &'a Viscous<f32, N>>;
+
+impl Mechanism {
+    /// # Safety
+    /// None: a rigid model has no name to read.
+    pub unsafe fn load(
+        bytes: &'static [u8],
+        _: *const c_char,
+        _: &'static mut [Edge],
+    ) -> Result<Self, Error> {
+        Ok(Self(RigidModel::load(bytes)?))
+    }
+
+    pub fn system(&self) -> Parts<'_> {
+        System { lagrangian: &self.0.system.lagrangian, forces: &self.0.system.forces }
+    }
+
+    pub fn discretisation(&self) -> Option<Discretisation> {
+        self.0.discretisation
+    }
+}

@@ -1,0 +1,41 @@
+//! leastaction-core for C: a static library for one family of models and one shape, with a header.
+//!
+//! Family and shape are compiled in, so that nothing is allocated and the storage of a model and of a state is a C struct:
+//! the family by a Cargo feature (`rigid`, `modular`, `graph`), the shape by environment variables (`config.rs`). No
+//! callback, no allocation, no panic: the library calls `leastaction_panicked` where it could panic, which nobody defines,
+//! so that a program that could panic does not link.
+//!
+//! `include/leastaction.h` is generated from the documentation here: `cargo run --bin header` in `tools`.
+#![cfg_attr(not(test), no_std)]
+
+#[cfg(not(any(feature = "rigid", feature = "modular", feature = "graph")))]
+compile_error!("choose the family of models by a feature: rigid, modular or graph");
+#[cfg(any(
+    all(feature = "rigid", feature = "modular"),
+    all(feature = "rigid", feature = "graph"),
+    all(feature = "modular", feature = "graph")
+))]
+compile_error!("choose one family: --no-default-features --features rigid, modular or graph");
+
+mod arguments;
+mod config;
+mod contents;
+mod error;
+mod evaluate;
+mod family;
+mod load;
+mod messages;
+mod start;
+mod status;
+mod step;
+mod storage;
+
+#[cfg(not(test))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    unsafe extern "C" {
+        fn leastaction_panicked() -> !;
+    }
+    // SAFETY: it is never called: a program that could get here does not link, for nobody defines it.
+    unsafe { leastaction_panicked() }
+}

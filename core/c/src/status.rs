@@ -1,0 +1,106 @@
+/// What came of a call. Numbers are never given another meaning; new ones may be added.
+///
+/// Of every status: what `numbers` of a `leastaction_error` are, in order, and what else it carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Status {
+    /// It worked.
+    Ok = 0,
+
+    /// A pointer is NULL. Which argument, from 1.
+    NullPointer = 1,
+    /// A pointer is not aligned as its type asks. Which argument, from 1.
+    Misaligned = 2,
+    /// A length is not the one that the library was built for: was the program compiled with another header? Length that is
+    /// right, length given.
+    WrongLength = 3,
+    /// The storage holds no model: nothing was loaded there, or it was moved or copied.
+    NotLoaded = 4,
+    /// The storage holds no state: none was started there.
+    NotStarted = 5,
+    /// The step h is not positive and finite.
+    BadStep = 6,
+    /// The name of a tree or graph is not UTF-8, or longer than 64 bytes.
+    BadName = 7,
+    /// The file does not say a step and an order: the model was not trained for one.
+    NoStep = 8,
+    /// The graph has rods, which this library does not keep. How many.
+    Rods = 9,
+
+    /// Fewer bytes than the smallest model file has. Bytes given.
+    TooShort = 20,
+    /// The file does not begin with the magic letters.
+    NotAModel = 21,
+    /// A format version that this library does not read. The version in the file.
+    Version = 22,
+    /// The file was damaged. Checksum in the file, checksum of the bytes as they are.
+    Checksum = 23,
+    /// The header is not a document of this format.
+    Malformed = 24,
+    /// Bytes after the end of the document. How many.
+    TrailingBytes = 25,
+    /// The weights do not begin at a multiple of 4: align the array that holds the file. Their address modulo 4.
+    Unaligned = 26,
+    /// Weights are little-endian, which this processor cannot read in place.
+    BigEndian = 27,
+    /// The shape asks for another number of weights than there are. Weights there are, weights needed.
+    WeightCount = 28,
+    /// A weight is infinite or not a number. Its position.
+    WeightNotFinite = 29,
+    /// A number of the header is out of range. `what`: which.
+    OutOfRange = 30,
+    /// Names are missing, empty or the same. `what`: of what.
+    Names = 31,
+    /// The file holds no tree of that name. Trees that it holds.
+    NoSuchTree = 32,
+    /// The file holds no graph of that name. Graphs that it holds.
+    NoSuchGraph = 33,
+    /// The file holds a model of another family than the library was built for. `what`: the family in the file.
+    OtherFamily = 34,
+    /// The file's shape is not the one that the library was built for. In the file, built in; `what`: of what.
+    Shape = 35,
+    /// The file was refused for a reason that this list does not know.
+    OtherFileError = 39,
+
+    /// A tree without elements.
+    TreeEmpty = 40,
+    /// An element hangs from one that does not come before it. The element, what it hangs from.
+    TreeParent = 41,
+    /// An element is of a type that does not exist. The element, the type, types there are.
+    TreeKind = 42,
+    /// The tree has not the coordinates that the library was built for. Of the tree, built in.
+    TreeCoordinates = 43,
+    /// The tree was refused for a reason that this list does not know.
+    OtherTreeError = 49,
+
+    /// A graph without nodes.
+    GraphEmpty = 50,
+    /// More nodes than an edge can name. Of the graph, at most.
+    GraphTooManyNodes = 51,
+    /// A node is of a type that does not exist. The node, the type, types there are.
+    GraphNodeKind = 52,
+    /// An edge is of a type that does not exist. The edge, the type, types there are.
+    GraphEdgeKind = 53,
+    /// An edge ends at a node that does not exist. The edge, the node, nodes there are.
+    GraphEnd = 54,
+    /// An edge joins a node to itself. The edge, the node.
+    GraphLoop = 55,
+    /// The graph has not the coordinates that the library was built for. Of the graph, built in.
+    GraphCoordinates = 56,
+    /// The mass of a node type is not positive and finite. The node type.
+    GraphMass = 57,
+    /// The drag of a node type is negative or not finite. The node type.
+    GraphDrag = 58,
+    /// More edges than the library was built for. Built in, of the graph.
+    GraphTooManyEdges = 59,
+    /// The graph was refused for a reason that this list does not know.
+    OtherGraphError = 69,
+
+    /// The matrix of the equations has no usable pivot. The column, from 0.
+    Singular = 70,
+    /// A position, momentum, control, energy or acceleration is infinite or not a number.
+    NotFinite = 71,
+    /// The equations of a step were not solved: h is too long for this motion. Newton updates taken; `residual`: what is
+    /// left.
+    NotConverged = 72,
+}

@@ -1,0 +1,97 @@
+//! Writes the header of the library, for the family and sizes that this program is built for, to standard output.
+
+#[path = "../../../src/config.rs"]
+mod config;
+
+use cbindgen::{
+    Braces, Builder, Config, DocumentationStyle, EnumConfig, ItemType, Language, RenameRule, SortKey, Style,
+};
+use std::error::Error;
+use std::path::Path;
+
+/// What the header says before anything else.
+const INTRODUCTION: &str = include_str!("../introduction.h");
+
+/// C names of the types.
+const NAMES: [(&str, &str); 5] = [
+    ("Model", "leastaction_model"),
+    ("State", "leastaction_state"),
+    ("Status", "leastaction_status"),
+    ("Error", "leastaction_error"),
+    ("Report", "leastaction_report"),
+];
+
+/// The sizes that this program was built for.
+fn sizes() -> Vec<(&'static str, usize)> {
+    let mut sizes = vec![
+        ("LEASTACTION_COORDINATES", config::LEASTACTION_COORDINATES),
+        ("LEASTACTION_HIDDEN", config::LEASTACTION_HIDDEN),
+        ("LEASTACTION_LAYERS", config::LEASTACTION_LAYERS),
+    ];
+    #[cfg(feature = "modular")]
+    sizes.push(("LEASTACTION_TYPES", config::LEASTACTION_TYPES));
+    #[cfg(feature = "graph")]
+    sizes.extend([
+        ("LEASTACTION_DIMENSIONS", config::LEASTACTION_DIMENSIONS),
+        ("LEASTACTION_NETWORKS", config::LEASTACTION_NETWORKS),
+        ("LEASTACTION_EDGES", config::LEASTACTION_EDGES),
+    ]);
+    sizes.push(("LEASTACTION_MODEL_WORDS", config::LEASTACTION_MODEL_WORDS));
+    sizes.push(("LEASTACTION_STATE_WORDS", config::LEASTACTION_STATE_WORDS));
+    sizes
+}
+
+fn family() -> &'static str {
+    if cfg!(feature = "modular") {
+        "MODULAR"
+    } else if cfg!(feature = "graph") {
+        "GRAPH"
+    } else {
+        "RIGID"
+    }
+}
+
+fn defines() -> String {
+    let sizes = sizes().into_iter().map(|(name, size)| format!("#define {name} {size}\n"));
+    format!("\n/* What the library was built for. */\n#define LEASTACTION_{} 1\n", family())
+        + &sizes.collect::<String>()
+}
+
+fn settings() -> Config {
+    let mut settings = Config {
+        language: Language::C,
+        header: Some(INTRODUCTION.trim_end().into()),
+        include_guard: Some("LEASTACTION_H".into()),
+        no_includes: true,
+        sys_includes: ["stddef.h", "stdint.h"].map(String::from).into(),
+        after_includes: Some(defines()),
+        cpp_compat: true,
+        style: Style::Type,
+        braces: Braces::SameLine,
+        line_length: 110,
+        tab_width: 4,
+        usize_is_size_t: true,
+        documentation_style: DocumentationStyle::Doxy,
+        sort_by: SortKey::None,
+        enumeration: EnumConfig {
+            rename_variants: RenameRule::QualifiedScreamingSnakeCase,
+            ..EnumConfig::default()
+        },
+        ..Config::default()
+    };
+    settings.export.item_types =
+        vec![ItemType::Enums, ItemType::Structs, ItemType::Typedefs, ItemType::Functions];
+    settings.export.rename = NAMES.map(|(from, to)| (from.into(), to.into())).into();
+    settings
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src");
+    let files = ["status", "error", "storage", "messages", "load", "evaluate", "start", "step"];
+    let mut builder = Builder::new().with_config(settings());
+    for file in files {
+        builder = builder.with_src(sources.join(file).with_extension("rs"));
+    }
+    builder.generate()?.write(std::io::stdout());
+    Ok(())
+}

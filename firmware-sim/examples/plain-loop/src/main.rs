@@ -1,0 +1,101 @@
+//! A learned cart-pole, stepped at the rate that it was trained for: one DEL step a tick of SysTick.
+#![no_std]
+#![no_main]
+
+use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m::asm::wfi;
+use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
+use cortex_m_rt::{entry, exception};
+use cortex_m_semihosting::{debug, hprintln};
+use leastaction_core::discrete::{Control, Del, Galerkin, State};
+use leastaction_core::model::{ModelError, RigidModel};
+use panic_halt as _;
+
+/// The model file at a multiple of 4, as loading asks: its weights are read where they lie, in flash.
+#[repr(align(4))]
+struct Aligned<const BYTES: usize>([u8; BYTES]);
+static FILE: Aligned<{ include_bytes!("../../cartpole.postcard").len() }> =
+    Aligned(*include_bytes!("../../cartpole.postcard"));
+
+/// Coordinates, exactly; units of a hidden layer and hidden layers, at most.
+type Model = RigidModel<'static, 2, 7, 2>;
+
+/// Of the processor, Hz.
+const CLOCK: f32 = 25e6;
+/// After which the example ends.
+const TICKS: u32 = 100;
+
+/// Ticks of SysTick since the start.
+static NOW: AtomicU32 = AtomicU32::new(0);
+
+#[exception]
+fn SysTick() {
+    NOW.fetch_add(1, Ordering::Relaxed);
+}
+
+#[entry]
+fn main() -> ! {
+    match Model::load(&FILE.0) {
+        Ok(model) => debug::exit(run(&model)),
+        // On a board: a light, a safe state.
+        Err(error) => fail("the model was refused", &error),
+    }
+    loop {
+        wfi();
+    }
+}
+
+/// The control force of a tick: yours. Here a push to and fro, N, on the cart alone.
+fn control(tick: u32) -> [f32; 2] {
+    [if tick / 10 % 2 == 0 { 0.25 } else { -0.25 }, 0.0]
+}
+
+fn run(model: &Model) -> Result<(), ()> {
+    let (Some(trained), Some(mut peripherals)) = (model.discretisation, Peripherals::take()) else {
+        return Err(());
+    };
+    let del = Del::<f32, Galerkin>::new(trained.h);
+    let mut state = State::new(&model.system.lagrangian, [0.0, 0.1], [0.0, 0.0]).map_err(|_| ())?;
+    let (mut late, mut refused) = (0, 0);
+    start(&mut peripherals.SYST, trained.h);
+    for tick in 0..TICKS {
+        late += u32::from(NOW.load(Ordering::Relaxed) > tick);
+        wait_for(tick + 1);
+        // On error the state is what it was: hold it, count, and command no force.
+        refused += u32::from(del.step(&model.system, &mut state, &Control::held(control(tick))).is_err());
+        if (tick + 1) % 20 == 0 {
+            let [x, angle] = state.q().map(thousandths);
+            hprintln!("tick {}: x = {} mm, angle = {} mrad", tick + 1, x, angle);
+        }
+    }
+    hprintln!("{} ticks, {} late, {} refused", TICKS, late, refused);
+    if late + refused == 0 { Ok(()) } else { Err(()) }
+}
+
+/// SysTick every h seconds.
+fn start(systick: &mut SYST, h: f32) {
+    systick.set_clock_source(SystClkSource::Core);
+    // 24 bits: 0.67 s at most at 25 MHz.
+    systick.set_reload((h * CLOCK) as u32 - 1);
+    systick.clear_current();
+    systick.enable_counter();
+    systick.enable_interrupt();
+}
+
+/// Sleeps until this tick.
+fn wait_for(tick: u32) {
+    while NOW.load(Ordering::Relaxed) < tick {
+        wfi();
+    }
+}
+
+/// Printed as whole numbers, for the code that prints decimals is larger than the model's.
+fn thousandths(x: f32) -> i32 {
+    (x * 1e3) as i32
+}
+
+#[cold]
+fn fail(what: &str, error: &ModelError) {
+    hprintln!("{}: {}", what, error);
+    debug::exit(debug::EXIT_FAILURE);
+}

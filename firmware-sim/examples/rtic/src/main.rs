@@ -1,0 +1,116 @@
+//! A learned cart-pole, stepped by a task at the rate that it was trained for; a task of lower priority prints.
+#![no_std]
+#![no_main]
+
+use cortex_m_semihosting::debug;
+use leastaction_core::discrete::{Control, Del, Galerkin, State};
+use leastaction_core::model::RigidModel;
+use panic_halt as _;
+
+/// The model file at a multiple of 4, as loading asks: its weights are read where they lie, in flash.
+#[repr(align(4))]
+struct Aligned<const BYTES: usize>([u8; BYTES]);
+static FILE: Aligned<{ include_bytes!("../../cartpole.postcard").len() }> =
+    Aligned(*include_bytes!("../../cartpole.postcard"));
+
+/// Of the processor after a reset, Hz.
+const CLOCK: u32 = 16_000_000;
+
+/// The mechanism and where it is. Coordinates, exactly; units of a hidden layer and hidden layers, at most.
+pub struct Mechanism {
+    model: RigidModel<'static, 2, 7, 2>,
+    del: Del<f32, Galerkin>,
+    state: State<f32, 2>,
+    /// Steps that were refused.
+    refused: u32,
+}
+
+impl Mechanism {
+    /// None where the file is no such model or does not say its step.
+    fn load() -> Option<Self> {
+        let model = RigidModel::load(&FILE.0).ok()?;
+        let state = State::new(&model.system.lagrangian, [0.0, 0.1], [0.0, 0.0]).ok()?;
+        Some(Self { model, del: Del::new(model.discretisation?.h), state, refused: 0 })
+    }
+
+    /// On error the state is what it was: hold it, count, and command no force.
+    fn step(&mut self, u: [f32; 2]) {
+        let stepped = self.del.step(&self.model.system, &mut self.state, &Control::held(u));
+        self.refused += u32::from(stepped.is_err());
+    }
+}
+
+/// The control force of a tick: yours. Here a push to and fro, N, on the cart alone.
+fn control(tick: u32) -> [f32; 2] {
+    [if tick / 10 % 2 == 0 { 0.25 } else { -0.25 }, 0.0]
+}
+
+/// Ends the example. On a board: a light, a safe state.
+fn stop(status: Result<(), ()>) -> ! {
+    debug::exit(status);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+#[rtic::app(device = stm32f4::stm32f405, dispatchers = [EXTI0, EXTI1])]
+mod app {
+    use super::{CLOCK, Mechanism, control, stop};
+    use cortex_m_semihosting::hprintln;
+    use rtic_monotonics::systick::prelude::*;
+
+    systick_monotonic!(Mono, 1_000);
+
+    /// What the printing task sees.
+    #[shared]
+    struct Shared {
+        q: [f32; 2],
+        /// Of the steps, how many were refused, how many began late.
+        faults: [u32; 2],
+    }
+
+    #[local]
+    struct Local {
+        mechanism: Mechanism,
+    }
+
+    #[init]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let Some(mechanism) = Mechanism::load() else { stop(Err(())) };
+        Mono::start(cx.core.SYST, CLOCK);
+        let spawned = (tick::spawn(), print::spawn());
+        if spawned != (Ok(()), Ok(())) {
+            stop(Err(()));
+        }
+        (Shared { q: [0.0; 2], faults: [0; 2] }, Local { mechanism })
+    }
+
+    #[task(priority = 2, local = [mechanism], shared = [q, faults])]
+    async fn tick(mut cx: tick::Context) {
+        let mechanism = cx.local.mechanism;
+        let period = ((mechanism.del.h() * 1e3) as u32).millis();
+        let (mut next, mut late) = (Mono::now() + period, 0);
+        for k in 0.. {
+            Mono::delay_until(next).await;
+            late += u32::from(Mono::now() > next + 1.millis());
+            next += period;
+            mechanism.step(control(k));
+            cx.shared.q.lock(|q| *q = mechanism.state.q());
+            cx.shared.faults.lock(|faults| *faults = [mechanism.refused, late]);
+        }
+    }
+
+    #[task(priority = 1, shared = [q, faults])]
+    async fn print(mut cx: print::Context) {
+        let start = Mono::now();
+        for second in 1..=5 {
+            // The step of that time comes first: its task has a higher priority.
+            Mono::delay_until(start + (second * 1000).millis()).await;
+            let [x, angle] = cx.shared.q.lock(|q| q.map(|x| (x * 1e3) as i32));
+            hprintln!("{} s: x = {} mm, angle = {} mrad", second, x, angle);
+        }
+        let faults @ [refused, late] = cx.shared.faults.lock(|faults| *faults);
+        hprintln!("{} refused, {} late", refused, late);
+        stop(if faults == [0, 0] { Ok(()) } else { Err(()) })
+    }
+}
