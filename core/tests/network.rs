@@ -241,4 +241,35 @@ proptest! {
             assert_close("y", y.value, *expected, 1e-13);
         }
     }
+
+    /// Tangent after tangent, and inputs gathered piece by piece: the same sums to the last bit.
+    #[test]
+    fn layers_of_a_controller_are_sums_in_the_stated_order(
+        inputs in 0usize..80, outputs in 0usize..24, seed in any::<u64>(),
+    ) {
+        let mut random = Random(seed);
+        let mut numbers = |n| random.vector(n, 2.0).iter().map(|x| *x as f32).collect::<Vec<_>>();
+        let weights = numbers(Dense::<f32>::parameters(inputs, outputs).unwrap());
+        let (values, rates) = (numbers(inputs.max(outputs)), numbers(inputs.max(outputs)));
+        let jet = |k: usize| Jet { value: values[k], tangent: [rates[k], -2.0 * values[k]] };
+        let layer = Dense::take(&mut &weights[..], inputs, outputs).unwrap();
+        let (mut y, mut x_bar) = (vec![Jet::zero(); outputs], vec![Jet::zero(); inputs]);
+        layer.forward(&(0..inputs).map(jet).collect::<Vec<_>>(), &mut y);
+        let w = |i, j| weights[Dense::<f32>::position(inputs, outputs, i, j)];
+        for (i, y) in y.iter().enumerate() {
+            let sum = |start, x: &dyn Fn(usize) -> f32| (0..inputs).fold(start, |sum, j| sum + w(i, j) * x(j));
+            prop_assert_eq!(y.value.to_bits(), sum(weights[inputs * outputs + i], &|j| jet(j).value).to_bits());
+            for k in 0..2 {
+                prop_assert_eq!(y.tangent[k].to_bits(), sum(0.0, &|j| jet(j).tangent[k]).to_bits());
+            }
+        }
+        layer.adjoint(&(0..outputs).map(jet).collect::<Vec<_>>(), &mut x_bar);
+        for (j, x) in x_bar.iter().enumerate() {
+            let sum = |y: &dyn Fn(usize) -> f32| {
+                (0..outputs).map(|i| f64::from(w(i, j)) * f64::from(y(i))).sum::<f64>()
+            };
+            assert_close("value", f64::from(x.value), sum(&|i| jet(i).value), 1e-5);
+            assert_close("tangent", f64::from(x.tangent[1]), sum(&|i| jet(i).tangent[1]), 1e-5);
+        }
+    }
 }

@@ -95,6 +95,27 @@ fn a_stop_of_zero_takes_a_constant_number_of_iterations() {
     }
 }
 
+/// Two updates by one Jacobian leave about what two by their own do, and three reach rounding.
+#[test]
+fn updates_by_an_old_jacobian_converge_too() {
+    fn residual<P: Path>(max_iterations: u8, max_jacobians: u8) -> f64 {
+        let newton = Newton { max_iterations, max_jacobians, stop: 0.0, accept: 1.0 };
+        let (del, tree) = (Del::<f64, P>::with_newton(0.01, newton), trees::double_pendulum(true));
+        let system = System::conservative(tree.over(&tree.weights));
+        let mut state = State::new(&system.lagrangian, [2.5, -1.0], [3.0, -4.0]).unwrap();
+        let step = |_| del.step(&system, &mut state, &Control::none()).unwrap().residual;
+        (0..300).map(step).fold(0.0, f64::max)
+    }
+    fn check<P: Path>() {
+        let [once, kept, anew, thrice] =
+            [(1, 1), (2, 1), (2, 2), (4, 1)].map(|(updates, own)| residual::<P>(updates, own));
+        println!("order {}: {once:.1e}, {kept:.1e} (kept), {anew:.1e} (anew), {thrice:.1e}", P::ORDER);
+        assert!(anew <= kept && kept < 0.1 * once && thrice < 1e-2 * kept);
+    }
+    check::<Midpoint>();
+    check::<Galerkin>();
+}
+
 #[test]
 fn without_iterations_the_guess_is_judged() {
     let newton = Newton { max_iterations: 0, ..Newton::<f64>::default() };

@@ -514,7 +514,7 @@ fn refused_steps_leave_the_state() {
     assert_eq!(few, ConstraintError::Shape { expected: 3, given: 2 });
     let infinite = refuse(&rattle, Some(&[[0.0, f64::INFINITY], [0.0; 2], [0.0; 2]]), &mut work);
     assert_eq!(infinite, ConstraintError::NotFinite);
-    let hurried = Newton { max_iterations: 1, stop: 1e-15, accept: 1e-15 };
+    let hurried = Newton { max_iterations: 1, max_jacobians: 1, stop: 1e-15, accept: 1e-15 };
     let error = refuse(&Rattle::with_newton(0.05, Order::Two, hurried), None, &mut work);
     assert!(matches!(error, ConstraintError::NotConverged { iterations: 1, residual } if residual > 1e-15));
     let leap = refuse(&Rattle::new(40.0, Order::Two), None, &mut work);

@@ -230,7 +230,7 @@ mod tests {
     use super::*;
     use leastaction_core::energy::rigid::Coordinate;
     use leastaction_core::model::RigidModel;
-    use leastaction_core::network::Tape;
+    use leastaction_core::network::Bends;
 
     fn cartpole(width: u16) -> Architecture {
         RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()
@@ -246,11 +246,11 @@ mod tests {
     }
 
     #[test]
-    fn the_tape_is_that_of_the_compiled_sizes() {
-        let tape = size_of::<Tape<f32, 2, 24, 2>>();
+    fn the_bends_are_those_of_the_compiled_sizes() {
+        let bends = size_of::<Bends<f32, 2, 24, 2>>();
         let adjoint = size_of::<[[Jet<f32, 0>; 24]; 2]>();
         let stack = cost(&cartpole(24)).unwrap().step_order_2.stack_bytes;
-        assert!((tape + adjoint..tape + adjoint + 1024).contains(&stack), "{stack}");
+        assert!((bends + adjoint..bends + adjoint + 1024).contains(&stack), "{stack}");
     }
 
     #[test]

@@ -16,6 +16,10 @@ use crate::scalar::{Real, max_abs};
 pub struct Newton<R> {
     /// Updates at most; 0 only checks the guess.
     pub max_iterations: u8,
+    /// Of these, updates by a Jacobian of their own, at least one; the others keep the last (the simplified Newton method: an
+    /// update then costs a third, and takes an order of the guess's error less). [`Rattle`](super::rattle::Rattle) takes
+    /// them all anew.
+    pub max_jacobians: u8,
     /// Stop early at this residual; 0 always takes `max_iterations`, for a constant running time.
     pub stop: R,
     /// A step whose residual stays above is an error.
@@ -23,9 +27,14 @@ pub struct Newton<R> {
 }
 
 impl<R: Real> Default for Newton<R> {
-    /// At most 8 updates, stopping at 2 rounding units, accepting up to the square root of one.
+    /// At most 8 updates, each with its Jacobian, stopping at 2 rounding units, accepting up to the square root of one.
     fn default() -> Self {
-        Self { max_iterations: 8, stop: R::constant(2.0) * R::EPSILON, accept: R::EPSILON.sqrt() }
+        Self {
+            max_iterations: 8,
+            max_jacobians: 8,
+            stop: R::constant(2.0) * R::EPSILON,
+            accept: R::EPSILON.sqrt(),
+        }
     }
 }
 
@@ -84,6 +93,11 @@ impl<R: Real, const N: usize> Linearised<R, N> {
         let dw = solve(reduced, right)?;
         let ds = add_scaled(&free, R::one(), &multiply(&slaved, &dw)).map(|x| -x);
         Ok((dw, ds))
+    }
+
+    /// The size of the terms of the equations from p₀.
+    fn scale_beside(&self, p0: &[R; N]) -> [R; N] {
+        core::array::from_fn(|i| self.scale[i] + p0[i].abs())
     }
 
     /// Adds the size of the terms that an update brings; from rest it brings all of them.
@@ -172,25 +186,35 @@ impl<R: Real> Newton<R> {
         F: Forces<R, N>,
     {
         let (mut interval, mut iterations) = (guess, 0);
-        loop {
-            let linearised = interval.linearise(system);
-            let mut scale = core::array::from_fn(|i| linearised.scale[i] + p0[i].abs());
-            let r = residual(&linearised.balance);
-            let before = r.relative(&scale);
-            if iterations == self.max_iterations || !before.is_finite() {
-                return self.judge(interval, linearised.balance, r, Report { iterations, residual: before });
-            }
+        let mut linearised = interval.linearise(system);
+        let mut r = residual(&linearised.balance);
+        let mut scale = linearised.scale_beside(p0);
+        let mut before = r.relative(&scale);
+        while iterations < self.max_iterations && before.is_finite() {
             let (dw, ds) = update(&linearised, &r)?;
             linearised.add_moved(&mut scale, &dw, &ds);
             interval = interval.moved(&dw, &ds);
             iterations += 1;
-            let balance = interval.balance(system);
-            let r = residual(&balance);
-            let after = r.relative(&scale);
-            if iterations == self.max_iterations || self.settled(before, after) {
-                return self.judge(interval, balance, r, Report { iterations, residual: after });
+            let anew = iterations < self.max_jacobians && iterations < self.max_iterations;
+            // With a fixed number of updates there is nothing to decide between them.
+            if self.stop > R::zero() || !anew {
+                linearised.balance = interval.balance(system);
+                r = residual(&linearised.balance);
+                let after = r.relative(&scale);
+                if self.settled(before, after) {
+                    before = after;
+                    break;
+                }
+                before = after;
+            }
+            if anew {
+                linearised = interval.linearise(system);
+                r = residual(&linearised.balance);
+                scale = linearised.scale_beside(p0);
+                before = r.relative(&scale);
             }
         }
+        self.judge(interval, linearised.balance, r, Report { iterations, residual: before })
     }
 
     /// Whether another update would be in vain: the residual is small enough, or acceptable and an update no longer

@@ -80,18 +80,35 @@ impl Activation {
         self.visit(units, |unit, c| *unit = unit.chain(c.value, c.slope));
     }
 
+    /// Visits every unit with the curve of σ at its value, a block of units side by side.
     #[inline(always)]
-    fn visit<S: Scalar, const T: usize>(
+    pub(super) fn visit<S: Scalar, const T: usize>(
         self,
         units: &mut [Jet<S, T>],
-        visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
+        mut visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
     ) {
+        for units in units.chunks_mut(BLOCK) {
+            let mut z = [S::zero(); BLOCK];
+            z.iter_mut().zip(units.iter()).for_each(|(z, unit)| *z = unit.value);
+            let c = self.curves(z.get(..units.len()).unwrap_or(&z));
+            for (((unit, value), slope), curvature) in
+                units.iter_mut().zip(c.value).zip(c.slope).zip(c.curvature)
+            {
+                visit(unit, Curve { value, slope, curvature });
+            }
+        }
+    }
+
+    /// σ, σ′ and σ″ of a block of units. A function of its own, so that a compiler sees vectors and not the jets around them,
+    /// and there is one copy for any number of tangents.
+    #[inline(never)]
+    fn curves<S: Scalar>(self, z: &[S]) -> Curve<[S; BLOCK]> {
         match self {
-            Self::Tanh => each(tanh, units, visit),
-            Self::Softplus => each(softplus, units, visit),
-            Self::Squareplus => each(squareplus, units, visit),
-            Self::Isru => each(isru, units, visit),
-            Self::Identity => each(|z| Self::Identity.curve(z), units, visit),
+            Self::Tanh => block(tanh, z),
+            Self::Softplus => block(softplus, z),
+            Self::Squareplus => block(squareplus, z),
+            Self::Isru => block(isru, z),
+            Self::Identity => block(|z| Self::Identity.curve(z), z),
         }
     }
 }
@@ -99,32 +116,13 @@ impl Activation {
 /// Units that σ is applied to side by side.
 const BLOCK: usize = 8;
 
-/// Visits every unit with the curve of σ at its value.
 #[inline(always)]
-fn each<S: Scalar, const T: usize>(
-    sigma: impl Fn(S) -> Curve<S>,
-    units: &mut [Jet<S, T>],
-    mut visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
-) {
-    let (blocks, rest) = units.as_chunks_mut::<BLOCK>();
-    for units in blocks {
-        let c = curves(&sigma, &core::array::from_fn(|l| units[l].value));
-        for (l, unit) in units.iter_mut().enumerate() {
-            visit(unit, Curve { value: c.value[l], slope: c.slope[l], curvature: c.curvature[l] });
-        }
-    }
-    for unit in rest {
-        visit(unit, sigma(unit.value));
-    }
-}
-
-/// A function of its own, so that a compiler sees vectors and not the jets around them.
-#[inline(never)]
-fn curves<S: Scalar>(sigma: &impl Fn(S) -> Curve<S>, z: &[S; BLOCK]) -> Curve<[S; BLOCK]> {
-    let mut curves = Curve { value: *z, slope: *z, curvature: *z };
-    for (l, z) in z.iter().enumerate() {
-        let c = sigma(*z);
-        (curves.value[l], curves.slope[l], curves.curvature[l]) = (c.value, c.slope, c.curvature);
+fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S]) -> Curve<[S; BLOCK]> {
+    let mut curves =
+        Curve { value: [S::zero(); BLOCK], slope: [S::zero(); BLOCK], curvature: [S::zero(); BLOCK] };
+    let Curve { value, slope, curvature } = &mut curves;
+    for (((z, value), slope), curvature) in z.iter().zip(value).zip(slope).zip(curvature) {
+        Curve { value: *value, slope: *slope, curvature: *curvature } = sigma(*z);
     }
     curves
 }

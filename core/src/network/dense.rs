@@ -1,5 +1,5 @@
 use super::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, dot};
 
 /// A fully connected layer y = Wx + b over borrowed weights.
 ///
@@ -8,10 +8,13 @@ use crate::scalar::Scalar;
 /// is the sum ((b + w₀x₀) + w₁x₁) + … in this order, on every target and at every vector width.
 #[derive(Clone, Copy, Debug)]
 pub struct Dense<'a, W> {
-    weights: &'a [W],
-    bias: &'a [W],
-    inputs: usize,
+    pub(super) weights: &'a [W],
+    pub(super) bias: &'a [W],
+    pub(super) inputs: usize,
 }
+
+/// Units of a layer up to which to gather a vector takes more than it saves.
+const NARROW: usize = 8;
 
 impl<'a, W: Copy> Dense<'a, W> {
     /// Numbers that a layer of this shape takes from the weight block.
@@ -66,6 +69,19 @@ impl<'a, W: Copy> Dense<'a, W> {
     /// y = Wx + b and ẏ_k = Wẋ_k.
     #[inline]
     pub fn forward<S: Scalar<Weight = W>, const T: usize>(&self, x: &[Jet<S, T>], y: &mut [Jet<S, T>]) {
+        self.forward_of::<S, T, { usize::MAX }>(x, y);
+    }
+
+    /// [`Dense::forward`] in a network of at most `H` units a layer.
+    #[inline]
+    pub(super) fn forward_of<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+        &self,
+        x: &[Jet<S, T>],
+        y: &mut [Jet<S, T>],
+    ) {
+        if S::APART && H > NARROW {
+            return self.forward_apart(x, y);
+        }
         let (weights, bias, y) = forward_panels::<S, T, 8>(self.weights, self.bias, x, y);
         let (weights, bias, y) = forward_panels::<S, T, 4>(weights, bias, x, y);
         forward_panels::<S, T, 1>(weights, bias, x, y);
@@ -78,6 +94,19 @@ impl<'a, W: Copy> Dense<'a, W> {
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
     ) {
+        self.adjoint_of::<S, T, { usize::MAX }>(y_bar, x_bar);
+    }
+
+    /// [`Dense::adjoint`] in a network of at most `H` units a layer.
+    #[inline]
+    pub(super) fn adjoint_of<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+        &self,
+        y_bar: &[Jet<S, T>],
+        x_bar: &mut [Jet<S, T>],
+    ) {
+        if S::APART && H > NARROW {
+            return self.adjoint_apart(y_bar, x_bar);
+        }
         x_bar.fill(Jet::zero());
         let (weights, y_bar) = adjoint_panels::<S, T, 8>(self.weights, y_bar, x_bar);
         let (weights, y_bar) = adjoint_panels::<S, T, 4>(weights, y_bar, x_bar);
@@ -253,21 +282,4 @@ fn adjoint_panel<S: Scalar, const T: usize, const P: usize>(
             *x += dot(&row, y);
         }
     }
-}
-
-/// Σ_l a_l b_l, added in halves: lane l with lane l + P/2, and so on; the order that vector registers fold in.
-#[inline(always)]
-fn dot<S: Scalar, const P: usize>(a: &[S; P], b: &[S; P]) -> S {
-    let mut product = *a;
-    for (p, b) in product.iter_mut().zip(b) {
-        *p = *p * *b;
-    }
-    let mut width = P / 2;
-    while width > 0 {
-        for l in 0..width {
-            product[l] += product[l + width];
-        }
-        width /= 2;
-    }
-    product[0]
 }

@@ -11,22 +11,17 @@ pub struct Mlp<'a, W, const D: usize> {
     activation: Activation,
 }
 
-/// What a forward pass leaves for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer with tangents, and
-/// the tangents ż, for widths up to `H`.
+/// What a forward pass leaves for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer with tangents, for widths
+/// up to `H`.
 #[derive(Clone, Debug)]
 pub struct Tape<S, const T: usize, const H: usize, const D: usize> {
     units: [Vec<Jet<S, T>, H>; D],
     slopes: [Vec<Jet<S, T>, H>; D],
-    rates: [Vec<[S; T], H>; D],
 }
 
 impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Tape<S, T, H, D> {
     fn default() -> Self {
-        Self {
-            units: core::array::from_fn(|_| Vec::new()),
-            slopes: core::array::from_fn(|_| Vec::new()),
-            rates: core::array::from_fn(|_| Vec::new()),
-        }
+        Self { units: core::array::from_fn(|_| Vec::new()), slopes: core::array::from_fn(|_| Vec::new()) }
     }
 }
 
@@ -112,21 +107,16 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         tape: &mut Tape<S, T, H, D>,
         y: &mut [Jet<S, T>],
     ) {
-        let Tape { units, slopes, rates } = tape;
+        let Tape { units, slopes } = tape;
         let mut input = x;
-        for (((layer, units), slopes), rates) in
-            self.hidden.iter().flatten().zip(units).zip(slopes).zip(rates)
-        {
+        for ((layer, units), slopes) in self.hidden.iter().flatten().zip(units).zip(slopes) {
             let width = layer.outputs();
             let units = sized(units, width, Jet::zero());
-            layer.forward(input, units);
-            for (rate, z) in sized(rates, width, [S::zero(); T]).iter_mut().zip(units.iter()) {
-                *rate = z.tangent;
-            }
+            layer.forward_of::<S, T, H>(input, units);
             self.activation.apply(units, sized(slopes, width, Jet::zero()));
             input = units;
         }
-        self.output.forward(input, y);
+        self.output.forward_of::<S, T, H>(input, y);
     }
 
     /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
@@ -140,11 +130,11 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         let mut input = x;
         for (layer, units) in self.hidden.iter().flatten().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());
-            layer.forward(input, units);
+            layer.forward_of::<S, T, H>(input, units);
             self.activation.apply_forward(units);
             input = units;
         }
-        self.output.forward(input, y);
+        self.output.forward_of::<S, T, H>(input, y);
     }
 
     /// x̄ = (∂y/∂x)ᵀȳ and its tangents: the tangents of ȳ, together with those on the tape, give the rows of a Hessian.
@@ -157,41 +147,11 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         y_bar: &[Jet<S, A>],
         x_bar: &mut [Jet<S, A>],
     ) {
-        self.backward(
-            tape,
-            y_bar,
-            |_, _, _| {},
-            |layer, below, bar| {
-                if below.is_none() {
-                    layer.adjoint(bar, x_bar);
-                }
-            },
-        );
-    }
-
-    /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the tape's directions, x moving along straight
-    /// lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
-    #[inline]
-    pub fn second_order<S: Scalar<Weight = W>, const T: usize, const H: usize>(
-        &self,
-        tape: &Tape<S, T, H, D>,
-        y_bar: &[Jet<S, 0>],
-        x_bar: &mut [Jet<S, 0>],
-    ) -> [[S; T]; T] {
-        let mut sum = [[S::zero(); T]; T];
-        let bend = |unit_bar: &[Jet<S, 0>], slopes: &[Jet<S, T>], rates: &[[S; T]]| {
-            for ((a, slope), rate) in unit_bar.iter().zip(slopes).zip(rates) {
-                for (row, bent) in sum.iter_mut().zip(&slope.tangent) {
-                    add_scaled_to(row, a.value * *bent, rate);
-                }
-            }
-        };
-        self.backward(tape, y_bar, bend, |layer, below, bar| {
+        self.backward(tape, y_bar, |layer, below, bar| {
             if below.is_none() {
-                layer.adjoint(bar, x_bar);
+                layer.adjoint_of::<S, A, H>(bar, x_bar);
             }
         });
-        sum
     }
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the forward pass
@@ -204,7 +164,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
     ) {
-        self.backward(tape, y_bar, |_, _, _| {}, |layer, below, bar| visit(layer, below.unwrap_or(x), bar));
+        self.backward(tape, y_bar, |layer, below, bar| visit(layer, below.unwrap_or(x), bar));
     }
 
     /// [`Mlp::adjoint`] and [`Mlp::layer_adjoints`] in one pass.
@@ -216,40 +176,32 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
     ) {
-        self.backward(
-            tape,
-            y_bar,
-            |_, _, _| {},
-            |layer, below, bar| {
-                visit(layer, below.unwrap_or(x), bar);
-                if below.is_none() {
-                    layer.adjoint(bar, x_bar);
-                }
-            },
-        );
+        self.backward(tape, y_bar, |layer, below, bar| {
+            visit(layer, below.unwrap_or(x), bar);
+            if below.is_none() {
+                layer.adjoint_of::<S, A, H>(bar, x_bar);
+            }
+        });
     }
 
     /// Carries the adjoint down to the outputs of the first layer. `visit` gets each layer, the units below it on the tape
-    /// (none below the first) and the adjoint of its outputs; `bend` the adjoint of every hidden layer's units, with slopes
-    /// and tangents ż.
+    /// (none below the first) and the adjoint of its outputs.
     #[inline(always)]
     fn backward<S: Scalar<Weight = W>, const T: usize, const A: usize, const H: usize>(
         &self,
         tape: &Tape<S, T, H, D>,
         y_bar: &[Jet<S, A>],
-        mut bend: impl FnMut(&[Jet<S, A>], &[Jet<S, T>], &[[S; T]]),
         mut visit: impl FnMut(&Dense<'a, W>, Option<&[Jet<S, T>]>, &[Jet<S, A>]),
     ) {
         let (mut unit_bar, mut z_bar) = (Vec::<_, H>::new(), Vec::<_, H>::new());
         let mut layer = &self.output;
         let mut bar = y_bar;
-        let Tape { units, slopes, rates } = tape;
-        for (((below, units), slopes), rates) in self.hidden.iter().zip(units).zip(slopes).zip(rates).rev() {
+        let Tape { units, slopes } = tape;
+        for ((below, units), slopes) in self.hidden.iter().zip(units).zip(slopes).rev() {
             let Some(below) = below else { continue };
             visit(layer, Some(units.as_slice()), bar);
             let unit_bar = sized(&mut unit_bar, layer.inputs(), Jet::zero());
-            layer.adjoint(bar, unit_bar);
-            bend(unit_bar, slopes, rates);
+            layer.adjoint_of::<S, A, H>(bar, unit_bar);
             let z_bar = sized(&mut z_bar, layer.inputs(), Jet::zero());
             for ((z, a), slope) in z_bar.iter_mut().zip(unit_bar).zip(slopes) {
                 *z = a.times(slope);
@@ -257,13 +209,5 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
             (layer, bar) = (below, z_bar);
         }
         visit(layer, None, bar);
-    }
-}
-
-/// x ← x + cy.
-#[inline(always)]
-fn add_scaled_to<S: Scalar, const T: usize>(x: &mut [S; T], c: S, y: &[S; T]) {
-    for (x, y) in x.iter_mut().zip(y) {
-        *x += c * *y;
     }
 }

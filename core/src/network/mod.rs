@@ -2,6 +2,8 @@
 //! through the adjoint.
 
 mod activation;
+mod apart;
+mod bends;
 mod dense;
 mod jet;
 mod mlp;
@@ -10,6 +12,7 @@ mod series;
 use heapless::Vec;
 
 pub use activation::{Activation, Curve};
+pub use bends::Bends;
 pub use dense::Dense;
 pub use jet::Jet;
 pub use mlp::{Mlp, Tape};

@@ -19,14 +19,14 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         let mut input = x;
         for (layer, units) in self.hidden().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());
-            layer.forward(input, units);
+            layer.forward_of::<S, K, H>(input, units);
             for unit in units.iter_mut() {
                 let c = self.activation().curve(unit.value);
                 *unit = self.activation().series(unit, &c);
             }
             input = units;
         }
-        self.output().forward(input, y);
+        self.output().forward_of::<S, K, H>(input, y);
     }
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first, where `y_bar` is the adjoint of
@@ -45,7 +45,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         for (below, (bends, units)) in self.hidden().rev().zip(records.rev()) {
             visit(layer, units, bar);
             let unit_bar = sized(&mut unit_bar, layer.inputs(), Jet::zero());
-            layer.adjoint(bar, unit_bar);
+            layer.adjoint_of::<S, 2, H>(bar, unit_bar);
             let slots = sized(&mut sum_bar, layer.inputs(), Jet::zero());
             for ((slot, bend), a) in slots.iter_mut().zip(bends).zip(unit_bar) {
                 *slot = bend.adjoint(a);
@@ -61,7 +61,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
         for ((layer, bends), units) in self.hidden().zip(&mut record.bends).zip(&mut record.units) {
             let units = sized(units, layer.outputs(), Jet::zero());
             let bends = sized(bends, layer.outputs(), Bend::straight());
-            layer.forward(input, units);
+            layer.forward_of::<S, 2, H>(input, units);
             for (unit, bend) in units.iter_mut().zip(bends) {
                 let c = self.activation().curve(unit.value);
                 *bend = Bend { z: unit.tangent, third: self.activation().third(unit.value, &c), curve: c };

@@ -1,8 +1,33 @@
 use super::{Real, Scalar, tanh, trigonometry};
+use leastaction_fpu as fpu;
 
 impl Scalar for f32 {
     type Weight = f32;
 
+    const APART: bool = true;
+
+    #[inline]
+    fn accumulate<const P: usize>(rows: &[[f32; P]], x: &[f32], sum: &mut [f32; P]) {
+        let (weights, sums) = (rows.as_flattened(), sum.as_mut_slice());
+        match P {
+            8 => {
+                sums.as_chunks_mut().0.iter_mut().for_each(|s| fpu::accumulate_8(weights.as_chunks().0, x, s))
+            }
+            4 => {
+                sums.as_chunks_mut().0.iter_mut().for_each(|s| fpu::accumulate_4(weights.as_chunks().0, x, s))
+            }
+            _ => fpu::portable::accumulate(rows, x, sum),
+        }
+    }
+    #[inline]
+    fn transposed<const P: usize>(rows: &[[f32; P]], y_bar: &[f32; P], x_bar: &mut [f32]) {
+        let weights = rows.as_flattened();
+        match P {
+            8 => y_bar.as_chunks().0.iter().for_each(|y| fpu::transposed_8(weights.as_chunks().0, y, x_bar)),
+            4 => y_bar.as_chunks().0.iter().for_each(|y| fpu::transposed_4(weights.as_chunks().0, y, x_bar)),
+            _ => fpu::portable::transposed(rows, y_bar, x_bar),
+        }
+    }
     #[inline(always)]
     fn weight(w: f32) -> Self {
         w
@@ -13,7 +38,7 @@ impl Scalar for f32 {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        libm::sqrtf(self)
+        fpu::sqrt(self)
     }
     #[inline]
     fn exp(self) -> Self {

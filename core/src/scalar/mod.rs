@@ -58,6 +58,28 @@ pub trait Scalar:
     /// −|x|.
     fn neg_abs(self) -> Self;
 
+    /// Whether a layer takes its tangents one after the other, by [`Scalar::accumulate`] and [`Scalar::transposed`], and not
+    /// side by side.
+    const APART: bool = false;
+
+    /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … with `rows[j][l]` = w_jl.
+    #[inline(always)]
+    fn accumulate<const P: usize>(rows: &[[Self::Weight; P]], x: &[Self], sum: &mut [Self; P]) {
+        for (row, x) in rows.iter().zip(x) {
+            for (sum, w) in sum.iter_mut().zip(row) {
+                *sum += Self::weight(*w) * *x;
+            }
+        }
+    }
+
+    /// x̄_j ← x̄_j + Σ_l w_jl ȳ_l, products added in halves: lane l to lane l + P/2, and so on.
+    #[inline(always)]
+    fn transposed<const P: usize>(rows: &[[Self::Weight; P]], y_bar: &[Self; P], x_bar: &mut [Self]) {
+        for (x, row) in x_bar.iter_mut().zip(rows) {
+            *x += dot(&row.map(Self::weight), y_bar);
+        }
+    }
+
     /// 0.
     #[inline(always)]
     fn zero() -> Self {
@@ -73,6 +95,23 @@ pub trait Scalar:
     fn half(self) -> Self {
         self * Self::constant(0.5)
     }
+}
+
+/// Σ_l a_l b_l, added in halves: lane l with lane l + P/2, and so on; the order that vector registers fold in.
+#[inline(always)]
+pub(crate) fn dot<S: Scalar, const P: usize>(a: &[S; P], b: &[S; P]) -> S {
+    let mut product = *a;
+    for (p, b) in product.iter_mut().zip(b) {
+        *p = *p * *b;
+    }
+    let mut width = P / 2;
+    while width > 0 {
+        for l in 0..width {
+            product[l] += product[l + width];
+        }
+        width /= 2;
+    }
+    product[0]
 }
 
 /// What the solvers run in: an ordered scalar whose rounding error is known.

@@ -12,7 +12,7 @@ pub use inertia::Inertia;
 
 use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::linear::{add_scaled, dot, multiply, transpose};
-use crate::network::{Activation, Jet, Mlp, Tape};
+use crate::network::{Activation, Bends, Jet, Mlp, Tape};
 use crate::scalar::Scalar;
 use features::Features;
 use inertia::{Jets, OutputBar, Outputs, without_tangents};
@@ -114,7 +114,7 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
     fn adjoint_second_order<S: Scalar<Weight = W>>(
         &self,
         features: &Features<S, N>,
-        tape: &Tape<S, N, H, D>,
+        bends: &Bends<S, N, H, D>,
         bar: &OutputBar<S, N, N>,
     ) -> (Jets<S, N, N>, [[S; N]; N]) {
         let plain = bar.each_ref().map(|rows| rows.each_ref().map(without_tangents));
@@ -122,7 +122,7 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
         let mut feature_bar = [[Jet::zero(); N]; 2];
         let count = feature_count(&self.coordinates);
         let slots = feature_bar.as_flattened_mut().get_mut(..count).unwrap_or_default();
-        let bent = self.network.second_order(tape, plain, slots);
+        let bent = self.network.second_order(bends, plain, slots);
         let feature_bar = feature_bar.map(|row| row.map(|x| Jet::constant(x.value)));
         (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), bent)
     }
@@ -200,6 +200,8 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Lagrangian<S, N>
         Energies { kinetic: dot(&p, v).half(), potential: outputs.potential.value }
     }
 
+    // Functions of their own: on a controller neither's tape lies on the stack beside the other's.
+    #[inline(never)]
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
         let mut tape = Tape::<S, 0, H, D>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[], &mut tape);
@@ -215,12 +217,14 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Lagrangian<S, N>
 
     /// One forward pass with N tangents and one plain adjoint: L_qq is Σ_o ∂o/∂q_i ∂ō/∂q_j with ō = ∂L/∂o, plus the
     /// second derivatives of the network weighed by ō, plus those of the features.
+    #[inline(never)]
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
-        let mut tape = Tape::<S, N, H, D>::default();
-        let Evaluation { features, raw, outputs } = self.forward(q, &unit_vectors(), &mut tape);
+        let mut bends = Bends::<S, N, H, D>::default();
+        let Evaluation { features, raw, outputs } =
+            self.evaluate(q, &unit_vectors(), |x, y| self.network.forward_bent(x, &mut bends, y));
         let v = held(v);
         let bar = outputs.lagrangian_bar(&v);
-        let (l_q, bent) = self.adjoint_second_order(&features, &tape, &bar);
+        let (l_q, bent) = self.adjoint_second_order(&features, &bends, &bar);
         let p = outputs.momentum(&v);
         Hessian {
             l_q: l_q.map(|l| l.value),

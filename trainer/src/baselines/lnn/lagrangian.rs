@@ -5,7 +5,7 @@ use leastaction_core::energy::Learnable;
 use leastaction_core::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::dot;
 use leastaction_core::model::ModelError;
-use leastaction_core::network::{Activation, Jet, Mlp, Tape};
+use leastaction_core::network::{Activation, Bends, Jet, Mlp, Tape};
 use leastaction_core::scalar::Scalar;
 use std::array::from_fn;
 
@@ -70,9 +70,9 @@ impl<'w, const N: usize, const H: usize> LnnLagrangian<'w, N, H> {
     fn mass_matrix<S: Scalar<Weight = f64>>(&self, q: &[S; N], v: &[S; N]) -> [[S; N]; N] {
         let x = self.inputs([q, v], [[[S::zero(); N]; N], unit_vectors()]);
         let (mut l, mut x_bar) = ([Jet::zero()], vec![Jet::zero(); x.len()]);
-        let mut tape = Tape::<S, N, H, DEPTH>::default();
-        self.network.forward(&x, &mut tape, &mut l);
-        self.network.second_order(&tape, &[Jet::constant(S::one())], &mut x_bar)
+        let mut bends = Bends::<S, N, H, DEPTH>::default();
+        self.network.forward_bent(&x, &mut bends, &mut l);
+        self.network.second_order(&bends, &[Jet::constant(S::one())], &mut x_bar)
     }
 }
 

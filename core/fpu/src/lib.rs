@@ -1,0 +1,49 @@
+//! The innermost loops of leastaction-core, in f32: products with panels of a matrix, and the square root.
+//!
+//! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l. On ARM with a
+//! floating-point unit (targets `…eabihf`: Cortex-M4F, M7, M33) the loops are written in its instructions, because a
+//! compiler loads weight after weight where one instruction loads sixteen: 2.25 instructions a multiply-add instead of 3.4.
+//! Elsewhere they are plain Rust. Multiplications and additions are the same in the same order, each rounded: the bits are the
+//! same everywhere.
+#![no_std]
+
+#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+mod arm;
+pub mod portable;
+
+#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+use arm as this;
+/// The portable loops by the widths that have instructions elsewhere.
+#[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
+mod this {
+    pub use crate::portable::{
+        accumulate as accumulate_4, accumulate as accumulate_8, sqrt, transposed as transposed_4,
+        transposed as transposed_8,
+    };
+}
+
+/// √x, correctly rounded; NaN for x < 0.
+#[inline(always)]
+pub fn sqrt(x: f32) -> f32 {
+    this::sqrt(x)
+}
+
+/// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … for eight outputs l; as many inputs as both `rows` and `x` have.
+pub fn accumulate_8(rows: &[[f32; 8]], x: &[f32], sum: &mut [f32; 8]) {
+    this::accumulate_8(rows, x, sum);
+}
+
+/// The same for four outputs.
+pub fn accumulate_4(rows: &[[f32; 4]], x: &[f32], sum: &mut [f32; 4]) {
+    this::accumulate_4(rows, x, sum);
+}
+
+/// x̄_j ← x̄_j + Σ_l w_jl ȳ_l over eight outputs l, products added in halves: lane l to lane l + 4, and so on.
+pub fn transposed_8(rows: &[[f32; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
+    this::transposed_8(rows, y_bar, x_bar);
+}
+
+/// The same over four outputs.
+pub fn transposed_4(rows: &[[f32; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
+    this::transposed_4(rows, y_bar, x_bar);
+}

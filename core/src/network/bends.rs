@@ -1,0 +1,94 @@
+//! How a network bends: first and second derivatives in its inputs from one pass forward with tangents and one plain pass
+//! back.
+
+use super::{Jet, Mlp, sized};
+use crate::scalar::Scalar;
+use heapless::Vec;
+
+/// What a pass forward leaves of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
+/// up to `H`. Half of what a [`Tape`](super::Tape) with tangents takes.
+#[derive(Clone, Debug)]
+pub struct Bends<S, const T: usize, const H: usize, const D: usize> {
+    /// σ′ with ż.
+    slopes: [Vec<Jet<S, T>, H>; D],
+    /// σ″.
+    curvatures: [Vec<S, H>; D],
+}
+
+impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Bends<S, T, H, D> {
+    fn default() -> Self {
+        Self {
+            slopes: core::array::from_fn(|_| Vec::new()),
+            curvatures: core::array::from_fn(|_| Vec::new()),
+        }
+    }
+}
+
+impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
+    /// y(x) and its tangents along those of x; records what [`Mlp::second_order`] needs.
+    #[inline]
+    pub fn forward_bent<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+        &self,
+        x: &[Jet<S, T>],
+        bends: &mut Bends<S, T, H, D>,
+        y: &mut [Jet<S, T>],
+    ) {
+        let mut room = Vec::<_, H>::new();
+        let mut input = x;
+        let records = bends.slopes.iter_mut().zip(&mut bends.curvatures);
+        for (layer, (slopes, curvatures)) in self.hidden().zip(records) {
+            let width = layer.outputs();
+            let z = sized(slopes, width, Jet::zero());
+            layer.forward_of::<S, T, H>(input, z);
+            // The layer has read its input: the room may take its output.
+            let units = sized(&mut room, width, Jet::zero());
+            let mut places = units.iter_mut().zip(sized(curvatures, width, S::zero()));
+            self.activation().visit(z, |z, c| {
+                if let Some((unit, curvature)) = places.next() {
+                    (*unit, *curvature) = (z.chain(c.value, c.slope), c.curvature);
+                }
+                z.value = c.slope;
+            });
+            input = units;
+        }
+        self.output().forward_of::<S, T, H>(input, y);
+    }
+
+    /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
+    /// along straight lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
+    #[inline]
+    pub fn second_order<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+        &self,
+        bends: &Bends<S, T, H, D>,
+        y_bar: &[Jet<S, 0>],
+        x_bar: &mut [Jet<S, 0>],
+    ) -> [[S; T]; T] {
+        let mut sum = [[S::zero(); T]; T];
+        let (mut unit_room, mut z_room) = (Vec::<_, H>::new(), Vec::<_, H>::new());
+        let (mut layer, mut bar) = (self.output(), y_bar);
+        let records = bends.slopes.iter().zip(&bends.curvatures).take(self.depth());
+        for (below, (slopes, curvatures)) in self.hidden().rev().zip(records.rev()) {
+            let unit_bar = sized(&mut unit_room, layer.inputs(), Jet::zero());
+            layer.adjoint_of::<S, 0, H>(bar, unit_bar);
+            let z_bar = sized(&mut z_room, layer.inputs(), Jet::zero());
+            let units = unit_bar.iter().zip(slopes).zip(curvatures);
+            for (z, ((a, slope), curvature)) in z_bar.iter_mut().zip(units) {
+                for (row, rate) in sum.iter_mut().zip(&slope.tangent) {
+                    add_scaled_to(row, a.value * (*curvature * *rate), &slope.tangent);
+                }
+                z.value = a.value * slope.value;
+            }
+            (layer, bar) = (below, z_bar);
+        }
+        layer.adjoint_of::<S, 0, H>(bar, x_bar);
+        sum
+    }
+}
+
+/// x ← x + cy.
+#[inline(always)]
+fn add_scaled_to<S: Scalar, const T: usize>(x: &mut [S; T], c: S, y: &[S; T]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += c * *y;
+    }
+}
