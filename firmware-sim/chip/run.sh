@@ -1,22 +1,25 @@
 #!/usr/bin/env bash
 # Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a Cortex-M4F (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V
 # without floating-point unit (virt). One JSON line a board, model and order: `--steps N` of each (1,000), `--only NAME` of them.
+# `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # Uses rustup's targets where they can be had, else Debian's compiler with the standard library's source; installs what is missing.
 set -euo pipefail
+shopt -s inherit_errexit
 cd "$(dirname "$0")"
 source ./tools.sh
 
-steps=1000 only=
+steps=1000 only= budgets=
 while [ $# -gt 0 ]; do
     case $1 in
         --steps) steps=${2:?--steps takes a number}; shift 2 ;;
         --only) only=${2:?--only takes a name such as rigid_2 or cortex-m7}; shift 2 ;;
-        *) echo "usage: run.sh [--steps N] [--only IMAGE|BOARD]" >&2; exit 2 ;;
+        --budgets) budgets=${2:?--budgets takes check or write}; shift 2 ;;
+        *) echo "usage: run.sh [--steps N] [--only IMAGE|BOARD] [--budgets check|write]" >&2; exit 2 ;;
     esac
 done
 
 # The same steps on this machine.
-host=$(cd ../.. && CARGO_TARGET_DIR=${host_target:-target} cargo run --quiet --release --package leastaction-tests \
+host=$(cd ../.. && CARGO_TARGET_DIR=$host_target cargo run --quiet --release --package leastaction-tests \
     --bin trajectory_hash "$steps")
 expected() { sed -n "s/^$1 $2 //p" <<<"$host"; }
 
@@ -40,9 +43,31 @@ report() {
         "$(value acceleration_instructions)" "$(value step_instructions)" "$(value step_instructions_worst)"
 }
 
-for board in "${boards[@]}"; do
-    build "$board"
-    for image in rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4; do
-        case "$only" in "" | "$board" | "$image") report "$board" "$image" ;; esac
+run() {
+    local board image
+    for board in "${boards[@]}"; do
+        build "$board"
+        for image in rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4; do
+            case "$only" in "" | "$board" | "$image") report "$board" "$image" ;; esac
+        done
     done
-done
+}
+
+compiler thumbv7em-none-eabihf
+version=$("$rustc" --version)
+case $budgets in
+    "") run ;;
+    write) { echo "$version"; run; } | tee budgets.jsonl ;;
+    check)
+        if [ "$version" != "$(head -n 1 budgets.jsonl)" ]; then
+            echo "budgets.jsonl is of $(head -n 1 budgets.jsonl), this is $version: not compared" >&2
+            run
+        else
+            lines=$(run)
+            printf '%s\n' "$lines"
+            (cd ../.. && CARGO_TARGET_DIR=$host_target cargo run --quiet --release --package leastaction-tests --bin budgets \
+                firmware-sim/chip/budgets.jsonl <<<"$lines")
+        fi
+        ;;
+    *) echo "--budgets takes check or write" >&2; exit 2 ;;
+esac

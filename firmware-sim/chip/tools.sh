@@ -30,15 +30,18 @@ flags_of() {
 # rustup's target, or the packaged compiler with the library's source.
 compiler() {
     local target=$1
-    if command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; then
-        cargo=(cargo)
+    if [ -z "${LEASTACTION_CHIP_PACKAGED:-}" ] && command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; then
+        cargo=(cargo) rustc=rustc
         return
     fi
-    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ]; then
+    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ] || ! [ -x /usr/bin/ld.lld ]; then
         apt-get update -qq >&2
-        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src >&2
+        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src lld >&2
     fi
-    cargo=(env RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 cargo -Zbuild-std=core)
+    # It comes without the linker that it asks for.
+    local linker=CARGO_TARGET_$(tr a-z- A-Z_ <<<"$target")_LINKER=/usr/bin/ld.lld
+    rustc=/usr/bin/rustc
+    cargo=(env RUSTC=$rustc RUSTC_BOOTSTRAP=1 "$linker" cargo -Zbuild-std=core)
 }
 
 build() {

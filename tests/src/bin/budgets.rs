@@ -1,0 +1,83 @@
+//! Compares what the chip's images take with the budgets: `firmware-sim/chip/run.sh --budgets`.
+//!
+//! Reads lines of JSON, one an image, and compares every number with the line of the same board, family and order in the
+//! file named on the command line. What changed is printed; more than 2% either way fails.
+
+use serde_json::{Map, Value};
+use std::error::Error;
+use std::io::{Read, stdin};
+use std::process::ExitCode;
+
+/// The largest change that is let pass, either way.
+const TOLERANCE: f64 = 0.02;
+/// Names of the numbers that have a budget.
+const BUDGETED: [&str; 9] = [
+    "text_bytes",
+    "rodata_bytes",
+    "ram_bytes",
+    "load_stack_bytes",
+    "acceleration_stack_bytes",
+    "stack_bytes",
+    "acceleration_instructions",
+    "step_instructions",
+    "step_instructions_worst",
+];
+
+type Line = Map<String, Value>;
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("budgets: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<bool, Box<dyn Error>> {
+    let file = std::env::args().nth(1).ok_or("usage: budgets FILE < LINES")?;
+    let (mut found, budgets) =
+        (String::new(), std::fs::read_to_string(&file).map_err(|e| format!("{file}: {e}"))?);
+    stdin().read_to_string(&mut found)?;
+    let (found, budgets) = (lines(&found)?, lines(&budgets)?);
+    let missing: Vec<_> =
+        budgets.iter().map(image).filter(|name| !found.iter().any(|line| image(line) == *name)).collect();
+    missing.iter().for_each(|name| println!("{name}: was not measured"));
+    let mut within = missing.is_empty();
+    for line in &found {
+        within &= compare(line, budgets.iter().find(|budget| image(budget) == image(line)));
+    }
+    println!("{}", if within { "within the budgets" } else { "NOT within the budgets" });
+    Ok(within)
+}
+
+fn lines(text: &str) -> Result<Vec<Line>, serde_json::Error> {
+    text.lines().filter(|line| line.starts_with('{')).map(serde_json::from_str).collect()
+}
+
+/// Board, family and order.
+fn image(line: &Line) -> String {
+    let word = |name| line.get(name).map_or(String::new(), |value| value.to_string().replace('"', ""));
+    ["board", "family", "order"].map(word).join(" ")
+}
+
+/// Prints what changed, and says whether it may.
+fn compare(line: &Line, budget: Option<&Line>) -> bool {
+    let Some(budget) = budget else {
+        println!("{}: has no budget", image(line));
+        return false;
+    };
+    BUDGETED.iter().fold(true, |within, name| {
+        let number = |line: &Line| line.get(*name).and_then(Value::as_f64);
+        let (Some(now), Some(was)) = (number(line), number(budget)) else {
+            println!("{}: no {name}", image(line));
+            return false;
+        };
+        if now != was {
+            println!("{}: {name} {was} → {now} ({:+.1}%)", image(line), 100.0 * (now / was - 1.0));
+        }
+        within && (now - was).abs() <= TOLERANCE * was
+    })
+}
