@@ -58,6 +58,11 @@ fn gns_has_its_rows_after_few_epochs() {
 }
 
 #[test]
+fn lgn_has_its_rows_after_few_epochs() {
+    lgnn("scale-lgn", ("LGN", 2_113), &[5, 50]);
+}
+
+#[test]
 fn lnn_has_its_row_after_few_epochs() {
     lgnn("pendulum-lnn", ("LNN", 67_844), &[3]);
 }
@@ -67,7 +72,9 @@ fn baselines_of_springs_and_pendulums_are_tasks_of_their_own() {
     let bench = Bench::new();
     let list = |options: &str| bench.run(&format!("reproduce lgnn --list {options}")).good().stdout;
     let all = list("");
-    assert!(all.contains("scale-gns-0\n") && all.contains("pendulum-lnn-0\n"), "{all}");
+    for task in ["scale-gns-0", "scale-lgn-0", "pendulum-lnn-0", "pendulum-lgn-0"] {
+        assert!(all.contains(&format!("{task}\n")), "{all}");
+    }
     let ours = list("--ours-alone");
-    assert!(!ours.contains("gns") && !ours.contains("lnn"), "{ours}");
+    assert!(!ours.contains("gns") && !ours.contains("lgn") && !ours.contains("lnn"), "{ours}");
 }

@@ -13,7 +13,7 @@ use leastaction::reproduce::lgnn::{Case, Options, tasks};
 /// Runs every case that the options leave open and prints its errors beside those of the authors' program: geometric means of the
 /// rollout error and of the energy violation. Data and truth are exact motion. With -o also as a page with pictures.
 ///
-/// The models that the paper compares with (GNS, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row that ran out of
+/// The models that the paper compares with (GNS, LGN, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row that ran out of
 /// time, or diverged, says so.
 ///
 /// Example: leastaction reproduce lgnn --case pendulum --json

@@ -79,7 +79,7 @@ impl RodsLoss {
     fn tangent<const N: usize>(&self, linearised: &Linearised<N>) -> Result<Matrix<f64, N>, Failed> {
         let mut tangent = identity();
         for gradient in linearised.gradients(self.middle()) {
-            take_out(&mut tangent, gradient)?;
+            take_out(&mut tangent, gradient, true)?;
         }
         Ok(tangent)
     }
