@@ -88,6 +88,10 @@ impl Task for Experiment {
         serde_json::to_string(&(self.case, data)).unwrap_or_default()
     }
 
+    fn options(&self) -> String {
+        self.arguments.clone()
+    }
+
     fn expected_seconds(&self) -> f64 {
         let per_trajectory = if self.case.order == 4 && self.case.model.is_discrete() { 1.0 } else { 0.1 };
         per_trajectory * (self.case.trajectories + 8) as f64
