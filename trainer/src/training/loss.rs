@@ -141,6 +141,53 @@ pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
     ) -> Result<[Self::Residual; LANES], Failed>;
 }
 
+/// A loss of one sample at a time: the steps of each take as many iterations as it needs.
+pub(super) trait SampleLoss<F: Family<N>, const N: usize>: Sync {
+    /// As [`GroupLoss::kinds`].
+    fn kinds(&self) -> &'static [TermKind];
+    /// The residual.
+    fn residual(&self, systems: &Systems<F, N>, sample: &Sample<N>) -> Result<[f64; N], Failed>;
+    /// The residual, and for every component its terms.
+    fn linearise(
+        &self,
+        systems: &Systems<F, N>,
+        sample: &Sample<N>,
+        terms: &mut Vec<Term<N>>,
+    ) -> Result<[f64; N], Failed>;
+}
+
+/// One sample of a group after the other.
+pub(super) struct OneByOne<T>(pub T);
+
+impl<T: SampleLoss<F, N>, F: Family<N>, const N: usize> GroupLoss<F, N> for OneByOne<T> {
+    type Residual = [f64; N];
+
+    fn kinds(&self) -> &'static [TermKind] {
+        self.0.kinds()
+    }
+
+    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
+        let mut residuals = [[0.0; N]; LANES];
+        for (residual, sample) in residuals.iter_mut().zip(group) {
+            *residual = self.0.residual(systems, sample)?;
+        }
+        Ok(residuals)
+    }
+
+    fn linearise_group(
+        &self,
+        systems: &Systems<F, N>,
+        group: &Group<N>,
+        terms: &mut [Vec<Term<N>>; LANES],
+    ) -> Result<[[f64; N]; LANES], Failed> {
+        let mut residuals = [[0.0; N]; LANES];
+        for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
+            *residual = self.0.linearise(systems, sample, terms)?;
+        }
+        Ok(residuals)
+    }
+}
+
 /// v̇(q, v, u) − a.
 pub(super) struct AccelerationLoss;
 
