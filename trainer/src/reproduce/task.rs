@@ -47,9 +47,6 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Everything.
-    pub const ALL: Self = Self { index: 1, of: 1 };
-
     /// The tasks of this share: all shares together have every task once, the long and the short ones dealt out alike.
     pub fn of<T>(self, tasks: Vec<T>) -> Vec<T> {
         tasks.into_iter().skip(self.index - 1).step_by(self.of).collect()

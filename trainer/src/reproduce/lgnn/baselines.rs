@@ -2,7 +2,7 @@
 
 use super::super::training::{Limits, Recipe};
 use super::recipe::JUDGES;
-use super::{Case, Experiment, Insight, Options, Outcome, Published, ReproduceError, graph, published};
+use super::{Case, Experiment, Options, Outcome, ReproduceError, graph, published};
 use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
 use crate::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use crate::training::{AdamSettings, Samples, Schedule};
@@ -146,27 +146,15 @@ impl Experiment<'_> {
         let model = model.trained();
         let trained = recipe(seed).train(model, rows.clone(), (seed, limits), &tell)?;
         let row = Outcome {
-            case: self.case,
-            system: system.name(),
-            count: system.nodes(),
-            drag: 0.0,
-            pull: 0.0,
-            kind: "trained",
             model: baseline.title(),
             samples: samples.len(),
             parameters: trained.weights.len(),
             train_mse: model.objective(rows)?.loss(&trained.weights),
             validation_mse: model.objective(judges)?.loss(&trained.weights),
             train_seconds: clock.elapsed().as_secs_f64(),
-            seed,
             epochs: Some(trained.epochs),
             ending: trained.ending,
-            rolled_out: None,
-            drag_error: None,
-            step_microseconds: None,
-            pictured: None,
-            insight: Insight::default(),
-            published: Published::default(),
+            ..Outcome::trained(self.case, system, seed)
         };
         let one = |on: LgnnSystem| {
             let kind = if on == system { "trained" } else { "zero-shot" };
