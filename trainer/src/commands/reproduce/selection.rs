@@ -42,6 +42,11 @@ pub struct Selection {
 }
 
 impl Selection {
+    /// Of these options the one that changes results, as on the command line.
+    pub fn arguments(&self) -> String {
+        if self.quick { " --quick".to_owned() } else { String::new() }
+    }
+
     /// The seeds.
     pub fn seeds(&self) -> impl Iterator<Item = u64> {
         (self.seed..).take(self.seeds as usize)
