@@ -32,6 +32,7 @@ fn a_row_out_of_time_says_so() {
     let done = bench.run(&format!("{RUN} --baselines --minutes 1e-9 -o out")).good();
     assert_eq!(done.stdout.matches("out of time at epoch 0").count(), 6, "{}", done.stdout);
     assert_eq!(bench.text("out/modlanet.html").matches("out of time at epoch 0").count(), 6);
+    assert!(bench.text("out/modlanet.html").contains("3 bodies, trained: accelerations of the test set"));
     bench.run("reproduce modlanet --minutes 0").bad(2, &["--minutes", "above 0"]);
 }
 
