@@ -8,6 +8,7 @@ pub mod atomic;
 pub mod baselines;
 pub mod config;
 pub mod data;
+mod dual;
 pub mod evaluate;
 pub mod ground_truth;
 pub mod import;

@@ -53,6 +53,9 @@ impl Task for Counted {
     fn settings(&self) -> String {
         self.settings.to_owned()
     }
+    fn options(&self) -> String {
+        format!(" --of {}", self.settings)
+    }
     fn expected_seconds(&self) -> f64 {
         1.0
     }
@@ -82,7 +85,8 @@ fn tasks(count: u64, settings: &'static str, failing: Option<u64>) -> (Vec<Box<d
 }
 
 fn run(tasks: &[Box<dyn Task>], results: &Results, jobs: usize) -> Result<Vec<Finished>, FolderError> {
-    run_all(PAPER, tasks, Some(results), jobs, &|_| ())
+    let tasks: Vec<&dyn Task> = tasks.iter().map(|task| &**task).collect();
+    run_all(PAPER, &tasks, Some(results), jobs, &|_| ())
 }
 
 #[test]
@@ -102,6 +106,32 @@ fn what_is_done_is_not_done_again_and_what_failed_is() {
     assert!(run(&mended, &results, 2).unwrap()[3].failure.is_none());
     assert_eq!(again.load(Ordering::Relaxed), 1);
     assert_eq!(results.all().unwrap(), run(&mended, &results, 1).unwrap());
+}
+
+#[test]
+fn a_page_has_all_that_runs_with_the_same_options_have_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = Results::open(folder.path(), PAPER).unwrap();
+    let names = |(page, others): (Vec<Finished>, usize)| {
+        (page.into_iter().map(|task| task.task).collect::<Vec<_>>(), others)
+    };
+    let counted = |of: &[u64]| of.iter().map(|k| format!("counted-{k}")).collect::<Vec<_>>();
+    run(&tasks(3, "one", Some(2)).0, &results, 1).unwrap();
+    let mut narrow = tasks(2, "one", None).0;
+    narrow.remove(0);
+    run(&narrow, &results, 1).unwrap();
+    // Those of the run first, in their order; also what failed.
+    assert_eq!(names(results.page(&narrow).unwrap()), (counted(&[1, 0, 2]), 0));
+    assert_eq!(names(results.page(&tasks(9, "one", None).0).unwrap()), (counted(&[0, 1, 2]), 0));
+    let mut other = tasks(4, "two", None).0.split_off(3);
+    run(&other, &results, 1).unwrap();
+    assert_eq!(names(results.page(&other).unwrap()), (counted(&[3]), 3));
+    other.extend(narrow);
+    assert_eq!(names(results.page(&other).unwrap()), (counted(&[3, 1, 0, 2]), 0));
+    // Results of before there were options belong to their own tasks.
+    let old = Finished { options: String::new(), ..results.read("counted-0").unwrap().unwrap() };
+    results.write(&old).unwrap();
+    assert_eq!(names(results.page(&tasks(1, "one", None).0).unwrap()), (counted(&[0, 1, 2]), 1));
 }
 
 #[test]
@@ -168,6 +198,7 @@ fn finished(records: Vec<Record>) -> Finished {
         command: "leastaction reproduce \"a,b\"".to_owned(),
         data: "of <our> own".to_owned(),
         settings: String::new(),
+        options: String::new(),
         seconds: 2.0,
         failure: None,
         records,
@@ -194,9 +225,21 @@ fn what_is_better_than_ours_is_said() {
     };
     assert!(of(0.1, 0.2).is_empty());
     let [paper] = &of(0.6, 0.7)[..] else { panic!("the paper is better") };
-    assert!(paper.contains("the paper 0.500") && paper.contains("ours 0.600"), "{paper}");
+    assert!(paper.contains("the paper 0.500") && paper.contains("ours: test 0.600"), "{paper}");
     assert_eq!(of(0.3, 0.2).len(), 1);
-    assert_eq!(of(f64::NAN, 0.2).len(), 2);
+    // One line a row, with all that is better.
+    let [both] = &of(f64::NAN, 0.2)[..] else { panic!("one row") };
+    assert_eq!(both, "Table 1, system 2-pendulum, ours: test – (the paper 0.500, MLP 0.200)");
+    let two = |ours: f64| Record {
+        measures: vec![Measure::error("test", ours, Some(0.5)), Measure::error("energy", 2.0 * ours, None)],
+        ..record(if ours > 1.0 { "ours" } else { "MLP" }, 0, ours)
+    };
+    let results = [finished(vec![two(2.0), two(0.25)])];
+    let [both] = &table::exceptions(&table::tables(&results))[..] else { panic!("one row") };
+    assert!(
+        both.ends_with("ours: test 2.00 (the paper 0.500, MLP 0.250); energy 4.00 (MLP 0.500)"),
+        "{both}"
+    );
     // The energy, 2.0 over a floor of 1.5, is at the floor.
     let better = Record {
         measures: vec![Measure::error("test", 1.0, None), Measure::error("energy", 0.1, None)],
@@ -243,7 +286,7 @@ fn pages_and_values_say_everything() {
     assert_eq!((&rows[0][2], &rows[0][7], &rows[0][12]), ("ours", "2.5e-1", "leastaction reproduce \"a,b\""));
     assert_eq!(&rows[4][11], "failed: diverged");
     let text = table::text(&results);
-    for words in ["Table 1", "2-pendulum", "  paper", "  floor", "other failed: diverged", "H<NN 3.50e-7"] {
+    for words in ["Table 1", "2-pendulum", "  paper", "  floor", "other failed: diverged", "(H<NN 3.50e-7)"] {
         assert!(text.contains(words), "{words} is not in {text}");
     }
 }

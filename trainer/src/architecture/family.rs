@@ -5,11 +5,28 @@ use leastaction_core::energy::{Learnable, LearnableForces};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
 use leastaction_core::model::ModelError;
-use leastaction_core::scalar::Scalar;
+use leastaction_core::scalar::{Lanes, Scalar};
 
-/// What host weights are evaluated in: f64, or lanes of it.
-pub trait HostScalar: Scalar<Weight = f64> + Sync + 'static {}
-impl<S: Scalar<Weight = f64> + Sync + 'static> HostScalar for S {}
+/// What host weights are evaluated in: f64, lanes of it, or either with a derivative.
+pub trait HostScalar: Scalar<Weight = f64> + Sync + 'static {
+    /// `then` where this is greater, else `otherwise`; in every lane for itself.
+    #[must_use]
+    fn if_greater(self, than: Self, then: Self, otherwise: Self) -> Self;
+}
+
+impl HostScalar for f64 {
+    #[inline]
+    fn if_greater(self, than: Self, then: Self, otherwise: Self) -> Self {
+        if self > than { then } else { otherwise }
+    }
+}
+
+impl HostScalar for Lanes {
+    #[inline]
+    fn if_greater(self, than: Self, then: Self, otherwise: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k].if_greater(than.0[k], then.0[k], otherwise.0[k])))
+    }
+}
 
 /// A shape whose sizes are types.
 pub trait Family<const N: usize>: Sync {
@@ -31,8 +48,12 @@ pub trait Family<const N: usize>: Sync {
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError>;
 
-    /// Whether shapes of this family can have holonomic constraints; then L = T(v) − V(q), and drag depends on v alone.
+    /// Whether shapes of this family can have holonomic constraints that the discrete losses know; then L = T(v) − V(q), and drag
+    /// depends on v alone.
     const CONSTRAINED: bool = false;
+
+    /// Whether L_vv is positive definite wherever the weights are in their range: on constraints there is no acceleration elsewhere.
+    const DEFINITE: bool = true;
 
     /// The holonomic constraints φ(q) = 0 of this shape. None for most.
     fn constraints(&self, _q: &[f64; N]) -> Vec<Constraint<N>> {

@@ -4,18 +4,23 @@
 mod cartesian_lnn;
 mod features;
 mod gns;
+mod graph_network;
 mod hnn;
+mod lgn;
 mod lnn;
 mod mlp;
+mod network_lagrangian;
 mod node;
 #[cfg(test)]
 mod oracle;
 mod regression;
 
 pub use cartesian_lnn::CartesianLnn;
-pub use gns::{Gns, GnsShape};
+pub use gns::Gns;
+pub use graph_network::GraphSizes;
 pub use hnn::{Hnn, MAX_WIDTH as MAX_HNN_WIDTH, Momenta};
-pub use lnn::{Lnn, LnnLagrangian, MAX_WIDTH as MAX_LNN_WIDTH};
+pub use lgn::Lgn;
+pub use lnn::{Lnn, MAX_WIDTH as MAX_LNN_WIDTH};
 pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
 pub use node::Node;
 

@@ -1,6 +1,7 @@
 //! What baselines are checked against: networks in plain loops with exact derivatives (num-dual), and the normal equations of
 //! any residuals by differences.
 
+use super::GraphSizes;
 use crate::training::Objective;
 use leastaction_core::network::Dense;
 use num_dual::{DualNum, HyperHyperDual64};
@@ -35,24 +36,77 @@ pub fn features<D: DualNum + Copy>(coordinates: &str, state: &[D]) -> Vec<D> {
 
 /// Two hidden layers of one width and a linear output.
 pub fn network<D: DualNum + Copy>(
-    weights: &[D],
-    mut x: Vec<D>,
+    mut weights: &[D],
+    x: Vec<D>,
     [width, outputs]: [usize; 2],
     activation: fn(D) -> D,
 ) -> Vec<D> {
-    let mut at = 0;
-    for (layer, outputs) in [width, width, outputs].into_iter().enumerate() {
-        let bias = at + x.len() * outputs;
-        let sum = |i: usize| {
-            let weight = |j| weights[at + Dense::<f64>::position(x.len(), outputs, i, j)];
-            (0..x.len()).fold(weights[bias + i], |sum, j| sum + weight(j) * x[j])
-        };
-        let y: Vec<D> = (0..outputs).map(sum).collect();
-        at = bias + outputs;
-        x = if layer < 2 { y.into_iter().map(activation).collect() } else { y };
+    let y = take(&mut weights, x, &[width, width, outputs], activation);
+    assert!(weights.is_empty());
+    y
+}
+
+/// A network with layers of these outputs from the front of the weights; the last is linear.
+pub fn take<D: DualNum + Copy>(
+    weights: &mut &[D],
+    mut x: Vec<D>,
+    layers: &[usize],
+    activation: fn(D) -> D,
+) -> Vec<D> {
+    for (k, outputs) in layers.iter().enumerate() {
+        let inputs = x.len();
+        let (own, rest) = weights.split_at((inputs + 1) * outputs);
+        *weights = rest;
+        let weight = |i, j| own[Dense::<f64>::position(inputs, *outputs, i, j)];
+        let sum = |i: usize| (0..inputs).fold(own[inputs * outputs + i], |sum, j| sum + weight(i, j) * x[j]);
+        let y: Vec<D> = (0..*outputs).map(sum).collect();
+        x = if k + 1 < layers.len() { y.into_iter().map(activation).collect() } else { y };
     }
-    assert_eq!(at, weights.len());
     x
+}
+
+pub fn squareplus<D: DualNum<Primitive = f64> + Copy>(z: D) -> D {
+    (z + (z * z + D::from(4.0)).sqrt()) * D::from(0.5)
+}
+
+/// What stands for the nodes of a graph network after the messages, as the equations have it, every network found anew in the
+/// block; the weights that are left read it out.
+pub fn messages<D: DualNum<Primitive = f64> + Copy>(
+    weights: &mut &[D],
+    sizes: GraphSizes,
+    (kinds, ends): (&[f64], &[[u16; 2]]),
+    [q, v]: [&[D]; 2],
+) -> Vec<Vec<D>> {
+    let GraphSizes { dimension: d, node, edge, hidden } = sizes;
+    let layers = [&[edge][..], &[node], &[hidden, hidden, edge], &[hidden, hidden, node]];
+    let inputs = [1, 2 * d + 1, edge + 2 * node, node + 2 * edge];
+    let block = *weights;
+    let network = |which: usize, x: Vec<D>| {
+        let mut rest = block;
+        (0..which).for_each(|k| drop(take(&mut rest, vec![D::zero(); inputs[k]], layers[k], squareplus)));
+        (take(&mut rest, x, layers[which], squareplus), rest)
+    };
+    let at = |x: &[D], i: usize| x[d * i..d * (i + 1)].to_vec();
+    let embed = |i: usize| network(1, [at(q, i), at(v, i), vec![D::from(kinds[i])]].concat()).0;
+    let h: Vec<_> = (0..kinds.len()).map(embed).collect();
+    let message = |i: usize, j: usize| {
+        let squares = at(q, i).into_iter().zip(at(q, j)).map(|(a, b)| (a - b) * (a - b));
+        let distance = squares.fold(D::zero(), |sum, square| sum + square).sqrt();
+        network(2, [network(0, vec![distance]).0, h[i].clone(), h[j].clone()].concat()).0
+    };
+    let joined = |i: usize, j: usize| ends.iter().any(|e| [[i, j], [j, i]].contains(&e.map(usize::from)));
+    let total = |messages: Vec<Vec<D>>| -> Vec<D> {
+        (0..edge).map(|k| messages.iter().fold(D::zero(), |sum, message| sum + message[k])).collect()
+    };
+    let one = |i: usize| {
+        let partners = || (0..kinds.len()).filter(|j| joined(i, *j));
+        let sent = total(partners().map(|j| message(i, j)).collect());
+        let received = total(partners().map(|j| message(j, i)).collect());
+        network(3, [h[i].clone(), sent, received].concat())
+    };
+    let nodes: Vec<_> = (0..kinds.len()).map(one).collect();
+    *weights = nodes[0].1;
+    nodes.into_iter().map(|(node, _)| node).collect()
 }
 
 pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {

@@ -81,13 +81,11 @@ impl<M: Explicit> Residuals for Regression<M> {
             let own = (samples.end - start).min(LANES);
             let errors = self.errors(weights, &mut trace, [start, samples.end])?;
             for (i, error) in errors.into_iter().enumerate() {
-                let row = i * count + start - samples.start;
-                rows.residual[row..row + own].copy_from_slice(&error.0[..own]);
                 y_bar.fill(Lanes([0.0; LANES]));
                 y_bar[i] = Lanes([1.0; LANES]);
-                rows.buffer.fill(Lanes([0.0; LANES]));
-                self.model.adjoint(weights, &trace, &y_bar, &mut rows.buffer).ok_or(Failed)?;
-                rows.store(row, own);
+                rows.fill((i * count + start - samples.start, own), &error, |row| {
+                    self.model.adjoint(weights, &trace, &y_bar, row).ok_or(Failed)
+                })?;
             }
         }
         Ok(())

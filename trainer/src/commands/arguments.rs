@@ -1,4 +1,11 @@
-//! Values of options, refused in words that say what they must be.
+//! Values of options, refused in words that say what they must be, and options as they were given.
+
+use std::fmt::Display;
+
+/// An option with its value as on the command line, after a space; nothing where it was not given.
+pub fn given(name: &str, value: Option<impl Display>) -> String {
+    value.map_or(String::new(), |value| format!(" --{name} {value}"))
+}
 
 /// A finite number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {

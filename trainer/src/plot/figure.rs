@@ -270,6 +270,7 @@ fn draw_stroke(
             path(line(colour.mix(0.6), 1.0))?;
             points.iter().try_for_each(|point| dot(point, 3.0))
         }
+        Stroke::Points => points.iter().try_for_each(|point| dot(point, 1.5)),
     }
 }
 

@@ -13,6 +13,8 @@ pub enum Stroke {
     Wide,
     /// A thin line with a dot at each point, for a few measured values.
     Dotted,
+    /// A small dot at each point and no line, for many that are in no order.
+    Points,
 }
 
 /// A labelled curve. Points that the axes cannot show (not finite; not positive on a logarithmic axis) interrupt it.

@@ -181,6 +181,19 @@ fn reference_slopes_go_with_the_nearest_curve() {
 }
 
 #[test]
+fn points_in_no_order_are_dots_without_a_line() {
+    let svg = |stroke| {
+        let series = Series::new("", [(0.0, 0.0), (2.0, 1.0), (1.0, 2.0)]).with_stroke(stroke);
+        let phase = Phase { x_label: "x", y_label: "y", angle: Angle::No };
+        drawn(|path| phase_portrait(path, "Points", phase, &[series]))
+    };
+    let [points, dotted] = [Stroke::Points, Stroke::Dotted].map(svg);
+    let count = |svg: &str, tag: &str| svg.matches(tag).count();
+    assert_eq!((count(&points, "<circle"), count(&dotted, "<circle")), (3, 3));
+    assert_eq!(count(&points, "<polyline") + 1, count(&dotted, "<polyline"));
+}
+
+#[test]
 fn a_long_run_makes_a_small_file() {
     let run = Series::new("", (0..300_000).map(|k| (f64::from(k) * 1e-3, (f64::from(k) * 0.37).sin())));
     let svg = drawn(|path| time_series(path, "Run", &[Panel::new("x (m)", std::slice::from_ref(&run))]));

@@ -1,7 +1,9 @@
 //! The folder of a paper's results: a file for every finished task, and the pictures.
 
 use super::record::Finished;
+use super::task::Task;
 use crate::atomic;
+use std::collections::HashMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -103,6 +105,24 @@ impl Results {
         let files = self.files(|file| file.extension().is_some_and(|extension| extension == "json"))?;
         let read = files.iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;
         Ok(read.into_iter().flatten().collect())
+    }
+
+    /// What belongs on one page: these results, and all others there that runs with the same options have given, in the order of
+    /// these tasks, then by name. Also how many there are of other options.
+    ///
+    /// # Errors
+    /// [`FolderError::File`], [`FolderError::Content`].
+    pub fn page(&self, tasks: &[Box<dyn Task>]) -> Result<(Vec<Finished>, usize), FolderError> {
+        let place: HashMap<String, usize> =
+            tasks.iter().enumerate().map(|(k, task)| (task.name(), k)).collect();
+        let belongs = |finished: &Finished| {
+            let is_it =
+                |task: &dyn Task| task.name() == finished.task && task.settings() == finished.settings;
+            tasks.iter().any(|task| task.options() == finished.options || is_it(&**task))
+        };
+        let (mut page, others): (Vec<_>, Vec<_>) = self.all()?.into_iter().partition(belongs);
+        page.sort_by_key(|finished| place.get(&finished.task).copied().unwrap_or(tasks.len()));
+        Ok((page, others.len()))
     }
 
     /// Takes over the results and the other files of another folder; what both have must be the same work.

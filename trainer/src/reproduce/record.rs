@@ -100,6 +100,9 @@ pub struct Finished {
     pub data: String,
     /// Everything that the result depends on.
     pub settings: String,
+    /// The options that all tasks of a run have in common, as on the command line.
+    #[serde(default)]
+    pub options: String,
     /// Wall time, s.
     pub seconds: f64,
     /// Why there are no rows.

@@ -23,6 +23,9 @@ pub trait Task: Sync {
     fn data(&self) -> String;
     /// Everything that the result depends on.
     fn settings(&self) -> String;
+    /// The options that it has in common with all tasks of a run, as on the command line: results of other options are of another
+    /// page.
+    fn options(&self) -> String;
     /// How long it takes, s, roughly.
     fn expected_seconds(&self) -> f64;
     /// Whether it measures times, which nothing must disturb.
@@ -44,9 +47,6 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Everything.
-    pub const ALL: Self = Self { index: 1, of: 1 };
-
     /// The tasks of this share: all shares together have every task once, the long and the short ones dealt out alike.
     pub fn of<T>(self, tasks: Vec<T>) -> Vec<T> {
         tasks.into_iter().skip(self.index - 1).step_by(self.of).collect()
@@ -77,13 +77,13 @@ impl FromStr for Shard {
 /// [`FolderError`]; tasks that fail are no errors.
 pub fn run_all(
     paper: &str,
-    tasks: &[Box<dyn Task>],
+    tasks: &[&dyn Task],
     results: Option<&Results>,
     jobs: usize,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Finished>, FolderError> {
     let mut all: Vec<Option<Finished>> =
-        tasks.iter().map(|task| done_before(&**task, results)).collect::<Result<_, _>>()?;
+        tasks.iter().map(|task| done_before(*task, results)).collect::<Result<_, _>>()?;
     let open: Vec<usize> = (0..tasks.len()).filter(|k| all[*k].is_none()).collect();
     if open.len() < tasks.len() {
         tell(&format!("{} of {} tasks were done before", tasks.len() - open.len(), tasks.len()));
@@ -96,8 +96,8 @@ pub fn run_all(
         let next = AtomicUsize::new(0);
         let work = || -> Result<(), FolderError> {
             while let Some(k) = queue.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let finished = finish(paper, &*tasks[*k], results, tell)?;
-                tell(&progress.after(&*tasks[*k], &finished));
+                let finished = finish(paper, tasks[*k], results, tell)?;
+                tell(&progress.after(tasks[*k], &finished));
                 done.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((*k, finished));
             }
             Ok(())
@@ -142,6 +142,7 @@ fn finish(
         command: task.command(),
         data: task.data(),
         settings: task.settings(),
+        options: task.options(),
         seconds: clock.elapsed().as_secs_f64(),
         task: name,
         failure,

@@ -115,6 +115,9 @@ pub(super) struct Stage {
     pub objective: Box<dyn Objective>,
     /// Over those held back.
     pub validation: Option<Box<dyn Objective>>,
+    /// What decides between weights, where it is another loss: of the DEL residual the error of the next position. Noise lowers the
+    /// residual of a Lagrangian that is too small, by which nothing moves as logged, or no step can be solved.
+    pub judge: Option<Box<dyn Objective>>,
 }
 
 /// Everything that a run is determined by.
@@ -290,7 +293,7 @@ fn stage(
     let warm_up = name == WARM_UP;
     // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
     let order = if warm_up { 2 } else { training.order };
-    let build = |data: &Dataset| -> Result<Box<dyn Objective>, PlanError> {
+    let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
         let samples = match kind {
             LossKind::Acceleration => Samples::accelerations(data)?,
             LossKind::NextState => Samples::next_states(data)?,
@@ -298,11 +301,16 @@ fn stage(
         };
         Ok(objective(architecture, samples, kind, order)?)
     };
+    // The loss that follows a warm-up must be finite on the training trajectories.
+    let judges = validation.as_ref().filter(|_| !warm_up).unwrap_or(data);
+    let judge =
+        (kind == LossKind::DelResidual).then(|| build(judges, LossKind::NextPosition, training.order));
     Ok(Stage {
         name,
         optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
         iterations: if warm_up { training.warm_up } else { training.iterations },
-        objective: build(data)?,
-        validation: validation.as_ref().map(build).transpose()?,
+        objective: build(data, kind, order)?,
+        validation: validation.as_ref().map(|data| build(data, kind, order)).transpose()?,
+        judge: judge.transpose()?,
     })
 }

@@ -32,7 +32,8 @@ impl Optimiser {
         }
     }
 
-    fn weights(&self) -> &[f64] {
+    /// The weights it is at.
+    pub fn weights(&self) -> &[f64] {
         match self {
             Self::Levenberg(levenberg) => &levenberg.weights,
             Self::Adam(adam) => &adam.weights,
@@ -65,12 +66,28 @@ pub struct Best {
     pub train: f64,
     /// Their loss on the trajectories held back.
     pub validation: Option<f64>,
+    /// Their error of the next position, where the DEL residual is minimised.
+    pub next_position: Option<f64>,
 }
 
 impl Best {
-    /// What decides between weights: the validation loss, without one the training loss.
+    /// These weights with their losses.
+    fn new(stage: &Stage, optimiser: &Optimiser, iteration: u64) -> Self {
+        let weights = optimiser.weights();
+        let loss = |objective: &Option<Box<dyn Objective>>| objective.as_ref().map(|part| part.loss(weights));
+        Self {
+            weights: weights.to_vec(),
+            iteration,
+            train: optimiser.loss(),
+            validation: loss(&stage.validation),
+            next_position: loss(&stage.judge),
+        }
+    }
+
+    /// What decides between weights: the error of the next position; where that is the loss, the validation loss, without one the
+    /// training loss.
     fn score(&self) -> f64 {
-        self.validation.unwrap_or(self.train)
+        self.next_position.or(self.validation).unwrap_or(self.train)
     }
 }
 
@@ -115,12 +132,7 @@ impl State {
 
     fn enter(plan: &Plan, stage: &Stage, weights: Vec<f64>, iteration: u64) -> (Optimiser, Best) {
         let optimiser = Optimiser::new(stage, weights, &plan.config.training);
-        let best = Best {
-            weights: optimiser.weights().to_vec(),
-            iteration,
-            train: optimiser.loss(),
-            validation: stage.validation.as_ref().map(|part| part.loss(optimiser.weights())),
-        };
+        let best = Best::new(stage, &optimiser, iteration);
         (optimiser, best)
     }
 
@@ -141,15 +153,10 @@ impl State {
         }
         self.iteration += 1;
         self.in_stage += 1;
-        let weights = self.optimiser.weights();
-        let now = Best {
-            weights: weights.to_vec(),
-            iteration: self.iteration,
-            train: self.optimiser.loss(),
-            validation: stage.validation.as_ref().map(|part| part.loss(weights)),
-        };
-        // The first losses of a stage may be infinite; so that any finite one is better, and none replaces a finite one.
-        if now.score() < self.best.score() {
+        let now = Best::new(stage, &self.optimiser, self.iteration);
+        // The first losses of a stage may be infinite; so that any finite one is better, and none replaces a finite one. Where none
+        // is finite, a warm-up ends with its last weights.
+        if now.score() < self.best.score() || (stage.judge.is_some() && now.score() == self.best.score()) {
             self.best = now.clone();
         }
         (progress, Some(now))

@@ -20,7 +20,12 @@ impl Monitor for Silent {
 }
 
 fn data(trajectories: usize, control: bool) -> Dataset {
-    let settings = Settings { samples: 9, control, ..Settings::symo(Mechanism::Pendulum, trajectories, 0) };
+    noisy(trajectories, control, 0.0)
+}
+
+fn noisy(trajectories: usize, control: bool, noise: f64) -> Dataset {
+    let settings =
+        Settings { samples: 9, control, noise, ..Settings::symo(Mechanism::Pendulum, trajectories, 0) };
     generate(&settings).unwrap()
 }
 
@@ -87,6 +92,49 @@ fn the_best_on_validation_is_kept() {
     assert_eq!((run.best().iteration, run.best().validation), (best.iteration, best.validation));
     let trained = Trained::read(&folder.path().join("run")).unwrap();
     assert_eq!(&trained.best, run.best());
+}
+
+/// The mean squared error of the next position that only repeats the last increment; one that knows the motion has 6σ² and less.
+fn of_repetition(data: &Dataset) -> f64 {
+    let curve = |q: &crate::data::Rows, k: usize| (q[k][0] - 2.0 * q[k + 1][0] + q[k + 2][0]).powi(2);
+    let all = data.trajectories.iter().flat_map(|motion| (0..7).map(|k| curve(&motion.q, k)));
+    all.sum::<f64>() / (7 * data.trajectories.len()) as f64
+}
+
+#[test]
+fn noise_does_not_keep_the_next_position_from_being_learned() {
+    const NOISE: f64 = 0.1;
+    let (log, folder) = (noisy(40, true, NOISE), tempfile::tempdir().unwrap());
+    for order in [2, 4] {
+        let mut config = config();
+        (config.training.order, config.training.iterations, config.training.warm_up) = (order, 10, 20);
+        let path = folder.path().join(order.to_string());
+        let mut run = Run::begin(Plan::new(config, &log).unwrap(), &path, false).unwrap();
+        run.train(&mut Silent::default(), &AtomicBool::new(false)).unwrap();
+        let (best, repeated) = (run.best(), of_repetition(&log));
+        assert!(
+            best.train < 8.0 * NOISE * NOISE && best.train < repeated,
+            "{order}: {} {repeated}",
+            best.train
+        );
+        assert!(best.validation.unwrap() < 8.0 * NOISE * NOISE, "{order}: {best:?}");
+    }
+}
+
+#[test]
+fn of_the_residual_the_weights_that_predict_best_are_kept() {
+    let (log, folder) = (noisy(40, true, 0.1), tempfile::tempdir().unwrap());
+    let mut config = config();
+    (config.training.loss, config.training.iterations) = (crate::training::LossKind::DelResidual, 20);
+    let mut run = Run::begin(Plan::new(config, &log).unwrap(), folder.path(), false).unwrap();
+    let mut monitor = Silent::default();
+    run.train(&mut monitor, &AtomicBool::new(false)).unwrap();
+    // The least residual is that of a Lagrangian far too small.
+    let (best, last) = (run.best(), monitor.rows.last().unwrap());
+    assert!(best.iteration < last.iteration && best.train > last.train, "{best:?} {last:?}");
+    let judge = run.plan.stages[0].judge.as_ref().unwrap();
+    let [kept, least] = [&best.weights[..], run.state.optimiser.weights()].map(|weights| judge.loss(weights));
+    assert!(best.next_position == Some(kept) && kept < 0.9 * least, "{kept} {least}");
 }
 
 #[test]

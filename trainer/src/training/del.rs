@@ -1,13 +1,13 @@
 //! The losses of the DEL integrator.
 
 use super::Failed;
-use super::loss::{Group, GroupLoss, Systems, Term, TermKind, identity};
+use super::loss::{SampleLoss, Systems, Term, TermKind, identity};
+use super::samples::Sample;
 use crate::architecture::Family;
 use leastaction_core::discrete::{Control, Del, Interval, Linearised, Newton, Node, Path, Solved, Variation};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::{Singular, add_scaled, multiply, solve_many, transpose};
-use leastaction_core::scalar::LANES;
 
 /// A loss of three consecutive positions under the discrete dynamics of path P, without constraints.
 pub(super) struct DelLoss<P> {
@@ -30,8 +30,7 @@ impl<P: Path + Sync> DelLoss<P> {
     fn solve<L, F, const N: usize>(
         &self,
         system: &System<L, F>,
-        [q0, q1, q2]: &[[f64; N]; 3],
-        [u0, u1, u2]: &[[f64; N]; 3],
+        Sample { states: [q0, q1, q2], controls: [u0, u1, u2], .. }: &Sample<N>,
     ) -> Result<Pair<P, N>, Failed>
     where
         L: Lagrangian<f64, N>,
@@ -54,51 +53,24 @@ impl<P: Path + Sync> DelLoss<P> {
     }
 }
 
-/// One sample after the other: the steps of each take as many iterations as it needs.
-impl<P: Path + Sync, F: Family<N>, const N: usize> GroupLoss<F, N> for DelLoss<P> {
-    type Residual = [f64; N];
-
+impl<P: Path + Sync, F: Family<N>, const N: usize> SampleLoss<F, N> for DelLoss<P> {
     fn kinds(&self) -> &'static [TermKind] {
         if P::BUBBLE { &[TermKind::Along; 4] } else { &[TermKind::Along; 2] }
     }
 
-    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for (residual, sample) in residuals.iter_mut().zip(group) {
-            *residual = self.solve(&systems.one, &sample.states, &sample.controls)?.residual;
-        }
-        Ok(residuals)
+    fn residual(&self, systems: &Systems<F, N>, sample: &Sample<N>) -> Result<[f64; N], Failed> {
+        Ok(self.solve(&systems.one, sample)?.residual)
     }
 
-    fn linearise_group(
-        &self,
-        systems: &Systems<F, N>,
-        group: &Group<N>,
-        terms: &mut [Vec<Term<N>>; LANES],
-    ) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            *residual = self.linearise(&systems.one, &sample.states, &sample.controls, terms)?;
-        }
-        Ok(residuals)
-    }
-}
-
-impl<P: Path + Sync> DelLoss<P> {
     /// With G = p₁ + d1_ld the DEL residual, dG = ∂G + G_s₀ ds₀ + G_s₁ ds₁ and the bubbles follow their own equations; the
     /// next position follows from 0 = dG + K dw.
-    fn linearise<L, F, const N: usize>(
+    fn linearise(
         &self,
-        system: &System<L, F>,
-        states: &[[f64; N]; 3],
-        controls: &[[f64; N]; 3],
+        systems: &Systems<F, N>,
+        sample: &Sample<N>,
         terms: &mut Vec<Term<N>>,
-    ) -> Result<[f64; N], Failed>
-    where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
-        F: Forces<f64, N>,
-    {
-        let pair = self.solve(system, states, controls)?;
+    ) -> Result<[f64; N], Failed> {
+        let (system, pair) = (&systems.one, self.solve(&systems.one, sample)?);
         let (before, after) = (&pair.before.interval, &pair.after.interval);
         let ahead = after.linearise(system);
         let rows =

@@ -69,7 +69,8 @@ impl Levenberg {
         self
     }
 
-    /// [`Levenberg::run`]; of all iterations, the start included, the weights with the lowest loss by `judge`.
+    /// [`Levenberg::run`]; of all iterations, the start included, the weights with the lowest loss by `judge`; of those with the same,
+    /// as where `judge` can evaluate none, the last.
     #[must_use]
     pub fn best(
         self,
@@ -81,7 +82,7 @@ impl Levenberg {
         let mut best = (judge.loss(&self.weights), self.weights.clone());
         let _last = self.run(objective, iterations, |iteration, state| {
             let loss = judge.loss(&state.weights);
-            if loss < best.0 {
+            if loss <= best.0 {
                 best = (loss, state.weights.clone());
             }
             watch(iteration, state);

@@ -6,10 +6,10 @@
 //! function theorem only chooses the δq and δv. That of an acceleration is ∂/∂θ (F − d/dt L_v)·y. Two kernels in core do the
 //! rest.
 
-use super::dual::Dual;
 use super::residuals::Failed;
 use super::samples::Sample;
 use crate::architecture::{Family, FamilySystem};
+use crate::dual::Dual;
 use leastaction_core::discrete::StepError;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
@@ -94,8 +94,8 @@ impl<'w, F: Family<N>, const N: usize> Systems<'w, F, N> {
     }
 
     /// Eight side by side with their derivatives along a direction.
-    pub fn moving(&self) -> Result<FamilySystem<'w, F, Dual, N>, Failed> {
-        self.family.system::<Dual>(self.weights).map_err(|_| Failed)
+    pub fn moving(&self) -> Result<FamilySystem<'w, F, Dual<Lanes>, N>, Failed> {
+        self.family.system::<Dual<Lanes>>(self.weights).map_err(|_| Failed)
     }
 }
 
@@ -141,6 +141,53 @@ pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
     ) -> Result<[Self::Residual; LANES], Failed>;
 }
 
+/// A loss of one sample at a time: the steps of each take as many iterations as it needs.
+pub(super) trait SampleLoss<F: Family<N>, const N: usize>: Sync {
+    /// As [`GroupLoss::kinds`].
+    fn kinds(&self) -> &'static [TermKind];
+    /// The residual.
+    fn residual(&self, systems: &Systems<F, N>, sample: &Sample<N>) -> Result<[f64; N], Failed>;
+    /// The residual, and for every component its terms.
+    fn linearise(
+        &self,
+        systems: &Systems<F, N>,
+        sample: &Sample<N>,
+        terms: &mut Vec<Term<N>>,
+    ) -> Result<[f64; N], Failed>;
+}
+
+/// One sample of a group after the other.
+pub(super) struct OneByOne<T>(pub T);
+
+impl<T: SampleLoss<F, N>, F: Family<N>, const N: usize> GroupLoss<F, N> for OneByOne<T> {
+    type Residual = [f64; N];
+
+    fn kinds(&self) -> &'static [TermKind] {
+        self.0.kinds()
+    }
+
+    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
+        let mut residuals = [[0.0; N]; LANES];
+        for (residual, sample) in residuals.iter_mut().zip(group) {
+            *residual = self.0.residual(systems, sample)?;
+        }
+        Ok(residuals)
+    }
+
+    fn linearise_group(
+        &self,
+        systems: &Systems<F, N>,
+        group: &Group<N>,
+        terms: &mut [Vec<Term<N>>; LANES],
+    ) -> Result<[[f64; N]; LANES], Failed> {
+        let mut residuals = [[0.0; N]; LANES];
+        for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
+            *residual = self.0.linearise(systems, sample, terms)?;
+        }
+        Ok(residuals)
+    }
+}
+
 /// v̇(q, v, u) − a.
 pub(super) struct AccelerationLoss;
 
@@ -160,20 +207,20 @@ struct Solution<const N: usize> {
 }
 
 impl<const N: usize> Equation<N> {
-    fn acceleration(self) -> Result<[f64; N], Failed> {
+    fn acceleration(self, definite: bool) -> Result<[f64; N], Failed> {
         if self.constraints.is_empty() {
             return Ok(solve(self.mass, self.force)?);
         }
-        Ok(self.solution()?.acceleration)
+        Ok(self.solution(definite)?.acceleration)
     }
 
     /// One constraint after the other, as if the rest were not there: each takes its own direction out of Π.
-    fn solution(self) -> Result<Solution<N>, Failed> {
+    fn solution(self, definite: bool) -> Result<Solution<N>, Failed> {
         let mut compliance = solve_many(transpose(&self.mass), identity())?;
         let mut acceleration = solve(self.mass, self.force)?;
         for (row, bend) in &self.constraints {
             let missing = -(dot(row, &acceleration) + bend);
-            acceleration = add_scaled(&acceleration, missing, &take_out(&mut compliance, row)?);
+            acceleration = add_scaled(&acceleration, missing, &take_out(&mut compliance, row, definite)?);
         }
         Ok(Solution { acceleration, compliance })
     }
@@ -226,7 +273,7 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
         let mut residuals = [[0.0; N]; LANES];
         for ((residual, equation), sample) in residuals.iter_mut().zip(equations(systems, group)).zip(group) {
             let [_, _, a] = &sample.states;
-            *residual = add_scaled(&equation.acceleration()?, -1.0, a);
+            *residual = add_scaled(&equation.acceleration(F::DEFINITE)?, -1.0, a);
         }
         Ok(residuals)
     }
@@ -241,7 +288,7 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
         let mut residuals = [[0.0; N]; LANES];
         for (lane, (equation, sample)) in equations(systems, group).into_iter().zip(group).enumerate() {
             let [q, v, a] = &sample.states;
-            let Solution { acceleration, compliance } = equation.solution()?;
+            let Solution { acceleration, compliance } = equation.solution(F::DEFINITE)?;
             terms[lane].extend(compliance.map(|y| Term { q: *q, v: *v, dq: y, dv: acceleration }));
             residuals[lane] = add_scaled(&acceleration, -1.0, a);
         }
@@ -249,15 +296,17 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     }
 }
 
-/// Takes the direction of a constraint out of a symmetric matrix: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa).
+/// Takes the direction of a constraint out of a symmetric matrix: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa). `definite`: whether Π
+/// must be positive along it.
 pub(super) fn take_out<const N: usize>(
     matrix: &mut [[f64; N]; N],
     row: &[f64; N],
+    definite: bool,
 ) -> Result<[f64; N], Failed> {
     let along = multiply(matrix, row);
     let flexibility = dot(row, &along);
     // Not a number where a weight has left its range.
-    if flexibility.is_nan() || flexibility <= 0.0 {
+    if flexibility.is_nan() || flexibility == 0.0 || (definite && flexibility < 0.0) {
         return Err(Failed);
     }
     for (i, entries) in matrix.iter_mut().enumerate() {

@@ -2,7 +2,6 @@
 
 mod adam;
 mod del;
-mod dual;
 mod levenberg;
 mod loss;
 mod next_state;

@@ -5,10 +5,10 @@
 //! expression, differentiated forwards.
 
 use super::Failed;
-use super::dual::Dual;
 use super::loss::{Group, GroupLoss, Systems, Term, TermKind, equation, identity};
 use super::samples::Samples;
 use crate::architecture::{Family, FamilySystem};
+use crate::dual::Dual;
 use crate::runge_kutta::{RungeKutta, Stage, State};
 use leastaction_core::linear::{add_scaled, dot, multiply, solve, solve_many};
 use leastaction_core::scalar::{LANES, Lanes, Scalar};
@@ -77,7 +77,7 @@ struct Tangent<const N: usize> {
 
 impl<const N: usize> Tangent<N> {
     fn new<F: Family<N>>(
-        system: &FamilySystem<'_, F, Dual, N>,
+        system: &FamilySystem<'_, F, Dual<Lanes>, N>,
         state: [&[Lanes; N]; 2],
         u: &[Lanes; N],
     ) -> Result<Self, Failed> {
@@ -109,7 +109,7 @@ impl<const N: usize> Tangent<N> {
 }
 
 /// (q, v) of which one number moves.
-fn moving<const N: usize>(state: [&[Lanes; N]; 2], number: (usize, usize)) -> State<Dual, N> {
+fn moving<const N: usize>(state: [&[Lanes; N]; 2], number: (usize, usize)) -> State<Dual<Lanes>, N> {
     std::array::from_fn(|part| {
         std::array::from_fn(|i| {
             let slope = if (part, i) == number { Lanes::one() } else { Lanes::zero() };

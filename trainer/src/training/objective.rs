@@ -1,7 +1,7 @@
 //! A loss over all samples, as the optimisers see it, and that of a learned Lagrangian.
 
 use super::del::DelLoss;
-use super::loss::{AccelerationLoss, Components, GroupLoss, Systems, Term, TermKind};
+use super::loss::{AccelerationLoss, Components, GroupLoss, OneByOne, Systems, Term, TermKind};
 use super::next_state::NextStateLoss;
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::rods::RodsLoss;
@@ -72,7 +72,7 @@ impl Visitor for Build {
                 Ok(self.boxed(family, NextStateLoss { h, method: RungeKutta::of_order(order) }))
             }
             (kind, order) if const { F::CONSTRAINED } && self.has_rods() => {
-                Ok(self.boxed(family, RodsLoss::new(h, order, kind)))
+                Ok(self.boxed(family, OneByOne(RodsLoss::new(h, order, kind))))
             }
             (kind, 4) => Ok(self.boxed(family, del_loss::<Galerkin>(h, kind))),
             (kind, _) => Ok(self.boxed(family, del_loss::<Midpoint>(h, kind))),
@@ -120,9 +120,10 @@ impl Visitor for Accelerations {
     }
 }
 
-fn del_loss<P: Path>(h: f64, kind: LossKind) -> DelLoss<P> {
+fn del_loss<P: Path>(h: f64, kind: LossKind) -> OneByOne<DelLoss<P>> {
     let newton = Newton { max_iterations: 12, max_jacobians: 12, stop: 1e-14, accept: 1e-9 };
-    DelLoss { del: Del::with_newton(h, newton), newton, next_position: kind == LossKind::NextPosition }
+    let next_position = kind == LossKind::NextPosition;
+    OneByOne(DelLoss { del: Del::with_newton(h, newton), newton, next_position })
 }
 
 /// Brings weights that have a range back into it.

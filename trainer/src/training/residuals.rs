@@ -75,6 +75,20 @@ impl ChunkRows {
         self.buffer.resize(parameters, Lanes([0.0; LANES]));
     }
 
+    /// Fills rows from `row` on with the first `count` lanes of a residual component and of its derivatives, which `derive` adds up.
+    pub fn fill(
+        &mut self,
+        (row, count): (usize, usize),
+        residual: &Lanes,
+        derive: impl FnOnce(&mut [Lanes]) -> Result<(), Failed>,
+    ) -> Result<(), Failed> {
+        self.residual[row..row + count].copy_from_slice(&residual.0[..count]);
+        self.buffer.fill(Lanes([0.0; LANES]));
+        derive(&mut self.buffer)?;
+        self.store(row, count);
+        Ok(())
+    }
+
     /// Copies the first `count` lanes of the buffer to rows from `row` on.
     pub fn store(&mut self, row: usize, count: usize) {
         for (j, lanes) in self.buffer.iter().enumerate() {

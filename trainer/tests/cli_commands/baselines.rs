@@ -32,6 +32,7 @@ fn a_row_out_of_time_says_so() {
     let done = bench.run(&format!("{RUN} --baselines --minutes 1e-9 -o out")).good();
     assert_eq!(done.stdout.matches("out of time at epoch 0").count(), 6, "{}", done.stdout);
     assert_eq!(bench.text("out/modlanet.html").matches("out of time at epoch 0").count(), 6);
+    assert!(bench.text("out/modlanet.html").contains("3 bodies, trained: accelerations of the test set"));
     bench.run("reproduce modlanet --minutes 0").bad(2, &["--minutes", "above 0"]);
 }
 
@@ -58,6 +59,11 @@ fn gns_has_its_rows_after_few_epochs() {
 }
 
 #[test]
+fn lgn_has_its_rows_after_few_epochs() {
+    lgnn("scale-lgn", ("LGN", 2_113), &[5, 50]);
+}
+
+#[test]
 fn lnn_has_its_row_after_few_epochs() {
     lgnn("pendulum-lnn", ("LNN", 67_844), &[3]);
 }
@@ -67,7 +73,9 @@ fn baselines_of_springs_and_pendulums_are_tasks_of_their_own() {
     let bench = Bench::new();
     let list = |options: &str| bench.run(&format!("reproduce lgnn --list {options}")).good().stdout;
     let all = list("");
-    assert!(all.contains("scale-gns-0\n") && all.contains("pendulum-lnn-0\n"), "{all}");
+    for task in ["scale-gns-0", "scale-lgn-0", "pendulum-lnn-0", "pendulum-lgn-0"] {
+        assert!(all.contains(&format!("{task}\n")), "{all}");
+    }
     let ours = list("--ours-alone");
-    assert!(!ours.contains("gns") && !ours.contains("lnn"), "{ours}");
+    assert!(!ours.contains("gns") && !ours.contains("lgn") && !ours.contains("lnn"), "{ours}");
 }

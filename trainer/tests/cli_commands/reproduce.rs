@@ -30,6 +30,21 @@ fn shares_of_two_machines_make_the_page_of_one() {
 }
 
 #[test]
+fn a_later_narrower_run_loses_no_rows() {
+    let bench = Bench::new();
+    bench.run(&format!("{SHORT} -o out")).good();
+    let pages = ["out/lgnn.html", "out/lgnn.csv", "out/lgnn.json"];
+    let whole = pages.map(|page| bench.text(page));
+    let later = bench.run(&format!("{SHORT} -o out --only hybrid-1 --json")).good();
+    assert_eq!(later.json()["seed"], 1);
+    assert_eq!(pages.map(|page| bench.text(page)), whole);
+    let other = SHORT.replace("--case hybrid", "--case pendulum").replace("--starts 1", "--starts 2");
+    let other = bench.run(&format!("{other} -o out --only pendulum-0")).good();
+    assert!(other.stderr.contains("2 results") && other.stderr.contains("other options"), "{}", other.stderr);
+    assert!(!bench.text("out/lgnn.csv").contains("hybrid"));
+}
+
+#[test]
 fn tasks_are_chosen_by_name() {
     let bench = Bench::new();
     let names = |words: &str| bench.run(words).good().stdout;

@@ -1,12 +1,13 @@
 //! Against the equations of motion in plain loops.
 
 use super::*;
-use crate::baselines::oracle::{Dual, assert_close, check_normal_equations, moving, network, random};
+use crate::baselines::oracle::{
+    Dual, assert_close, check_normal_equations, moving, network, random, squareplus,
+};
 use crate::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use crate::reproduce::lgnn::graph;
 use crate::training::{Adam, AdamSettings, Schedule};
 use nalgebra::{DMatrix, DVector};
-use num_dual::DualNum;
 
 /// Two bobs: 4 coordinates, 2 rods.
 const NODES: usize = 2;
@@ -46,7 +47,6 @@ fn along(x: &[f64], i: usize) -> [f64; 2] {
 /// V_q by num-dual.
 fn slope(weights: &[f64], q: &[f64]) -> Vec<f64> {
     let weights: Vec<Dual> = weights[NODES..].iter().map(|w| moving(*w, [0.0; 3])).collect();
-    let squareplus = |z: Dual| (z + (z * z + 4.0).sqrt()) * 0.5;
     let along = |k: usize| {
         let x = q.iter().enumerate().map(|(i, x)| moving(*x, [f64::from(u8::from(i == k)), 0.0, 0.0]));
         network(&weights, x.collect(), [WIDTH, 1], squareplus)[0].eps1

@@ -1,56 +1,15 @@
 //! The graph network simulator (Sanchez-Gonzalez et al., 2020) as LGNN's authors compare with it: accelerations of nodes by
 //! one round of messages.
 
-mod network;
-
+use super::graph_network::{GraphSizes, Networks, Placed, Trace, Used, Wiring};
 use super::regression::{Explicit, Regression};
 use super::{AccelerationModel, Follow, coordinates_fit};
 use crate::architecture::{NamedGraph, random_layers};
 use crate::evaluate::prediction::{Prediction, Truth};
 use crate::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
-use leastaction_core::scalar::Lanes;
-use network::{MAX_WIDTH, Networks, Trace, Wiring};
-
-/// Sizes of a [`Gns`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GnsShape {
-    /// Components D of a position, 1 or more.
-    pub dimension: usize,
-    /// Numbers that stand for a node, 1 or more.
-    pub node: usize,
-    /// Numbers that stand for an edge, 1 or more.
-    pub edge: usize,
-    /// Units of each of two hidden layers, 1 to 16.
-    pub hidden: usize,
-}
-
-impl GnsShape {
-    /// Those of LGNN's program: 2,130 weights.
-    pub const LGNN: Self = Self { dimension: 2, node: 8, edge: 8, hidden: 16 };
-
-    /// Inputs, hidden layers and outputs of the networks, in the order of the weight block.
-    fn networks(self) -> [[usize; 3]; 5] {
-        let Self { dimension, node, edge, .. } = self;
-        [
-            [1, 0, edge],
-            [2 * dimension + 1, 0, node],
-            [edge + 2 * node, 2, edge],
-            [node + 2 * edge, 2, node],
-            [node, 2, dimension],
-        ]
-    }
-
-    /// Inputs and outputs of every layer, in the order of the weight block.
-    fn layers(self) -> impl Iterator<Item = (usize, usize)> {
-        self.networks().into_iter().flat_map(move |[inputs, hidden, outputs]| {
-            let mut sizes = vec![inputs];
-            sizes.extend(std::iter::repeat_n(self.hidden, hidden));
-            sizes.push(outputs);
-            sizes.windows(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>()
-        })
-    }
-}
+use leastaction_core::network::Jet;
+use leastaction_core::scalar::{Lanes, Scalar};
 
 /// v̇_i = N_a(h′_i): nodes h_i = N_h(x_i, v_i, type_i) and both directions of every edge e_ij = N_e(|x_i − x_j|) are embedded
 /// linearly; then e′_ij = N_m(e_ij, h_i, h_j) and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji). N_m, N_u and N_a have two hidden
@@ -60,7 +19,7 @@ impl GnsShape {
 /// same elsewhere; and nothing keeps energy. The weights serve any graph. They start uniform with Glorot's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gns {
-    shape: GnsShape,
+    sizes: GraphSizes,
     wiring: Wiring,
 }
 
@@ -69,40 +28,57 @@ impl Gns {
     ///
     /// # Errors
     /// [`ModelError::Shape`] for wider hidden layers than are compiled, or where an edge ends at no node.
-    pub fn new(shape: GnsShape, graph: &NamedGraph) -> Result<Self, ModelError> {
-        let error = |what, found, compiled| Err(ModelError::Shape { what, found, compiled });
-        if shape.hidden > MAX_WIDTH {
-            return error("units in a hidden layer", shape.hidden, MAX_WIDTH);
-        }
-        let wiring = Wiring::new(shape.dimension, graph);
-        match wiring.last_end() {
-            Some(end) if end >= wiring.nodes() => error("nodes", end + 1, wiring.nodes()),
-            _ => Ok(Self { shape, wiring }),
-        }
+    pub fn new(sizes: GraphSizes, graph: &NamedGraph) -> Result<Self, ModelError> {
+        let sizes = sizes.checked()?;
+        Ok(Self {
+            sizes,
+            wiring: Wiring::new(sizes.dimension, graph, graph.edges.iter().map(|edge| edge.ends))?,
+        })
     }
 
     /// Numbers in the weight block, whatever the graph.
     pub fn parameters(&self) -> usize {
-        self.shape.layers().map(|(inputs, outputs)| (inputs + 1) * outputs).sum()
+        self.sizes.parameters(self.sizes.dimension)
     }
 
     /// Writes v̇(q, v), m/s², \[nodes\]\[D\]; `None` where the weights or a slice are too short.
     pub fn acceleration(&self, weights: &[f64], q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
         let n = self.wiring.coordinates();
         let state = [q.get(..n)?, v.get(..n)?].concat();
-        let trace = self.networks(weights)?.forward(&self.wiring, &state);
-        trace.accelerations(out.get_mut(..n)?);
+        self.pass(&self.networks(weights)?, &state).accelerations(out.get_mut(..n)?);
         Some(())
     }
 
     fn networks<'w>(&self, weights: &'w [f64]) -> Option<Networks<'w>> {
-        Networks::take(self.shape, weights)
+        Networks::take(self.sizes, self.sizes.dimension, weights)
+    }
+
+    fn pass<S: Scalar<Weight = f64>>(&self, networks: &Networks, state: &[S]) -> Pass<S> {
+        let state: Vec<_> = state.iter().copied().map(Jet::constant).collect();
+        let messages = networks.messages(&self.wiring, &state);
+        let accelerations =
+            messages.nodes.iter().map(|node| networks.read_out.used(node.y.clone())).collect();
+        Pass { messages, accelerations }
+    }
+}
+
+/// What a forward pass leaves for the adjoint.
+pub struct Pass<S> {
+    messages: Trace<S, 0>,
+    accelerations: Vec<Used<S, 0>>,
+}
+
+impl<S: Scalar> Pass<S> {
+    /// Writes v̇ of all nodes.
+    fn accelerations(&self, out: &mut [S]) {
+        let all = self.accelerations.iter().flat_map(|node| &node.y);
+        out.iter_mut().zip(all).for_each(|(out, y)| *out = y.value);
     }
 }
 
 impl AccelerationModel for Gns {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        random_layers(self.shape.layers(), seed)
+        random_layers(self.sizes.layers(self.sizes.dimension), seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
@@ -121,7 +97,7 @@ impl AccelerationModel for Gns {
 }
 
 impl Explicit for Gns {
-    type Trace = Option<Trace<Lanes>>;
+    type Trace = Option<Pass<Lanes>>;
 
     fn parameters(&self) -> usize {
         self.parameters()
@@ -142,7 +118,7 @@ impl Explicit for Gns {
         trace: &mut Self::Trace,
         y: &mut [Lanes],
     ) -> Option<()> {
-        trace.insert(self.networks(weights)?.forward(&self.wiring, &x)).accelerations(y);
+        trace.insert(self.pass(&self.networks(weights)?, &x)).accelerations(y);
         Some(())
     }
 
@@ -153,7 +129,16 @@ impl Explicit for Gns {
         y_bar: &[Lanes],
         row: &mut [Lanes],
     ) -> Option<()> {
-        self.networks(weights)?.adjoint(&self.wiring, trace.as_ref()?, y_bar, row);
+        let (networks, pass) = (self.networks(weights)?, trace.as_ref()?);
+        let mut back = |network: &Placed, used: &Used<Lanes, 0>, y_bar: &[Jet<Lanes, 0>]| {
+            network.adjoint(used, y_bar, |start, layer, x, bar| {
+                layer.series_gradient(x, bar, |position, g| row[start + position] += g);
+            })
+        };
+        let y_bar: Vec<_> = y_bar.iter().copied().map(Jet::constant).collect();
+        let read = pass.accelerations.iter().zip(y_bar.chunks_exact(self.wiring.dimension()));
+        let nodes_bar: Vec<_> = read.map(|(read, bar)| back(&networks.read_out, read, bar)).collect();
+        networks.messages_adjoint(&self.wiring, &pass.messages, nodes_bar.into_iter(), back);
         Some(())
     }
 }

@@ -1,16 +1,15 @@
 //! Against messages in plain loops, and on permuted and other graphs.
 
 use super::*;
-use crate::baselines::oracle::{assert_close, check_normal_equations, random};
+use crate::baselines::oracle::{assert_close, check_normal_equations, messages, random, squareplus, take};
 use crate::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use crate::reproduce::lgnn::graph;
 use crate::training::{Adam, AdamSettings, Schedule};
 use leastaction_core::energy::graph::Edge;
-use leastaction_core::network::Dense;
 use std::array::from_fn;
 
 /// Nodes, edges and sizes are pairwise distinct.
-const SHAPE: GnsShape = GnsShape { dimension: 3, node: 2, edge: 6, hidden: 7 };
+const SIZES: GraphSizes = GraphSizes { dimension: 3, node: 2, edge: 6, hidden: 7 };
 const NODES: usize = 5;
 const N: usize = 3 * NODES;
 const ENDS: [[u16; 2]; 4] = [[0, 1], [3, 1], [1, 2], [4, 0]];
@@ -23,7 +22,7 @@ fn named(nodes: &[u8], ends: &[[u16; 2]]) -> NamedGraph {
 }
 
 fn gns() -> Gns {
-    Gns::new(SHAPE, &named(&[0, 1, 0, 2, 1], &ENDS)).unwrap()
+    Gns::new(SIZES, &named(&[0, 1, 0, 2, 1], &ENDS)).unwrap()
 }
 
 fn samples() -> Samples {
@@ -31,50 +30,12 @@ fn samples() -> Samples {
     Samples { n: N, h: 0.0, controls: from_fn(|_| Vec::new()), states, ..Samples::default() }
 }
 
-/// A network with hidden squareplus layers, from the front of the weights.
-fn take(weights: &mut &[f64], mut x: Vec<f64>, layers: &[usize]) -> Vec<f64> {
-    for (k, outputs) in layers.iter().enumerate() {
-        let inputs = x.len();
-        let (own, rest) = weights.split_at((inputs + 1) * outputs);
-        *weights = rest;
-        let weight = |i, j| own[Dense::<f64>::position(inputs, *outputs, i, j)];
-        let sum =
-            |i: usize| (0..inputs).map(|j| weight(i, j) * x[j]).sum::<f64>() + own[inputs * outputs + i];
-        let y: Vec<f64> = (0..*outputs).map(sum).collect();
-        let is_hidden = k + 1 < layers.len();
-        x = y.into_iter().map(|z| if is_hidden { 0.5 * (z + (z * z + 4.0).sqrt()) } else { z }).collect();
-    }
-    x
-}
-
-/// As the equations have it, every network found anew in the block.
-fn naive(weights: &[f64], kinds: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
-    let GnsShape { dimension: d, node, edge, hidden } = SHAPE;
-    let network = |which: usize, x: Vec<f64>| {
-        let layers =
-            [&[edge][..], &[node], &[hidden, hidden, edge], &[hidden, hidden, node], &[hidden, hidden, d]];
-        let inputs = [1, 2 * d + 1, edge + 2 * node, node + 2 * edge, node];
-        let mut rest = weights;
-        (0..which).for_each(|k| drop(take(&mut rest, vec![0.0; inputs[k]], layers[k])));
-        take(&mut rest, x, layers[which])
-    };
-    let at = |x: &[f64], i: usize| x[d * i..d * (i + 1)].to_vec();
-    let h: Vec<_> = (0..NODES).map(|i| network(1, [at(q, i), at(v, i), vec![kinds[i]]].concat())).collect();
-    let message = |i: usize, j: usize| {
-        let square: f64 = at(q, i).iter().zip(at(q, j)).map(|(a, b)| (a - b) * (a - b)).sum();
-        network(2, [network(0, vec![square.sqrt()]), h[i].clone(), h[j].clone()].concat())
-    };
-    let joined = |i: usize, j: usize| ENDS.iter().any(|e| [[i, j], [j, i]].contains(&e.map(usize::from)));
-    let total = |messages: Vec<Vec<f64>>| -> Vec<f64> {
-        (0..edge).map(|k| messages.iter().map(|message| message[k]).sum()).collect()
-    };
-    let one = |i: usize| {
-        let partners = || (0..NODES).filter(|j| joined(i, *j));
-        let sent = total(partners().map(|j| message(i, j)).collect());
-        let received = total(partners().map(|j| message(j, i)).collect());
-        network(4, network(3, [h[i].clone(), sent, received].concat()))
-    };
-    (0..NODES).flat_map(one).collect()
+/// As the equations have it.
+fn naive(mut weights: &[f64], kinds: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
+    let nodes = messages(&mut weights, SIZES, (kinds, &ENDS), [q, v]);
+    let GraphSizes { dimension, hidden, .. } = SIZES;
+    let read = |node| take(&mut { weights }, node, &[hidden, hidden, dimension], squareplus);
+    nodes.into_iter().flat_map(read).collect()
 }
 
 #[test]
@@ -97,7 +58,7 @@ fn nodes_in_another_order_have_the_accelerations_in_that_order() {
     let place = |node: u16| order.iter().position(|old| *old == usize::from(node)).unwrap() as u16;
     let (gns, kinds) = (gns(), [0, 1, 0, 2, 1]);
     let ends = ENDS.map(|ends| ends.map(place));
-    let permuted = Gns::new(SHAPE, &named(&order.map(|old| kinds[old]), &ends)).unwrap();
+    let permuted = Gns::new(SIZES, &named(&order.map(|old| kinds[old]), &ends)).unwrap();
     let permute =
         |x: &[f64]| order.iter().flat_map(|old| x[3 * old..3 * (old + 1)].to_vec()).collect::<Vec<_>>();
     let (weights, q, v) = (gns.initial_weights(6), random(N, 1.0, 7), random(N, 1.0, 8));
@@ -112,7 +73,7 @@ fn nodes_in_another_order_have_the_accelerations_in_that_order() {
 
 #[test]
 fn weights_of_five_springs_serve_a_ring_of_any_size() {
-    let on = |nodes| Gns::new(GnsShape::LGNN, &graph(LgnnSystem::Spring(nodes))).unwrap();
+    let on = |nodes| Gns::new(GraphSizes::LGNN, &graph(LgnnSystem::Spring(nodes))).unwrap();
     let five = on(5);
     assert_eq!((five.parameters(), five.initial_weights(0).len()), (2_130, 2_130));
     // Where all nodes are alike their number makes no difference.
@@ -130,7 +91,7 @@ fn weights_of_five_springs_serve_a_ring_of_any_size() {
 fn a_few_epochs_lower_the_loss() {
     let settings = LgnnSettings { trajectories: 2, ..LgnnSettings::published(LgnnSystem::Spring(5), 3) };
     let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
-    let gns = Gns::new(GnsShape::LGNN, &graph(LgnnSystem::Spring(5))).unwrap();
+    let gns = Gns::new(GraphSizes::LGNN, &graph(LgnnSystem::Spring(5))).unwrap();
     let objective = gns.objective(samples).unwrap();
     let start = gns.initial_weights(2);
     let before = objective.loss(&start);
@@ -147,10 +108,10 @@ fn a_few_epochs_lower_the_loss() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
-    let wide = GnsShape { hidden: 17, ..SHAPE };
+    let wide = GraphSizes { hidden: 17, ..SIZES };
     assert_eq!(Gns::new(wide, &named(&[0], &[])).err(), shape("units in a hidden layer", 17, 16));
-    assert_eq!(Gns::new(SHAPE, &named(&[0, 0], &[[0, 2]])).err(), shape("nodes", 3, 2));
-    let ring = Gns::new(GnsShape::LGNN, &graph(LgnnSystem::Spring(5))).unwrap();
+    assert_eq!(Gns::new(SIZES, &named(&[0, 0], &[[0, 2]])).err(), shape("nodes", 3, 2));
+    let ring = Gns::new(GraphSizes::LGNN, &graph(LgnnSystem::Spring(5))).unwrap();
     assert_eq!(ring.objective(samples()).err(), shape("coordinates", 15, 10));
     assert!(ring.acceleration(&[0.0; 9], &[0.0; 10], &[0.0; 10], &mut [0.0; 10]).is_none());
 }

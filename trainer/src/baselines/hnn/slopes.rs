@@ -153,11 +153,10 @@ impl Residuals for Slopes {
             let own = (samples.end - start).min(LANES);
             let terms = group.directions.chunks_exact(self.width()).zip(&group.residuals);
             for (i, (direction, residual)) in terms.enumerate() {
-                let row = i * count + start - samples.start;
-                rows.residual[row..row + own].copy_from_slice(&residual.0[..own]);
-                rows.buffer.fill(Lanes([0.0; LANES]));
-                self.add(&network, &group.state, direction, &mut rows.buffer);
-                rows.store(row, own);
+                rows.fill((i * count + start - samples.start, own), residual, |row| {
+                    self.add(&network, &group.state, direction, row);
+                    Ok(())
+                })?;
             }
         }
         Ok(())

@@ -1,9 +1,14 @@
 //! All derivatives are those of the printed formula, by num-dual over plain loops.
 
 use super::*;
+use crate::baselines::network_lagrangian::NetworkLagrangian;
 use crate::baselines::oracle::{Dual, assert_close, features, moving, network, random};
+use leastaction_core::energy::Learnable;
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear::dot;
 use leastaction_core::scalar::{LANES, Lanes};
 use num_dual::DualNum;
+use std::array::from_fn;
 
 /// 3 coordinates, 8 inputs, 7 units: no two sizes are alike.
 const N: usize = 3;
@@ -50,8 +55,8 @@ fn in_v(x: Vector) -> Direction {
     [[0.0; N], x]
 }
 
-fn lnn(weights: &[f64]) -> LnnLagrangian<'_, N, 16> {
-    LnnLagrangian::new(COORDINATES, WIDTH, weights).unwrap()
+fn lnn(weights: &[f64]) -> NetworkLagrangian<LnnNetwork<'_, 16>> {
+    NetworkLagrangian(LnnNetwork::new(COORDINATES, WIDTH, weights).unwrap())
 }
 
 #[test]
@@ -145,11 +150,6 @@ fn lanes_have_the_bits_of_one_sample() {
 #[test]
 fn shapes_that_do_not_fit_are_refused() {
     let weights = weights();
-    let refused = |coordinates, width, weights| {
-        LnnLagrangian::<N, 16>::new(coordinates, width, weights).map(|_| ()).unwrap_err()
-    };
-    let shape = |what, found, compiled| ModelError::Shape { what, found, compiled };
-    assert_eq!(refused("at", WIDTH, &weights), shape("coordinates", 2, N));
-    assert_eq!(refused(COORDINATES, 17, &weights), shape("units in a hidden layer", 17, 16));
-    assert_eq!(refused(COORDINATES, WIDTH, &weights[1..]), shape("weights", WEIGHTS - 1, WEIGHTS));
+    let refused = |width, weights| LnnNetwork::<16>::new(COORDINATES, width, weights).is_none();
+    assert!(refused(17, &[0.0; 1_000]) && refused(WIDTH, &weights[1..]) && !refused(WIDTH, &weights));
 }

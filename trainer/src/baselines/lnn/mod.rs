@@ -2,15 +2,14 @@
 
 mod lagrangian;
 
-pub use lagrangian::LnnLagrangian;
-
 use super::features::count;
+use super::network_lagrangian::NetworkLagrangian;
 use super::{AccelerationModel, Follow, coordinates_fit};
 use crate::architecture::{Damping, Family, FamilySystem, HostScalar, Visitor};
 use crate::evaluate::learned::{Forced, Free};
 use crate::evaluate::prediction::{Prediction, Truth};
 use crate::training::{Accelerations, Objective, Samples};
-use lagrangian::DEPTH;
+use lagrangian::{DEPTH, LnnNetwork};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Dense, Mlp};
@@ -64,15 +63,17 @@ impl Lnn {
 struct Compiled(Lnn);
 
 impl<const N: usize> Family<N> for Compiled {
-    type Lagrangian<'w, S: HostScalar> = LnnLagrangian<'w, N, MAX_WIDTH>;
+    type Lagrangian<'w, S: HostScalar> = NetworkLagrangian<LnnNetwork<'w, MAX_WIDTH>>;
     type Forces<'w, S: HostScalar> = Damping<S, N>;
 
     fn system<'w, S: HostScalar>(
         &'w self,
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        let lagrangian = LnnLagrangian::new(&self.0.coordinates, self.0.width, weights)?;
-        Ok(System { lagrangian, forces: Damping::new(Viscous::none(), &[]) })
+        let (found, compiled) = (weights.len(), self.0.parameters());
+        let network = LnnNetwork::new(&self.0.coordinates, self.0.width, weights);
+        let network = network.ok_or(ModelError::Shape { what: "weights", found, compiled })?;
+        Ok(System { lagrangian: NetworkLagrangian(network), forces: Damping::new(Viscous::none(), &[]) })
     }
 }
 

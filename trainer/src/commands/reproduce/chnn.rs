@@ -2,6 +2,7 @@
 
 use super::selection::Selection;
 use crate::commands::Done;
+use crate::commands::arguments::given;
 use crate::commands::output::Output;
 use clap::Args;
 use leastaction::reproduce::CHNN;
@@ -36,10 +37,10 @@ impl Chnn {
     pub fn run(self, output: Output) -> Done {
         let seed = self.selection.seed;
         let usual = if self.selection.quick { Options::quick(seed) } else { Options::new(seed) };
-        let given = |given: Option<u32>, usual: usize| given.map_or(usual, |given| given as usize);
+        let or = |given: Option<u32>, usual: usize| given.map_or(usual, |given| given as usize);
         let options = Options {
-            iterations: given(self.iterations, usual.iterations),
-            starts: given(self.starts, usual.starts),
+            iterations: or(self.iterations, usual.iterations),
+            starts: or(self.starts, usual.starts),
             trajectories: self.trajectories as usize,
             ..usual
         };
@@ -50,14 +51,11 @@ impl Chnn {
 
     /// The options beside chain and seed.
     fn arguments(&self) -> String {
-        let number = |name: &str, given: Option<u32>| {
-            given.map_or(String::new(), |given| format!(" --{name} {given}"))
-        };
         [
-            number("iterations", self.iterations),
-            number("trajectories", Some(self.trajectories).filter(|trajectories| *trajectories != 800)),
-            number("starts", self.starts),
-            if self.selection.quick { " --quick".to_owned() } else { String::new() },
+            given("iterations", self.iterations),
+            given("trajectories", Some(self.trajectories).filter(|trajectories| *trajectories != 800)),
+            given("starts", self.starts),
+            self.selection.arguments(),
         ]
         .concat()
     }

@@ -1,6 +1,6 @@
 //! Options of the models that a paper compares with.
 
-use crate::commands::arguments::positive;
+use crate::commands::arguments::{given, positive};
 use clap::Args;
 use leastaction::reproduce::Limits;
 use std::time::Duration;
@@ -44,8 +44,6 @@ impl Compared {
 
     /// As on the command line.
     pub fn arguments(&self) -> String {
-        let epochs = self.epochs.map_or(String::new(), |epochs| format!(" --epochs {epochs}"));
-        let minutes = self.minutes.map_or(String::new(), |minutes| format!(" --minutes {minutes}"));
-        epochs + &minutes
+        given("epochs", self.epochs) + &given("minutes", self.minutes)
     }
 }

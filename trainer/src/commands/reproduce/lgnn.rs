@@ -3,6 +3,7 @@
 use super::compared::Compared;
 use super::selection::Selection;
 use crate::commands::Done;
+use crate::commands::arguments::given;
 use crate::commands::output::Output;
 use clap::Args;
 use leastaction::reproduce::LGNN;
@@ -13,7 +14,7 @@ use leastaction::reproduce::lgnn::{Case, Options, tasks};
 /// Runs every case that the options leave open and prints its errors beside those of the authors' program: geometric means of the
 /// rollout error and of the energy violation. Data and truth are exact motion. With -o also as a page with pictures.
 ///
-/// The models that the paper compares with (GNS, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row that ran out of
+/// The models that the paper compares with (GNS, LGN, LNN) are trained by its authors' recipe: Adam with 10,000 epochs. A row that ran out of
 /// time, or diverged, says so.
 ///
 /// Example: leastaction reproduce lgnn --case pendulum --json
@@ -46,10 +47,10 @@ impl Lgnn {
     pub fn run(self, output: Output) -> Done {
         let seed = self.selection.seed;
         let usual = if self.selection.quick { Options::quick(seed) } else { Options::new(seed) };
-        let given = |given: Option<u32>, usual: usize| given.map_or(usual, |given| given as usize);
+        let or = |given: Option<u32>, usual: usize| given.map_or(usual, |given| given as usize);
         let options = Options {
-            iterations: given(self.iterations, usual.iterations),
-            starts: given(self.starts, usual.starts),
+            iterations: or(self.iterations, usual.iterations),
+            starts: or(self.starts, usual.starts),
             networks_alone: self.networks_alone,
             ..usual
         };
@@ -68,14 +69,11 @@ impl Lgnn {
 
     /// The options beside case and seed.
     fn arguments(&self) -> String {
-        let number = |name: &str, given: Option<u32>| {
-            given.map_or(String::new(), |given| format!(" --{name} {given}"))
-        };
         [
-            number("iterations", self.iterations),
-            number("starts", self.starts),
+            given("iterations", self.iterations),
+            given("starts", self.starts),
             self.compared.arguments(),
-            if self.selection.quick { " --quick".to_owned() } else { String::new() },
+            self.selection.arguments(),
         ]
         .concat()
     }

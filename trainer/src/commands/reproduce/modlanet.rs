@@ -3,7 +3,9 @@
 use super::compared::Compared;
 use super::selection::Selection;
 use crate::commands::Done;
+use crate::commands::arguments::given;
 use crate::commands::output::{Failure, Output};
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use leastaction::data::modlanet;
 use leastaction::reproduce::MODLANET;
@@ -116,18 +118,15 @@ impl Modlanet {
 
     /// The options beside case and seed.
     fn arguments(&self) -> String {
-        let number = |name: &str, given: Option<u32>| {
-            given.map_or(String::new(), |given| format!(" --{name} {given}"))
-        };
         let pair = self.pair.to_possible_value().filter(|_| self.pair != Pair::InverseDistance);
         [
-            self.data.as_ref().map_or(String::new(), |file| format!(" --data {}", file.display())),
-            pair.map_or(String::new(), |pair| format!(" --pair {}", pair.get_name())),
-            number("iterations", self.iterations),
-            number("samples", self.samples),
-            number("starts", self.starts),
+            given("data", self.data.as_ref().map(|file| file.display())),
+            given("pair", pair.as_ref().map(PossibleValue::get_name)),
+            given("iterations", self.iterations),
+            given("samples", self.samples),
+            given("starts", self.starts),
             self.compared.arguments(),
-            if self.selection.quick { " --quick".to_owned() } else { String::new() },
+            self.selection.arguments(),
         ]
         .concat()
     }

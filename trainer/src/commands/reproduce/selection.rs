@@ -42,6 +42,11 @@ pub struct Selection {
 }
 
 impl Selection {
+    /// Of these options the one that changes results, as on the command line.
+    pub fn arguments(&self) -> String {
+        if self.quick { " --quick".to_owned() } else { String::new() }
+    }
+
     /// The seeds.
     pub fn seeds(&self) -> impl Iterator<Item = u64> {
         (self.seed..).take(self.seeds as usize)
@@ -49,31 +54,43 @@ impl Selection {
 
     /// Does the chosen ones of these tasks, writes and prints.
     pub fn run(&self, paper: &Paper, tasks: Vec<Box<dyn Task>>, output: Output) -> Done {
-        let tasks = self.chosen(tasks)?;
+        let chosen = self.chosen(&tasks)?;
         if self.list {
-            return print(&tasks.iter().map(|task| format!("{}\n", task.name())).collect::<String>());
+            return print(&chosen.iter().map(|task| format!("{}\n", task.name())).collect::<String>());
         }
         let results = self.output.as_deref().map(|path| open(path, paper)).transpose()?;
         let finished =
-            run_all(paper.name, &tasks, results.as_ref(), self.jobs as usize, &|line| output.note(line))?;
+            run_all(paper.name, &chosen, results.as_ref(), self.jobs as usize, &|line| output.note(line))?;
         if let (Some(path), Some(results)) = (&self.output, &results) {
-            for file in paper.write(path, results, &finished)? {
-                output.note(&format!("wrote {}", file.display()));
-            }
+            write(paper, path, results, &tasks, output)?;
         }
         report(&finished, output)?;
         failure(&finished)
     }
 
-    fn chosen(&self, tasks: Vec<Box<dyn Task>>) -> Result<Vec<Box<dyn Task>>, Failure> {
+    fn chosen<'t>(&self, tasks: &'t [Box<dyn Task>]) -> Result<Vec<&'t dyn Task>, Failure> {
         let is_chosen = |name: &str| self.only.is_empty() || self.only.iter().any(|text| name.contains(text));
-        let chosen: Vec<_> = tasks.into_iter().filter(|task| is_chosen(&task.name())).collect();
+        let chosen: Vec<_> =
+            tasks.iter().map(|task| &**task).filter(|task| is_chosen(&task.name())).collect();
         if chosen.is_empty() {
             let texts = self.only.join(" or ");
             return Err(Failure::Input(format!("no task has {texts} in its name; --list prints the names")));
         }
         Ok(self.shard.of(chosen))
     }
+}
+
+/// Writes the page of all results there that belong together, not only of those that were chosen now.
+fn write(paper: &Paper, path: &Path, results: &Results, tasks: &[Box<dyn Task>], output: Output) -> Done {
+    let (page, others) = results.page(tasks)?;
+    for file in paper.write(path, results, &page)? {
+        output.note(&format!("wrote {}", file.display()));
+    }
+    if others > 0 {
+        let folder = results.folder().display();
+        output.note(&format!("{others} results in {folder} are of other options, and not on the page"));
+    }
+    Ok(())
 }
 
 /// The folder of a paper's results.

@@ -2,7 +2,7 @@
 
 use super::selection::Selection;
 use crate::commands::Done;
-use crate::commands::arguments::{order, positive};
+use crate::commands::arguments::{given, order, positive};
 use crate::commands::output::{Failure, Output};
 use clap::{Args, ValueEnum};
 use leastaction::data::symo;
@@ -133,8 +133,6 @@ impl Symo {
 
     /// The options beside those that name a case.
     fn arguments(&self) -> String {
-        let data = self.data.as_ref().map_or(String::new(), |file| format!(" --data {}", file.display()));
-        let quick = if self.selection.quick { " --quick" } else { "" };
-        format!("{data}{quick}")
+        given("data", self.data.as_ref().map(|file| file.display())) + &self.selection.arguments()
     }
 }

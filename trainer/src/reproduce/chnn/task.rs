@@ -42,6 +42,10 @@ impl Task for Experiment {
         serde_json::to_string(&(self.count, self.options)).unwrap_or_default()
     }
 
+    fn options(&self) -> String {
+        self.arguments.clone()
+    }
+
     fn expected_seconds(&self) -> f64 {
         3.0 * self.count as f64
     }

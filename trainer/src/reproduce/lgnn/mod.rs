@@ -23,7 +23,6 @@ pub use speed::{LINEAR_SIZES, step_microseconds};
 pub use task::tasks;
 pub(super) use trial::floor;
 
-use super::training::Ending;
 use crate::architecture::HostTypes;
 use crate::evaluate::particles::Driven;
 use crate::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
@@ -165,27 +164,14 @@ impl Experiment<'_> {
         let (model, [train_mse, validation_mse]) = train(architecture, &samples, iterations, seed, watch)?;
         let parameters = model.weights.len() - model.architecture.fixed_positions().len();
         let row = Outcome {
-            case: self.case,
-            system: system.name(),
-            count: system.nodes(),
             drag,
-            pull: 0.0,
-            kind: "trained",
-            model: "ours",
             samples: samples.len(),
             parameters,
             train_mse,
             validation_mse,
             train_seconds: clock.elapsed().as_secs_f64(),
-            seed,
-            epochs: None,
-            ending: Ending::Complete,
-            rolled_out: None,
-            drag_error: None,
-            step_microseconds: None,
-            pictured: None,
             insight: Insight::new(&model, drag, &samples)?,
-            published: Published::default(),
+            ..Outcome::trained(self.case, system, seed)
         };
         let drag_error = (drag > 0.0).then(|| drag_error(&model, drag, &samples)).transpose()?;
         Ok(Learned { row: Outcome { drag_error, ..row }, model })

@@ -3,7 +3,7 @@
 use super::super::training::{Ending, in_words};
 use super::{Case, Insight, Published};
 use crate::evaluate::rollouts::Rollouts;
-use crate::ground_truth::{GenerationError, IntegrationError};
+use crate::ground_truth::{GenerationError, IntegrationError, LgnnSystem};
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::energy::graph::GraphError;
 use leastaction_core::model::ModelError;
@@ -83,6 +83,35 @@ pub struct Outcome {
     /// The paper's.
     #[serde(skip)]
     pub published: Published,
+}
+
+impl Outcome {
+    /// Of a model that is trained on a system, before it is.
+    pub(super) fn trained(case: Case, system: LgnnSystem, seed: u64) -> Self {
+        Self {
+            case,
+            system: system.name(),
+            count: system.nodes(),
+            drag: 0.0,
+            pull: 0.0,
+            kind: "trained",
+            model: "ours",
+            samples: 0,
+            parameters: 0,
+            train_mse: f64::NAN,
+            validation_mse: f64::NAN,
+            train_seconds: 0.0,
+            seed,
+            epochs: None,
+            ending: Ending::Complete,
+            rolled_out: None,
+            drag_error: None,
+            step_microseconds: None,
+            pictured: None,
+            insight: Insight::default(),
+            published: Published::default(),
+        }
+    }
 }
 
 /// An experiment that cannot be done.

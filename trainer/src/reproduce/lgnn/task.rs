@@ -67,6 +67,10 @@ impl Task for Experiment {
         serde_json::to_string(&(self.case, self.baseline, self.options)).unwrap_or_default()
     }
 
+    fn options(&self) -> String {
+        self.arguments.clone()
+    }
+
     fn expected_seconds(&self) -> f64 {
         if let Some((_, limits)) = self.baseline {
             return limits.expected_seconds();

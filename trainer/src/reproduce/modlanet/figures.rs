@@ -9,8 +9,8 @@ use std::path::Path;
 /// How much of a motion a picture of paths shows, s.
 const PATH_SECONDS: f64 = 10.0;
 
-/// Draws the prediction over time (the paper's Figures 5 and 6), the paths of its first start (Figure 7), and the energies of the
-/// long run; the names of the files.
+/// Draws the accelerations of the test set (the paper's Figure 8), the prediction over time (Figures 5 and 6), the paths of its first
+/// start (Figure 7), and the energies of the long run; the names of the files.
 pub(super) fn draw(folder: &Path, row: &Outcome) -> Result<Vec<String>, PlotError> {
     let name =
         format!("{}-{}-{}-{}", option_name(&row.case), numbered(row.system, row.count), row.kind, row.seed);
@@ -20,6 +20,9 @@ pub(super) fn draw(folder: &Path, row: &Outcome) -> Result<Vec<String>, PlotErro
         drawn.push(file.clone());
         folder.join(file)
     };
+    if !row.accelerations.is_empty() {
+        draw_accelerations(&file("accelerations"), row)?;
+    }
     if let Some(pictured) = &row.pictured {
         draw_errors(&file("errors"), row, pictured)?;
         draw_paths(&file("paths"), row, pictured)?;
@@ -37,6 +40,19 @@ fn is_chain(row: &Outcome) -> bool {
 fn title(row: &Outcome) -> String {
     let what = if is_chain(row) { "pendulums" } else { "bodies" };
     format!("{} {what}, {}", row.count, row.kind)
+}
+
+/// Learned accelerations over the true ones.
+fn draw_accelerations(file: &Path, row: &Outcome) -> Result<(), PlotError> {
+    let truth = row.accelerations.iter().map(|(exact, _)| *exact);
+    let [least, largest] =
+        [truth.clone().fold(f64::INFINITY, f64::min), truth.fold(f64::NEG_INFINITY, f64::max)];
+    let exact = Series::new("exact", [least, largest].map(|a| (a, a))).with_stroke(Stroke::Wide);
+    let learned = Series::new("learned", row.accelerations.iter().copied()).with_stroke(Stroke::Points);
+    let unit = if is_chain(row) { "rad/s²" } else { "m/s²" };
+    let [x_label, y_label] = ["true", "learned"].map(|whose| format!("{whose} acceleration ({unit})"));
+    let phase = Phase { x_label: &x_label, y_label: &y_label, angle: Angle::No };
+    phase_portrait(file, &format!("{}: accelerations of the test set", title(row)), phase, &[exact, learned])
 }
 
 /// Mean squared errors over time beside those of exact physics in single precision.

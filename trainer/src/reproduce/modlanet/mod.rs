@@ -240,6 +240,7 @@ impl Experiment<'_> {
         let seconds = clock.elapsed().as_secs_f64();
         let mut outcome = self.outcome(system, "trained", set, model.learned(), seconds)?;
         outcome.published = published::trained(system);
+        outcome.accelerations = model.accelerations(&set.test)?;
         Ok((outcome, model))
     }
 
@@ -271,6 +272,7 @@ impl Experiment<'_> {
             predicted: None,
             unpredicted: None,
             stepped: None,
+            accelerations: Vec::new(),
             pictured: None,
             long_run: None,
             published: Published::default(),
@@ -317,6 +319,7 @@ impl Experiment<'_> {
         let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
         zero_shot.samples = 0;
         zero_shot.published = published::extended(system, false);
+        zero_shot.accelerations = model.accelerations(&set.test)?;
         let judge = self.judge(system, 10.0)?;
         if let Some(judge) = &judge {
             self.predict(&mut zero_shot, judge, model)?;
@@ -327,6 +330,7 @@ impl Experiment<'_> {
         let seconds = clock.elapsed().as_secs_f64();
         let mut fine_tuned = self.outcome(system, "fine-tuned", &set, tuned.learned(), seconds)?;
         fine_tuned.published = published::extended(system, true);
+        fine_tuned.accelerations = tuned.accelerations(&set.test)?;
         if let Some(judge) = &judge {
             self.predict(&mut fine_tuned, judge, &tuned)?;
         }
@@ -344,7 +348,11 @@ impl Experiment<'_> {
             // Of every ten trajectories of 101 states nine are for training.
             let settings = ModlanetSettings { trajectories: samples / 100, ..published };
             let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?)?;
-            rows.push(Outcome { published: published::by_samples(samples), ..outcome });
+            rows.push(Outcome {
+                published: published::by_samples(samples),
+                accelerations: Vec::new(),
+                ..outcome
+            });
         }
         Ok(rows)
     }

@@ -126,6 +126,9 @@ pub struct Outcome {
     /// A million steps in single precision, of two pendulums.
     #[serde(flatten)]
     pub stepped: Option<Stepped>,
+    /// Accelerations of the test set, true and learned: some of them.
+    #[serde(skip)]
+    pub accelerations: Vec<(f64, f64)>,
     /// The predictions over time.
     #[serde(skip)]
     pub pictured: Option<Pictured>,

@@ -3,6 +3,7 @@
 use crate::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
 use crate::baselines::AccelerationModel;
 use crate::data::modlanet::ModlanetRows;
+use crate::evaluate::learned::with_accelerations;
 use crate::ground_truth::ManyBody;
 use crate::training::{Levenberg, Samples};
 use leastaction_core::energy::modular::{
@@ -22,6 +23,9 @@ const fn pair_widths(input: PairInput) -> [u16; 4] {
         PairInput::InverseDistance => [0; 4],
     }
 }
+
+/// Accelerations in a picture, about.
+const SHOWN: usize = 400;
 
 /// A model of one element type, mass 1, and the tree of the system.
 pub fn architecture(system: ManyBody, pair: PairInput) -> ModularArchitecture {
@@ -88,6 +92,22 @@ impl Model {
     /// The shape, whatever the family.
     pub fn shape(&self) -> Architecture {
         self.architecture.clone().into()
+    }
+
+    /// Accelerations of rows, true and learned: some of them, evenly taken, where there are many.
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled.
+    pub fn accelerations(&self, rows: &ModlanetRows) -> Result<Vec<(f64, f64)>, ModelError> {
+        let apart = (rows.q.len() * rows.q.width()).div_ceil(SHOWN).max(1);
+        with_accelerations(&self.shape(), &self.weights, |accelerations| {
+            let of_row = |k: usize| {
+                let mut learned = vec![0.0; rows.q.width()];
+                accelerations(&rows.q[k], &rows.v[k], &mut learned)?;
+                Some(rows.a[k].iter().copied().zip(learned))
+            };
+            (0..rows.q.len()).step_by(apart).filter_map(of_row).flatten().collect()
+        })
     }
 
     /// What is learned, and the weights it has.

@@ -13,6 +13,7 @@ pub use states::CaseError;
 pub use task::{SymoData, overview, tasks};
 
 use crate::architecture::{Architecture, RigidArchitecture};
+use crate::data::Dataset;
 use crate::data::symo::SymoSet;
 use crate::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
 use crate::ground_truth::Mechanism;
@@ -122,6 +123,9 @@ impl Outcome {
     }
 }
 
+/// Of so many noisy trajectories one judges.
+const JUDGES: usize = 4;
+
 /// How a case is learned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
@@ -133,19 +137,33 @@ pub struct Recipe {
     pub iterations: usize,
     /// Penalty on the weights.
     pub decay: f64,
+    /// Training trajectories that are held back to judge by.
+    pub judges: usize,
 }
 
 impl Recipe {
-    /// So many iterations on an objective.
+    /// So many iterations on an objective; the last weights, or those that are best by another objective.
     fn minimise(
         &self,
-        objective: &dyn Objective,
+        (objective, judge): (&dyn Objective, Option<&dyn Objective>),
         weights: Vec<f64>,
         iterations: usize,
         watch: &mut dyn FnMut(usize, f64),
     ) -> Vec<f64> {
         let levenberg = Levenberg::new(objective, weights).with_decay(self.decay);
-        levenberg.run(objective, iterations, |iteration, levenberg| watch(iteration, levenberg.loss)).weights
+        let watch = |iteration: usize, levenberg: &Levenberg| watch(iteration, levenberg.loss);
+        match judge {
+            Some(judge) => levenberg.best(objective, judge, iterations, watch),
+            None => levenberg.run(objective, iterations, watch).weights,
+        }
+    }
+
+    /// Of these trajectories those that are learned from, and those that judge: where none are held back, the same.
+    fn split(&self, data: &Dataset) -> [Dataset; 2] {
+        match self.judges {
+            0 => [data.clone(), data.clone()],
+            judges => data.split(data.trajectories.len().saturating_sub(judges)).into(),
+        }
     }
 }
 
@@ -168,7 +186,9 @@ impl Case {
             (_, Mechanism::Cartpole) => (30, 1e-9),
             (_, Mechanism::Acrobot) => (30, 0.0),
         };
-        Recipe { architecture, warm_up: 20, iterations: iterations.min(self.most_iterations), decay }
+        // What is learned by heart of noise shows on other trajectories.
+        let judges = if self.noise > 0.0 { self.trajectories / JUDGES } else { 0 };
+        Recipe { architecture, warm_up: 20, iterations: iterations.min(self.most_iterations), decay, judges }
     }
 
     fn acrobot_widths(&self) -> Vec<u16> {
@@ -190,13 +210,19 @@ impl Case {
         set: &SymoSet,
         mut watch: impl FnMut(usize, f64),
     ) -> Result<Vec<f64>, ModelError> {
-        let samples = Samples::triples(&set.train.truncated(self.trajectories));
         let architecture = &recipe.architecture;
+        let [samples, judges] =
+            recipe.split(&set.train.truncated(self.trajectories)).map(|data| Samples::triples(&data));
         let warm_up = objective(architecture, samples.clone(), LossKind::DelResidual, 2)?;
-        let weights = architecture.initial_weights(self.seed);
+        let next = objective(architecture, samples.clone(), LossKind::NextPosition, self.order)?;
+        let judge = objective(architecture, judges, LossKind::NextPosition, self.order)?;
         let loss = objective(architecture, samples, self.loss(), self.order)?;
-        let weights = recipe.minimise(&*warm_up, weights, recipe.warm_up, &mut watch);
-        Ok(recipe.minimise(&*loss, weights, recipe.iterations, &mut watch))
+        let weights = architecture.initial_weights(self.seed);
+        let weights = recipe.minimise((&*warm_up, Some(&*next)), weights, recipe.warm_up, &mut watch);
+        // On the same trajectories the next position would judge itself.
+        let is_other = recipe.judges > 0 || self.model == Model::Symo;
+        let judge = Some(&*judge).filter(|_| is_other);
+        Ok(recipe.minimise((&*loss, judge), weights, recipe.iterations, &mut watch))
     }
 
     /// The measures of a discrete model.

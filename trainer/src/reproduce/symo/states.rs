@@ -55,7 +55,8 @@ impl Case {
         watch: &mut dyn FnMut(usize, f64),
     ) -> Result<Outcome, CaseError> {
         let (clock, recipe) = (Instant::now(), self.recipe());
-        let samples = Samples::next_states(&set.train.truncated(self.trajectories))?;
+        let [rows, judges] = recipe.split(&set.train.truncated(self.trajectories));
+        let samples = [Samples::next_states(&rows)?, Samples::next_states(&judges)?];
         let (learned, weights) = self.learn_from_states(recipe, samples, watch)?;
         let seconds = clock.elapsed().as_secs_f64();
         let inertia_mse = match &learned {
@@ -71,27 +72,32 @@ impl Case {
         Ok(Outcome { inertia_mse, parameters: weights.len(), train_seconds: seconds, ..outcome })
     }
 
-    /// By the recipe of SyMo's models: the network, the iterations on the loss and the penalty; finite whatever the initial
-    /// weights, the loss needs no warm-up.
+    /// By the recipe of SyMo's models: the network, the iterations on the loss, the penalty and who judges; finite whatever the
+    /// initial weights, the loss needs no warm-up.
     fn learn_from_states(
         &self,
         recipe: Recipe,
-        samples: Samples,
+        [samples, judges]: [Samples; 2],
         watch: &mut dyn FnMut(usize, f64),
     ) -> Result<(Learned, Vec<f64>), ModelError> {
         let architecture = &recipe.architecture;
         if matches!(self.model, Model::LNodeRk4 | Model::LNodeMidpoint) {
             let weights = architecture.initial_weights(self.seed);
-            let loss = objective(architecture, samples, LossKind::NextState, self.order)?;
-            let weights = recipe.minimise(&*loss, weights, recipe.iterations, watch);
+            let loss = |samples| objective(architecture, samples, LossKind::NextState, self.order);
+            let (loss, judge) = (loss(samples)?, loss(judges)?);
+            let judge = Some(&*judge).filter(|_| recipe.judges > 0);
+            let weights = recipe.minimise((&*loss, judge), weights, recipe.iterations, watch);
             return Ok((Learned::LNode(Box::new(recipe.architecture)), weights));
         }
         let coordinates: Vec<_> =
             architecture.coordinates().chars().filter_map(Coordinate::from_letter).collect();
         let node = Node::new(&coordinates, &architecture.widths(), self.mechanism.actuated())?;
         let node = node.scaled_to(&samples);
-        let loss = node.objective(samples, RungeKutta::of_order(self.order))?;
-        let weights = recipe.minimise(&*loss, node.initial_weights(self.seed), recipe.iterations, watch);
+        let loss = |samples| node.objective(samples, RungeKutta::of_order(self.order));
+        let (loss, judge) = (loss(samples)?, loss(judges)?);
+        let weights = node.initial_weights(self.seed);
+        let judge = Some(&*judge).filter(|_| recipe.judges > 0);
+        let weights = recipe.minimise((&*loss, judge), weights, recipe.iterations, watch);
         Ok((Learned::Node(node), weights))
     }
 

@@ -77,51 +77,42 @@ pub fn tables(results: &[Finished]) -> Vec<Table<'_>> {
     tables
 }
 
-/// Where another model, or the paper's, is better than ours and ours is not at the floor of exact physics, in words.
+/// The rows where another model, or the paper's, is better than ours and ours is not at the floor of exact physics, in words: the
+/// measures, each with ours and with what is better.
 pub fn exceptions(tables: &[Table]) -> Vec<String> {
-    let mut found = Vec::new();
-    for table in tables {
-        for ours in table.rows.iter().filter(|row| row.first.is_ours) {
-            let rivals =
-                table.rows.iter().filter(|row| !row.first.is_ours && row.first.subject == ours.first.subject);
-            for (k, measure) in ours.first.measures.iter().enumerate() {
-                let others =
-                    rivals.clone().filter_map(|row| Some((row.first.model.as_str(), row.cell(k).median?)));
-                let paper = measure.paper.map(|x| ("the paper", x));
-                found.extend(
-                    others.chain(paper).filter_map(|other| exception(table, ours, (k, measure), other)),
-                );
-            }
-        }
-    }
-    found
+    let rows = tables.iter().flat_map(|table| table.rows.iter().map(move |row| (table, row)));
+    rows.filter(|(_, row)| row.first.is_ours).filter_map(|(table, row)| exception(table, row)).collect()
 }
 
 /// Times the floor that ours may be at.
 const AT_FLOOR: f64 = 2.0;
 
-fn exception(
-    table: &Table,
-    ours: &Row,
-    (k, measure): (usize, &Measure),
-    (who, theirs): (&str, f64),
-) -> Option<String> {
-    let median = ours.cell(k).median;
-    let is_better = |x: f64| match measure.better {
-        Better::Less => x <= theirs || measure.floor.is_some_and(|floor| x <= AT_FLOOR * floor),
-        Better::More => x >= theirs || measure.floor.is_some_and(|floor| AT_FLOOR * x >= floor),
+/// A row of ours in words, if anything is better.
+fn exception(table: &Table, ours: &Row) -> Option<String> {
+    let is_rival = |row: &&Row| !row.first.is_ours && row.first.subject == ours.first.subject;
+    let rivals: Vec<&Row> = table.rows.iter().filter(is_rival).collect();
+    let of_measure = |(k, measure): (usize, &Measure)| {
+        let median = ours.cell(k).median;
+        let others = rivals.iter().filter_map(|row| Some((row.first.model.as_str(), row.cell(k).median?)));
+        let all = measure.paper.map(|x| ("the paper", x)).into_iter().chain(others);
+        let better: Vec<String> = all
+            .filter(|(_, theirs)| !median.is_some_and(|ours| is_best(measure, ours, *theirs)))
+            .map(|(who, theirs)| format!("{who} {}", number(Some(theirs))))
+            .collect();
+        let (name, median) = (&measure.name, number(median));
+        (!better.is_empty()).then(|| format!("{name} {median} ({})", better.join(", ")))
     };
-    if median.is_some_and(is_better) {
-        return None;
-    }
+    let measures: Vec<String> = ours.first.measures.iter().enumerate().filter_map(of_measure).collect();
     let (subject, model) = (subject(ours.first), &ours.first.model);
-    let median = number(median);
-    Some(format!(
-        "{}, {subject}: {}: {model} {median}, {who} {}",
-        table.title,
-        measure.name,
-        number(Some(theirs))
-    ))
+    (!measures.is_empty()).then(|| format!("{}, {subject}, {model}: {}", table.title, measures.join("; ")))
+}
+
+/// Whether ours is not worse, or at the floor.
+fn is_best(measure: &Measure, ours: f64, theirs: f64) -> bool {
+    match measure.better {
+        Better::Less => ours <= theirs || measure.floor.is_some_and(|floor| ours <= AT_FLOOR * floor),
+        Better::More => ours >= theirs || measure.floor.is_some_and(|floor| AT_FLOOR * ours >= floor),
+    }
 }
 
 /// The subject of a row in words.

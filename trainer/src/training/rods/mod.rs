@@ -9,7 +9,7 @@ mod blocks;
 mod chain;
 mod velocity;
 
-use super::loss::{Group, GroupLoss, Systems, Term, TermKind, identity, take_out};
+use super::loss::{SampleLoss, Systems, Term, TermKind, identity, take_out};
 use super::samples::Sample;
 use super::{Failed, LossKind};
 use crate::architecture::Family;
@@ -19,7 +19,6 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use leastaction_core::discrete::rattle::Order;
 use leastaction_core::linear::{Matrix, add_scaled, multiply, transpose};
-use leastaction_core::scalar::LANES;
 
 /// Newton updates at most.
 const MAX_ITERATIONS: u8 = 12;
@@ -57,19 +56,6 @@ impl RodsLoss {
         self.substeps.len()
     }
 
-    fn residual<F: Family<N>, const N: usize>(
-        &self,
-        systems: &Systems<F, N>,
-        sample: &Sample<N>,
-    ) -> Result<[f64; N], Failed> {
-        let mut chain = self.solve(systems, sample)?;
-        if self.next_position {
-            return Ok(self.missed(&chain, sample));
-        }
-        let linearised = chain.linearise(systems)?;
-        Ok(multiply(&self.tangent(&linearised)?, &linearised.inner(self.middle()).residual))
-    }
-
     /// From the logged next position to that of the chain.
     fn missed<const N: usize>(&self, chain: &Chain<N>, sample: &Sample<N>) -> [f64; N] {
         add_scaled(&chain.x[2 * self.middle()], -1.0, &sample.states[2])
@@ -79,26 +65,9 @@ impl RodsLoss {
     fn tangent<const N: usize>(&self, linearised: &Linearised<N>) -> Result<Matrix<f64, N>, Failed> {
         let mut tangent = identity();
         for gradient in linearised.gradients(self.middle()) {
-            take_out(&mut tangent, gradient)?;
+            take_out(&mut tangent, gradient, true)?;
         }
         Ok(tangent)
-    }
-
-    fn linearise<F: Family<N>, const N: usize>(
-        &self,
-        systems: &Systems<F, N>,
-        sample: &Sample<N>,
-        terms: &mut Vec<Term<N>>,
-    ) -> Result<[f64; N], Failed> {
-        let mut chain = self.solve(systems, sample)?;
-        let linearised = chain.linearise(systems)?;
-        let tangent = self.tangent(&linearised)?;
-        let weights = self.weights(&chain, &linearised, &tangent)?;
-        weights.iter().for_each(|y| push_terms(&chain, &linearised, y, terms));
-        if self.next_position {
-            return Ok(self.missed(&chain, sample));
-        }
-        Ok(multiply(&tangent, &linearised.inner(self.middle()).residual))
     }
 
     /// For every residual component r_i the weights y of all points' equations, zero at both ends: of what is solved −K⁻ᵀ ∂r_i,
@@ -160,32 +129,34 @@ fn push_terms<const N: usize>(
     }));
 }
 
-/// One sample after the other, as their steps take as many iterations as each needs.
-impl<F: Family<N>, const N: usize> GroupLoss<F, N> for RodsLoss {
-    type Residual = [f64; N];
-
+impl<F: Family<N>, const N: usize> SampleLoss<F, N> for RodsLoss {
     fn kinds(&self) -> &'static [TermKind] {
         if self.middle() == 1 { &[TermKind::Along; 3] } else { &[TermKind::Along; 19] }
     }
 
-    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for (residual, sample) in residuals.iter_mut().zip(group) {
-            *residual = self.residual(systems, sample)?;
+    fn residual(&self, systems: &Systems<F, N>, sample: &Sample<N>) -> Result<[f64; N], Failed> {
+        let mut chain = self.solve(systems, sample)?;
+        if self.next_position {
+            return Ok(self.missed(&chain, sample));
         }
-        Ok(residuals)
+        let linearised = chain.linearise(systems)?;
+        Ok(multiply(&self.tangent(&linearised)?, &linearised.inner(self.middle()).residual))
     }
 
-    fn linearise_group(
+    fn linearise(
         &self,
         systems: &Systems<F, N>,
-        group: &Group<N>,
-        terms: &mut [Vec<Term<N>>; LANES],
-    ) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            *residual = self.linearise(systems, sample, terms)?;
+        sample: &Sample<N>,
+        terms: &mut Vec<Term<N>>,
+    ) -> Result<[f64; N], Failed> {
+        let mut chain = self.solve(systems, sample)?;
+        let linearised = chain.linearise(systems)?;
+        let tangent = self.tangent(&linearised)?;
+        let weights = self.weights(&chain, &linearised, &tangent)?;
+        weights.iter().for_each(|y| push_terms(&chain, &linearised, y, terms));
+        if self.next_position {
+            return Ok(self.missed(&chain, sample));
         }
-        Ok(residuals)
+        Ok(multiply(&tangent, &linearised.inner(self.middle()).residual))
     }
 }

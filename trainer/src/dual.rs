@@ -1,51 +1,51 @@
-//! Eight samples side by side with their derivatives along a direction: forward-mode differentiation of whatever core evaluates.
+//! Scalars with their derivatives along a direction: forward-mode differentiation of whatever core evaluates.
 
+use crate::architecture::HostScalar;
 use leastaction_core::network::Jet;
-use leastaction_core::scalar::{Lanes, Scalar};
+use leastaction_core::scalar::Scalar;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// x and its derivative along a direction: one, for more would make what a wide network keeps too large for a thread's stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Dual(Jet<Lanes, 1>);
+pub(crate) struct Dual<S>(Jet<S, 1>);
 
-impl Dual {
+impl<S: HostScalar> Dual<S> {
     /// x that does not move.
-    pub fn fixed(x: Lanes) -> Self {
+    pub fn fixed(x: S) -> Self {
         Self(Jet::constant(x))
     }
 
     /// x that moves with this slope.
-    pub fn moving(value: Lanes, slope: Lanes) -> Self {
+    pub fn moving(value: S, slope: S) -> Self {
         Self(Jet { value, tangent: [slope] })
     }
 
     /// x.
-    pub fn value(self) -> Lanes {
+    pub fn value(self) -> S {
         self.0.value
     }
 
     /// ∂x.
-    pub fn slope(self) -> Lanes {
+    pub fn slope(self) -> S {
         let [slope] = self.0.tangent;
         slope
     }
 
     /// f(x), from the two numbers f(x) and f′(x).
-    fn chain(self, value: Lanes, slope: Lanes) -> Self {
+    fn chain(self, value: S, slope: S) -> Self {
         Self(self.0.chain(value, slope))
-    }
-
-    /// In every lane its own of two.
-    fn choose(self, other: Self, first: impl Fn(f64, f64) -> bool) -> Self {
-        let (a, b) = (self.value().0, other.value().0);
-        let pick = |x: Lanes, y: Lanes| {
-            Lanes(std::array::from_fn(|lane| if first(a[lane], b[lane]) { x.0[lane] } else { y.0[lane] }))
-        };
-        Self::moving(pick(self.value(), other.value()), pick(self.slope(), other.slope()))
     }
 }
 
-impl Add for Dual {
+impl<S: HostScalar> HostScalar for Dual<S> {
+    #[inline]
+    fn if_greater(self, than: Self, then: Self, otherwise: Self) -> Self {
+        let choose = |a, b| self.value().if_greater(than.value(), a, b);
+        Self::moving(choose(then.value(), otherwise.value()), choose(then.slope(), otherwise.slope()))
+    }
+}
+
+impl<S: HostScalar> Add for Dual<S> {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
@@ -53,7 +53,7 @@ impl Add for Dual {
     }
 }
 
-impl Sub for Dual {
+impl<S: HostScalar> Sub for Dual<S> {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
@@ -61,7 +61,7 @@ impl Sub for Dual {
     }
 }
 
-impl Mul for Dual {
+impl<S: HostScalar> Mul for Dual<S> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
@@ -69,7 +69,7 @@ impl Mul for Dual {
     }
 }
 
-impl Div for Dual {
+impl<S: HostScalar> Div for Dual<S> {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
@@ -78,7 +78,7 @@ impl Div for Dual {
     }
 }
 
-impl Neg for Dual {
+impl<S: HostScalar> Neg for Dual<S> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
@@ -86,35 +86,35 @@ impl Neg for Dual {
     }
 }
 
-impl AddAssign for Dual {
+impl<S: HostScalar> AddAssign for Dual<S> {
     #[inline]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl SubAssign for Dual {
+impl<S: HostScalar> SubAssign for Dual<S> {
     #[inline]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl Scalar for Dual {
+impl<S: HostScalar> Scalar for Dual<S> {
     type Weight = f64;
 
     #[inline]
     fn weight(w: f64) -> Self {
-        Self::fixed(Lanes::weight(w))
+        Self::fixed(S::weight(w))
     }
     #[inline]
     fn constant(x: f64) -> Self {
-        Self::fixed(Lanes::constant(x))
+        Self::fixed(S::constant(x))
     }
     #[inline]
     fn sqrt(self) -> Self {
         let root = self.value().sqrt();
-        self.chain(root, Lanes::constant(0.5) / root)
+        self.chain(root, S::constant(0.5) / root)
     }
     #[inline]
     fn exp(self) -> Self {
@@ -124,12 +124,12 @@ impl Scalar for Dual {
     #[inline]
     fn ln_1p(self) -> Self {
         let x = self.value();
-        self.chain(x.ln_1p(), Lanes::one() / (Lanes::one() + x))
+        self.chain(x.ln_1p(), S::one() / (S::one() + x))
     }
     #[inline]
     fn tanh(self) -> Self {
         let value = self.value().tanh();
-        self.chain(value, Lanes::one() - value * value)
+        self.chain(value, S::one() - value * value)
     }
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
@@ -138,32 +138,32 @@ impl Scalar for Dual {
     }
     #[inline]
     fn wrapped(self) -> Self {
-        self.chain(self.value().wrapped(), Lanes::one())
+        self.chain(self.value().wrapped(), S::one())
     }
     #[inline]
     fn max(self, other: Self) -> Self {
-        self.choose(other, |a, b| a > b)
+        self.if_greater(other, self, other)
     }
     #[inline]
     fn neg_abs(self) -> Self {
-        self.choose(-self, |a, _| a < 0.0)
+        Self::zero().if_greater(self, self, -self)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use leastaction_core::scalar::LANES;
+    use leastaction_core::scalar::{LANES, Lanes};
     use num_dual::{Dual64, DualNum};
 
     /// Two numbers that move, in the last lane; the others have other values.
-    fn pair(x: [f64; 2], slopes: [f64; 2]) -> ([Dual; 2], [Dual64; 2]) {
+    fn pair(x: [f64; 2], slopes: [f64; 2]) -> ([Dual<Lanes>; 2], [Dual64; 2]) {
         let lanes = |x: f64| Lanes(std::array::from_fn(|lane| x + 0.01 * (LANES - 1 - lane) as f64));
         let dual = |k: usize| Dual::moving(lanes(x[k]), Lanes::constant(slopes[k]));
         ([0, 1].map(dual), [0, 1].map(|k| Dual64::new(x[k], slopes[k])))
     }
 
-    fn assert_same(name: &str, found: Dual, expected: Dual64) {
+    fn assert_same(name: &str, found: Dual<Lanes>, expected: Dual64) {
         let at = |x: Lanes| x.0[LANES - 1];
         for (found, expected) in [(at(found.value()), expected.re), (at(found.slope()), expected.eps)] {
             assert!((found - expected).abs() < 1e-14 * (1.0 + expected.abs()), "{name}: {found} {expected}");
