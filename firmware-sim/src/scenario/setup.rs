@@ -2,6 +2,7 @@ use crate::devices::{Device, Devices, EncoderConfig, Stream};
 use crate::error::{SetupError, require};
 use crate::observer::ObserverConfig;
 use crate::summary::Goal;
+use crate::{Program, Task};
 use leastaction_core::continuous::ContinuousState;
 
 /// Longest run, ticks: beyond it f32 no longer tells every tick's time from the next.
@@ -71,6 +72,12 @@ impl<const N: usize> Setup<N> {
     pub fn perfect(self) -> Self {
         let observer = ObserverConfig { delay: 0, ..self.observer };
         Self { devices: self.devices.perfect(), observer, ..self }
+    }
+
+    /// What the firmware is told of it, for a task.
+    pub(super) fn program(&self, task: Task<N>) -> Program<N> {
+        let Self { tick, devices, observer, .. } = *self;
+        Program { tick, angle: devices.angles(), actuator: devices.actuator, observer, task }
     }
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
