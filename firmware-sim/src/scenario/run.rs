@@ -112,6 +112,16 @@ pub enum RunError<E> {
     },
 }
 
+/// Of a firmware in place, which always runs.
+impl From<RunError<Infallible>> for SetupError {
+    fn from(error: RunError<Infallible>) -> Self {
+        match error {
+            RunError::Setup(error) => error,
+            RunError::Processor { error, .. } => match error {},
+        }
+    }
+}
+
 /// Runs a world against what runs the firmware's part of its ticks.
 ///
 /// # Errors
@@ -151,8 +161,5 @@ where
     P: Mechanism<N>,
     R: Processor<N, Error = Infallible>,
 {
-    run_on(plant, firmware, setup, sink).map_err(|error| match error {
-        RunError::Setup(error) => error,
-        RunError::Processor { error, .. } => match error {},
-    })
+    Ok(run_on(plant, firmware, setup, sink)?)
 }

@@ -80,7 +80,11 @@ impl<const N: usize> Setup<N> {
         Program { tick, angle: devices.angles(), actuator: devices.actuator, observer, task }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+    /// Whether every number is in its range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn validate(&self) -> Result<(), SetupError> {
         require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
         let ticks = self.seconds / self.tick;
         let sensible = (1.0..=MAX_TICKS).contains(&ticks);
