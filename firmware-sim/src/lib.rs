@@ -32,6 +32,7 @@
 
 mod angle;
 pub mod control;
+pub mod damage;
 pub mod devices;
 mod error;
 mod firmware;
