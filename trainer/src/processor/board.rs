@@ -20,12 +20,12 @@ pub enum Board {
 pub enum BoardError {
     /// No image.
     #[error(
-        "there is no image for {board}; `firmware-sim/chip/run.sh --build` in the repository builds it as {expected}, or name one with --image"
+        "there is no image for {board}; `firmware-sim/chip/run.sh --build` in the repository makes {expected}, or name one with --image"
     )]
     NoImage {
         /// The board's name.
         board: &'static str,
-        /// Where it was looked for last.
+        /// Where it is built.
         expected: PathBuf,
     },
     /// A file that was named is not there.
@@ -104,11 +104,10 @@ impl Board {
             };
         }
         let below = |folder: PathBuf| folder.join(self.name()).join(self.target()).join("release/controller");
-        let mut images = build_folders().into_iter().map(below);
-        let nearest = images.next().unwrap_or_default();
-        let found = |image: &PathBuf| image.is_file();
-        let none = || BoardError::NoImage { board: self.name(), expected: nearest.clone() };
-        [nearest.clone()].into_iter().chain(images).find(found).ok_or_else(none)
+        let images: Vec<PathBuf> = build_folders().into_iter().map(below).collect();
+        let expected = images.first().cloned().unwrap_or_else(|| below("target/chip".into()));
+        let found = images.into_iter().find(|image| image.is_file());
+        found.ok_or(BoardError::NoImage { board: self.name(), expected })
     }
 
     /// Arguments of the emulator: an image, a model in its slot, the serial line on stdin and stdout.

@@ -75,7 +75,8 @@ impl Emulator {
         let emulator = self.board.emulator();
         let Some(status) = status else { return LinkError::Closed(format!("{emulator} closed its line")) };
         let complaints = self.complaints.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
-        let complaints = complaints.trim();
+        // A processor that locks up is followed by all its registers.
+        let complaints = complaints.trim().lines().next().unwrap_or_default();
         let separator = if complaints.is_empty() { "" } else { ": " };
         LinkError::Closed(format!("{emulator} ended ({status}){separator}{complaints}"))
     }

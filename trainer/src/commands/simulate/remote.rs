@@ -33,8 +33,8 @@ impl Target {
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
         let name = self.board.name();
-        let link = |error: LinkError| failure(error, &format!("{name}, before the first tick"));
-        let mut remote = Remote::begin(self.start()?, program, self.patience).map_err(link)?;
+        let mut remote =
+            Remote::begin(self.start()?, program, self.patience).map_err(|error| not_begun(error, name))?;
         if remote.name() != name {
             return Err(Failure::Work(format!(
                 "the image on the {name} says that it is a {}",
@@ -59,6 +59,20 @@ impl Target {
         let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
         let image = self.board.image(self.image.as_deref()).map_err(|error| failed(&error))?;
         Emulator::start(self.board, &image, &self.model, interrupt::flag()?).map_err(|error| failed(&error))
+    }
+}
+
+/// A processor that says nothing at all is likely to run something else.
+fn not_begun(error: LinkError, name: &str) -> Failure {
+    let hint = match &error {
+        LinkError::Timeout(_) | LinkError::Closed(_) | LinkError::Broken => {
+            "; is the image the controller's, and of this board?"
+        }
+        _ => "",
+    };
+    match failure(error, &format!("{name}, before the first tick")) {
+        Failure::Work(message) => Failure::Work(message + hint),
+        other => other,
     }
 }
 
