@@ -1,22 +1,32 @@
 #!/usr/bin/env bash
-# Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a Cortex-M4F (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V
-# without floating-point unit (virt). One JSON line a board, model and order: `--steps N` of each (1,000), `--only NAME` of them.
+# Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a Cortex-M4F
+# (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). One JSON line a board, model and order: `--steps N` of each (1,000), `--only NAME` of them.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
+# `--build` only builds the images, as `leastaction simulate --on` needs them.
 # Uses rustup's targets where they can be had, else Debian's compiler with the standard library's source; installs what is missing.
 set -euo pipefail
 shopt -s inherit_errexit
 cd "$(dirname "$0")"
 source ./tools.sh
 
-steps=1000 only= budgets=
+steps=1000 only= budgets= build_only=
 while [ $# -gt 0 ]; do
     case $1 in
         --steps) steps=${2:?--steps takes a number}; shift 2 ;;
         --only) only=${2:?--only takes a name such as rigid_2 or cortex-m7}; shift 2 ;;
         --budgets) budgets=${2:?--budgets takes check or write}; shift 2 ;;
-        *) echo "usage: run.sh [--steps N] [--only IMAGE|BOARD] [--budgets check|write]" >&2; exit 2 ;;
+        --build) build_only=yes; shift ;;
+        *) echo "usage: run.sh [--steps N] [--only IMAGE|BOARD] [--budgets check|write] | --build" >&2; exit 2 ;;
     esac
 done
+
+if [ -n "$build_only" ]; then
+    for board in "${boards[@]}"; do
+        build "$board"
+        program "$board" controller
+    done
+    exit
+fi
 
 # The same steps on this machine.
 host=$(cd ../.. && CARGO_TARGET_DIR=$host_target cargo run --quiet --release --package leastaction-tests \

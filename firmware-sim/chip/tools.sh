@@ -68,6 +68,14 @@ emulate() {
         "${@:4}" -kernel "$elf"
 }
 
+# Arguments of an emulator that leave a model file in the slot of a board's flash.
+with_model() {
+    local slot=0x3f0000
+    [ "$1" != riscv32imac ] || slot=0x803f0000
+    echo -device loader,addr=$((slot + 4)),data="$(stat -c %s "$2")",data-len=4 \
+        -device loader,addr=$((slot + 8)),file="$2",force-raw=on
+}
+
 # Bytes of code, of constants, and of static memory.
 sections() {
     local text=0 rodata=0 ram=0 name size

@@ -3,18 +3,22 @@ use crate::control::{Command, Controller};
 use crate::devices::{ActuatorConfig, DelayLine};
 use crate::observer::{Observer, ObserverConfig};
 use crate::tick::Mode;
+use crate::wire::{ReportWire, StateWire};
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::{Report, StepError};
 use leastaction_core::scalar::all_finite;
+use serde::{Deserialize, Serialize};
 
 /// What the firmware made of a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome<const N: usize> {
     /// Estimated position and velocity now.
+    #[serde(with = "StateWire")]
     pub estimate: ContinuousState<f32, N>,
     /// Force and mode.
     pub command: Command<N>,
     /// The model's last step.
+    #[serde(with = "ReportWire")]
     pub newton: Report<f32>,
     /// Steps of the model, or commands computed from it, that failed in this tick.
     pub errors: u32,

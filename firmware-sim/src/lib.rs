@@ -32,20 +32,27 @@
 
 mod angle;
 pub mod control;
+pub mod damage;
 pub mod devices;
 mod error;
 mod firmware;
+pub mod link;
 mod mechanism;
 pub mod observer;
 pub mod plant;
+mod processor;
+mod program;
 pub mod scenario;
 mod summary;
 mod tick;
 pub mod trajectory;
+mod wire;
 
 pub use angle::{wrap, wrap_where};
 pub use error::SetupError;
 pub use firmware::{Firmware, Outcome};
 pub use mechanism::Mechanism;
+pub use processor::Processor;
+pub use program::{Program, Task};
 pub use summary::{Goal, Incidents, Summary};
 pub use tick::{Mode, Tick, TraceHash};

@@ -16,15 +16,18 @@ pub use integrator::{Integrator, Order};
 use crate::Mechanism;
 use crate::angle::wrap;
 use crate::error::{SetupError, require};
+use crate::wire::NewtonWire;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::{Newton, Report, State, StepError};
+use serde::{Deserialize, Serialize};
 
 /// How the observer steps the model and how much it believes it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObserverConfig {
     /// Order of the discrete Euler–Lagrange step; a model of a discrete Lagrangian names its own.
     pub order: Order,
     /// Bounds of Newton's method.
+    #[serde(with = "NewtonWire")]
     pub newton: Newton<f32>,
     /// Most samples in memory, at least 1: more smooth the noise more and follow a wrong model longer.
     pub memory: u8,

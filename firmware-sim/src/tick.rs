@@ -1,8 +1,9 @@
 use crc::{CRC_64_XZ, Crc, Digest, NoTable};
 use leastaction_core::discrete::Report;
+use serde::{Deserialize, Serialize};
 
 /// What the firmware was doing in a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Mode {
     /// Waiting until the estimate can be trusted: at the start, or after an encoder fell silent; no force.

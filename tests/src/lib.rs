@@ -6,11 +6,13 @@ use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
+use leastaction_firmware_sim::damage::{Damage, Refusals};
+use leastaction_firmware_sim::link::ModelFault;
 use leastaction_firmware_sim::trajectory::reference::{
     BOBS, Bobs, Cartpole, Double, GRAPH, STEP, TREE, aslant, chain, newton,
 };
 use leastaction_firmware_sim::trajectory::{Free, Hanging, fingerprint};
-use std::fmt;
+use std::fmt::{self, Write};
 
 /// Why a run has no fingerprint, which for the models of this repository it always has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,4 +112,45 @@ fn bobs(order: Order, steps: u32) -> Result<u64, Refused> {
     let rattle = Rattle::with_newton(STEP, order, newton());
     let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, &mut room);
     Ok(fingerprint(&mut motion, steps).map_err(Refused::Particles)?.value())
+}
+
+/// A table of refusals: a model, a damage, and what came of it.
+pub type Refusal = (&'static str, Damage, Refusals);
+
+/// What the loader makes of every damage to the two small models.
+pub fn all_refusals() -> Vec<Refusal> {
+    let double = |file: &[u8]| Double::load(file, TREE).map(drop);
+    let pendulums = |file: &[u8]| Bobs::load(file, GRAPH, &mut []).map(drop);
+    let of_double = Damage::ALL.map(|damage| {
+        let mut file = Aligned(*include_bytes!("../../firmware-sim/chip/models/double.postcard"));
+        ("double", damage, damage.refusals(&mut file.0, double))
+    });
+    let of_pendulums = Damage::ALL.map(|damage| {
+        let mut file = Aligned(*include_bytes!("../../firmware-sim/chip/models/pendulums.postcard"));
+        ("pendulums", damage, damage.refusals(&mut file.0, pendulums))
+    });
+    [of_double, of_pendulums].concat()
+}
+
+/// The same as the chip's image prints it.
+pub fn refusals() -> String {
+    let mut text = String::new();
+    for (model, damage, refusals) in all_refusals() {
+        // Writing to a string cannot fail.
+        let _infallible = writeln!(text, "{model} {}", damage.name());
+        for (fault, count) in refusals.occurred() {
+            let _infallible = writeln!(text, "{} {count}", fault.name());
+        }
+        let _infallible = writeln!(text, "accepted {}", refusals.accepted);
+    }
+    text
+}
+
+/// Why a file is refused as a cart-pole; `None` where it is not.
+pub fn refused_cartpole(file: &[u8]) -> Option<ModelFault> {
+    let mut words = vec![0_u32; file.len().div_ceil(4)];
+    let room = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
+    room.iter_mut().zip(file).for_each(|(to, from)| *to = *from);
+    let aligned = bytemuck::cast_slice(&words).get(..file.len()).unwrap_or_default();
+    Cartpole::load(aligned).err().map(ModelFault::from)
 }

@@ -16,6 +16,7 @@ pub mod model_cost;
 pub mod model_file;
 pub mod parallel;
 pub mod plot;
+pub mod processor;
 pub mod reproduce;
 pub mod run;
 pub mod runge_kutta;

@@ -12,6 +12,8 @@ mod graphs;
 mod import;
 #[path = "cli_commands/interrupt.rs"]
 mod interrupt;
+#[path = "cli_commands/on_a_board.rs"]
+mod on_a_board;
 #[path = "cli_commands/reproduce.rs"]
 mod reproduce;
 #[path = "cli_commands/resume.rs"]

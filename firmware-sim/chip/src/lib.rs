@@ -9,6 +9,7 @@ pub mod instructions;
 pub mod models;
 pub mod print;
 pub mod report;
+pub mod serial;
 pub mod stack;
 
 /// A panic that can be reached is an error of the linker: nothing defines this symbol.

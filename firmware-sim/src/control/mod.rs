@@ -1,11 +1,13 @@
 //! Controllers that know a mechanism only through its model.
 
+mod law;
 mod pump;
 mod regulator;
 mod riccati;
 mod swing_up;
 mod track;
 
+pub use law::Law;
 pub use pump::{CartPump, JointPump, Pump, PumpConfig};
 pub use regulator::{Regulator, Tolerance};
 pub use riccati::{Linear, riccati};
@@ -13,13 +15,16 @@ pub use swing_up::{Catch, SwingUp};
 pub use track::{Gains, Reference, Setpoint, Track};
 
 use crate::tick::Mode;
+use crate::wire::array;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::linear::Singular;
+use serde::{Deserialize, Serialize};
 
 /// What a controller asks for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Command<const N: usize> {
     /// Force, N or N m; the firmware limits it.
+    #[serde(with = "array")]
     pub u: [f32; N],
     /// What the controller is doing.
     pub mode: Mode,

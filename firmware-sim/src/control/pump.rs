@@ -1,10 +1,11 @@
 use crate::Mechanism;
 use crate::error::{SetupError, require};
 use leastaction_core::continuous::ContinuousState;
+use serde::{Deserialize, Serialize};
 
 /// How energy is pumped into a swinging coordinate. Bands are where the effort falls off linearly, so that noise about
 /// zero does not switch it at full strength.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PumpConfig {
     /// Strongest effort: of a joint, N m; of a cart, m/s². Positive.
     pub effort: f32,

@@ -2,16 +2,20 @@ use super::riccati::{Linear, riccati};
 use crate::Mechanism;
 use crate::angle::difference;
 use crate::error::{SetupError, require};
+use crate::wire::array;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::linear::{dot, solve_many, transpose};
 use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
 
 /// The deviations that count alike in the regulator's cost (Bryson's rule): each weight is one over its square.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance<const N: usize> {
     /// Of positions, rad or m, > 0.
+    #[serde(with = "array")]
     pub q: [f32; N],
     /// Of velocities, rad/s or m/s, > 0.
+    #[serde(with = "array")]
     pub v: [f32; N],
     /// Of the force, N or N m, > 0.
     pub u: f32,

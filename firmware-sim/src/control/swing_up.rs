@@ -4,13 +4,14 @@ use crate::error::{SetupError, require};
 use crate::tick::Mode;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::linear::Singular;
+use serde::{Deserialize, Serialize};
 
 /// When the regulator takes over from the pump, and when it gives up.
 ///
 /// A regulator that spares its force (a small tolerance of u) asks near the unstable direction for about twice the least
 /// force that can still save it, so it recovers, saturated, from states that ask for up to twice the limit; one that does
 /// not spare it recovers from fewer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Catch {
     /// It takes over within this angle of upright, rad, > 0.
     pub angle: f32,

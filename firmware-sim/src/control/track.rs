@@ -3,21 +3,26 @@ use crate::Mechanism;
 use crate::angle::difference;
 use crate::error::{SetupError, require};
 use crate::tick::Mode;
+use crate::wire::array;
 use core::f32::consts::TAU;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::linear::Singular;
 use leastaction_core::scalar::Scalar;
+use serde::{Deserialize, Serialize};
 
 /// A motion there and back, q_i = from + ½(to − from)(1 − cos 2πf(t − begin)); at rest until it begins.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference<const N: usize> {
     /// When it begins, s: the observer needs a few samples before.
     pub begin: f32,
     /// Where it begins, rad or m.
+    #[serde(with = "array")]
     pub from: [f32; N],
     /// Farthest position, rad or m.
+    #[serde(with = "array")]
     pub to: [f32; N],
     /// f > 0, Hz.
+    #[serde(with = "array")]
     pub frequency: [f32; N],
 }
 
@@ -63,12 +68,22 @@ impl<const N: usize> Reference<N> {
 }
 
 /// Feedback of the tracking error as a desired acceleration −ω²e − 2ζωė, the same in every coordinate.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gains {
     /// ω, rad/s, of the error's decay.
     pub frequency: f32,
     /// ζ; 1 does not overshoot.
     pub damping: f32,
+}
+
+impl Gains {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        let gains = [("tracking frequency", self.frequency), ("tracking damping", self.damping)];
+        for (what, x) in gains {
+            require(what, x, x.is_finite() && x >= 0.0, "finite and not negative")?;
+        }
+        Ok(())
+    }
 }
 
 /// Inverse-dynamics feed-forward along a reference, with PD feedback through the model's inertia matrix.

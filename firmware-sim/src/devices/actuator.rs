@@ -1,13 +1,16 @@
 use crate::error::{SetupError, require};
+use crate::wire::array;
 use heapless::Deque;
+use serde::{Deserialize, Serialize};
 
 /// Longest delay of a command, ticks.
 pub const MAX_DELAY: u8 = 8;
 
 /// The actuators of all coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActuatorConfig<const N: usize> {
     /// Largest force, N or N m, ≥ 0; 0 where a coordinate is not actuated.
+    #[serde(with = "array")]
     pub limit: [f32; N],
     /// Ticks from a command to its effect, at most [`MAX_DELAY`].
     pub delay: u8,

@@ -1,8 +1,9 @@
 use crate::Mechanism;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Report, State, StepError};
+use serde::{Deserialize, Serialize};
 
 /// Order of a discrete Euler–Lagrange step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Order {
     /// Midpoint.
     Two,

@@ -2,6 +2,7 @@
 //!
 //! Each takes a plant, a model, a plain configuration and a sink that sees every tick, and returns a summary. Plant and
 //! model may be the same system. The same configuration gives the same trace, bit for bit, on every machine.
+//! [`run_on`] runs the firmware's part on any [`Processor`](crate::Processor), as one at the other end of a link.
 
 mod predict;
 mod run;
@@ -10,6 +11,7 @@ mod swing_up;
 mod track;
 
 pub use predict::{Excitation, Predict, predict};
+pub use run::{RunError, run_on};
 pub use setup::{Setup, Start};
 pub use swing_up::{SwingUpConfig, swing_up_cartpole, swing_up_pendulum};
 pub use track::{TrackConfig, track};

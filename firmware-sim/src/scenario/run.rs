@@ -1,12 +1,13 @@
 use super::Setup;
-use crate::Mechanism;
 use crate::angle::difference;
-use crate::control::Controller;
 use crate::devices::{Actuator, Arrival, Clock, Encoders};
-use crate::firmware::{Firmware, Outcome};
+use crate::error::SetupError;
+use crate::firmware::Outcome;
 use crate::plant::Plant;
 use crate::summary::{Recorder, Summary};
 use crate::tick::Tick;
+use crate::{Mechanism, Processor};
+use core::convert::Infallible;
 
 /// The world as the firmware meets it.
 struct World<'a, P, const N: usize> {
@@ -37,30 +38,30 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
     }
 }
 
-/// The firmware in its world, tick by tick.
-struct Loop<'a, P, M, C, const N: usize> {
+/// A processor in its world, tick by tick.
+struct Loop<'a, P, R, const N: usize> {
     world: World<'a, P, N>,
-    firmware: Firmware<'a, M, C, N>,
+    processor: R,
     recorder: Recorder<N>,
     angle: [bool; N],
     /// Ticks since the firmware last ran.
     elapsed: u32,
 }
 
-impl<P: Mechanism<N>, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Loop<'_, P, M, C, N> {
+impl<P: Mechanism<N>, R: Processor<N>, const N: usize> Loop<'_, P, R, N> {
     /// One tick of world and firmware.
-    fn tick(&mut self, index: u32) -> Tick<N> {
+    fn tick(&mut self, index: u32) -> Result<Tick<N>, R::Error> {
         let (arrival, true_state) = (self.world.clock.tick(), *self.world.plant.state());
         let time = index as f32 * self.world.h;
         self.world.pass(arrival.lateness);
         let measured = self.world.encoders.sample(&self.world.plant.state().q);
         let measured = if arrival.missed { [None; N] } else { measured };
-        let outcome = self.run(time, &arrival, &measured);
+        let outcome = self.run(time, &arrival, &measured)?;
         let command = (!arrival.missed).then_some(outcome.command.u);
         let applied = self.world.actuator.advance(command);
         self.world.pass(1.0 - arrival.lateness);
-        let reference = self.firmware.reference(time);
-        Tick {
+        let reference = self.processor.reference(time);
+        Ok(Tick {
             index,
             time,
             q: true_state.q,
@@ -76,49 +77,89 @@ impl<P: Mechanism<N>, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Loop
             lateness: arrival.lateness * self.world.h,
             missed: arrival.missed,
             mode: outcome.command.mode,
-        }
+        })
     }
 
     /// The firmware's part.
-    fn run(&mut self, time: f32, arrival: &Arrival, measured: &[Option<f32>; N]) -> Outcome<N> {
+    fn run(
+        &mut self,
+        time: f32,
+        arrival: &Arrival,
+        measured: &[Option<f32>; N],
+    ) -> Result<Outcome<N>, R::Error> {
         self.elapsed += 1;
         if arrival.missed {
-            return *self.firmware.last();
+            return Ok(*self.processor.last());
         }
-        let outcome = self.firmware.run(time, self.elapsed, measured);
+        let outcome = self.processor.run(time, self.elapsed, measured)?;
         self.elapsed = 0;
         self.recorder.errors(outcome.errors, 0);
-        outcome
+        Ok(outcome)
     }
 }
 
-/// Runs a controller over a model against a plant; the setup has been validated.
-pub(super) fn run<P, M, C, const N: usize>(
+/// Why a run on a processor did not come to its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RunError<E> {
+    /// It cannot begin.
+    Setup(SetupError),
+    /// The processor did not run a tick; the sink has seen all before it.
+    Processor {
+        /// The tick's index.
+        tick: u32,
+        /// Why.
+        error: E,
+    },
+}
+
+/// Of a firmware in place, which always runs.
+impl From<RunError<Infallible>> for SetupError {
+    fn from(error: RunError<Infallible>) -> Self {
+        match error {
+            RunError::Setup(error) => error,
+            RunError::Processor { error, .. } => match error {},
+        }
+    }
+}
+
+/// Runs a world against what runs the firmware's part of its ticks.
+///
+/// # Errors
+/// A setup out of range, and the first tick that the processor does not run.
+pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
     plant: &P,
-    model: &M,
-    controller: C,
+    processor: R,
     setup: &Setup<N>,
     mut sink: impl FnMut(&Tick<N>),
-) -> Summary<N>
-where
-    P: Mechanism<N>,
-    M: Mechanism<N>,
-    C: Controller<M, N>,
-{
+) -> Result<Summary<N>, RunError<R::Error>> {
+    setup.validate().map_err(RunError::Setup)?;
     let angle = setup.devices.angles();
-    let limits = setup.devices.actuator;
     let mut looped = Loop {
         world: World::new(plant, setup),
-        firmware: Firmware::new(model, controller, setup.tick, angle, &setup.observer, limits),
+        processor,
         recorder: Recorder::new(setup.goal, angle),
         angle,
         elapsed: 0,
     };
     for index in 0..setup.ticks() {
-        let tick = looped.tick(index);
+        let tick = looped.tick(index).map_err(|error| RunError::Processor { tick: index, error })?;
         looped.recorder.record(&tick);
         sink(&tick);
     }
     looped.recorder.errors(0, looped.world.errors);
-    looped.recorder.finish()
+    Ok(looped.recorder.finish())
+}
+
+/// The same with a firmware that always runs.
+pub(super) fn run_in_place<P, R, const N: usize>(
+    plant: &P,
+    firmware: R,
+    setup: &Setup<N>,
+    sink: impl FnMut(&Tick<N>),
+) -> Result<Summary<N>, SetupError>
+where
+    P: Mechanism<N>,
+    R: Processor<N, Error = Infallible>,
+{
+    Ok(run_on(plant, firmware, setup, sink)?)
 }

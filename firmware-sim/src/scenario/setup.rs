@@ -2,6 +2,7 @@ use crate::devices::{Device, Devices, EncoderConfig, Stream};
 use crate::error::{SetupError, require};
 use crate::observer::ObserverConfig;
 use crate::summary::Goal;
+use crate::{Program, Task};
 use leastaction_core::continuous::ContinuousState;
 
 /// Longest run, ticks: beyond it f32 no longer tells every tick's time from the next.
@@ -73,7 +74,17 @@ impl<const N: usize> Setup<N> {
         Self { devices: self.devices.perfect(), observer, ..self }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+    /// What the firmware is told of it, for a task.
+    pub(super) fn program(&self, task: Task<N>) -> Program<N> {
+        let Self { tick, devices, observer, .. } = *self;
+        Program { tick, angle: devices.angles(), actuator: devices.actuator, observer, task }
+    }
+
+    /// Whether every number is in its range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn validate(&self) -> Result<(), SetupError> {
         require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
         let ticks = self.seconds / self.tick;
         let sensible = (1.0..=MAX_TICKS).contains(&ticks);

@@ -1,13 +1,13 @@
-use super::run::run;
+use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::Mechanism;
-use crate::control::{CartPump, Catch, JointPump, PumpConfig, Regulator, SwingUp, Tolerance};
+use crate::control::{Catch, PumpConfig, Tolerance};
 use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
 use crate::observer::ObserverConfig;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
+use crate::{Mechanism, Program, Task};
 use core::f32::consts::PI;
 
 /// A swing-up: a pendulum by a joint too weak to lift it, or a pole by the cart that carries it. Upright is θ = 0.
@@ -74,27 +74,9 @@ impl SwingUpConfig<2> {
 }
 
 impl<const N: usize> SwingUpConfig<N> {
-    fn validate(&self) -> Result<(), SetupError> {
-        self.setup.validate()?;
-        self.catch.validate()
-    }
-
-    /// The controller of a pump, with the force on coordinate 0 and the last coordinate swinging; D is 2N.
-    fn controller<M: Mechanism<N>, P, const D: usize>(
-        &self,
-        model: &M,
-        pump: P,
-    ) -> Result<SwingUp<P, N>, SetupError> {
-        let Setup { devices, tick, .. } = &self.setup;
-        Ok(SwingUp {
-            pump,
-            regulator: Regulator::design::<M, D>(model, [0.0; N], 0, &self.tolerance, *tick)?,
-            catch: self.catch,
-            swinging: N - 1,
-            angle: devices.angles(),
-            limit: devices.actuator.limit.first().copied().unwrap_or(0.0),
-            holding: false,
-        })
+    /// What the firmware is told.
+    pub fn program(&self) -> Program<N> {
+        self.setup.program(Task::SwingUp { pump: self.pump, tolerance: self.tolerance, catch: self.catch })
     }
 }
 
@@ -105,10 +87,8 @@ pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
     config: &SwingUpConfig<1>,
     sink: impl FnMut(&Tick<1>),
 ) -> Result<Summary<1>, SetupError> {
-    config.validate()?;
-    let pump = JointPump::new(model, 0.0, config.pump)?;
-    let controller = config.controller::<M, _, 2>(model, pump)?;
-    Ok(run(plant, model, controller, &config.setup, sink))
+    config.setup.validate()?;
+    run_in_place(plant, config.program().start(model)?, &config.setup, sink)
 }
 
 /// Swings a pole up by the cart that carries it and holds it, by energies and derivatives of the model alone.
@@ -119,8 +99,6 @@ pub fn swing_up_cartpole<P: Mechanism<2>, M: Mechanism<2>>(
     config: &SwingUpConfig<2>,
     sink: impl FnMut(&Tick<2>),
 ) -> Result<Summary<2>, SetupError> {
-    config.validate()?;
-    let pump = CartPump::new(model, 0.0, config.pump)?;
-    let controller = config.controller::<M, _, 4>(model, pump)?;
-    Ok(run(plant, model, controller, &config.setup, sink))
+    config.setup.validate()?;
+    run_in_place(plant, config.program().start(model)?, &config.setup, sink)
 }

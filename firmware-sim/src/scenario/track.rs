@@ -1,13 +1,13 @@
-use super::run::run;
+use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::Mechanism;
-use crate::control::{Gains, Reference, Track};
+use crate::control::{Gains, Reference};
 use crate::devices::{Devices, EncoderConfig};
-use crate::error::{SetupError, require};
+use crate::error::SetupError;
 use crate::observer::ObserverConfig;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
+use crate::{Mechanism, Program, Task};
 use core::f32::consts::PI;
 
 /// When the motions begin, s.
@@ -40,17 +40,9 @@ impl<const N: usize> TrackConfig<N> {
         Self { setup, reference, gains: Gains { frequency: 8.0, damping: 1.0 } }
     }
 
-    fn validate(&self) -> Result<(), SetupError> {
-        self.setup.validate()?;
-        self.reference.validate()?;
-        let Gains { frequency, damping } = self.gains;
-        require(
-            "tracking frequency",
-            frequency,
-            frequency.is_finite() && frequency >= 0.0,
-            "finite and not negative",
-        )?;
-        require("tracking damping", damping, damping.is_finite() && damping >= 0.0, "finite and not negative")
+    /// What the firmware is told.
+    pub fn program(&self) -> Program<N> {
+        self.setup.program(Task::Track { reference: self.reference, gains: self.gains })
     }
 }
 
@@ -83,14 +75,9 @@ pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     config: &TrackConfig<N>,
     sink: impl FnMut(&Tick<N>),
 ) -> Result<Summary<N>, SetupError> {
-    config.validate()?;
-    let Setup { devices, tick, observer, .. } = &config.setup;
-    let controller = Track {
-        reference: config.reference,
-        gains: config.gains,
-        angle: devices.angles(),
-        delay: f32::from(observer.delay) * tick,
-        middle: 0.5 * tick,
-    };
-    Ok(run(plant, model, controller, &config.setup, sink))
+    let program = config.program();
+    config.setup.validate()?;
+    program.validate()?;
+    let controller = program.track(config.reference, config.gains);
+    run_in_place(plant, program.firmware(model, controller), &config.setup, sink)
 }

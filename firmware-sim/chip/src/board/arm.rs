@@ -40,3 +40,53 @@ pub fn name() -> &'static [u8] {
     let part = unsafe { CPUID.read_volatile() } >> 4 & 0xfff;
     if part == 0xc27 { b"cortex-m7" } else { b"cortex-m4f" }
 }
+
+/// UART 0 of the MPS2 boards, the CMSDK's, polled. Source: Arm, "Cortex-M System Design Kit", DDI 0479, section 4.3.
+pub struct Uart(());
+
+const UART: *mut u32 = 0x4000_4000 as *mut u32;
+// Words from there.
+const DATA: usize = 0;
+const STATE: usize = 1;
+const CONTROL: usize = 2;
+const DIVISOR: usize = 4;
+// Bits of the state.
+const CANNOT_SEND: u32 = 1;
+const HAS_RECEIVED: u32 = 2;
+// Bits of the control.
+const ENABLE_BOTH: u32 = 3;
+/// The smallest divisor, the fastest line.
+const FASTEST: u32 = 16;
+
+impl Uart {
+    /// The line, enabled.
+    pub fn start() -> Self {
+        // SAFETY: registers of a device that only this type touches.
+        unsafe {
+            UART.add(DIVISOR).write_volatile(FASTEST);
+            UART.add(CONTROL).write_volatile(ENABLE_BOTH);
+        }
+        Self(())
+    }
+
+    /// A byte that has arrived.
+    pub fn receive(&mut self) -> Option<u8> {
+        // SAFETY: as above; reading the data takes the byte.
+        unsafe {
+            let arrived = UART.add(STATE).read_volatile() & HAS_RECEIVED != 0;
+            arrived.then(|| UART.add(DATA).read_volatile() as u8)
+        }
+    }
+
+    /// Sends a byte; `false` where the one before is still on its way.
+    pub fn send(&mut self, byte: u8) -> bool {
+        // SAFETY: as above.
+        unsafe {
+            let free = UART.add(STATE).read_volatile() & CANNOT_SEND == 0;
+            if free {
+                UART.add(DATA).write_volatile(byte.into());
+            }
+            free
+        }
+    }
+}

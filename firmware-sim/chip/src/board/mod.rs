@@ -1,4 +1,5 @@
-//! The boards: a counter of instructions, the stack pointer, what the emulator leaves in flash, and the end.
+//! The boards: a counter of instructions, the stack pointer, the serial line, what the emulator leaves in flash, and the
+//! end.
 
 #[cfg(target_arch = "arm")]
 mod arm;
@@ -10,7 +11,7 @@ use arm as this;
 #[cfg(target_arch = "riscv32")]
 use riscv as this;
 
-pub use this::{INSTRUCTIONS_PER_TICK, name, stack_pointer, start, ticks};
+pub use this::{INSTRUCTIONS_PER_TICK, Uart, name, stack_pointer, start, ticks};
 
 use crate::print;
 
@@ -24,6 +25,19 @@ pub fn argument() -> Option<u32> {
     // SAFETY: flash that the linker leaves free; the emulator writes before the program starts.
     let number = unsafe { (&raw const _slot).cast::<u32>().read_volatile() };
     (number != 0).then_some(number)
+}
+
+/// Bytes of the slot behind its two words.
+const ROOM: usize = (64 << 10) - 2 * size_of::<u32>();
+
+/// The model file that the emulator was told to put into flash, where it lies; `None` where there is none.
+pub fn model() -> Option<&'static [u8]> {
+    let slot = (&raw const _slot).cast::<u32>();
+    // SAFETY: as above, within the slot's 64 KB, which nobody writes while the program runs.
+    let length = unsafe { slot.add(1).read_volatile() } as usize;
+    let fits = length != 0 && length <= ROOM;
+    // SAFETY: as above.
+    fits.then(|| unsafe { core::slice::from_raw_parts(slot.add(2).cast(), length) })
 }
 
 /// Ends the emulation: with exit code 0, or with the error printed and 1.

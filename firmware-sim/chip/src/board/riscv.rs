@@ -26,3 +26,43 @@ pub fn stack_pointer() -> usize {
 pub fn name() -> &'static [u8] {
     b"riscv32imac"
 }
+
+/// The serial line of QEMU's board "virt": a 16550, polled. Source: National Semiconductor, "PC16550D", section 8.
+pub struct Uart(());
+
+const UART: *mut u8 = 0x1000_0000 as *mut u8;
+// Registers from there.
+const DATA: usize = 0;
+const LINE_STATUS: usize = 5;
+// Bits of the line status.
+const HAS_RECEIVED: u8 = 1;
+const CAN_SEND: u8 = 1 << 5;
+
+impl Uart {
+    /// The line, as the reset left it: the emulator needs no divisor, and enabling the queues would empty them of what
+    /// has already come.
+    pub fn start() -> Self {
+        Self(())
+    }
+
+    /// A byte that has arrived.
+    pub fn receive(&mut self) -> Option<u8> {
+        // SAFETY: as above; reading the data takes the byte.
+        unsafe {
+            let arrived = UART.add(LINE_STATUS).read_volatile() & HAS_RECEIVED != 0;
+            arrived.then(|| UART.add(DATA).read_volatile())
+        }
+    }
+
+    /// Sends a byte; `false` where there is no room for it yet.
+    pub fn send(&mut self, byte: u8) -> bool {
+        // SAFETY: as above.
+        unsafe {
+            let free = UART.add(LINE_STATUS).read_volatile() & CAN_SEND != 0;
+            if free {
+                UART.add(DATA).write_volatile(byte);
+            }
+            free
+        }
+    }
+}

@@ -86,6 +86,7 @@ impl Demo {
             seed: self.seed,
             seconds: None,
             tick: None,
+            on: None,
         };
         let swing_up = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;
         Ok(Report {

@@ -1,31 +1,39 @@
 //! `leastaction simulate`.
 
 mod picture;
+mod remote;
 mod scenario;
 mod trace;
 
 pub use picture::draw;
+pub use remote::Target;
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
 
 use super::Done;
-use super::arguments::{positive_f32, seed};
+use super::arguments::{positive, positive_f32, seed};
 use super::inspect::load;
 use super::output::{Failure, Output, folder};
 use clap::Args;
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
+use leastaction::processor::Board;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_firmware_sim::{Incidents, Summary};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Run a model in the fixed-step firmware loop against the exact mechanism.
 ///
 /// The loop has quantised, noisy encoders and an actuator with one tick of delay; the firmware knows nothing but the
 /// model. Writes trace.csv (one line a tick) and run.svg; the same seed gives the same trace, bit for bit. Exit code 1
 /// where the goal of the scenario is not reached.
+///
+/// With --on, the firmware is the image of an emulated board, which holds the model in its flash and is asked tick by
+/// tick over its serial line; the trace is the same, bit for bit. It takes QEMU, and images built by
+/// firmware-sim/chip/run.sh --build.
 ///
 /// Example: leastaction simulate model.postcard --scenario swing-up --seed 3
 #[derive(Args)]
@@ -47,6 +55,15 @@ pub struct Simulate {
     /// Time from tick to tick, s [default: 0.01].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     tick: Option<f32>,
+    /// Run the controller on an emulated board.
+    #[arg(long, value_enum, value_name = "BOARD")]
+    on: Option<Board>,
+    /// The controller's image for the board [default: the one built in the repository].
+    #[arg(long, requires = "on", value_name = "FILE")]
+    image: Option<PathBuf>,
+    /// Longest wait for an answer of the board, s.
+    #[arg(long, requires = "on", default_value_t = 20.0, value_parser = positive, allow_negative_numbers = true)]
+    timeout: f64,
     /// The folder to write to.
     #[arg(short, long, default_value = "simulation", value_name = "DIR")]
     output: PathBuf,
@@ -66,6 +83,10 @@ pub struct Report {
     units: [String; 2],
     /// Of all noise.
     pub seed: u64,
+    /// What ran the controller.
+    pub processor: String,
+    /// Median and largest number of instructions in a tick, where they are counted.
+    pub tick_instructions: Option<[u32; 2]>,
     /// Whether the goal was reached.
     pub success: bool,
     /// How many.
@@ -110,23 +131,48 @@ impl Simulate {
         let (model, _) = load(&self.model)?;
         let mechanism = self.system.map_or_else(|| mechanism(&self.model, &model), Ok)?;
         let Self { scenario, seed, seconds, tick, .. } = self;
-        let request = Request { model: &model, mechanism, scenario, seed, seconds, tick };
+        let target = self.target()?;
+        let on = target.as_ref();
+        let request = Request { model: &model, mechanism, scenario, seed, seconds, tick, on };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         let report = simulate(&self.model, &request, files)?;
         output.report(&report)?;
         report.judge()
     }
+
+    fn target(&self) -> Result<Option<Target>, Failure> {
+        let patience = Duration::try_from_secs_f64(self.timeout)
+            .map_err(|error| Failure::Input(format!("--timeout: {error}")))?;
+        let (image, model) = (self.image.clone(), self.model.clone());
+        Ok(self.on.map(|board| Target { board, image, model, patience }))
+    }
 }
 
 /// Runs a scenario and writes its trace and its picture.
 pub fn simulate(file: &Path, request: &Request, [trace, picture]: [PathBuf; 2]) -> Result<Report, Failure> {
     let mut rows = Trace::default();
-    let mut report = scenario::run(request, &mut rows)?;
+    let mut report = scenario::run(request, &mut rows).map_err(|failure| cut(failure, &rows, &trace))?;
     rows.write(&trace).map_err(|error| Failure::file(&trace, error))?;
     draw(&picture, request, &rows)?;
     (report.model, report.trace, report.picture) = (file.to_owned(), trace, picture);
     Ok(report)
+}
+
+/// A run that did not come to its end: what there is of its trace is kept.
+fn cut(failure: Failure, rows: &Trace, file: &Path) -> Failure {
+    if rows.rows.is_empty() {
+        return failure;
+    }
+    let kept = match rows.write(file) {
+        Ok(()) => format!("the ticks before are in {}", file.display()),
+        Err(error) => format!("{}: {error}", file.display()),
+    };
+    match failure {
+        Failure::Work(message) => Failure::Work(format!("{message}; {kept}")),
+        Failure::Interrupted(message) => Failure::Interrupted(format!("{message}; {kept}")),
+        other => other,
+    }
 }
 
 /// The mechanism whose coordinates are those of the model.
@@ -152,6 +198,8 @@ impl Report {
             system: request.mechanism.name(),
             units: [POSITION, FORCE].map(|units| units_of(request.mechanism, units)),
             seed: request.seed,
+            processor: "host".to_owned(),
+            tick_instructions: None,
             success: summary.success,
             ticks: summary.ticks,
             settled_at: summary.settled_at,
@@ -171,6 +219,25 @@ impl Report {
             trace: PathBuf::new(),
             picture: PathBuf::new(),
         }
+    }
+
+    fn controller(&self) -> String {
+        let processor = &self.processor;
+        match self.tick_instructions {
+            None | Some([_, 0]) => processor.clone(),
+            Some([median, largest]) => {
+                format!("{processor}, {median} instructions a tick (median), {largest} at most")
+            }
+        }
+    }
+
+    /// Names what ran the controller, and what its ticks took.
+    fn on_processor(&mut self, name: &str, instructions: &[u32]) {
+        let mut sorted = instructions.to_vec();
+        sorted.sort_unstable();
+        name.clone_into(&mut self.processor);
+        let both = sorted.get(sorted.len() / 2).zip(sorted.last());
+        self.tick_instructions = both.map(|(median, largest)| [*median, *largest]);
     }
 
     /// An error where the goal was not reached.
@@ -213,6 +280,7 @@ impl fmt::Display for Report {
         writeln!(f, "{} of the {}, seed {}: {goal}, {settled}", self.scenario, self.system, self.seed)?;
         let [q, u] = &self.units;
         let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<32} {value}");
+        line(f, "controller on", &self.controller())?;
         line(f, "ticks", &format!("{} (model errors: {})", self.ticks, self.model_errors))?;
         line(f, &format!("error, rms ({q})"), &list(&self.rms_error))?;
         line(f, "error, largest", &list(&self.max_error))?;

@@ -27,7 +27,8 @@ pub fn draw(file: &Path, request: &Request, trace: &Trace) -> Result<(), Failure
 fn title(request: &Request) -> String {
     let zero = if request.mechanism == Mechanism::Acrobot { "hanging" } else { "upright" };
     let (scenario, system, seed) = (request.scenario, request.mechanism.name(), request.seed);
-    format!("{scenario} of the {system}, seed {seed} (θ = 0: {zero})")
+    let processor = request.on.map_or_else(String::new, |target| format!(", on a {}", target.board.name()));
+    format!("{scenario} of the {system}, seed {seed}{processor} (θ = 0: {zero})")
 }
 
 /// What the coordinates are called.

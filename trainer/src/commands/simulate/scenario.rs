@@ -1,5 +1,6 @@
 //! The scenarios of the firmware loop, with the model's sizes made types.
 
+use super::remote::Target;
 use super::{Report, Trace};
 use crate::commands::output::Failure;
 use clap::ValueEnum;
@@ -10,11 +11,10 @@ use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_core::model::ModelError;
 use leastaction_firmware_sim::observer::Order;
-use leastaction_firmware_sim::scenario::{
-    Predict, Setup, SwingUpConfig, TrackConfig, predict, swing_up_cartpole, swing_up_pendulum, track,
-};
-use leastaction_firmware_sim::{SetupError, Summary, Tick};
+use leastaction_firmware_sim::scenario::{Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on};
+use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary};
 use serde::Serialize;
+use std::convert::Infallible;
 use std::fmt;
 
 /// What the loop does.
@@ -54,6 +54,8 @@ pub struct Request<'a> {
     pub seconds: Option<f32>,
     /// From tick to tick, s.
     pub tick: Option<f32>,
+    /// What runs the controller; this machine where nothing is named.
+    pub on: Option<&'a Target>,
 }
 
 impl Request<'_> {
@@ -77,6 +79,12 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
             "the model has {found} coordinates, the {system} has {needed}; choose another --system"
         )));
     }
+    if request.on.is_some() && request.scenario == Scenario::Predict {
+        return Err(Failure::Input(
+            "predict has no controller to be run elsewhere; leave out --on, or take track or swing-up"
+                .to_owned(),
+        ));
+    }
     let wide = architecture.widths().iter().any(|width| *width > 32);
     match (request.mechanism, wide) {
         (Mechanism::Pendulum, false) => pendulum::<32>(request, trace),
@@ -96,25 +104,25 @@ fn pendulum<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Repo
     let weights = request.model.weights_f32();
     let model = rigid(request)?.system::<f32, 1, H>(&weights).map_err(refused)?;
     let plant = System::conservative(PENDULUM);
-    let sink = |tick: &Tick<1>| trace.push(tick);
-    let summary = match request.scenario {
+    match request.scenario {
         Scenario::Predict => {
             let mut config = Predict::<1>::pendulum();
             request.adapt(&mut config.setup);
-            predict(&plant, &model, &config, sink)
+            reported(request, predict(&plant, &model, &config, |tick| trace.push(tick)))
         }
         Scenario::Track => {
             let mut config = TrackConfig::<1>::pendulum();
             request.adapt(&mut config.setup);
-            track(&plant, &model, &config, sink)
+            let program = config.program();
+            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
         }
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup);
-            swing_up_pendulum(&plant, &model, &config, sink)
+            let program = config.program();
+            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
         }
-    };
-    reported(request, summary)
+    }
 }
 
 fn two_coordinates<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
@@ -122,40 +130,61 @@ fn two_coordinates<const H: usize>(request: &Request, trace: &mut Trace) -> Resu
     let model = rigid(request)?.system::<f32, 2, H>(&weights).map_err(refused)?;
     let acrobot = request.mechanism == Mechanism::Acrobot;
     let plant = System::conservative(if acrobot { ACROBOT } else { CARTPOLE });
-    let sink = |tick: &Tick<2>| trace.push(tick);
-    let summary = match (request.scenario, acrobot) {
+    match (request.scenario, acrobot) {
         (Scenario::Predict, _) => {
             let mut config = if acrobot { Predict::<2>::acrobot() } else { Predict::<2>::cartpole() };
             request.adapt(&mut config.setup);
-            predict(&plant, &model, &config, sink)
+            reported(request, predict(&plant, &model, &config, |tick| trace.push(tick)))
         }
         (Scenario::Track, _) => {
             let mut config = if acrobot { TrackConfig::<2>::acrobot() } else { TrackConfig::<2>::cartpole() };
             request.adapt(&mut config.setup);
-            track(&plant, &model, &config, sink)
+            let program = config.program();
+            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
         }
         (Scenario::SwingUp, false) => {
             let mut config = SwingUpConfig::<2>::cartpole();
             request.adapt(&mut config.setup);
-            swing_up_cartpole(&plant, &model, &config, sink)
+            let program = config.program();
+            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
         }
         (Scenario::SwingUp, true) => {
-            return Err(Failure::Input(
-                "there is no swing-up of the acrobot; take predict or track".to_owned(),
-            ));
+            Err(Failure::Input("there is no swing-up of the acrobot; take predict or track".to_owned()))
         }
-    };
-    reported(request, summary)
+    }
+}
+
+/// Runs a program, which has the firmware here, here or on the processor asked for.
+fn closed_loop<P: firmware_sim::Mechanism<N>, R: Processor<N, Error = Infallible>, const N: usize>(
+    request: &Request,
+    plant: &P,
+    setup: &Setup<N>,
+    (program, firmware): (&Program<N>, Result<R, SetupError>),
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    setup.validate().map_err(misused)?;
+    let firmware = firmware.map_err(misused)?;
+    match request.on {
+        None => {
+            let summary = run_on(plant, firmware, setup, |tick| trace.push(tick));
+            reported(request, summary.map_err(SetupError::from))
+        }
+        Some(target) => target.run(request, plant, setup, program, trace),
+    }
 }
 
 fn reported<const N: usize>(
     request: &Request,
     summary: Result<Summary<N>, SetupError>,
 ) -> Result<Report, Failure> {
-    match summary {
-        Ok(summary) => Ok(Report::new(request, &summary)),
-        Err(error @ SetupError::OutOfRange { .. }) => Err(Failure::Input(error.to_string())),
-        Err(error) => Err(Failure::Work(error.to_string())),
+    Ok(Report::new(request, &summary.map_err(misused)?))
+}
+
+/// A configuration that cannot be run.
+pub(super) fn misused(error: SetupError) -> Failure {
+    match error {
+        SetupError::OutOfRange { .. } => Failure::Input(error.to_string()),
+        _ => Failure::Work(error.to_string()),
     }
 }
 

@@ -1,0 +1,118 @@
+//! Bytes of a frame: a postcard document, its CRC-32, and COBS around both, so that a 0 ends a frame and is nowhere else.
+//!
+//! COBS is of Cheshire and Baker, "Consistent Overhead Byte Stuffing", SIGCOMM 1997. A frame is too short for a block of
+//! 254 bytes, so that every block stands for a 0 behind it.
+
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use serde::Serialize;
+use serde::de::Deserialize;
+
+/// Bytes of a document and its checksum at most; all messages of 2 coordinates are shorter.
+pub const MAX_FRAME: usize = 192;
+
+const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+const CRC_BYTES: usize = 4;
+
+/// A frame that arrived is none: a byte of it was lost, changed or added, or it is too long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Broken;
+
+/// A document and its checksum.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    bytes: [u8; MAX_FRAME],
+    length: usize,
+}
+
+impl Frame {
+    const fn empty() -> Self {
+        Self { bytes: [0; MAX_FRAME], length: 0 }
+    }
+
+    /// A message; [`Broken`] where it does not fit.
+    pub fn of(message: &impl Serialize) -> Result<Self, Broken> {
+        let mut frame = Self::empty();
+        let length = postcard::to_slice(message, &mut frame.bytes).map_err(|_| Broken)?.len();
+        let sum = CRC.checksum(frame.bytes.get(..length).ok_or(Broken)?);
+        let room = frame.bytes.get_mut(length..).and_then(|rest| rest.first_chunk_mut()).ok_or(Broken)?;
+        *room = sum.to_le_bytes();
+        frame.length = length + CRC_BYTES;
+        Ok(frame)
+    }
+
+    /// Hands over the bytes as they go over the link, to the first error.
+    pub fn send<E>(&self, mut to: impl FnMut(u8) -> Result<(), E>) -> Result<(), E> {
+        let bytes = self.bytes.get(..self.length).unwrap_or(&[]);
+        for run in bytes.split(|byte| *byte == 0) {
+            to(run.len() as u8 + 1)?;
+            run.iter().try_for_each(|byte| to(*byte))?;
+        }
+        to(0)
+    }
+
+    /// The message in it; [`Broken`] where the checksum is another, or it is none of this kind, or goes on behind it.
+    pub fn message<'a, T: Deserialize<'a>>(&'a self) -> Result<T, Broken> {
+        match postcard::take_from_bytes(self.document()?) {
+            Ok((message, [])) => Ok(message),
+            _ => Err(Broken),
+        }
+    }
+
+    /// The message that a document begins with, whatever follows.
+    pub(super) fn beginning<'a, T: Deserialize<'a>>(&'a self) -> Result<T, Broken> {
+        postcard::take_from_bytes(self.document()?).map(|(message, _)| message).map_err(|_| Broken)
+    }
+
+    fn document(&self) -> Result<&[u8], Broken> {
+        let bytes = self.bytes.get(..self.length).ok_or(Broken)?;
+        let (document, sum) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(Broken)?;
+        if CRC.checksum(document) == u32::from_le_bytes(*sum) { Ok(document) } else { Err(Broken) }
+    }
+
+    fn push(&mut self, byte: u8) -> Result<(), Broken> {
+        *self.bytes.get_mut(self.length).ok_or(Broken)? = byte;
+        self.length += 1;
+        Ok(())
+    }
+}
+
+/// Puts arriving bytes together to frames.
+#[derive(Clone, Debug)]
+pub struct Receiver {
+    frame: Frame,
+    /// Bytes to the end of a block; `None` before the first.
+    left: Option<u8>,
+    broken: bool,
+}
+
+impl Default for Receiver {
+    fn default() -> Self {
+        Self { frame: Frame::empty(), left: None, broken: false }
+    }
+}
+
+impl Receiver {
+    /// Takes a byte: the frame that it ends, if it ends one. After a broken frame the next is read as if nothing had been.
+    pub fn push(&mut self, byte: u8) -> Option<Result<Frame, Broken>> {
+        if byte != 0 {
+            self.broken |= self.take(byte).is_err();
+            return None;
+        }
+        let Self { frame, left, broken } = core::mem::take(self);
+        // Zeros between frames end nothing.
+        (left.is_some() || broken).then(|| if broken || left != Some(0) { Err(Broken) } else { Ok(frame) })
+    }
+
+    fn take(&mut self, byte: u8) -> Result<(), Broken> {
+        match self.left {
+            Some(left @ 1..) => {
+                self.left = Some(left - 1);
+                return self.frame.push(byte);
+            }
+            Some(0) => self.frame.push(0)?,
+            None => {}
+        }
+        self.left = Some(byte - 1);
+        Ok(())
+    }
+}

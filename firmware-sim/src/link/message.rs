@@ -1,0 +1,101 @@
+use super::frame::{Broken, Frame};
+use super::refusal::Refusal;
+use crate::firmware::Outcome;
+use crate::program::Program;
+use crate::wire::array;
+use serde::{Deserialize, Serialize};
+
+/// Version of the messages: the first byte of every document.
+pub const VERSION: u8 = 1;
+
+/// What the world asks of a processor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Request<const N: usize> {
+    /// To load the model in its flash and run a program from the beginning.
+    Begin(Program<N>),
+    /// To run a tick.
+    Tick(Samples<N>),
+    /// To end.
+    End,
+}
+
+/// What a tick begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Samples<const N: usize> {
+    /// The number of the request; its answer has the same.
+    pub sequence: u32,
+    /// When the tick is due, s.
+    pub time: f32,
+    /// Ticks since the last one that was run.
+    pub elapsed: u32,
+    /// Encoder readings, rad or m; `None` where dropped.
+    #[serde(with = "array")]
+    pub measured: [Option<f32>; N],
+}
+
+/// What a processor answers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Answer<'a, const N: usize> {
+    /// The program can run.
+    Ready {
+        /// The processor's own name.
+        processor: &'a str,
+    },
+    /// A tick was run.
+    Done(Done<N>),
+    /// The request is refused.
+    Refused(Refusal),
+}
+
+/// A tick that was run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Done<const N: usize> {
+    /// The number of the request.
+    pub sequence: u32,
+    /// What the firmware made of it.
+    pub outcome: Outcome<N>,
+    /// Instructions that it took; 0 where nobody counts.
+    pub instructions: u32,
+}
+
+/// Coordinates that programs are made for.
+pub const MAX_COORDINATES: u8 = 2;
+
+/// The beginning of a request: version and coordinates.
+pub(super) type Head = (u8, u8);
+
+/// The frame of a request.
+pub fn request<const N: usize>(request: &Request<N>) -> Result<Frame, Broken> {
+    Frame::of(&(VERSION, N as u8, request))
+}
+
+/// The request in a frame.
+///
+/// # Errors
+/// Why it is none in N coordinates.
+pub fn requested<const N: usize>(frame: &Frame) -> Result<Request<N>, Refusal> {
+    let (version, coordinates): Head = frame.beginning().map_err(|_| Refusal::Frame)?;
+    if version != VERSION {
+        return Err(Refusal::Version { supported: VERSION });
+    }
+    if usize::from(coordinates) != N {
+        return Err(Refusal::Coordinates { supported: MAX_COORDINATES });
+    }
+    frame.message::<(u8, u8, _)>().map(|(_, _, request)| request).map_err(|_| Refusal::Frame)
+}
+
+/// The frame of an answer.
+pub fn answer<const N: usize>(answer: &Answer<'_, N>) -> Result<Frame, Broken> {
+    Frame::of(&(VERSION, answer))
+}
+
+/// The answer in a frame.
+///
+/// # Errors
+/// Where it is none in N coordinates, or of another version.
+pub fn answered<const N: usize>(frame: &Frame) -> Result<Answer<'_, N>, Broken> {
+    match frame.message()? {
+        (VERSION, answer) => Ok(answer),
+        _ => Err(Broken),
+    }
+}

@@ -1,0 +1,132 @@
+use super::frame::{Frame, Receiver};
+use super::message::{Answer, Done, Request, Samples, answer, requested};
+use super::refusal::Refusal;
+use crate::Mechanism;
+use crate::control::Controller;
+use crate::error::SetupError;
+use crate::firmware::Firmware;
+use leastaction_core::model::{ModelError, RigidModel};
+
+/// A board's end of a link.
+pub trait Port {
+    /// Why no byte comes or goes any more.
+    type Error;
+
+    /// Waits for a byte.
+    ///
+    /// # Errors
+    /// Where none will come.
+    fn receive(&mut self) -> Result<u8, Self::Error>;
+    /// Sends a byte.
+    ///
+    /// # Errors
+    /// Where it cannot go.
+    fn send(&mut self, byte: u8) -> Result<(), Self::Error>;
+    /// Does some work, and counts its instructions where the board can.
+    fn count<T>(&mut self, work: impl FnOnce() -> T) -> (u32, T) {
+        (0, work())
+    }
+}
+
+/// Serves requests until one is to end: programs over a rigid model of 1 or 2 coordinates with at most `D` hidden layers
+/// of at most `H` units, borrowed where it lies, in the name of a processor.
+///
+/// # Errors
+/// The port's own.
+pub fn serve<P: Port, const H: usize, const D: usize>(
+    port: &mut P,
+    model: Option<&[u8]>,
+    processor: &str,
+) -> Result<(), P::Error> {
+    let mut link = Link { port, receiver: Receiver::default(), processor };
+    let mut next = link.receive()?;
+    loop {
+        next = match (requested::<1>(&next), requested::<2>(&next)) {
+            (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
+            (Ok(Request::Begin(program)), _) => {
+                let model = load(model, RigidModel::<1, H, D>::load);
+                link.program(model.as_ref().map(|model| &model.system), |model| program.start(model))?
+            }
+            (_, Ok(Request::Begin(program))) => {
+                let model = load(model, RigidModel::<2, H, D>::load);
+                link.program(model.as_ref().map(|model| &model.system), |model| program.start(model))?
+            }
+            (Ok(Request::Tick(_)), _) | (_, Ok(Request::Tick(_))) => link.refuse(Refusal::NotBegun)?,
+            (Err(Refusal::Coordinates { .. }), Err(refusal)) | (Err(refusal), Err(_)) => {
+                link.refuse(refusal)?
+            }
+        };
+    }
+}
+
+fn load<'a, T>(
+    file: Option<&'a [u8]>,
+    load: impl FnOnce(&'a [u8]) -> Result<T, ModelError>,
+) -> Result<T, Refusal> {
+    Ok(load(file.ok_or(Refusal::NoModel)?)?)
+}
+
+/// A port with frames.
+struct Link<'a, P> {
+    port: &'a mut P,
+    receiver: Receiver,
+    processor: &'a str,
+}
+
+impl<P: Port> Link<'_, P> {
+    /// Waits for a whole frame; broken ones are refused on the way.
+    fn receive(&mut self) -> Result<Frame, P::Error> {
+        loop {
+            let byte = self.port.receive()?;
+            match self.receiver.push(byte) {
+                None => {}
+                Some(Ok(frame)) => return Ok(frame),
+                Some(Err(_)) => self.send(&Answer::<1>::Refused(Refusal::Frame))?,
+            }
+        }
+    }
+
+    fn send<const N: usize>(&mut self, message: &Answer<'_, N>) -> Result<(), P::Error> {
+        match answer(message) {
+            Ok(frame) => frame.send(|byte| self.port.send(byte)),
+            // No answer is longer than a frame; if one were, the other end would hear nothing, and say so.
+            Err(_) => Ok(()),
+        }
+    }
+
+    fn refuse(&mut self, refusal: Refusal) -> Result<Frame, P::Error> {
+        self.send(&Answer::<1>::Refused(refusal))?;
+        self.receive()
+    }
+
+    /// Starts a program, and runs its ticks up to the first frame that is none.
+    fn program<'m, M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
+        &mut self,
+        model: Result<&'m M, &Refusal>,
+        start: impl FnOnce(&'m M) -> Result<Firmware<'m, M, C, N>, SetupError>,
+    ) -> Result<Frame, P::Error> {
+        let started = match model {
+            Ok(model) => start(model).map_err(Refusal::from),
+            Err(refusal) => Err(*refusal),
+        };
+        match started {
+            Ok(firmware) => self.ticks(firmware),
+            Err(refusal) => self.refuse(refusal),
+        }
+    }
+
+    fn ticks<M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
+        &mut self,
+        mut firmware: Firmware<'_, M, C, N>,
+    ) -> Result<Frame, P::Error> {
+        let ready: Answer<'_, N> = Answer::Ready { processor: self.processor };
+        self.send(&ready)?;
+        loop {
+            let frame = self.receive()?;
+            let Ok(Request::Tick(samples)) = requested::<N>(&frame) else { return Ok(frame) };
+            let Samples { sequence, time, elapsed, measured } = samples;
+            let (instructions, outcome) = self.port.count(|| firmware.run(time, elapsed, &measured));
+            self.send(&Answer::Done(Done { sequence, outcome, instructions }))?;
+        }
+    }
+}

@@ -1,0 +1,142 @@
+use crate::Mechanism;
+use crate::control::{
+    CartPump, Catch, Controller, Gains, JointPump, Law, PumpConfig, Reference, Regulator, SwingUp, Tolerance,
+    Track,
+};
+use crate::devices::ActuatorConfig;
+use crate::error::{SetupError, require};
+use crate::firmware::Firmware;
+use crate::observer::ObserverConfig;
+use crate::wire::array;
+use serde::{Deserialize, Serialize};
+
+/// All that the firmware is told of a scenario, wherever it runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Program<const N: usize> {
+    /// The tick h > 0, s.
+    pub tick: f32,
+    /// Which encoders read angles, and so forget whole turns.
+    #[serde(with = "array")]
+    pub angle: [bool; N],
+    /// The limits of the actuators; their delay is the observer's to know.
+    pub actuator: ActuatorConfig<N>,
+    /// How the firmware steps its model and estimates the state.
+    pub observer: ObserverConfig,
+    /// What the controller is for.
+    pub task: Task<N>,
+}
+
+/// What a controller is for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Task<const N: usize> {
+    /// Following a motion.
+    Track {
+        /// The motion.
+        reference: Reference<N>,
+        /// The feedback.
+        gains: Gains,
+    },
+    /// Bringing the last coordinate upright, θ = 0, by a force on the first, and holding it there.
+    SwingUp {
+        /// How energy is pumped in.
+        pump: PumpConfig,
+        /// What the regulator weighs.
+        tolerance: Tolerance<N>,
+        /// When the regulator takes over.
+        catch: Catch,
+    },
+}
+
+impl<const N: usize> Task<N> {
+    /// Where the mechanism should be at time t, s.
+    pub fn reference(&self, t: f32) -> [f32; N] {
+        match self {
+            Self::Track { reference, .. } => reference.at(t).q,
+            Self::SwingUp { .. } => [0.0; N],
+        }
+    }
+
+    fn validate(&self) -> Result<(), SetupError> {
+        match self {
+            Self::Track { reference, gains } => reference.validate().and_then(|()| gains.validate()),
+            Self::SwingUp { catch, .. } => catch.validate(),
+        }
+    }
+}
+
+impl<const N: usize> Program<N> {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+        require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
+        self.actuator.validate()?;
+        self.observer.validate()?;
+        self.task.validate()
+    }
+
+    pub(crate) fn firmware<'m, M: Mechanism<N>, C: Controller<M, N>>(
+        &self,
+        model: &'m M,
+        controller: C,
+    ) -> Firmware<'m, M, C, N> {
+        Firmware::new(model, controller, self.tick, self.angle, &self.observer, self.actuator)
+    }
+
+    /// The controller over a model, with a pump made by `pump`; D is 2N.
+    fn law<M: Mechanism<N>, P, const D: usize>(
+        &self,
+        model: &M,
+        pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
+    ) -> Result<Law<P, N>, SetupError> {
+        self.validate()?;
+        match self.task {
+            Task::Track { reference, gains } => Ok(Law::Track(self.track(reference, gains))),
+            Task::SwingUp { pump: config, tolerance, catch } => {
+                let pump = pump(model, 0.0, config)?;
+                let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, self.tick)?;
+                Ok(Law::SwingUp(self.swing_up(pump, regulator, catch)))
+            }
+        }
+    }
+
+    pub(crate) fn track(&self, reference: Reference<N>, gains: Gains) -> Track<N> {
+        let delay = f32::from(self.observer.delay) * self.tick;
+        Track { reference, gains, angle: self.angle, delay, middle: 0.5 * self.tick }
+    }
+
+    fn swing_up<P>(&self, pump: P, regulator: Regulator<N>, catch: Catch) -> SwingUp<P, N> {
+        SwingUp {
+            pump,
+            regulator,
+            catch,
+            swinging: N - 1,
+            angle: self.angle,
+            limit: self.actuator.limit.first().copied().unwrap_or(0.0),
+            holding: false,
+        }
+    }
+}
+
+impl Program<1> {
+    /// The firmware over a model of a pendulum, q = θ.
+    ///
+    /// # Errors
+    /// Numbers out of range, and models that no feedback holds upright.
+    pub fn start<'m, M: Mechanism<1>>(
+        &self,
+        model: &'m M,
+    ) -> Result<Firmware<'m, M, Law<JointPump, 1>, 1>, SetupError> {
+        Ok(self.firmware(model, self.law::<M, _, 2>(model, JointPump::new)?))
+    }
+}
+
+impl Program<2> {
+    /// The firmware over a model of a cart and its pole, q = (x, θ); of any two coordinates where it is to follow a motion.
+    ///
+    /// # Errors
+    /// Numbers out of range, and models that no feedback holds upright.
+    pub fn start<'m, M: Mechanism<2>>(
+        &self,
+        model: &'m M,
+    ) -> Result<Firmware<'m, M, Law<CartPump, 2>, 2>, SetupError> {
+        Ok(self.firmware(model, self.law::<M, _, 4>(model, CartPump::new)?))
+    }
+}

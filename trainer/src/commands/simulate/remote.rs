@@ -1,0 +1,84 @@
+//! The controller on another processor.
+
+use super::scenario::misused;
+use super::{Report, Request, Trace};
+use crate::commands::interrupt;
+use crate::commands::output::Failure;
+use leastaction::processor::{Board, Emulator, LinkError, Remote};
+use leastaction_firmware_sim::scenario::{RunError, Setup, run_on};
+use leastaction_firmware_sim::{Mechanism, Program};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// What runs the controller.
+pub struct Target {
+    /// The board.
+    pub board: Board,
+    /// The controller's image, where it is not the built one.
+    pub image: Option<PathBuf>,
+    /// The model file, which goes into the board's flash.
+    pub model: PathBuf,
+    /// Longest wait for an answer.
+    pub patience: Duration,
+}
+
+impl Target {
+    /// Runs a program on it against a plant.
+    pub fn run<P: Mechanism<N>, const N: usize>(
+        &self,
+        request: &Request,
+        plant: &P,
+        setup: &Setup<N>,
+        program: &Program<N>,
+        trace: &mut Trace,
+    ) -> Result<Report, Failure> {
+        let name = self.board.name();
+        let mut remote =
+            Remote::begin(self.start()?, program, self.patience).map_err(|error| not_begun(error, name))?;
+        if remote.name() != name {
+            return Err(Failure::Work(format!(
+                "the image on the {name} says that it is a {}",
+                remote.name()
+            )));
+        }
+        let summary =
+            run_on(plant, &mut remote, setup, |tick| trace.push(tick)).map_err(|error| match error {
+                RunError::Setup(error) => misused(error),
+                RunError::Processor { tick, error } => failure(error, &format!("{name}, tick {tick}")),
+            })?;
+        let mut report = Report::new(request, &summary);
+        report.on_processor(remote.name(), remote.instructions());
+        // The run is over, and so is the emulator soon, one way or the other.
+        if let Ok(emulator) = remote.end() {
+            emulator.finish();
+        }
+        Ok(report)
+    }
+
+    fn start(&self) -> Result<Emulator, Failure> {
+        let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
+        let image = self.board.image(self.image.as_deref()).map_err(|error| failed(&error))?;
+        Emulator::start(self.board, &image, &self.model, interrupt::flag()?).map_err(|error| failed(&error))
+    }
+}
+
+/// A processor that says nothing at all is likely to run something else.
+fn not_begun(error: LinkError, name: &str) -> Failure {
+    let hint = match &error {
+        LinkError::Timeout(_) | LinkError::Closed(_) | LinkError::Broken => {
+            "; is the image the controller's, and of this board?"
+        }
+        _ => "",
+    };
+    match failure(error, &format!("{name}, before the first tick")) {
+        Failure::Work(message) => Failure::Work(message + hint),
+        other => other,
+    }
+}
+
+fn failure(error: LinkError, place: &str) -> Failure {
+    match error {
+        LinkError::Interrupted => Failure::Interrupted(format!("{place}: interrupted")),
+        _ => Failure::Work(format!("{place}: {error}")),
+    }
+}

@@ -1,0 +1,177 @@
+use clap::ValueEnum;
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// An emulated board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Board {
+    /// Cortex-M4 with a floating-point unit (Arm MPS2, AN386).
+    CortexM4,
+    /// Cortex-M7 (Arm MPS2, AN500).
+    CortexM7,
+    /// 32-bit RISC-V without a floating-point unit (QEMU's "virt").
+    Riscv,
+}
+
+/// Why a board cannot be emulated.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum BoardError {
+    /// No image.
+    #[error(
+        "there is no image for {board}; `firmware-sim/chip/run.sh --build` in the repository makes {expected}, or name one with --image"
+    )]
+    NoImage {
+        /// The board's name.
+        board: &'static str,
+        /// Where it is built.
+        expected: PathBuf,
+    },
+    /// A file that was named is not there.
+    #[error("{0}: there is no such image; `firmware-sim/chip/run.sh --build` builds them")]
+    NotAFile(PathBuf),
+    /// A path that the emulator cannot be told.
+    #[error("{0:?}: the emulator takes paths in UTF-8 only")]
+    Path(PathBuf),
+    /// More than fits.
+    #[error("the model has {bytes} bytes, the image has room for {}", Board::ROOM)]
+    TooLarge {
+        /// Of the file.
+        bytes: u64,
+    },
+    /// No emulator.
+    #[error("{emulator} is not installed (Debian, Ubuntu: apt-get install {package})")]
+    NoEmulator {
+        /// The program.
+        emulator: &'static str,
+        /// What brings it.
+        package: &'static str,
+    },
+}
+
+impl Board {
+    /// Bytes of a model file at most: the slot in flash, but for its two words.
+    pub const ROOM: u64 = (64 << 10) - 8;
+
+    /// The processor's name, as it tells it itself.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::CortexM4 => "cortex-m4f",
+            Self::CortexM7 => "cortex-m7",
+            Self::Riscv => "riscv32imac",
+        }
+    }
+
+    /// The program that emulates it.
+    pub const fn emulator(self) -> &'static str {
+        if matches!(self, Self::Riscv) { "qemu-system-riscv32" } else { "qemu-system-arm" }
+    }
+
+    /// The package that brings the emulator.
+    pub const fn package(self) -> &'static str {
+        if matches!(self, Self::Riscv) { "qemu-system-misc" } else { "qemu-system-arm" }
+    }
+
+    const fn target(self) -> &'static str {
+        if matches!(self, Self::Riscv) { "riscv32imac-unknown-none-elf" } else { "thumbv7em-none-eabihf" }
+    }
+
+    const fn machine(self) -> &'static str {
+        match self {
+            Self::CortexM4 => "mps2-an386",
+            Self::CortexM7 => "mps2-an500",
+            Self::Riscv => "virt",
+        }
+    }
+
+    /// Address of the slot of a model: two words and the file (`_slot` in `firmware-sim/chip/memory`).
+    const fn slot(self) -> u32 {
+        if matches!(self, Self::Riscv) { 0x803f_0000 } else { 0x003f_0000 }
+    }
+
+    /// The controller's image: the one named, or the one built in the repository that holds this program or in which it is
+    /// called. `LEASTACTION_CHIP_TARGET` names another folder of builds.
+    ///
+    /// # Errors
+    /// Where there is none.
+    pub fn image(self, named: Option<&Path>) -> Result<PathBuf, BoardError> {
+        if let Some(image) = named {
+            return if image.is_file() {
+                Ok(image.to_owned())
+            } else {
+                Err(BoardError::NotAFile(image.to_owned()))
+            };
+        }
+        let below = |folder: PathBuf| folder.join(self.name()).join(self.target()).join("release/controller");
+        let images: Vec<PathBuf> = build_folders().into_iter().map(below).collect();
+        let expected = images.first().cloned().unwrap_or_else(|| below("target/chip".into()));
+        let found = images.into_iter().find(|image| image.is_file());
+        found.ok_or(BoardError::NoImage { board: self.name(), expected })
+    }
+
+    /// Arguments of the emulator: an image, a model in its slot, the serial line on stdin and stdout.
+    ///
+    /// # Errors
+    /// A path that cannot be told.
+    pub(super) fn arguments(
+        self,
+        image: &Path,
+        model: &Path,
+        bytes: u64,
+    ) -> Result<Vec<OsString>, BoardError> {
+        if bytes > Self::ROOM {
+            return Err(BoardError::TooLarge { bytes });
+        }
+        let (length_at, model_at) = (self.slot() + 4, self.slot() + 8);
+        let model = option_value(model)?;
+        let devices = [
+            format!("loader,addr={length_at:#x},data={bytes},data-len=4"),
+            format!("loader,addr={model_at:#x},file={model},force-raw=on"),
+        ];
+        let mut words: Vec<OsString> = ["-M", self.machine()].map(OsString::from).into();
+        if self == Self::Riscv {
+            words.extend(["-bios", "none"].map(OsString::from));
+        }
+        words.extend(OUTSIDE.map(OsString::from));
+        words.extend(devices.into_iter().flat_map(|device| ["-device".into(), device.into()]));
+        words.extend(["-kernel".into(), image.into()]);
+        Ok(words)
+    }
+}
+
+/// No window, no console; one instruction a virtual nanosecond, for counts that are the same at every run; semihosting to
+/// end.
+const OUTSIDE: [&str; 10] = [
+    "-display",
+    "none",
+    "-monitor",
+    "none",
+    "-serial",
+    "stdio",
+    "-semihosting-config",
+    "enable=on,target=native",
+    "-icount",
+    "shift=0",
+];
+
+/// A path as the value of an option, in which a comma is written twice.
+fn option_value(path: &Path) -> Result<String, BoardError> {
+    let text = path.to_str().ok_or_else(|| BoardError::Path(path.to_owned()))?;
+    Ok(text.replace(',', ",,"))
+}
+
+/// Where images may have been built, most likely first.
+fn build_folders() -> Vec<PathBuf> {
+    if let Some(folder) = env::var_os("LEASTACTION_CHIP_TARGET") {
+        return vec![folder.into()];
+    }
+    let here = env::current_dir().unwrap_or_default();
+    let program = env::current_exe().unwrap_or_default();
+    let roots = here.ancestors().chain(program.ancestors());
+    roots.filter(|root| is_repository(root)).map(|root| root.join("target/chip")).collect()
+}
+
+fn is_repository(folder: &Path) -> bool {
+    folder.join("firmware-sim/chip/run.sh").is_file()
+}

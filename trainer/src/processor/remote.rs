@@ -1,0 +1,121 @@
+use super::{Line, LinkError};
+use leastaction_firmware_sim::link::{Answer, Done, Frame, Receiver, Request, Samples, answered, request};
+use leastaction_firmware_sim::{Outcome, Processor, Program, Task};
+use std::convert::Infallible;
+use std::time::{Duration, Instant};
+
+/// A processor that runs a program at the other end of a line.
+#[derive(Debug)]
+pub struct Remote<L, const N: usize> {
+    messenger: Messenger<L>,
+    name: String,
+    task: Task<N>,
+    last: Outcome<N>,
+    sequence: u32,
+    instructions: Vec<u32>,
+}
+
+impl<L: Line, const N: usize> Remote<L, N> {
+    /// A processor told to begin a program; it must answer everything within `patience`.
+    ///
+    /// # Errors
+    /// Where it does not, or refuses the program or its model.
+    pub fn begin(line: L, program: &Program<N>, patience: Duration) -> Result<Self, LinkError> {
+        let mut messenger = Messenger { line, receiver: Receiver::default(), patience };
+        let frame = messenger.ask(&Request::Begin(*program))?;
+        let name = match answer::<N>(&frame)? {
+            Answer::Ready { processor } => processor.to_owned(),
+            _ => return Err(LinkError::OutOfStep),
+        };
+        let (last, instructions) = (Outcome::waiting(), Vec::new());
+        Ok(Self { messenger, name, task: program.task, last, sequence: 0, instructions })
+    }
+
+    /// The processor's own name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Instructions of every tick that it ran; zeros where it does not count.
+    pub fn instructions(&self) -> &[u32] {
+        &self.instructions
+    }
+
+    /// Tells the processor that this is all, and gives back the line.
+    ///
+    /// # Errors
+    /// Where it cannot be told.
+    pub fn end(mut self) -> Result<L, LinkError> {
+        self.messenger.send::<N>(&Request::End)?;
+        Ok(self.messenger.line)
+    }
+}
+
+impl<L: Line, const N: usize> Processor<N> for &mut Remote<L, N> {
+    type Error = LinkError;
+
+    fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Result<Outcome<N>, LinkError> {
+        self.sequence = self.sequence.wrapping_add(1);
+        let samples = Samples { sequence: self.sequence, time: t, elapsed, measured: *measured };
+        let frame = self.messenger.ask(&Request::Tick(samples))?;
+        match answer::<N>(&frame)? {
+            Answer::Done(Done { sequence, outcome, instructions }) if sequence == self.sequence => {
+                self.instructions.push(instructions);
+                self.last = outcome;
+                Ok(outcome)
+            }
+            _ => Err(LinkError::OutOfStep),
+        }
+    }
+
+    fn last(&self) -> &Outcome<N> {
+        &self.last
+    }
+
+    fn reference(&self, t: f32) -> [f32; N] {
+        self.task.reference(t)
+    }
+}
+
+/// The answer in a frame; a refusal is an error.
+fn answer<const N: usize>(frame: &Frame) -> Result<Answer<'_, N>, LinkError> {
+    match answered(frame).map_err(|_| LinkError::Broken)? {
+        Answer::Refused(refusal) => Err(LinkError::Refused(refusal)),
+        answer => Ok(answer),
+    }
+}
+
+/// A line with frames.
+#[derive(Debug)]
+struct Messenger<L> {
+    line: L,
+    receiver: Receiver,
+    patience: Duration,
+}
+
+impl<L: Line> Messenger<L> {
+    fn ask<const N: usize>(&mut self, request: &Request<N>) -> Result<Frame, LinkError> {
+        self.send(request)?;
+        self.receive()
+    }
+
+    fn send<const N: usize>(&mut self, message: &Request<N>) -> Result<(), LinkError> {
+        let frame = request(message).map_err(|_| LinkError::Broken)?;
+        let mut bytes = Vec::new();
+        let Ok(()) = frame.send(|byte| {
+            bytes.push(byte);
+            Ok::<(), Infallible>(())
+        });
+        self.line.send(&bytes)
+    }
+
+    fn receive(&mut self) -> Result<Frame, LinkError> {
+        let deadline = Instant::now() + self.patience;
+        while let Some(byte) = self.line.receive(deadline)? {
+            if let Some(frame) = self.receiver.push(byte) {
+                return frame.map_err(|_| LinkError::Broken);
+            }
+        }
+        Err(LinkError::Timeout(self.patience))
+    }
+}
