@@ -118,8 +118,18 @@ const BLOCK: usize = 8;
 
 #[inline(always)]
 fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S]) -> Curve<[S; BLOCK]> {
-    let mut curves =
-        Curve { value: [S::zero(); BLOCK], slope: [S::zero(); BLOCK], curvature: [S::zero(); BLOCK] };
+    let zero = [S::zero(); BLOCK];
+    let mut curves = Curve { value: zero, slope: zero, curvature: zero };
+    // A full block has a length that the compiler knows: it becomes vectors. Where code is dear, one loop serves all.
+    if !S::APART
+        && let Ok(full) = <&[S; BLOCK]>::try_from(z)
+    {
+        for (l, z) in full.iter().enumerate() {
+            let c = sigma(*z);
+            (curves.value[l], curves.slope[l], curves.curvature[l]) = (c.value, c.slope, c.curvature);
+        }
+        return curves;
+    }
     let Curve { value, slope, curvature } = &mut curves;
     for (((z, value), slope), curvature) in z.iter().zip(value).zip(slope).zip(curvature) {
         Curve { value: *value, slope: *slope, curvature: *curvature } = sigma(*z);

@@ -4,7 +4,8 @@ use leastaction_fpu as fpu;
 impl Scalar for f32 {
     type Weight = f32;
 
-    const APART: bool = true;
+    /// On controllers; a desk's processor has vector registers for several sums and their tangents.
+    const APART: bool = cfg!(target_pointer_width = "32");
 
     #[inline]
     fn accumulate<const P: usize>(rows: &[[f32; P]], x: &[f32], sum: &mut [f32; P]) {
