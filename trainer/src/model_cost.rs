@@ -95,7 +95,7 @@ impl Evaluations {
         } else {
             Work { multiply_adds: 3 * weights, stack_bytes: tape::<1, 0>(widest, depth) + ends::<1, N>() }
         };
-        let stack_bytes = tape::<N, 0>(widest, depth) + ends::<N, N>();
+        let stack_bytes = bends::<N>(widest, depth) + ends::<N, N>();
         Self {
             // Two slices and a length a layer, the kinds of coordinates, the inertia, the damping.
             handle_bytes: (depth + 1) * LAYER
@@ -209,11 +209,19 @@ fn network_weights(network: &NetworkShape) -> usize {
     sum
 }
 
-/// The tape of a forward pass with T tangents (units, slopes, rates) and two layers of an adjoint with A; each layer of each
-/// counts its units.
+/// The tape of a forward pass with T tangents (units, slopes) and two layers of an adjoint with A; each layer of each counts
+/// its units.
 fn tape<const T: usize, const A: usize>(widest: usize, depth: usize) -> usize {
-    let unit = 2 * size_of::<Jet<f32, T>>() + size_of::<[f32; T]>();
-    depth * (unit * widest + 3 * WORD) + 2 * (size_of::<Jet<f32, A>>() * widest + WORD)
+    let unit = 2 * size_of::<Jet<f32, T>>();
+    depth * (unit * widest + 2 * WORD) + 2 * (size_of::<Jet<f32, A>>() * widest + WORD)
+}
+
+/// How the units bend along T directions (slope, tangents, curvature), and the larger of one layer's units forward and two
+/// layers of a plain adjoint.
+fn bends<const T: usize>(widest: usize, depth: usize) -> usize {
+    let unit = size_of::<Jet<f32, T>>();
+    let room = (unit * widest + WORD).max(2 * (WORD * widest + WORD));
+    depth * ((unit + WORD) * widest + 2 * WORD) + room
 }
 
 /// Inputs and outputs of the network.
