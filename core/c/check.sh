@@ -16,15 +16,10 @@ if ! { command -v arm-none-eabi-gcc && command -v qemu-system-arm && command -v 
     apt-get install -y -qq --no-install-recommends gcc gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 fi
 
-# Host programs by the compiler that cargo finds; the chip's by rustup's target where it can be had, else Debian's compiler.
-chip=(env CARGO_TARGET_DIR="$out/chip" cargo build --quiet --release --lib --target "$target")
-if ! { command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; }; then
-    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ]; then
-        apt-get update -qq
-        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src
-    fi
-    chip=(env RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 "${chip[@]:1}" -Zbuild-std=core)
-fi
+source ../../firmware-sim/chip/compiler.sh
+compiler "$target"
+chip=(env CARGO_TARGET_DIR="$out/chip" "${cargo[@]}" build --quiet --release --lib --target "$target")
+# Host programs by the compiler that cargo finds.
 host=(env CARGO_TARGET_DIR="$out" cargo)
 
 tool() { "${host[@]}" run --quiet --manifest-path tools/Cargo.toml --bin "$@"; }

@@ -1,4 +1,5 @@
-# Sourced by the scripts of this folder: compilers, boards, emulators.
+# Sourced by the scripts of this folder, in it: boards, builds, emulators.
+source ./compiler.sh
 
 boards=(cortex-m4f cortex-m7 riscv32imac)
 host_target=${CARGO_TARGET_DIR:-target}
@@ -25,23 +26,6 @@ flags_of() {
         cortex-m7) echo "-Ctarget-cpu=cortex-m7" ;;
         *) echo "" ;;
     esac
-}
-
-# rustup's target, or the packaged compiler with the library's source.
-compiler() {
-    local target=$1
-    if [ -z "${LEASTACTION_CHIP_PACKAGED:-}" ] && command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; then
-        cargo=(cargo) rustc=rustc
-        return
-    fi
-    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ] || ! [ -x /usr/bin/ld.lld ]; then
-        apt-get update -qq >&2
-        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src lld >&2
-    fi
-    # It comes without the linker that it asks for.
-    local linker=CARGO_TARGET_$(tr a-z- A-Z_ <<<"$target")_LINKER=/usr/bin/ld.lld
-    rustc=/usr/bin/rustc
-    cargo=(env RUSTC=$rustc RUSTC_BOOTSTRAP=1 "$linker" cargo -Zbuild-std=core)
 }
 
 build() {

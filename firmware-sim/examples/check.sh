@@ -15,16 +15,8 @@ if ! command -v qemu-system-arm >/dev/null; then
     apt-get install -y -qq --no-install-recommends qemu-system-arm
 fi
 
-# Rustup's target where it can be had, else Debian's compiler with the standard library's source and another linker.
-flags=()
-if ! { command -v rustup >/dev/null && timeout 60 rustup target add "$target" >/dev/null 2>&1; }; then
-    if ! [ -x /usr/bin/rustc ] || ! [ -d /usr/lib/rustlib/src/rust/library/core ] || ! command -v arm-none-eabi-ld >/dev/null; then
-        apt-get update -qq
-        apt-get install -y -qq --no-install-recommends rustc-web rust-web-src binutils-arm-none-eabi
-    fi
-    export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
-    flags=(-Zbuild-std=core --config "target.$target.linker=\"arm-none-eabi-ld\"")
-fi
+source ../chip/compiler.sh
+compiler "$target"
 
 # The model is the golden file.
 hexadecimal=$(grep -v '^#' ../../core/tests/golden/cartpole.hex | tr -d ' \n')
@@ -35,7 +27,7 @@ for example in plain-loop rtic; do
     (
         cd "$example"
         cargo fmt --check
-        found=$(timeout 600 cargo run --quiet --release "${flags[@]}") || fail "$example failed: $found"
+        found=$(timeout 600 "${cargo[@]}" run --quiet --release) || fail "$example failed: $found"
         diff expected.txt - <<<"$found" || fail "$example prints something else"
         printf '%s: %s\n' "$example" "$(tail -n 1 expected.txt)"
     )

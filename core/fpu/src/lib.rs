@@ -13,13 +13,28 @@ pub mod portable;
 
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 use arm as this;
-/// The portable loops by the widths that have instructions elsewhere.
+/// The portable loops by the names of the instructions'.
 #[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
 mod this {
-    pub use crate::portable::{
-        accumulate as accumulate_4, accumulate as accumulate_8, sqrt, transposed as transposed_4,
-        transposed as transposed_8,
-    };
+    use crate::portable::{accumulate, transposed};
+
+    pub use crate::portable::sqrt;
+
+    pub fn accumulate_8(rows: &[[f32; 8]], x: &[f32], sum: &mut [f32; 8]) {
+        accumulate(rows, x, sum, |w| w);
+    }
+
+    pub fn accumulate_4(rows: &[[f32; 4]], x: &[f32], sum: &mut [f32; 4]) {
+        accumulate(rows, x, sum, |w| w);
+    }
+
+    pub fn transposed_8(rows: &[[f32; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
+        transposed(rows, y_bar, x_bar, |w| w);
+    }
+
+    pub fn transposed_4(rows: &[[f32; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
+        transposed(rows, y_bar, x_bar, |w| w);
+    }
 }
 
 /// √x, correctly rounded; NaN for x < 0.

@@ -1,4 +1,6 @@
-//! The loops in plain Rust, for panels of any width: what the instructions are held against.
+//! The loops in plain Rust, for any scalar and panels of any width: what the instructions are held against.
+
+use core::ops::{AddAssign, Mul};
 
 /// See [`sqrt`](crate::sqrt).
 #[inline(always)]
@@ -6,30 +8,42 @@ pub fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
-/// See [`accumulate_8`](crate::accumulate_8).
-#[inline]
-pub fn accumulate<const P: usize>(rows: &[[f32; P]], x: &[f32], sum: &mut [f32; P]) {
+/// See [`accumulate_8`](crate::accumulate_8); `scalar` makes a number of a stored weight.
+#[inline(always)]
+pub fn accumulate<S, W, const P: usize>(rows: &[[W; P]], x: &[S], sum: &mut [S; P], scalar: impl Fn(W) -> S)
+where
+    S: Copy + Mul<Output = S> + AddAssign,
+    W: Copy,
+{
     for (row, x) in rows.iter().zip(x) {
         for (sum, w) in sum.iter_mut().zip(row) {
-            *sum += *w * *x;
+            *sum += scalar(*w) * *x;
         }
     }
 }
 
-/// See [`transposed_8`](crate::transposed_8).
-#[inline]
-pub fn transposed<const P: usize>(rows: &[[f32; P]], y_bar: &[f32; P], x_bar: &mut [f32]) {
+/// See [`transposed_8`](crate::transposed_8); `scalar` makes a number of a stored weight.
+#[inline(always)]
+pub fn transposed<S, W, const P: usize>(
+    rows: &[[W; P]],
+    y_bar: &[S; P],
+    x_bar: &mut [S],
+    scalar: impl Fn(W) -> S,
+) where
+    S: Copy + Mul<Output = S> + AddAssign,
+    W: Copy,
+{
     for (x, row) in x_bar.iter_mut().zip(rows) {
-        *x += dot(row, y_bar);
+        *x += dot(&row.map(&scalar), y_bar);
     }
 }
 
-/// Σ_l a_l b_l, added in halves.
+/// Σ_l a_l b_l, added in halves: lane l with lane l + P/2, and so on; the order that vector registers fold in.
 #[inline(always)]
-fn dot<const P: usize>(a: &[f32; P], b: &[f32; P]) -> f32 {
+pub fn dot<S: Copy + Mul<Output = S> + AddAssign, const P: usize>(a: &[S; P], b: &[S; P]) -> S {
     let mut product = *a;
     for (p, b) in product.iter_mut().zip(b) {
-        *p *= *b;
+        *p = *p * *b;
     }
     let mut width = P / 2;
     while width > 0 {

@@ -201,11 +201,11 @@ impl<R: Real> Newton<R> {
                 linearised.balance = interval.balance(system);
                 r = residual(&linearised.balance);
                 let after = r.relative(&scale);
-                if self.settled(before, after) {
-                    before = after;
+                let settled = self.settled(before, after);
+                before = after;
+                if settled {
                     break;
                 }
-                before = after;
             }
             if anew {
                 linearised = interval.linearise(system);

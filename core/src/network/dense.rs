@@ -1,5 +1,6 @@
 use super::Jet;
-use crate::scalar::{Scalar, dot};
+use crate::scalar::Scalar;
+use leastaction_fpu::portable::dot;
 
 /// A fully connected layer y = Wx + b over borrowed weights.
 ///

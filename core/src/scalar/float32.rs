@@ -17,7 +17,7 @@ impl Scalar for f32 {
             4 => {
                 sums.as_chunks_mut().0.iter_mut().for_each(|s| fpu::accumulate_4(weights.as_chunks().0, x, s))
             }
-            _ => fpu::portable::accumulate(rows, x, sum),
+            _ => fpu::portable::accumulate(rows, x, sum, Self::weight),
         }
     }
     #[inline]
@@ -26,7 +26,7 @@ impl Scalar for f32 {
         match P {
             8 => y_bar.as_chunks().0.iter().for_each(|y| fpu::transposed_8(weights.as_chunks().0, y, x_bar)),
             4 => y_bar.as_chunks().0.iter().for_each(|y| fpu::transposed_4(weights.as_chunks().0, y, x_bar)),
-            _ => fpu::portable::transposed(rows, y_bar, x_bar),
+            _ => fpu::portable::transposed(rows, y_bar, x_bar, Self::weight),
         }
     }
     #[inline(always)]

@@ -21,6 +21,7 @@ pub use packed::Packed;
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use leastaction_fpu::portable;
 
 /// What the energies are evaluated in: a field with the elementary functions.
 pub trait Scalar:
@@ -65,19 +66,13 @@ pub trait Scalar:
     /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … with `rows[j][l]` = w_jl.
     #[inline(always)]
     fn accumulate<const P: usize>(rows: &[[Self::Weight; P]], x: &[Self], sum: &mut [Self; P]) {
-        for (row, x) in rows.iter().zip(x) {
-            for (sum, w) in sum.iter_mut().zip(row) {
-                *sum += Self::weight(*w) * *x;
-            }
-        }
+        portable::accumulate(rows, x, sum, Self::weight);
     }
 
     /// x̄_j ← x̄_j + Σ_l w_jl ȳ_l, products added in halves: lane l to lane l + P/2, and so on.
     #[inline(always)]
     fn transposed<const P: usize>(rows: &[[Self::Weight; P]], y_bar: &[Self; P], x_bar: &mut [Self]) {
-        for (x, row) in x_bar.iter_mut().zip(rows) {
-            *x += dot(&row.map(Self::weight), y_bar);
-        }
+        portable::transposed(rows, y_bar, x_bar, Self::weight);
     }
 
     /// 0.
@@ -95,23 +90,6 @@ pub trait Scalar:
     fn half(self) -> Self {
         self * Self::constant(0.5)
     }
-}
-
-/// Σ_l a_l b_l, added in halves: lane l with lane l + P/2, and so on; the order that vector registers fold in.
-#[inline(always)]
-pub(crate) fn dot<S: Scalar, const P: usize>(a: &[S; P], b: &[S; P]) -> S {
-    let mut product = *a;
-    for (p, b) in product.iter_mut().zip(b) {
-        *p = *p * *b;
-    }
-    let mut width = P / 2;
-    while width > 0 {
-        for l in 0..width {
-            product[l] += product[l + width];
-        }
-        width /= 2;
-    }
-    product[0]
 }
 
 /// What the solvers run in: an ordered scalar whose rounding error is known.

@@ -67,16 +67,16 @@ fn loops_agree() -> bool {
 fn panels_agree(weights: &[f32], x: &[f32]) -> bool {
     let (mut a, mut b) = ([0.5; 8], [0.5; 8]);
     fpu::accumulate_8(weights.as_chunks().0, x, &mut a);
-    fpu::portable::accumulate(weights.as_chunks().0, x, &mut b);
+    fpu::portable::accumulate(weights.as_chunks().0, x, &mut b, |w| w);
     let (mut c, mut d) = ([0.25; 4], [0.25; 4]);
     fpu::accumulate_4(weights.as_chunks().0, x, &mut c);
-    fpu::portable::accumulate(weights.as_chunks().0, x, &mut d);
+    fpu::portable::accumulate(weights.as_chunks().0, x, &mut d, |w| w);
     let (mut e, mut f, mut g, mut h) = ([1.0; 24], [1.0; 24], [1.0; 24], [1.0; 24]);
     let n = x.len();
     fpu::transposed_8(weights.as_chunks().0, &a, first(&mut e, n));
-    fpu::portable::transposed(weights.as_chunks().0, &b, first(&mut f, n));
+    fpu::portable::transposed(weights.as_chunks().0, &b, first(&mut f, n), |w| w);
     fpu::transposed_4(weights.as_chunks().0, &c, first(&mut g, n));
-    fpu::portable::transposed(weights.as_chunks().0, &d, first(&mut h, n));
+    fpu::portable::transposed(weights.as_chunks().0, &d, first(&mut h, n), |w| w);
     let root = x.iter().all(|x| same(&[fpu::sqrt(*x)], &[fpu::portable::sqrt(*x)]));
     root && same(&a, &b) && same(&c, &d) && same(&e, &f) && same(&g, &h)
 }
