@@ -15,6 +15,7 @@ use leastaction_core::model::{
 };
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
+use leastaction_core::scalar::Weights;
 use proptest::prelude::*;
 
 /// The web in the sizes that fit it.
@@ -62,8 +63,9 @@ fn a_valid_file_loads_and_is_what_was_written() {
     let file = Aligned::new(&file::golden_web());
     let parsed = parse(file.bytes()).unwrap();
     assert_eq!(parsed.header, web_header(web()));
-    assert_eq!(parsed.weights, web_weights(WEB_NUMBERS));
-    assert!(file.bytes().as_ptr_range().contains(&parsed.weights.as_ptr().cast()), "borrowed in place");
+    let Weights::Single(weights) = parsed.weights else { panic!("single precision") };
+    assert_eq!(weights, web_weights(WEB_NUMBERS));
+    assert!(file.bytes().as_ptr_range().contains(&weights.as_ptr().cast()), "borrowed in place");
     let mut edges = [Edge::default(); 3];
     let model = Web::load(file.bytes(), "ring", &mut edges).unwrap();
     assert_eq!(model.discretisation, parsed.header.discretisation);

@@ -13,6 +13,7 @@ use leastaction_core::model::{
     Discretisation, FORMAT_VERSION, Family, Header, ModelError, RigidHeader, RigidModel, parse, parse_as,
 };
 use leastaction_core::network::Activation;
+use leastaction_core::scalar::Weights;
 use proptest::prelude::*;
 
 /// What loading as the golden cart-pole says.
@@ -31,14 +32,16 @@ fn a_valid_file_loads_and_is_what_was_written() {
     let file = Aligned::new(&file::golden());
     let parsed = parse(file.bytes()).unwrap();
     assert_eq!(parsed.header, HEADER);
-    assert_eq!(parsed.weights, file::weights(&CARTPOLE));
+    assert_eq!(parsed.weights, Weights::Single(&file::weights(&CARTPOLE)));
+    assert_eq!((parsed.weights.bits(), parsed.weights.len()), (32, file::weights(&CARTPOLE).len()));
     let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
     assert_eq!(model.discretisation, HEADER.discretisation);
     assert_eq!(model.system.forces.coefficients, [0.125; 2]);
     assert_eq!(model.system.lagrangian.coordinates(), &[Translation, Angle]);
     // Borrowed in place.
     let range = file.bytes().as_ptr_range();
-    assert!(range.contains(&parsed.weights.as_ptr().cast()));
+    let Weights::Single(weights) = parsed.weights else { panic!("single precision") };
+    assert!(range.contains(&weights.as_ptr().cast()));
 }
 
 #[test]
@@ -227,10 +230,10 @@ fn other_families_are_refused_before_their_shape_is_decoded() {
 #[test]
 fn a_file_of_one_family_says_the_same_as_of_any() {
     let file = Aligned::new(&file::golden());
-    let (any, one) = (parse(file.bytes()).unwrap(), parse_as::<RigidHeader>(file.bytes()).unwrap());
+    let (any, one) = (parse(file.bytes()).unwrap(), parse_as::<RigidHeader, f32>(file.bytes()).unwrap());
     assert_eq!(any.header.family, Family::Rigid(one.shape));
     assert_eq!(any.header.discretisation, one.discretisation);
-    assert_eq!((any.header.provenance, any.weights), (one.provenance, one.weights));
+    assert_eq!((any.header.provenance, any.weights), (one.provenance, Weights::Single(one.weights)));
 }
 
 #[test]

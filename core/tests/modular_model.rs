@@ -15,6 +15,7 @@ use leastaction_core::model::{
     FORMAT_VERSION, Family, MAX_TREES, ModelError, ModularHeader, ModularModel, RigidModel, TreeHeader, parse,
 };
 use leastaction_core::network::Activation;
+use leastaction_core::scalar::Weights;
 use proptest::prelude::*;
 
 /// The arm in the sizes that fit it.
@@ -52,8 +53,9 @@ fn a_valid_file_loads_and_is_what_was_written() {
     let file = Aligned::new(&file::golden_arm());
     let parsed = parse(file.bytes()).unwrap();
     assert_eq!(parsed.header, arm_header(arm()));
-    assert_eq!(parsed.weights, arm_weights(ARM_NUMBERS));
-    assert!(file.bytes().as_ptr_range().contains(&parsed.weights.as_ptr().cast()), "borrowed in place");
+    let Weights::Single(weights) = parsed.weights else { panic!("single precision") };
+    assert_eq!(weights, arm_weights(ARM_NUMBERS));
+    assert!(file.bytes().as_ptr_range().contains(&weights.as_ptr().cast()), "borrowed in place");
     let model = Arm::load(file.bytes(), "arm").unwrap();
     assert_eq!(model.discretisation, parsed.header.discretisation);
     assert_eq!(model.system.forces.coefficients, [0.5, 0.125, 0.0]);

@@ -6,6 +6,7 @@ use common::dual::Dual;
 use common::shapes::{naive_activation, naive_layer, naive_network};
 use common::{Random, assert_close};
 use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
+use leastaction_core::scalar::Stored;
 use proptest::prelude::*;
 
 const ACTIVATIONS: [Activation; 5] =
@@ -110,7 +111,7 @@ impl Net {
         self.sizes[self.sizes.len() - 1]
     }
 
-    fn over<'a, W: Copy>(&self, mut weights: &'a [W]) -> Mlp<'a, W, DEPTH> {
+    fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Mlp<'a, W, DEPTH> {
         let hidden = &self.sizes[1..self.sizes.len() - 1];
         let mlp = Mlp::take(&mut weights, self.inputs(), hidden, self.outputs(), self.activation).unwrap();
         assert!(weights.is_empty());

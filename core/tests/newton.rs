@@ -7,7 +7,7 @@ use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path,
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::scalar::Real;
+use leastaction_core::scalar::{Real, Stored};
 
 /// Steps that took 0, 1, 2, … updates.
 type Histogram = [usize; 9];
@@ -63,7 +63,10 @@ fn at_most_three_iterations_up_to_50_ms() {
 }
 
 /// A double pendulum of 1 m that falls from upright turns by half a radian in 50 ms: a few steps take longer.
-fn check_tree_iterations<R: Real<Weight = R>, P: Path>(scalar: &str, [at_20_ms, at_50_ms]: [usize; 2]) {
+fn check_tree_iterations<R: Real<Weight = R> + Stored<Wide = R>, P: Path>(
+    scalar: &str,
+    [at_20_ms, at_50_ms]: [usize; 2],
+) {
     for (links, learned) in [("rods", false), ("learned links", true)] {
         let tree = trees::double_pendulum(learned);
         let weights: Vec<R> = tree.weights.iter().map(|w| R::constant(*w)).collect();

@@ -57,7 +57,7 @@ run() {
     local board image
     for board in "${boards[@]}"; do
         build "$board"
-        for image in rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4; do
+        for image in rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 rigid-f16_2; do
             case "$only" in "" | "$board" | "$image") report "$board" "$image" ;; esac
         done
     done

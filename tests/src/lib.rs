@@ -9,7 +9,7 @@ use leastaction_core::model::ModelError;
 use leastaction_firmware_sim::damage::{Damage, Refusals};
 use leastaction_firmware_sim::link::ModelFault;
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, GRAPH, STEP, TREE, aslant, chain, newton,
+    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
 };
 use leastaction_firmware_sim::trajectory::{Free, Hanging, fingerprint};
 use std::fmt::{self, Write};
@@ -36,6 +36,8 @@ impl std::error::Error for Refused {}
 /// The model files that the chip's images carry.
 const CARTPOLE: &Aligned<[u8]> =
     &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole.postcard"));
+const HALF_CARTPOLE: &Aligned<[u8]> =
+    &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole-f16.postcard"));
 const DOUBLE: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip/models/double.postcard"));
 const PENDULUMS: &Aligned<[u8]> =
     &Aligned(*include_bytes!("../../firmware-sim/chip/models/pendulums.postcard"));
@@ -46,7 +48,7 @@ struct Aligned<T: ?Sized>(T);
 /// A run whose fingerprint every target must give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// rigid, modular or graph.
+    /// rigid, modular, graph, or rigid-f16.
     pub family: &'static str,
     /// 2 or 4.
     pub order: u8,
@@ -56,7 +58,8 @@ impl Reference {
     /// All of them.
     pub fn all() -> impl Iterator<Item = Self> {
         let orders = |family| [2, 4].map(|order| Self { family, order });
-        ["rigid", "modular", "graph"].into_iter().flat_map(orders)
+        let half = Self { family: "rigid-f16", order: 2 };
+        ["rigid", "modular", "graph"].into_iter().flat_map(orders).chain([half])
     }
 
     /// The fingerprint of so many steps.
@@ -67,6 +70,10 @@ impl Reference {
         match (self.family, self.order) {
             ("rigid", order) => {
                 let model = Cartpole::load(&CARTPOLE.0).map_err(Refused::Model)?;
+                free(&model.system, order, steps)
+            }
+            ("rigid-f16", order) => {
+                let model = HalfCartpole::load_half(&HALF_CARTPOLE.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
             }
             ("modular", order) => {

@@ -87,7 +87,7 @@ fn evaluate<R: Real>(
     states: (&[f64], &[f64]),
     real: fn(f64) -> R,
 ) -> Values {
-    let system = modular.header().system::<R, N, MAX_TYPES, WIDTH, 2>(&modular.tree_header(), weights);
+    let system = modular.header().system::<_, R, N, MAX_TYPES, WIDTH, 2>(&modular.tree_header(), weights);
     values(&system.expect("shape"), states, real)
 }
 

@@ -6,10 +6,10 @@ use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::network::Activation;
-use leastaction_core::scalar::{Real, Scalar};
+use leastaction_core::scalar::{Real, Scalar, Stored};
 
 /// f32 and f64: scalars that are their own weights.
-pub trait Plain: Real<Weight = Self> + Default {}
+pub trait Plain: Real<Weight = Self> + Stored<Wide = Self> {}
 impl Plain for f32 {}
 impl Plain for f64 {}
 

@@ -73,6 +73,9 @@ impl From<ModelError> for Error {
             ModelError::Shape { what, found, compiled } => {
                 Self::new(Status::Shape, [found, compiled]).about(what)
             }
+            ModelError::Precision { found, compiled } => {
+                Self::new(Status::Precision, [usize::from(found), usize::from(compiled)])
+            }
             _ => Status::OtherFileError.into(),
         }
     }

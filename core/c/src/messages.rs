@@ -2,7 +2,7 @@ use crate::status::Status;
 use core::ffi::{CStr, c_char, c_int};
 
 /// What every status says.
-const MESSAGES: [(Status, &CStr); 46] = [
+const MESSAGES: [(Status, &CStr); 47] = [
     (Status::Ok, c"ok"),
     (Status::NullPointer, c"a pointer is NULL"),
     (Status::Misaligned, c"a pointer is not aligned as its type asks"),
@@ -29,6 +29,7 @@ const MESSAGES: [(Status, &CStr); 46] = [
     (Status::NoSuchGraph, c"no graph in the file has that name"),
     (Status::OtherFamily, c"a model of another family than the library was built for"),
     (Status::Shape, c"the file's shape is not the one that the library was built for"),
+    (Status::Precision, c"weights of another precision than the library was built for"),
     (Status::OtherFileError, c"the file was refused"),
     (Status::TreeEmpty, c"a tree without elements"),
     (Status::TreeParent, c"an element hangs from one that does not come before it"),

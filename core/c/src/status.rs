@@ -59,6 +59,8 @@ pub enum Status {
     OtherFamily = 34,
     /// The file's shape is not the one that the library was built for. In the file, built in; `what`: of what.
     Shape = 35,
+    /// The weights are of another precision than the library was built for. Bits in the file, built in.
+    Precision = 36,
     /// The file was refused for a reason that this list does not know.
     OtherFileError = 39,
 

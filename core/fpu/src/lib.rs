@@ -1,40 +1,50 @@
 //! The innermost loops of leastaction-core, in f32: products with panels of a matrix, and the square root.
 //!
-//! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l. On ARM with a
-//! floating-point unit (targets `…eabihf`: Cortex-M4F, M7, M33) the loops are written in its instructions, because a
-//! compiler loads weight after weight where one instruction loads sixteen: 36 instructions for 16 multiply-adds.
-//! Elsewhere they are plain Rust. Multiplications and additions are the same in the same order, each rounded: the bits are the
-//! same everywhere.
+//! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l, in single precision
+//! ([`single`]) or in half precision, widened as they are read ([`half`]). On ARM with a floating-point unit (targets
+//! `…eabihf`: Cortex-M4F, M7, M33) the loops are written in its instructions, because a compiler loads weight after weight
+//! where one instruction loads sixteen: 36 instructions for 16 multiply-adds, 52 with weights in half precision. Elsewhere
+//! they are plain Rust. Multiplications and additions are the same in the same order, each rounded, and widening is exact: the
+//! bits are the same everywhere.
 #![no_std]
 
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 mod arm;
 pub mod portable;
 
+pub use ::half::f16;
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 use arm as this;
 /// The portable loops by the names of the instructions'.
 #[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
 mod this {
-    use crate::portable::{accumulate, transposed};
+    pub use crate::portable::{sqrt, widened};
 
-    pub use crate::portable::sqrt;
+    macro_rules! portable {
+        ($precision:ident, $weight:ty, $wide:expr) => {
+            pub mod $precision {
+                use crate::portable::{accumulate, transposed};
 
-    pub fn accumulate_8(rows: &[[f32; 8]], x: &[f32], sum: &mut [f32; 8]) {
-        accumulate(rows, x, sum, |w| w);
+                pub fn accumulate_8(rows: &[[$weight; 8]], x: &[f32], sum: &mut [f32; 8]) {
+                    accumulate(rows, x, sum, $wide);
+                }
+
+                pub fn accumulate_4(rows: &[[$weight; 4]], x: &[f32], sum: &mut [f32; 4]) {
+                    accumulate(rows, x, sum, $wide);
+                }
+
+                pub fn transposed_8(rows: &[[$weight; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
+                    transposed(rows, y_bar, x_bar, $wide);
+                }
+
+                pub fn transposed_4(rows: &[[$weight; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
+                    transposed(rows, y_bar, x_bar, $wide);
+                }
+            }
+        };
     }
-
-    pub fn accumulate_4(rows: &[[f32; 4]], x: &[f32], sum: &mut [f32; 4]) {
-        accumulate(rows, x, sum, |w| w);
-    }
-
-    pub fn transposed_8(rows: &[[f32; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
-        transposed(rows, y_bar, x_bar, |w| w);
-    }
-
-    pub fn transposed_4(rows: &[[f32; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
-        transposed(rows, y_bar, x_bar, |w| w);
-    }
+    portable!(single, f32, |w| w);
+    portable!(half, crate::f16, super::widened);
 }
 
 /// √x, correctly rounded; NaN for x < 0.
@@ -43,22 +53,39 @@ pub fn sqrt(x: f32) -> f32 {
     this::sqrt(x)
 }
 
-/// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … for eight outputs l; as many inputs as both `rows` and `x` have.
-pub fn accumulate_8(rows: &[[f32; 8]], x: &[f32], sum: &mut [f32; 8]) {
-    this::accumulate_8(rows, x, sum);
+/// The same number in single precision.
+#[inline(always)]
+pub fn widened(w: f16) -> f32 {
+    this::widened(w)
 }
 
-/// The same for four outputs.
-pub fn accumulate_4(rows: &[[f32; 4]], x: &[f32], sum: &mut [f32; 4]) {
-    this::accumulate_4(rows, x, sum);
-}
+macro_rules! loops {
+    ($doc:literal, $precision:ident, $weight:ty) => {
+        #[doc = $doc]
+        pub mod $precision {
+            use crate::this::$precision as this;
 
-/// x̄_j ← x̄_j + Σ_l w_jl ȳ_l over eight outputs l, products added in halves: lane l to lane l + 4, and so on.
-pub fn transposed_8(rows: &[[f32; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
-    this::transposed_8(rows, y_bar, x_bar);
-}
+            /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … for eight outputs l; as many inputs as both `rows` and `x` have.
+            pub fn accumulate_8(rows: &[[$weight; 8]], x: &[f32], sum: &mut [f32; 8]) {
+                this::accumulate_8(rows, x, sum);
+            }
 
-/// The same over four outputs.
-pub fn transposed_4(rows: &[[f32; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
-    this::transposed_4(rows, y_bar, x_bar);
+            /// The same for four outputs.
+            pub fn accumulate_4(rows: &[[$weight; 4]], x: &[f32], sum: &mut [f32; 4]) {
+                this::accumulate_4(rows, x, sum);
+            }
+
+            /// x̄_j ← x̄_j + Σ_l w_jl ȳ_l over eight outputs l, products added in halves: lane l to lane l + 4, and so on.
+            pub fn transposed_8(rows: &[[$weight; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
+                this::transposed_8(rows, y_bar, x_bar);
+            }
+
+            /// The same over four outputs.
+            pub fn transposed_4(rows: &[[$weight; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
+                this::transposed_4(rows, y_bar, x_bar);
+            }
+        }
+    };
 }
+loops!("With weights in single precision.", single, f32);
+loops!("With weights in half precision.", half, crate::f16);

@@ -8,7 +8,13 @@ pub fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
-/// See [`accumulate_8`](crate::accumulate_8); `scalar` makes a number of a stored weight.
+/// See [`widened`](crate::widened).
+#[inline(always)]
+pub fn widened(w: crate::f16) -> f32 {
+    w.to_f32()
+}
+
+/// See [`accumulate_8`](crate::single::accumulate_8); `scalar` makes a number of a stored weight.
 #[inline(always)]
 pub fn accumulate<S, W, const P: usize>(rows: &[[W; P]], x: &[S], sum: &mut [S; P], scalar: impl Fn(W) -> S)
 where
@@ -22,7 +28,7 @@ where
     }
 }
 
-/// See [`transposed_8`](crate::transposed_8); `scalar` makes a number of a stored weight.
+/// See [`transposed_8`](crate::single::transposed_8); `scalar` makes a number of a stored weight.
 #[inline(always)]
 pub fn transposed<S, W, const P: usize>(
     rows: &[[W; P]],

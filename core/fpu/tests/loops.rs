@@ -1,6 +1,6 @@
 //! The loops against sums written out, and the square root against the host's.
 
-use leastaction_fpu::{accumulate_4, accumulate_8, sqrt, transposed_4, transposed_8};
+use leastaction_fpu::{f16, half, single, sqrt};
 use proptest::prelude::*;
 
 fn rows<const P: usize>(numbers: &[f32]) -> &[[f32; P]] {
@@ -44,8 +44,8 @@ proptest! {
         numbers in prop::collection::vec(-2.0_f32..2.0, 0..100),
         x in prop::collection::vec(-3.0_f32..3.0, 0..20),
     ) {
-        check::<8>(&numbers, &x, accumulate_8, transposed_8);
-        check::<4>(&numbers, &x, accumulate_4, transposed_4);
+        check::<8>(&numbers, &x, single::accumulate_8, single::transposed_8);
+        check::<4>(&numbers, &x, single::accumulate_4, single::transposed_4);
     }
 
     #[test]
@@ -53,5 +53,29 @@ proptest! {
         let x = f32::from_bits(bits);
         let (ours, host) = (sqrt(x), x.sqrt());
         prop_assert!(ours.to_bits() == host.to_bits() || (ours.is_nan() && host.is_nan()), "{x:e}");
+    }
+}
+
+#[test]
+fn halves_give_what_their_numbers_give() {
+    let halves: Vec<f16> = (0..8 * 13).map(|i| f16::from_f32((i as f32 * 0.37).sin())).collect();
+    let x: Vec<f32> = (0..13).map(|i| (i as f32 * 1.7).cos()).collect();
+    // At every alignment that two bytes allow.
+    for shift in 0..8 {
+        let halves = &halves[shift..];
+        let wide: Vec<f32> = halves.iter().map(|h| h.to_f32()).collect();
+        macro_rules! same {
+            ($p:literal, $accumulate:ident, $transposed:ident) => {
+                let (mut sums, mut x_bars) = ([[0.25_f32; $p]; 2], [x.clone(), x.clone()]);
+                single::$accumulate(rows::<$p>(&wide), &x, &mut sums[0]);
+                half::$accumulate(halves.as_chunks().0, &x, &mut sums[1]);
+                single::$transposed(rows::<$p>(&wide), &sums[0], &mut x_bars[0]);
+                half::$transposed(halves.as_chunks().0, &sums[1], &mut x_bars[1]);
+                assert_eq!(sums[0].map(f32::to_bits), sums[1].map(f32::to_bits));
+                assert_eq!(x_bars[0], x_bars[1]);
+            };
+        }
+        same!(8, accumulate_8, transposed_8);
+        same!(4, accumulate_4, transposed_4);
     }
 }

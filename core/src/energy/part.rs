@@ -1,7 +1,7 @@
 //! Networks as parts of a family's weight block: their shapes, their places, and energies that they give.
 
 use crate::network::{Activation, Dense, Jet, Mlp, Tape};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
 /// Hidden layers of a network at most.
@@ -77,13 +77,13 @@ impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
 /// Passes the derivative in every weight of the energy's tangent to `row`, times −1.
 pub(super) struct Rows<R>(pub R);
 
-impl<W: Copy, S: Scalar<Weight = W>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
+impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
         layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, -value));
     }
 }
 
-impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
+impl<'a, W: Stored, const D: usize> Part<'a, W, D> {
     /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before; counts on.
     /// `None` where the block is too short, or the network has more than `D` hidden layers or `H` units in one.
     pub(super) fn take<const H: usize>(
@@ -103,14 +103,19 @@ impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
     }
 
     /// U(x) alone, of a network with one output.
-    pub(super) fn energy<S: Scalar<Weight = W>, const H: usize>(&self, x: &[Jet<S, 0>]) -> S {
+    pub(super) fn energy<S: Scalar<Weight = W::Wide>, const H: usize>(&self, x: &[Jet<S, 0>]) -> S {
         let mut y = [Jet::zero(); 1];
         self.network.evaluate::<S, 0, H>(x, &mut y);
         y[0].value
     }
 
     /// U(x) with its tangents, and `weight` times its gradient with the gradient's tangents, of a network with one output.
-    pub(super) fn differentiate<S: Scalar<Weight = W>, const T: usize, const I: usize, const H: usize>(
+    pub(super) fn differentiate<
+        S: Scalar<Weight = W::Wide>,
+        const T: usize,
+        const I: usize,
+        const H: usize,
+    >(
         &self,
         x: &[Jet<S, T>; I],
         weight: S,
@@ -129,7 +134,7 @@ impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
         visit: &mut V,
         bar: impl FnOnce(&[Jet<S, T>], &mut V) -> B,
     ) where
-        S: Scalar<Weight = W>,
+        S: Scalar<Weight = W::Wide>,
         V: Visit<W, S, T>,
         B: AsRef<[Jet<S, T>]>,
     {
@@ -145,7 +150,7 @@ impl<'a, W: Copy, const D: usize> Part<'a, W, D> {
 
     /// Visits the derivatives in the weights of Σ_k ȳ⁽ᵏ⁾y⁽ᵏ⁾, k = 0 … 2, along a curve of inputs; `x_bar` gets the adjoint
     /// of its inputs, or is empty.
-    pub(super) fn series_gradient<S: Scalar<Weight = W>, const H: usize>(
+    pub(super) fn series_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
         &self,
         (x, x_bar): (&[Jet<S, 2>], &mut [Jet<S, 2>]),
         y_bar: &[Jet<S, 2>],

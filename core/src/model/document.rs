@@ -3,6 +3,7 @@ use crate::energy::MAX_HIDDEN;
 use crate::energy::modular::{self, Node, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count};
 use crate::network::{Activation, Mlp};
+use crate::scalar::Shipped;
 use serde::{Deserialize, Serialize};
 
 /// The first four bytes of every model file.
@@ -28,7 +29,7 @@ pub struct Document<'a> {
     pub header: Header<'a>,
     /// 0 to 3 zero bytes that bring the weights to a multiple of 4 from the start of the file.
     pub padding: &'a [u8],
-    /// The weights, f32 little-endian.
+    /// The weights, little-endian: f32, or f16 where the block has two bytes a weight.
     pub weights: &'a [u8],
     /// CRC-32/ISO-HDLC of everything before, little-endian.
     pub checksum: [u8; 4],
@@ -178,7 +179,7 @@ impl<'a> ModularHeader<'a> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+    pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
         if let Some(what) = self.shape.misfit() {
             return Err(ModelError::OutOfRange { what });
         }
@@ -187,7 +188,7 @@ impl<'a> ModularHeader<'a> {
         self.check_trees()?;
         let start = weights.len().saturating_sub(modular::NUMBERS * kinds + 2);
         let numbers = weights.get(start..).unwrap_or(&[]).as_chunks().0;
-        numbers.iter().take(kinds).try_for_each(check_numbers)
+        numbers.iter().take(kinds).try_for_each(|numbers| check_numbers(&numbers.map(W::wide)))
     }
 
     fn check_trees(&self) -> Result<(), ModelError> {
@@ -269,7 +270,7 @@ impl<'a> RigidHeader<'a> {
             .ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+    pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
         require(self.coordinates.chars().all(|c| Coordinate::from_letter(c).is_some()), "coordinate kind")?;
         let (_, depth) = self.widths();
         require(self.widths.iter().skip(depth).all(|w| *w == 0), "hidden width")?;
@@ -277,7 +278,7 @@ impl<'a> RigidHeader<'a> {
             require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")?;
         }
         let damping = if self.damped { weights.len().saturating_sub(self.n()) } else { weights.len() };
-        require(weights.iter().skip(damping).all(|c| *c >= 0.0), "damping coefficient")
+        require(weights.iter().skip(damping).all(|c| c.wide() >= 0.0), "damping coefficient")
     }
 }
 

@@ -47,6 +47,13 @@ pub enum ModelError {
         /// By the shape.
         needed: usize,
     },
+    /// The weights are of the other precision.
+    Precision {
+        /// Bits of a weight in the file: 16 or 32.
+        found: u8,
+        /// Those that the program was compiled for.
+        compiled: u8,
+    },
     /// A weight is infinite or not a number.
     NotFinite {
         /// Its position in the block.
@@ -114,6 +121,9 @@ impl fmt::Display for ModelError {
             Self::BigEndian => write!(f, "weights are little-endian and cannot be read in place here"),
             Self::WeightCount { found, needed } => {
                 write!(f, "{found} weights where the shape needs {needed}")
+            }
+            Self::Precision { found, compiled } => {
+                write!(f, "weights of {found} bits, but this program was compiled for {compiled}")
             }
             Self::NotFinite { index } => write!(f, "weight {index} is infinite or not a number"),
             Self::OutOfRange { what } => write!(f, "{what} is out of range"),

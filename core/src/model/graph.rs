@@ -3,7 +3,7 @@ use super::rigid::require_at_most;
 use super::{Discretisation, ModelError, parse_as};
 use crate::constraints::Holonomic;
 use crate::energy::graph::{Edge, Graph, GraphError, Shape, Types};
-use crate::scalar::Real;
+use crate::scalar::{Real, Shipped, Stored, f16};
 use serde::{Deserialize, Serialize};
 
 /// Graphs in one file at most.
@@ -116,10 +116,12 @@ impl Edge {
 
 /// A loaded graph in `D` dimensions, ready for the solvers: at most `K` networks of at most `L` hidden layers of at most `H`
 /// units.
+///
+/// `W` is how the file stores its weights: `f32`, or [`f16`] in half the flash.
 #[derive(Clone, Copy, Debug)]
-pub struct GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize> {
+pub struct GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> {
     /// Energies and drag over the file's weights.
-    pub graph: Graph<'a, f32, D, K, H, L>,
+    pub graph: Graph<'a, W, D, K, H, L>,
     /// The step and order the model was trained for.
     pub discretisation: Option<Discretisation>,
 }
@@ -131,7 +133,25 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize> GraphMo
     /// # Errors
     /// See [`ModelError`]; [`GraphError::TooManyEdges`] where `edges` is too short.
     pub fn load(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
-        let parsed = parse_as::<GraphHeader>(bytes)?;
+        Self::read(bytes, name, edges)
+    }
+}
+
+impl<'a, const D: usize, const K: usize, const H: usize, const L: usize> GraphModel<'a, D, K, H, L, f16> {
+    /// [`GraphModel::load`] of a file with weights in half precision.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn load_half(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
+        Self::read(bytes, name, edges)
+    }
+}
+
+impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: Shipped>
+    GraphModel<'a, D, K, H, L, W>
+{
+    fn read(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
+        let parsed = parse_as::<GraphHeader, W>(bytes)?;
         let header = parsed.shape;
         let graph = header.graph(header.layout(name)?, parsed.weights, edges)?;
         Ok(Self { graph, discretisation: parsed.discretisation })
@@ -162,7 +182,7 @@ impl<'a> GraphHeader<'a> {
     ///
     /// # Errors
     /// [`ModelError::Shape`] where they are not of the compiled sizes.
-    pub fn types<'w, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize>(
+    pub fn types<'w, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
         weights: &'w [W],
     ) -> Result<Types<'w, W, D, K, H, L>, ModelError> {
@@ -185,7 +205,7 @@ impl<'a> GraphHeader<'a> {
     ///
     /// # Errors
     /// As [`GraphHeader::types`]; [`ModelError::Graph`] where it is none, or `edges` is too short.
-    pub fn graph<'w, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize>(
+    pub fn graph<'w, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
         layout: &GraphLayout<'w>,
         weights: &'w [W],
@@ -200,7 +220,7 @@ impl<'a> GraphHeader<'a> {
         Graph::new(types, layout.nodes, edges).map_err(ModelError::Graph)
     }
 
-    pub(super) fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+    pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
         if let Some(what) = self.shape.misfit() {
             return Err(ModelError::OutOfRange { what });
         }

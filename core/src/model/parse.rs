@@ -5,6 +5,7 @@ use super::{
     CRC_BYTES, Discretisation, FORMAT_VERSION, Family, GraphHeader, Header, MAGIC, MAX_PADDING, ModelError,
     ModularHeader, PREFIX_BYTES, RigidHeader, checksum,
 };
+use crate::scalar::{Shipped, Weights, f16};
 use serde::Deserialize;
 
 /// The shape of one family, as it stands in a file: [`RigidHeader`], [`ModularHeader`] or [`GraphHeader`].
@@ -15,7 +16,7 @@ pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// Numbers in the weight block.
     fn parameters(&self) -> Result<usize, ModelError>;
     /// Checks what the lengths do not say.
-    fn validate(&self, weights: &[f32]) -> Result<(), ModelError>;
+    fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError>;
 }
 
 macro_rules! shape_header {
@@ -27,7 +28,7 @@ macro_rules! shape_header {
                 self.parameters()
             }
 
-            fn validate(&self, weights: &[f32]) -> Result<(), ModelError> {
+            fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
                 self.validate(weights)
             }
         }
@@ -43,12 +44,12 @@ pub struct Parsed<'a> {
     /// What the model is.
     pub header: Header<'a>,
     /// The weight block.
-    pub weights: &'a [f32],
+    pub weights: Weights<'a>,
 }
 
 /// A validated file of one family: its shape and its weights, in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParsedAs<'a, H> {
+pub struct ParsedAs<'a, H, W> {
     /// The shape of the model.
     pub shape: H,
     /// The step and order the model was trained for, where it was.
@@ -56,13 +57,14 @@ pub struct ParsedAs<'a, H> {
     /// Where the model comes from: free text for people.
     pub provenance: &'a str,
     /// The weight block.
-    pub weights: &'a [f32],
+    pub weights: &'a [W],
 }
 
-impl<'a, H> ParsedAs<'a, H> {
+impl<'a, H, W: Shipped> ParsedAs<'a, H, W> {
     fn of(self, family: impl Fn(H) -> Family<'a>) -> Parsed<'a> {
         let Self { shape, discretisation, provenance, weights } = self;
-        Parsed { header: Header { family: family(shape), discretisation, provenance }, weights }
+        let header = Header { family: family(shape), discretisation, provenance };
+        Parsed { header, weights: W::weights(weights) }
     }
 }
 
@@ -87,18 +89,32 @@ struct End<'a> {
 pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
     let (family, rest) = begin(bytes)?;
     match family {
-        0 => Ok(finish::<RigidHeader>(rest)?.of(Family::Rigid)),
-        1 => Ok(finish::<ModularHeader>(rest)?.of(Family::Modular)),
-        2 => Ok(finish::<GraphHeader>(rest)?.of(Family::Graph)),
+        0 => either(rest, Family::Rigid),
+        1 => either(rest, Family::Modular),
+        2 => either(rest, Family::Graph),
         _ => Err(ModelError::Malformed),
     }
 }
 
-/// [`parse`] of a file that must hold the family of `H`.
+/// With weights of whichever precision the block has.
+fn either<'a, H: ShapeHeader<'a>>(
+    bytes: &'a [u8],
+    family: impl Fn(H) -> Family<'a>,
+) -> Result<Parsed<'a>, ModelError> {
+    match finish::<H, f32>(bytes) {
+        Err(ModelError::Precision { .. }) => Ok(finish::<H, f16>(bytes)?.of(family)),
+        single => Ok(single?.of(family)),
+    }
+}
+
+/// [`parse`] of a file that must hold the family of `H` with weights of type `W`.
 ///
 /// # Errors
-/// [`ModelError::OtherFamily`] where it is a file of another one, of which no more is checked.
-pub fn parse_as<'a, H: ShapeHeader<'a>>(bytes: &'a [u8]) -> Result<ParsedAs<'a, H>, ModelError> {
+/// [`ModelError::OtherFamily`] where it is a file of another one, of which no more is checked; [`ModelError::Precision`] where
+/// its weights are of the other type.
+pub fn parse_as<'a, H: ShapeHeader<'a>, W: Shipped>(
+    bytes: &'a [u8],
+) -> Result<ParsedAs<'a, H, W>, ModelError> {
     let (family, rest) = begin(bytes)?;
     if family == H::FAMILY.0 {
         return finish(rest);
@@ -120,7 +136,7 @@ fn take<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<(T, &'a [u8]), ModelE
     postcard::take_from_bytes(bytes).map_err(|_| ModelError::Malformed)
 }
 
-fn finish<'a, H: ShapeHeader<'a>>(bytes: &'a [u8]) -> Result<ParsedAs<'a, H>, ModelError> {
+fn finish<'a, H: ShapeHeader<'a>, W: Shipped>(bytes: &'a [u8]) -> Result<ParsedAs<'a, H, W>, ModelError> {
     let (shape, rest) = take::<H>(bytes)?;
     let (end, rest) = take::<End>(rest)?;
     if !rest.is_empty() {
@@ -136,16 +152,26 @@ fn finish<'a, H: ShapeHeader<'a>>(bytes: &'a [u8]) -> Result<ParsedAs<'a, H>, Mo
     Ok(ParsedAs { shape, discretisation, provenance, weights })
 }
 
+/// Where the weight block begins in memory: at a multiple of so many bytes, in either precision.
+const ALIGNMENT: usize = 4;
+
 /// The weight block in place: as many numbers as are needed, all finite.
-fn numbers(block: &[u8], needed: usize) -> Result<&[f32], ModelError> {
-    let weights = bytemuck::try_cast_slice::<u8, f32>(block).map_err(|_| unaligned(block))?;
+fn numbers<W: Shipped>(block: &[u8], needed: usize) -> Result<&[W], ModelError> {
+    let offset = (block.as_ptr() as usize % ALIGNMENT) as u8;
+    if offset != 0 {
+        return Err(ModelError::Unaligned { offset });
+    }
     if cfg!(target_endian = "big") {
         return Err(ModelError::BigEndian);
     }
+    if block.len() == needed.saturating_mul(usize::from(W::OTHER_BITS / 8)) {
+        return Err(ModelError::Precision { found: W::OTHER_BITS, compiled: W::BITS });
+    }
+    let weights = bytemuck::try_cast_slice::<u8, W>(block).map_err(|_| ModelError::Malformed)?;
     if weights.len() != needed {
         return Err(ModelError::WeightCount { found: weights.len(), needed });
     }
-    match weights.iter().position(|w| !w.is_finite()) {
+    match weights.iter().position(|w| !w.wide().is_finite()) {
         Some(index) => Err(ModelError::NotFinite { index }),
         None => Ok(weights),
     }
@@ -172,13 +198,4 @@ fn check_sum(bytes: &[u8]) -> Result<(), ModelError> {
     }
     let (stored, computed) = (u32::from_le_bytes(*stored), checksum(body));
     if stored == computed { Ok(()) } else { Err(ModelError::Checksum { stored, computed }) }
-}
-
-/// Why a block cannot be read as f32 in place.
-fn unaligned(block: &[u8]) -> ModelError {
-    if block.len().is_multiple_of(4) {
-        ModelError::Unaligned { offset: (block.as_ptr() as usize % 4) as u8 }
-    } else {
-        ModelError::Malformed
-    }
 }

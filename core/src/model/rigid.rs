@@ -1,13 +1,15 @@
 use super::{Discretisation, ModelError, RigidHeader, parse_as};
 use crate::energy::rigid::{Rigid, Shape};
 use crate::forces::{System, Viscous};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Shipped, Stored, f16};
 
 /// A loaded rigid model in N coordinates, with at most `D` hidden layers of at most `H` units, ready for the solvers.
+///
+/// `W` is how the file stores its weights: `f32`, or [`f16`] in half the flash.
 #[derive(Clone, Copy, Debug)]
-pub struct RigidModel<'a, const N: usize, const H: usize, const D: usize> {
+pub struct RigidModel<'a, const N: usize, const H: usize, const D: usize, W = f32> {
     /// Energies over the file's weights, and damping.
-    pub system: System<Rigid<'a, f32, N, H, D>, Viscous<f32, N>>,
+    pub system: System<Rigid<'a, W, N, H, D>, Viscous<f32, N>>,
     /// The step and order the model was trained for.
     pub discretisation: Option<Discretisation>,
 }
@@ -15,7 +17,20 @@ pub struct RigidModel<'a, const N: usize, const H: usize, const D: usize> {
 impl<'a, const N: usize, const H: usize, const D: usize> RigidModel<'a, N, H, D> {
     /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
     pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
-        let parsed = parse_as::<RigidHeader>(bytes)?;
+        Self::read(bytes)
+    }
+}
+
+impl<'a, const N: usize, const H: usize, const D: usize> RigidModel<'a, N, H, D, f16> {
+    /// [`RigidModel::load`] of a file with weights in half precision.
+    pub fn load_half(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        Self::read(bytes)
+    }
+}
+
+impl<'a, const N: usize, const H: usize, const D: usize, W: Shipped> RigidModel<'a, N, H, D, W> {
+    fn read(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        let parsed = parse_as::<RigidHeader, W>(bytes)?;
         let header = parsed.shape;
         let system = header.system(parsed.weights)?;
         Ok(Self { system, discretisation: parsed.discretisation })
@@ -25,10 +40,14 @@ impl<'a, const N: usize, const H: usize, const D: usize> RigidModel<'a, N, H, D>
 impl RigidHeader<'_> {
     /// The system of this shape over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in training.
     #[allow(clippy::type_complexity, reason = "a Lagrangian and its forces, spelled out once")]
-    pub fn system<'w, S: Scalar, const N: usize, const H: usize, const D: usize>(
+    pub fn system<'w, W, S, const N: usize, const H: usize, const D: usize>(
         &self,
-        weights: &'w [S::Weight],
-    ) -> Result<System<Rigid<'w, S::Weight, N, H, D>, Viscous<S, N>>, ModelError> {
+        weights: &'w [W],
+    ) -> Result<System<Rigid<'w, W, N, H, D>, Viscous<S, N>>, ModelError>
+    where
+        W: Stored,
+        S: Scalar<Weight = W::Wide>,
+    {
         let (widths, depth) = self.widths();
         let widths = widths.get(..depth).unwrap_or(&[]);
         let width = widths.iter().copied().max().unwrap_or(0);
@@ -43,7 +62,7 @@ impl RigidHeader<'_> {
         let mut forces = Viscous::none();
         if self.damped {
             let damping = block.split_first_chunk::<N>().ok_or(short)?.0;
-            forces.coefficients = damping.map(S::weight);
+            forces.coefficients = damping.map(W::scalar);
         }
         Ok(System { lagrangian, forces })
     }

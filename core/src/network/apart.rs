@@ -2,7 +2,7 @@
 //! controller has registers for the sums of one vector, and one copy of each loop serves any number of tangents.
 
 use super::{Dense, Jet};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 
 /// Inputs gathered at a time.
 const GATHERED: usize = 32;
@@ -34,9 +34,9 @@ fn scatter<S: Scalar, const T: usize>(x: &[S], jets: &mut [Jet<S, T>], k: usize)
 }
 
 /// Panels of a layer that are still to come, and the inputs that are at hand.
-struct Panels<'w, 'x, S: Scalar> {
-    weights: &'w [S::Weight],
-    bias: &'w [S::Weight],
+struct Panels<'w, 'x, W, S> {
+    weights: &'w [W],
+    bias: &'w [W],
     /// Of the layer.
     inputs: usize,
     /// Before those at hand.
@@ -44,9 +44,9 @@ struct Panels<'w, 'x, S: Scalar> {
     x: &'x [S],
 }
 
-impl<'w, S: Scalar> Panels<'w, '_, S> {
+impl<'w, W: Stored, S: Scalar<Weight = W::Wide>> Panels<'w, '_, W, S> {
     /// The rows of the next panel that belong to the inputs at hand.
-    fn rows<const P: usize>(&mut self, count: usize) -> &'w [[S::Weight; P]] {
+    fn rows<const P: usize>(&mut self, count: usize) -> &'w [[W; P]] {
         let (panel, rest) = self.weights.split_at_checked(self.inputs * P).unwrap_or((&[], &[]));
         self.weights = rest;
         panel.as_chunks().0.get(self.first..self.first + count).unwrap_or(&[])
@@ -66,7 +66,7 @@ impl<'w, S: Scalar> Panels<'w, '_, S> {
             if self.first > 0 {
                 sum = gathered(y, k);
             } else if k == 0 {
-                sum.iter_mut().zip(bias).for_each(|(sum, bias)| *sum = S::weight(*bias));
+                sum.iter_mut().zip(bias).for_each(|(sum, bias)| *sum = bias.scalar());
             }
             S::accumulate(self.rows(self.x.len()), self.x, &mut sum);
             scatter(&sum, y, k);
@@ -83,18 +83,18 @@ impl<'w, S: Scalar> Panels<'w, '_, S> {
     ) -> &'y [Jet<S, T>] {
         let (panels, rest) = y_bar.as_chunks::<P>();
         for y_bar in panels {
-            S::transposed::<P>(self.rows(x_bar.len()), &gathered(y_bar, k), x_bar);
+            S::transposed::<W, P>(self.rows(x_bar.len()), &gathered(y_bar, k), x_bar);
         }
         rest
     }
 }
 
-impl<'a, W: Copy> Dense<'a, W> {
-    fn panels<'x, S: Scalar<Weight = W>>(&self, first: usize, x: &'x [S]) -> Panels<'a, 'x, S> {
+impl<'a, W: Stored> Dense<'a, W> {
+    fn panels<'x, S: Scalar<Weight = W::Wide>>(&self, first: usize, x: &'x [S]) -> Panels<'a, 'x, W, S> {
         Panels { weights: self.weights, bias: self.bias, inputs: self.inputs, first, x }
     }
 
-    pub(super) fn forward_apart<S: Scalar<Weight = W>, const T: usize>(
+    pub(super) fn forward_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
@@ -112,7 +112,7 @@ impl<'a, W: Copy> Dense<'a, W> {
         }
     }
 
-    pub(super) fn adjoint_apart<S: Scalar<Weight = W>, const T: usize>(
+    pub(super) fn adjoint_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],

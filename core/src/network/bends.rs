@@ -2,7 +2,7 @@
 //! back.
 
 use super::{Jet, Mlp, sized};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
 /// What a pass forward leaves of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
@@ -24,10 +24,10 @@ impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Bend
     }
 }
 
-impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     /// y(x) and its tangents along those of x; records what [`Mlp::second_order`] needs.
     #[inline]
-    pub fn forward_bent<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    pub fn forward_bent<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         x: &[Jet<S, T>],
         bends: &mut Bends<S, T, H, D>,
@@ -57,7 +57,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
     /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
     /// along straight lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
     #[inline]
-    pub fn second_order<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         bends: &Bends<S, T, H, D>,
         y_bar: &[Jet<S, 0>],

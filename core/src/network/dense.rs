@@ -1,5 +1,5 @@
 use super::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use leastaction_fpu::portable::dot;
 
 /// A fully connected layer y = Wx + b over borrowed weights.
@@ -17,7 +17,7 @@ pub struct Dense<'a, W> {
 /// Units of a layer up to which to gather a vector takes more than it saves.
 const NARROW: usize = 8;
 
-impl<'a, W: Copy> Dense<'a, W> {
+impl<'a, W: Stored> Dense<'a, W> {
     /// Numbers that a layer of this shape takes from the weight block.
     pub const fn parameters(inputs: usize, outputs: usize) -> Option<usize> {
         match inputs.checked_add(1) {
@@ -69,13 +69,13 @@ impl<'a, W: Copy> Dense<'a, W> {
 
     /// y = Wx + b and ẏ_k = Wẋ_k.
     #[inline]
-    pub fn forward<S: Scalar<Weight = W>, const T: usize>(&self, x: &[Jet<S, T>], y: &mut [Jet<S, T>]) {
+    pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize>(&self, x: &[Jet<S, T>], y: &mut [Jet<S, T>]) {
         self.forward_of::<S, T, { usize::MAX }>(x, y);
     }
 
     /// [`Dense::forward`] in a network of at most `H` units a layer.
     #[inline]
-    pub(super) fn forward_of<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    pub(super) fn forward_of<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
@@ -83,14 +83,14 @@ impl<'a, W: Copy> Dense<'a, W> {
         if S::APART && H > NARROW {
             return self.forward_apart(x, y);
         }
-        let (weights, bias, y) = forward_panels::<S, T, 8>(self.weights, self.bias, x, y);
-        let (weights, bias, y) = forward_panels::<S, T, 4>(weights, bias, x, y);
-        forward_panels::<S, T, 1>(weights, bias, x, y);
+        let (weights, bias, y) = forward_panels::<W, S, T, 8>(self.weights, self.bias, x, y);
+        let (weights, bias, y) = forward_panels::<W, S, T, 4>(weights, bias, x, y);
+        forward_panels::<W, S, T, 1>(weights, bias, x, y);
     }
 
     /// x̄ = Wᵀȳ and the same for every tangent of the adjoint; `x_bar` is overwritten.
     #[inline]
-    pub fn adjoint<S: Scalar<Weight = W>, const T: usize>(
+    pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
@@ -100,7 +100,7 @@ impl<'a, W: Copy> Dense<'a, W> {
 
     /// [`Dense::adjoint`] in a network of at most `H` units a layer.
     #[inline]
-    pub(super) fn adjoint_of<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    pub(super) fn adjoint_of<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
@@ -109,16 +109,16 @@ impl<'a, W: Copy> Dense<'a, W> {
             return self.adjoint_apart(y_bar, x_bar);
         }
         x_bar.fill(Jet::zero());
-        let (weights, y_bar) = adjoint_panels::<S, T, 8>(self.weights, y_bar, x_bar);
-        let (weights, y_bar) = adjoint_panels::<S, T, 4>(weights, y_bar, x_bar);
-        adjoint_panels::<S, T, 1>(weights, y_bar, x_bar);
+        let (weights, y_bar) = adjoint_panels::<W, S, T, 8>(self.weights, y_bar, x_bar);
+        let (weights, y_bar) = adjoint_panels::<W, S, T, 4>(weights, y_bar, x_bar);
+        adjoint_panels::<W, S, T, 1>(weights, y_bar, x_bar);
     }
 
     /// Visits ∂/∂W of the first tangent of a scalar: for every weight, in storage order, then every bias, calls
     /// `row` with its position in the layer and ȧ_j ȳ_i + a_j ẏ̄_i, where `y_bar` is the adjoint (with one tangent) of the
     /// layer's outputs and `x` its inputs (with one tangent).
     #[inline]
-    pub fn tangent_gradient<S: Scalar<Weight = W>>(
+    pub fn tangent_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         x: &[Jet<S, 1>],
         y_bar: &[Jet<S, 1>],
@@ -130,7 +130,7 @@ impl<'a, W: Copy> Dense<'a, W> {
     /// Visits ∂/∂W as [`Dense::tangent_gradient`] does, where `x` and `y_bar` are the inputs and the adjoint of the outputs,
     /// each with as many derivatives along a curve: Σ_k ȳ⁽ᵏ⁾x⁽ᵏ⁾.
     #[inline]
-    pub fn series_gradient<S: Scalar<Weight = W>, const K: usize>(
+    pub fn series_gradient<S: Scalar<Weight = W::Wide>, const K: usize>(
         &self,
         x: &[Jet<S, K>],
         y_bar: &[Jet<S, K>],
@@ -200,12 +200,12 @@ impl<S: Scalar, const T: usize, const P: usize> Panel<S, T, P> {
 
 /// All full panels of P outputs.
 #[inline(always)]
-fn forward_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
-    weights: &'w [S::Weight],
-    bias: &'w [S::Weight],
+fn forward_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+    weights: &'w [W],
+    bias: &'w [W],
     x: &[Jet<S, T>],
     y: &'y mut [Jet<S, T>],
-) -> Rest<'w, 'y, S::Weight, S, T> {
+) -> Rest<'w, 'y, W, S, T> {
     let (panels, y) = y.as_chunks_mut::<P>();
     let (bias, bias_rest) = bias.split_at_checked(panels.len() * P).unwrap_or((bias, &[]));
     let (rows, rest) = weights.split_at_checked(panels.len() * P * x.len()).unwrap_or((weights, &[]));
@@ -229,15 +229,15 @@ fn split_off<'w, X>(rows: &mut &'w [X], n: usize) -> &'w [X] {
 
 /// A function of its own, so that the sums stay in vectors and are not interleaved before the last is added.
 #[inline(never)]
-fn forward_panel<S: Scalar, const T: usize, const P: usize>(
-    rows: &[[S::Weight; P]],
-    bias: &[S::Weight; P],
+fn forward_panel<W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+    rows: &[[W; P]],
+    bias: &[W; P],
     x: &[Jet<S, T>],
 ) -> Panel<S, T, P> {
-    let mut value = bias.map(S::weight);
+    let mut value = bias.map(W::scalar);
     let mut tangent = [[S::zero(); P]; T];
     for (x, row) in x.iter().zip(rows) {
-        let row = row.map(S::weight);
+        let row = row.map(W::scalar);
         accumulate(&mut value, &row, x.value);
         for (sum, x) in tangent.iter_mut().zip(&x.tangent) {
             accumulate(sum, &row, *x);
@@ -254,11 +254,11 @@ fn accumulate<S: Scalar, const P: usize>(sum: &mut [S; P], row: &[S; P], x: S) {
 }
 
 #[inline(always)]
-fn adjoint_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
-    weights: &'w [S::Weight],
+fn adjoint_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+    weights: &'w [W],
     y_bar: &'y [Jet<S, T>],
     x_bar: &mut [Jet<S, T>],
-) -> (&'w [S::Weight], &'y [Jet<S, T>]) {
+) -> (&'w [W], &'y [Jet<S, T>]) {
     let (panels, y_rest) = y_bar.as_chunks::<P>();
     let (rows, rest) = weights.split_at_checked(panels.len() * P * x_bar.len()).unwrap_or((weights, &[]));
     let mut rows = rows.as_chunks::<P>().0;
@@ -269,15 +269,15 @@ fn adjoint_panels<'w, 'y, S: Scalar, const T: usize, const P: usize>(
 }
 
 #[inline(always)]
-fn adjoint_panel<S: Scalar, const T: usize, const P: usize>(
-    rows: &[[S::Weight; P]],
+fn adjoint_panel<W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+    rows: &[[W; P]],
     y_bar: &[Jet<S, T>; P],
     x_bar: &mut [Jet<S, T>],
 ) {
     let value: [S; P] = core::array::from_fn(|l| y_bar[l].value);
     let tangent: [[S; P]; T] = core::array::from_fn(|k| core::array::from_fn(|l| y_bar[l].tangent[k]));
     for (x, row) in x_bar.iter_mut().zip(rows) {
-        let row = row.map(S::weight);
+        let row = row.map(W::scalar);
         x.value += dot(&row, &value);
         for (x, y) in x.tangent.iter_mut().zip(&tangent) {
             *x += dot(&row, y);

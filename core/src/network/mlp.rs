@@ -1,5 +1,5 @@
 use super::{Activation, Dense, Jet, sized};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
 /// A multilayer perceptron over borrowed weights: up to `D` hidden layers, each followed by the activation, and a linear
@@ -25,7 +25,7 @@ impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Tape
     }
 }
 
-impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` where the
     /// block is too short or there are more than `D` hidden layers.
     pub fn take(
@@ -101,7 +101,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
 
     /// y(x) and its tangents along those of x; records on `tape` what [`Mlp::adjoint`] needs.
     #[inline]
-    pub fn forward<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         x: &[Jet<S, T>],
         tape: &mut Tape<S, T, H, D>,
@@ -121,7 +121,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
 
     /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
     #[inline]
-    pub fn evaluate<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    pub fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
@@ -141,7 +141,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
     ///
     /// `A` ≤ `T` tangents are carried (0: a plain gradient).
     #[inline]
-    pub fn adjoint<S: Scalar<Weight = W>, const T: usize, const A: usize, const H: usize>(
+    pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
         &self,
         tape: &Tape<S, T, H, D>,
         y_bar: &[Jet<S, A>],
@@ -157,7 +157,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the forward pass
     /// was given.
     #[inline]
-    pub fn layer_adjoints<S: Scalar<Weight = W>, const T: usize, const A: usize, const H: usize>(
+    pub fn layer_adjoints<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
         &self,
         tape: &Tape<S, T, H, D>,
         x: &[Jet<S, T>],
@@ -169,7 +169,12 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
 
     /// [`Mlp::adjoint`] and [`Mlp::layer_adjoints`] in one pass.
     #[inline]
-    pub fn adjoint_with_layers<S: Scalar<Weight = W>, const T: usize, const A: usize, const H: usize>(
+    pub fn adjoint_with_layers<
+        S: Scalar<Weight = W::Wide>,
+        const T: usize,
+        const A: usize,
+        const H: usize,
+    >(
         &self,
         tape: &Tape<S, T, H, D>,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, A>]),
@@ -187,7 +192,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
     /// Carries the adjoint down to the outputs of the first layer. `visit` gets each layer, the units below it on the tape
     /// (none below the first) and the adjoint of its outputs.
     #[inline(always)]
-    fn backward<S: Scalar<Weight = W>, const T: usize, const A: usize, const H: usize>(
+    fn backward<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
         &self,
         tape: &Tape<S, T, H, D>,
         y_bar: &[Jet<S, A>],

@@ -5,12 +5,12 @@
 //! linear and treat both alike, only the activations differ (Faà di Bruno's formula).
 
 use super::{Activation, Curve, Dense, Jet, Mlp, sized};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
-    pub fn series<S: Scalar<Weight = W>, const K: usize, const H: usize>(
+    pub fn series<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
         &self,
         x: &[Jet<S, K>],
         y: &mut [Jet<S, K>],
@@ -31,7 +31,7 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first, where `y_bar` is the adjoint of
     /// y and its first two derivatives: the derivative in a weight is Σ_k z̄⁽ᵏ⁾x⁽ᵏ⁾, see [`Dense::series_gradient`].
-    pub fn series_adjoints<S: Scalar<Weight = W>, const H: usize>(
+    pub fn series_adjoints<S: Scalar<Weight = W::Wide>, const H: usize>(
         &self,
         x: &[Jet<S, 2>],
         y_bar: &[Jet<S, 2>],
@@ -56,7 +56,11 @@ impl<'a, W: Copy, const D: usize> Mlp<'a, W, D> {
     }
 
     /// The hidden layers along a curve, with what their adjoint needs.
-    fn recorded<S: Scalar<Weight = W>, const H: usize>(&self, x: &[Jet<S, 2>], record: &mut Record<S, H, D>) {
+    fn recorded<S: Scalar<Weight = W::Wide>, const H: usize>(
+        &self,
+        x: &[Jet<S, 2>],
+        record: &mut Record<S, H, D>,
+    ) {
         let mut input = x;
         for ((layer, bends), units) in self.hidden().zip(&mut record.bends).zip(&mut record.units) {
             let units = sized(units, layer.outputs(), Jet::zero());

@@ -1,5 +1,5 @@
-use super::{Real, Scalar, tanh, trigonometry};
-use leastaction_fpu as fpu;
+use super::{Real, Scalar, Stored, Weights, tanh, trigonometry};
+use leastaction_fpu::{half, portable, single, sqrt};
 
 impl Scalar for f32 {
     type Weight = f32;
@@ -8,25 +8,45 @@ impl Scalar for f32 {
     const APART: bool = cfg!(target_pointer_width = "32");
 
     #[inline]
-    fn accumulate<const P: usize>(rows: &[[f32; P]], x: &[f32], sum: &mut [f32; P]) {
-        let (weights, sums) = (rows.as_flattened(), sum.as_mut_slice());
-        match P {
-            8 => {
-                sums.as_chunks_mut().0.iter_mut().for_each(|s| fpu::accumulate_8(weights.as_chunks().0, x, s))
+    fn accumulate<W: Stored<Wide = f32>, const P: usize>(rows: &[[W; P]], x: &[f32], sum: &mut [f32; P]) {
+        let (weights, sums) = (W::shipped(rows.as_flattened()), sum.as_mut_slice());
+        match (P, weights) {
+            (8, Some(Weights::Single(w))) => {
+                sums.as_chunks_mut().0.iter_mut().for_each(|s| single::accumulate_8(w.as_chunks().0, x, s))
             }
-            4 => {
-                sums.as_chunks_mut().0.iter_mut().for_each(|s| fpu::accumulate_4(weights.as_chunks().0, x, s))
+            (4, Some(Weights::Single(w))) => {
+                sums.as_chunks_mut().0.iter_mut().for_each(|s| single::accumulate_4(w.as_chunks().0, x, s))
             }
-            _ => fpu::portable::accumulate(rows, x, sum, Self::weight),
+            (8, Some(Weights::Half(w))) => {
+                sums.as_chunks_mut().0.iter_mut().for_each(|s| half::accumulate_8(w.as_chunks().0, x, s))
+            }
+            (4, Some(Weights::Half(w))) => {
+                sums.as_chunks_mut().0.iter_mut().for_each(|s| half::accumulate_4(w.as_chunks().0, x, s))
+            }
+            _ => portable::accumulate(rows, x, sum, W::wide),
         }
     }
     #[inline]
-    fn transposed<const P: usize>(rows: &[[f32; P]], y_bar: &[f32; P], x_bar: &mut [f32]) {
-        let weights = rows.as_flattened();
-        match P {
-            8 => y_bar.as_chunks().0.iter().for_each(|y| fpu::transposed_8(weights.as_chunks().0, y, x_bar)),
-            4 => y_bar.as_chunks().0.iter().for_each(|y| fpu::transposed_4(weights.as_chunks().0, y, x_bar)),
-            _ => fpu::portable::transposed(rows, y_bar, x_bar, Self::weight),
+    fn transposed<W: Stored<Wide = f32>, const P: usize>(
+        rows: &[[W; P]],
+        y_bar: &[f32; P],
+        x_bar: &mut [f32],
+    ) {
+        let y = y_bar.as_slice();
+        match (P, W::shipped(rows.as_flattened())) {
+            (8, Some(Weights::Single(w))) => {
+                y.as_chunks().0.iter().for_each(|y| single::transposed_8(w.as_chunks().0, y, x_bar))
+            }
+            (4, Some(Weights::Single(w))) => {
+                y.as_chunks().0.iter().for_each(|y| single::transposed_4(w.as_chunks().0, y, x_bar))
+            }
+            (8, Some(Weights::Half(w))) => {
+                y.as_chunks().0.iter().for_each(|y| half::transposed_8(w.as_chunks().0, y, x_bar))
+            }
+            (4, Some(Weights::Half(w))) => {
+                y.as_chunks().0.iter().for_each(|y| half::transposed_4(w.as_chunks().0, y, x_bar))
+            }
+            _ => portable::transposed(rows, y_bar, x_bar, W::wide),
         }
     }
     #[inline(always)]
@@ -39,7 +59,7 @@ impl Scalar for f32 {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        fpu::sqrt(self)
+        sqrt(self)
     }
     #[inline]
     fn exp(self) -> Self {

@@ -10,14 +10,17 @@ mod lanes;
 #[cfg(feature = "micromath")]
 mod micro;
 mod packed;
+mod stored;
 mod tanh;
 mod trigonometry;
 
 pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};
+pub use leastaction_fpu::f16;
 #[cfg(feature = "micromath")]
 pub use micro::Micro;
 pub use packed::Packed;
+pub use stored::{Shipped, Stored, Weights};
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -35,8 +38,8 @@ pub trait Scalar:
     + AddAssign
     + SubAssign
 {
-    /// The type in which network weights are stored: `f32` in flash, `f64` in training.
-    type Weight: Copy + Debug + Default + PartialEq;
+    /// The type in which network weights are read: `f32` on the chip, `f64` in training. See [`Stored`].
+    type Weight: Stored<Wide = Self::Weight>;
 
     /// The weight as a scalar (broadcast to every lane).
     fn weight(w: Self::Weight) -> Self;
@@ -65,14 +68,22 @@ pub trait Scalar:
 
     /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … with `rows[j][l]` = w_jl.
     #[inline(always)]
-    fn accumulate<const P: usize>(rows: &[[Self::Weight; P]], x: &[Self], sum: &mut [Self; P]) {
-        portable::accumulate(rows, x, sum, Self::weight);
+    fn accumulate<W: Stored<Wide = Self::Weight>, const P: usize>(
+        rows: &[[W; P]],
+        x: &[Self],
+        sum: &mut [Self; P],
+    ) {
+        portable::accumulate(rows, x, sum, W::scalar);
     }
 
     /// x̄_j ← x̄_j + Σ_l w_jl ȳ_l, products added in halves: lane l to lane l + P/2, and so on.
     #[inline(always)]
-    fn transposed<const P: usize>(rows: &[[Self::Weight; P]], y_bar: &[Self; P], x_bar: &mut [Self]) {
-        portable::transposed(rows, y_bar, x_bar, Self::weight);
+    fn transposed<W: Stored<Wide = Self::Weight>, const P: usize>(
+        rows: &[[W; P]],
+        y_bar: &[Self; P],
+        x_bar: &mut [Self],
+    ) {
+        portable::transposed(rows, y_bar, x_bar, W::scalar);
     }
 
     /// 0.

@@ -2,7 +2,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::scalar::Scalar;
+use leastaction_core::scalar::{Scalar, Stored};
 use num_dual::{DualNum, HyperHyperDual64};
 
 /// x + ε₁x₁ + ε₂x₂ + ε₃x₃ + … + ε₁ε₂ε₃x₁₂₃.
@@ -64,6 +64,14 @@ impl AddAssign for Dual {
 impl SubAssign for Dual {
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
+    }
+}
+
+impl Stored for Dual {
+    type Wide = Dual;
+
+    fn wide(self) -> Dual {
+        self
     }
 }
 

@@ -14,6 +14,7 @@ use leastaction_core::model::{
     MAX_TREES, ModelError, ModularHeader, RigidHeader, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
+use leastaction_core::scalar::f16;
 use std::path::PathBuf;
 
 /// Bytes at an address that is a multiple of 16, as a linker section gives it.
@@ -196,6 +197,12 @@ pub fn sealed(body: &[u8]) -> Vec<u8> {
 
 pub fn write(header: Header, weights: &[f32]) -> Vec<u8> {
     write_raw(header, None, bytemuck::cast_slice(weights))
+}
+
+/// The same with weights in half precision.
+pub fn write_half(header: Header, weights: &[f32]) -> Vec<u8> {
+    let halves: Vec<f16> = weights.iter().map(|w| f16::from_f32(*w)).collect();
+    write_raw(header, None, bytemuck::cast_slice(&halves))
 }
 
 /// The valid file that the tests damage.

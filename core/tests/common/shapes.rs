@@ -4,7 +4,7 @@ use super::Random;
 use super::oracle::Learned;
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape, feature_count};
 use leastaction_core::network::{Activation, Dense};
-use leastaction_core::scalar::Scalar;
+use leastaction_core::scalar::{Scalar, Stored};
 
 pub use Coordinate::{Angle, Cyclic, Translation};
 
@@ -45,7 +45,7 @@ impl<const N: usize> Model<N> {
     }
 
     /// The model over a weight block of any type, of this shape.
-    pub fn over<'a, W: Copy>(&self, mut weights: &'a [W]) -> Rigid<'a, W, N, WIDTH, DEPTH> {
+    pub fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Rigid<'a, W, N, WIDTH, DEPTH> {
         let rigid = Rigid::take(&mut weights, &self.shape()).expect("weights of this shape");
         assert!(weights.is_empty(), "{} weights too many", weights.len());
         rigid

@@ -15,3 +15,4 @@ for model in cartpole double pendulums; do
     leastaction train "$folder/$model.toml" -o "$folder/$model" --quiet
     leastaction export "$folder/$model" -o "$model.postcard"
 done
+leastaction export "$folder/cartpole" -o cartpole-f16.postcard --weights f16

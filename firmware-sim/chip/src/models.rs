@@ -12,7 +12,7 @@ use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::model::ModelError;
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, GRAPH, STEP, TREE, aslant, chain, newton,
+    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
 };
 use leastaction_firmware_sim::trajectory::{Free, Hanging};
 
@@ -42,6 +42,12 @@ where
 /// The cart-pole with steps along a path.
 pub fn cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Cartpole::load(black_box(file)))?;
+    run::<_, _, P, 2>(&model.system)
+}
+
+/// The same with weights in half precision.
+pub fn half_cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
+    let model = load(|| HalfCartpole::load_half(black_box(file)))?;
     run::<_, _, P, 2>(&model.system)
 }
 

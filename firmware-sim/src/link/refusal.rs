@@ -69,11 +69,13 @@ pub enum ModelFault {
     Shape,
     /// None that this version knows.
     Other,
+    /// Weights of another precision than the image was compiled for.
+    Precision,
 }
 
 impl ModelFault {
     /// All of them; the place of each is its code.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::TooShort,
         Self::Magic,
         Self::Version,
@@ -93,6 +95,7 @@ impl ModelFault {
         Self::OtherFamily,
         Self::Shape,
         Self::Other,
+        Self::Precision,
     ];
 
     /// In a word.
@@ -117,6 +120,7 @@ impl ModelFault {
             Self::OtherFamily => "other_family",
             Self::Shape => "shape",
             Self::Other => "other",
+            Self::Precision => "precision",
         }
     }
 }
@@ -142,6 +146,7 @@ impl From<ModelError> for ModelFault {
             ModelError::NoSuchGraph { .. } => Self::NoSuchGraph,
             ModelError::OtherFamily { .. } => Self::OtherFamily,
             ModelError::Shape { .. } => Self::Shape,
+            ModelError::Precision { .. } => Self::Precision,
             _ => Self::Other,
         }
     }
@@ -220,6 +225,7 @@ impl fmt::Display for ModelFault {
             Self::OtherFamily => "a model of another family than rigid",
             Self::Shape => "another shape than its image was compiled for",
             Self::Other => "of an unknown kind",
+            Self::Precision => "weights of another precision than its image was compiled for",
         };
         write!(f, "{words} (code {})", *self as u8)
     }

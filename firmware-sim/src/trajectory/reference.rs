@@ -3,12 +3,16 @@
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::Newton;
 use leastaction_core::model::{GraphModel, ModularModel, RigidModel};
+use leastaction_core::scalar::f16;
 
 /// The step, s.
 pub const STEP: f32 = 0.01;
 
 /// A cart-pole: layers 2 → 32 → 32 → 4.
 pub type Cartpole<'a> = RigidModel<'a, 2, 32, 2>;
+
+/// The same with weights in half precision.
+pub type HalfCartpole<'a> = RigidModel<'a, 2, 32, 2, f16>;
 
 /// Two pendulums of one learned type: layers 2 → 8 → 2 and 2 → 8 → 1.
 pub type Double<'a> = ModularModel<'a, 2, 1, 8, 1>;

@@ -10,6 +10,7 @@ use leastaction_core::energy::graph::{
 };
 use leastaction_core::forces::System;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
+use leastaction_core::scalar::Stored;
 use serde::{Deserialize, Serialize};
 
 /// Units of a hidden layer of a network of a graph at most.
@@ -279,7 +280,7 @@ impl GraphArchitecture {
     ///
     /// # Errors
     /// Where the block or the compiled sizes do not fit.
-    pub fn host_types<'w, W: Copy, const D: usize>(
+    pub fn host_types<'w, W: Stored, const D: usize>(
         &self,
         weights: &'w [W],
     ) -> Result<HostTypes<'w, W, D>, ModelError> {

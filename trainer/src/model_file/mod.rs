@@ -8,6 +8,7 @@ use crate::architecture::Architecture;
 use leastaction_core::model::{
     Discretisation, Document, FORMAT_VERSION, Header, MAGIC, ModelError, checksum, parse,
 };
+use leastaction_core::scalar::{Weights, f16};
 use thiserror::Error;
 
 /// Bytes of the checksum that closes a file.
@@ -18,15 +19,17 @@ const ALIGNMENT: usize = 4;
 /// A model that cannot be written.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EncodeError {
-    /// A weight is not a number of single precision.
+    /// A weight is not a number of the precision asked for.
     #[error(
-        "weight {index} is {value}, which single precision cannot hold; train again, with a smaller step or another seed"
+        "weight {index} is {value}, which {} bits cannot hold; {}", precision.bits(), precision.way_out()
     )]
     Weight {
         /// Its position in the block.
         index: usize,
         /// Its value.
         value: f64,
+        /// Asked for.
+        precision: Precision,
     },
     /// The format does not allow the shape or a number.
     #[error("the model does not fit the file format: {0}")]
@@ -36,13 +39,57 @@ pub enum EncodeError {
     Header(postcard::Error),
 }
 
+/// How a file stores its weights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Two bytes a number, `f16`.
+    Half,
+    /// Four bytes a number, `f32`.
+    #[default]
+    Single,
+}
+
+impl Precision {
+    /// Bits of a number.
+    pub fn bits(self) -> u8 {
+        match self {
+            Self::Half => 16,
+            Self::Single => 32,
+        }
+    }
+
+    fn way_out(self) -> &'static str {
+        match self {
+            Self::Half => "keep single precision",
+            Self::Single => "train again, with a smaller step or another seed",
+        }
+    }
+
+    /// Appends the nearest number, little-endian; `None` where it would be infinite.
+    fn append(self, value: f64, block: &mut Vec<u8>) -> Option<()> {
+        match self {
+            Self::Half => {
+                let half = Some(f16::from_f64(value)).filter(|half| half.is_finite())?;
+                block.extend(half.to_le_bytes());
+            }
+            Self::Single => {
+                let single = Some(value as f32).filter(|single| single.is_finite())?;
+                block.extend(single.to_le_bytes());
+            }
+        }
+        Some(())
+    }
+}
+
 /// A model as read on the host.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HostModel {
     /// Its shape.
     pub architecture: Architecture,
-    /// The weight block; every number is one of single precision.
+    /// The weight block; every number is one of `precision`.
     pub weights: Vec<f64>,
+    /// That the file stores its weights in.
+    pub precision: Precision,
     /// The step and order it was trained with, where it was.
     pub discretisation: Option<Discretisation>,
     /// Where it comes from.
@@ -56,17 +103,31 @@ impl HostModel {
     }
 }
 
-/// The bytes of the model file: weights rounded to single precision, aligned, checksummed, and read back once.
+/// The bytes of the model file with weights in single precision: see [`encode_in`].
 ///
 /// # Errors
-/// [`EncodeError`]: nothing is written that [`decode`] or the chip would refuse.
+/// As there.
 pub fn encode(
     architecture: &Architecture,
     weights: &[f64],
     discretisation: Option<Discretisation>,
     provenance: &str,
 ) -> Result<Vec<u8>, EncodeError> {
-    let block = rounded(weights)?;
+    encode_in(Precision::Single, architecture, weights, discretisation, provenance)
+}
+
+/// The bytes of the model file: weights rounded to a precision, aligned, checksummed, and read back once.
+///
+/// # Errors
+/// [`EncodeError`]: nothing is written that [`decode`] or the chip would refuse.
+pub fn encode_in(
+    precision: Precision,
+    architecture: &Architecture,
+    weights: &[f64],
+    discretisation: Option<Discretisation>,
+    provenance: &str,
+) -> Result<Vec<u8>, EncodeError> {
+    let block = rounded(weights, precision)?;
     let assembled =
         architecture.with_header(|family| assemble(Header { family, discretisation, provenance }, &block));
     let bytes = assembled.map_err(EncodeError::Header)?;
@@ -82,8 +143,13 @@ pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
     let aligned = Aligned::new(bytes);
     let parsed = parse(aligned.bytes())?;
     let Header { family, discretisation, provenance } = parsed.header;
-    let weights: Vec<f64> = parsed.weights.iter().map(|w| f64::from(*w)).collect();
+    let weights: Vec<f64> = parsed.weights.iter().map(f64::from).collect();
+    let precision = match parsed.weights {
+        Weights::Half(_) => Precision::Half,
+        Weights::Single(_) => Precision::Single,
+    };
     Ok(HostModel {
+        precision,
         architecture: Architecture::from_header(&family, &weights)?,
         weights,
         discretisation,
@@ -92,14 +158,11 @@ pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
 }
 
 /// The weight block, little-endian.
-fn rounded(weights: &[f64]) -> Result<Vec<u8>, EncodeError> {
+fn rounded(weights: &[f64], precision: Precision) -> Result<Vec<u8>, EncodeError> {
     let mut block = Vec::with_capacity(weights.len() * size_of::<f32>());
     for (index, value) in weights.iter().enumerate() {
-        let single = *value as f32;
-        if !single.is_finite() {
-            return Err(EncodeError::Weight { index, value: *value });
-        }
-        block.extend(single.to_le_bytes());
+        let cannot = EncodeError::Weight { index, value: *value, precision };
+        precision.append(*value, &mut block).ok_or(cannot)?;
     }
     Ok(block)
 }

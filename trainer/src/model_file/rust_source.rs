@@ -1,6 +1,6 @@
 //! A model file as a Rust source file, for programs without a file system.
 
-use super::{HostModel, decode};
+use super::{HostModel, Precision, decode};
 use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture, NamedGraph};
 use leastaction_core::model::{Discretisation, ModelError};
 use std::fmt::{self, Write};
@@ -54,35 +54,43 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
     if model.architecture.graph().is_some() {
         writeln!(to, "use leastaction_core::energy::graph::Edge;")?;
     }
-    writeln!(to, "use leastaction_core::model::{{{imports}}};")
+    writeln!(to, "use leastaction_core::model::{{{imports}}};")?;
+    if model.precision == Precision::Half {
+        writeln!(to, "use leastaction_core::scalar::f16;")?;
+    }
+    Ok(())
 }
 
 fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     let architecture = &model.architecture;
     let widest = architecture.widths().into_iter().max().unwrap_or(0);
     let kinds = architecture.coordinates();
+    let weight = match model.precision {
+        Precision::Half => ", f16",
+        Precision::Single => "",
+    };
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
     writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
     writeln!(to, "/// Hidden layers.\npub const D: usize = {};", architecture.depth())?;
     match architecture {
         Architecture::Rigid(_) => {
-            writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, D>;")
+            writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, D{weight}>;")
         }
         Architecture::Modular(modular) => {
             writeln!(to, "/// Element types.\npub const K: usize = {};", modular.types.len())?;
             writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
             write_trees(to, modular)?;
             writeln!(to, "\n/// A tree of `M` coordinates.")?;
-            writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, K, H, D>;")?;
+            writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, K, H, D{weight}>;")?;
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
-        Architecture::Graph(graph) => write_graphs(to, graph),
+        Architecture::Graph(graph) => write_graphs(to, graph, weight),
     }
 }
 
 /// All graphs, with their nodes and edges.
-fn write_graphs(to: &mut String, architecture: &GraphArchitecture) -> fmt::Result {
+fn write_graphs(to: &mut String, architecture: &GraphArchitecture, weight: &str) -> fmt::Result {
     let graph = architecture.graphs.get(architecture.graph);
     let (name, edges) = graph.map_or(("", 0), |graph| (graph.name.as_str(), graph.edges.len()));
     writeln!(to, "/// Dimensions of space.\npub const DIMENSION: usize = {};", architecture.dimension())?;
@@ -97,7 +105,7 @@ fn write_graphs(to: &mut String, architecture: &GraphArchitecture) -> fmt::Resul
     }
     writeln!(to, "];")?;
     writeln!(to, "\n/// The loaded model, whose list of edges lives as long.")?;
-    writeln!(to, "pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, D>;")
+    writeln!(to, "pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, D{weight}>;")
 }
 
 /// All trees, with their coordinates.
@@ -136,11 +144,15 @@ fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result 
     let model_type = if edges.is_empty() { "Model" } else { "Model<'_>" };
     writeln!(to, "\n/// Validates the model, once; the weights stay where they are.")?;
     writeln!(to, "pub fn load({edges}) -> Result<{model_type}, ModelError> {{")?;
-    writeln!(to, "    Model::load(&FILE.0{lists})\n}}")?;
+    let load = match model.precision {
+        Precision::Half => "load_half",
+        Precision::Single => "load",
+    };
+    writeln!(to, "    Model::{load}(&FILE.0{lists})\n}}")?;
     if matches!(model.architecture, Architecture::Modular(_)) {
         writeln!(to, "\n/// The same with another tree of the file; `M` is the number of its coordinates.")?;
         writeln!(to, "pub fn load_tree<const M: usize>(name: &str) -> Result<Tree<M>, ModelError> {{")?;
-        writeln!(to, "    Tree::load(&FILE.0, name)\n}}")?;
+        writeln!(to, "    Tree::{load}(&FILE.0, name)\n}}")?;
     }
     writeln!(to, "\n/// The file, at a multiple of 4 as the weights need it.")?;
     writeln!(to, "#[repr(C, align(4))]\nstruct Aligned([u8; {length}]);")?;

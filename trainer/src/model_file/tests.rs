@@ -41,6 +41,36 @@ fn the_chip_loads_it_in_place() {
 }
 
 #[test]
+fn halves_are_the_nearest_numbers_and_the_chip_loads_them() {
+    let (architecture, mut weights, single) = example("somewhere");
+    weights[2] = 1.0 + 2_f64.powi(-11);
+    let bytes = encode_in(Precision::Half, &architecture, &weights, None, "").unwrap();
+    assert!(bytes.len() + 2 * weights.len() <= single.len());
+    let model = decode(&bytes).unwrap();
+    assert_eq!(model.precision, Precision::Half);
+    // Between two halves, to the even one.
+    assert_eq!(model.weights[2], 1.0);
+    for (trained, shipped) in weights.iter().zip(&model.weights) {
+        assert!((trained - shipped).abs() <= trained.abs() * 2_f64.powi(-11) + 2_f64.powi(-25));
+    }
+    let again = encode_in(Precision::Half, &architecture, &model.weights, None, "").unwrap();
+    assert_eq!(again, bytes);
+    assert!(RigidModel::<2, 9, 2, _>::load_half(Aligned::new(&bytes).bytes()).is_ok());
+    assert!(rust_source(&bytes).unwrap().contains("pub type Model = RigidModel<'static, N, H, D, f16>;"));
+}
+
+#[test]
+fn numbers_that_half_precision_cannot_hold_are_refused() {
+    let (architecture, mut weights, _) = example("");
+    weights[5] = 65_520.0;
+    let error = encode_in(Precision::Half, &architecture, &weights, None, "").unwrap_err();
+    assert!(matches!(error, EncodeError::Weight { index: 5, .. }), "{error}");
+    assert!(error.to_string().contains("16 bits cannot hold; keep single precision"), "{error}");
+    weights[5] = 65_519.0;
+    assert!(encode_in(Precision::Half, &architecture, &weights, None, "").is_ok());
+}
+
+#[test]
 fn every_truncation_and_every_changed_byte_is_refused() {
     let (_, _, bytes) = example("p");
     for length in 0..bytes.len() {

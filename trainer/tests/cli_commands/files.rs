@@ -44,6 +44,47 @@ fn exported_files_agree() {
 }
 
 #[test]
+fn half_the_flash_has_a_price_that_is_told() {
+    let bench = trained();
+    let single = bench.run("export run -o m.postcard --json").good().json();
+    assert!(single["accuracy"].is_null());
+    let half = bench.run("export run -o half.postcard --rust half.rs --weights f16 --json").good().json();
+    assert_eq!((single["weight_bits"].as_u64(), half["weight_bits"].as_u64()), (Some(32), Some(16)));
+    let saved = single["bytes"].as_u64().unwrap() - half["bytes"].as_u64().unwrap();
+    assert!(saved.abs_diff(2 * half["parameters"].as_u64().unwrap()) <= 4, "{saved}");
+    let error = |of: &str| half["accuracy"][of]["one_step"].as_f64().unwrap();
+    assert!(error("trained") > 0.0 && error("shipped") != error("trained"));
+    let evaluated = |model: &str| {
+        let report = bench.run(&format!("evaluate {model} --data data.npz --json")).good().json();
+        report["one_step_mse"].as_f64().unwrap()
+    };
+    let found = evaluated("half.postcard").sqrt();
+    assert!((found - error("shipped")).abs() <= 1e-12 * found, "{found} {}", error("shipped"));
+    assert!(bench.text("half.rs").contains("Model::load_half"));
+    let text = bench.run("export run -o half.postcard --weights f16").good().stdout;
+    assert!(text.contains("parameters of 16 bits") && text.contains("positions one step ahead"), "{text}");
+    let text = bench.run("inspect half.postcard").good().stdout;
+    assert!(text.contains("of 16 bits"), "{text}");
+}
+
+#[test]
+fn without_the_log_the_price_is_not_known() {
+    let bench = trained();
+    std::fs::rename(bench.at("data.npz"), bench.at("moved.npz")).unwrap();
+    let said = bench.run("export run -o half.postcard --weights f16").good();
+    assert!(
+        said.stderr.contains("data.npz") && said.stderr.contains("name the log with --data"),
+        "{}",
+        said.stderr
+    );
+    let said = bench.run("export run -o half.postcard --weights f16 --data moved.npz").good();
+    assert!(said.stdout.contains("moved.npz"), "{}", said.stdout);
+    std::fs::remove_file(bench.at("half.postcard")).unwrap();
+    bench.run("export run -o half.postcard --weights f16 --data none.npz").bad(2, &["none.npz"]);
+    assert!(!bench.at("half.postcard").exists());
+}
+
+#[test]
 fn export_needs_a_run() {
     let bench = Bench::new();
     bench.run("export nothing -o m.postcard").bad(2, &["nothing/checkpoint.postcard", "training run"]);
@@ -168,7 +209,7 @@ fn rust_source_of_trees_compiles_and_is_the_same_model() {
     let modular = architecture.modular().unwrap();
     let (q, v, u) = ([0.3, -0.4], [-1.2, 0.2], [0.5, 0.0]);
     let tree = modular.tree_header();
-    let here = modular.header().system::<f32, 2, 2, 3, 1>(&tree, &weights).unwrap();
+    let here = modular.header().system::<_, f32, 2, 2, 3, 1>(&tree, &weights).unwrap();
     let there = golden_trees::load().unwrap();
     assert_eq!(acceleration(&there.system, &q, &v, &u).unwrap(), acceleration(&here, &q, &v, &u).unwrap());
     assert_eq!(golden_trees::TREES, [("double", 2), ("crane", 3)]);

@@ -5,7 +5,7 @@ use crate::energy::part::Ignore;
 use crate::forces::Forces;
 use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 
 /// A graph in N coordinates, node after node: N is the number of nodes times `D`.
 ///
@@ -15,7 +15,7 @@ pub struct Fixed<'a, W, const D: usize, const K: usize, const H: usize, const L:
     pub(super) graph: Graph<'a, W, D, K, H, L>,
 }
 
-impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Fixed<'a, W, D, K, H, L, N>
 {
     /// The graph, which must have N coordinates.
@@ -45,7 +45,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// `of` every node's part of x, node after node.
-    fn each<S: Scalar<Weight = W>>(&self, x: &[S; N], of: impl Fn(u8, &[S; D]) -> [S; D]) -> [S; N] {
+    fn each<S: Scalar<Weight = W::Wide>>(&self, x: &[S; N], of: impl Fn(u8, &[S; D]) -> [S; D]) -> [S; N] {
         let mut y = [S::zero(); N];
         for (slot, (kind, x)) in y.as_chunks_mut::<D>().0.iter_mut().zip(self.nodes(x)) {
             *slot = of(kind, x);
@@ -53,7 +53,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         y
     }
 
-    fn l_q<S: Scalar<Weight = W>>(&self, q: &[S; N]) -> [S; N] {
+    fn l_q<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [S; N] {
         let types = &self.graph.types;
         let mut l_q = self.each(q, |kind, x| {
             types.pull::<S, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {}).map(|pull| -pull.value)
@@ -69,11 +69,11 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         l_q
     }
 
-    fn l_v<S: Scalar<Weight = W>>(&self, v: &[S; N]) -> [S; N] {
+    fn l_v<S: Scalar<Weight = W::Wide>>(&self, v: &[S; N]) -> [S; N] {
         self.each(v, |kind, v| self.graph.types.kinetic::<S, 1>(kind, v).gradient(v))
     }
 
-    fn l_vv<S: Scalar<Weight = W>>(&self, v: &[S; N]) -> [[S; N]; N] {
+    fn l_vv<S: Scalar<Weight = W::Wide>>(&self, v: &[S; N]) -> [[S; N]; N] {
         let mut mass = [[S::zero(); N]; N];
         for (i, (kind, v)) in self.nodes(v).enumerate() {
             let block = self.graph.types.kinetic::<S, 2>(kind, v).hessian(v);
@@ -82,7 +82,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
         mass
     }
 
-    fn l_qq<S: Scalar<Weight = W>>(&self, q: &[S; N]) -> [[S; N]; N] {
+    fn l_qq<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
         let mut l_qq = [[S::zero(); N]; N];
         for (i, (kind, x)) in self.nodes(q).enumerate() {
             let pull = self.graph.types.pull::<S, D>(kind, &varied(x), &mut Ignore, |_, _| {});
@@ -102,7 +102,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// Column by column of blocks: how the gradients of the messages change with the place of node j.
-    fn add_messages<S: Scalar<Weight = W>>(&self, q: &[S; N], l_qq: &mut [[S; N]; N]) {
+    fn add_messages<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], l_qq: &mut [[S; N]; N]) {
         for j in 0..self.graph.nodes.len() {
             let mut x = placed::<S, D, D, N>(q);
             if let Some(x) = x.get_mut(j) {
@@ -118,8 +118,15 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 }
 
-impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
-    Lagrangian<S, N> for Fixed<'_, S::Weight, D, K, H, L, N>
+impl<
+    W: Stored,
+    S: Scalar<Weight = W::Wide>,
+    const D: usize,
+    const K: usize,
+    const H: usize,
+    const L: usize,
+    const N: usize,
+> Lagrangian<S, N> for Fixed<'_, W, D, K, H, L, N>
 {
     type Mass = DenseMass<S, N>;
 
@@ -152,8 +159,15 @@ impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, 
     }
 }
 
-impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize> Forces<S, N>
-    for Fixed<'_, S::Weight, D, K, H, L, N>
+impl<
+    W: Stored,
+    S: Scalar<Weight = W::Wide>,
+    const D: usize,
+    const K: usize,
+    const H: usize,
+    const L: usize,
+    const N: usize,
+> Forces<S, N> for Fixed<'_, W, D, K, H, L, N>
 {
     fn force(&self, _: &[S; N], v: &[S; N]) -> [S; N] {
         self.each(v, |kind, v| self.graph.types.drags(kind, v)[0])

@@ -5,7 +5,7 @@ use super::shape::{MAX_EMBEDDING, MessageShape, Separation};
 use super::types::{Inputs, Types};
 use crate::energy::part::{Part, Visit};
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
 /// The embedding of a node or edge.
@@ -38,14 +38,14 @@ pub(super) struct Messaging<'t, 'a, W, const D: usize, const K: usize, const H: 
     shape: MessageShape,
 }
 
-impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
     /// The messages, where the model has any.
     pub(super) fn messaging(&self) -> Option<Messaging<'_, 'a, W, D, K, H, L>> {
         Some(Messaging { types: self, shape: self.shape().messages? })
     }
 }
 
-impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize>
+impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>
     Messaging<'t, 'a, W, D, K, H, L>
 {
     /// Numbers of a node's embedding.
@@ -83,7 +83,7 @@ impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: u
     }
 
     /// n_i += f_v(h_j ‖ e) at both ends.
-    pub fn send<S: Scalar<Weight = W>, const T: usize>(
+    pub fn send<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
         feature: Jet<S, T>,
@@ -104,7 +104,7 @@ impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: u
     }
 
     /// f₂(n) of a node, and n̄ += its gradient.
-    pub fn settle<S: Scalar<Weight = W>, const T: usize>(
+    pub fn settle<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         node: &mut impl Ends<S, T>,
         visit: &mut impl Visit<W, S, T>,
@@ -120,7 +120,7 @@ impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: u
     }
 
     /// 2f₁(e′) of an edge, its derivative in the feature while n is constant, and n̄ += its gradient.
-    pub fn update<S: Scalar<Weight = W>, const T: usize>(
+    pub fn update<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
         feature: Jet<S, T>,
@@ -155,7 +155,7 @@ impl<'t, 'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: u
 
     /// The derivative in the feature through what an edge sends; `sender(end, k, ·)` gets that in number k of the embedding
     /// of an end's type.
-    pub fn answer<S: Scalar<Weight = W>, const T: usize>(
+    pub fn answer<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
         feature: Jet<S, T>,

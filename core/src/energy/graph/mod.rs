@@ -35,7 +35,7 @@ pub use shape::{
 pub use types::Types;
 pub use union::{Member, Union};
 
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
 /// Nodes of a graph at most: edges name them by 16 bits.
@@ -61,7 +61,7 @@ pub struct Graph<'a, W, const D: usize, const K: usize, const H: usize, const L:
     edges: &'a [Edge],
 }
 
-impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
     /// A graph of these nodes, each by its type, and edges.
     ///
     /// # Errors

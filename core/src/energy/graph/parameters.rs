@@ -9,7 +9,7 @@ use crate::energy::part::{Part, Rows};
 use crate::energy::{Learnable, LearnableForces};
 use crate::linear::dot;
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 
 impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Learnable<S, N> for Fixed<'_, S::Weight, D, K, H, L, N>
@@ -56,11 +56,16 @@ impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, 
     }
 }
 
-impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Fixed<'_, W, D, K, H, L, N>
 {
     /// −∂/∂θ of V_q·δq.
-    fn potential_part<S: Scalar<Weight = W>>(&self, q: &[S; N], dq: &[S; N], row: &mut impl FnMut(usize, S)) {
+    fn potential_part<S: Scalar<Weight = W::Wide>>(
+        &self,
+        q: &[S; N],
+        dq: &[S; N],
+        row: &mut impl FnMut(usize, S),
+    ) {
         for ((kind, x), dx) in self.nodes(q).zip(vectors(dq)) {
             self.graph.types.potential_gradient(kind, x, dx, row);
         }
@@ -71,7 +76,12 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, co
         self.message_part(q, dq, row);
     }
 
-    fn message_part<S: Scalar<Weight = W>>(&self, q: &[S; N], dq: &[S; N], row: &mut impl FnMut(usize, S)) {
+    fn message_part<S: Scalar<Weight = W::Wide>>(
+        &self,
+        q: &[S; N],
+        dq: &[S; N],
+        row: &mut impl FnMut(usize, S),
+    ) {
         if self.graph.types.messaging().is_none() {
             return;
         }
@@ -97,9 +107,9 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, co
     }
 }
 
-impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Types<'_, W, D, K, H, L> {
+impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'_, W, D, K, H, L> {
     /// Visits c₁ ∂T′/∂θ + c₂ ∂T″/∂θ, derivatives of T in |v|².
-    fn kinetic_gradient<S: Scalar<Weight = W>>(
+    fn kinetic_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         kind: u8,
         v: &[S; D],
@@ -124,7 +134,7 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Ty
     }
 
     /// Visits −∂/∂θ of V_x·δx.
-    fn potential_gradient<S: Scalar<Weight = W>>(
+    fn potential_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         kind: u8,
         x: &[S; D],
@@ -147,7 +157,7 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Ty
     }
 
     /// Visits c ∂U′/∂θ, the derivative of U in |d|².
-    fn pair_gradient<S: Scalar<Weight = W>>(
+    fn pair_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         kind: u8,
         d: &[S; D],
@@ -165,7 +175,13 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Ty
     }
 
     /// Visits y ∂Q/∂θ of a node along one axis.
-    fn drag_gradient<S: Scalar<Weight = W>>(&self, kind: u8, v: S, y: S, row: &mut impl FnMut(usize, S)) {
+    fn drag_gradient<S: Scalar<Weight = W::Wide>>(
+        &self,
+        kind: u8,
+        v: S,
+        y: S,
+        row: &mut impl FnMut(usize, S),
+    ) {
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return };
         if node.drag != Drag::None {
             row(numbers.drag.0, -(y * v));
@@ -178,9 +194,9 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Ty
     }
 }
 
-impl<W: Copy, const L: usize> Part<'_, W, L> {
+impl<W: Stored, const L: usize> Part<'_, W, L> {
     /// Visits c ∂|net(x)|/∂θ.
-    fn size_gradient<S: Scalar<Weight = W>, const H: usize>(
+    fn size_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
         &self,
         x: S,
         c: S,

@@ -7,11 +7,11 @@ use crate::lagrangian::Energies;
 use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::particles::Particles;
-use crate::scalar::{Packed, Scalar};
+use crate::scalar::{Packed, Scalar, Stored};
 use core::iter;
 
-impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> Particles<R, D>
-    for Graph<'_, R::Weight, D, K, H, L>
+impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, const H: usize, const L: usize>
+    Particles<R, D> for Graph<'_, W, D, K, H, L>
 {
     fn nodes(&self) -> usize {
         self.nodes.len()
@@ -89,10 +89,10 @@ fn lane<R: Packed, const D: usize>(x: &[R::Pack; D], lane: usize) -> [R; D] {
     one
 }
 
-impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
     /// Visits neighbouring nodes of one type, from `first` on, with their type and what `x` says of them.
     #[inline(always)]
-    fn for_nodes<R: Packed<Weight = W>>(
+    fn for_nodes<R: Packed<Weight = W::Wide>>(
         &self,
         first: usize,
         mut x: &[[R; D]],
@@ -110,7 +110,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 
     /// Writes `of` every node's type and what `x` says of it, from node `first` on; `lane` takes what is written from a pack.
     #[inline(always)]
-    fn write_nodes<R: Packed<Weight = W>, P, T>(
+    fn write_nodes<R: Packed<Weight = W::Wide>, P, T>(
         &self,
         first: usize,
         (x, to): (&[[R; D]], &mut [T]),
@@ -126,7 +126,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 
     /// Visits neighbouring edges of one type with their type and what lies between their ends.
     #[inline(always)]
-    fn for_edges<R: Packed<Weight = W>>(
+    fn for_edges<R: Packed<Weight = W::Wide>>(
         &self,
         q: &[[R; D]],
         mut visit: impl FnMut(&[Edge], u8, [R::Pack; D]),
@@ -139,7 +139,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// V(q).
-    pub(super) fn potential<R: Packed<Weight = W>>(&self, q: &[[R; D]], room: &mut [R]) -> R {
+    pub(super) fn potential<R: Packed<Weight = W::Wide>>(&self, q: &[[R; D]], room: &mut [R]) -> R {
         let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
         self.for_edges(q, |run, kind, d| {
             let pairs = self.types.pair::<R::Pack, 0>(kind, &d).value;
@@ -150,7 +150,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// n = h and n̄ = 0 at every node.
-    fn begin<R: Packed<Weight = W>>(&self, room: &mut [R]) {
+    fn begin<R: Packed<Weight = W::Wide>>(&self, room: &mut [R]) {
         let width = usize::from(self.types.shape().embedding);
         let mut slots = room.iter_mut();
         for kind in self.nodes {
@@ -162,18 +162,18 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 
     /// The ends of a pack of edges.
     #[allow(clippy::type_complexity, reason = "a pack and how it finds its nodes")]
-    fn ends<'t, R: Packed<Weight = W>>(
+    fn ends<'t, R: Packed<Weight = W::Wide>>(
         &'t self,
         room: &'t mut [R],
         run: &'t [Edge],
-    ) -> PackEnds<'t, 'a, R, impl Fn(usize, usize) -> usize, D, K, H, L> {
+    ) -> PackEnds<'t, 'a, W, R, impl Fn(usize, usize) -> usize, D, K, H, L> {
         let node = move |end: usize, lane: usize| run.get(lane).and_then(|edge| edge.ends.get(end)).copied();
         let node = move |end, lane| usize::from(node(end, lane).unwrap_or(0));
         PackEnds { graph: self, room, lanes: run.len(), node }
     }
 
     /// V of the messages; `add` gets its gradient in the differences of a pack of edges.
-    fn messages<R: Packed<Weight = W>>(
+    fn messages<R: Packed<Weight = W::Wide>>(
         &self,
         q: &[[R; D]],
         room: &mut [R],
@@ -206,7 +206,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// The nodes' part of V of the messages, and n̄ of it.
-    fn settle<R: Packed<Weight = W>>(&self, messaging: &Messaging<W, D, K, H, L>, room: &mut [R]) -> R {
+    fn settle<R: Packed<Weight = W::Wide>>(&self, messaging: &Messaging<W, D, K, H, L>, room: &mut [R]) -> R {
         let mut sum = R::zero();
         for first in (0..self.nodes.len()).step_by(R::WIDTH) {
             let lanes = R::WIDTH.min(self.nodes.len() - first);
@@ -219,7 +219,11 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     #[inline(always)]
-    fn sum_nodes<R: Packed<Weight = W>>(&self, x: &[[R; D]], of: impl Fn(u8, &[R::Pack; D]) -> R::Pack) -> R {
+    fn sum_nodes<R: Packed<Weight = W::Wide>>(
+        &self,
+        x: &[[R; D]],
+        of: impl Fn(u8, &[R::Pack; D]) -> R::Pack,
+    ) -> R {
         let mut sum = R::zero();
         self.for_nodes(0, x, |run, kind, x| {
             let terms = of(kind, &x);
@@ -233,15 +237,22 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 const KEPT: usize = 2;
 
 /// A pack of edges or of nodes among what is kept, node after node: lane l ends at `node(end, l)`.
-struct PackEnds<'t, 'a, R: Packed, F, const D: usize, const K: usize, const H: usize, const L: usize> {
-    graph: &'t Graph<'a, R::Weight, D, K, H, L>,
+struct PackEnds<'t, 'a, W, R, F, const D: usize, const K: usize, const H: usize, const L: usize> {
+    graph: &'t Graph<'a, W, D, K, H, L>,
     room: &'t mut [R],
     lanes: usize,
     node: F,
 }
 
-impl<R: Packed, F: Fn(usize, usize) -> usize, const D: usize, const K: usize, const H: usize, const L: usize>
-    PackEnds<'_, '_, R, F, D, K, H, L>
+impl<
+    W: Stored,
+    R: Packed<Weight = W::Wide>,
+    F: Fn(usize, usize) -> usize,
+    const D: usize,
+    const K: usize,
+    const H: usize,
+    const L: usize,
+> PackEnds<'_, '_, W, R, F, D, K, H, L>
 {
     /// The place of number k of what is kept at a node; lanes that are not there stand for the first.
     fn place(&self, kept: Kept, end: usize, lane: usize, k: usize) -> usize {
@@ -252,8 +263,15 @@ impl<R: Packed, F: Fn(usize, usize) -> usize, const D: usize, const K: usize, co
     }
 }
 
-impl<R: Packed, F: Fn(usize, usize) -> usize, const D: usize, const K: usize, const H: usize, const L: usize>
-    Ends<R::Pack, 0> for PackEnds<'_, '_, R, F, D, K, H, L>
+impl<
+    W: Stored,
+    R: Packed<Weight = W::Wide>,
+    F: Fn(usize, usize) -> usize,
+    const D: usize,
+    const K: usize,
+    const H: usize,
+    const L: usize,
+> Ends<R::Pack, 0> for PackEnds<'_, '_, W, R, F, D, K, H, L>
 {
     fn embedding(&self, end: usize, k: usize) -> R::Pack {
         R::pack(|l| {

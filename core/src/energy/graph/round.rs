@@ -6,21 +6,27 @@ use super::shape::MAX_EMBEDDING;
 use super::{Edge, Graph};
 use crate::energy::part::Visit;
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 
 /// n and n̄ of every node; there are at most N of them.
 type Table<S, const T: usize, const N: usize> = [[[Jet<S, T>; MAX_EMBEDDING]; 2]; N];
 
 /// An edge, or a node alone, among what is kept.
-struct Lone<'t, 'a, S: Scalar, const T: usize, const D: usize, const K: usize, const H: usize, const L: usize>
-{
-    graph: &'t Graph<'a, S::Weight, D, K, H, L>,
+struct Lone<'t, 'a, W, S, const T: usize, const D: usize, const K: usize, const H: usize, const L: usize> {
+    graph: &'t Graph<'a, W, D, K, H, L>,
     table: &'t mut [[[Jet<S, T>; MAX_EMBEDDING]; 2]],
     nodes: [usize; 2],
 }
 
-impl<S: Scalar, const T: usize, const D: usize, const K: usize, const H: usize, const L: usize> Ends<S, T>
-    for Lone<'_, '_, S, T, D, K, H, L>
+impl<
+    W: Stored,
+    S: Scalar<Weight = W::Wide>,
+    const T: usize,
+    const D: usize,
+    const K: usize,
+    const H: usize,
+    const L: usize,
+> Ends<S, T> for Lone<'_, '_, W, S, T, D, K, H, L>
 {
     fn embedding(&self, end: usize, k: usize) -> S {
         self.nodes.get(end).map_or(S::zero(), |node| self.graph.types.embedding(self.graph.kind(*node), k))
@@ -41,12 +47,12 @@ impl<S: Scalar, const T: usize, const D: usize, const K: usize, const H: usize, 
     }
 }
 
-impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Fixed<'_, W, D, K, H, L, N>
 {
     /// V of the messages where every node moves; `add` gets its gradient in the differences of edges, and `embedding(i, k, ·)`
     /// that in number k of the embedding of node i's type, in parts.
-    pub(super) fn messages<S: Scalar<Weight = W>, const T: usize>(
+    pub(super) fn messages<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[[Jet<S, T>; D]; N],
         visit: &mut impl Visit<W, S, T>,
@@ -86,7 +92,7 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, co
     }
 
     /// n = h and n̄ = 0 at every node.
-    fn begin<S: Scalar<Weight = W>, const T: usize>(&self) -> Table<S, T, N> {
+    fn begin<S: Scalar<Weight = W::Wide>, const T: usize>(&self) -> Table<S, T, N> {
         let mut table = [[[Jet::zero(); MAX_EMBEDDING]; 2]; N];
         for ([n, _], kind) in table.iter_mut().zip(self.graph.nodes) {
             for (k, n) in n.iter_mut().enumerate() {
@@ -110,10 +116,10 @@ impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize, co
     }
 }
 
-fn lone<'t, 'a, S: Scalar, const T: usize, const D: usize, const K: usize, const H: usize, const L: usize>(
-    graph: &'t Graph<'a, S::Weight, D, K, H, L>,
+fn lone<'t, 'a, W, S, const T: usize, const D: usize, const K: usize, const H: usize, const L: usize>(
+    graph: &'t Graph<'a, W, D, K, H, L>,
     table: &'t mut [[[Jet<S, T>; MAX_EMBEDDING]; 2]],
     edge: &Edge,
-) -> Lone<'t, 'a, S, T, D, K, H, L> {
+) -> Lone<'t, 'a, W, S, T, D, K, H, L> {
     Lone { graph, table, nodes: edge.ends.map(usize::from) }
 }

@@ -2,7 +2,7 @@
 
 use super::GraphError;
 use crate::energy::part::NetworkShape;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
 /// Networks of a model at most.
@@ -175,14 +175,15 @@ impl Shape {
     ///
     /// # Errors
     /// [`GraphError::Mass`] and [`GraphError::Drag`].
-    pub fn check_numbers<W: Real>(&self, numbers: &[W]) -> Result<(), GraphError> {
+    pub fn check_numbers<W: Stored<Wide: Real>>(&self, numbers: &[W]) -> Result<(), GraphError> {
         for (kind, node) in self.nodes().enumerate() {
             let own = numbers.get(kind * self.numbers()..).and_then(|rest| rest.first_chunk::<2>());
-            let Some([mass, drag]) = own else { return Ok(()) };
-            if node.kinetic == Kinetic::Mass && !(*mass > W::zero() && mass.is_finite()) {
+            let Some([mass, drag]) = own.map(|own| own.map(W::wide)) else { return Ok(()) };
+            let zero = W::Wide::zero();
+            if node.kinetic == Kinetic::Mass && !(mass > zero && mass.is_finite()) {
                 return Err(GraphError::Mass { kind });
             }
-            if node.drag != Drag::None && !(*drag >= W::zero() && drag.is_finite()) {
+            if node.drag != Drag::None && !(drag >= zero && drag.is_finite()) {
                 return Err(GraphError::Drag { kind });
             }
         }

@@ -6,7 +6,7 @@ use super::radial::{Radial, ramp, square};
 use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential, Shape};
 use crate::energy::part::{Part, Visit};
 use crate::network::Jet;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Real, Scalar, Stored};
 use heapless::Vec;
 
 /// Inputs of a network at most: two embeddings.
@@ -34,7 +34,7 @@ pub(super) struct Numbers<'a, W> {
     pub embedding: (usize, &'a [W]),
 }
 
-impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
     /// Takes the types of this shape from the front of `block` and leaves the rest there. `None` where the block is too short,
     /// the shape does not fit in itself (see [`Shape::misfit`]), or it has not `D` dimensions or more than `K` networks, `L`
     /// hidden layers or `H` units in one.
@@ -91,9 +91,9 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// Number k of the embedding of a node type.
-    pub(super) fn embedding<S: Scalar<Weight = W>>(&self, kind: u8, k: usize) -> S {
+    pub(super) fn embedding<S: Scalar<Weight = W::Wide>>(&self, kind: u8, k: usize) -> S {
         let number = self.numbers(kind).and_then(|numbers| numbers.embedding.1.get(k).copied());
-        number.map_or(S::zero(), S::weight)
+        number.map_or(S::zero(), W::scalar)
     }
 
     /// c₁ and c₂ of an edge type, and the place of c₁ in the weight block.
@@ -105,15 +105,19 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 
     /// T of a node, with `O` derivatives in |v|².
     #[inline(always)]
-    pub(super) fn kinetic<S: Scalar<Weight = W>, const O: usize>(&self, kind: u8, v: &[S; D]) -> Radial<S> {
+    pub(super) fn kinetic<S: Scalar<Weight = W::Wide>, const O: usize>(
+        &self,
+        kind: u8,
+        v: &[S; D],
+    ) -> Radial<S> {
         let s = square(v);
         let at_rest = Radial::linear(S::zero(), s);
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return at_rest };
         match node.kinetic {
-            Kinetic::Mass => Radial::linear(S::weight(numbers.mass.1).half(), s),
+            Kinetic::Mass => Radial::linear(numbers.mass.1.scalar::<S>().half(), s),
             Kinetic::Network(network) => self.network(network).map_or(at_rest, |network| {
                 let mut y = [Jet::zero(); 1];
-                let x = inputs::<S, O>(numbers.kinetic_embedding.1, &[ramp(s)]);
+                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[ramp(s)]);
                 network.network.series::<S, O, H>(&x, &mut y);
                 Radial::of(&y[0])
             }),
@@ -121,12 +125,12 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// V of a node at x.
-    pub(super) fn potential<S: Scalar<Weight = W>>(&self, kind: u8, x: &[S; D]) -> S {
+    pub(super) fn potential<S: Scalar<Weight = W::Wide>>(&self, kind: u8, x: &[S; D]) -> S {
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else {
             return S::zero();
         };
         let uniform =
-            || numbers.field.1.iter().zip(x).fold(S::zero(), |sum, (g, x)| sum + S::weight(*g) * *x);
+            || numbers.field.1.iter().zip(x).fold(S::zero(), |sum, (g, x)| sum + g.scalar::<S>() * *x);
         match node.potential {
             Potential::None => S::zero(),
             Potential::Uniform => uniform(),
@@ -137,7 +141,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 
     /// V_x of a node at x, with tangents; `embedding(k, ·)` gets the gradient in number k of its embedding.
-    pub(super) fn pull<S: Scalar<Weight = W>, const T: usize>(
+    pub(super) fn pull<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
         x: &[Jet<S, T>; D],
@@ -166,19 +170,23 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
             }
         }
         for (pull, g) in pull.iter_mut().zip(numbers.field.1) {
-            pull.value += S::weight(*g);
+            pull.value += g.scalar();
         }
         pull
     }
 
     /// U of an edge across d, with `O` derivatives in |d|².
     #[inline(always)]
-    pub(super) fn pair<S: Scalar<Weight = W>, const O: usize>(&self, kind: u8, d: &[S; D]) -> Radial<S> {
+    pub(super) fn pair<S: Scalar<Weight = W::Wide>, const O: usize>(
+        &self,
+        kind: u8,
+        d: &[S; D],
+    ) -> Radial<S> {
         let s = square(d);
         let none = Radial::linear(S::zero(), s);
         let (Some(edge), Some((_, law))) = (self.edge_type(kind), self.law(kind)) else { return none };
         let z = edge.separation.series::<S, O>(s);
-        let law = Radial::of(&z).quadratic(law.map(S::weight));
+        let law = Radial::of(&z).quadratic(law.map(W::scalar));
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return law };
         let mut y = [Jet::zero(); 1];
         network.network.series::<S, O, H>(&[z], &mut y);
@@ -187,7 +195,7 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 
     /// Q of a node along each axis, and ∂Q/∂v there.
     #[inline(always)]
-    pub(super) fn drags<S: Scalar<Weight = W>>(&self, kind: u8, v: &[S; D]) -> [[S; D]; 2] {
+    pub(super) fn drags<S: Scalar<Weight = W::Wide>>(&self, kind: u8, v: &[S; D]) -> [[S; D]; 2] {
         let mut drags = [[S::zero(); D]; 2];
         if self.node_type(kind).is_some_and(|node| node.drag != Drag::None) {
             let [values, slopes] = &mut drags;
@@ -200,10 +208,10 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
 
     /// Q of a node along one axis, and ∂Q/∂v.
     #[inline(always)]
-    pub(super) fn drag<S: Scalar<Weight = W>>(&self, kind: u8, v: S) -> [S; 2] {
+    pub(super) fn drag<S: Scalar<Weight = W::Wide>>(&self, kind: u8, v: S) -> [S; 2] {
         let none = [S::zero(); 2];
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return none };
-        let c = S::weight(numbers.drag.1);
+        let c: S = numbers.drag.1.scalar();
         let viscous = [-(c * v), -c];
         match node.drag {
             Drag::None => none,
@@ -219,7 +227,9 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 }
 
-impl<W: Real, const D: usize, const K: usize, const H: usize, const L: usize> Types<'_, W, D, K, H, L> {
+impl<W: Stored<Wide: Real>, const D: usize, const K: usize, const H: usize, const L: usize>
+    Types<'_, W, D, K, H, L>
+{
     /// Checks the numbers that must be positive, see [`Shape::check_numbers`].
     ///
     /// # Errors
@@ -230,8 +240,11 @@ impl<W: Real, const D: usize, const K: usize, const H: usize, const L: usize> Ty
 }
 
 /// The inputs of a network: an embedding, which does not move, and then `x`.
-pub(super) fn inputs<S: Scalar, const T: usize>(embedding: &[S::Weight], x: &[Jet<S, T>]) -> Inputs<S, T> {
-    let constant = embedding.iter().map(|w| Jet::constant(S::weight(*w)));
+pub(super) fn inputs<W: Stored, S: Scalar<Weight = W::Wide>, const T: usize>(
+    embedding: &[W],
+    x: &[Jet<S, T>],
+) -> Inputs<S, T> {
+    let constant = embedding.iter().map(|w| Jet::constant(w.scalar()));
     collected(constant.chain(x.iter().copied()))
 }
 

@@ -3,7 +3,7 @@
 use super::{Graph, GraphError};
 use crate::lagrangian::Energies;
 use crate::particles::Particles;
-use crate::scalar::Packed;
+use crate::scalar::{Packed, Stored};
 
 /// A graph of one model on some of the nodes of a union.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L:
     nodes: usize,
 }
 
-impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Union<'a, W, D, K, H, L> {
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'a, W, D, K, H, L> {
     /// Members on `nodes` nodes in all.
     ///
     /// # Errors
@@ -49,7 +49,9 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 }
 
-impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Member<'a, W, D, K, H, L> {
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>
+    Member<'a, W, D, K, H, L>
+{
     fn check(&self, member: usize, nodes: usize) -> Result<(), GraphError> {
         let (found, needed) = (self.nodes.len(), self.graph.nodes.len());
         if found != needed {
@@ -80,8 +82,8 @@ impl<'a, W: Copy, const D: usize, const K: usize, const H: usize, const L: usize
     }
 }
 
-impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> Particles<R, D>
-    for Union<'_, R::Weight, D, K, H, L>
+impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, const H: usize, const L: usize>
+    Particles<R, D> for Union<'_, W, D, K, H, L>
 {
     fn nodes(&self) -> usize {
         self.nodes
@@ -142,9 +144,9 @@ impl<R: Packed, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 }
 
-impl<W: Copy, const D: usize, const K: usize, const H: usize, const L: usize> Union<'_, W, D, K, H, L> {
+impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'_, W, D, K, H, L> {
     /// The drag of all members (0) or its slope (1).
-    fn sum<R: Packed<Weight = W>>(&self, node: usize, v: &[R; D], of: usize) -> [R; D] {
+    fn sum<R: Packed<Weight = W::Wide>>(&self, node: usize, v: &[R; D], of: usize) -> [R; D] {
         let mut sum = [R::zero(); D];
         for (member, kind) in self.holders(node) {
             for (sum, v) in sum.iter_mut().zip(v) {

@@ -5,12 +5,14 @@ use super::tree::{SPACE, Vector, add};
 use super::{Configuration, Modular, dot};
 use crate::energy::part::Ignore;
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 
 /// V_xx, by pairs of elements.
 pub(super) type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 
-impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
+    Modular<'a, W, N, K, H, D>
+{
     /// Jᵀ V_xx J of what coordinate k alone adds.
     pub(super) fn pulled<S: Scalar>(
         &self,
@@ -34,7 +36,7 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// V_x and V_xx.
-    pub(super) fn potential_hessian<S: Scalar<Weight = W>>(
+    pub(super) fn potential_hessian<S: Scalar<Weight = W::Wide>>(
         &self,
         c: &Configuration<S, N>,
     ) -> ([Vector<S>; N], Curvature<S, N>) {

@@ -3,7 +3,7 @@
 use super::tree::{SPACE, Vector};
 use crate::energy::part::Part;
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
 /// How a coordinate enters a position network.
@@ -149,7 +149,7 @@ pub struct Numbers<W> {
 /// Numbers in [`Numbers`].
 pub const NUMBERS: usize = 5;
 
-impl<W: Copy> Numbers<W> {
+impl<W: Stored> Numbers<W> {
     /// From the weight block.
     pub(super) fn take(block: &mut &[W]) -> Option<Self> {
         let (numbers, rest) = block.split_first_chunk::<NUMBERS>()?;
@@ -159,9 +159,9 @@ impl<W: Copy> Numbers<W> {
     }
 }
 
-impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
+impl<'a, W: Stored, const D: usize> ElementType<'a, W, D> {
     /// s(q) of the element's coordinate `axis` (from 0), with K derivatives of it.
-    pub(super) fn motion<S: Scalar<Weight = W>, const K: usize, const H: usize>(
+    pub(super) fn motion<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
         &self,
         axis: usize,
         q: S,
@@ -180,7 +180,7 @@ impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
                 let (sin, cos) = q.sin_cos();
                 let unit: [Jet<S, 3>; SPACE] =
                     [turning(sin, [cos, -sin, -cos]), turning(-cos, [sin, cos, -sin])];
-                Motion::exact(&unit.map(|u| u.scaled(S::weight(self.numbers.length))))
+                Motion::exact(&unit.map(|u| u.scaled(self.numbers.length.scalar())))
             }
             Transform::Slide => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
             Transform::Free if axis == 0 => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
@@ -189,7 +189,7 @@ impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
     }
 
     /// Visits the derivatives in the weights of the transform, `bar` the adjoints of s, s′ (and s″, g, g′).
-    pub(super) fn transform_gradient<S: Scalar<Weight = W>, const H: usize>(
+    pub(super) fn transform_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
         &self,
         q: S,
         bar: &Motion<S>,
@@ -234,8 +234,8 @@ impl<'a, W: Copy, const D: usize> ElementType<'a, W, D> {
     }
 }
 
-impl<W: Copy, const D: usize> Part<'_, W, D> {
-    fn series<S: Scalar<Weight = W>, const K: usize, const H: usize>(
+impl<W: Stored, const D: usize> Part<'_, W, D> {
+    fn series<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
         &self,
         x: &[Jet<S, K>],
     ) -> [Jet<S, K>; SPACE] {

@@ -29,7 +29,7 @@ pub use tree::{Node, SPACE, Tree, TreeError, Vector};
 use crate::energy::part::{Ignore, Visit};
 use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use element::Motion;
 use potential::Moving;
 use tree::scale;
@@ -66,7 +66,9 @@ impl<S: Scalar, const N: usize> Configuration<S, N> {
     }
 }
 
-impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
+    Modular<'a, W, N, K, H, D>
+{
     #[inline(always)]
     fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, D>> {
         self.types.get(kind)?.as_ref()
@@ -74,17 +76,17 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
 
     /// c₁ and c₂.
     #[inline(always)]
-    fn c<S: Scalar<Weight = W>>(&self) -> [S; 2] {
-        self.coefficients.map(S::weight)
+    fn c<S: Scalar<Weight = W::Wide>>(&self) -> [S; 2] {
+        self.coefficients.map(W::scalar)
     }
 
     /// The damping of every coordinate, N s/m or N m s/rad.
-    pub fn damping<S: Scalar<Weight = W>>(&self) -> [S; N] {
+    pub fn damping<S: Scalar<Weight = W::Wide>>(&self) -> [S; N] {
         let mut damping = [S::zero(); N];
         for (_, element) in self.tree.elements() {
             let Some(kind) = self.element_type(element.kind) else { continue };
             for slot in damping.iter_mut().skip(element.first).take(element.count) {
-                *slot = S::weight(kind.numbers.damping);
+                *slot = kind.numbers.damping.scalar();
             }
         }
         damping
@@ -103,19 +105,19 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// Every coordinate's motion with `O` derivatives of s, and every element's numbers.
-    fn configuration<S: Scalar<Weight = W>, const O: usize>(&self, q: &[S; N]) -> Configuration<S, N> {
+    fn configuration<S: Scalar<Weight = W::Wide>, const O: usize>(&self, q: &[S; N]) -> Configuration<S, N> {
         let zero = [S::zero(); N];
         let mut c = Configuration { motion: [Motion::none(); N], mass: zero, centre: zero, inertia: zero };
         for (e, element) in self.tree.elements() {
             let Some(kind) = self.element_type(element.kind) else { continue };
             if let (Some(mass), Some(centre)) = (c.mass.get_mut(e), c.centre.get_mut(e)) {
-                *mass = S::weight(kind.numbers.mass);
-                *centre = S::weight(kind.numbers.centre);
+                *mass = kind.numbers.mass.scalar();
+                *centre = kind.numbers.centre.scalar();
             }
             let own = c.motion.iter_mut().zip(&mut c.inertia).zip(q).skip(element.first).take(element.count);
             for (axis, ((motion, inertia), q)) in own.enumerate() {
                 *motion = kind.motion::<S, O, H>(axis, *q);
-                *inertia = S::weight(kind.numbers.inertia);
+                *inertia = kind.numbers.inertia.scalar();
             }
         }
         c
@@ -148,7 +150,7 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
 
     /// V with its tangents, and V_x with its tangents, at centres that move; `weighed` gets the sums that c₁, c₂ and the
     /// masses multiply.
-    fn potential<S: Scalar<Weight = W>, const T: usize>(
+    fn potential<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         mass: &[S; N],
         x: &[Moving<S, T>; N],
@@ -180,7 +182,7 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// V_x.
-    fn potential_gradient<S: Scalar<Weight = W>>(&self, c: &Configuration<S, N>) -> [Vector<S>; N] {
+    fn potential_gradient<S: Scalar<Weight = W::Wide>>(&self, c: &Configuration<S, N>) -> [Vector<S>; N] {
         let x = self.tree.centres(&c.centre, &c.of(|m| m.s)).map(|x| x.map(Jet::constant));
         self.potential::<S, 0>(&c.mass, &x, &mut Ignore, |_| {}).map(|g| g.map(|g| g.value))
     }
@@ -226,8 +228,8 @@ fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>) -> S {
     a[0] * b[0] + a[1] * b[1]
 }
 
-impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> Lagrangian<S, N>
-    for Modular<'_, S::Weight, N, K, H, D>
+impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const K: usize, const H: usize, const D: usize>
+    Lagrangian<S, N> for Modular<'_, W, N, K, H, D>
 {
     type Mass = DenseMass<S, N>;
 

@@ -7,7 +7,7 @@ use super::{Configuration, ElementType, Modular, Weighed, dot};
 use crate::energy::Learnable;
 use crate::energy::part::Rows;
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 
 /// Σ α·(JᵀmJ)β, one term of a derivative of the kinetic energy: what two displacements of the coordinates give together.
 struct Bilinear<'m, S, const N: usize> {
@@ -75,9 +75,11 @@ impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> 
     }
 }
 
-impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
+    Modular<'a, W, N, K, H, D>
+{
     /// −∂/∂θ of V_x·J(s′δq) in potentials, coefficients, masses and centres; returns its adjoints of s and s′.
-    fn potential_part<S: Scalar<Weight = W>>(
+    fn potential_part<S: Scalar<Weight = W::Wide>>(
         &self,
         c: &Configuration<S, N>,
         dq: &[S; N],
@@ -112,7 +114,7 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// The derivatives in masses, centres and moments of inertia; `turned` is what multiplies the moments of inertia.
-    fn number_part<S: Scalar<Weight = W>>(
+    fn number_part<S: Scalar<Weight = W::Wide>>(
         &self,
         c: &Configuration<S, N>,
         Bilinear { alpha, beta }: &Bilinear<S, N>,
@@ -130,7 +132,7 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 
     /// The derivatives in the transforms, from the adjoints of s, s′, g and g′.
-    fn transform_part<S: Scalar<Weight = W>>(
+    fn transform_part<S: Scalar<Weight = W::Wide>>(
         &self,
         q: &[S; N],
         bar: &[Motion<S>; N],

@@ -3,7 +3,7 @@
 use super::tree::{SPACE, Vector, add, scale};
 use crate::energy::part::{Part, Visit};
 use crate::network::Jet;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
 /// What a pair potential sees of two positions a and b.
@@ -42,9 +42,13 @@ pub struct Pair<'a, W, const D: usize> {
     pub input: PairInput,
 }
 
-impl<W: Copy, const D: usize> Pair<'_, W, D> {
+impl<W: Stored, const D: usize> Pair<'_, W, D> {
     /// U₂ of two positions.
-    pub(super) fn energy<S: Scalar<Weight = W>, const H: usize>(&self, a: &Vector<S>, b: &Vector<S>) -> S {
+    pub(super) fn energy<S: Scalar<Weight = W::Wide>, const H: usize>(
+        &self,
+        a: &Vector<S>,
+        b: &Vector<S>,
+    ) -> S {
         let [ax, ay] = a.map(Jet::constant);
         let [bx, by] = b.map(Jet::constant);
         let d = add(a, &scale(-S::one(), b));
@@ -58,7 +62,7 @@ impl<W: Copy, const D: usize> Pair<'_, W, D> {
     }
 
     /// U₂, and `weight` times its gradients in a and in b, all with tangents.
-    pub(super) fn differentiate<S: Scalar<Weight = W>, const T: usize, const H: usize>(
+    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         [a, b]: [&Moving<S, T>; 2],
         weight: S,
@@ -93,7 +97,7 @@ impl<W: Copy, const D: usize> Pair<'_, W, D> {
     }
 }
 
-impl<W: Copy, const D: usize> Pair<'_, W, D> {
+impl<W: Stored, const D: usize> Pair<'_, W, D> {
     /// The feature f(r) of the distance r = |d|, and f′(r)/r, which makes a gradient of d.
     #[inline(always)]
     fn of_distance<S: Scalar, const T: usize>(&self, d: &Moving<S, T>) -> [Jet<S, T>; 2] {

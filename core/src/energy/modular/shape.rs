@@ -5,6 +5,7 @@ use super::element::{ElementType, Input, NUMBERS, Numbers, Transform};
 use super::potential::{Pair, PairInput};
 use super::tree::{Node, SPACE, Tree, TreeError};
 use crate::energy::part::{NetworkShape, Part};
+use crate::scalar::Stored;
 use serde::{Deserialize, Serialize};
 
 /// Networks of a model at most.
@@ -139,7 +140,9 @@ impl Shape {
     }
 }
 
-impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize> Modular<'a, W, N, K, H, D> {
+impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
+    Modular<'a, W, N, K, H, D>
+{
     /// Builds a tree of this shape's elements on the front of `block` and leaves the rest there. `None` where the block is too
     /// short, the shape does not fit in itself (see [`Shape::misfit`]), or it has more than `K` types, `D` hidden layers or `H`
     /// units in one.
@@ -167,7 +170,7 @@ impl<'a, W: Copy, const N: usize, const K: usize, const H: usize, const D: usize
     }
 }
 
-fn take_type<'a, W: Copy, const D: usize>(
+fn take_type<'a, W: Stored, const D: usize>(
     block: &mut &'a [W],
     start: &mut usize,
     shape: &TypeShape,

@@ -13,7 +13,7 @@ pub use inertia::Inertia;
 use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::linear::{add_scaled, dot, multiply, transpose};
 use crate::network::{Activation, Bends, Jet, Mlp, Tape};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 use features::Features;
 use inertia::{Jets, OutputBar, Outputs, without_tangents};
 
@@ -46,7 +46,7 @@ pub struct Rigid<'a, W, const N: usize, const H: usize, const D: usize> {
     network: Mlp<'a, W, D>,
 }
 
-impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N, H, D> {
+impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N, H, D> {
     /// Builds the mechanism on the front of `block` and leaves the rest there. `None` where the block is too short, there
     /// are more than `D` hidden layers, or one is wider than `H`.
     pub fn take(block: &mut &'a [W], shape: &Shape<N>) -> Option<Self> {
@@ -65,7 +65,7 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
     }
 
     #[inline]
-    fn forward<S: Scalar<Weight = W>, const T: usize>(
+    fn forward<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         q: &[S; N],
         directions: &[[S; N]; T],
@@ -76,7 +76,7 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
 
     /// Features → network → energies, the network run by `pass(inputs, outputs)`.
     #[inline(always)]
-    fn evaluate<S: Scalar<Weight = W>, const T: usize>(
+    fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         q: &[S; N],
         directions: &[[S; N]; T],
@@ -94,7 +94,7 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
 
     /// ∂L/∂q and its derivatives along the directions.
     #[inline]
-    fn adjoint<S: Scalar<Weight = W>, const T: usize, const A: usize>(
+    fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         features: &Features<S, N>,
         tape: &Tape<S, T, H, D>,
@@ -111,7 +111,7 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
 
     /// ∂L/∂q with the features' part of its derivatives, and the network's part of them.
     #[inline]
-    fn adjoint_second_order<S: Scalar<Weight = W>>(
+    fn adjoint_second_order<S: Scalar<Weight = W::Wide>>(
         &self,
         features: &Features<S, N>,
         bends: &Bends<S, N, H, D>,
@@ -128,10 +128,10 @@ impl<'a, W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N
     }
 }
 
-impl<W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, H, D> {
+impl<W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, H, D> {
     /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
     #[inline]
-    fn dynamics_by_tangents<S: Scalar<Weight = W>>(
+    fn dynamics_by_tangents<S: Scalar<Weight = W::Wide>>(
         &self,
         q: &[S; N],
         v: &[S; N],
@@ -150,7 +150,7 @@ impl<W: Copy, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, H,
 
     /// One forward pass with the tangent along v, and one adjoint: three passes' work.
     #[inline]
-    fn dynamics_by_adjoint<S: Scalar<Weight = W>>(
+    fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(
         &self,
         q: &[S; N],
         v: &[S; N],
@@ -189,8 +189,8 @@ fn unit_vectors<S: Scalar, const N: usize>() -> [[S; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| if i == j { S::one() } else { S::zero() }))
 }
 
-impl<S: Scalar, const N: usize, const H: usize, const D: usize> Lagrangian<S, N>
-    for Rigid<'_, S::Weight, N, H, D>
+impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const D: usize> Lagrangian<S, N>
+    for Rigid<'_, W, N, H, D>
 {
     type Mass = DenseMass<S, N>;
 

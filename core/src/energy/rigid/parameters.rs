@@ -3,7 +3,7 @@
 use super::{Evaluation, Features, Jets, OutputBar, Outputs, Rigid, held};
 use crate::energy::Learnable;
 use crate::network::{Dense, Jet, Tape};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Stored};
 
 impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
     for Rigid<'_, S::Weight, N, H, D>
@@ -30,14 +30,14 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
     }
 }
 
-impl<const N: usize, const H: usize, const D: usize, W: Copy> Rigid<'_, W, N, H, D> {
+impl<const N: usize, const H: usize, const D: usize, W: Stored> Rigid<'_, W, N, H, D> {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
         self.network.layers().map(Dense::len).sum()
     }
 
     /// Of what the network's outputs and their tangents along `direction` have the adjoint `bar`.
-    fn gradient_along<S: Scalar<Weight = W>>(
+    fn gradient_along<S: Scalar<Weight = W::Wide>>(
         &self,
         q: &[S; N],
         direction: &[S; N],
@@ -49,7 +49,7 @@ impl<const N: usize, const H: usize, const D: usize, W: Copy> Rigid<'_, W, N, H,
         self.weight_gradient(&features, &tape, direction, &bar(&outputs), row);
     }
 
-    fn weight_gradient<S: Scalar<Weight = W>>(
+    fn weight_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         features: &Features<S, N>,
         tape: &Tape<S, 1, H, D>,

@@ -6,7 +6,7 @@ use core::hint::black_box;
 use leastaction_chip::instructions::mean;
 use leastaction_chip::{image, print};
 use leastaction_core::network::{Activation, Dense, Jet};
-use leastaction_core::scalar::Scalar;
+use leastaction_core::scalar::{Scalar, Stored, f16};
 use leastaction_fpu as fpu;
 
 /// Units of a layer.
@@ -14,7 +14,7 @@ const UNITS: usize = 32;
 const CALLS: u32 = 200;
 
 /// Prints the instructions of a layer of 32 × 32 with T tangents, forward and back.
-fn layer<const T: usize>(names: [&[u8]; 2], dense: &Dense<'_, f32>) {
+fn layer<W: Stored<Wide = f32>, const T: usize>(names: [&[u8]; 2], dense: &Dense<'_, W>) {
     let x = black_box([Jet { value: 0.3_f32, tangent: [0.1; T] }; UNITS]);
     let mut y = [Jet::zero(); UNITS];
     let forward = mean(CALLS, || {
@@ -58,28 +58,46 @@ fn numbers<const N: usize>() -> [f32; N] {
     })
 }
 
-/// Whether the loops in the processor's instructions give the bits of plain Rust, for 0 … 24 inputs.
+/// Whether the loops in the processor's instructions give the bits of plain Rust, for 0 … 24 inputs, and weights in half precision
+/// from any address on; whether every number of half precision is widened alike, and roots are the same.
 fn loops_agree() -> bool {
     let (weights, x) = (black_box(numbers::<{ 24 * 8 }>()), black_box(numbers::<24>()));
-    (0..=24).all(|n| panels_agree(&weights, x.get(..n).unwrap_or(&x)))
+    let halves: [f16; 24 * 8 + 1] =
+        black_box(core::array::from_fn(|i| f16::from_bits((i * 331 % 0x7c00) as u16)));
+    let wide =
+        (0..=u16::MAX).map(f16::from_bits).all(|w| same(&[fpu::widened(w)], &[fpu::portable::widened(w)]));
+    let roots = x.iter().all(|x| same(&[fpu::sqrt(*x)], &[fpu::portable::sqrt(*x)]));
+    wide && roots
+        && (0..=24).all(|n| {
+            let x = x.get(..n).unwrap_or(&x);
+            singles_agree(&weights, x) && (0..2).all(|i| halves_agree(halves.get(i..).unwrap_or(&halves), x))
+        })
 }
 
-fn panels_agree(weights: &[f32], x: &[f32]) -> bool {
-    let (mut a, mut b) = ([0.5; 8], [0.5; 8]);
-    fpu::accumulate_8(weights.as_chunks().0, x, &mut a);
-    fpu::portable::accumulate(weights.as_chunks().0, x, &mut b, |w| w);
-    let (mut c, mut d) = ([0.25; 4], [0.25; 4]);
-    fpu::accumulate_4(weights.as_chunks().0, x, &mut c);
-    fpu::portable::accumulate(weights.as_chunks().0, x, &mut d, |w| w);
-    let (mut e, mut f, mut g, mut h) = ([1.0; 24], [1.0; 24], [1.0; 24], [1.0; 24]);
-    let n = x.len();
-    fpu::transposed_8(weights.as_chunks().0, &a, first(&mut e, n));
-    fpu::portable::transposed(weights.as_chunks().0, &b, first(&mut f, n), |w| w);
-    fpu::transposed_4(weights.as_chunks().0, &c, first(&mut g, n));
-    fpu::portable::transposed(weights.as_chunks().0, &d, first(&mut h, n), |w| w);
-    let root = x.iter().all(|x| same(&[fpu::sqrt(*x)], &[fpu::portable::sqrt(*x)]));
-    root && same(&a, &b) && same(&c, &d) && same(&e, &f) && same(&g, &h)
+/// The loops over weights of one precision.
+macro_rules! panels_agree {
+    ($name:ident, $precision:ident, $weight:ty, $wide:expr) => {
+        fn $name(weights: &[$weight], x: &[f32]) -> bool {
+            use fpu::portable::{accumulate, transposed};
+            use fpu::$precision::{accumulate_4, accumulate_8, transposed_4, transposed_8};
+            let (mut a, mut b) = ([0.5; 8], [0.5; 8]);
+            accumulate_8(weights.as_chunks().0, x, &mut a);
+            accumulate(weights.as_chunks().0, x, &mut b, $wide);
+            let (mut c, mut d) = ([0.25; 4], [0.25; 4]);
+            accumulate_4(weights.as_chunks().0, x, &mut c);
+            accumulate(weights.as_chunks().0, x, &mut d, $wide);
+            let (mut e, mut f, mut g, mut h) = ([1.0; 24], [1.0; 24], [1.0; 24], [1.0; 24]);
+            let n = x.len();
+            transposed_8(weights.as_chunks().0, &a, first(&mut e, n));
+            transposed(weights.as_chunks().0, &b, first(&mut f, n), $wide);
+            transposed_4(weights.as_chunks().0, &c, first(&mut g, n));
+            transposed(weights.as_chunks().0, &d, first(&mut h, n), $wide);
+            same(&a, &b) && same(&c, &d) && same(&e, &f) && same(&g, &h)
+        }
+    };
 }
+panels_agree!(singles_agree, single, f32, |w| w);
+panels_agree!(halves_agree, half, f16, fpu::portable::widened);
 
 fn first(x: &mut [f32], n: usize) -> &mut [f32] {
     x.get_mut(..n).unwrap_or_default()
@@ -97,9 +115,14 @@ fn run() -> Result<(), &'static [u8]> {
     static WEIGHTS: [f32; UNITS * (UNITS + 1)] = [0.125; UNITS * (UNITS + 1)];
     let dense =
         Dense::take(&mut black_box(&WEIGHTS[..]), UNITS, UNITS).ok_or(b"too few weights".as_slice())?;
-    layer::<0>([b"forward_0", b"adjoint_0"], &dense);
-    layer::<1>([b"forward_1", b"adjoint_1"], &dense);
-    layer::<2>([b"forward_2", b"adjoint_2"], &dense);
+    layer::<_, 0>([b"forward_0", b"adjoint_0"], &dense);
+    layer::<_, 1>([b"forward_1", b"adjoint_1"], &dense);
+    layer::<_, 2>([b"forward_2", b"adjoint_2"], &dense);
+    static HALVES: [f16; UNITS * (UNITS + 1)] = [f16::from_bits(0x3000); UNITS * (UNITS + 1)];
+    let dense =
+        Dense::take(&mut black_box(&HALVES[..]), UNITS, UNITS).ok_or(b"too few weights".as_slice())?;
+    layer::<_, 0>([b"forward_f16_0", b"adjoint_f16_0"], &dense);
+    layer::<_, 2>([b"forward_f16_2", b"adjoint_f16_2"], &dense);
     activation(b"tanh", Activation::Tanh);
     activation(b"softplus", Activation::Softplus);
     activation(b"squareplus", Activation::Squareplus);

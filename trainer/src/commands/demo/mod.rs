@@ -3,14 +3,14 @@
 mod portrait;
 
 use super::arguments::seed;
-use super::export::export;
+use super::export::encoded;
 use super::output::{Failure, Output, folder};
 use super::simulate::{self, Request, Scenario, simulate};
 use super::{Done, interrupt, train};
 use clap::Args;
 use leastaction::config::{Config, Coordinates, RigidConfig};
 use leastaction::ground_truth::{Mechanism, Settings, generate};
-use leastaction::model_file::{HostModel, decode};
+use leastaction::model_file::{HostModel, Precision, decode};
 use leastaction::run::{Ending, Run};
 use leastaction::{atomic, data};
 use portrait::{Forecast, forecast};
@@ -127,7 +127,8 @@ impl Demo {
 }
 
 fn write_model(run: &Path, file: &Path, rust: &Path) -> Result<(HostModel, usize), Failure> {
-    let (_, bytes) = export(run, file)?;
+    let (_, bytes) = encoded(run, Precision::Single)?;
+    atomic::write(file, &bytes).map_err(|error| Failure::file(file, error))?;
     let failed = |error| Failure::file(file, error);
     let source = leastaction::model_file::rust_source(&bytes).map_err(failed)?;
     atomic::write(rust, source.as_bytes()).map_err(|error| Failure::file(rust, error))?;

@@ -36,6 +36,7 @@ struct Report {
     shape: Shape,
     damping: Option<Vec<f64>>,
     parameters: usize,
+    weight_bits: u8,
     order: Option<u8>,
     h: Option<f64>,
     provenance: String,
@@ -88,6 +89,7 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         shape: Shape::of(architecture),
         damping: (!damping.is_empty() && damped).then_some(damping),
         parameters: model.weights.len(),
+        weight_bits: model.precision.bits(),
         order: model.discretisation.map(|d| d.order),
         h: model.discretisation.map(|d| shortest(d.h)),
         provenance: model.provenance,
@@ -118,7 +120,7 @@ impl fmt::Display for Report {
         if let Some(damping) = &self.damping {
             line(f, "damping", &format!("{damping:?} N s/m or N m s/rad"))?;
         }
-        line(f, "parameters", &self.parameters.to_string())?;
+        line(f, "parameters", &format!("{} of {} bits", self.parameters, self.weight_bits))?;
         match (self.order, self.h) {
             (Some(order), Some(h)) => line(f, "trained for", &format!("order {order}, step {h} s"))?,
             _ => line(f, "trained for", "accelerations: any order and step")?,

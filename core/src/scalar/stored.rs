@@ -1,0 +1,137 @@
+use super::Scalar;
+use bytemuck::AnyBitPattern;
+use core::fmt::Debug;
+use leastaction_fpu::f16;
+
+/// How a model's numbers are stored: `f32` in flash, [`f16`] in half of it, `f64` in training. They are read as the wider type
+/// that scalars know.
+pub trait Stored: Copy + Debug + Default + PartialEq {
+    /// The type that holds each of them exactly.
+    type Wide: Copy + Debug;
+
+    /// The same number.
+    fn wide(self) -> Self::Wide;
+
+    /// The numbers with their type as a value, where it is one that a model file can have.
+    #[inline(always)]
+    fn shipped(_: &[Self]) -> Option<Weights<'_>> {
+        None
+    }
+
+    /// The number as a scalar (broadcast to every lane).
+    #[inline(always)]
+    fn scalar<S: Scalar<Weight = Self::Wide>>(self) -> S {
+        S::weight(self.wide())
+    }
+}
+
+/// The numbers of a model file in the precision that they have there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Weights<'a> {
+    /// Two bytes a number.
+    Half(&'a [f16]),
+    /// Four bytes a number.
+    Single(&'a [f32]),
+}
+
+/// What the numbers of a model file can be.
+pub trait Shipped: Stored<Wide = f32> + AnyBitPattern {
+    /// Bits of a number.
+    const BITS: u8;
+    /// Bits of a number of the other type.
+    const OTHER_BITS: u8;
+
+    /// The numbers with their type as a value.
+    fn weights(numbers: &[Self]) -> Weights<'_>;
+}
+
+impl Shipped for f16 {
+    const BITS: u8 = 16;
+    const OTHER_BITS: u8 = 32;
+
+    #[inline(always)]
+    fn weights(numbers: &[Self]) -> Weights<'_> {
+        Weights::Half(numbers)
+    }
+}
+
+impl Shipped for f32 {
+    const BITS: u8 = 32;
+    const OTHER_BITS: u8 = 16;
+
+    #[inline(always)]
+    fn weights(numbers: &[Self]) -> Weights<'_> {
+        Weights::Single(numbers)
+    }
+}
+
+impl Stored for f16 {
+    type Wide = f32;
+
+    #[inline(always)]
+    fn wide(self) -> f32 {
+        leastaction_fpu::widened(self)
+    }
+    #[inline(always)]
+    fn shipped(numbers: &[Self]) -> Option<Weights<'_>> {
+        Some(Self::weights(numbers))
+    }
+}
+
+impl Stored for f32 {
+    type Wide = Self;
+
+    #[inline(always)]
+    fn wide(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn shipped(numbers: &[Self]) -> Option<Weights<'_>> {
+        Some(Self::weights(numbers))
+    }
+}
+
+impl Stored for f64 {
+    type Wide = Self;
+
+    #[inline(always)]
+    fn wide(self) -> Self {
+        self
+    }
+}
+
+impl Weights<'_> {
+    /// Bits of a number.
+    pub fn bits(&self) -> u8 {
+        match self {
+            Self::Half(_) => <f16 as Shipped>::BITS,
+            Self::Single(_) => <f32 as Shipped>::BITS,
+        }
+    }
+
+    /// How many numbers there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Half(w) => w.len(),
+            Self::Single(w) => w.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number `i` in single precision.
+    pub fn get(&self, i: usize) -> Option<f32> {
+        match self {
+            Self::Half(w) => w.get(i).map(|w| w.wide()),
+            Self::Single(w) => w.get(i).copied(),
+        }
+    }
+
+    /// The numbers in single precision.
+    pub fn iter(&self) -> impl Iterator<Item = f32> {
+        (0..self.len()).filter_map(|i| self.get(i))
+    }
+}

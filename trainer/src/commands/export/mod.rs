@@ -1,0 +1,130 @@
+//! `leastaction export`.
+
+mod accuracy;
+
+use super::Done;
+use super::output::{Failure, Output};
+use accuracy::{Accuracy, Compared};
+use clap::{Args, ValueEnum};
+use leastaction::atomic;
+use leastaction::model_file::{self, Precision};
+use leastaction::run::Trained;
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Make a model file of a training run.
+///
+/// The best weights of the run, in single precision, with what a chip needs to know about them. With --rust also a Rust
+/// module that holds the file as a constant and needs `leastaction-core` alone.
+///
+/// With --weights f16 the weights take half the flash, and the program says what that costs: the model's errors on the log that it
+/// learned from, with the weights as trained and as shipped. A chip computes in single precision either way.
+///
+/// Example: leastaction export run -o model.postcard --rust model.rs
+///
+/// Example: leastaction export run -o model.postcard --weights f16
+#[derive(Args)]
+pub struct Export {
+    /// The folder of the run.
+    run: PathBuf,
+    /// The model file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// A Rust source file to write as well.
+    #[arg(long, value_name = "FILE")]
+    rust: Option<PathBuf>,
+    /// How the file stores its weights.
+    #[arg(long, value_enum, default_value_t = Weights::F32)]
+    weights: Weights,
+    /// The log to measure errors on [default: the one that the run learned from].
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
+}
+
+/// How a file stores its weights.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Weights {
+    /// Two bytes each, 11 bits of which count.
+    F16,
+    /// Four bytes each.
+    F32,
+}
+
+impl Weights {
+    fn precision(self) -> Precision {
+        match self {
+            Self::F16 => Precision::Half,
+            Self::F32 => Precision::Single,
+        }
+    }
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Report {
+    model: PathBuf,
+    bytes: usize,
+    parameters: usize,
+    weight_bits: u8,
+    provenance: String,
+    rust: Option<PathBuf>,
+    accuracy: Option<Accuracy>,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { model, bytes, parameters, weight_bits, .. } = self;
+        writeln!(f, "{}: {bytes} bytes, {parameters} parameters of {weight_bits} bits", model.display())?;
+        writeln!(f, "{}", self.provenance)?;
+        self.rust.iter().try_for_each(|file| writeln!(f, "{}: the same as Rust source", file.display()))?;
+        self.accuracy.iter().try_for_each(|accuracy| write!(f, "{accuracy}"))
+    }
+}
+
+impl Export {
+    /// Writes the files.
+    pub fn run(self, output: Output) -> Done {
+        let precision = self.weights.precision();
+        let (trained, bytes) = encoded(&self.run, precision)?;
+        let accuracy = self.accuracy(&trained, &bytes, output)?;
+        atomic::write(&self.output, &bytes).map_err(|error| Failure::file(&self.output, error))?;
+        if let Some(file) = &self.rust {
+            let source = model_file::rust_source(&bytes).map_err(|error| Failure::file(file, error))?;
+            atomic::write(file, source.as_bytes()).map_err(|error| Failure::file(file, error))?;
+        }
+        output.report(&Report {
+            model: self.output,
+            bytes: bytes.len(),
+            parameters: trained.best.weights.len(),
+            weight_bits: precision.bits(),
+            provenance: trained.provenance,
+            rust: self.rust,
+            accuracy,
+        })
+    }
+
+    /// What rounding cost, where it may have cost something, or where it is asked for.
+    fn accuracy(&self, trained: &Trained, bytes: &[u8], output: Output) -> Result<Option<Accuracy>, Failure> {
+        if self.weights == Weights::F32 && self.data.is_none() {
+            return Ok(None);
+        }
+        let shipped = model_file::decode(bytes).map_err(|error| Failure::input(&self.output, error))?;
+        let compared = Compared {
+            architecture: &trained.architecture,
+            order: trained.discretisation.map_or(4, |discretisation| discretisation.order),
+            trained: &trained.best.weights,
+            shipped: &shipped.weights,
+        };
+        compared.measure((&self.run, self.data.as_deref()), self.weights.precision(), output)
+    }
+}
+
+/// The model of a run, and its file.
+pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), Failure> {
+    let trained = Trained::read(run).map_err(|error| Failure::Input(error.to_string()))?;
+    let Trained { architecture, discretisation, best, provenance, .. } = &trained;
+    let bytes = model_file::encode_in(precision, architecture, &best.weights, *discretisation, provenance)
+        .map_err(|error| Failure::file(run, error))?;
+    Ok((trained, bytes))
+}
