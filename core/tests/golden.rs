@@ -4,9 +4,11 @@ mod common;
 
 use common::file::{self, CARTPOLE};
 
-fn cartpole_text() -> String {
-    let bytes = file::golden();
-    let padding = bytes.len() - 4 - 4 * file::weights(&CARTPOLE).len() - 2 - 1 - 64;
+/// Of a cart-pole whose weights have so many bytes each.
+fn cartpole_text(bytes: &[u8], each: usize) -> String {
+    let weights = file::weights(&CARTPOLE).len();
+    let padding = bytes.len() - 4 - each * weights - 2 - 1 - 64;
+    let count = format!("bytes of weights, {} as a varint", each * weights);
     let parts = [
         (4, "magic LACT"),
         (1, "format version"),
@@ -19,14 +21,14 @@ fn cartpole_text() -> String {
         (6, "discretisation: present, order 4, h = 0.05 s"),
         (38, "provenance, 37 letters"),
         (1 + padding, "padding: its length, zeros"),
-        (2, "bytes of weights, 376 as a varint"),
-        (4 * 28, "layer 3 to 7: panel of 4, panels of 1, biases"),
-        (4 * 40, "layer 7 to 5: panel of 4, panel of 1, biases"),
-        (4 * 24, "layer 5 to 4: panel of 4, biases"),
-        (4 * 2, "damping coefficients"),
+        (2, count.as_str()),
+        (each * 28, "layer 3 to 7: panel of 4, panels of 1, biases"),
+        (each * 40, "layer 7 to 5: panel of 4, panel of 1, biases"),
+        (each * 24, "layer 5 to 4: panel of 4, biases"),
+        (each * 2, "damping coefficients"),
         (4, "CRC-32 of all bytes above, little-endian"),
     ];
-    file::text(&bytes, &parts)
+    file::text(bytes, &parts)
 }
 
 fn arm_text() -> String {
@@ -134,7 +136,14 @@ fn web_text() -> String {
 
 #[test]
 fn the_rigid_file_is_unchanged() {
-    file::assert_golden("cartpole.hex", &file::golden(), &cartpole_text());
+    let file = file::golden();
+    file::assert_golden("cartpole.hex", &file, &cartpole_text(&file, 4));
+}
+
+#[test]
+fn the_rigid_file_in_half_precision_is_unchanged() {
+    let file = file::write_half(file::HEADER, &file::weights(&CARTPOLE));
+    file::assert_golden("cartpole-f16.hex", &file, &cartpole_text(&file, 2));
 }
 
 #[test]

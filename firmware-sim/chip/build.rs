@@ -10,4 +10,23 @@ fn main() {
     println!("cargo:rustc-link-search={out}");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     println!("cargo:rerun-if-changed={memory}");
+    shape(Path::new(&out));
+}
+
+/// Leaves the model that the image `shape` carries, and says what it is.
+fn shape(out: &Path) {
+    println!("cargo:rerun-if-env-changed=LEASTACTION_SHAPE");
+    println!("cargo:rerun-if-env-changed=LEASTACTION_SHAPE_ORDER");
+    println!("cargo:rustc-check-cfg=cfg(graph, order_2, order_4)");
+    let Ok(file) = env::var("LEASTACTION_SHAPE") else { return };
+    println!("cargo:rerun-if-changed={file}");
+    let source = fs::read_to_string(&file).expect("LEASTACTION_SHAPE names a file that export --rust wrote");
+    // What is included has no documentation of its own.
+    let lines: Vec<_> = source.lines().filter(|line| !line.starts_with("//!")).collect();
+    fs::write(out.join("shape.rs"), lines.join("\n")).expect("the folder can be written to");
+    if source.contains("GraphModel") {
+        println!("cargo:rustc-cfg=graph");
+    }
+    let order = env::var("LEASTACTION_SHAPE_ORDER").unwrap_or("2".into());
+    println!("cargo:rustc-cfg=order_{order}");
 }

@@ -33,9 +33,6 @@ host=$(cd ../.. && CARGO_TARGET_DIR=$host_target cargo run --quiet --release --p
     --bin trajectory_hash "$steps")
 expected() { sed -n "s/^$1 $2 //p" <<<"$host"; }
 
-# The value of a name in what an image printed.
-value() { sed -n "s/^$1 //p" <<<"$output"; }
-
 report() {
     local board=$1 image=$2 elf
     elf=$(program "$board" "$image")
@@ -46,11 +43,7 @@ report() {
     fi
     printf '{"board": "%s", "family": "%s", "order": %s, "hash": "%s", "steps": %s' \
         "$board" "${image%_*}" "${image##*_}" "$(value hash)" "$(value steps)"
-    printf ', "text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s' $(sections "$elf")
-    printf ', "load_stack_bytes": %s, "acceleration_stack_bytes": %s, "stack_bytes": %s' \
-        "$(value load_stack)" "$(value acceleration_stack)" "$(value step_stack)"
-    printf ', "acceleration_instructions": %s, "step_instructions": %s, "step_instructions_worst": %s}\n' \
-        "$(value acceleration_instructions)" "$(value step_instructions)" "$(value step_instructions_worst)"
+    printf ', %s}\n' "$(measures "$elf")"
 }
 
 run() {

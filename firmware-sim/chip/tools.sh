@@ -72,3 +72,15 @@ sections() {
     done < <(readelf -SW "$1" | sed -n 's/^ *\[ *[0-9]*\] //p')
     echo $text $rodata $ram
 }
+
+# The value of a name in $output, what an image printed.
+value() { sed -n "s/^$1 //p" <<<"$output"; }
+
+# What an image takes and printed, as JSON's names and values.
+measures() {
+    printf '"text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s' $(sections "$1")
+    printf ', "load_stack_bytes": %s, "acceleration_stack_bytes": %s, "stack_bytes": %s' \
+        "$(value load_stack)" "$(value acceleration_stack)" "$(value step_stack)"
+    printf ', "acceleration_instructions": %s, "step_instructions": %s, "step_instructions_worst": %s' \
+        "$(value acceleration_instructions)" "$(value step_instructions)" "$(value step_instructions_worst)"
+}

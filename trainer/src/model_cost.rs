@@ -1,6 +1,9 @@
 //! What a model costs on a chip, by its shape: multiply-adds, flash, RAM and stack.
 
+mod counted;
 mod graph;
+mod operations;
+pub mod processor;
 
 use crate::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture, Visitor};
 use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, State};

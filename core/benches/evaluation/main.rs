@@ -8,6 +8,7 @@
 
 mod cases;
 mod chain;
+#[path = "../../../trainer/src/model_cost/counted.rs"]
 mod counted;
 mod instructions;
 mod peak;

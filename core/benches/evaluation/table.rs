@@ -61,7 +61,10 @@ struct Row {
 
 impl Row {
     fn print(&self, peak: f64) {
-        let Operations { flops, divisions, elementary } = self.done;
+        let Operations { flops, divisions, roots, exponentials, logarithms, tangents, sines, .. } = self.done;
+        let flops = flops + 2 * self.done.multiply_adds.iter().sum::<u64>();
+        let divisions = divisions + roots;
+        let elementary = exponentials + logarithms + tangents + sines;
         let share = 100.0 * flops as f64 / self.seconds / peak;
         println!(
             "{:<24}{:>10.0}{:>9}{:>15}{:>11}{:>12}{:>9.1}%",
@@ -148,6 +151,6 @@ fn kernel<R: Real>(name: &str, call: fn(&mut [R; 64]), flops: u64, peak: f64) {
     let mut numbers = cases::angles::<R>();
     let seconds =
         fastest(REPETITIONS, || (0..BUNDLE).for_each(|_| call(black_box(&mut numbers)))) / f64::from(BUNDLE);
-    let done = Operations { flops: 64 * flops, divisions: 0, elementary: 64 };
+    let done = Operations { flops: 64 * flops, tangents: 64, ..Operations::default() };
     Row { name: format!("64 {name}"), seconds, updates: None, done }.print(peak);
 }

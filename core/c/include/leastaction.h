@@ -152,6 +152,10 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_SHAPE = 35,
     /**
+     * The weights are of another precision than the library was built for. Bits in the file, built in.
+     */
+    LEASTACTION_STATUS_PRECISION = 36,
+    /**
      * The file was refused for a reason that this list does not know.
      */
     LEASTACTION_STATUS_OTHER_FILE_ERROR = 39,

@@ -1,4 +1,4 @@
-//! The innermost loops of leastaction-core, in f32: products with panels of a matrix, and the square root.
+//! The innermost loops of leastaction-core, in f32: products with panels of a matrix, the square root, sine and cosine.
 //!
 //! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l, in single precision
 //! ([`single`]) or in half precision, widened as they are read ([`half`]). On ARM with a floating-point unit (targets
@@ -11,6 +11,7 @@
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 mod arm;
 pub mod portable;
+mod trigonometry;
 
 pub use ::half::f16;
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
@@ -18,7 +19,7 @@ use arm as this;
 /// The portable loops by the names of the instructions'.
 #[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
 mod this {
-    pub use crate::portable::{sqrt, widened};
+    pub use crate::portable::{sin_cos, sqrt, widened};
 
     macro_rules! portable {
         ($precision:ident, $weight:ty, $wide:expr) => {
@@ -51,6 +52,13 @@ mod this {
 #[inline(always)]
 pub fn sqrt(x: f32) -> f32 {
     this::sqrt(x)
+}
+
+/// (sin x, cos x), x in radians; NaN where x is not a number in ±65,536. At most 2 ulp off for |x| ≤ 8192 except where the result
+/// itself vanishes next to a multiple of π/2, and 1.2e-7 there.
+#[inline(always)]
+pub fn sin_cos(x: f32) -> (f32, f32) {
+    this::sin_cos(x)
 }
 
 /// The same number in single precision.

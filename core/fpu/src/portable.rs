@@ -1,5 +1,6 @@
 //! The loops in plain Rust, for any scalar and panels of any width: what the instructions are held against.
 
+pub use crate::trigonometry::sin_cos;
 use core::ops::{AddAssign, Mul};
 
 /// See [`sqrt`](crate::sqrt).

@@ -1,5 +1,5 @@
-use super::{Real, Scalar, Stored, Weights, tanh, trigonometry};
-use leastaction_fpu::{half, portable, single, sqrt};
+use super::{Real, Scalar, Stored, Weights, tanh};
+use leastaction_fpu::{half, portable, sin_cos, single, sqrt};
 
 impl Scalar for f32 {
     type Weight = f32;
@@ -75,7 +75,7 @@ impl Scalar for f32 {
     }
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        trigonometry::sin_cos(self)
+        sin_cos(self)
     }
     #[inline]
     fn wrapped(self) -> Self {

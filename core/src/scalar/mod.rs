@@ -12,7 +12,6 @@ mod micro;
 mod packed;
 mod stored;
 mod tanh;
-mod trigonometry;
 
 pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};

@@ -6,24 +6,28 @@ use core::hint::black_box;
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{Drive, acceleration, constrained_acceleration};
 use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
-use leastaction_core::discrete::{Del, Path};
-use leastaction_core::energy::graph::Graph;
+use leastaction_core::discrete::{Del, Newton, Path};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
 use leastaction_core::model::ModelError;
+use leastaction_core::particles::Particles;
 use leastaction_firmware_sim::trajectory::reference::{
     BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
 };
 use leastaction_firmware_sim::trajectory::{Free, Hanging};
 
 /// Loads a model, and prints the stack that it takes.
-fn load<T>(load: impl FnOnce() -> Result<T, ModelError>) -> Result<T, &'static [u8]> {
+pub fn load<T>(load: impl FnOnce() -> Result<T, ModelError>) -> Result<T, &'static [u8]> {
     let (depth, model) = stack::deepest(load);
     print::number(b"load_stack", depth as u32);
     model.map_err(|_| b"the model is refused".as_slice())
 }
 
-fn run<L, F, P: Path, const N: usize>(system: &System<L, F>) -> Result<(), &'static [u8]>
+/// Measures a system in generalised coordinates with steps along a path.
+pub fn free<L, F, P: Path, const N: usize>(
+    system: &System<L, F>,
+    newton: Newton<f32>,
+) -> Result<(), &'static [u8]>
 where
     L: Lagrangian<f32, N>,
     L::Mass: MassMatrix<f32, N>,
@@ -34,7 +38,7 @@ where
         let [q, v, u] = black_box(&at);
         let _ = black_box(acceleration(system, q, v, u));
     });
-    let del = Del::<f32, P>::with_newton(STEP, newton());
+    let del = Del::<f32, P>::with_newton(STEP, newton);
     let mut motion = Free::new(system, del).map_err(|_| b"the start is refused".as_slice())?;
     report::motion(&mut motion, &mut Counts::default())
 }
@@ -42,51 +46,61 @@ where
 /// The cart-pole with steps along a path.
 pub fn cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Cartpole::load(black_box(file)))?;
-    run::<_, _, P, 2>(&model.system)
+    free::<_, _, P, 2>(&model.system, newton())
 }
 
 /// The same with weights in half precision.
 pub fn half_cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| HalfCartpole::load_half(black_box(file)))?;
-    run::<_, _, P, 2>(&model.system)
+    free::<_, _, P, 2>(&model.system, newton())
 }
 
 /// The double pendulum with steps along a path.
 pub fn double_pendulum<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Double::load(black_box(file), TREE))?;
-    run::<_, _, P, 2>(&model.system)
+    free::<_, _, P, 2>(&model.system, newton())
 }
 
 /// The chain of bobs, straight and aslant, with steps of an order.
 pub fn bobs(file: &'static [u8], order: Order) -> Result<(), &'static [u8]> {
     let bobs = load(|| Bobs::load(black_box(file), GRAPH, &mut []))?;
-    let rods = chain();
-    let refused = b"the chain is refused".as_slice();
-    let mechanism = Constrained::new(&bobs.graph, &rods[..]).map_err(|_| refused)?;
-    let (q, v) = (aslant(), [[0.0; 2]; BOBS]);
     let mut room = [0.0; Rattle::<f32>::room_of::<2>(BOBS, BOBS, 1, 0)];
-    accelerate(&mechanism, &q, &mut room);
     let mut numbers = [0.0; ParticleState::<f32, 2>::room(BOBS, BOBS)];
-    let state = ParticleState::new(&mechanism, &q, &v, &mut numbers, &mut room).map_err(|_| refused)?;
-    let rattle = Rattle::with_newton(STEP, order, newton());
-    let mut force = [[0.0; 2]; BOBS];
-    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, &mut room);
+    hanging(&bobs.graph, (&chain(), &aslant()), (order, newton()), (&mut numbers, &mut room))
+}
+
+/// Measures particles on rods with steps of an order.
+pub fn hanging<S: Particles<f32, 2>, const NODES: usize>(
+    graph: &S,
+    (rods, q): (&[Holonomic<f32, 2>], &[[f32; 2]; NODES]),
+    (order, newton): (Order, Newton<f32>),
+    (numbers, room): (&mut [f32], &mut [f32]),
+) -> Result<(), &'static [u8]> {
+    let refused = b"the particles are refused".as_slice();
+    let mechanism = Constrained::new(graph, rods).map_err(|_| refused)?;
+    accelerate(&mechanism, q, room);
+    let v = [[0.0; 2]; NODES];
+    let state = ParticleState::new(&mechanism, q, &v, numbers, room).map_err(|_| refused)?;
+    let rattle = Rattle::with_newton(STEP, order, newton);
+    let mut force = [[0.0; 2]; NODES];
+    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, room);
     report::motion(&mut motion, &mut Counts::default())
 }
 
-fn accelerate(
-    mechanism: &Constrained<f32, Graph<f32, 2, 1, 8, 1>, [Holonomic<f32, 2>], 2>,
-    q: &[[f32; 2]; BOBS],
+fn accelerate<S: Particles<f32, 2>, const NODES: usize>(
+    mechanism: &Constrained<f32, S, [Holonomic<f32, 2>], 2>,
+    q: &[[f32; 2]; NODES],
     room: &mut [f32],
 ) {
     report::evaluation(b"acceleration_instructions", b"acceleration_stack", || {
-        let (mut a, mut lambda) = ([[0.0; 2]; BOBS], [0.0; BOBS]);
+        let (mut a, mut lambda) = ([[0.0; 2]; NODES], [0.0; NODES]);
+        let lambda_of_rods = lambda.get_mut(..mechanism.equations()).unwrap_or_default();
         let _ = black_box(constrained_acceleration(
             mechanism,
             (black_box(q), q),
             &Drive::none(),
             room,
-            (&mut a, &mut lambda),
+            (&mut a, lambda_of_rods),
         ));
         black_box((a, lambda));
     });

@@ -1,3 +1,4 @@
+use super::Weight;
 use crate::config::{
     LEASTACTION_COORDINATES as N, LEASTACTION_DIMENSIONS as D, LEASTACTION_EDGES, LEASTACTION_HIDDEN as H,
     LEASTACTION_LAYERS as L, LEASTACTION_NETWORKS as K,
@@ -19,7 +20,7 @@ pub(crate) struct Mechanism {
 }
 
 /// A Lagrangian that is its own drag.
-type Particles = Fixed<'static, f32, D, K, H, L, N>;
+type Particles = Fixed<'static, Weight, D, K, H, L, N>;
 
 impl Mechanism {
     /// # Safety
@@ -31,7 +32,7 @@ impl Mechanism {
     ) -> Result<Self, Error> {
         // SAFETY: this function's promise.
         let name = unsafe { super::text(name) }?;
-        let parsed = parse_as::<GraphHeader>(bytes)?;
+        let parsed = parse_as::<GraphHeader, Weight>(bytes)?;
         let header = parsed.shape;
         let layout = header.layout(name)?;
         // Particles that nothing holds together would be another mechanism than the one that was learned.

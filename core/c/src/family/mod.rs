@@ -18,6 +18,12 @@ use crate::error::Error;
 use crate::status::Status;
 use core::ffi::{CStr, c_char};
 
+/// How a model file stores its weights.
+#[cfg(not(feature = "half"))]
+type Weight = f32;
+#[cfg(feature = "half")]
+type Weight = leastaction_core::scalar::f16;
+
 /// Bytes of the name of a tree or graph at most, the zero at its end apart.
 #[cfg_attr(feature = "rigid", allow(dead_code, reason = "this family has no names"))]
 const MAX_NAME: usize = 64;

@@ -1,3 +1,4 @@
+use super::Weight;
 use crate::config::{
     LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as D, LEASTACTION_TYPES as K,
 };
@@ -12,9 +13,9 @@ pub(crate) const FAMILY: &CStr = c"modular";
 pub(crate) const EDGES: usize = 0;
 
 /// A tree of elements.
-pub(crate) struct Mechanism(ModularModel<'static, N, K, H, D>);
+pub(crate) struct Mechanism(ModularModel<'static, N, K, H, D, Weight>);
 
-type Parts<'a> = System<&'a Modular<'static, f32, N, K, H, D>, &'a Viscous<f32, N>>;
+type Parts<'a> = System<&'a Modular<'static, Weight, N, K, H, D>, &'a Viscous<f32, N>>;
 
 impl Mechanism {
     /// # Safety
@@ -26,7 +27,11 @@ impl Mechanism {
     ) -> Result<Self, Error> {
         // SAFETY: this function's promise.
         let name = unsafe { super::text(name) }?;
-        Ok(Self(ModularModel::load(bytes, name)?))
+        #[cfg(feature = "half")]
+        let model = ModularModel::load_half(bytes, name)?;
+        #[cfg(not(feature = "half"))]
+        let model = ModularModel::load(bytes, name)?;
+        Ok(Self(model))
     }
 
     pub fn system(&self) -> Parts<'_> {

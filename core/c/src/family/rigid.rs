@@ -1,3 +1,4 @@
+use super::Weight;
 use crate::config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as D};
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
@@ -10,9 +11,9 @@ pub(crate) const FAMILY: &CStr = c"rigid";
 pub(crate) const EDGES: usize = 0;
 
 /// A rigid mechanism.
-pub(crate) struct Mechanism(RigidModel<'static, N, H, D>);
+pub(crate) struct Mechanism(RigidModel<'static, N, H, D, Weight>);
 
-type Parts<'a> = System<&'a Rigid<'static, f32, N, H, D>, &'a Viscous<f32, N>>;
+type Parts<'a> = System<&'a Rigid<'static, Weight, N, H, D>, &'a Viscous<f32, N>>;
 
 impl Mechanism {
     /// # Safety
@@ -22,7 +23,11 @@ impl Mechanism {
         _: *const c_char,
         _: &'static mut [Edge],
     ) -> Result<Self, Error> {
-        Ok(Self(RigidModel::load(bytes)?))
+        #[cfg(feature = "half")]
+        let model = RigidModel::load_half(bytes)?;
+        #[cfg(not(feature = "half"))]
+        let model = RigidModel::load(bytes)?;
+        Ok(Self(model))
     }
 
     pub fn system(&self) -> Parts<'_> {

@@ -59,7 +59,7 @@ fn numbers<const N: usize>() -> [f32; N] {
 }
 
 /// Whether the loops in the processor's instructions give the bits of plain Rust, for 0 … 24 inputs, and weights in half precision
-/// from any address on; whether every number of half precision is widened alike, and roots are the same.
+/// from any address on; whether every number of half precision is widened alike, and roots, sines and cosines are the same.
 fn loops_agree() -> bool {
     let (weights, x) = (black_box(numbers::<{ 24 * 8 }>()), black_box(numbers::<24>()));
     let halves: [f16; 24 * 8 + 1] =
@@ -67,7 +67,14 @@ fn loops_agree() -> bool {
     let wide =
         (0..=u16::MAX).map(f16::from_bits).all(|w| same(&[fpu::widened(w)], &[fpu::portable::widened(w)]));
     let roots = x.iter().all(|x| same(&[fpu::sqrt(*x)], &[fpu::portable::sqrt(*x)]));
-    wide && roots
+    let angles = (0..4_000).map(|i| (i as f32 - 2_000.0) * 0.123_456 * if i % 3 == 0 { 41.0 } else { 1.0 });
+    let mut angles = angles.chain([0.0, 65_536.0, 65_537.0, f32::INFINITY, f32::NAN]);
+    let sines = angles.all(|x| {
+        let ((sin, cos), (plain_sin, plain_cos)) = (fpu::sin_cos(x), fpu::portable::sin_cos(x));
+        same(&[sin, cos], &[plain_sin, plain_cos])
+    });
+    wide && sines
+        && roots
         && (0..=24).all(|n| {
             let x = x.get(..n).unwrap_or(&x);
             singles_agree(&weights, x) && (0..2).all(|i| halves_agree(halves.get(i..).unwrap_or(&halves), x))

@@ -1,17 +1,19 @@
 //! `leastaction inspect`.
 
 mod shape;
+mod target;
 
 use super::Done;
 use super::output::{Failure, Output};
 use clap::Args;
 use leastaction::architecture::MODULAR_SIZES;
 use leastaction::model_cost::{Cost, cost};
-use leastaction::model_file::{HostModel, decode};
+use leastaction::model_file::{HostModel, Precision, decode};
 use serde::Serialize;
 use shape::Shape;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use target::{OnTarget, Target};
 
 /// Show what a model file is and what it costs on a chip.
 ///
@@ -24,6 +26,9 @@ pub struct Inspect {
     /// Of a model of several trees or graphs the one that coordinates and cost are of [default: the one that was trained].
     #[arg(long, visible_alias = "graph", value_name = "NAME")]
     tree: Option<String>,
+    /// Also predict what it takes on this processor: instructions, stack and code.
+    #[arg(long, value_enum)]
+    target: Option<Target>,
 }
 
 /// What is in the file.
@@ -43,13 +48,16 @@ struct Report {
     flash_bytes: usize,
     /// None for a tree of a size that this program was not compiled for.
     cost: Option<Cost>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    target: Option<OnTarget>,
 }
 
 impl Inspect {
     /// Reads and reports.
     pub fn run(self, output: Output) -> Done {
         let (model, bytes) = load_part(&self.model, self.tree.as_deref())?;
-        output.report(&report(self.model, model, bytes))
+        let target = self.target.map(|target| on(target, &self.model, &model, bytes)).transpose()?;
+        output.report(&Report { target, ..report(self.model, model, bytes) })
     }
 }
 
@@ -77,6 +85,20 @@ pub fn load_part(file: &Path, name: Option<&str>) -> Result<(HostModel, usize), 
     Ok((model, bytes))
 }
 
+/// The prediction for a processor.
+fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Result<OnTarget, Failure> {
+    let unknown = || {
+        let name = target.processor().name();
+        let why = match model.precision {
+            Precision::Half => "of weights in half precision it was not measured",
+            Precision::Single => "its shape is beyond those that were measured",
+        };
+        Failure::input(file, format!("what it takes on a {name} is not known: {why}"))
+    };
+    let prediction = target.processor().predict(model).ok_or_else(unknown)?;
+    Ok(OnTarget { prediction, model_bytes, static_ram_bytes: 0 })
+}
+
 fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
     let damping: Vec<f64> = architecture.damping_positions().iter().map(|i| model.weights[*i]).collect();
@@ -84,6 +106,7 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
     let damped = architecture.rigid().is_some() || damping.iter().any(|damping| *damping != 0.0);
     Report {
         cost: cost(architecture).ok(),
+        target: None,
         family: architecture.with_header(|header| header.name()),
         coordinates: architecture.coordinates().chars().map(kind).collect(),
         shape: Shape::of(architecture),
@@ -127,7 +150,8 @@ impl fmt::Display for Report {
         }
         line(f, "from", &self.provenance)?;
         writeln!(f)?;
-        self.costs(f)
+        self.costs(f)?;
+        self.target.iter().try_for_each(|target| write!(f, "{target}"))
     }
 }
 

@@ -103,6 +103,9 @@ where
 
 #[cfg(not(any(feature = "modular", feature = "graph")))]
 fn trace_file(file: &[u8], _: &str) -> Result<u64, String> {
+    #[cfg(feature = "half")]
+    let model = leastaction_core::model::RigidModel::<N, H, L, _>::load_half(file).map_err(words)?;
+    #[cfg(not(feature = "half"))]
     let model = leastaction_core::model::RigidModel::<N, H, L>::load(file).map_err(words)?;
     trace(&model.system, model.discretisation)
 }

@@ -5,20 +5,26 @@
 //! absolute error at most 1.2e-7 there. Beyond ±65,536 rad, where neighbouring f32 are 8 mrad apart, the answer is NaN
 //! rather than a number without meaning.
 
-const TWO_OVER_PI: f32 = core::f32::consts::FRAC_2_PI;
+pub(crate) const TWO_OVER_PI: f32 = core::f32::consts::FRAC_2_PI;
 /// Adding and subtracting it rounds to the nearest integer for |x| ≤ 2²².
-const ROUND: f32 = 12_582_912.0;
+pub(crate) const ROUND: f32 = 12_582_912.0;
 // π/2 in parts of few bits, so that k times a part is exact for |k| < 2¹³.
-const PIO2_1: f32 = 1.570_312_5;
-const PIO2_2: f32 = 4.837_513e-4;
-const PIO2_3: f32 = 7.549_789_4e-8;
-const PIO2_4: f32 = 5.390_302_5e-15;
+pub(crate) const PIO2_1: f32 = 1.570_312_5;
+pub(crate) const PIO2_2: f32 = 4.837_513e-4;
+pub(crate) const PIO2_3: f32 = 7.549_789_4e-8;
+pub(crate) const PIO2_4: f32 = 5.390_302_5e-15;
 
 /// Largest angle accepted, rad.
-const LIMIT: f32 = 65_536.0;
+pub(crate) const LIMIT: f32 = 65_536.0;
 
-/// (sin x, cos x); NaN where x is not a number in ±65,536.
-pub(super) fn sin_cos(x: f32) -> (f32, f32) {
+/// sin r − r over r, by powers of r², the highest first.
+pub(crate) const SINE: [f32; 3] = [-1.951_529_6e-4, 8.332_161e-3, -1.666_665_5e-1];
+/// cos r − 1 + r²/2 over r², by powers of r², the highest first.
+pub(crate) const COSINE: [f32; 3] = [2.443_315_7e-5, -1.388_731_6e-3, 4.166_664_6e-2];
+
+/// See [`sin_cos`](crate::sin_cos).
+#[inline]
+pub fn sin_cos(x: f32) -> (f32, f32) {
     let x = if (-LIMIT..=LIMIT).contains(&x) { x } else { f32::NAN };
     let turns = x * TWO_OVER_PI + ROUND;
     let k = turns - ROUND;
@@ -38,13 +44,15 @@ fn flip(x: f32, bit: u32) -> f32 {
 #[inline(always)]
 fn sine(r: f32) -> f32 {
     let z = r * r;
-    let p = (-1.951_529_6e-4 * z + 8.332_161e-3) * z - 1.666_665_5e-1;
+    let [a, b, c] = SINE;
+    let p = (a * z + b) * z + c;
     p * z * r + r
 }
 
 #[inline(always)]
 fn cosine(r: f32) -> f32 {
     let z = r * r;
-    let p = (2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2;
+    let [a, b, c] = COSINE;
+    let p = (a * z + b) * z + c;
     p * z * z - 0.5 * z + 1.0
 }

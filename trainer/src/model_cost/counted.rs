@@ -1,6 +1,6 @@
-//! A scalar that counts the operations done in it.
+//! A scalar that counts the operations done in it. The benchmarks of core count with it as well.
 
-use leastaction_core::scalar::{Real, Scalar};
+use leastaction_core::scalar::{Real, Scalar, Stored};
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -11,12 +11,26 @@ pub struct Counted<R>(pub R);
 /// Operations done.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Operations {
-    /// Additions, subtractions and multiplications.
+    /// Additions, subtractions, multiplications and changes of sign, those of layers apart.
     pub flops: u64,
-    /// Divisions and square roots.
+    /// Divisions.
     pub divisions: u64,
-    /// tanh, exponentials, logarithms, sines with their cosines.
-    pub elementary: u64,
+    /// Square roots.
+    pub roots: u64,
+    /// eˣ.
+    pub exponentials: u64,
+    /// ln(1 + x).
+    pub logarithms: u64,
+    /// tanh.
+    pub tangents: u64,
+    /// Sines with their cosines.
+    pub sines: u64,
+    /// In layers: multiply-adds of panels of eight outputs, of four, and of one.
+    pub multiply_adds: [u64; 3],
+    /// In layers: outputs of panels.
+    pub outputs: u64,
+    /// In layers: panels.
+    pub panels: u64,
 }
 
 thread_local! {
@@ -34,11 +48,6 @@ fn note(change: impl Fn(&mut Operations)) {
     let mut done = DONE.get();
     change(&mut done);
     DONE.set(done);
-}
-
-fn elementary<O>(output: O) -> O {
-    note(|done| done.elementary += 1);
-    output
 }
 
 macro_rules! counted {
@@ -61,6 +70,7 @@ counted!(Div, div, /, divisions);
 impl<R: Real> Neg for Counted<R> {
     type Output = Self;
     fn neg(self) -> Self {
+        note(|done| done.flops += 1);
         Self(-self.0)
     }
 }
@@ -77,9 +87,50 @@ impl<R: Real> SubAssign for Counted<R> {
     }
 }
 
+/// Counts a panel of a layer.
+fn panel<const P: usize>(inputs: usize) {
+    note(|done| {
+        let kind = match P {
+            8 => 0,
+            4 => 1,
+            _ => 2,
+        };
+        done.multiply_adds[kind] += (P * inputs) as u64;
+        done.outputs += P as u64;
+        done.panels += 1;
+    });
+}
+
 impl<R: Real> Scalar for Counted<R> {
     type Weight = R::Weight;
 
+    /// As on a controller.
+    const APART: bool = true;
+
+    fn accumulate<W: Stored<Wide = R::Weight>, const P: usize>(
+        rows: &[[W; P]],
+        x: &[Self],
+        sum: &mut [Self; P],
+    ) {
+        panel::<P>(rows.len().min(x.len()));
+        for (row, x) in rows.iter().zip(x) {
+            for (sum, w) in sum.iter_mut().zip(row) {
+                sum.0 += w.scalar::<R>() * x.0;
+            }
+        }
+    }
+    fn transposed<W: Stored<Wide = R::Weight>, const P: usize>(
+        rows: &[[W; P]],
+        y_bar: &[Self; P],
+        x_bar: &mut [Self],
+    ) {
+        panel::<P>(rows.len().min(x_bar.len()));
+        for (x, row) in x_bar.iter_mut().zip(rows) {
+            for (y, w) in y_bar.iter().zip(row) {
+                x.0 += w.scalar::<R>() * y.0;
+            }
+        }
+    }
     fn weight(w: R::Weight) -> Self {
         Self(R::weight(w))
     }
@@ -87,21 +138,25 @@ impl<R: Real> Scalar for Counted<R> {
         Self(R::constant(x))
     }
     fn sqrt(self) -> Self {
-        note(|done| done.divisions += 1);
+        note(|done| done.roots += 1);
         Self(self.0.sqrt())
     }
     fn exp(self) -> Self {
-        elementary(Self(self.0.exp()))
+        note(|done| done.exponentials += 1);
+        Self(self.0.exp())
     }
     fn ln_1p(self) -> Self {
-        elementary(Self(self.0.ln_1p()))
+        note(|done| done.logarithms += 1);
+        Self(self.0.ln_1p())
     }
     fn tanh(self) -> Self {
-        elementary(Self(self.0.tanh()))
+        note(|done| done.tangents += 1);
+        Self(self.0.tanh())
     }
     fn sin_cos(self) -> (Self, Self) {
+        note(|done| done.sines += 1);
         let (sin, cos) = self.0.sin_cos();
-        elementary((Self(sin), Self(cos)))
+        (Self(sin), Self(cos))
     }
     fn wrapped(self) -> Self {
         Self(self.0.wrapped())

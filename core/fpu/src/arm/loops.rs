@@ -1,26 +1,4 @@
-//! Instructions of ARM's single-precision floating-point unit: weights are loaded sixteen at a time.
-//!
-//! Functions of their own and not inline: the compiler does not know these registers by name on every target. They keep
-//! what the procedure call standard asks for (s16 and up).
-
-use core::arch::naked_asm;
-
-/// Takes and returns s0.
-#[unsafe(naked)]
-pub extern "C" fn sqrt(x: f32) -> f32 {
-    naked_asm!(".fpu vfpv2", "vsqrt.f32 s0, s0", "bx lr")
-}
-
-/// Takes r0, returns s0.
-#[unsafe(naked)]
-extern "C" fn widened_asm(bits: u32) -> f32 {
-    naked_asm!(".fpu vfpv3-fp16", "vmov s0, r0", "vcvtb.f32.f16 s0, s0", "bx lr")
-}
-
-#[inline]
-pub fn widened(w: crate::f16) -> f32 {
-    widened_asm(w.to_bits().into())
-}
+//! Products with panels of a matrix: weights are loaded sixteen at a time.
 
 /// Both halves of a register; the upper first, for the lower may take the register's place.
 macro_rules! widen {

@@ -1,0 +1,29 @@
+//! Instructions of ARM's single-precision floating-point unit.
+//!
+//! Functions of their own and not inline: the compiler does not know these registers by name on every target. They keep
+//! what the procedure call standard asks for (s16 and up).
+
+mod loops;
+mod sine;
+
+pub use loops::{half, single};
+pub use sine::sin_cos;
+
+use core::arch::naked_asm;
+
+/// Takes and returns s0.
+#[unsafe(naked)]
+pub extern "C" fn sqrt(x: f32) -> f32 {
+    naked_asm!(".fpu vfpv2", "vsqrt.f32 s0, s0", "bx lr")
+}
+
+/// Takes r0, returns s0.
+#[unsafe(naked)]
+extern "C" fn widened_asm(bits: u32) -> f32 {
+    naked_asm!(".fpu vfpv3-fp16", "vmov s0, r0", "vcvtb.f32.f16 s0, s0", "bx lr")
+}
+
+#[inline]
+pub fn widened(w: crate::f16) -> f32 {
+    widened_asm(w.to_bits().into())
+}

@@ -1,0 +1,77 @@
+//! The models of `firmware-sim/chip/shapes.toml`.
+
+use leastaction::config::Config;
+use leastaction::model_file::{EncodeError, encode};
+use std::error::Error;
+use std::path::Path;
+use toml::{Table, Value};
+
+/// A model of random weights.
+pub struct Shape {
+    /// What it is called.
+    pub name: String,
+    /// Whether predictions are fitted to it.
+    #[allow(dead_code, reason = "not every user asks")]
+    pub fitted: bool,
+    /// Its file.
+    pub file: Vec<u8>,
+}
+
+/// All of them.
+pub fn all() -> Result<Vec<Shape>, Box<dyn Error>> {
+    let text = include_str!("../../firmware-sim/chip/shapes.toml");
+    let mut shapes = Vec::new();
+    for (set, models) in text.parse::<Table>()? {
+        for (name, model) in models.as_table().ok_or("a list of models")? {
+            shapes.push(Shape { name: name.clone(), fitted: set == "fitted", file: file(model)? });
+        }
+    }
+    Ok(shapes)
+}
+
+fn file(model: &Value) -> Result<Vec<u8>, Box<dyn Error>> {
+    let data: Table = [("file".to_owned(), Value::from("none"))].into_iter().collect();
+    let document: Table =
+        [("data".to_owned(), Value::Table(data)), ("model".to_owned(), model.clone())].into_iter().collect();
+    let config = Config::parse(&toml::to_string(&document)?, Path::new("shapes.toml"))?;
+    let (architecture, weights) = config.beginning()?;
+    Ok(encode(&architecture, &weights, None, "").map_err(|error: EncodeError| error.to_string())?)
+}
+
+/// A line of `firmware-sim/chip/shapes.jsonl`.
+#[derive(serde::Deserialize)]
+#[allow(dead_code, reason = "not every user asks for all")]
+pub struct Measured {
+    /// The processor.
+    pub board: String,
+    /// The name of the shape.
+    pub model: String,
+    /// Of the steps.
+    pub order: u8,
+    /// Of the whole image.
+    pub text_bytes: f64,
+    /// Of an acceleration.
+    pub acceleration_stack_bytes: f64,
+    /// Of a step.
+    pub stack_bytes: f64,
+    /// Of an acceleration.
+    pub acceleration_instructions: f64,
+    /// Of a step, the median.
+    pub step_instructions: f64,
+}
+
+#[allow(dead_code, reason = "not every user asks")]
+impl Measured {
+    /// Whether it is of that processor and shape.
+    pub fn is(&self, processor: &str, shape: &str) -> bool {
+        self.board == processor && self.model == shape
+    }
+}
+
+/// All that was measured.
+#[allow(dead_code, reason = "not every user asks")]
+pub fn measured() -> Result<Vec<Measured>, Box<dyn Error>> {
+    let text = include_str!("../../firmware-sim/chip/shapes.jsonl");
+    let lines = text.lines().filter(|line| line.starts_with('{'));
+    Ok(lines.map(serde_json::from_str).collect::<Result<_, _>>()?)
+}

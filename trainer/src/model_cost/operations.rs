@@ -1,0 +1,125 @@
+//! What an evaluation does, counted by doing it.
+
+use super::counted::{Counted, Operations, count};
+use crate::architecture::{Architecture, Family, GraphArchitecture, HostScalar, MAX_DISCRETE, Visitor};
+use leastaction_core::constraints::{Constrained, Holonomic};
+use leastaction_core::continuous::{Drive, acceleration, constrained_acceleration, constrained_room};
+use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
+use leastaction_core::energy::graph::Graph;
+use leastaction_core::forces::{Forces, System};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::Rod;
+use leastaction_core::scalar::Packed;
+
+type Real = Counted<f64>;
+
+/// What is counted: an acceleration, and steps of both orders with two updates of Newton's method by one Jacobian.
+pub struct Evaluations {
+    /// An acceleration.
+    pub acceleration: Operations,
+    /// A step of order 2.
+    pub step_order_2: Operations,
+    /// A step of order 4.
+    pub step_order_4: Operations,
+}
+
+/// Counts at a state of no importance; `None` where the shape is beyond what is compiled here.
+pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
+    match architecture {
+        Architecture::Graph(graph) if graph.dimension() == 3 => particles::<3>(graph, weights),
+        Architecture::Graph(graph) => particles::<2>(graph, weights),
+        Architecture::Rigid(_) | Architecture::Modular(_) => {
+            architecture.dispatch(Coordinates { weights }).ok()?
+        }
+    }
+}
+
+/// The step, s.
+const H: f64 = 0.01;
+
+fn newton() -> Newton<Real> {
+    Newton { max_iterations: 2, max_jacobians: 1, stop: Counted(0.0), accept: Counted(f64::INFINITY) }
+}
+
+impl HostScalar for Real {
+    fn if_greater(self, than: Self, then: Self, otherwise: Self) -> Self {
+        if self > than { then } else { otherwise }
+    }
+}
+
+impl Packed for Real {
+    type Pack = Self;
+    const WIDTH: usize = 1;
+
+    fn pack(mut lane: impl FnMut(usize) -> Self) -> Self {
+        lane(0)
+    }
+    fn lane(pack: &Self, _: usize) -> Self {
+        *pack
+    }
+}
+
+struct Coordinates<'a> {
+    weights: &'a [f64],
+}
+
+impl Visitor for Coordinates<'_> {
+    type Output = Option<Evaluations>;
+
+    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
+        let system = family.system::<Real>(self.weights).ok()?;
+        let (q, v) = ([Counted(0.1); N], [Counted(0.2); N]);
+        let (_, of_acceleration) = count(|| acceleration(&system, &q, &v, &[Counted(0.0); N]));
+        if const { N > MAX_DISCRETE } {
+            return None;
+        }
+        Some(Evaluations {
+            acceleration: of_acceleration,
+            step_order_2: step::<_, _, Midpoint, N>(&system, q, v)?,
+            step_order_4: step::<_, _, Galerkin, N>(&system, q, v)?,
+        })
+    }
+}
+
+fn step<L, F, P: Path, const N: usize>(
+    system: &System<L, F>,
+    q: [Real; N],
+    v: [Real; N],
+) -> Option<Operations>
+where
+    L: Lagrangian<Real, N>,
+    F: Forces<Real, N>,
+{
+    let mut state = State::new(&system.lagrangian, q, v).ok()?;
+    let del = Del::<Real, P>::with_newton(Counted(H), newton());
+    let (outcome, done) = count(|| del.step(system, &mut state, &Control::none()));
+    outcome.ok().map(|_| done)
+}
+
+/// Nodes in a row aslant, 1 m apart, on whatever rods there are.
+fn particles<const D: usize>(architecture: &GraphArchitecture, weights: &[f64]) -> Option<Evaluations> {
+    let layout = architecture.graph().ok()?;
+    let types = architecture.host_types::<f64, D>(weights).ok()?;
+    let graph = Graph::new(types, &layout.nodes, &layout.edges).ok()?;
+    let rods: Vec<Holonomic<Real, D>> = layout.rods.iter().map(Rod::constraint).collect();
+    let mechanism = Constrained::new(&graph, &rods[..]).ok()?;
+    let slope = [0.6, -0.8, 0.0];
+    let place = |i: usize| std::array::from_fn(|k| Counted(slope[k.min(2)] * (i + 1) as f64));
+    let q: Vec<[Real; D]> = (0..layout.nodes.len()).map(place).collect();
+    let v = vec![[Counted(0.0); D]; q.len()];
+    let mut room = vec![Counted(0.0); Rattle::room(&mechanism).max(constrained_room(&mechanism))];
+    let (mut a, mut lambda) = (v.clone(), vec![Counted(0.0); rods.len()]);
+    let (outcome, acceleration) = count(|| {
+        constrained_acceleration(&mechanism, (&q, &v), &Drive::none(), &mut room, (&mut a, &mut lambda))
+    });
+    outcome.ok()?;
+    let mut step = |order| {
+        let mut numbers = vec![Counted(0.0); ParticleState::<Real, D>::room(q.len(), rods.len())];
+        let mut state = ParticleState::new(&mechanism, &q, &v, &mut numbers, &mut room).ok()?;
+        let rattle = Rattle::with_newton(Counted(H), order, newton());
+        let (outcome, done) = count(|| rattle.step(&mechanism, &mut state, None, &mut room));
+        outcome.ok().map(|_| done)
+    };
+    Some(Evaluations { acceleration, step_order_2: step(Order::Two)?, step_order_4: step(Order::Four)? })
+}

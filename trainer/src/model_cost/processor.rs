@@ -1,0 +1,240 @@
+//! What an image of a model takes on a processor, predicted from the model file alone.
+//!
+//! The operations of an evaluation are counted by doing it ([`operations`]); what each costs in instructions, and how stack and code grow with
+//! a shape, was fitted to images measured under emulation: `firmware-sim/chip/shapes.sh` measures, the example
+//! `fit_processors` of `leastaction-tests` fits, `processors.json` has the outcome.
+
+use super::counted::Operations;
+use super::operations::{Evaluations, operations};
+use super::{Cost, cost};
+use crate::model_file::{HostModel, Precision};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A processor that images were measured on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Processor {
+    /// Cortex-M4F.
+    CortexM4f,
+    /// Cortex-M7 with a single-precision floating-point unit.
+    CortexM7,
+}
+
+impl Processor {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::CortexM4f, Self::CortexM7];
+
+    /// As on the command line and in measurements.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CortexM4f => "cortex-m4f",
+            Self::CortexM7 => "cortex-m7",
+        }
+    }
+
+    /// What a model takes; `None` where its shape is beyond what was measured or this program was compiled for, or its precision was not
+    /// measured.
+    pub fn predict(self, model: &HostModel) -> Option<Prediction> {
+        let shape = Shape::of(model)?;
+        let mut fits: BTreeMap<String, BTreeMap<String, Fit>> = serde_json::from_str(FITS).ok()?;
+        let fit = fits.remove(self.name())?.remove(shape.family)?;
+        let of = |evaluation| Taken {
+            instructions: product(&fit.instructions, &shape.work(evaluation)).round() as u64,
+            stack_bytes: product(&fit.stack, &shape.stack(evaluation)).round() as u64,
+        };
+        let code = |order| product(&fit.code, &shape.code(order)).round() as u64;
+        Some(Prediction {
+            processor: self.name(),
+            acceleration: of(Evaluation::Acceleration),
+            step_order_2: of(Evaluation::Step(2)),
+            step_order_4: of(Evaluation::Step(4)),
+            code_bytes: [code(2), code(4)],
+        })
+    }
+}
+
+const FITS: &str = include_str!("processors.json");
+
+/// What is fitted for models of a family on a processor: numbers by the names of what they stand before.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Fit {
+    /// Instructions of an operation.
+    pub instructions: Numbers,
+    /// Bytes of stack.
+    pub stack: Numbers,
+    /// Bytes of code.
+    pub code: Numbers,
+}
+
+/// Numbers by name.
+pub type Numbers = BTreeMap<String, f64>;
+
+/// What an evaluation takes.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Taken {
+    /// Instructions.
+    pub instructions: u64,
+    /// Bytes of stack below its caller.
+    pub stack_bytes: u64,
+}
+
+/// What an image takes that loads a model and evaluates it, compiled for exactly its sizes at opt-level 3.
+#[derive(Clone, Debug, Serialize)]
+pub struct Prediction {
+    /// On which processor.
+    pub processor: &'static str,
+    /// An acceleration.
+    pub acceleration: Taken,
+    /// A step of order 2, two updates of Newton's method by one Jacobian.
+    pub step_order_2: Taken,
+    /// The same of order 4.
+    pub step_order_4: Taken,
+    /// Bytes of code with steps of order 2, or of order 4.
+    pub code_bytes: [u64; 2],
+}
+
+/// What is measured of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evaluation {
+    /// An acceleration.
+    Acceleration,
+    /// A step of order 2 or 4.
+    Step(u8),
+}
+
+impl Evaluation {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Acceleration => "acceleration",
+            Self::Step(2) => "step_2",
+            Self::Step(_) => "step_4",
+        }
+    }
+
+    /// Steps of both orders keep the same arrays.
+    fn kind(self) -> &'static str {
+        if self == Self::Acceleration { "acceleration" } else { "step" }
+    }
+}
+
+/// What of a model its cost depends on.
+pub struct Shape {
+    /// rigid, modular or graph.
+    pub family: &'static str,
+    evaluations: Evaluations,
+    cost: Cost,
+    coordinates: usize,
+    narrow: bool,
+}
+
+/// Units of a layer up to which the chip takes tangents side by side; core's `network::dense`.
+const NARROW: usize = 8;
+/// Coordinates at most of the rigid and modular models that were measured; code and stack grow unevenly in them.
+const MEASURED: usize = 4;
+/// Steps of order 2 that one of order 4 is composed of, on graphs.
+const COMPOSED: f64 = 5.0;
+
+impl Shape {
+    /// Of a model.
+    pub fn of(model: &HostModel) -> Option<Self> {
+        let architecture = &model.architecture;
+        let (family, coordinates) = (architecture.name(), architecture.n());
+        if model.precision == Precision::Half || (family != GRAPH && coordinates > MEASURED) {
+            return None;
+        }
+        Some(Self {
+            family,
+            evaluations: operations(architecture, &model.weights)?,
+            cost: cost(architecture).ok()?,
+            coordinates,
+            narrow: architecture.widths().into_iter().max().unwrap_or(0) <= NARROW,
+        })
+    }
+
+    fn operations(&self, evaluation: Evaluation) -> &Operations {
+        match evaluation {
+            Evaluation::Acceleration => &self.evaluations.acceleration,
+            Evaluation::Step(2) => &self.evaluations.step_order_2,
+            Evaluation::Step(_) => &self.evaluations.step_order_4,
+        }
+    }
+
+    /// The evaluation itself: of graphs a step of order 4 is several of order 2.
+    fn once(&self, evaluation: Evaluation) -> (String, f64) {
+        match evaluation {
+            Evaluation::Step(4) if self.family == GRAPH => (Evaluation::Step(2).name().to_owned(), COMPOSED),
+            evaluation => (evaluation.name().to_owned(), 1.0),
+        }
+    }
+
+    /// What instructions are a sum over.
+    pub fn work(&self, evaluation: Evaluation) -> Numbers {
+        let done = self.operations(evaluation);
+        let beside = if self.narrow { "narrow" } else { "wide" };
+        let [eights, fours, ones] = done.multiply_adds;
+        let layers = [
+            ("multiply_adds_8", eights),
+            ("multiply_adds_4", fours),
+            ("multiply_adds_1", ones),
+            ("outputs", done.outputs),
+            ("panels", done.panels),
+        ];
+        let others = [
+            ("flops", done.flops),
+            ("divisions", done.divisions),
+            ("roots", done.roots),
+            ("exponentials", done.exponentials),
+            ("logarithms", done.logarithms),
+            ("tangents", done.tangents),
+            ("sines", done.sines),
+        ];
+        let layers = layers.map(|(name, count)| (format!("{beside}_{name}"), count as f64));
+        let others = others.map(|(name, count)| (name.to_owned(), count as f64));
+        layers.into_iter().chain(others).chain([self.once(evaluation)]).collect()
+    }
+
+    /// What stack is a sum over.
+    pub fn stack(&self, evaluation: Evaluation) -> Numbers {
+        let Cost { acceleration, step_order_2, step_order_4, .. } = self.cost;
+        let arrays = match evaluation {
+            Evaluation::Acceleration => acceleration,
+            Evaluation::Step(2) => step_order_2,
+            Evaluation::Step(_) => step_order_4,
+        };
+        let (kind, n) = (evaluation.kind(), self.coordinates as f64);
+        let common = [
+            (format!("arrays_{kind}"), arrays.stack_bytes as f64),
+            (format!("wide_{kind}"), f64::from(!self.narrow)),
+        ];
+        if self.family == GRAPH {
+            // Whatever the order: its steps are the same.
+            return common.into_iter().chain([(kind.to_owned(), 1.0), (format!("n_{kind}"), n)]).collect();
+        }
+        let name = evaluation.name();
+        let own = [(name.to_owned(), 1.0), (format!("n_{name}"), n), (format!("n2_{name}"), n * n)];
+        common.into_iter().chain(own).collect()
+    }
+
+    /// What code is a sum over.
+    pub fn code(&self, order: u8) -> Numbers {
+        let from = |n: usize| f64::from(self.family != GRAPH && self.coordinates >= n);
+        let width = if self.narrow { "narrow" } else { "wide" };
+        [
+            ("image", 1.0),
+            (width, 1.0),
+            ("order_4", f64::from(order == 4)),
+            ("n_from_2", from(2)),
+            ("n_from_3", from(3)),
+            ("n_from_4", from(4)),
+        ]
+        .map(|(name, x)| (name.to_owned(), x))
+        .into_iter()
+        .collect()
+    }
+}
+
+const GRAPH: &str = "graph";
+
+fn product(fitted: &Numbers, found: &Numbers) -> f64 {
+    found.iter().map(|(name, x)| x * fitted.get(name).copied().unwrap_or(0.0)).sum()
+}
