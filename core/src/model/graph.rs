@@ -117,7 +117,7 @@ impl Edge {
 /// A loaded graph in `D` dimensions, ready for the solvers: at most `K` networks of at most `L` hidden layers of at most `H`
 /// units.
 ///
-/// `W` is how the file stores its weights: `f32`, or [`f16`] in half the flash.
+/// `W` is how the file stores its weights: `f32`, or [`struct@f16`] in half the flash.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> {
     /// Energies and drag over the file's weights.

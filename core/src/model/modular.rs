@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, Shipped, Stored, f16};
 /// A loaded tree in N coordinates of at most `K` element types, networks with at most `D` hidden layers of at most `H` units,
 /// ready for the solvers.
 ///
-/// `W` is how the file stores its weights: `f32`, or [`f16`] in half the flash.
+/// `W` is how the file stores its weights: `f32`, or [`struct@f16`] in half the flash.
 #[derive(Clone, Copy, Debug)]
 pub struct ModularModel<'a, const N: usize, const K: usize, const H: usize, const D: usize, W = f32> {
     /// Energies over the file's weights, and damping.

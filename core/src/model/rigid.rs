@@ -5,7 +5,7 @@ use crate::scalar::{Scalar, Shipped, Stored, f16};
 
 /// A loaded rigid model in N coordinates, with at most `D` hidden layers of at most `H` units, ready for the solvers.
 ///
-/// `W` is how the file stores its weights: `f32`, or [`f16`] in half the flash.
+/// `W` is how the file stores its weights: `f32`, or [`struct@f16`] in half the flash.
 #[derive(Clone, Copy, Debug)]
 pub struct RigidModel<'a, const N: usize, const H: usize, const D: usize, W = f32> {
     /// Energies over the file's weights, and damping.

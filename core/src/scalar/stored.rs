@@ -3,7 +3,7 @@ use bytemuck::AnyBitPattern;
 use core::fmt::Debug;
 use leastaction_fpu::f16;
 
-/// How a model's numbers are stored: `f32` in flash, [`f16`] in half of it, `f64` in training. They are read as the wider type
+/// How a model's numbers are stored: `f32` in flash, [`struct@f16`] in half of it, `f64` in training. They are read as the wider type
 /// that scalars know.
 pub trait Stored: Copy + Debug + Default + PartialEq {
     /// The type that holds each of them exactly.

@@ -1,7 +1,7 @@
 //! What an image of a model takes on a processor, predicted from the model file alone.
 //!
-//! The operations of an evaluation are counted by doing it, in a scalar that counts; what each costs in instructions, and how stack and code grow with
-//! a shape, was fitted to images measured under emulation: `firmware-sim/chip/shapes.sh` measures, the example
+//! The operations of an evaluation are counted by doing it, in a scalar that counts; what each costs in instructions, and how
+//! stack and code grow with a shape, was fitted to images measured under emulation: `firmware-sim/chip/shapes.sh` measures, the example
 //! `fit_processors` of `leastaction-tests` fits, `processors.json` has the outcome.
 
 use super::counted::Operations;
