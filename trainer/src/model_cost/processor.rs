@@ -129,8 +129,6 @@ pub struct Shape {
 
 /// Units of a layer up to which the chip takes tangents side by side; core's `network::dense`.
 const NARROW: usize = 8;
-/// Coordinates at most of the rigid and modular models that were measured; code and stack grow unevenly in them.
-const MEASURED: usize = 4;
 /// Steps of order 2 that one of order 4 is composed of, on graphs.
 const COMPOSED: f64 = 5.0;
 
@@ -139,7 +137,7 @@ impl Shape {
     pub fn of(model: &HostModel) -> Option<Self> {
         let architecture = &model.architecture;
         let (family, coordinates) = (architecture.name(), architecture.n());
-        if model.precision == Precision::Half || (family != GRAPH && coordinates > MEASURED) {
+        if model.precision == Precision::Half {
             return None;
         }
         Some(Self {

@@ -109,6 +109,23 @@ fn inspect_counts_and_measures() {
 }
 
 #[test]
+fn inspect_predicts_what_an_image_takes() {
+    let bench = trained();
+    bench.model("run");
+    let report = bench.run("inspect run.postcard --target cortex-m4f --json").good().json();
+    let target = &report["target"];
+    let instructions = |of: &str| target[of]["instructions"].as_u64().unwrap();
+    assert!(instructions("acceleration") < instructions("step_order_2"), "{target}");
+    assert!(instructions("step_order_2") < instructions("step_order_4"), "{target}");
+    assert_eq!(target["model_bytes"], report["flash_bytes"]);
+    let text = bench.run("inspect run.postcard --target cortex-m7").good().stdout;
+    assert!(text.contains("predicted for a cortex-m7") && text.contains("code bytes"), "{text}");
+    bench.run("export run -o half.postcard --weights f16").good();
+    bench.run("inspect half.postcard --target cortex-m4f").bad(2, &["half.postcard", "half precision"]);
+    bench.run("inspect run.postcard --target z80").bad(2, &["cortex-m4f"]);
+}
+
+#[test]
 fn inspect_refuses_what_is_no_model() {
     let bench = trained();
     let good = bench.model("run");
