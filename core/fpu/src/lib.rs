@@ -3,7 +3,7 @@
 //! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l, in single precision
 //! ([`single`]) or in half precision, widened as they are read ([`half`]). On ARM with a floating-point unit (targets
 //! `…eabihf`: Cortex-M4F, M7, M33) the loops are written in its instructions, because a compiler loads weight after weight
-//! where one instruction loads sixteen: 36 instructions for 16 multiply-adds, 52 with weights in half precision. Elsewhere
+//! where one instruction loads sixteen: 36 instructions for 16 multiply-adds, 53 with weights in half precision. Elsewhere
 //! they are plain Rust. Multiplications and additions are the same in the same order, each rounded, and widening is exact: the
 //! bits are the same everywhere.
 #![no_std]

@@ -14,8 +14,9 @@ pub struct Dense<'a, W> {
     pub(super) inputs: usize,
 }
 
-/// Units of a layer up to which to gather a vector takes more than it saves.
-const NARROW: usize = 8;
+/// Units of a layer up to which to gather a vector takes more than it saves: on controllers the tangents of wider ones are taken
+/// one after the other.
+pub const NARROW: usize = 8;
 
 impl<'a, W: Stored> Dense<'a, W> {
     /// Numbers that a layer of this shape takes from the weight block.

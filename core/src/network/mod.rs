@@ -13,7 +13,7 @@ use heapless::Vec;
 
 pub use activation::{Activation, Curve};
 pub use bends::Bends;
-pub use dense::Dense;
+pub use dense::{Dense, NARROW};
 pub use jet::Jet;
 pub use mlp::{Mlp, Tape};
 

@@ -7,7 +7,7 @@ use leastaction_core::energy::graph::{Edge, Kinetic, NodeShape, Potential, Shape
 use leastaction_core::model::{ModelError, Rod};
 
 /// Steps of order 2 that one of order 4 is composed of.
-const COMPOSED: usize = 5;
+pub(super) const COMPOSED: usize = 5;
 
 /// A step is RATTLE's: forces once, momenta and velocities of every node; state and room are the caller's.
 pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError> {

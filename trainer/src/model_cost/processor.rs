@@ -5,9 +5,11 @@
 //! `fit_processors` of `leastaction-tests` fits, `processors.json` has the outcome.
 
 use super::counted::Operations;
+use super::graph::COMPOSED;
 use super::operations::{Evaluations, operations};
 use super::{Cost, cost};
 use crate::model_file::{HostModel, Precision};
+use leastaction_core::network::NARROW;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -127,11 +129,6 @@ pub struct Shape {
     narrow: bool,
 }
 
-/// Units of a layer up to which the chip takes tangents side by side; core's `network::dense`.
-const NARROW: usize = 8;
-/// Steps of order 2 that one of order 4 is composed of, on graphs.
-const COMPOSED: f64 = 5.0;
-
 impl Shape {
     /// Of a model.
     pub fn of(model: &HostModel) -> Option<Self> {
@@ -160,7 +157,9 @@ impl Shape {
     /// The evaluation itself: of graphs a step of order 4 is several of order 2.
     fn once(&self, evaluation: Evaluation) -> (String, f64) {
         match evaluation {
-            Evaluation::Step(4) if self.family == GRAPH => (Evaluation::Step(2).name().to_owned(), COMPOSED),
+            Evaluation::Step(4) if self.family == GRAPH => {
+                (Evaluation::Step(2).name().to_owned(), COMPOSED as f64)
+            }
             evaluation => (evaluation.name().to_owned(), 1.0),
         }
     }
