@@ -1,97 +1,102 @@
 //! Layers with their tangents one after the other, for scalars whose loops take plain vectors ([`Scalar::APART`]): a
-//! controller has registers for the sums of one vector, and one copy of each loop serves any number of tangents.
+//! controller has registers for the sums of one vector, and one copy of the code serves any number of tangents.
 
 use super::{Dense, Jet};
 use crate::scalar::{Scalar, Stored};
 
-/// Inputs gathered at a time.
+/// Numbers gathered at a time; a multiple of the widest panel.
 const GATHERED: usize = 32;
 
-/// What passes: the value (0), or tangent k − 1.
-fn component<S: Scalar, const T: usize>(jet: &Jet<S, T>, k: usize) -> S {
-    k.checked_sub(1).map_or(jet.value, |k| jet.tangent.get(k).copied().unwrap_or(S::zero()))
-}
+/// Room for one component of so many jets.
+struct Room<S>([S; GATHERED]);
 
-fn set<S, const T: usize>(jet: &mut Jet<S, T>, k: usize, to: S) {
-    let slot = match k.checked_sub(1) {
-        None => Some(&mut jet.value),
-        Some(k) => jet.tangent.get_mut(k),
-    };
-    if let Some(slot) = slot {
-        *slot = to;
+impl<S: Scalar> Room<S> {
+    fn new() -> Self {
+        Self([S::zero(); GATHERED])
+    }
+
+    fn first(&mut self, count: usize) -> &mut [S] {
+        self.0.get_mut(..count).unwrap_or_default()
+    }
+
+    /// Component k of at most as many jets as there is room for: the value (0), or tangent k − 1.
+    #[inline(never)]
+    fn gather<const T: usize>(&mut self, jets: &[Jet<S, T>], k: usize) -> &[S] {
+        match k.checked_sub(1) {
+            None => self.0.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
+            Some(k) => self.0.iter_mut().zip(jets).for_each(|(x, jet)| {
+                *x = jet.tangent.get(k).copied().unwrap_or(S::zero());
+            }),
+        }
+        self.0.get(..jets.len()).unwrap_or(&self.0)
+    }
+
+    #[inline(never)]
+    fn scatter<const T: usize>(&self, jets: &mut [Jet<S, T>], k: usize) {
+        match k.checked_sub(1) {
+            None => jets.iter_mut().zip(&self.0).for_each(|(jet, x)| jet.value = *x),
+            Some(k) => jets.iter_mut().zip(&self.0).for_each(|(jet, x)| {
+                if let Some(slot) = jet.tangent.get_mut(k) {
+                    *slot = *x;
+                }
+            }),
+        }
     }
 }
 
-/// Component k of up to P jets; zero where there are fewer.
-fn gathered<S: Scalar, const T: usize, const P: usize>(jets: &[Jet<S, T>], k: usize) -> [S; P] {
-    let mut x = [S::zero(); P];
-    x.iter_mut().zip(jets).for_each(|(x, jet)| *x = component(jet, k));
-    x
-}
-
-fn scatter<S: Scalar, const T: usize>(x: &[S], jets: &mut [Jet<S, T>], k: usize) {
-    jets.iter_mut().zip(x).for_each(|(jet, x)| set(jet, k, *x));
-}
-
-/// Panels of a layer that are still to come, and the inputs that are at hand.
-struct Panels<'w, 'x, W, S> {
+/// The part of a layer between some of its outputs and some of its inputs, as panels.
+struct Part<'w, W> {
+    /// From the first of these outputs on.
     weights: &'w [W],
-    bias: &'w [W],
     /// Of the layer.
     inputs: usize,
-    /// Before those at hand.
+    /// Inputs before these.
     first: usize,
-    x: &'x [S],
 }
 
-impl<'w, W: Stored, S: Scalar<Weight = W::Wide>> Panels<'w, '_, W, S> {
-    /// The rows of the next panel that belong to the inputs at hand.
+impl<'w, W: Stored> Part<'w, W> {
+    /// The rows of the next panel that belong to these inputs.
     fn rows<const P: usize>(&mut self, count: usize) -> &'w [[W; P]] {
         let (panel, rest) = self.weights.split_at_checked(self.inputs * P).unwrap_or((&[], &[]));
         self.weights = rest;
         panel.as_chunks().0.get(self.first..self.first + count).unwrap_or(&[])
     }
 
-    /// Adds the inputs' share of component k to all full panels of P outputs, and leaves the other outputs.
-    fn forward<'y, const T: usize, const P: usize>(
-        &mut self,
-        y: &'y mut [Jet<S, T>],
-        k: usize,
-    ) -> &'y mut [Jet<S, T>] {
-        let (panels, rest) = y.as_chunks_mut::<P>();
-        for y in panels {
-            let (bias, others) = self.bias.split_at_checked(P).unwrap_or((&[], &[]));
-            self.bias = others;
-            let mut sum = [S::zero(); P];
-            if self.first > 0 {
-                sum = gathered(y, k);
-            } else if k == 0 {
-                sum.iter_mut().zip(bias).for_each(|(sum, bias)| *sum = bias.scalar());
-            }
-            S::accumulate(self.rows(self.x.len()), self.x, &mut sum);
-            scatter(&sum, y, k);
-        }
-        rest
+    /// Adds what the inputs give to the outputs' sums.
+    #[inline(never)]
+    fn forward<S: Scalar<Weight = W::Wide>>(mut self, x: &[S], y: &mut [S]) {
+        let (eights, rest) = y.as_chunks_mut::<8>();
+        let (fours, ones) = rest.as_chunks_mut::<4>();
+        eights.iter_mut().for_each(|y| S::accumulate(self.rows::<8>(x.len()), x, y));
+        fours.iter_mut().for_each(|y| S::accumulate(self.rows::<4>(x.len()), x, y));
+        ones.as_chunks_mut::<1>().0.iter_mut().for_each(|y| S::accumulate(self.rows::<1>(x.len()), x, y));
     }
 
-    /// Adds what all full panels of P outputs give to the inputs at hand, and leaves the other outputs.
-    fn adjoint<'y, const T: usize, const P: usize>(
-        &mut self,
-        y_bar: &'y [Jet<S, T>],
-        x_bar: &mut [S],
-        k: usize,
-    ) -> &'y [Jet<S, T>] {
-        let (panels, rest) = y_bar.as_chunks::<P>();
-        for y_bar in panels {
-            S::transposed::<W, P>(self.rows(x_bar.len()), &gathered(y_bar, k), x_bar);
-        }
-        rest
+    /// Adds what the outputs give to the inputs' sums.
+    #[inline(never)]
+    fn adjoint<S: Scalar<Weight = W::Wide>>(mut self, y_bar: &[S], x_bar: &mut [S]) {
+        let (eights, rest) = y_bar.as_chunks::<8>();
+        let (fours, ones) = rest.as_chunks::<4>();
+        eights.iter().for_each(|y| S::transposed(self.rows::<8>(x_bar.len()), y, x_bar));
+        fours.iter().for_each(|y| S::transposed(self.rows::<4>(x_bar.len()), y, x_bar));
+        ones.as_chunks::<1>().0.iter().for_each(|y| S::transposed(self.rows::<1>(x_bar.len()), y, x_bar));
     }
 }
 
 impl<'a, W: Stored> Dense<'a, W> {
-    fn panels<'x, S: Scalar<Weight = W::Wide>>(&self, first: usize, x: &'x [S]) -> Panels<'a, 'x, W, S> {
-        Panels { weights: self.weights, bias: self.bias, inputs: self.inputs, first, x }
+    fn part(&self, output: usize, first: usize) -> Part<'a, W> {
+        let weights = self.weights.get(output * self.inputs..).unwrap_or(&[]);
+        Part { weights, inputs: self.inputs, first }
+    }
+
+    /// What the outputs' sums begin with: the biases, and nothing in their tangents.
+    #[inline(never)]
+    fn begin<S: Scalar<Weight = W::Wide>>(&self, k: usize, output: usize, sums: &mut [S]) {
+        sums.fill(S::zero());
+        if k == 0 {
+            let bias = self.bias.get(output..).unwrap_or(&[]);
+            sums.iter_mut().zip(bias).for_each(|(sum, bias)| *sum = bias.scalar());
+        }
     }
 
     pub(super) fn forward_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
@@ -99,16 +104,24 @@ impl<'a, W: Stored> Dense<'a, W> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        for k in 0..=T {
-            // Without inputs the outputs are the biases.
-            for first in (0..x.len().max(1)).step_by(GATHERED) {
-                let chunk = x.get(first..).unwrap_or(&[]);
-                let at_hand = gathered::<S, T, GATHERED>(chunk, k);
-                let mut panels = self.panels(first, at_hand.get(..chunk.len()).unwrap_or(&at_hand));
-                let rest = panels.forward::<T, 8>(y, k);
-                let rest = panels.forward::<T, 4>(rest, k);
-                panels.forward::<T, 1>(rest, k);
+        let mut rooms = [Room::new(), Room::new()];
+        (0..=T).for_each(|k| self.forward_component(k, x, y, &mut rooms));
+    }
+
+    #[inline(never)]
+    fn forward_component<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        k: usize,
+        x: &[Jet<S, T>],
+        y: &mut [Jet<S, T>],
+        [inputs, sums]: &mut [Room<S>; 2],
+    ) {
+        for (y, output) in y.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
+            self.begin(k, output, sums.first(y.len()));
+            for (x, first) in x.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
+                self.part(output, first).forward(inputs.gather(x, k), sums.first(y.len()));
             }
+            sums.scatter(y, k);
         }
     }
 
@@ -117,16 +130,24 @@ impl<'a, W: Stored> Dense<'a, W> {
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
     ) {
-        for k in 0..=T {
-            for (chunk, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
-                let mut sums = [S::zero(); GATHERED];
-                let sums = sums.get_mut(..chunk.len()).unwrap_or_default();
-                let mut panels = self.panels(first, &[]);
-                let rest = panels.adjoint::<T, 8>(y_bar, sums, k);
-                let rest = panels.adjoint::<T, 4>(rest, sums, k);
-                panels.adjoint::<T, 1>(rest, sums, k);
-                scatter(sums, chunk, k);
+        let mut rooms = [Room::new(), Room::new()];
+        (0..=T).for_each(|k| self.adjoint_component(k, y_bar, x_bar, &mut rooms));
+    }
+
+    #[inline(never)]
+    fn adjoint_component<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        k: usize,
+        y_bar: &[Jet<S, T>],
+        x_bar: &mut [Jet<S, T>],
+        [outputs, sums]: &mut [Room<S>; 2],
+    ) {
+        for (x_bar, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
+            sums.first(x_bar.len()).fill(S::zero());
+            for (y_bar, output) in y_bar.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
+                self.part(output, first).adjoint(outputs.gather(y_bar, k), sums.first(x_bar.len()));
             }
+            sums.scatter(x_bar, k);
         }
     }
 }

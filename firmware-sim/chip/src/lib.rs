@@ -43,3 +43,16 @@ macro_rules! image {
         }
     };
 }
+
+/// The entry of an image that prints nothing: runs `$run`, and ends the emulation with its success (`Some`) or failure.
+#[macro_export]
+macro_rules! bare {
+    ($run:path) => {
+        #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+        #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
+        fn main() -> ! {
+            $crate::board::start();
+            semihosting::process::exit(if $run().is_some() { 0 } else { 1 })
+        }
+    };
+}
