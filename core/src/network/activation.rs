@@ -88,9 +88,11 @@ impl Activation {
         mut visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
     ) {
         for units in units.chunks_mut(BLOCK) {
-            let mut z = [S::zero(); BLOCK];
+            let zero = [S::zero(); BLOCK];
+            let (mut z, mut c) = (zero, Curve { value: zero, slope: zero, curvature: zero });
             z.iter_mut().zip(units.iter()).for_each(|(z, unit)| *z = unit.value);
-            let c = self.curves(z.get(..units.len()).unwrap_or(&z));
+            let Curve { value, slope, curvature } = &mut c;
+            self.curves(z.get(..units.len()).unwrap_or(&z), [value, slope, curvature]);
             for (((unit, value), slope), curvature) in
                 units.iter_mut().zip(c.value).zip(c.slope).zip(c.curvature)
             {
@@ -99,16 +101,16 @@ impl Activation {
         }
     }
 
-    /// σ, σ′ and σ″ of a block of units. A function of its own, so that a compiler sees vectors and not the jets around them,
-    /// and there is one copy for any number of tangents.
+    /// σ, σ′ and σ″ of at most a block of units. A function of its own, so that a compiler sees vectors and not the jets around
+    /// them, and there is one copy for any number of tangents.
     #[inline(never)]
-    fn curves<S: Scalar>(self, z: &[S]) -> Curve<[S; BLOCK]> {
+    fn curves<S: Scalar>(self, z: &[S], curves: [&mut [S]; 3]) {
         match self {
-            Self::Tanh => block(tanh, z),
-            Self::Softplus => block(softplus, z),
-            Self::Squareplus => block(squareplus, z),
-            Self::Isru => block(isru, z),
-            Self::Identity => block(|z| Self::Identity.curve(z), z),
+            Self::Tanh => block(tanh, z, curves),
+            Self::Softplus => block(softplus, z, curves),
+            Self::Squareplus => block(squareplus, z, curves),
+            Self::Isru => block(isru, z, curves),
+            Self::Identity => block(|z| Self::Identity.curve(z), z, curves),
         }
     }
 }
@@ -117,24 +119,23 @@ impl Activation {
 const BLOCK: usize = 8;
 
 #[inline(always)]
-fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S]) -> Curve<[S; BLOCK]> {
-    let zero = [S::zero(); BLOCK];
-    let mut curves = Curve { value: zero, slope: zero, curvature: zero };
+fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curvature]: [&mut [S]; 3]) {
     // A full block has a length that the compiler knows: it becomes vectors. Where code is dear, one loop serves all.
     if !S::APART
-        && let Ok(full) = <&[S; BLOCK]>::try_from(z)
+        && let (Ok(z), Some((value, _))) =
+            (<&[S; BLOCK]>::try_from(z), value.split_first_chunk_mut::<BLOCK>())
+        && let (Some((slope, _)), Some((curvature, _))) =
+            (slope.split_first_chunk_mut::<BLOCK>(), curvature.split_first_chunk_mut::<BLOCK>())
     {
-        for (l, z) in full.iter().enumerate() {
+        for (l, z) in z.iter().enumerate() {
             let c = sigma(*z);
-            (curves.value[l], curves.slope[l], curves.curvature[l]) = (c.value, c.slope, c.curvature);
+            (value[l], slope[l], curvature[l]) = (c.value, c.slope, c.curvature);
         }
-        return curves;
+        return;
     }
-    let Curve { value, slope, curvature } = &mut curves;
     for (((z, value), slope), curvature) in z.iter().zip(value).zip(slope).zip(curvature) {
         Curve { value: *value, slope: *slope, curvature: *curvature } = sigma(*z);
     }
-    curves
 }
 
 #[inline(always)]
