@@ -123,36 +123,60 @@ static void starts(void) {
     const leastaction_state none = {0};
     float x[N];
     before = none;
-    EXPECT(NOT_STARTED, leastaction_step2(&model, &before, h, zero, zero, N, NULL, &error));
+    EXPECT(NOT_STARTED, leastaction_step2(&model, &before, h, zero, zero, N, NULL, NULL, &error));
     EXPECT(NOT_STARTED, leastaction_state_q(&before, N, x, &error));
     EXPECT(NOT_FINITE, leastaction_start(&model, &before, nan, zero, N, &error));
     EXPECT(NOT_STARTED, leastaction_state_p(&before, N, x, &error));
     EXPECT(OK, leastaction_start(&model, &state, apart, zero, N, &error));
-    EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, &error));
+    EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, NULL, &error));
+}
+
+static void refused_bounds(void) {
+    const leastaction_newton right = leastaction_default_newton();
+    leastaction_newton wrong[4] = {right, right, right, right};
+    wrong[0].max_iterations = 0;
+    wrong[1].max_jacobians = 0;
+    wrong[2].stop = -1;
+    wrong[3].accept = NAN;
+    before = state;
+    for (unsigned i = 0; i < 4; i++) {
+        EXPECT(BAD_NEWTON, leastaction_step2(&model, &state, 0.01f, zero, zero, N, &wrong[i], NULL, &error));
+        REQUIRE(error.numbers[0] == i + 1);
+    }
+    const void *odd = (const uint8_t *)&right + 1;
+    EXPECT(MISALIGNED, leastaction_step2(&model, &state, 0.01f, zero, zero, N, odd, NULL, &error));
+    REQUIRE(error.numbers[0] == 7 && memcmp(&before, &state, sizeof state) == 0);
+    /* A residual that no update leaves. */
+    leastaction_newton strict = right;
+    strict.max_iterations = 1;
+    strict.accept = 1e-30f;
+    EXPECT(NOT_CONVERGED, leastaction_step2(&model, &state, 0.01f, zero, zero, N, &strict, NULL, &error));
+    REQUIRE(error.numbers[0] == 1 && error.residual > 0 && memcmp(&before, &state, sizeof state) == 0);
+    EXPECT(OK, leastaction_step2(&model, &state, 0.01f, zero, zero, N, &right, NULL, &error));
 }
 
 static void refused_steps(void) {
     const float h = 0.01f, nan[N] = {NAN}, huge[N] = {1e30f};
     before = state;
-    EXPECT(NULL_POINTER, leastaction_step4(&model, NULL, h, zero, zero, N, NULL, &error));
+    EXPECT(NULL_POINTER, leastaction_step4(&model, NULL, h, zero, zero, N, NULL, NULL, &error));
     REQUIRE(error.numbers[0] == 2);
-    EXPECT(NULL_POINTER, leastaction_step4(&model, &state, h, NULL, zero, N, NULL, &error));
-    EXPECT(NULL_POINTER, leastaction_step4(&model, &state, h, zero, NULL, N, NULL, &error));
-    EXPECT(WRONG_LENGTH, leastaction_step4(&model, &state, h, zero, zero, 0, NULL, &error));
-    EXPECT(BAD_STEP, leastaction_step4(&model, &state, 0, zero, zero, N, NULL, &error));
-    EXPECT(BAD_STEP, leastaction_step4(&model, &state, -h, zero, zero, N, NULL, &error));
-    EXPECT(BAD_STEP, leastaction_step2(&model, &state, NAN, zero, zero, N, NULL, &error));
-    EXPECT(NOT_FINITE, leastaction_step2(&model, &state, h, nan, zero, N, NULL, &error));
-    EXPECT(NOT_FINITE, leastaction_step4(&model, &state, h, zero, nan, N, NULL, &error));
+    EXPECT(NULL_POINTER, leastaction_step4(&model, &state, h, NULL, zero, N, NULL, NULL, &error));
+    EXPECT(NULL_POINTER, leastaction_step4(&model, &state, h, zero, NULL, N, NULL, NULL, &error));
+    EXPECT(WRONG_LENGTH, leastaction_step4(&model, &state, h, zero, zero, 0, NULL, NULL, &error));
+    EXPECT(BAD_STEP, leastaction_step4(&model, &state, 0, zero, zero, N, NULL, NULL, &error));
+    EXPECT(BAD_STEP, leastaction_step4(&model, &state, -h, zero, zero, N, NULL, NULL, &error));
+    EXPECT(BAD_STEP, leastaction_step2(&model, &state, NAN, zero, zero, N, NULL, NULL, &error));
+    EXPECT(NOT_FINITE, leastaction_step2(&model, &state, h, nan, zero, N, NULL, NULL, &error));
+    EXPECT(NOT_FINITE, leastaction_step4(&model, &state, h, zero, nan, N, NULL, NULL, &error));
     EXPECT(NOT_FINITE, leastaction_start_from_positions4(&model, &state, h, nan, zero, zero, zero, N, &error));
     EXPECT(BAD_STEP, leastaction_start_from_positions2(&model, &state, 0, zero, zero, zero, zero, N, &error));
-    leastaction_status far = leastaction_step4(&model, &state, 100, huge, huge, N, NULL, &error);
+    leastaction_status far = leastaction_step4(&model, &state, 100, huge, huge, N, NULL, NULL, &error);
     REQUIRE(far >= LEASTACTION_STATUS_SINGULAR && far == error.status);
     REQUIRE(memcmp(&before, &state, sizeof state) == 0);
     float x[N];
     EXPECT(NULL_POINTER, leastaction_state_q(&state, N, NULL, &error));
     EXPECT(WRONG_LENGTH, leastaction_state_w(&state, N - 1, x, &error));
-    EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, &error));
+    EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, NULL, &error));
 }
 
 int errors(void) {
@@ -168,6 +192,7 @@ int errors(void) {
     misplaced();
     arguments();
     starts();
+    refused_bounds();
     refused_steps();
     put(failures == 0 ? "errors as they should be\n" : "errors not as they should be\n");
     return failures != 0;

@@ -13,7 +13,7 @@
  *
  *     if (leastaction_load(&model, sizeof model, file, file_bytes, NULL, NULL) != LEASTACTION_STATUS_OK) ...
  *     leastaction_start(&model, &state, q, v, LEASTACTION_COORDINATES, NULL);
- *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL);
+ *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL, NULL);
  *     leastaction_state_q(&state, LEASTACTION_COORDINATES, q, NULL);
  *
  * Coordinates q are in m or rad, velocities v in m/s or rad/s, forces u in N or N m, times in s. A force has the sign of the
@@ -87,6 +87,11 @@ enum leastaction_status
      * The graph has rods, which this library does not keep. How many.
      */
     LEASTACTION_STATUS_RODS = 9,
+    /**
+     * The bounds of Newton's method are none. Which of them, from 1: at least one update, one of them at least by a Jacobian of
+     * its own, `stop` not negative, `accept` positive and finite.
+     */
+    LEASTACTION_STATUS_BAD_NEWTON = 10,
     /**
      * Fewer bytes than the smallest model file has. Bytes given.
      */
@@ -289,11 +294,35 @@ typedef struct {
 } leastaction_state;
 
 /**
+ * How far Newton's method goes in a step.
+ *
+ * For a constant running time: `stop` = 0, and as many updates as the motion needs, two of them by one Jacobian for most.
+ */
+typedef struct {
+    /**
+     * Updates at most; at least 1.
+     */
+    uint8_t max_iterations;
+    /**
+     * Of these, updates by a Jacobian of their own, at least 1; the others keep the last and cost a third.
+     */
+    uint8_t max_jacobians;
+    /**
+     * Stop early at this relative residual; 0 always takes `max_iterations`.
+     */
+    float stop;
+    /**
+     * A step whose relative residual stays above is refused.
+     */
+    float accept;
+} leastaction_newton;
+
+/**
  * How a step went.
  */
 typedef struct {
     /**
-     * Newton updates taken: at least 1, at most 8.
+     * Newton updates taken: at least 1.
      */
     uint32_t iterations;
     /**
@@ -500,15 +529,21 @@ leastaction_status leastaction_state_w(const leastaction_state *state,
                                        leastaction_error *error);
 
 /**
+ * The bounds where none are given: at most 8 updates, each with its Jacobian, down to rounding.
+ */
+leastaction_newton leastaction_default_newton(void);
+
+/**
  * Steps a state by h (s) with the discrete Euler-Lagrange equation of order 2, under control forces u0 at the start and u1
  * at the end of the step, linear between.
  *
  * - `u0`, `u1` (N or N m; zeros for none, twice the same for one that is held): `n` numbers each.
  * - `n`: LEASTACTION_COORDINATES.
+ * - `newton`: bounds of Newton's method; NULL for leastaction_default_newton.
  * - `report`: how it went, written on success alone; may be NULL.
  * - `error`: filled in; may be NULL.
  *
- * Fails with statuses 1 to 6 and 70 to 72, and the state is as it was.
+ * Fails with statuses 1 to 6, 10 and 70 to 72, and the state is as it was.
  *
  * # Safety
  * Pointers are NULL or point to what their type says, and to so many numbers.
@@ -519,6 +554,7 @@ leastaction_status leastaction_step2(const leastaction_model *model,
                                      const float *u0,
                                      const float *u1,
                                      size_t n,
+                                     const leastaction_newton *newton,
                                      leastaction_report *report,
                                      leastaction_error *error);
 
@@ -534,6 +570,7 @@ leastaction_status leastaction_step4(const leastaction_model *model,
                                      const float *u0,
                                      const float *u1,
                                      size_t n,
+                                     const leastaction_newton *newton,
                                      leastaction_report *report,
                                      leastaction_error *error);
 

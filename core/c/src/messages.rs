@@ -2,7 +2,7 @@ use crate::status::Status;
 use core::ffi::{CStr, c_char, c_int};
 
 /// What every status says.
-const MESSAGES: [(Status, &CStr); 47] = [
+const MESSAGES: [(Status, &CStr); 48] = [
     (Status::Ok, c"ok"),
     (Status::NullPointer, c"a pointer is NULL"),
     (Status::Misaligned, c"a pointer is not aligned as its type asks"),
@@ -13,6 +13,7 @@ const MESSAGES: [(Status, &CStr); 47] = [
     (Status::BadName, c"the name is not UTF-8, or longer than 64 bytes"),
     (Status::NoStep, c"the file does not say a step and an order"),
     (Status::Rods, c"the graph has rods, which this library does not keep"),
+    (Status::BadNewton, c"the bounds of Newton's method are none"),
     (Status::TooShort, c"not a whole model file"),
     (Status::NotAModel, c"not a leastaction model file (it does not begin with LACT)"),
     (Status::Version, c"a format version that this library does not read"),

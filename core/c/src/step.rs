@@ -9,10 +9,44 @@ use leastaction_core::discrete::{self, Control, Del, Galerkin, Midpoint, Path};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Report {
-    /// Newton updates taken: at least 1, at most 8.
+    /// Newton updates taken: at least 1.
     pub iterations: u32,
     /// Largest residual at the end, relative to the terms it is the sum of.
     pub residual: f32,
+}
+
+/// How far Newton's method goes in a step.
+///
+/// For a constant running time: `stop` = 0, and as many updates as the motion needs, two of them by one Jacobian for most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Newton {
+    /// Updates at most; at least 1.
+    pub max_iterations: u8,
+    /// Of these, updates by a Jacobian of their own, at least 1; the others keep the last and cost a third.
+    pub max_jacobians: u8,
+    /// Stop early at this relative residual; 0 always takes `max_iterations`.
+    pub stop: f32,
+    /// A step whose relative residual stays above is refused.
+    pub accept: f32,
+}
+
+/// The bounds where none are given: at most 8 updates, each with its Jacobian, down to rounding.
+#[unsafe(no_mangle)]
+pub extern "C" fn leastaction_default_newton() -> Newton {
+    let discrete::Newton { max_iterations, max_jacobians, stop, accept } = discrete::Newton::default();
+    Newton { max_iterations, max_jacobians, stop, accept }
+}
+
+impl Newton {
+    fn checked(self) -> Result<discrete::Newton<f32>, Error> {
+        let Self { max_iterations, max_jacobians, stop, accept } = self;
+        let holds = [max_iterations > 0, max_jacobians > 0, stop >= 0.0, accept > 0.0 && accept.is_finite()];
+        match holds.iter().position(|holds| !holds) {
+            Some(bound) => Err(Error::new(Status::BadNewton, [bound + 1])),
+            None => Ok(discrete::Newton { max_iterations, max_jacobians, stop, accept }),
+        }
+    }
 }
 
 /// Steps a state by h (s) with the discrete Euler-Lagrange equation of order 2, under control forces u0 at the start and u1
@@ -20,10 +54,11 @@ pub struct Report {
 ///
 /// - `u0`, `u1` (N or N m; zeros for none, twice the same for one that is held): `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
+/// - `newton`: bounds of Newton's method; NULL for leastaction_default_newton.
 /// - `report`: how it went, written on success alone; may be NULL.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 6 and 70 to 72, and the state is as it was.
+/// Fails with statuses 1 to 6, 10 and 70 to 72, and the state is as it was.
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
@@ -35,11 +70,12 @@ pub unsafe extern "C" fn leastaction_step2(
     u0: *const f32,
     u1: *const f32,
     n: usize,
+    newton: *const Newton,
     report: *mut Report,
     error: *mut Error,
 ) -> Status {
     // SAFETY: the caller's promise.
-    unsafe { call(error, || step::<Midpoint>(model, state, h, [u0, u1], n, report)) }
+    unsafe { call(error, || step::<Midpoint>(model, state, h, [u0, u1], n, (newton, report))) }
 }
 
 /// As leastaction_step2, of order 4: over twice the work, and exact to the fourth power of h.
@@ -54,11 +90,12 @@ pub unsafe extern "C" fn leastaction_step4(
     u0: *const f32,
     u1: *const f32,
     n: usize,
+    newton: *const Newton,
     report: *mut Report,
     error: *mut Error,
 ) -> Status {
     // SAFETY: the caller's promise.
-    unsafe { call(error, || step::<Galerkin>(model, state, h, [u0, u1], n, report)) }
+    unsafe { call(error, || step::<Galerkin>(model, state, h, [u0, u1], n, (newton, report))) }
 }
 
 /// # Safety
@@ -69,15 +106,18 @@ unsafe fn step<P: Path>(
     h: f32,
     given: [*const f32; 2],
     n: usize,
-    report: *mut Report,
+    (newton, report): (*const Newton, *mut Report),
 ) -> Result<(), Error> {
     // SAFETY: this function's promise.
     let (mechanism, mut next) = unsafe { (loaded(model)?, started(state, 2)?) };
     // SAFETY: this function's promise.
     let [start, end] = unsafe { vectors(given, 4, n) }?;
-    let (place, report) = (place(state, 2)?, Given::optional(report, 7)?);
+    let (place, newton, report) =
+        (place(state, 2)?, Given::optional(newton, 7)?, Given::optional(report, 8)?);
     check_step(h)?;
-    let del = Del::<f32, P>::new(h);
+    // SAFETY: this function's promise.
+    let newton = newton.map_or(leastaction_default_newton(), |newton| unsafe { newton.read() });
+    let del = Del::<f32, P>::with_newton(h, newton.checked()?);
     let how = del.step(&mechanism.system(), &mut next.state, &Control { start, end })?;
     // SAFETY: this function's promise.
     unsafe { finish(&place, next, report, how) };

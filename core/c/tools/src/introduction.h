@@ -13,7 +13,7 @@
  *
  *     if (leastaction_load(&model, sizeof model, file, file_bytes, NULL, NULL) != LEASTACTION_STATUS_OK) ...
  *     leastaction_start(&model, &state, q, v, LEASTACTION_COORDINATES, NULL);
- *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL);
+ *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL, NULL);
  *     leastaction_state_q(&state, LEASTACTION_COORDINATES, q, NULL);
  *
  * Coordinates q are in m or rad, velocities v in m/s or rad/s, forces u in N or N m, times in s. A force has the sign of the

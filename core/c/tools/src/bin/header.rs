@@ -13,11 +13,12 @@ use std::path::Path;
 const INTRODUCTION: &str = include_str!("../introduction.h");
 
 /// C names of the types.
-const NAMES: [(&str, &str); 5] = [
+const NAMES: [(&str, &str); 6] = [
     ("Model", "leastaction_model"),
     ("State", "leastaction_state"),
     ("Status", "leastaction_status"),
     ("Error", "leastaction_error"),
+    ("Newton", "leastaction_newton"),
     ("Report", "leastaction_report"),
 ];
 

@@ -8,7 +8,7 @@ mod config;
 
 use config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
 use leastaction_core::continuous::{acceleration, inverse_dynamics, momentum};
-use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{DenseMass, Lagrangian};
 use leastaction_core::model::Discretisation;
@@ -62,7 +62,7 @@ where
         for numbers in [state.q(), state.p(), state.last_increment()] {
             hash.add(&numbers);
         }
-        hash.add(&[report.residual]);
+        hash.add(&[report.residual, report.iterations.into()]);
     }
     Ok(())
 }
@@ -77,9 +77,10 @@ where
     L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
-    let del = Del::<f32, P>::new(h);
+    let bounded = Newton { max_iterations: 2, max_jacobians: 1, stop: 0.0, ..Newton::default() };
     let start = State::new(&system.lagrangian, q, v).map_err(words)?;
-    run(system, &del, start, hash)?;
+    run(system, &Del::<f32, P>::with_newton(h, bounded), start, hash)?;
+    let del = Del::<f32, P>::new(h);
     let q1 = core::array::from_fn(|i| q[i] + h * v[i]);
     let start = del.start(system, &q, &q1, &Control::held(u)).map_err(words)?;
     run(system, &del, start, hash)
