@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a Cortex-M4F
-# (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). One JSON line a board, model and order: `--steps N` of each (1,000), `--only NAME` of them.
+# Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a
+# Cortex-M4F (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). One JSON line a board,
+# model and order, and of code one for an acceleration and one for a step alone: `--steps N` of each (1,000), `--only NAME` of them.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
 # Uses rustup's targets where they can be had, else Debian's compiler with the standard library's source; installs what is missing.
@@ -46,12 +47,24 @@ report() {
     printf ', %s}\n' "$(measures "$elf")"
 }
 
+# An image that holds nothing but the cart-pole and one thing to do: what a firmware's flash gives for it.
+bare() {
+    local board=$1 image=$2 elf
+    elf=$(program "$board" "$image")
+    emulate "$board" "$elf" "$steps" || { printf '%s on %s failed\n' "$image" "$board" >&2; return 1; }
+    printf '{"board": "%s", "family": "rigid", "only": "%s", "text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s}\n' \
+        "$board" "${image#bare_}" $(sections "$elf")
+}
+
 run() {
     local board image
     for board in "${boards[@]}"; do
         build "$board"
         for image in rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 rigid-f16_2; do
             case "$only" in "" | "$board" | "$image") report "$board" "$image" ;; esac
+        done
+        for image in bare_acceleration bare_step; do
+            case "$only" in "" | "$board" | "$image" | bare) bare "$board" "$image" ;; esac
         done
     done
 }

@@ -88,8 +88,8 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_RODS = 9,
     /**
-     * The bounds of Newton's method are none. Which of them, from 1: at least one update, one of them at least by a Jacobian of
-     * its own, `stop` not negative, `accept` positive and finite.
+     * A bound of Newton's method is out of range. Which, from 1: `max_iterations` and `max_jacobians` are at least 1, `stop` is
+     * not negative, `accept` positive and finite.
      */
     LEASTACTION_STATUS_BAD_NEWTON = 10,
     /**

@@ -13,7 +13,7 @@ const MESSAGES: [(Status, &CStr); 48] = [
     (Status::BadName, c"the name is not UTF-8, or longer than 64 bytes"),
     (Status::NoStep, c"the file does not say a step and an order"),
     (Status::Rods, c"the graph has rods, which this library does not keep"),
-    (Status::BadNewton, c"the bounds of Newton's method are none"),
+    (Status::BadNewton, c"a bound of Newton's method is out of range"),
     (Status::TooShort, c"not a whole model file"),
     (Status::NotAModel, c"not a leastaction model file (it does not begin with LACT)"),
     (Status::Version, c"a format version that this library does not read"),

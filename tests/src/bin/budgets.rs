@@ -57,10 +57,10 @@ fn lines(text: &str) -> Result<Vec<Line>, serde_json::Error> {
     text.lines().filter(|line| line.starts_with('{')).map(serde_json::from_str).collect()
 }
 
-/// Board, family and order.
+/// Board, family, and the order or the one thing that the image does.
 fn image(line: &Line) -> String {
-    let word = |name| line.get(name).map_or(String::new(), |value| value.to_string().replace('"', ""));
-    ["board", "family", "order"].map(word).join(" ")
+    let words = ["board", "family", "order", "only"].into_iter().filter_map(|name| line.get(name));
+    words.map(|value| value.to_string().replace('"', "")).collect::<Vec<_>>().join(" ")
 }
 
 /// Prints what changed, and says whether it may.
@@ -69,7 +69,8 @@ fn compare(line: &Line, budget: Option<&Line>) -> bool {
         println!("{}: has no budget", image(line));
         return false;
     };
-    BUDGETED.iter().fold(true, |within, name| {
+    let measured = BUDGETED.iter().filter(|name| line.contains_key(**name) || budget.contains_key(**name));
+    measured.fold(true, |within, name| {
         let number = |line: &Line| line.get(*name).and_then(Value::as_f64);
         let (Some(now), Some(was)) = (number(line), number(budget)) else {
             println!("{}: no {name}", image(line));
