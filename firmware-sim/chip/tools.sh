@@ -20,9 +20,9 @@ target_of() {
     esac
 }
 
-# Loops of few turns, as most are here, take a quarter more flash and are no faster where a compiler repeats their bodies.
+# Loops of few turns, as most are here, take a quarter more flash and are hardly faster where a compiler repeats their bodies.
 flags_of() {
-    local rolled=-Cllvm-args=-unroll-runtime=0
+    local rolled=${LEASTACTION_CHIP_FLAGS--Cllvm-args=-unroll-runtime=0}
     case $1 in
         cortex-m4f) echo "-Ctarget-cpu=cortex-m4 $rolled" ;;
         cortex-m7) echo "-Ctarget-cpu=cortex-m7 $rolled" ;;

@@ -80,7 +80,8 @@ pub struct Taken {
     pub stack_bytes: u64,
 }
 
-/// What an image takes that loads a model and evaluates it, compiled for exactly its sizes at opt-level 3.
+/// What an image takes that loads a model and evaluates it, compiled for exactly its sizes at opt-level 3,
+/// loops rolled.
 #[derive(Clone, Debug, Serialize)]
 pub struct Prediction {
     /// On which processor.
