@@ -87,9 +87,9 @@ impl Activation {
         units: &mut [Jet<S, T>],
         mut visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
     ) {
+        let zero = [S::zero(); BLOCK];
+        let (mut z, mut c) = (zero, Curve { value: zero, slope: zero, curvature: zero });
         for units in units.chunks_mut(BLOCK) {
-            let zero = [S::zero(); BLOCK];
-            let (mut z, mut c) = (zero, Curve { value: zero, slope: zero, curvature: zero });
             z.iter_mut().zip(units.iter()).for_each(|(z, unit)| *z = unit.value);
             let Curve { value, slope, curvature } = &mut c;
             self.curves(z.get(..units.len()).unwrap_or(&z), [value, slope, curvature]);

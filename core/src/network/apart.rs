@@ -8,39 +8,29 @@ use crate::scalar::{Scalar, Stored};
 const GATHERED: usize = 32;
 
 /// Room for one component of so many jets.
-struct Room<S>([S; GATHERED]);
+type Room<S> = [S; GATHERED];
 
-impl<S: Scalar> Room<S> {
-    fn new() -> Self {
-        Self([S::zero(); GATHERED])
+/// Component k of at most as many jets as there is room for: the value (0), or tangent k − 1.
+#[inline(never)]
+fn gather<'r, S: Scalar, const T: usize>(room: &'r mut Room<S>, jets: &[Jet<S, T>], k: usize) -> &'r [S] {
+    match k.checked_sub(1) {
+        None => room.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
+        Some(k) => room.iter_mut().zip(jets).for_each(|(x, jet)| {
+            *x = jet.tangent.get(k).copied().unwrap_or(S::zero());
+        }),
     }
+    room.get(..jets.len()).unwrap_or(room)
+}
 
-    fn first(&mut self, count: usize) -> &mut [S] {
-        self.0.get_mut(..count).unwrap_or_default()
-    }
-
-    /// Component k of at most as many jets as there is room for: the value (0), or tangent k − 1.
-    #[inline(never)]
-    fn gather<const T: usize>(&mut self, jets: &[Jet<S, T>], k: usize) -> &[S] {
-        match k.checked_sub(1) {
-            None => self.0.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
-            Some(k) => self.0.iter_mut().zip(jets).for_each(|(x, jet)| {
-                *x = jet.tangent.get(k).copied().unwrap_or(S::zero());
-            }),
-        }
-        self.0.get(..jets.len()).unwrap_or(&self.0)
-    }
-
-    #[inline(never)]
-    fn scatter<const T: usize>(&self, jets: &mut [Jet<S, T>], k: usize) {
-        match k.checked_sub(1) {
-            None => jets.iter_mut().zip(&self.0).for_each(|(jet, x)| jet.value = *x),
-            Some(k) => jets.iter_mut().zip(&self.0).for_each(|(jet, x)| {
-                if let Some(slot) = jet.tangent.get_mut(k) {
-                    *slot = *x;
-                }
-            }),
-        }
+#[inline(never)]
+fn scatter<S: Scalar, const T: usize>(sums: &[S], jets: &mut [Jet<S, T>], k: usize) {
+    match k.checked_sub(1) {
+        None => jets.iter_mut().zip(sums).for_each(|(jet, x)| jet.value = *x),
+        Some(k) => jets.iter_mut().zip(sums).for_each(|(jet, x)| {
+            if let Some(slot) = jet.tangent.get_mut(k) {
+                *slot = *x;
+            }
+        }),
     }
 }
 
@@ -104,8 +94,9 @@ impl<'a, W: Stored> Dense<'a, W> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        let mut rooms = [Room::new(), Room::new()];
-        (0..=T).for_each(|k| self.forward_component(k, x, y, &mut rooms));
+        // Each in its place: an array of both would be copied together.
+        let (mut inputs, mut sums) = ([S::zero(); GATHERED], [S::zero(); GATHERED]);
+        (0..=T).for_each(|k| self.forward_component(k, x, y, (&mut inputs, &mut sums)));
     }
 
     #[inline(never)]
@@ -114,14 +105,15 @@ impl<'a, W: Stored> Dense<'a, W> {
         k: usize,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
-        [inputs, sums]: &mut [Room<S>; 2],
+        (inputs, sums): (&mut Room<S>, &mut Room<S>),
     ) {
         for (y, output) in y.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
-            self.begin(k, output, sums.first(y.len()));
+            let sums = sums.get_mut(..y.len()).unwrap_or_default();
+            self.begin(k, output, sums);
             for (x, first) in x.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
-                self.part(output, first).forward(inputs.gather(x, k), sums.first(y.len()));
+                self.part(output, first).forward(gather(inputs, x, k), sums);
             }
-            sums.scatter(y, k);
+            scatter(sums, y, k);
         }
     }
 
@@ -130,8 +122,8 @@ impl<'a, W: Stored> Dense<'a, W> {
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
     ) {
-        let mut rooms = [Room::new(), Room::new()];
-        (0..=T).for_each(|k| self.adjoint_component(k, y_bar, x_bar, &mut rooms));
+        let (mut outputs, mut sums) = ([S::zero(); GATHERED], [S::zero(); GATHERED]);
+        (0..=T).for_each(|k| self.adjoint_component(k, y_bar, x_bar, (&mut outputs, &mut sums)));
     }
 
     #[inline(never)]
@@ -140,14 +132,15 @@ impl<'a, W: Stored> Dense<'a, W> {
         k: usize,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
-        [outputs, sums]: &mut [Room<S>; 2],
+        (outputs, sums): (&mut Room<S>, &mut Room<S>),
     ) {
         for (x_bar, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
-            sums.first(x_bar.len()).fill(S::zero());
+            let sums = sums.get_mut(..x_bar.len()).unwrap_or_default();
+            sums.fill(S::zero());
             for (y_bar, output) in y_bar.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
-                self.part(output, first).adjoint(outputs.gather(y_bar, k), sums.first(x_bar.len()));
+                self.part(output, first).adjoint(gather(outputs, y_bar, k), sums);
             }
-            sums.scatter(x_bar, k);
+            scatter(sums, x_bar, k);
         }
     }
 }

@@ -27,14 +27,18 @@ pub struct Operations {
     pub sines: u64,
     /// In layers: multiply-adds of panels of eight outputs, of four, and of one.
     pub multiply_adds: [u64; 3],
-    /// In layers: outputs of panels.
-    pub outputs: u64,
     /// In layers: panels.
     pub panels: u64,
+    /// In layers: times that all panels are gone through, for the values or one tangent.
+    pub passes: u64,
+    /// In layers: inputs and outputs of these passes.
+    pub moved: u64,
 }
 
 thread_local! {
     static DONE: Cell<Operations> = Cell::new(Operations::default());
+    /// Where the outputs of the last panel end.
+    static OUTPUTS_END: Cell<usize> = const { Cell::new(0) };
 }
 
 /// What `call` does.
@@ -87,8 +91,10 @@ impl<R: Real> SubAssign for Counted<R> {
     }
 }
 
-/// Counts a panel of a layer.
-fn panel<const P: usize>(inputs: usize) {
+/// Counts a panel of a layer; where its outputs do not follow those of the last, a pass begins.
+fn panel<R, const P: usize>(inputs: usize, outputs: &[Counted<R>; P]) {
+    let ends = outputs.as_ptr_range();
+    let begins = OUTPUTS_END.replace(ends.end as usize) != ends.start as usize;
     note(|done| {
         let kind = match P {
             8 => 0,
@@ -96,8 +102,9 @@ fn panel<const P: usize>(inputs: usize) {
             _ => 2,
         };
         done.multiply_adds[kind] += (P * inputs) as u64;
-        done.outputs += P as u64;
         done.panels += 1;
+        done.passes += u64::from(begins);
+        done.moved += (P + if begins { inputs } else { 0 }) as u64;
     });
 }
 
@@ -112,7 +119,7 @@ impl<R: Real> Scalar for Counted<R> {
         x: &[Self],
         sum: &mut [Self; P],
     ) {
-        panel::<P>(rows.len().min(x.len()));
+        panel(rows.len().min(x.len()), sum);
         for (row, x) in rows.iter().zip(x) {
             for (sum, w) in sum.iter_mut().zip(row) {
                 sum.0 += w.scalar::<R>() * x.0;
@@ -124,7 +131,7 @@ impl<R: Real> Scalar for Counted<R> {
         y_bar: &[Self; P],
         x_bar: &mut [Self],
     ) {
-        panel::<P>(rows.len().min(x_bar.len()));
+        panel(rows.len().min(x_bar.len()), y_bar);
         for (x, row) in x_bar.iter_mut().zip(rows) {
             for (y, w) in y_bar.iter().zip(row) {
                 x.0 += w.scalar::<R>() * y.0;

@@ -174,8 +174,9 @@ impl Shape {
             ("multiply_adds_8", eights),
             ("multiply_adds_4", fours),
             ("multiply_adds_1", ones),
-            ("outputs", done.outputs),
             ("panels", done.panels),
+            ("passes", done.passes),
+            ("moved", done.moved),
         ];
         let others = [
             ("flops", done.flops),
