@@ -60,8 +60,8 @@ impl Equations {
     }
 }
 
-/// About what instructions an operation takes on a processor with a floating-point unit, as `src/bin/kernels.rs` of the chip counts them:
-/// where shapes do not tell two operations apart, numbers stay near these.
+/// About what instructions an operation takes on a processor with a floating-point unit, as `src/bin/kernels.rs` of the chip counts them
+/// and a trace of the emulator shows them: where shapes do not tell two operations apart, numbers stay near these.
 const INSTRUCTIONS: &[(&str, f64)] = &[
     ("tangents", 100.0),
     ("exponentials", 70.0),
@@ -70,18 +70,22 @@ const INSTRUCTIONS: &[(&str, f64)] = &[
     ("sines", 60.0),
     ("divisions", 16.0),
     ("flops", 2.5),
-    ("wide_multiply_adds_8", 2.3),
+    ("wide_multiply_adds_8", 2.25),
     ("wide_multiply_adds_4", 2.6),
     ("wide_multiply_adds_1", 8.0),
     ("narrow_multiply_adds_8", 3.0),
     ("narrow_multiply_adds_4", 4.0),
     ("narrow_multiply_adds_1", 8.0),
-    ("wide_panels", 20.0),
+    ("wide_panels", 28.0),
     ("narrow_panels", 10.0),
-    ("wide_passes", 200.0),
-    ("narrow_passes", 30.0),
-    ("wide_moved", 6.0),
-    ("narrow_moved", 4.0),
+    ("wide_passes", 110.0),
+    ("narrow_passes", 20.0),
+    ("wide_moved", 3.0),
+    ("narrow_moved", 3.0),
+    ("wide_components", 150.0),
+    ("narrow_components", 20.0),
+    ("wide_layers", 130.0),
+    ("narrow_layers", 20.0),
     ("acceleration", 300.0),
     ("step_2", 1000.0),
     ("step_4", 1500.0),

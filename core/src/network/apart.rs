@@ -107,6 +107,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         y: &mut [Jet<S, T>],
         (inputs, sums): (&mut Room<S>, &mut Room<S>),
     ) {
+        S::component(k);
         for (y, output) in y.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
             let sums = sums.get_mut(..y.len()).unwrap_or_default();
             self.begin(k, output, sums);
@@ -134,6 +135,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         x_bar: &mut [Jet<S, T>],
         (outputs, sums): (&mut Room<S>, &mut Room<S>),
     ) {
+        S::component(k);
         for (x_bar, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
             let sums = sums.get_mut(..x_bar.len()).unwrap_or_default();
             sums.fill(S::zero());

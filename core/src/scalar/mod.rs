@@ -65,6 +65,11 @@ pub trait Scalar:
     /// side by side.
     const APART: bool = false;
 
+    /// Told of every component (0: the values, then the tangents) of vectors that a layer takes apart, before its loops: for
+    /// scalars that count what is done.
+    #[inline(always)]
+    fn component(_index: usize) {}
+
     /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … with `rows[j][l]` = w_jl.
     #[inline(always)]
     fn accumulate<W: Stored<Wide = Self::Weight>, const P: usize>(

@@ -29,10 +29,14 @@ pub struct Operations {
     pub multiply_adds: [u64; 3],
     /// In layers: panels.
     pub panels: u64,
-    /// In layers: times that all panels are gone through, for the values or one tangent.
+    /// In layers: passes through panels, each with as many inputs and outputs as are gathered at a time.
     pub passes: u64,
     /// In layers: inputs and outputs of these passes.
     pub moved: u64,
+    /// In layers: values and tangents gone through, each in one pass or more.
+    pub components: u64,
+    /// Layers gone through.
+    pub layers: u64,
 }
 
 thread_local! {
@@ -114,6 +118,13 @@ impl<R: Real> Scalar for Counted<R> {
     /// As on a controller.
     const APART: bool = true;
 
+    fn component(index: usize) {
+        OUTPUTS_END.set(0);
+        note(|done| {
+            done.components += 1;
+            done.layers += u64::from(index == 0);
+        });
+    }
     fn accumulate<W: Stored<Wide = R::Weight>, const P: usize>(
         rows: &[[W; P]],
         x: &[Self],

@@ -8,7 +8,9 @@ use super::counted::Operations;
 use super::graph::COMPOSED;
 use super::operations::{Evaluations, operations};
 use super::{Cost, cost};
+use crate::architecture::Architecture;
 use crate::model_file::{HostModel, Precision};
+use leastaction_core::energy::modular::TransformShape;
 use leastaction_core::network::NARROW;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -128,6 +130,8 @@ pub struct Shape {
     cost: Cost,
     coordinates: usize,
     narrow: bool,
+    /// Whether a network moves an element: it keeps its units beside those of the potentials.
+    moved_by_network: bool,
 }
 
 impl Shape {
@@ -144,6 +148,7 @@ impl Shape {
             cost: cost(architecture).ok()?,
             coordinates,
             narrow: architecture.widths().into_iter().max().unwrap_or(0) <= NARROW,
+            moved_by_network: moved_by_network(architecture),
         })
     }
 
@@ -177,6 +182,8 @@ impl Shape {
             ("panels", done.panels),
             ("passes", done.passes),
             ("moved", done.moved),
+            ("components", done.components),
+            ("layers", done.layers),
         ];
         let others = [
             ("flops", done.flops),
@@ -210,7 +217,12 @@ impl Shape {
             return common.into_iter().chain([(kind.to_owned(), 1.0), (format!("n_{kind}"), n)]).collect();
         }
         let name = evaluation.name();
-        let own = [(name.to_owned(), 1.0), (format!("n_{name}"), n), (format!("n2_{name}"), n * n)];
+        let own = [
+            (name.to_owned(), 1.0),
+            (format!("n_{name}"), n),
+            (format!("n2_{name}"), n * n),
+            (format!("moved_by_network_{kind}"), f64::from(self.moved_by_network)),
+        ];
         common.into_iter().chain(own).collect()
     }
 
@@ -230,6 +242,11 @@ impl Shape {
         .into_iter()
         .collect()
     }
+}
+
+fn moved_by_network(architecture: &Architecture) -> bool {
+    let Architecture::Modular(modular) = architecture else { return false };
+    modular.shape.types().any(|of| matches!(of.transform, TransformShape::Network { .. }))
 }
 
 const GRAPH: &str = "graph";
