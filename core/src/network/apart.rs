@@ -94,7 +94,6 @@ impl<'a, W: Stored> Dense<'a, W> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        // Each in its place: an array of both would be copied together.
         let (mut inputs, mut sums) = ([S::zero(); GATHERED], [S::zero(); GATHERED]);
         (0..=T).for_each(|k| self.forward_component(k, x, y, (&mut inputs, &mut sums)));
     }
