@@ -34,13 +34,7 @@ pub struct Aligned<const N: usize>(
 #[macro_export]
 macro_rules! image {
     ($run:path) => {
-        #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
-        #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
-        fn main() -> ! {
-            $crate::board::start();
-            let outcome: Result<(), &'static [u8]> = $run();
-            $crate::board::end(outcome)
-        }
+        $crate::entry!($crate::board::end($run()));
     };
 }
 
@@ -48,11 +42,19 @@ macro_rules! image {
 #[macro_export]
 macro_rules! bare {
     ($run:path) => {
+        $crate::entry!(semihosting::process::exit(if $run().is_some() { 0 } else { 1 }));
+    };
+}
+
+/// The function that a board starts: `$last` does not return.
+#[macro_export]
+macro_rules! entry {
+    ($last:expr) => {
         #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
         #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
         fn main() -> ! {
             $crate::board::start();
-            semihosting::process::exit(if $run().is_some() { 0 } else { 1 })
+            $last
         }
     };
 }
