@@ -1,7 +1,7 @@
-//! What the networks of the baselines see of a state, and groups of samples side by side.
+//! What the networks of the baselines see of a state.
 
 use leastaction_core::network::Jet;
-use leastaction_core::scalar::{LANES, Lanes, Scalar};
+use leastaction_core::scalar::Scalar;
 
 /// The inputs for a state x = (q, y), y velocities or momenta, with their tangents: translations as they are, of angles cosine
 /// and sine, coordinate by coordinate; then y. `coordinates` has a letter each, `a` for angles.
@@ -48,23 +48,7 @@ pub(super) fn count(coordinates: &str) -> usize {
     2 * coordinates.len() + coordinates.matches('a').count()
 }
 
-/// Eight samples from `start` on, of rows of `width` numbers; that before `end` fills the group up.
-pub(super) fn group(values: &[f64], width: usize, start: usize, end: usize) -> Vec<Lanes> {
-    let sample = |lane: usize| (start + lane).min(end - 1);
-    (0..width).map(|i| Lanes(std::array::from_fn(|lane| values[sample(lane) * width + i]))).collect()
-}
-
 /// Values with their derivative along a direction.
 pub(super) fn moving<S: Scalar>(values: &[S], direction: &[S]) -> Vec<Jet<S, 1>> {
     values.iter().zip(direction).map(|(value, rate)| Jet { value: *value, tangent: [*rate] }).collect()
-}
-
-/// The first `count` lanes, squared and added.
-pub(super) fn squares(residual: &Lanes, count: usize) -> f64 {
-    residual.0.iter().take(count.min(LANES)).map(|r| r * r).sum()
-}
-
-/// The first `count` lanes; 0 in the others, which fill a group up.
-pub(super) fn first(lanes: &Lanes, count: usize) -> Lanes {
-    Lanes(std::array::from_fn(|lane| if lane < count { lanes.0[lane] } else { 0.0 }))
 }

@@ -1,14 +1,15 @@
 //! A plain network from the state to the acceleration, which knows nothing of mechanics.
 
+use super::batch::{Batched, Derivatives, Layers, Pass, matrix};
 use super::features::{count, inputs};
-use super::regression::{Explicit, Regression};
-use super::{AccelerationModel, Follow, coordinates_fit};
+use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
 use crate::architecture::random_layers;
 use crate::evaluate::prediction::{Prediction, Truth};
 use crate::training::{Objective, Samples};
+use faer::{Mat, Scale};
 use leastaction_core::model::ModelError;
-use leastaction_core::network::{Activation, Jet, Mlp as Network, Tape};
-use leastaction_core::scalar::{LANES, Lanes};
+use leastaction_core::network::{Activation, Jet, Mlp as Network};
+use std::ops::Range;
 
 /// Units of a hidden layer at most.
 pub const MAX_WIDTH: usize = 256;
@@ -63,7 +64,7 @@ impl Mlp {
 
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
-        self.layers().map(|(inputs, outputs)| (inputs + 1) * outputs).iter().sum()
+        parameters_of(&self.units())
     }
 
     /// Coordinates.
@@ -71,9 +72,9 @@ impl Mlp {
         self.coordinates.len()
     }
 
-    /// Inputs and outputs of every layer, first to last.
-    fn layers(&self) -> [(usize, usize); DEPTH + 1] {
-        [(count(&self.coordinates), self.width), (self.width, self.width), (self.width, self.n())]
+    /// Inputs, units of the hidden layers, and outputs.
+    fn units(&self) -> [usize; DEPTH + 2] {
+        [count(&self.coordinates), self.width, self.width, self.n()]
     }
 
     /// s(q) and v/ν of one sample.
@@ -82,14 +83,9 @@ impl Mlp {
         inputs(&self.coordinates, &state.into_iter().map(Jet::constant).collect::<Vec<_>>())
     }
 
-    /// α, in every lane.
-    fn alpha(&self) -> Lanes {
-        Lanes([self.acceleration; LANES])
-    }
-
     fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w, f64, DEPTH>> {
-        let [(inputs, width), _, (_, outputs)] = self.layers();
-        Network::take(&mut weights, inputs, &[width; DEPTH], outputs, Activation::Tanh)
+        let [inputs, hidden @ .., outputs] = self.units();
+        Network::take(&mut weights, inputs, &hidden, outputs, Activation::Tanh)
     }
 }
 
@@ -101,7 +97,7 @@ pub(super) fn scale(values: &[f64]) -> f64 {
 
 impl AccelerationModel for Mlp {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        random_layers(self.layers(), seed)
+        random_layers(layers_of(&self.units()), seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
@@ -109,8 +105,9 @@ impl AccelerationModel for Mlp {
         coordinates_fit(&samples, n)?;
         let [q, v, a] = samples.states;
         let states = q.chunks_exact(n).zip(v.chunks_exact(n));
-        let inputs = states.flat_map(|(q, v)| self.inputs(q, v)).map(|x| x.value).collect();
-        Ok(Box::new(Regression { model: self.clone(), inputs, targets: a }))
+        let inputs: Vec<_> = states.flat_map(|(q, v)| self.inputs(q, v)).map(|x| x.value).collect();
+        let inputs = matrix(&inputs, count(&self.coordinates));
+        Ok(Box::new(Errors { mlp: self.clone(), inputs, targets: matrix(&a, n) }))
     }
 
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
@@ -126,60 +123,46 @@ impl AccelerationModel for Mlp {
     }
 }
 
-impl Explicit for Mlp {
-    type Trace = (Vec<Jet<Lanes, 0>>, Tape<Lanes, 0, MAX_WIDTH, DEPTH>);
-
-    fn parameters(&self) -> usize {
-        self.parameters()
-    }
-
-    fn inputs(&self) -> usize {
-        count(&self.coordinates)
-    }
-
-    fn outputs(&self) -> usize {
-        self.n()
-    }
-
-    fn forward(
-        &self,
-        weights: &[f64],
-        x: Vec<Lanes>,
-        (inputs, tape): &mut Self::Trace,
-        y: &mut [Lanes],
-    ) -> Option<()> {
-        *inputs = x.into_iter().map(Jet::constant).collect();
-        let mut outputs = vec![Jet::zero(); self.n()];
-        self.network(weights)?.forward(inputs, tape, &mut outputs);
-        y.iter_mut().zip(outputs).for_each(|(y, output)| *y = self.alpha() * output.value);
-        Some(())
-    }
-
-    fn adjoint(
-        &self,
-        weights: &[f64],
-        (inputs, tape): &Self::Trace,
-        y_bar: &[Lanes],
-        row: &mut [Lanes],
-    ) -> Option<()> {
-        let y_bar: Vec<_> = y_bar.iter().map(|y| Jet::constant(self.alpha() * *y)).collect();
-        gradient(&self.network(weights)?, tape, [inputs, &y_bar], row);
-        Some(())
-    }
+/// The error of v̇ over fixed inputs.
+struct Errors {
+    mlp: Mlp,
+    /// \[samples\]\[inputs\].
+    inputs: Mat<f64>,
+    /// v̇: \[samples\]\[coordinates\].
+    targets: Mat<f64>,
 }
 
-/// Adds ∂(ȳ·y)/∂θ of eight samples.
-fn gradient(
-    network: &Network<f64, DEPTH>,
-    tape: &Tape<Lanes, 0, MAX_WIDTH, DEPTH>,
-    [x, y_bar]: [&[Jet<Lanes, 0>]; 2],
-    gradient: &mut [Lanes],
-) {
-    let mut start = network.len();
-    network.layer_adjoints(tape, x, y_bar, |layer, inputs, outputs| {
-        start -= layer.len();
-        layer.series_gradient(inputs, outputs, |position, g| gradient[start + position] += g);
-    });
+impl Batched for Errors {
+    type Trace = Pass;
+
+    fn units(&self) -> [usize; 4] {
+        self.mlp.units()
+    }
+
+    fn samples(&self) -> usize {
+        self.inputs.nrows()
+    }
+
+    fn components(&self) -> usize {
+        self.targets.ncols()
+    }
+
+    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Pass, Mat<f64>) {
+        let rows = |matrix: &'_ Mat<f64>| matrix.subrows(samples.start, samples.len()).to_owned();
+        let pass = layers.forward(rows(&self.inputs));
+        let residuals = Scale(self.mlp.acceleration) * &pass.outputs - rows(&self.targets);
+        (pass, residuals)
+    }
+
+    fn derive(
+        &self,
+        layers: &Layers,
+        (pass, _): (&Pass, &Range<usize>),
+        y: &Mat<f64>,
+        then: impl FnOnce(&Derivatives),
+    ) {
+        then(&pass.derivatives(&layers.adjoint(pass, Scale(self.mlp.acceleration) * y)));
+    }
 }
 
 #[cfg(test)]

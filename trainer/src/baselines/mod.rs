@@ -1,6 +1,7 @@
 //! What the papers compare with: models without the structure that is learned here, trained by the same optimisers on the
 //! same samples.
 
+mod batch;
 mod cartesian_lnn;
 mod features;
 mod gns;
@@ -13,7 +14,6 @@ mod network_lagrangian;
 mod node;
 #[cfg(test)]
 mod oracle;
-mod regression;
 
 pub use cartesian_lnn::CartesianLnn;
 pub use gns::Gns;
@@ -95,6 +95,16 @@ impl Follow<'_> {
     ) -> Result<Prediction, ModelError> {
         with_accelerations(architecture, weights, |f| self.compare(truth, f))
     }
+}
+
+/// Inputs and outputs of every layer of a network of these units, inputs and outputs included.
+fn layers_of(units: &[usize]) -> impl Iterator<Item = (usize, usize)> {
+    units.iter().copied().zip(units.iter().copied().skip(1))
+}
+
+/// Numbers in the weight block of such a network.
+fn parameters_of(units: &[usize]) -> usize {
+    layers_of(units).map(|(inputs, outputs)| (inputs + 1) * outputs).sum()
 }
 
 /// Refuses samples of another number of coordinates.

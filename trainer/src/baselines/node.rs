@@ -1,6 +1,7 @@
 //! NODE: a plain network from the state and the control to the acceleration, learned through the steps that it is run with.
 
 use super::mlp::{MAX_WIDTH, scale};
+use super::{layers_of, parameters_of};
 use crate::architecture::random_layers;
 use crate::runge_kutta::{RungeKutta, Stage, State};
 use crate::training::{ChunkRows, Failed, Objective, Residuals, Samples, Steps};
@@ -88,12 +89,12 @@ impl Node {
 
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
-        self.layers().windows(2).map(|pair| (pair[0] + 1) * pair[1]).sum()
+        parameters_of(&self.layers())
     }
 
     /// Random weights.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        random_layers(self.layers().windows(2).map(|pair| (pair[0], pair[1])), seed)
+        random_layers(layers_of(&self.layers()), seed)
     }
 
     /// The mean squared error of position and velocity after a step, over [`Samples::next_states`].

@@ -75,6 +75,11 @@ impl ChunkRows {
         self.buffer.resize(parameters, Lanes([0.0; LANES]));
     }
 
+    /// A parameter's derivatives in some rows.
+    pub fn column(&mut self, parameter: usize, rows: Range<usize>) -> &mut [f64] {
+        &mut self.jacobian.col_as_slice_mut(parameter)[rows]
+    }
+
     /// Fills rows from `row` on with the first `count` lanes of a residual component and of its derivatives, which `derive` adds up.
     pub fn fill(
         &mut self,

@@ -1,8 +1,9 @@
 //! The graph network simulator (Sanchez-Gonzalez et al., 2020) as LGNN's authors compare with it: accelerations of nodes by
 //! one round of messages.
 
+mod regression;
+
 use super::graph_network::{GraphSizes, Networks, Placed, Trace, Used, Wiring};
-use super::regression::{Explicit, Regression};
 use super::{AccelerationModel, Follow, coordinates_fit};
 use crate::architecture::{NamedGraph, random_layers};
 use crate::evaluate::prediction::{Prediction, Truth};
@@ -10,6 +11,7 @@ use crate::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Jet;
 use leastaction_core::scalar::{Lanes, Scalar};
+use regression::Regression;
 
 /// v̇_i = N_a(h′_i): nodes h_i = N_h(x_i, v_i, type_i) and both directions of every edge e_ij = N_e(|x_i − x_j|) are embedded
 /// linearly; then e′_ij = N_m(e_ij, h_i, h_j) and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji). N_m, N_u and N_a have two hidden
@@ -60,10 +62,35 @@ impl Gns {
             messages.nodes.iter().map(|node| networks.read_out.used(node.y.clone())).collect();
         Pass { messages, accelerations }
     }
+
+    /// Adds ∂(ȳ·v̇)/∂θ after a forward pass with these weights; `None` where they are too few.
+    fn adjoint(&self, weights: &[f64], pass: &Pass<Lanes>, y_bar: &[Lanes], row: &mut [Lanes]) -> Option<()> {
+        let networks = self.networks(weights)?;
+        let mut back = |network: &Placed, used: &Used<Lanes, 0>, y_bar: &[Jet<Lanes, 0>]| {
+            network.adjoint(used, y_bar, |start, layer, x, bar| {
+                layer.series_gradient(x, bar, |position, g| row[start + position] += g);
+            })
+        };
+        let y_bar: Vec<_> = y_bar.iter().copied().map(Jet::constant).collect();
+        let read = pass.accelerations.iter().zip(y_bar.chunks_exact(self.wiring.dimension()));
+        let nodes_bar: Vec<_> = read.map(|(read, bar)| back(&networks.read_out, read, bar)).collect();
+        networks.messages_adjoint(&self.wiring, &pass.messages, nodes_bar.into_iter(), back);
+        Some(())
+    }
+
+    /// Numbers that are seen of a sample.
+    fn inputs(&self) -> usize {
+        2 * self.wiring.coordinates()
+    }
+
+    /// Accelerations of a sample.
+    fn outputs(&self) -> usize {
+        self.wiring.coordinates()
+    }
 }
 
 /// What a forward pass leaves for the adjoint.
-pub struct Pass<S> {
+struct Pass<S> {
     messages: Trace<S, 0>,
     accelerations: Vec<Used<S, 0>>,
 }
@@ -93,53 +120,6 @@ impl AccelerationModel for Gns {
         let short = ModelError::Shape { what: "weights", found: weights.len(), compiled: self.parameters() };
         self.networks(weights).ok_or(short)?;
         Ok(follow.compare(truth, |q, v, out| self.acceleration(weights, q, v, out)))
-    }
-}
-
-impl Explicit for Gns {
-    type Trace = Option<Pass<Lanes>>;
-
-    fn parameters(&self) -> usize {
-        self.parameters()
-    }
-
-    fn inputs(&self) -> usize {
-        2 * self.wiring.coordinates()
-    }
-
-    fn outputs(&self) -> usize {
-        self.wiring.coordinates()
-    }
-
-    fn forward(
-        &self,
-        weights: &[f64],
-        x: Vec<Lanes>,
-        trace: &mut Self::Trace,
-        y: &mut [Lanes],
-    ) -> Option<()> {
-        trace.insert(self.pass(&self.networks(weights)?, &x)).accelerations(y);
-        Some(())
-    }
-
-    fn adjoint(
-        &self,
-        weights: &[f64],
-        trace: &Self::Trace,
-        y_bar: &[Lanes],
-        row: &mut [Lanes],
-    ) -> Option<()> {
-        let (networks, pass) = (self.networks(weights)?, trace.as_ref()?);
-        let mut back = |network: &Placed, used: &Used<Lanes, 0>, y_bar: &[Jet<Lanes, 0>]| {
-            network.adjoint(used, y_bar, |start, layer, x, bar| {
-                layer.series_gradient(x, bar, |position, g| row[start + position] += g);
-            })
-        };
-        let y_bar: Vec<_> = y_bar.iter().copied().map(Jet::constant).collect();
-        let read = pass.accelerations.iter().zip(y_bar.chunks_exact(self.wiring.dimension()));
-        let nodes_bar: Vec<_> = read.map(|(read, bar)| back(&networks.read_out, read, bar)).collect();
-        networks.messages_adjoint(&self.wiring, &pass.messages, nodes_bar.into_iter(), back);
-        Some(())
     }
 }
 

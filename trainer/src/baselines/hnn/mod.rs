@@ -6,14 +6,13 @@ mod slopes;
 pub use momenta::Momenta;
 
 use super::features::{adjoint, count, inputs};
-use super::{AccelerationModel, Follow, coordinates_fit};
+use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
 use crate::architecture::random_layers;
 use crate::evaluate::prediction::{Prediction, Truth};
 use crate::ground_truth::{IntegrationError, Start, follow_flow};
 use crate::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp, Tape};
-use leastaction_core::scalar::Scalar;
 use slopes::Slopes;
 
 /// Units of a hidden layer at most.
@@ -50,7 +49,12 @@ impl Hnn {
 
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
-        Mlp::<f64, 0>::parameters(count(&self.coordinates), &[self.width; DEPTH], 1).unwrap_or(0)
+        parameters_of(&self.units())
+    }
+
+    /// Inputs, units of the hidden layers, and the output.
+    fn units(&self) -> [usize; DEPTH + 2] {
+        [count(&self.coordinates), self.width, self.width, 1]
     }
 
     /// Coordinates.
@@ -64,13 +68,13 @@ impl Hnn {
     }
 
     /// (H_q, H_p) at (q, p).
-    fn gradient<S: Scalar<Weight = f64>>(&self, network: &Network, state: Vec<S>) -> Vec<S> {
-        let state: Vec<_> = state.into_iter().map(Jet::<S, 0>::constant).collect();
+    fn gradient(&self, network: &Network, state: &[f64]) -> Vec<f64> {
+        let state: Vec<_> = state.iter().copied().map(Jet::<f64, 0>::constant).collect();
         let x = inputs(&self.coordinates, &state);
-        let mut tape = Tape::<S, 0, MAX_WIDTH, DEPTH>::default();
+        let mut tape = Tape::<f64, 0, MAX_WIDTH, DEPTH>::default();
         let mut x_bar = vec![Jet::zero(); x.len()];
         network.forward(&x, &mut tape, &mut [Jet::zero()]);
-        network.adjoint(&tape, &[Jet::<S, 0>::constant(S::one())], &mut x_bar);
+        network.adjoint(&tape, &[Jet::<f64, 0>::constant(1.0)], &mut x_bar);
         adjoint(&self.coordinates, &x, &x_bar).into_iter().map(|bar| bar.value).collect()
     }
 
@@ -85,7 +89,7 @@ impl Hnn {
     ) -> Result<(), IntegrationError> {
         let n = self.n();
         let rate = |state: &[f64], rate: &mut [f64]| {
-            let gradient = self.gradient(network, state.to_vec());
+            let gradient = self.gradient(network, state);
             let (h_q, h_p) = gradient.split_at(n);
             rate[..n].copy_from_slice(h_p);
             rate[n..].iter_mut().zip(h_q).for_each(|(rate, h_q)| *rate = -h_q);
@@ -107,18 +111,17 @@ impl Hnn {
 
 impl AccelerationModel for Hnn {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let (inputs, width) = (count(&self.coordinates), self.width);
-        random_layers([(inputs, width), (width, width), (width, 1)], seed)
+        random_layers(layers_of(&self.units()), seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         self.fits(&samples)?;
-        Ok(Box::new(Slopes::accelerations(self.clone(), &samples)))
+        Ok(Box::new(Slopes::accelerations(self, &samples)))
     }
 
     fn training(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         self.fits(&samples)?;
-        Ok(Box::new(Slopes::rates(self.clone(), &samples)))
+        Ok(Box::new(Slopes::rates(self, &samples)))
     }
 
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
