@@ -20,4 +20,5 @@ pub mod processor;
 pub mod reproduce;
 pub mod run;
 pub mod runge_kutta;
+mod sealed;
 pub mod training;

@@ -62,10 +62,10 @@ impl Task for Counted {
     fn is_timed(&self) -> bool {
         self.seed == 1
     }
-    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
         self.runs.fetch_add(1, Ordering::Relaxed);
         tell("counting");
-        if let Some(folder) = pictures {
+        if let Some(folder) = folder {
             std::fs::write(folder.join("drawn.svg"), "<svg><text>drawn</text></svg>")?;
         }
         if self.fails {
@@ -149,6 +149,14 @@ fn results_of_other_options_and_damaged_ones_are_refused_and_kept() {
     std::fs::write(results.file("counted-0"), "{").unwrap();
     assert!(matches!(run(&other, &results, 1), Err(FolderError::Content { .. })));
     assert_eq!(std::fs::read(results.file("counted-0")).unwrap(), b"{");
+}
+
+#[test]
+fn a_failure_of_other_options_stands_in_nobodys_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = Results::open(folder.path(), PAPER).unwrap();
+    assert!(run(&tasks(1, "one", Some(0)).0, &results, 1).unwrap()[0].failure.is_some());
+    assert!(run(&tasks(1, "two", None).0, &results, 1).unwrap()[0].failure.is_none());
 }
 
 #[test]

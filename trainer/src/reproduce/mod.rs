@@ -2,6 +2,7 @@
 
 pub mod chnn;
 pub mod folder;
+mod interrupted;
 pub mod lgnn;
 pub mod modlanet;
 mod papers;
@@ -11,8 +12,9 @@ pub mod table;
 pub mod task;
 mod training;
 
+pub use interrupted::{Interrupted, InterruptedError};
 pub use papers::{CHNN, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
-pub use training::{Ending, Limits, Recipe};
+pub use training::{Bounds, Ending, Limits, Recipe, TrainingError};
 
 /// A system with its number of elements: 2-pendulum.
 pub fn numbered(system: &str, count: usize) -> String {

@@ -32,11 +32,11 @@ pub trait Task: Sync {
     fn is_timed(&self) -> bool {
         false
     }
-    /// Does it; pictures go to a folder, if there is one.
+    /// Does it; pictures go to a folder, if there is one, and how far long training is, so that an interrupted one goes on.
     ///
     /// # Errors
     /// Where it cannot be done.
-    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError>;
+    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError>;
 }
 
 /// A share of the tasks: the `index`th, from 1, of `of`.
@@ -118,11 +118,11 @@ pub fn run_all(
 /// What the task has given in an earlier run, unless it failed.
 fn done_before(task: &dyn Task, results: Option<&Results>) -> Result<Option<Finished>, FolderError> {
     let Some(results) = results else { return Ok(None) };
-    let Some(finished) = results.read(&task.name())? else { return Ok(None) };
-    if finished.settings != task.settings() {
+    let done = results.read(&task.name())?.filter(|finished| finished.failure.is_none());
+    if done.as_ref().is_some_and(|finished| finished.settings != task.settings()) {
         return Err(FolderError::Settings { file: results.file(&task.name()) });
     }
-    Ok(Some(finished).filter(|finished| finished.failure.is_none()))
+    Ok(done)
 }
 
 fn finish(

@@ -1,9 +1,9 @@
 //! The checkpoint file.
 
-use super::fingerprint;
 use super::plan::Plan;
 use super::state::{Best, State};
 use crate::architecture::Architecture;
+use crate::sealed;
 use leastaction_core::model::Discretisation;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -91,23 +91,12 @@ impl Checkpoint {
     }
 
     pub fn write(&self, file: &Path) -> io::Result<()> {
-        let mut bytes = MAGIC.to_vec();
-        bytes = postcard::to_extend(self, bytes).map_err(io::Error::other)?;
-        let sum = fingerprint::of_bytes(&bytes);
-        bytes.extend(sum.to_le_bytes());
-        crate::atomic::write(file, &bytes)
+        sealed::write(file, MAGIC, self)
     }
 
     pub fn read(file: &Path) -> Result<Self, CheckpointError> {
         let bytes = fs::read(file).map_err(|error| CheckpointError::Read { file: file.to_owned(), error })?;
-        Self::decode(&bytes).ok_or_else(|| CheckpointError::Damaged { file: file.to_owned() })
-    }
-
-    fn decode(bytes: &[u8]) -> Option<Self> {
-        let (body, sum) = bytes.split_last_chunk::<8>()?;
-        let intact = fingerprint::of_bytes(body) == u64::from_le_bytes(*sum);
-        let body = body.strip_prefix(MAGIC).filter(|_| intact)?;
-        postcard::from_bytes(body).ok()
+        sealed::decode(&bytes, MAGIC).ok_or_else(|| CheckpointError::Damaged { file: file.to_owned() })
     }
 }
 

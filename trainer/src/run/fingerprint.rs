@@ -1,15 +1,9 @@
 //! Fingerprints that tell one input from another by accident, not by malice.
 
 use crate::data::{Dataset, Rows, Trajectory};
+use crate::sealed::CRC;
 use crate::training::LossKind;
-use crc::{CRC_64_XZ, Crc, Digest, Table};
-
-static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
-
-/// CRC-64/XZ of some bytes.
-pub(super) fn of_bytes(bytes: &[u8]) -> u64 {
-    CRC.checksum(bytes)
-}
+use crc::{Digest, Table};
 
 /// CRC-64/XZ over every number of a data set that the loss reads: the same for the same motion in another file or format,
 /// and, where the loss needs positions and controls alone, whatever the logged velocities and accelerations are.

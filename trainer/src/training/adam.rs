@@ -101,6 +101,11 @@ impl Adam {
         self.rate
     }
 
+    /// Epochs done.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
     /// One epoch: every sample once.
     pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
         let (mut squares, mut rows) = (0.0, 0);

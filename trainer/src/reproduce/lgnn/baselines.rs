@@ -1,6 +1,6 @@
 //! The models that the paper compares with, trained as its authors train them.
 
-use super::super::training::{Limits, Recipe};
+use super::super::training::{Bounds, Limits, Recipe};
 use super::recipe::JUDGES;
 use super::{Case, Experiment, Options, Outcome, ReproduceError, graph, published};
 use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
@@ -8,7 +8,6 @@ use crate::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use crate::training::{AdamSettings, Samples, Schedule};
 use leastaction_core::model::ModelError;
 use serde::Serialize;
-use std::time::Instant;
 
 /// Error a step of their rollouts, relative to 1 + |x|: that of the models is far above it.
 const TOLERANCE: f64 = 1e-8;
@@ -130,28 +129,28 @@ fn recipe(seed: u64) -> Recipe {
 /// [`ReproduceError`].
 pub fn run_baseline(
     (case, baseline): (Case, Baseline),
-    (options, limits): (&Options, Limits),
+    (options, bounds): (&Options, Bounds),
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Outcome>, ReproduceError> {
-    Experiment { case, options, tell }.baseline(baseline, limits)
+    Experiment { case, options, tell }.baseline(baseline, bounds)
 }
 
 impl Experiment<'_> {
-    fn baseline(&self, baseline: Baseline, limits: Limits) -> Result<Vec<Outcome>, ReproduceError> {
-        let (clock, seed, system) = (Instant::now(), self.options.seed, Baseline::trained(self.case));
+    fn baseline(&self, baseline: Baseline, bounds: Bounds) -> Result<Vec<Outcome>, ReproduceError> {
+        let (seed, system) = (self.options.seed, Baseline::trained(self.case));
         let samples = Samples::accelerations(&lgnn_set(&LgnnSettings::published(system, seed))?)?;
         let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
         let tell = |line: &str| (self.tell)(&format!("{}, {line}", baseline.name()));
         let model = baseline.model(system)?;
         let model = model.trained();
-        let trained = recipe(seed).train(model, rows.clone(), (seed, limits), &tell)?;
+        let trained = recipe(seed).train(model, rows.clone(), (seed, bounds), &tell)?;
         let row = Outcome {
             model: baseline.title(),
             samples: samples.len(),
             parameters: trained.weights.len(),
             train_mse: model.objective(rows)?.loss(&trained.weights),
             validation_mse: model.objective(judges)?.loss(&trained.weights),
-            train_seconds: clock.elapsed().as_secs_f64(),
+            train_seconds: trained.seconds,
             epochs: Some(trained.epochs),
             ending: trained.ending,
             ..Outcome::trained(self.case, system, seed)
@@ -159,7 +158,7 @@ impl Experiment<'_> {
         let one = |on: LgnnSystem| {
             let kind = if on == system { "trained" } else { "zero-shot" };
             let row = Outcome { kind, published: published::baseline(baseline, on), ..row.clone() };
-            self.baseline_on((row, baseline.model(on)?), on, &trained.weights, limits)
+            self.baseline_on((row, baseline.model(on)?), on, &trained.weights, bounds.limits)
         };
         baseline.systems(self.case).into_iter().map(one).collect()
     }

@@ -1,6 +1,6 @@
 //! What an experiment gives, and why it cannot be done.
 
-use super::super::training::{Ending, in_words};
+use super::super::training::{Ending, TrainingError, in_words};
 use super::{Case, Insight, Published};
 use crate::evaluate::rollouts::Rollouts;
 use crate::ground_truth::{GenerationError, IntegrationError, LgnnSystem};
@@ -115,7 +115,7 @@ impl Outcome {
 }
 
 /// An experiment that cannot be done.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Debug, Error)]
 pub enum ReproduceError {
     /// There is no data.
     #[error(transparent)]
@@ -123,6 +123,9 @@ pub enum ReproduceError {
     /// The shape is beyond what is compiled.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A model that the paper compares with cannot be trained.
+    #[error(transparent)]
+    Training(#[from] TrainingError),
     /// The exact motion cannot be followed.
     #[error(transparent)]
     Motion(#[from] IntegrationError),

@@ -1,9 +1,10 @@
 //! The experiments as tasks, their rows as records.
 
+use super::super::interrupted::Interrupted;
 use super::super::record::{Measure, Record};
 use super::super::table::number;
 use super::super::task::{Task, TaskError};
-use super::super::training::Limits;
+use super::super::training::{Bounds, Limits};
 use super::super::{numbered, option_name};
 use super::growth::Growth;
 use super::{Baseline, Case, Options, Outcome, figures, run, run_baseline};
@@ -90,14 +91,20 @@ impl Task for Experiment {
         self.case == Case::Scale && self.baseline.is_none()
     }
 
-    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
         let rows = match self.baseline {
             None => run(self.case, &self.options, tell)?,
-            Some((baseline, limits)) => run_baseline((self.case, baseline), (&self.options, limits), tell)?,
+            Some((baseline, limits)) => {
+                let settings = serde_json::to_string(&(self.case, baseline, self.options))?;
+                let run = |interrupted: Option<&Interrupted>| {
+                    run_baseline((self.case, baseline), (&self.options, Bounds { limits, interrupted }), tell)
+                };
+                Interrupted::resume(folder, &self.name(), settings, run)?
+            }
         };
         let mut records = Vec::new();
         for row in &rows {
-            let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &self.name(), row))?;
+            let drawn = folder.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &self.name(), row))?;
             let alone = if self.options.networks_alone { ", networks alone" } else { "" };
             let record = record(row)?;
             let model = format!("{}{alone}", record.model);

@@ -13,7 +13,8 @@ fn set(system: ManyBody) -> ModlanetSet {
 fn rows(case: Case, system: ManyBody, limits: Limits) -> Vec<Outcome> {
     let options = Options { iterations: Some(1), starts: 0, steps: 0, ..Options::new(0) };
     let set = set(system);
-    let one = |baseline| run_baseline((case, baseline), (&options, limits), Some(&set), &|_| ()).unwrap();
+    let bounds = Bounds { limits, interrupted: None };
+    let one = |baseline| run_baseline((case, baseline), (&options, bounds), Some(&set), &|_| ()).unwrap();
     Baseline::ALL.map(one).to_vec()
 }
 
@@ -51,7 +52,7 @@ fn divergence_ends_with_the_last_weights_that_had_a_loss() {
     let recipe = Baseline::LightHnn.recipe(system);
     let recipe = Recipe { adam: AdamSettings { learning_rate: 1e200, ..recipe.adam }, epochs: 9 };
     let samples = Samples::modlanet(&set(system).train);
-    let trained = recipe.train(&*model, samples.clone(), (0, Limits::default()), &|_| ()).unwrap();
+    let trained = recipe.train(&*model, samples.clone(), (0, Bounds::default()), &|_| ()).unwrap();
     let Ending::Diverged { epoch } = trained.ending else { panic!("{:?}", trained.ending) };
     assert_eq!(trained.epochs, epoch - 1);
     assert!(model.training(samples).unwrap().loss(&trained.weights).is_finite());

@@ -1,6 +1,6 @@
 //! The models that the paper compares with (Table 2 and Figure 5), trained as its authors train them.
 
-use super::super::training::{Limits, Recipe};
+use super::super::training::{Bounds, Limits, Recipe};
 use super::published;
 use super::{Experiment, Judge, Outcome, ReproduceError};
 use crate::baselines::{AccelerationModel, Follow, Hnn, Lnn, Mlp, Momenta};
@@ -9,7 +9,6 @@ use crate::ground_truth::ManyBody;
 use crate::training::{AdamSettings, Samples, Schedule};
 use leastaction_core::model::ModelError;
 use serde::Serialize;
-use std::time::Instant;
 
 /// Error a step of their predictions: that of the models is far above it.
 const TOLERANCE: f64 = 1e-8;
@@ -114,22 +113,20 @@ impl Experiment<'_> {
         &self,
         baseline: Baseline,
         (system, set): (ManyBody, &ModlanetSet),
-        limits: Limits,
+        bounds: Bounds,
         judge: Option<&Judge>,
     ) -> Result<Outcome, ReproduceError> {
-        let clock = Instant::now();
         let recipe = baseline.recipe(system);
         let model = baseline.model(system, &self.architecture(system, set)?.coordinates())?;
         let (name, samples) = (baseline.name(), Samples::modlanet(&set.train));
         let tell = |line: &str| (self.tell)(&format!("{name}, {line}"));
-        let trained = recipe.train(&*model, samples, (self.options.seed, limits), &tell)?;
-        let seconds = clock.elapsed().as_secs_f64();
+        let trained = recipe.train(&*model, samples, (self.options.seed, bounds), &tell)?;
         let learned = (&*model, trained.weights.as_slice());
-        let mut outcome = self.outcome(system, name, set, learned, seconds)?;
+        let mut outcome = self.outcome(system, name, set, learned, trained.seconds)?;
         outcome.published = published::baseline(system, baseline);
         (outcome.epochs, outcome.ending) = (Some(trained.epochs), trained.ending);
         if let Some(judge) = judge {
-            self.predict_baseline(&mut outcome, judge, learned, limits)?;
+            self.predict_baseline(&mut outcome, judge, learned, bounds.limits)?;
         }
         Ok(outcome)
     }

@@ -17,7 +17,7 @@ pub use recipe::{Model, architecture, fine_tune, train, tree};
 pub use stepping::{Energies, LongRun, SteppingError, long_run};
 pub use task::{ModlanetData, tasks};
 
-use super::training::{Ending, Limits};
+use super::training::{Bounds, Ending};
 use crate::architecture::ModularArchitecture;
 use crate::baselines::{AccelerationModel, Follow};
 use crate::data::modlanet::{ModlanetRows, ModlanetSet};
@@ -180,7 +180,7 @@ pub fn run(
 /// [`ReproduceError`].
 pub fn run_baseline(
     (case, baseline): (Case, Baseline),
-    (options, limits): (&Options, Limits),
+    (options, bounds): (&Options, Bounds),
     data: Option<&ModlanetSet>,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, ReproduceError> {
@@ -188,7 +188,7 @@ pub fn run_baseline(
     let system = case.system().unwrap_or(ManyBody::Pendulum(2));
     let set = data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok)?;
     let judge = experiment.judge(system, PREDICTION)?;
-    experiment.baseline(baseline, (system, &set), limits, judge.as_ref())
+    experiment.baseline(baseline, (system, &set), bounds, judge.as_ref())
 }
 
 /// As many trajectories as the trained sizes have.

@@ -1,6 +1,6 @@
 //! What an experiment gives, and why it cannot be done.
 
-use super::super::training::{Ending, in_words};
+use super::super::training::{Ending, TrainingError, in_words};
 use super::{Case, Energies, LongRun, Published, SteppingError};
 use crate::evaluate::prediction::Prediction;
 use crate::ground_truth::GenerationError;
@@ -141,7 +141,7 @@ pub struct Outcome {
 }
 
 /// An experiment that cannot be done.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Debug, Error)]
 pub enum ReproduceError {
     /// There is no data.
     #[error(transparent)]
@@ -149,6 +149,9 @@ pub enum ReproduceError {
     /// The shape is beyond what is compiled.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A model that the paper compares with cannot be trained.
+    #[error(transparent)]
+    Training(#[from] TrainingError),
     /// A step of the learned model failed.
     #[error(transparent)]
     Stepping(#[from] SteppingError),

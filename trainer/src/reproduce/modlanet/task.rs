@@ -1,8 +1,9 @@
 //! The experiments as tasks, their rows as records.
 
+use super::super::interrupted::Interrupted;
 use super::super::record::{Measure, Record};
 use super::super::task::{Task, TaskError};
-use super::super::training::Limits;
+use super::super::training::{Bounds, Limits};
 use super::super::{numbered, option_name};
 use super::{Baseline, Case, Options, Outcome, Predicted, Stepped, figures, run, run_baseline};
 use crate::data::modlanet::ModlanetSet;
@@ -92,17 +93,22 @@ impl Task for Experiment {
         }
     }
 
-    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
         let data = self.data.as_ref().map(|data| &*data.set);
         let rows = match self.baseline {
             None => run(self.case, &self.options, data, tell)?,
             Some((baseline, limits)) => {
-                vec![run_baseline((self.case, baseline), (&self.options, limits), data, tell)?]
+                let settings = serde_json::to_string(&(self.case, baseline, &self.options, self.data()))?;
+                let run = |interrupted: Option<&Interrupted>| {
+                    let bounds = Bounds { limits, interrupted };
+                    run_baseline((self.case, baseline), (&self.options, bounds), data, tell)
+                };
+                vec![Interrupted::resume(folder, &self.name(), settings, run)?]
             }
         };
         let mut records = Vec::new();
         for row in rows {
-            let drawn = pictures.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &row))?;
+            let drawn = folder.map_or(Ok(Vec::new()), |folder| figures::draw(folder, &row))?;
             records.push(Record { pictures: drawn, ..record(&row)? });
         }
         Ok(records)

@@ -106,7 +106,7 @@ impl Task for Experiment {
         per_trajectory * (self.case.trajectories + 8) as f64
     }
 
-    fn run(&self, pictures: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
         let watch = |iteration: usize, loss: f64| {
             if iteration.is_multiple_of(20) {
                 tell(&format!("iteration {iteration}: loss {loss:.2e}"));
@@ -120,7 +120,7 @@ impl Task for Experiment {
         let (clock, recipe) = (Instant::now(), case.recipe());
         let weights = case.train(&recipe, set, watch)?;
         let outcome = case.outcome(&recipe.architecture, &weights, set, clock.elapsed().as_secs_f64())?;
-        let drawn = pictures.filter(|_| case.trajectories == PORTRAYED && case.noise == 0.0);
+        let drawn = folder.filter(|_| case.trajectories == PORTRAYED && case.noise == 0.0);
         let drawn =
             drawn.map(|folder| portrait::draw(folder, &self.name(), case, (&recipe.architecture, &weights)));
         let record = record(case, &outcome, self.data.floor(case.order)?)?;
