@@ -120,16 +120,21 @@ const BLOCK: usize = 8;
 
 #[inline(always)]
 fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curvature]: [&mut [S]; 3]) {
-    // A full block has a length that the compiler knows: it becomes vectors. Where code is dear, one loop serves all.
+    // A full block has a length that the compiler knows, and rooms of its own that nothing else can lie in: it becomes vectors. Where
+    // code is dear, one loop serves all.
     if !S::APART
-        && let (Ok(z), Some((value, _))) =
-            (<&[S; BLOCK]>::try_from(z), value.split_first_chunk_mut::<BLOCK>())
-        && let (Some((slope, _)), Some((curvature, _))) =
-            (slope.split_first_chunk_mut::<BLOCK>(), curvature.split_first_chunk_mut::<BLOCK>())
+        && let Ok(z) = <&[S; BLOCK]>::try_from(z)
     {
+        let mut c = [[S::zero(); BLOCK]; 3];
+        let [values, slopes, curvatures] = &mut c;
         for (l, z) in z.iter().enumerate() {
             let c = sigma(*z);
-            (value[l], slope[l], curvature[l]) = (c.value, c.slope, c.curvature);
+            (values[l], slopes[l], curvatures[l]) = (c.value, c.slope, c.curvature);
+        }
+        for (room, c) in [value, slope, curvature].into_iter().zip(c) {
+            if let Some(room) = room.first_chunk_mut() {
+                *room = c;
+            }
         }
         return;
     }
