@@ -149,7 +149,7 @@ impl Recipe {
         let (spent, clock) = (course.spent, Instant::now());
         let (mut told, mut written) = (clock, clock);
         while course.adam.epoch() < epochs {
-            if limits.time.is_some_and(|time| course.spent >= time) {
+            if limits.time.is_some_and(|time| spent + clock.elapsed() >= time) {
                 return Ok(Ending::OutOfTime { epoch: course.adam.epoch() });
             }
             let (epoch, before) = (course.adam.epoch() + 1, course.adam.weights.clone());
