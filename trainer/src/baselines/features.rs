@@ -48,6 +48,11 @@ pub(super) fn count(coordinates: &str) -> usize {
     2 * coordinates.len() + coordinates.matches('a').count()
 }
 
+/// Values that do not move.
+pub(super) fn fixed(values: &[f64]) -> Vec<Jet<f64, 0>> {
+    values.iter().copied().map(Jet::constant).collect()
+}
+
 /// Values with their derivative along a direction.
 pub(super) fn moving<S: Scalar>(values: &[S], direction: &[S]) -> Vec<Jet<S, 1>> {
     values.iter().zip(direction).map(|(value, rate)| Jet { value: *value, tangent: [*rate] }).collect()

@@ -1,7 +1,7 @@
 //! A plain network from the state to the acceleration, which knows nothing of mechanics.
 
 use super::batch::{Batched, Derivatives, Layers, Pass, matrix};
-use super::features::{count, inputs};
+use super::features::{count, fixed, inputs};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
 use crate::architecture::random_layers;
 use crate::evaluate::prediction::{Prediction, Truth};
@@ -80,7 +80,7 @@ impl Mlp {
     /// s(q) and v/ν of one sample.
     fn inputs(&self, q: &[f64], v: &[f64]) -> Vec<Jet<f64, 0>> {
         let state: Vec<_> = q.iter().copied().chain(v.iter().map(|v| v / self.velocity)).collect();
-        inputs(&self.coordinates, &state.into_iter().map(Jet::constant).collect::<Vec<_>>())
+        inputs(&self.coordinates, &fixed(&state))
     }
 
     fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w, f64, DEPTH>> {

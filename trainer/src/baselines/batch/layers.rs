@@ -76,7 +76,7 @@ impl Layers {
         Pass { inputs, outputs }
     }
 
-    /// ẏ along ẋ: what every layer is given, and the outputs.
+    /// The tangents along ẋ of what every layer is given.
     pub fn tangent(&self, pass: &Pass, x: Mat<f64>) -> Each {
         let mut inputs = vec![x];
         for (k, layer) in self.0.iter().enumerate().take(self.0.len() - 1) {

@@ -5,7 +5,7 @@ mod slopes;
 
 pub use momenta::Momenta;
 
-use super::features::{adjoint, count, inputs};
+use super::features::{adjoint, count, fixed, inputs};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
 use crate::architecture::random_layers;
 use crate::evaluate::prediction::{Prediction, Truth};
@@ -69,8 +69,7 @@ impl Hnn {
 
     /// (H_q, H_p) at (q, p).
     fn gradient(&self, network: &Network, state: &[f64]) -> Vec<f64> {
-        let state: Vec<_> = state.iter().copied().map(Jet::<f64, 0>::constant).collect();
-        let x = inputs(&self.coordinates, &state);
+        let x = inputs(&self.coordinates, &fixed(state));
         let mut tape = Tape::<f64, 0, MAX_WIDTH, DEPTH>::default();
         let mut x_bar = vec![Jet::zero(); x.len()];
         network.forward(&x, &mut tape, &mut [Jet::zero()]);

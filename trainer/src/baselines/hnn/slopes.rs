@@ -2,7 +2,7 @@
 
 use super::Hnn;
 use crate::baselines::batch::{Adjoint, Batched, Derivatives, Layers, Pass, matrix};
-use crate::baselines::features::{count, inputs, moving};
+use crate::baselines::features::{count, fixed, inputs, moving};
 use crate::training::Samples;
 use faer::{Mat, MatRef};
 use std::ops::Range;
@@ -63,7 +63,7 @@ impl Slopes {
                 let moved = inputs(&hnn.coordinates, &moving(&state, direction));
                 along.extend(moved.iter().map(|x| x.tangent[0]));
             }
-            x.extend(inputs(&hnn.coordinates, &moving(&state, &state)).iter().map(|x| x.value));
+            x.extend(inputs(&hnn.coordinates, &fixed(&state)).iter().map(|x| x.value));
             t.extend(targets);
         }
         let width = count(&hnn.coordinates);
