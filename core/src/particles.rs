@@ -17,13 +17,13 @@ use crate::scalar::Real;
 pub trait Particles<R: Real, const D: usize> {
     /// Number of nodes.
     fn nodes(&self) -> usize;
-    /// Numbers of scratch room that [`Particles::energies`] and [`Particles::l_q`] need; what it holds between calls is of no
+    /// Numbers of workspace that [`Particles::energies`] and [`Particles::l_q`] need; what it holds between calls is of no
     /// meaning.
-    fn room(&self) -> usize;
+    fn workspace(&self) -> usize;
     /// T(v) and V(q), J.
-    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R>;
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R>;
     /// Writes L_q = −V_q, N.
-    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]);
+    fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]);
     /// p_i = ∂T_i/∂v_i of one node, kg m/s.
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D];
     /// M_i = ∂²T_i/∂v_i² of one node, kg: symmetric.

@@ -8,13 +8,12 @@ use leastaction_core::continuous::{
 };
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::Singular;
 
 fn check_inverse<L, const N: usize>(lagrangian: L)
 where
     L: Lagrangian<f64, N>,
-    L::Mass: MassMatrix<f64, N>,
 {
     let mut random = Random(12);
     let forces = Viscous { coefficients: core::array::from_fn(|i| 0.1 + 0.2 * i as f64) };
@@ -22,7 +21,7 @@ where
     for _ in 0..10 {
         let (q, v, u) = (random.array(3.0), random.array(2.0), random.array(5.0));
         let a = acceleration(&system, &q, &v, &u).unwrap();
-        assert_vectors_close("u", &inverse_dynamics(&system, &q, &v, &a), &u, 1e-12);
+        assert_vectors_close("u", &inverse_dynamics(&system, &q, &v, &a).unwrap(), &u, 1e-12);
     }
 }
 

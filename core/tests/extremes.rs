@@ -9,11 +9,11 @@ use leastaction_core::continuous::{
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
 use leastaction_core::energy::Learnable;
-use leastaction_core::energy::modular::{Input, Node, PairInput};
+use leastaction_core::energy::modular::{Input, PairInput, TreeElement};
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Compensated, Scalar, all_finite, max_abs};
 use proptest::prelude::*;
@@ -64,13 +64,12 @@ fn steps<P: Path, L: Lagrangian<f32, 2>>(
 fn everything<L>(lagrangian: L, damping: [f32; 2], h: f32, q: [f32; 2], v: [f32; 2], u: [f32; 2])
 where
     L: Lagrangian<f32, 2>,
-    L::Mass: MassMatrix<f32, 2>,
 {
     let system = System { lagrangian, forces: Viscous { coefficients: damping } };
     let _ = (system.lagrangian.energies(&q, &v), system.lagrangian.hessian(&q, &v));
     let _ = (acceleration(&system, &q, &v, &u), inverse_dynamics(&system, &q, &v, &u));
     let _ = (energy(&system.lagrangian, &q, &v), momentum(&system.lagrangian, &q, &v));
-    let _ = (system.forces.force(&q, &v), system.forces.derivatives(&q, &v));
+    let _ = (system.forces.force(&q, &v, &q), system.forces.derivatives(&q, &v, &q));
     let state = ContinuousState { q, v };
     let _ = (rk4_step(&system, &state, &u, h), midpoint_step(&system, &state, &u, h));
     steps::<Midpoint, L>(&system, h, q, v, u);
@@ -85,12 +84,12 @@ const KINDS: [[Coordinate; 2]; 4] =
 const INPUTS: [Input; 3] = [Input::Translation, Input::Angle, Input::WrappedAngle];
 const PAIRS: [Option<PairInput>; 4] =
     [None, Some(PairInput::Concat), Some(PairInput::Difference), Some(PairInput::Distance)];
-const TREES: [&[Node]; 5] = [
-    &[Node { kind: 0, parent: None }, Node { kind: 0, parent: Some(0) }],
-    &[Node { kind: 1, parent: None }, Node { kind: 0, parent: Some(0) }],
-    &[Node { kind: 2, parent: None }, Node { kind: 1, parent: Some(0) }],
-    &[Node { kind: 2, parent: None }, Node { kind: 2, parent: None }],
-    &[Node { kind: 0, parent: None }, Node { kind: 0, parent: None }],
+const TREES: [&[TreeElement]; 5] = [
+    &[TreeElement { kind: 0, parent: None }, TreeElement { kind: 0, parent: Some(0) }],
+    &[TreeElement { kind: 1, parent: None }, TreeElement { kind: 0, parent: Some(0) }],
+    &[TreeElement { kind: 2, parent: None }, TreeElement { kind: 1, parent: Some(0) }],
+    &[TreeElement { kind: 2, parent: None }, TreeElement { kind: 2, parent: None }],
+    &[TreeElement { kind: 0, parent: None }, TreeElement { kind: 0, parent: None }],
 ];
 
 proptest! {

@@ -8,7 +8,7 @@ use common::trees::network;
 use common::{assert_close, assert_vectors_close};
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
-    Drag, Edge, GraphError, Kinetic, MAX_EDGE_TYPES, MAX_NODE_TYPES, Potential, Shape,
+    Drag, Edge, GraphError, GraphShape, Kinetic, MAX_EDGE_TYPES, MAX_NODE_TYPES, Potential,
 };
 use leastaction_core::model::{
     FORMAT_VERSION, GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS, ModelError, ModularModel, Rod, parse,
@@ -36,7 +36,7 @@ fn header_refusal(header: GraphHeader) -> ModelError {
     refusal(&file::write(web_header(header), &weights))
 }
 
-fn with_shape(change: impl FnOnce(&mut Shape)) -> GraphHeader<'static> {
+fn with_shape(change: impl FnOnce(&mut GraphShape)) -> GraphHeader<'static> {
     let mut header = web();
     change(&mut header.shape);
     header
@@ -68,7 +68,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert!(file.bytes().as_ptr_range().contains(&weights.as_ptr().cast()), "borrowed in place");
     let mut edges = [Edge::default(); 3];
     let model = Web::load(file.bytes(), "ring", &mut edges).unwrap();
-    assert_eq!(model.discretisation, parsed.header.discretisation);
+    assert_eq!(model.trained_step, parsed.header.trained_step);
     assert_eq!(model.graph.nodes(), [0, 1, 1]);
     assert!(file.bytes().as_ptr_range().contains(&model.graph.nodes().as_ptr()), "borrowed in place");
     assert_eq!(model.graph.edges(), [edge(0, 0, 1), edge(0, 1, 2), edge(0, 2, 0)]);
@@ -106,8 +106,8 @@ fn a_loaded_graph_is_the_one_of_its_weights() {
     let mut twin = Model::<2>::new(file::web_shape(), graph.nodes(), graph.edges(), 0);
     twin.weights = web_weights(WEB_NUMBERS).into_iter().map(f64::from).collect();
     let (q, v) = ([[0.5_f32, -1.0], [2.0, 0.25], [-1.5, 1.0]], [[1.0_f32, -0.5], [0.25, 2.0], [0.0, 0.75]]);
-    let mut room = vec![0.0; Particles::<f32, 2>::room(&graph)];
-    let found = graph.energies(&q, &v, &mut room);
+    let mut workspace = vec![0.0; Particles::<f32, 2>::workspace(&graph)];
+    let found = graph.energies(&q, &v, &mut workspace);
     let wide = v.map(|v| v.map(f64::from));
     let kinetic: f64 = twin.nodes.iter().zip(&wide).map(|(kind, v)| twin.naive_kinetic(*kind, v)).sum();
     assert_close("T", found.kinetic.into(), kinetic, 3e-6);
@@ -324,10 +324,10 @@ fn evaluate(file: &Aligned, name: &str) {
     let mut edges = [Edge::default(); 8];
     if let Ok(model) = GraphModel::<2, 12, 8, 3>::load(file.bytes(), name, &mut edges) {
         let (graph, nodes) = (model.graph, model.graph.nodes().len());
-        let mut room = vec![0.0; Particles::<f32, 2>::room(&graph)];
+        let mut workspace = vec![0.0; Particles::<f32, 2>::workspace(&graph)];
         let (q, mut l_q) = (vec![[0.3_f32; 2]; nodes], vec![[0.0; 2]; nodes]);
-        graph.l_q(&q, &mut room, &mut l_q);
-        let _ = graph.energies(&q, &q, &mut room);
+        graph.l_q(&q, &mut workspace, &mut l_q);
+        let _ = graph.energies(&q, &q, &mut workspace);
         let _ = (graph.drag(0, &q[0]), Particles::mass(&graph, nodes - 1, &q[0]));
     }
 }

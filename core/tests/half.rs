@@ -10,7 +10,7 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Del, Galerkin, State};
 use leastaction_core::energy::graph::{Edge, Fixed, Graph};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{GraphModel, Header, ModelError, ModularModel, RigidModel, parse};
 use leastaction_core::scalar::{Stored, Weights, f16};
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn files(header: Header, weights: &[f32]) -> [Aligned; 2] {
 /// An acceleration and a step of order 4, as bits.
 fn motion<L, F, const N: usize>(system: &System<L, F>) -> Vec<u32>
 where
-    L: Lagrangian<f32, N, Mass: MassMatrix<f32, N>>,
+    L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
     let (q, v) = (std::array::from_fn(|i| 0.3 + i as f32), std::array::from_fn(|i| 0.5 - i as f32));

@@ -10,7 +10,7 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    Discretisation, FORMAT_VERSION, Family, Header, ModelError, RigidHeader, RigidModel, parse, parse_as,
+    FORMAT_VERSION, Family, Header, ModelError, RigidHeader, RigidModel, TrainedStep, parse, parse_as,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
@@ -35,7 +35,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert_eq!(parsed.weights, Weights::Single(&file::weights(&CARTPOLE)));
     assert_eq!((parsed.weights.bits(), parsed.weights.len()), (32, file::weights(&CARTPOLE).len()));
     let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
-    assert_eq!(model.discretisation, HEADER.discretisation);
+    assert_eq!(model.trained_step, HEADER.trained_step);
     assert_eq!(model.system.forces.coefficients, [0.125; 2]);
     assert_eq!(model.system.lagrangian.coordinates(), &[Translation, Angle]);
     // Borrowed in place.
@@ -75,10 +75,10 @@ fn headers_without_options_load_too() {
         damped: false,
     };
     for provenance in ["", "a", "ab", "abc"] {
-        let header = Header { family: Family::Rigid(rigid), discretisation: None, provenance };
+        let header = Header { family: Family::Rigid(rigid), trained_step: None, provenance };
         let file = Aligned::new(&file::write(header, &file::weights(&rigid)));
         let model = RigidModel::<1, 6, 1>::load(file.bytes()).unwrap();
-        assert_eq!((model.discretisation, model.system.forces.coefficients), (None, [0.0]));
+        assert_eq!((model.trained_step, model.system.forces.coefficients), (None, [0.0]));
     }
 }
 
@@ -159,7 +159,7 @@ fn the_shape_must_be_the_compiled_one() {
 #[test]
 fn header_fields_out_of_range_are_errors() {
     let epsilon = |epsilon| RigidHeader { inertia: Inertia::Cholesky { epsilon }, ..CARTPOLE };
-    let step = |order, h| Header { discretisation: Some(Discretisation { order, h }), ..HEADER };
+    let step = |order, h| Header { trained_step: Some(TrainedStep { order, h }), ..HEADER };
     let cases = [
         (step(3, 0.05), "order"),
         (step(0, 0.05), "order"),
@@ -232,7 +232,7 @@ fn a_file_of_one_family_says_the_same_as_of_any() {
     let file = Aligned::new(&file::golden());
     let (any, one) = (parse(file.bytes()).unwrap(), parse_as::<RigidHeader, f32>(file.bytes()).unwrap());
     assert_eq!(any.header.family, Family::Rigid(one.shape));
-    assert_eq!(any.header.discretisation, one.discretisation);
+    assert_eq!(any.header.trained_step, one.trained_step);
     assert_eq!((any.header.provenance, any.weights), (one.provenance, Weights::Single(one.weights)));
 }
 

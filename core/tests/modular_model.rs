@@ -8,7 +8,7 @@ use common::oracle::Learned;
 use common::trees::{self, network, node};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::modular::{
-    NUMBERS, Node, PairInput, PairShape, Shape, TransformShape, TreeError, TypeShape,
+    ELEMENT_PARAMETERS, ModularShape, PairInput, PairShape, TransformShape, TreeElement, TreeError, TypeShape,
 };
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
@@ -29,14 +29,14 @@ fn refusal(file: &[u8]) -> ModelError {
 fn header_refusal(header: ModularHeader<'static>) -> ModelError {
     let count = header.parameters().unwrap();
     let mut weights = arm_weights(ARM_NUMBERS);
-    let numbers = weights.split_off(weights.len() - NUMBERS * 3 - 2);
-    let networks = count.saturating_sub(NUMBERS * header.shape.types().count() + 2);
+    let numbers = weights.split_off(weights.len() - ELEMENT_PARAMETERS * 3 - 2);
+    let networks = count.saturating_sub(ELEMENT_PARAMETERS * header.shape.types().count() + 2);
     weights.resize(networks, 0.5);
     weights.extend(numbers.into_iter().chain([1.0; 64]).take(count - networks));
     refusal(&file::write(arm_header(header), &weights))
 }
 
-fn with_shape(change: impl FnOnce(&mut Shape)) -> ModularHeader<'static> {
+fn with_shape(change: impl FnOnce(&mut ModularShape)) -> ModularHeader<'static> {
     let mut header = arm();
     change(&mut header.shape);
     header
@@ -57,7 +57,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert_eq!(weights, arm_weights(ARM_NUMBERS));
     assert!(file.bytes().as_ptr_range().contains(&weights.as_ptr().cast()), "borrowed in place");
     let model = Arm::load(file.bytes(), "arm").unwrap();
-    assert_eq!(model.discretisation, parsed.header.discretisation);
+    assert_eq!(model.trained_step, parsed.header.trained_step);
     assert_eq!(model.system.forces.coefficients, [0.5, 0.125, 0.0]);
     assert_eq!(model.system.lagrangian.coefficients, file::ARM_COEFFICIENTS);
     let masses = model.system.lagrangian.types.map(|t| t.unwrap().numbers.mass);
@@ -241,7 +241,7 @@ fn numbers_of_a_type_are_in_range() {
         ] {
             assert_eq!(refusal(&with(kind, number, value)), ModelError::OutOfRange { what });
         }
-        for number in 0..NUMBERS {
+        for number in 0..ELEMENT_PARAMETERS {
             let error = refusal(&with(kind, number, f32::NAN));
             assert!(matches!(error, ModelError::NotFinite { .. }), "{error:?}");
         }
@@ -252,7 +252,7 @@ fn numbers_of_a_type_are_in_range() {
 fn weights_are_as_many_as_the_shape_says() {
     let weights = arm_weights(ARM_NUMBERS);
     let needed = weights.len();
-    assert_eq!(needed, (3 * 4 + 5 * 3 + 4 * 2) + (3 * 5 + 6) + 2 + 3 * NUMBERS + 2);
+    assert_eq!(needed, (3 * 4 + 5 * 3 + 4 * 2) + (3 * 5 + 6) + 2 + 3 * ELEMENT_PARAMETERS + 2);
     let error = refusal(&file::write(arm_header(arm()), &weights[1..]));
     assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
     // Every network as wide as it can be: more numbers than any file has, and no overflow.
@@ -320,10 +320,10 @@ proptest! {
         trees[0] = TreeHeader { name: "random", elements: &bytes };
         let header = leastaction_core::model::Header {
             family: Family::Modular(ModularHeader { trees, ..arm() }),
-            discretisation: None,
+            trained_step: None,
             provenance: "",
         };
-        let nodes: Vec<Node> = trees[0].nodes().collect();
+        let nodes: Vec<TreeElement> = trees[0].nodes().collect();
         let valid = elements.iter().zip(0u8..).all(|((kind, parent), e)| *kind < 3 && *parent <= e);
         let file = Aligned::new(&file::write(header, &arm_weights(ARM_NUMBERS)));
         prop_assert_eq!(parse(file.bytes()).is_ok(), valid, "{:?}", nodes);

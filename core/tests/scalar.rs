@@ -161,7 +161,7 @@ fn evaluated<S: Scalar<Weight = f64>, const N: usize>(model: &Model<N>, q: &[S; 
     let (e, g, d, h) =
         (rigid.energies(q, v), rigid.gradient(q, v), rigid.dynamics(q, v), rigid.hessian(q, v));
     let vectors = [g.l_q, g.l_v, d.l_q, d.l_v, d.l_vq_v, h.l_q, h.l_v].concat();
-    let matrices = [d.mass.0.concat(), h.l_qq.concat(), h.l_vq.concat(), h.l_vv.concat()].concat();
+    let matrices = [d.mass.concat(), h.l_qq.concat(), h.l_vq.concat(), h.l_vv.concat()].concat();
     [vec![e.kinetic, e.potential], vectors, matrices].concat()
 }
 

@@ -1,8 +1,8 @@
 use leastaction_core::continuous::{self, ContinuousState};
 use leastaction_core::discrete::{Control, Del, Path, Report, State, StepError};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{Energies, Gradient, Hessian, Lagrangian, MassMatrix};
-use leastaction_core::linear::Singular;
+use leastaction_core::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
+use leastaction_core::linear::{self, Singular};
 
 /// A system in N coordinates that can be simulated and controlled in f32: what plants and models have in common.
 ///
@@ -19,7 +19,7 @@ pub trait Mechanism<const N: usize> {
     /// v = M⁻¹p.
     fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], Singular>;
     /// The control that produces the acceleration a.
-    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> [f32; N];
+    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], Singular>;
     /// One Runge–Kutta step of h seconds under a held control.
     fn rk4_step(
         &self,
@@ -48,7 +48,6 @@ pub trait Mechanism<const N: usize> {
 impl<L, F, const N: usize> Mechanism<N> for System<L, F>
 where
     L: Lagrangian<f32, N>,
-    L::Mass: MassMatrix<f32, N>,
     F: Forces<f32, N>,
 {
     fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
@@ -60,7 +59,7 @@ where
     }
 
     fn damping(&self, q: &[f32; N], v: &[f32; N]) -> ([[f32; N]; N], [[f32; N]; N]) {
-        self.forces.derivatives(q, v)
+        self.forces.derivatives(q, v, &[0.0; N])
     }
 
     fn inertial_force(&self, q: &[f32; N], a: &[f32; N]) -> [f32; N] {
@@ -70,10 +69,10 @@ where
     }
 
     fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], Singular> {
-        self.lagrangian.dynamics(q, &[0.0; N]).mass.solve(p)
+        linear::solve(self.lagrangian.dynamics(q, &[0.0; N]).mass, *p)
     }
 
-    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> [f32; N] {
+    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], Singular> {
         continuous::inverse_dynamics(self, q, v, a)
     }
 

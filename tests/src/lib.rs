@@ -1,8 +1,11 @@
 //! What the cross-crate tests and the peer programs share.
 
 use leastaction_core::constraints::{Constrained, ConstraintError};
-use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
+use leastaction_core::discrete::{
+    Order,
+    rattle::{ParticleState, Rattle},
+};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
@@ -111,13 +114,13 @@ fn bobs(order: Order, steps: u32) -> Result<u64, Refused> {
     let model = Bobs::load(&PENDULUMS.0, GRAPH, &mut []).map_err(Refused::Model)?;
     let rods = chain();
     let mechanism = Constrained::new(&model.graph, &rods[..]).map_err(Refused::Particles)?;
-    let mut room = vec![0.0; Rattle::room(&mechanism)];
-    let mut numbers = vec![0.0; ParticleState::<f32, 2>::room(BOBS, BOBS)];
-    let state = ParticleState::new(&mechanism, &aslant(), &[[0.0; 2]; BOBS], &mut numbers, &mut room)
+    let mut workspace = vec![0.0; Rattle::workspace(&mechanism)];
+    let mut numbers = vec![0.0; ParticleState::<f32, 2>::workspace(BOBS, BOBS)];
+    let state = ParticleState::new(&mechanism, &aslant(), &[[0.0; 2]; BOBS], &mut numbers, &mut workspace)
         .map_err(Refused::Particles)?;
     let mut force = [[0.0; 2]; BOBS];
     let rattle = Rattle::with_newton(STEP, order, newton());
-    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, &mut room);
+    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, &mut workspace);
     Ok(fingerprint(&mut motion, steps).map_err(Refused::Particles)?.value())
 }
 
@@ -156,8 +159,8 @@ pub fn refusals() -> String {
 /// Why a file is refused as a cart-pole; `None` where it is not.
 pub fn refused_cartpole(file: &[u8]) -> Option<ModelFault> {
     let mut words = vec![0_u32; file.len().div_ceil(4)];
-    let room = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
-    room.iter_mut().zip(file).for_each(|(to, from)| *to = *from);
+    let workspace = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
+    workspace.iter_mut().zip(file).for_each(|(to, from)| *to = *from);
     let aligned = bytemuck::cast_slice(&words).get(..file.len()).unwrap_or_default();
     Cartpole::load(aligned).err().map(ModelFault::from)
 }

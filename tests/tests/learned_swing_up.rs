@@ -20,7 +20,7 @@ fn a_learned_cartpole_swings_up_from_twenty_starts() {
     for seed in 0..STARTS {
         let mut config = SwingUpConfig::cartpole();
         config.setup.seed = seed;
-        config.setup.observer.order = Order::from_number(model.discretisation.unwrap().order).unwrap();
+        config.setup.observer.order = Order::from_number(model.trained_step.unwrap().order).unwrap();
         let devices = config.setup.devices;
         assert!(devices.actuator.delay == 1 && devices.encoders.iter().all(|encoder| encoder.noise > 0.0));
         let mut last = None;

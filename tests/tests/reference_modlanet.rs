@@ -10,9 +10,9 @@ use leastaction::ground_truth::ManyBody;
 use leastaction::import::{Imported, modlanet};
 use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::acceleration;
-use leastaction_core::energy::modular::{MAX_TYPES, NUMBERS};
+use leastaction_core::energy::modular::{ELEMENT_PARAMETERS, MAX_TYPES};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 use reference::{Arrays, EXACT, assert_close, assert_within, data, in_single, scale};
 use std::fs;
@@ -25,7 +25,7 @@ const WIDTH: usize = 50;
 /// Agreement of single precision: tens of units in the last place, for velocities and angles are rounded to it too.
 const SINGLE: f64 = 3e-6;
 /// The numbers after the networks: those of the one type, then c₁ and c₂.
-const TAIL: usize = NUMBERS + 2;
+const TAIL: usize = ELEMENT_PARAMETERS + 2;
 
 fn path(name: &str) -> PathBuf {
     data("modlanet").join(name)
@@ -41,7 +41,7 @@ fn gradient(arrays: &mut Arrays, prefix: &str) -> Vec<f64> {
     let imported = modlanet(&arrays.as_weights(prefix), ManyBody::Pendulum(N), Some(1.0));
     let mut gradient = imported.expect("gradient as weights").weights;
     let start = gradient.len() - TAIL;
-    gradient[start..start + NUMBERS].fill(0.0);
+    gradient[start..start + ELEMENT_PARAMETERS].fill(0.0);
     gradient[start] = arrays.get(&format!("{prefix}mass.weight"))[0];
     gradient
 }
@@ -61,7 +61,7 @@ struct Values {
 fn values<R, L, F>(system: &System<L, F>, (q, v): (&[f64], &[f64]), real: fn(f64) -> R) -> Values
 where
     R: Real,
-    L: Lagrangian<R, N, Mass = DenseMass<R, N>>,
+    L: Lagrangian<R, N>,
     F: Forces<R, N>,
 {
     let mut out = Values::default();
@@ -73,7 +73,7 @@ where
         let gradient = system.lagrangian.gradient(&q, &v);
         out.l_q.extend(gradient.l_q.map(R::to_f64));
         out.l_v.extend(gradient.l_v.map(R::to_f64));
-        out.mass.extend(system.lagrangian.dynamics(&q, &v).mass.0.as_flattened().iter().map(|x| x.to_f64()));
+        out.mass.extend(system.lagrangian.dynamics(&q, &v).mass.as_flattened().iter().map(|x| x.to_f64()));
         out.l_vq.extend(system.lagrangian.hessian(&q, &v).l_vq.as_flattened().iter().map(|x| x.to_f64()));
         let a = acceleration(system, &q, &v, &[real(0.0); N]).expect("mass");
         out.acceleration.extend(a.map(R::to_f64));
@@ -191,12 +191,12 @@ fn losses_and_parameter_gradients_agree() {
         let mass = start;
         assert_close(
             &format!("{what}: gradient, c1 and c2"),
-            &ours[mass + NUMBERS..],
-            &theirs[mass + NUMBERS..],
+            &ours[mass + ELEMENT_PARAMETERS..],
+            &theirs[mass + ELEMENT_PARAMETERS..],
             EXACT,
         );
         // The mass multiplies all of L: its gradient is 0, in both programs up to rounding.
-        let numbers = mass..mass + NUMBERS;
+        let numbers = mass..mass + ELEMENT_PARAMETERS;
         assert_within(
             &format!("{what}: gradient, mass"),
             &ours[numbers.clone()],

@@ -215,7 +215,7 @@ impl Visitor for InertiaError<'_> {
         let mut squares = Vec::new();
         for q in self.data.trajectories.iter().flat_map(|t| t.q.iter()) {
             let learned =
-                system.lagrangian.dynamics(&std::array::from_fn::<f64, N, _>(|i| q[i]), &[0.0; N]).mass.0;
+                system.lagrangian.dynamics(&std::array::from_fn::<f64, N, _>(|i| q[i]), &[0.0; N]).mass;
             let exact = exact_mass(self.mechanism, q);
             squares.extend(learned.as_flattened().iter().zip(&exact).map(|(a, b)| (a - b) * (a - b)));
         }

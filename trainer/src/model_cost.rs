@@ -145,7 +145,7 @@ impl Evaluations {
 
     /// At every Gauss point the second derivatives and, for the residual after the update, the first derivatives once more.
     fn newton<P: Path, const N: usize>(&self) -> Work {
-        let nodes = P::nodes::<f32>().as_ref().len();
+        let nodes = P::points::<f32>().as_ref().len();
         let sums =
             size_of::<Linearised<f32, N>>() + size_of::<Solved<f32, P, N>>() + size_of::<State<f32, N>>();
         Work {
@@ -223,8 +223,8 @@ fn tape<const T: usize, const A: usize>(widest: usize, depth: usize) -> usize {
 /// layers of a plain adjoint.
 fn bends<const T: usize>(widest: usize, depth: usize) -> usize {
     let unit = size_of::<Jet<f32, T>>();
-    let room = (unit * widest + WORD).max(2 * (WORD * widest + WORD));
-    depth * ((unit + WORD) * widest + 2 * WORD) + room
+    let workspace = (unit * widest + WORD).max(2 * (WORD * widest + WORD));
+    depth * ((unit + WORD) * widest + 2 * WORD) + workspace
 }
 
 /// Inputs and outputs of the network.
@@ -241,7 +241,7 @@ mod tests {
     use super::*;
     use leastaction_core::energy::rigid::Coordinate;
     use leastaction_core::model::RigidModel;
-    use leastaction_core::network::Bends;
+    use leastaction_core::network::SecondOrderTape;
 
     fn cartpole(width: u16) -> Architecture {
         RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn the_bends_are_those_of_the_compiled_sizes() {
-        let bends = size_of::<Bends<f32, 2, 24, 2>>();
+        let bends = size_of::<SecondOrderTape<f32, 2, 24, 2>>();
         let adjoint = size_of::<[[Jet<f32, 0>; 24]; 2]>();
         let stack = cost(&cartpole(24)).unwrap().step_order_2.stack_bytes;
         assert!((bends + adjoint..bends + adjoint + 1024).contains(&stack), "{stack}");

@@ -8,7 +8,7 @@ use leastaction_core::continuous::{
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -20,7 +20,6 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
 fn evaluate<L, const N: usize>(system: &System<L, Viscous<f32, N>>, [q, v, u]: &[[f32; N]; 3]) -> f32
 where
     L: Lagrangian<f32, N>,
-    L::Mass: MassMatrix<f32, N>,
 {
     let a = acceleration(system, q, v, u).unwrap_or(*q);
     let force = inverse_dynamics(system, q, v, &a);
@@ -50,7 +49,6 @@ fn step<L: Lagrangian<f32, N>, P: Path, const N: usize>(
 pub fn everything<L, const N: usize>(system: &System<L, Viscous<f32, N>>)
 where
     L: Lagrangian<f32, N>,
-    L::Mass: MassMatrix<f32, N>,
 {
     let at = &black_box([[0.1; N]; 3]);
     black_box(evaluate(system, at));

@@ -2,9 +2,9 @@
 
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Path, State};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Real, Scalar, Stored};
 
@@ -44,8 +44,8 @@ impl<W: Plain> Network<W> {
     }
 }
 
-fn shape(widths: &[usize]) -> Shape<'_, 2> {
-    Shape {
+fn shape(widths: &[usize]) -> RigidShape<'_, 2> {
+    RigidShape {
         coordinates: [Coordinate::Translation, Coordinate::Angle],
         widths,
         activation: Activation::Tanh,
@@ -68,7 +68,6 @@ pub fn acceleration<R: Real, L, const N: usize>(
 ) -> [R; N]
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
 {
     let invalid = R::constant(f64::NAN);
     continuous::acceleration(system, q, v, u).unwrap_or([invalid; N])

@@ -58,7 +58,7 @@ pub unsafe extern "C" fn leastaction_inverse_dynamics(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v, a]) = unsafe { (loaded(model)?, vectors([q, v, a], 2, n)?) };
         let out = output(u, 6)?;
-        let u = finite(inverse_dynamics(&mechanism.system(), &q, &v, &a))?;
+        let u = finite(inverse_dynamics(&mechanism.system(), &q, &v, &a)?)?;
         // SAFETY: the caller's promise.
         unsafe { out.write(u) };
         Ok(())

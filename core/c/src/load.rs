@@ -47,7 +47,7 @@ pub unsafe extern "C" fn leastaction_load(
     unsafe { call(error, load) }
 }
 
-/// Says that nothing is loaded, and hands out the room for edges.
+/// Says that nothing is loaded, and hands out the workspace for edges.
 ///
 /// # Safety
 /// `place` can be written to, and what is handed out is used before it is cleared again.
@@ -97,7 +97,7 @@ pub unsafe extern "C" fn leastaction_trained_step(
         // SAFETY: the caller's promise.
         let mechanism = unsafe { loaded(model) }?;
         let (h, order) = (Given::new(h, 2)?, Given::new(order, 3)?);
-        let trained = mechanism.discretisation().ok_or(Status::NoStep)?;
+        let trained = mechanism.trained_step().ok_or(Status::NoStep)?;
         // SAFETY: the caller's promise.
         unsafe { (h.write(trained.h), order.write(trained.order)) };
         Ok(())

@@ -10,14 +10,14 @@ mod banded;
 mod constrained;
 mod holonomic;
 mod multipliers;
-mod room;
+mod workspace;
 
 pub use constrained::Constrained;
 pub use holonomic::Holonomic;
 
 pub(crate) use banded::Banded;
 pub(crate) use multipliers::{Rows, inverse};
-pub(crate) use room::Room;
+pub(crate) use workspace::Workspace;
 
 use crate::scalar::{Real, sum};
 
@@ -119,8 +119,8 @@ pub enum ConstraintError<R> {
         /// The length it has.
         given: usize,
     },
-    /// The room is too short.
-    Room {
+    /// The workspace is too short.
+    Workspace {
         /// Numbers needed.
         needed: usize,
         /// Numbers given.

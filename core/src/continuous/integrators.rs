@@ -1,6 +1,6 @@
 use super::acceleration;
 use crate::forces::{Forces, System};
-use crate::lagrangian::{Lagrangian, MassMatrix};
+use crate::lagrangian::Lagrangian;
 use crate::linear::{Singular, add_scaled};
 use crate::scalar::Real;
 
@@ -29,7 +29,6 @@ fn rate<R: Real, L, F, const N: usize>(
 ) -> Result<ContinuousState<R, N>, Singular>
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
     Ok(ContinuousState { q: state.v, v: acceleration(system, &state.q, &state.v, u)? })
@@ -44,7 +43,6 @@ pub fn rk4_step<R: Real, L, F, const N: usize>(
 ) -> Result<ContinuousState<R, N>, Singular>
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
     let k1 = rate(system, state, u)?;
@@ -65,7 +63,6 @@ pub fn midpoint_step<R: Real, L, F, const N: usize>(
 ) -> Result<ContinuousState<R, N>, Singular>
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
     let k1 = rate(system, state, u)?;

@@ -1,35 +1,9 @@
-use super::{Node, Path};
-use crate::forces::{Forces, System};
+use super::{GaussPoint, Path};
+use crate::forces::{Control, Forces, System};
 use crate::lagrangian::Lagrangian;
 use crate::linear::{add_scaled, add_scaled_matrix, transpose};
 use crate::scalar::Real;
 use core::marker::PhantomData;
-
-/// The control force at both ends of an interval; linear between them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Control<R, const N: usize> {
-    /// u at the start.
-    pub start: [R; N],
-    /// u at the end.
-    pub end: [R; N],
-}
-
-impl<R: Real, const N: usize> Control<R, N> {
-    /// The same force at both ends (zero-order hold).
-    pub fn held(u: [R; N]) -> Self {
-        Self { start: u, end: u }
-    }
-
-    /// No control.
-    pub fn none() -> Self {
-        Self::held([R::zero(); N])
-    }
-
-    #[inline(always)]
-    fn at(&self, tau: R) -> [R; N] {
-        core::array::from_fn(|i| self.start[i] * (R::one() - tau) + self.end[i] * tau)
-    }
-}
 
 /// One step's path: where it starts, its increment w and bubble s, and the control along it.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +19,7 @@ pub struct Interval<R, P, const N: usize> {
 /// The sums over an interval that the step is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance<R, const N: usize> {
-    /// D₁L_d + f⁻ = Σ b [h(1 − τ)F − L_v].
+    /// D₁L_d + f⁻ = Σ b [h(1 − c)F − L_v].
     pub d1_ld: [R; N],
     /// D_mL_d + f_m = Σ b [hβF + γL_v], to vanish; zero without a bubble.
     pub dm_ld: [R; N],
@@ -64,11 +38,11 @@ impl<R: Real, const N: usize> Balance<R, N> {
         core::array::from_fn(|i| self.impulse[i] - self.d1_ld[i])
     }
 
-    /// Adds a node's share. The step multiplies last, so that no constant such as h(1 − τ) is rounded once for all steps.
+    /// Adds a Gauss point's share. The step multiplies last, so that no constant such as h(1 − c) is rounded once for all steps.
     #[inline(always)]
-    fn add(&mut self, node: &Node<R>, h: R, force: &[R; N], l_v: &[R; N], bubble: bool) {
-        let (b, early) = (node.weight, R::one() - node.tau);
-        let (beta, gamma) = (node.bubble(), node.bubble_rate());
+    fn add(&mut self, point: &GaussPoint<R>, h: R, force: &[R; N], l_v: &[R; N], bubble: bool) {
+        let (b, early) = (point.weight, R::one() - point.c);
+        let (beta, gamma) = (point.bubble(), point.bubble_rate());
         for i in 0..N {
             self.d1_ld[i] += b * (h * (early * force[i]) - l_v[i]);
             if bubble {
@@ -97,7 +71,7 @@ pub struct Linearised<R, const N: usize> {
     pub scale: [R; N],
 }
 
-/// How a first variation weighs F and L_v at a node: Σ b (force · F + momentum · L_v).
+/// How a first variation weighs F and L_v at a Gauss point: Σ b (force · F + momentum · L_v).
 #[derive(Clone, Copy, Debug)]
 pub struct Variation<R> {
     /// Weight of F = L_q + Q + u.
@@ -109,25 +83,25 @@ pub struct Variation<R> {
 impl<R: Real> Variation<R> {
     /// D₁: of the start position.
     #[inline(always)]
-    pub fn start(node: &Node<R>, h: R) -> Self {
-        Self { force: h * (R::one() - node.tau), momentum: -R::one() }
+    pub fn start(point: &GaussPoint<R>, h: R) -> Self {
+        Self { force: h * (R::one() - point.c), momentum: -R::one() }
     }
 
-    /// D₂: of the end position; also how position and velocity at the node move with hw.
+    /// D₂: of the end position; also how position and velocity at the point move with hw.
     #[inline(always)]
-    pub fn end(node: &Node<R>, h: R) -> Self {
-        Self { force: h * node.tau, momentum: R::one() }
+    pub fn end(point: &GaussPoint<R>, h: R) -> Self {
+        Self { force: h * point.c, momentum: R::one() }
     }
 
-    /// D_m: of the bubble; also how position and velocity at the node move with s.
+    /// D_m: of the bubble; also how position and velocity at the point move with s.
     #[inline(always)]
-    pub fn bubble(node: &Node<R>, h: R) -> Self {
-        Self { force: h * node.bubble(), momentum: node.bubble_rate() }
+    pub fn bubble(point: &GaussPoint<R>, h: R) -> Self {
+        Self { force: h * point.bubble(), momentum: point.bubble_rate() }
     }
 }
 
-/// F and L_v at a node with their derivatives along a family of paths.
-struct NodeDerivatives<R, const N: usize> {
+/// F and L_v at a Gauss point with their derivatives along a family of paths.
+struct PointDerivatives<R, const N: usize> {
     force: [R; N],
     l_v: [R; N],
     force_q: [[R; N]; N],
@@ -136,8 +110,8 @@ struct NodeDerivatives<R, const N: usize> {
     l_vv: [[R; N]; N],
 }
 
-impl<R: Real, const N: usize> NodeDerivatives<R, N> {
-    /// (∂F, ∂L_v) when the node moves by `column`: position by its `force` part, velocity by its `momentum` part.
+impl<R: Real, const N: usize> PointDerivatives<R, N> {
+    /// (∂F, ∂L_v) when the point moves by `column`: position by its `force` part, velocity by its `momentum` part.
     #[inline]
     fn along(&self, column: Variation<R>) -> ([[R; N]; N], [[R; N]; N]) {
         let mix = |q: &[[R; N]; N], v: &[[R; N]; N]| -> [[R; N]; N] {
@@ -148,7 +122,7 @@ impl<R: Real, const N: usize> NodeDerivatives<R, N> {
         (mix(&self.force_q, &self.force_v), mix(&self.l_vq, &self.l_vv))
     }
 
-    /// The terms of [`Linearised::scale`] at this node.
+    /// The terms of [`Linearised::scale`] at this point.
     #[inline]
     fn size(&self, q: &[R; N], v: &[R; N], h: R) -> [R; N] {
         core::array::from_fn(|i| {
@@ -199,14 +173,14 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         Self { w: add_scaled(&self.w, one, dw), s: add_scaled(&self.s, one, ds), ..*self }
     }
 
-    /// Position and velocity at a node.
+    /// Position and velocity at a Gauss point.
     #[inline]
-    pub fn point(&self, node: &Node<R>) -> ([R; N], [R; N]) {
+    pub fn point(&self, point: &GaussPoint<R>) -> ([R; N], [R; N]) {
         if !P::BUBBLE {
-            return (add_scaled(&self.q0, self.h * node.tau, &self.w), self.w);
+            return (add_scaled(&self.q0, self.h * point.c, &self.w), self.w);
         }
-        let (beta, gamma) = (node.bubble(), node.bubble_rate());
-        let q = core::array::from_fn(|i| self.q0[i] + self.h * (node.tau * self.w[i] + beta * self.s[i]));
+        let (beta, gamma) = (point.bubble(), point.bubble_rate());
+        let q = core::array::from_fn(|i| self.q0[i] + self.h * (point.c * self.w[i] + beta * self.s[i]));
         (q, add_scaled(&self.w, gamma, &self.s))
     }
 
@@ -214,12 +188,13 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     fn total_force<L, F: Forces<R, N>>(
         &self,
         system: &System<L, F>,
-        node: &Node<R>,
+        point: &GaussPoint<R>,
         q: &[R; N],
         v: &[R; N],
         l_q: &[R; N],
     ) -> [R; N] {
-        let (u, force) = (self.u.at(node.tau), system.forces.force(q, v));
+        let u = self.u.at(point.c);
+        let force = system.forces.force(q, v, &u);
         core::array::from_fn(|i| l_q[i] + force[i] + u[i])
     }
 
@@ -227,19 +202,19 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     fn derivatives<L, F>(
         &self,
         system: &System<L, F>,
-        node: &Node<R>,
+        point: &GaussPoint<R>,
         q: &[R; N],
         v: &[R; N],
-    ) -> NodeDerivatives<R, N>
+    ) -> PointDerivatives<R, N>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
         let d = system.lagrangian.hessian(q, v);
-        let (q_q, q_v) = system.forces.derivatives(q, v);
+        let (q_q, q_v) = system.forces.derivatives(q, v, &self.u.at(point.c));
         let one = R::one();
-        NodeDerivatives {
-            force: self.total_force(system, node, q, v, &d.l_q),
+        PointDerivatives {
+            force: self.total_force(system, point, q, v, &d.l_q),
             l_v: d.l_v,
             force_q: add_scaled_matrix(&d.l_qq, one, &q_q),
             force_v: add_scaled_matrix(&transpose(&d.l_vq), one, &q_v),
@@ -255,11 +230,11 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         F: Forces<R, N>,
     {
         let mut balance = Balance::zero();
-        for node in P::nodes().as_ref() {
-            let (q, v) = self.point(node);
+        for point in P::points().as_ref() {
+            let (q, v) = self.point(point);
             let gradient = system.lagrangian.gradient(&q, &v);
-            let force = self.total_force(system, node, &q, &v, &gradient.l_q);
-            balance.add(node, self.h, &force, &gradient.l_v, P::BUBBLE);
+            let force = self.total_force(system, point, &q, &v, &gradient.l_q);
+            balance.add(point, self.h, &force, &gradient.l_v, P::BUBBLE);
         }
         balance
     }
@@ -280,20 +255,20 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
             bubble_s: zero,
             scale: [R::zero(); N],
         };
-        for node in P::nodes().as_ref() {
-            let (q, v) = self.point(node);
-            let d = self.derivatives(system, node, &q, &v);
-            let (start, along_w) = (Variation::start(node, self.h), d.along(Variation::end(node, self.h)));
-            sum.balance.add(node, self.h, &d.force, &d.l_v, P::BUBBLE);
+        for point in P::points().as_ref() {
+            let (q, v) = self.point(point);
+            let d = self.derivatives(system, point, &q, &v);
+            let (start, along_w) = (Variation::start(point, self.h), d.along(Variation::end(point, self.h)));
+            sum.balance.add(point, self.h, &d.force, &d.l_v, P::BUBBLE);
             let size = d.size(&q, &v, self.h);
-            sum.scale = add_scaled(&sum.scale, node.weight, &size);
-            add_block(&mut sum.momentum_w, node.weight, start, &along_w);
+            sum.scale = add_scaled(&sum.scale, point.weight, &size);
+            add_block(&mut sum.momentum_w, point.weight, start, &along_w);
             if P::BUBBLE {
-                let bubble = Variation::bubble(node, self.h);
+                let bubble = Variation::bubble(point, self.h);
                 let along_s = d.along(bubble);
-                add_block(&mut sum.momentum_s, node.weight, start, &along_s);
-                add_block(&mut sum.bubble_w, node.weight, bubble, &along_w);
-                add_block(&mut sum.bubble_s, node.weight, bubble, &along_s);
+                add_block(&mut sum.momentum_s, point.weight, start, &along_s);
+                add_block(&mut sum.bubble_w, point.weight, bubble, &along_w);
+                add_block(&mut sum.bubble_s, point.weight, bubble, &along_s);
             }
         }
         sum
@@ -306,10 +281,10 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         F: Forces<R, N>,
     {
         let mut sum = [[R::zero(); N]; N];
-        for node in P::nodes().as_ref() {
-            let (q, v) = self.point(node);
-            let along_s = self.derivatives(system, node, &q, &v).along(Variation::bubble(node, self.h));
-            add_block(&mut sum, node.weight, Variation::end(node, self.h), &along_s);
+        for point in P::points().as_ref() {
+            let (q, v) = self.point(point);
+            let along_s = self.derivatives(system, point, &q, &v).along(Variation::bubble(point, self.h));
+            add_block(&mut sum, point.weight, Variation::end(point, self.h), &along_s);
         }
         sum
     }

@@ -1,10 +1,10 @@
 //! Discrete dynamics: the forced discrete Euler–Lagrange (DEL) equation in position–momentum form, of order 2 and 4.
 //!
-//! Over one step h the path is q(τ) = q₀ + h(τw + β(τ)s) with the increment w = (q₁ − q₀)/h and, at order 4, a bubble
-//! s, β(τ) = 4τ(1 − τ); its velocity is v(τ) = w + γ(τ)s, γ = β′. The action is summed over Gauss points τ_i with weights
-//! b_i, L_d = h Σ b_i L(q(τ_i), v(τ_i)). With F = L_q + Q + u(τ) the step solves
+//! Over one step h the path is q(c) = q₀ + h(cw + β(c)s) with the increment w = (q₁ − q₀)/h and, at order 4, a bubble
+//! s, β(c) = 4c(1 − c); its velocity is v(c) = w + γ(c)s, γ = β′. The action is summed over Gauss points c_i with weights
+//! b_i, L_d = h Σ b_i L(q(c_i), v(c_i)). With F = L_q + Q + u(c) the step solves
 //!
-//! - momentum: p₀ + Σ b_i [h(1 − τ_i) F_i − L_v,i] = 0, that is p₀ + D₁L_d + f⁻ = 0;
+//! - momentum: p₀ + Σ b_i [h(1 − c_i) F_i − L_v,i] = 0, that is p₀ + D₁L_d + f⁻ = 0;
 //! - bubble (order 4): Σ b_i [hβ_i F_i + γ_i L_v,i] = 0, that is D_mL_d + f_m = 0;
 //!
 //! and then p₁ = p₀ + h Σ b_i F_i, which is D₂L_d + f⁺ where the momentum equation holds, and conserves the momentum of a
@@ -20,13 +20,16 @@
 
 mod interval;
 mod newton;
+mod order;
 mod path;
 pub mod rattle;
 mod state;
 
-pub use interval::{Balance, Control, Interval, Linearised, Variation};
+pub use crate::forces::Control;
+pub use interval::{Balance, Interval, Linearised, Variation};
 pub use newton::{Newton, Report, Solved, StepError};
-pub use path::{Galerkin, Midpoint, Node, Path};
+pub use order::Order;
+pub use path::{Galerkin, GaussPoint, Midpoint, Path};
 pub use state::State;
 
 use crate::forces::{Forces, System};

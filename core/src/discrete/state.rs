@@ -12,7 +12,7 @@ pub struct State<R, const N: usize> {
     q: [Compensated<R>; N],
     p: [Compensated<R>; N],
     /// Increment and bubble of the last steps, newest first; the first `known` are real.
-    history: [Shape<R, N>; HISTORY],
+    history: [Increment<R, N>; HISTORY],
     known: u8,
     /// What Newton's method left over of the last step's equations.
     owed: Residual<R, N>,
@@ -20,7 +20,7 @@ pub struct State<R, const N: usize> {
 
 /// w and s of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Shape<R, const N: usize> {
+struct Increment<R, const N: usize> {
     w: [R; N],
     s: [R; N],
 }
@@ -37,7 +37,7 @@ impl<R: Real, const N: usize> State<R, N> {
         let state = Self {
             q: q.map(Compensated::new),
             p: p.map(Compensated::new),
-            history: [Shape { w, s: [R::zero(); N] }; HISTORY],
+            history: [Increment { w, s: [R::zero(); N] }; HISTORY],
             known: 1,
             owed: Residual::zero(),
         };
@@ -90,7 +90,7 @@ impl<R: Real, const N: usize> State<R, N> {
         let advanced = Self {
             q: core::array::from_fn(|i| self.q[i].plus(h * w[i])),
             p: core::array::from_fn(|i| self.p[i].plus(solved.balance.impulse[i])),
-            history: [Shape { w, s }, a, b],
+            history: [Increment { w, s }, a, b],
             known: (self.known + 1).min(HISTORY as u8),
             owed: solved.owed,
         };

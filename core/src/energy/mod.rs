@@ -8,11 +8,11 @@
 
 pub mod graph;
 pub mod modular;
-mod part;
+mod placed_network;
 pub mod rigid;
 pub mod trigonometric;
 
-pub use part::{MAX_HIDDEN, NetworkShape, Part};
+pub use placed_network::{MAX_HIDDEN, NetworkShape, PlacedNetwork};
 
 use crate::scalar::Scalar;
 

@@ -1,6 +1,6 @@
 use super::{GraphHeader, ModelError, ShapeHeader};
 use crate::energy::MAX_HIDDEN;
-use crate::energy::modular::{self, Node, TreeError};
+use crate::energy::modular::{self, TreeElement, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count};
 use crate::network::{Activation, Mlp};
 use crate::scalar::Shipped;
@@ -42,7 +42,7 @@ pub struct Header<'a> {
     #[serde(borrow)]
     pub family: Family<'a>,
     /// The step and order the model was trained for, where it was.
-    pub discretisation: Option<Discretisation>,
+    pub trained_step: Option<TrainedStep>,
     /// Where the model comes from: free text for people.
     pub provenance: &'a str,
 }
@@ -51,7 +51,7 @@ pub struct Header<'a> {
 /// the integrator's error.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Discretisation {
+pub struct TrainedStep {
     /// 2 or 4.
     pub order: u8,
     /// h > 0, s.
@@ -76,7 +76,7 @@ pub enum Family<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModularHeader<'a> {
     /// Networks and element types.
-    pub shape: modular::Shape,
+    pub shape: modular::ModularShape,
     /// What the types are called, separated by commas.
     pub names: &'a str,
     /// The trees, by name; the first without elements ends the list.
@@ -130,7 +130,7 @@ impl Coordinate {
     }
 }
 
-impl Discretisation {
+impl TrainedStep {
     /// Checks that order and step are ones.
     pub(super) fn validate(self) -> Result<(), ModelError> {
         let Self { order, h } = self;
@@ -180,13 +180,13 @@ impl<'a> ModularHeader<'a> {
     }
 
     pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
-        if let Some(what) = self.shape.misfit() {
+        if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
         let kinds = self.shape.types().count();
         check_names(self.names, kinds, "element types")?;
         self.check_trees()?;
-        let start = weights.len().saturating_sub(modular::NUMBERS * kinds + 2);
+        let start = weights.len().saturating_sub(modular::ELEMENT_PARAMETERS * kinds + 2);
         let numbers = weights.get(start..).unwrap_or(&[]).as_chunks().0;
         numbers.iter().take(kinds).try_for_each(|numbers| check_numbers(&numbers.map(W::wide)))
     }
@@ -216,14 +216,14 @@ impl<'a> ModularHeader<'a> {
 
 impl TreeHeader<'_> {
     /// The elements in order.
-    pub fn nodes(&self) -> impl Iterator<Item = Node> {
+    pub fn nodes(&self) -> impl Iterator<Item = TreeElement> {
         let (pairs, _) = self.elements.as_chunks::<2>();
-        pairs.iter().map(|[kind, parent]| Node { kind: *kind, parent: parent.checked_sub(1) })
+        pairs.iter().map(|[kind, parent]| TreeElement { kind: *kind, parent: parent.checked_sub(1) })
     }
 
     /// Coordinates of the tree, with the types of `shape`; `None` where a type does not exist.
-    pub fn coordinates(&self, shape: &modular::Shape) -> Option<usize> {
-        let of = |node: Node| Some(shape.types().nth(node.kind.into())?.coordinates());
+    pub fn coordinates(&self, shape: &modular::ModularShape) -> Option<usize> {
+        let of = |node: TreeElement| Some(shape.types().nth(node.kind.into())?.coordinates());
         self.nodes().try_fold(0, |sum, node| Some(sum + of(node)?))
     }
 }
@@ -300,7 +300,7 @@ pub(super) fn check_names(names: &str, count: usize, of: &'static str) -> Result
 }
 
 /// Checks the numbers of an element type.
-fn check_numbers(numbers: &[f32; modular::NUMBERS]) -> Result<(), ModelError> {
+fn check_numbers(numbers: &[f32; modular::ELEMENT_PARAMETERS]) -> Result<(), ModelError> {
     let [mass, inertia, _, _, damping] = *numbers;
     require(mass > 0.0, "mass of an element type")?;
     require(inertia >= 0.0, "moment of inertia of an element type")?;

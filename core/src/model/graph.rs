@@ -1,8 +1,8 @@
 use super::document::{are_names, check_names, require};
 use super::rigid::require_at_most;
-use super::{Discretisation, ModelError, parse_as};
+use super::{ModelError, TrainedStep, parse_as};
 use crate::constraints::Holonomic;
-use crate::energy::graph::{Edge, Graph, GraphError, Shape, Types};
+use crate::energy::graph::{Edge, Graph, GraphError, GraphShape, Types};
 use crate::scalar::{Real, Shipped, Stored, f16};
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ pub const MAX_GRAPHS: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphHeader<'a> {
     /// Networks, node types and edge types.
-    pub shape: Shape,
+    pub shape: GraphShape,
     /// What the node types are called, separated by commas.
     pub node_names: &'a str,
     /// What the edge types are called, separated by commas; empty where there are none.
@@ -123,7 +123,7 @@ pub struct GraphModel<'a, const D: usize, const K: usize, const H: usize, const 
     /// Energies and drag over the file's weights.
     pub graph: Graph<'a, W, D, K, H, L>,
     /// The step and order the model was trained for.
-    pub discretisation: Option<Discretisation>,
+    pub trained_step: Option<TrainedStep>,
 }
 
 impl<'a, const D: usize, const K: usize, const H: usize, const L: usize> GraphModel<'a, D, K, H, L> {
@@ -154,7 +154,7 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: Ship
         let parsed = parse_as::<GraphHeader, W>(bytes)?;
         let header = parsed.shape;
         let graph = header.graph(header.layout(name)?, parsed.weights, edges)?;
-        Ok(Self { graph, discretisation: parsed.discretisation })
+        Ok(Self { graph, trained_step: parsed.trained_step })
     }
 }
 
@@ -212,8 +212,8 @@ impl<'a> GraphHeader<'a> {
         edges: &'w mut [Edge],
     ) -> Result<Graph<'w, W, D, K, H, L>, ModelError> {
         let (types, capacity, needed) = (self.types(weights)?, edges.len(), layout.edges().count());
-        let room = edges.get_mut(..needed);
-        let edges = room.ok_or(ModelError::Graph(GraphError::TooManyEdges { capacity, needed }))?;
+        let workspace = edges.get_mut(..needed);
+        let edges = workspace.ok_or(ModelError::Graph(GraphError::TooManyEdges { capacity, needed }))?;
         for (slot, edge) in edges.iter_mut().zip(layout.edges()) {
             *slot = edge;
         }
@@ -221,7 +221,7 @@ impl<'a> GraphHeader<'a> {
     }
 
     pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
-        if let Some(what) = self.shape.misfit() {
+        if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
         check_names(self.node_names, self.shape.nodes().count(), "node types")?;

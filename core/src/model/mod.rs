@@ -12,7 +12,7 @@ mod rigid;
 
 pub use crate::energy::MAX_HIDDEN;
 pub use document::{
-    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader,
+    Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader, TrainedStep,
     TreeHeader,
 };
 pub use error::ModelError;

@@ -2,8 +2,8 @@
 //! holds no code for the others.
 
 use super::{
-    CRC_BYTES, Discretisation, FORMAT_VERSION, Family, GraphHeader, Header, MAGIC, MAX_PADDING, ModelError,
-    ModularHeader, PREFIX_BYTES, RigidHeader, checksum,
+    CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, MAGIC, MAX_PADDING, ModelError, ModularHeader,
+    PREFIX_BYTES, RigidHeader, TrainedStep, checksum,
 };
 use crate::scalar::{Shipped, Weights, f16};
 use serde::Deserialize;
@@ -53,7 +53,7 @@ pub struct ParsedAs<'a, H, W> {
     /// The shape of the model.
     pub shape: H,
     /// The step and order the model was trained for, where it was.
-    pub discretisation: Option<Discretisation>,
+    pub trained_step: Option<TrainedStep>,
     /// Where the model comes from: free text for people.
     pub provenance: &'a str,
     /// The weight block.
@@ -62,8 +62,8 @@ pub struct ParsedAs<'a, H, W> {
 
 impl<'a, H, W: Shipped> ParsedAs<'a, H, W> {
     fn of(self, family: impl Fn(H) -> Family<'a>) -> Parsed<'a> {
-        let Self { shape, discretisation, provenance, weights } = self;
-        let header = Header { family: family(shape), discretisation, provenance };
+        let Self { shape, trained_step, provenance, weights } = self;
+        let header = Header { family: family(shape), trained_step, provenance };
         Parsed { header, weights: W::weights(weights) }
     }
 }
@@ -74,7 +74,7 @@ type Beginning = ([u8; MAGIC.len()], u8, u32);
 /// What stands after the shape; see [`super::Document`].
 #[derive(Deserialize)]
 struct End<'a> {
-    discretisation: Option<Discretisation>,
+    trained_step: Option<TrainedStep>,
     provenance: &'a str,
     padding: &'a [u8],
     weights: &'a [u8],
@@ -146,10 +146,10 @@ fn finish<'a, H: ShapeHeader<'a>, W: Shipped>(bytes: &'a [u8]) -> Result<ParsedA
         return Err(ModelError::OutOfRange { what: "padding" });
     }
     let weights = numbers(end.weights, shape.parameters()?)?;
-    let End { discretisation, provenance, .. } = end;
-    discretisation.map_or(Ok(()), Discretisation::validate)?;
+    let End { trained_step, provenance, .. } = end;
+    trained_step.map_or(Ok(()), TrainedStep::validate)?;
     shape.validate(weights)?;
-    Ok(ParsedAs { shape, discretisation, provenance, weights })
+    Ok(ParsedAs { shape, trained_step, provenance, weights })
 }
 
 /// Where the weight block begins in memory: at a multiple of so many bytes, in either precision.

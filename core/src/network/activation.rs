@@ -120,9 +120,9 @@ const BLOCK: usize = 8;
 
 #[inline(always)]
 fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curvature]: [&mut [S]; 3]) {
-    // A full block has a length that the compiler knows, and rooms of its own that nothing else can lie in: it becomes vectors. Where
+    // A full block has a length that the compiler knows, and workspaces of its own that nothing else can lie in: it becomes vectors. Where
     // code is dear, one loop serves all.
-    if !S::APART
+    if !S::COMPONENTWISE
         && let Ok(z) = <&[S; BLOCK]>::try_from(z)
     {
         let mut c = [[S::zero(); BLOCK]; 3];
@@ -131,9 +131,9 @@ fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curva
             let c = sigma(*z);
             (values[l], slopes[l], curvatures[l]) = (c.value, c.slope, c.curvature);
         }
-        for (room, c) in [value, slope, curvature].into_iter().zip(c) {
-            if let Some(room) = room.first_chunk_mut() {
-                *room = c;
+        for (workspace, c) in [value, slope, curvature].into_iter().zip(c) {
+            if let Some(workspace) = workspace.first_chunk_mut() {
+                *workspace = c;
             }
         }
         return;

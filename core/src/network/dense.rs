@@ -81,8 +81,8 @@ impl<'a, W: Stored> Dense<'a, W> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        if S::APART && H > NARROW {
-            return self.forward_apart(x, y);
+        if S::COMPONENTWISE && H > NARROW {
+            return self.forward_componentwise(x, y);
         }
         let (weights, bias, y) = forward_panels::<W, S, T, 8>(self.weights, self.bias, x, y);
         let (weights, bias, y) = forward_panels::<W, S, T, 4>(weights, bias, x, y);
@@ -106,8 +106,8 @@ impl<'a, W: Stored> Dense<'a, W> {
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
     ) {
-        if S::APART && H > NARROW {
-            return self.adjoint_apart(y_bar, x_bar);
+        if S::COMPONENTWISE && H > NARROW {
+            return self.adjoint_componentwise(y_bar, x_bar);
         }
         x_bar.fill(Jet::zero());
         let (weights, y_bar) = adjoint_panels::<W, S, T, 8>(self.weights, y_bar, x_bar);

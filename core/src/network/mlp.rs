@@ -2,11 +2,11 @@ use super::{Activation, Dense, Jet, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-/// A multilayer perceptron over borrowed weights: up to `D` hidden layers, each followed by the activation, and a linear
+/// A multilayer perceptron over borrowed weights: up to `L` hidden layers, each followed by the activation, and a linear
 /// output layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Mlp<'a, W, const D: usize> {
-    hidden: [Option<Dense<'a, W>>; D],
+pub struct Mlp<'a, W, const L: usize> {
+    hidden: [Option<Dense<'a, W>>; L],
     output: Dense<'a, W>,
     activation: Activation,
 }
@@ -14,20 +14,20 @@ pub struct Mlp<'a, W, const D: usize> {
 /// What a forward pass leaves for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer with tangents, for widths
 /// up to `H`.
 #[derive(Clone, Debug)]
-pub struct Tape<S, const T: usize, const H: usize, const D: usize> {
-    units: [Vec<Jet<S, T>, H>; D],
-    slopes: [Vec<Jet<S, T>, H>; D],
+pub struct Tape<S, const T: usize, const H: usize, const L: usize> {
+    units: [Vec<Jet<S, T>, H>; L],
+    slopes: [Vec<Jet<S, T>, H>; L],
 }
 
-impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Tape<S, T, H, D> {
+impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape<S, T, H, L> {
     fn default() -> Self {
         Self { units: core::array::from_fn(|_| Vec::new()), slopes: core::array::from_fn(|_| Vec::new()) }
     }
 }
 
-impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` where the
-    /// block is too short or there are more than `D` hidden layers.
+    /// block is too short or there are more than `L` hidden layers.
     pub fn take(
         block: &mut &'a [W],
         inputs: usize,
@@ -35,9 +35,9 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
         outputs: usize,
         activation: Activation,
     ) -> Option<Self> {
-        let mut hidden = [None; D];
+        let mut hidden = [None; L];
         let mut fan_in = inputs;
-        if widths.len() > D {
+        if widths.len() > L {
             return None;
         }
         for (layer, width) in hidden.iter_mut().zip(widths) {
@@ -104,7 +104,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         x: &[Jet<S, T>],
-        tape: &mut Tape<S, T, H, D>,
+        tape: &mut Tape<S, T, H, L>,
         y: &mut [Jet<S, T>],
     ) {
         let Tape { units, slopes } = tape;
@@ -126,7 +126,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        let mut units = core::array::from_fn::<_, D, _>(|_| Vec::<_, H>::new());
+        let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());
         let mut input = x;
         for (layer, units) in self.hidden.iter().flatten().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());
@@ -143,7 +143,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     #[inline]
     pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         y_bar: &[Jet<S, A>],
         x_bar: &mut [Jet<S, A>],
     ) {
@@ -159,7 +159,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     #[inline]
     pub fn layer_adjoints<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         x: &[Jet<S, T>],
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
@@ -176,7 +176,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
         const H: usize,
     >(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, A>]),
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
@@ -194,7 +194,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     #[inline(always)]
     fn backward<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, Option<&[Jet<S, T>]>, &[Jet<S, A>]),
     ) {

@@ -8,14 +8,14 @@ use super::{Activation, Curve, Dense, Jet, Mlp, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
     pub fn series<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
         &self,
         x: &[Jet<S, K>],
         y: &mut [Jet<S, K>],
     ) {
-        let mut units = core::array::from_fn::<_, D, _>(|_| Vec::<_, H>::new());
+        let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());
         let mut input = x;
         for (layer, units) in self.hidden().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());
@@ -37,7 +37,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
         y_bar: &[Jet<S, 2>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, 2>], &[Jet<S, 2>]),
     ) {
-        let mut record = Record::<S, H, D>::new();
+        let mut record = Record::<S, H, L>::new();
         self.recorded(x, &mut record);
         let (mut unit_bar, mut sum_bar) = (Vec::<_, H>::new(), Vec::<_, H>::new());
         let (mut layer, mut bar) = (self.output(), y_bar);
@@ -59,7 +59,7 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     fn recorded<S: Scalar<Weight = W::Wide>, const H: usize>(
         &self,
         x: &[Jet<S, 2>],
-        record: &mut Record<S, H, D>,
+        record: &mut Record<S, H, L>,
     ) {
         let mut input = x;
         for ((layer, bends), units) in self.hidden().zip(&mut record.bends).zip(&mut record.units) {
@@ -77,14 +77,14 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
 }
 
 /// Units σ(z) of every hidden layer, and how each bends.
-struct Record<S, const H: usize, const D: usize> {
-    units: [Vec<Jet<S, 2>, H>; D],
-    bends: [Vec<Bend<S>, H>; D],
+struct Record<S, const H: usize, const L: usize> {
+    units: [Vec<Jet<S, 2>, H>; L],
+    bends: [Vec<Bend<S>, H>; L],
 }
 
-impl<S: Scalar, const H: usize, const D: usize> Record<S, H, D> {
+impl<S: Scalar, const H: usize, const L: usize> Record<S, H, L> {
     fn new() -> Self {
-        Self { units: core::array::from_fn(|_| Vec::new()), bends: [const { Vec::new() }; D] }
+        Self { units: core::array::from_fn(|_| Vec::new()), bends: [const { Vec::new() }; L] }
     }
 }
 

@@ -5,7 +5,7 @@ impl Scalar for f32 {
     type Weight = f32;
 
     /// On controllers; a desk's processor has vector registers for several sums and their tangents.
-    const APART: bool = cfg!(target_pointer_width = "32");
+    const COMPONENTWISE: bool = cfg!(target_pointer_width = "32");
 
     #[inline]
     fn accumulate<W: Stored<Wide = f32>, const P: usize>(rows: &[[W; P]], x: &[f32], sum: &mut [f32; P]) {

@@ -63,7 +63,7 @@ pub trait Scalar:
 
     /// Whether a layer takes its tangents one after the other, by [`Scalar::accumulate`] and [`Scalar::transposed`], and not
     /// side by side.
-    const APART: bool = false;
+    const COMPONENTWISE: bool = false;
 
     /// Told of every component (0: the values, then the tangents) of vectors that a layer takes apart, before its loops: for
     /// scalars that count what is done.

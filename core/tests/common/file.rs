@@ -6,12 +6,12 @@ use leastaction_core::energy::graph::{
     self, Drag, EdgeShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
 use leastaction_core::energy::modular::{
-    Input, NUMBERS, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, ModularShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::{
-    Discretisation, Document, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, MAGIC, MAX_GRAPHS,
-    MAX_TREES, ModelError, ModularHeader, RigidHeader, TreeHeader, checksum, parse,
+    Document, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, MAGIC, MAX_GRAPHS, MAX_TREES,
+    ModelError, ModularHeader, RigidHeader, TrainedStep, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
@@ -59,7 +59,7 @@ pub const CARTPOLE: RigidHeader<'static> = RigidHeader {
 
 pub const HEADER: Header<'static> = Header {
     family: Family::Rigid(CARTPOLE),
-    discretisation: Some(Discretisation { order: 4, h: 0.05 }),
+    trained_step: Some(TrainedStep { order: 4, h: 0.05 }),
     provenance: "golden: weights are multiples of 1/64",
 };
 
@@ -76,7 +76,7 @@ fn exact(count: usize) -> Vec<f32> {
 }
 
 /// A cart, a learned link and a rod, with a pair potential.
-pub fn arm_shape() -> Shape {
+pub fn arm_shape() -> ModularShape {
     let networks = [
         network(2, &[4, 3], 2, Activation::Tanh),
         network(2, &[5], 1, Activation::Softplus),
@@ -89,11 +89,11 @@ pub fn arm_shape() -> Shape {
         TypeShape { transform: TransformShape::Rod, potential: Some(1) },
     ];
     let pair = PairShape { network: 2, input: PairInput::Distance };
-    Shape::new(&networks, &types, Some(pair)).expect("few parts")
+    ModularShape::new(&networks, &types, Some(pair)).expect("few parts")
 }
 
 /// The numbers of [`arm_shape`]'s types, then c₁ and c₂.
-pub const ARM_NUMBERS: [[f32; NUMBERS]; 3] =
+pub const ARM_NUMBERS: [[f32; ELEMENT_PARAMETERS]; 3] =
     [[2.0, 0.0, 1.0, 0.0, 0.5], [1.0, 0.25, 0.5, 0.0, 0.125], [0.75, 0.0, 1.0, 1.5, 0.0]];
 pub const ARM_COEFFICIENTS: [f32; 2] = [9.5, 0.25];
 
@@ -109,8 +109,8 @@ pub fn arm_header(arm: ModularHeader<'static>) -> Header<'static> {
     Header { family: Family::Modular(arm), ..HEADER }
 }
 
-pub fn arm_weights(numbers: [[f32; NUMBERS]; 3]) -> Vec<f32> {
-    let ends = NUMBERS * numbers.len() + ARM_COEFFICIENTS.len();
+pub fn arm_weights(numbers: [[f32; ELEMENT_PARAMETERS]; 3]) -> Vec<f32> {
+    let ends = ELEMENT_PARAMETERS * numbers.len() + ARM_COEFFICIENTS.len();
     let networks = exact(arm().parameters().unwrap() - ends);
     [networks, numbers.concat(), ARM_COEFFICIENTS.to_vec()].concat()
 }
@@ -121,7 +121,7 @@ pub fn golden_arm() -> Vec<u8> {
 }
 
 /// Bobs and a free body, springs between them, with messages.
-pub fn web_shape() -> graph::Shape {
+pub fn web_shape() -> graph::GraphShape {
     let networks = [
         network(2, &[3], 1, Activation::Softplus),
         network(1, &[4], 1, Activation::Squareplus),
@@ -136,8 +136,8 @@ pub fn web_shape() -> graph::Shape {
     ];
     let edges = [EdgeShape { separation: Separation::Distance, potential: Some(1), embedding: Some(2) }];
     let messages = MessageShape { message: 3, update: 4, edge_potential: Some(5), node_potential: None };
-    let shape = graph::Shape::new(2, &networks, &nodes, &edges).expect("few parts");
-    graph::Shape { kinetic_embedding: 1, embedding: 2, messages: Some(messages), ..shape }
+    let shape = graph::GraphShape::new(2, &networks, &nodes, &edges).expect("few parts");
+    graph::GraphShape { kinetic_embedding: 1, embedding: 2, messages: Some(messages), ..shape }
 }
 
 /// The numbers of [`web_shape`]'s types: mass, drag, field, kinetic embedding, embedding.

@@ -5,8 +5,8 @@ use super::oracle::Learned;
 use super::shapes::naive_network;
 use super::trees::network;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, EdgeShape, Fixed, Graph, Kinetic, MessageShape, NodeShape, Potential,
-    Separation, Shape, Types,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, Fixed, Graph, GraphShape, Kinetic, MessageShape, NodeShape,
+    Potential, Separation, Types,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Scalar, Stored};
@@ -22,7 +22,7 @@ pub type LearnedFixed<'a, W, const D: usize, const N: usize> = Fixed<'a, W, D, N
 /// A graph in D dimensions that owns its weights and lists.
 #[derive(Clone, Debug)]
 pub struct Model<const D: usize> {
-    pub shape: Shape,
+    pub shape: GraphShape,
     pub nodes: Vec<u8>,
     pub edges: Vec<Edge>,
     pub weights: Vec<f64>,
@@ -33,7 +33,7 @@ pub const fn edge(kind: u8, a: u16, b: u16) -> Edge {
 }
 
 impl<const D: usize> Model<D> {
-    pub fn new(shape: Shape, nodes: &[u8], edges: &[Edge], seed: u64) -> Self {
+    pub fn new(shape: GraphShape, nodes: &[u8], edges: &[Edge], seed: u64) -> Self {
         let mut weights = Random(seed).vector(shape.parameters().unwrap(), 0.8);
         let start = weights.len() - shape.all_numbers();
         for numbers in weights[start..].chunks_exact_mut(shape.numbers()).take(shape.nodes().count()) {
@@ -190,7 +190,7 @@ impl<const D: usize, const N: usize> Learned<N> for FixedModel<D, N> {
 }
 
 /// Node types with every kind of term, and two edge types.
-pub fn every_term(dimension: u8) -> Shape {
+pub fn every_term(dimension: u8) -> GraphShape {
     let networks = [
         network(4, &[7, 5], 1, Activation::Softplus),
         network(2 + dimension, &[9], 1, Activation::Tanh),
@@ -205,12 +205,12 @@ pub fn every_term(dimension: u8) -> Shape {
     ];
     let edges = [(Separation::Distance, 3), (Separation::Squared, 4)]
         .map(|(separation, network)| EdgeShape { separation, potential: Some(network), embedding: None });
-    let shape = Shape::new(dimension, &networks, &nodes, &edges).expect("few parts");
-    Shape { kinetic_embedding: 3, embedding: 2, ..shape }
+    let shape = GraphShape::new(dimension, &networks, &nodes, &edges).expect("few parts");
+    GraphShape { kinetic_embedding: 3, embedding: 2, ..shape }
 }
 
 /// The same, with messages as well.
-pub fn with_messages(dimension: u8) -> Shape {
+pub fn with_messages(dimension: u8) -> GraphShape {
     let shape = every_term(dimension);
     let messaging = [
         network(1, &[4], 3, Activation::Tanh),
@@ -223,11 +223,11 @@ pub fn with_messages(dimension: u8) -> Shape {
     let edges: Vec<_> = shape.edges().map(|edge| EdgeShape { embedding: Some(5), ..*edge }).collect();
     let nodes: Vec<_> = shape.nodes().copied().collect();
     let messages = MessageShape { message: 6, update: 7, edge_potential: Some(8), node_potential: Some(9) };
-    Shape {
+    GraphShape {
         kinetic_embedding: shape.kinetic_embedding,
         embedding: shape.embedding,
         messages: Some(messages),
-        ..Shape::new(dimension, &networks, &nodes, &edges).expect("few parts")
+        ..GraphShape::new(dimension, &networks, &nodes, &edges).expect("few parts")
     }
 }
 
@@ -242,7 +242,7 @@ pub fn alike() -> Model<2> {
     let shape = with_messages(2);
     let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::Network(1), drag: Drag::None };
     let nodes = core::array::from_fn(|kind| (kind == 0).then_some(node));
-    Model::new(Shape { nodes, ..shape }, &[0; 4], &talking().edges, 6)
+    Model::new(GraphShape { nodes, ..shape }, &[0; 4], &talking().edges, 6)
 }
 
 /// In the plane: every type twice, edges of both types.

@@ -2,13 +2,13 @@
 
 use super::Random;
 use super::oracle::Learned;
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape, feature_count};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape, feature_count};
 use leastaction_core::network::{Activation, Dense};
 use leastaction_core::scalar::{Scalar, Stored};
 
 pub use Coordinate::{Angle, Cyclic, Translation};
 
-/// Room of the compiled model: more than any shape here needs, so that unused room is covered too.
+/// Workspace of the compiled model: more than any shape here needs, so that unused workspace is covered too.
 pub const WIDTH: usize = 13;
 pub const DEPTH: usize = 3;
 
@@ -35,8 +35,8 @@ impl<const N: usize> Model<N> {
         model
     }
 
-    pub fn shape(&self) -> Shape<'_, N> {
-        Shape {
+    pub fn shape(&self) -> RigidShape<'_, N> {
+        RigidShape {
             coordinates: self.coordinates,
             widths: &self.widths,
             activation: self.activation,

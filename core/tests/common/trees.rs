@@ -4,7 +4,8 @@ use super::Random;
 use super::oracle::Learned;
 use super::shapes::naive_network;
 use leastaction_core::energy::modular::{
-    Input, Modular, NUMBERS, NetworkShape, Node, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, Modular, ModularShape, NetworkShape, PairInput, PairShape, TransformShape,
+    TreeElement, TypeShape,
 };
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::Activation;
@@ -21,8 +22,8 @@ pub type Damped<'a, S, const N: usize> =
 /// A tree that owns its weights.
 #[derive(Clone, Debug)]
 pub struct Tree<const N: usize> {
-    pub shape: Shape,
-    pub nodes: Vec<Node>,
+    pub shape: ModularShape,
+    pub nodes: Vec<TreeElement>,
     pub weights: Vec<f64>,
 }
 
@@ -30,17 +31,17 @@ pub fn network(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) 
     NetworkShape::new(inputs, widths, outputs, activation).expect("few layers")
 }
 
-pub fn node(kind: u8, parent: Option<u8>) -> Node {
-    Node { kind, parent }
+pub fn node(kind: u8, parent: Option<u8>) -> TreeElement {
+    TreeElement { kind, parent }
 }
 
 impl<const N: usize> Tree<N> {
-    pub fn new(shape: Shape, nodes: &[Node], seed: u64) -> Self {
+    pub fn new(shape: ModularShape, nodes: &[TreeElement], seed: u64) -> Self {
         let mut random = Random(seed);
         let mut weights = random.vector(shape.parameters().unwrap(), 0.8);
         let kinds = shape.types().count();
-        let start = weights.len() - 2 - NUMBERS * kinds;
-        for numbers in weights[start..start + NUMBERS * kinds].chunks_mut(NUMBERS) {
+        let start = weights.len() - 2 - ELEMENT_PARAMETERS * kinds;
+        for numbers in weights[start..start + ELEMENT_PARAMETERS * kinds].chunks_mut(ELEMENT_PARAMETERS) {
             numbers.iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
         }
         Self { shape, nodes: nodes.to_vec(), weights }
@@ -77,13 +78,14 @@ impl<const N: usize> Tree<N> {
     /// Gives all types this damping coefficient.
     pub fn set_damping(&mut self, damping: f64) {
         let end = self.weights.len() - 2;
-        let numbers = &mut self.weights[end - NUMBERS * self.shape.types().count()..end];
-        numbers.chunks_mut(NUMBERS).for_each(|numbers| numbers[4] = damping);
+        let numbers = &mut self.weights[end - ELEMENT_PARAMETERS * self.shape.types().count()..end];
+        numbers.chunks_mut(ELEMENT_PARAMETERS).for_each(|numbers| numbers[4] = damping);
     }
 
-    fn numbers(&self, kind: u8) -> [f64; NUMBERS] {
-        let start = self.weights.len() - 2 - NUMBERS * (self.shape.types().count() - usize::from(kind));
-        self.weights[start..start + NUMBERS].try_into().unwrap()
+    fn numbers(&self, kind: u8) -> [f64; ELEMENT_PARAMETERS] {
+        let start =
+            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types().count() - usize::from(kind));
+        self.weights[start..start + ELEMENT_PARAMETERS].try_into().unwrap()
     }
 
     fn run(&self, network: u8, x: &[f64]) -> Vec<f64> {
@@ -165,7 +167,7 @@ impl<const N: usize> Learned<N> for Tree<N> {
         let mut centres: Vec<(f64, [f64; 2])> = Vec::new();
         let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
         let [c1, c2] = self.weights[self.weights.len() - 2..].try_into().unwrap();
-        for Node { kind, parent } in &self.nodes {
+        for TreeElement { kind, parent } in &self.nodes {
             let shape = self.shape.types[usize::from(*kind)].unwrap();
             let [mass, inertia, centre, _, _] = self.numbers(*kind);
             let range = first..first + shape.coordinates();
@@ -207,7 +209,7 @@ const LEARNED: fn(Input, Option<u8>) -> TransformShape =
     |input, velocity| TransformShape::Network { position: 0, velocity, input };
 
 /// Element types of all kinds: a learned link, a rod and a slide, each with a potential or without.
-pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Shape {
+pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> ModularShape {
     let inputs = input.features() as u8;
     let networks = [
         network(inputs, &[7, 5], 2, Activation::Tanh),
@@ -220,17 +222,18 @@ pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Sha
         TypeShape { transform: TransformShape::Rod, potential: Some(1) },
         TypeShape { transform: TransformShape::Slide, potential: None },
     ];
-    Shape::new(&networks, &types, pair.map(|input| PairShape { network: 3, input })).expect("few parts")
+    ModularShape::new(&networks, &types, pair.map(|input| PairShape { network: 3, input }))
+        .expect("few parts")
 }
 
 /// Free points, of two types.
-pub fn bodies(pair: PairInput) -> Shape {
+pub fn bodies(pair: PairInput) -> ModularShape {
     let networks = [
         network(2, &[5, 3], 1, Activation::Tanh),
         network(pair.features() as u8, &[10], 1, Activation::Tanh),
     ];
     let types = [None, Some(0)].map(|potential| TypeShape { transform: TransformShape::Free, potential });
-    Shape::new(&networks, &types, Some(PairShape { network: 1, input: pair })).expect("few parts")
+    ModularShape::new(&networks, &types, Some(PairShape { network: 1, input: pair })).expect("few parts")
 }
 
 pub fn of_three() -> Vec<Tree<3>> {
@@ -269,7 +272,7 @@ const CART: u8 = 1;
 
 /// A mechanism of links of 1 m and 1 kg and carts of 2 kg under gravity. A learned link has a network that is not quite a
 /// rod: x = tanh(ε(sin q, −cos q))/ε.
-fn mechanism<const N: usize>(learned: bool, nodes: &[Node]) -> Tree<N> {
+fn mechanism<const N: usize>(learned: bool, nodes: &[TreeElement]) -> Tree<N> {
     const EPSILON: f64 = 0.3;
     let networks = [network(2, &[2], 2, Activation::Tanh), network(2, &[], 1, Activation::Identity)];
     let transform = if learned { LEARNED(Input::Angle, None) } else { TransformShape::Rod };
@@ -281,7 +284,7 @@ fn mechanism<const N: usize>(learned: bool, nodes: &[Node]) -> Tree<N> {
     let output = [0.0, 1.0 / EPSILON, -1.0 / EPSILON, 0.0, 0.0, 0.0];
     let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.0]);
     let weights = [&hidden[..], &output, &gravity, &numbers, &[1.0, 0.0]].concat();
-    let shape = Shape::new(&networks, &types, None).expect("few parts");
+    let shape = ModularShape::new(&networks, &types, None).expect("few parts");
     Tree { shape, nodes: nodes.to_vec(), weights }
 }
 

@@ -76,7 +76,7 @@ impl<M, P: Pump<M, N>, const N: usize> Controller<M, N> for SwingUp<P, N> {
         let force = self.regulator.force(state, &self.angle);
         self.holding = self.holds(state, force);
         if !self.holding {
-            return Ok(Command { u: self.pump.force(model, state), mode: Mode::Swing });
+            return Ok(Command { u: self.pump.force(model, state)?, mode: Mode::Swing });
         }
         let u = core::array::from_fn(|i| if i == self.regulator.input { force } else { 0.0 });
         Ok(Command { u, mode: Mode::Hold })

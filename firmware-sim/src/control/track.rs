@@ -121,7 +121,7 @@ impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
             (square(self.gains.frequency), 2.0 * self.gains.damping * self.gains.frequency);
         let wanted = core::array::from_fn(|i| stiffness * error[i] + damping * (state.v[i] - now.v[i]));
         let feedback = model.inertial_force(&state.q, &wanted);
-        let feedforward = model.inverse_dynamics(&middle.q, &middle.v, &middle.a);
+        let feedforward = model.inverse_dynamics(&middle.q, &middle.v, &middle.a)?;
         let u = core::array::from_fn(|i| feedforward[i] - feedback[i]);
         Ok(Command { u, mode: Mode::Track })
     }

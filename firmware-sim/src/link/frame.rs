@@ -34,8 +34,9 @@ impl Frame {
         let mut frame = Self::empty();
         let length = postcard::to_slice(message, &mut frame.bytes).map_err(|_| Broken)?.len();
         let sum = CRC.checksum(frame.bytes.get(..length).ok_or(Broken)?);
-        let room = frame.bytes.get_mut(length..).and_then(|rest| rest.first_chunk_mut()).ok_or(Broken)?;
-        *room = sum.to_le_bytes();
+        let workspace =
+            frame.bytes.get_mut(length..).and_then(|rest| rest.first_chunk_mut()).ok_or(Broken)?;
+        *workspace = sum.to_le_bytes();
         frame.length = length + CRC_BYTES;
         Ok(frame)
     }

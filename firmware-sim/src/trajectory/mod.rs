@@ -71,26 +71,26 @@ impl<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> Motion f
     }
 }
 
-/// Particles in D dimensions under constraints, stepped by RATTLE in the caller's room.
+/// Particles in D dimensions under constraints, stepped by RATTLE in the caller's workspace.
 #[derive(Debug)]
 pub struct Hanging<'a, S, C: ?Sized, const D: usize> {
     mechanism: &'a Constrained<'a, f32, S, C, D>,
     rattle: Rattle<f32>,
     state: ParticleState<'a, f32, D>,
     force: &'a mut [[f32; D]],
-    room: &'a mut [f32],
+    workspace: &'a mut [f32],
 }
 
 impl<'a, S: Particles<f32, D>, C: Constraints<f32, D> + ?Sized, const D: usize> Hanging<'a, S, C, D> {
-    /// Particles in a state, with room for a force on each and for [`Rattle::room`] numbers.
+    /// Particles in a state, with workspace for a force on each and for [`Rattle::workspace`] numbers.
     pub fn new(
         mechanism: &'a Constrained<'a, f32, S, C, D>,
         rattle: Rattle<f32>,
         state: ParticleState<'a, f32, D>,
         force: &'a mut [[f32; D]],
-        room: &'a mut [f32],
+        workspace: &'a mut [f32],
     ) -> Self {
-        Self { mechanism, rattle, state, force, room }
+        Self { mechanism, rattle, state, force, workspace }
     }
 }
 
@@ -105,7 +105,7 @@ where
         if let Some(x) = self.force.last_mut().and_then(|force| force.first_mut()) {
             *x = push(index);
         }
-        self.rattle.step(self.mechanism, &mut self.state, Some(self.force), self.room)
+        self.rattle.step(self.mechanism, &mut self.state, Some(self.force), self.workspace)
     }
 
     fn positions(&self, visit: impl FnMut(f32)) {

@@ -6,7 +6,7 @@ use super::{
 };
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, NodeShape, Potential, Shape, Types,
+    Drag, EDGE_NUMBERS, Edge, Fixed, Graph, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Types,
 };
 use leastaction_core::forces::System;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
@@ -73,7 +73,7 @@ impl NamedGraph {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphArchitecture {
     /// Networks and types.
-    pub shape: Shape,
+    pub shape: GraphShape,
     /// The names and numbers of the node types.
     pub node_types: Vec<GraphType>,
     /// The names and numbers of the edge types.
@@ -284,7 +284,7 @@ impl GraphArchitecture {
         &self,
         weights: &'w [W],
     ) -> Result<HostTypes<'w, W, D>, ModelError> {
-        if let Some(what) = self.shape.misfit() {
+        if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
         self.with_header(|header| header.types(weights))

@@ -5,7 +5,7 @@ use super::{
     too_many,
 };
 use leastaction_core::energy::modular::{
-    Input, MAX_TYPES, Modular, NUMBERS, NetworkShape, Shape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, MAX_TYPES, Modular, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
 use leastaction_core::forces::System;
 use leastaction_core::model::{MAX_TREES, ModelError, ModularHeader, TreeHeader};
@@ -43,7 +43,7 @@ pub struct NamedType {
     /// What it is called.
     pub name: String,
     /// Mass, moment of inertia, centre, length, damping.
-    pub numbers: [Number; NUMBERS],
+    pub numbers: [Number; ELEMENT_PARAMETERS],
 }
 
 /// A tree by its name.
@@ -76,7 +76,7 @@ impl NamedTree {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModularArchitecture {
     /// Networks and types.
-    pub shape: Shape,
+    pub shape: ModularShape,
     /// The names and numbers of the types.
     pub types: Vec<NamedType>,
     /// Names of the types as the file has them.
@@ -92,7 +92,7 @@ pub struct ModularArchitecture {
 impl ModularArchitecture {
     /// A model of these types and trees, of which the first tree is meant.
     pub fn new(
-        shape: Shape,
+        shape: ModularShape,
         types: Vec<NamedType>,
         coefficients: [Number; 2],
         trees: Vec<NamedTree>,
@@ -114,8 +114,8 @@ impl ModularArchitecture {
     pub fn from_header(header: &ModularHeader, weights: &[f64]) -> Self {
         let kinds = header.shape.types().count();
         let (rest, coefficients) = weights.split_at(weights.len().saturating_sub(2));
-        let numbers = rest.get(rest.len().saturating_sub(NUMBERS * kinds)..).unwrap_or_default();
-        let named = |(name, numbers): (&str, &[f64; NUMBERS])| NamedType {
+        let numbers = rest.get(rest.len().saturating_sub(ELEMENT_PARAMETERS * kinds)..).unwrap_or_default();
+        let named = |(name, numbers): (&str, &[f64; ELEMENT_PARAMETERS])| NamedType {
             name: name.to_owned(),
             numbers: numbers.map(Number::known),
         };
@@ -199,7 +199,9 @@ impl ModularArchitecture {
         let of = |kind: usize| (kind, self.shape.types().nth(kind).map_or(0, |t| t.coordinates()));
         self.kinds()
             .map(of)
-            .flat_map(|(kind, n)| std::iter::repeat_n(start + NUMBERS * kind + NUMBERS - 1, n))
+            .flat_map(|(kind, n)| {
+                std::iter::repeat_n(start + ELEMENT_PARAMETERS * kind + ELEMENT_PARAMETERS - 1, n)
+            })
             .collect()
     }
 
@@ -207,7 +209,7 @@ impl ModularArchitecture {
     pub fn project(&self, weights: &mut [f64]) {
         let end = weights.len().saturating_sub(2);
         let numbers = weights.get_mut(self.numbers_start()..end).unwrap_or_default();
-        for [mass, inertia, _, _, damping] in numbers.as_chunks_mut::<NUMBERS>().0 {
+        for [mass, inertia, _, _, damping] in numbers.as_chunks_mut::<ELEMENT_PARAMETERS>().0 {
             *mass = mass.max(LEAST_MASS);
             *inertia = inertia.max(0.0);
             *damping = damping.max(0.0);

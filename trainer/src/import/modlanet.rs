@@ -4,7 +4,8 @@ use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
 use crate::architecture::{ModularArchitecture, NamedTree, NamedType, Number};
 use crate::ground_truth::ManyBody;
 use leastaction_core::energy::modular::{
-    Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    Input, MAX_NETWORKS, MAX_TYPES, ModularShape, NetworkShape, PairInput, PairShape, TransformShape,
+    TypeShape,
 };
 use leastaction_core::network::Activation;
 use safetensors::SafeTensors;
@@ -126,7 +127,7 @@ fn element_name(system: ManyBody) -> &'static str {
     }
 }
 
-fn shape(system: ManyBody, networks: [Option<NetworkShape>; MAX_NETWORKS]) -> Shape {
+fn shape(system: ManyBody, networks: [Option<NetworkShape>; MAX_NETWORKS]) -> ModularShape {
     let (transform, potential, pair) = match system {
         ManyBody::Pendulum(_) => {
             let input = Input::WrappedAngle;
@@ -136,7 +137,7 @@ fn shape(system: ManyBody, networks: [Option<NetworkShape>; MAX_NETWORKS]) -> Sh
     };
     let mut types = [None; MAX_TYPES];
     types[0] = Some(TypeShape { transform, potential: Some(potential) });
-    Shape { networks, types, pair: Some(PairShape { network: pair, input: PairInput::Concat }) }
+    ModularShape { networks, types, pair: Some(PairShape { network: pair, input: PairInput::Concat }) }
 }
 
 fn tree(system: ManyBody) -> NamedTree {

@@ -6,7 +6,7 @@ pub use rust_source::rust_source;
 
 use crate::architecture::Architecture;
 use leastaction_core::model::{
-    Discretisation, Document, FORMAT_VERSION, Header, MAGIC, ModelError, checksum, parse,
+    Document, FORMAT_VERSION, Header, MAGIC, ModelError, TrainedStep, checksum, parse,
 };
 use leastaction_core::scalar::{Weights, f16};
 use thiserror::Error;
@@ -91,7 +91,7 @@ pub struct HostModel {
     /// That the file stores its weights in.
     pub precision: Precision,
     /// The step and order it was trained with, where it was.
-    pub discretisation: Option<Discretisation>,
+    pub trained_step: Option<TrainedStep>,
     /// Where it comes from.
     pub provenance: String,
 }
@@ -110,10 +110,10 @@ impl HostModel {
 pub fn encode(
     architecture: &Architecture,
     weights: &[f64],
-    discretisation: Option<Discretisation>,
+    trained_step: Option<TrainedStep>,
     provenance: &str,
 ) -> Result<Vec<u8>, EncodeError> {
-    encode_in(Precision::Single, architecture, weights, discretisation, provenance)
+    encode_in(Precision::Single, architecture, weights, trained_step, provenance)
 }
 
 /// The bytes of the model file: weights rounded to a precision, aligned, checksummed, and read back once.
@@ -124,12 +124,12 @@ pub fn encode_in(
     precision: Precision,
     architecture: &Architecture,
     weights: &[f64],
-    discretisation: Option<Discretisation>,
+    trained_step: Option<TrainedStep>,
     provenance: &str,
 ) -> Result<Vec<u8>, EncodeError> {
     let block = rounded(weights, precision)?;
     let assembled =
-        architecture.with_header(|family| assemble(Header { family, discretisation, provenance }, &block));
+        architecture.with_header(|family| assemble(Header { family, trained_step, provenance }, &block));
     let bytes = assembled.map_err(EncodeError::Header)?;
     decode(&bytes).map_err(EncodeError::Model)?;
     Ok(bytes)
@@ -142,7 +142,7 @@ pub fn encode_in(
 pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
     let aligned = Aligned::new(bytes);
     let parsed = parse(aligned.bytes())?;
-    let Header { family, discretisation, provenance } = parsed.header;
+    let Header { family, trained_step, provenance } = parsed.header;
     let weights: Vec<f64> = parsed.weights.iter().map(f64::from).collect();
     let precision = match parsed.weights {
         Weights::Half(_) => Precision::Half,
@@ -152,7 +152,7 @@ pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
         precision,
         architecture: Architecture::from_header(&family, &weights)?,
         weights,
-        discretisation,
+        trained_step,
         provenance: provenance.to_owned(),
     })
 }
@@ -202,8 +202,8 @@ struct Aligned {
 impl Aligned {
     fn new(bytes: &[u8]) -> Self {
         let mut words = vec![0_u32; bytes.len().div_ceil(size_of::<u32>())];
-        let room = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
-        room.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+        let workspace = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
+        workspace.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
         Self { words, length: bytes.len() }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{HostModel, Precision, decode};
 use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture, NamedGraph};
-use leastaction_core::model::{Discretisation, ModelError};
+use leastaction_core::model::{ModelError, TrainedStep};
 use std::fmt::{self, Write};
 
 /// Bytes in a line of the literal.
@@ -24,8 +24,8 @@ pub fn rust_source(bytes: &[u8]) -> Result<String, ModelError> {
 fn write_source(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result {
     write_head(to, model, bytes.len())?;
     write_sizes(to, model)?;
-    if let Some(discretisation) = model.discretisation {
-        write_integrator(to, discretisation)?;
+    if let Some(trained_step) = model.trained_step {
+        write_integrator(to, trained_step)?;
     }
     write_bytes(to, model, bytes)
 }
@@ -40,7 +40,7 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
     for line in model.provenance.lines() {
         writeln!(to, "//! {}", line.trim_end())?;
     }
-    if let Some(Discretisation { order, .. }) = model.discretisation {
+    if let Some(TrainedStep { order, .. }) = model.trained_step {
         let path = if order == 4 { "Galerkin" } else { "Midpoint" };
         writeln!(to, "\nuse leastaction_core::discrete::{{Del, {path}}};")?;
     } else {
@@ -120,7 +120,7 @@ fn write_trees(to: &mut String, modular: &ModularArchitecture) -> fmt::Result {
     writeln!(to, "];")
 }
 
-fn write_integrator(to: &mut String, Discretisation { order, h }: Discretisation) -> fmt::Result {
+fn write_integrator(to: &mut String, TrainedStep { order, h }: TrainedStep) -> fmt::Result {
     let path = if order == 4 { "Galerkin" } else { "Midpoint" };
     writeln!(to, "\n/// The step that the model was trained with, s.\npub const STEP: f32 = {h:?};")?;
     writeln!(

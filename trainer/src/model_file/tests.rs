@@ -10,8 +10,7 @@ fn example(provenance: &str) -> (Architecture, Vec<f64>, Vec<u8>) {
     let architecture: Architecture =
         RigidArchitecture { damped: true, ..RigidArchitecture::new(&CARTPOLE, 9) }.into();
     let weights = architecture.initial_weights(3);
-    let bytes =
-        encode(&architecture, &weights, Some(Discretisation { order: 4, h: 0.05 }), provenance).unwrap();
+    let bytes = encode(&architecture, &weights, Some(TrainedStep { order: 4, h: 0.05 }), provenance).unwrap();
     (architecture, weights, bytes)
 }
 
@@ -22,10 +21,10 @@ proptest! {
         let model = decode(&bytes).unwrap();
         prop_assert_eq!(&model.architecture, &architecture);
         prop_assert_eq!(&model.provenance, &provenance);
-        prop_assert_eq!(model.discretisation, Some(Discretisation { order: 4, h: 0.05 }));
+        prop_assert_eq!(model.trained_step, Some(TrainedStep { order: 4, h: 0.05 }));
         let rounded: Vec<f64> = weights.iter().map(|w| f64::from(*w as f32)).collect();
         prop_assert_eq!(&model.weights, &rounded);
-        let again = encode(&architecture, &model.weights, model.discretisation, &provenance).unwrap();
+        let again = encode(&architecture, &model.weights, model.trained_step, &provenance).unwrap();
         prop_assert_eq!(again, bytes);
     }
 }
@@ -35,7 +34,7 @@ fn the_chip_loads_it_in_place() {
     let (_, _, bytes) = example("somewhere");
     let aligned = Aligned::new(&bytes);
     let model = RigidModel::<2, 9, 2>::load(aligned.bytes()).unwrap();
-    assert_eq!(model.discretisation, Some(Discretisation { order: 4, h: 0.05 }));
+    assert_eq!(model.trained_step, Some(TrainedStep { order: 4, h: 0.05 }));
     let narrow = RigidModel::<2, 8, 2>::load(aligned.bytes()).unwrap_err();
     assert_eq!(narrow, ModelError::Shape { what: "units in a hidden layer", found: 9, compiled: 8 });
 }
@@ -96,7 +95,7 @@ fn numbers_that_single_precision_cannot_hold_are_refused() {
 #[test]
 fn what_the_chip_would_refuse_is_not_written() {
     let (architecture, mut weights, _) = example("");
-    let step = Some(Discretisation { order: 3, h: 0.05 });
+    let step = Some(TrainedStep { order: 3, h: 0.05 });
     let order = encode(&architecture, &weights, step, "").unwrap_err();
     assert_eq!(order, EncodeError::Model(ModelError::OutOfRange { what: "order" }));
     *weights.last_mut().unwrap() = -1.0;

@@ -4,7 +4,7 @@ use super::plan::Plan;
 use super::state::{Best, State};
 use crate::architecture::Architecture;
 use crate::sealed;
-use leastaction_core::model::Discretisation;
+use leastaction_core::model::TrainedStep;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -23,7 +23,7 @@ pub(super) struct Checkpoint {
     /// Of the model.
     pub architecture: Architecture,
     /// Of the model.
-    pub discretisation: Option<Discretisation>,
+    pub trained_step: Option<TrainedStep>,
     /// Where the run is.
     pub state: State,
 }
@@ -67,7 +67,7 @@ impl Checkpoint {
             identity: plan.config.identity().to_toml(),
             data: plan.data_fingerprint,
             architecture: plan.architecture.clone(),
-            discretisation: plan.discretisation,
+            trained_step: plan.trained_step,
             state: state.clone(),
         }
     }
@@ -118,7 +118,7 @@ pub struct Trained {
     /// Its shape.
     pub architecture: Architecture,
     /// The step and order it was trained with, where the loss has any.
-    pub discretisation: Option<Discretisation>,
+    pub trained_step: Option<TrainedStep>,
     /// The best weights and their losses.
     pub best: Best,
     /// Iterations of the run so far.
@@ -135,8 +135,8 @@ impl Trained {
     pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
         let checkpoint = Checkpoint::read(&folder.join(super::folder::CHECKPOINT))?;
         let provenance = checkpoint.provenance();
-        let Checkpoint { architecture, discretisation, state, .. } = checkpoint;
-        Ok(Self { architecture, discretisation, best: state.best, iterations: state.iteration, provenance })
+        let Checkpoint { architecture, trained_step, state, .. } = checkpoint;
+        Ok(Self { architecture, trained_step, best: state.best, iterations: state.iteration, provenance })
     }
 }
 

@@ -5,7 +5,7 @@ use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
-use leastaction_core::model::{Discretisation, ModelError};
+use leastaction_core::model::{ModelError, TrainedStep};
 use thiserror::Error;
 
 /// A run that cannot begin.
@@ -126,7 +126,7 @@ pub struct Plan {
     pub(super) architecture: Architecture,
     /// What training begins with.
     pub(super) initial: Vec<f64>,
-    pub(super) discretisation: Option<Discretisation>,
+    pub(super) trained_step: Option<TrainedStep>,
     pub(super) data_fingerprint: u64,
     pub(super) stages: Vec<Stage>,
     notices: Vec<Notice>,
@@ -163,11 +163,11 @@ impl Plan {
             })
             .collect::<Result<_, _>>()?;
         let TrainingConfig { loss, order, .. } = config.training;
-        let discretisation = Discretisation { order, h: data.h as f32 };
+        let trained_step = TrainedStep { order, h: data.h as f32 };
         Ok(Self {
             architecture,
             initial,
-            discretisation: loss.is_discrete().then_some(discretisation),
+            trained_step: loss.is_discrete().then_some(trained_step),
             data_fingerprint: fingerprint::of_data(&data, loss),
             stages,
             notices,

@@ -4,7 +4,9 @@ use super::Failed;
 use super::loss::{SampleLoss, Systems, Term, TermKind, identity};
 use super::samples::Sample;
 use crate::architecture::Family;
-use leastaction_core::discrete::{Control, Del, Interval, Linearised, Newton, Node, Path, Solved, Variation};
+use leastaction_core::discrete::{
+    Control, Del, GaussPoint, Interval, Linearised, Newton, Path, Solved, Variation,
+};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::{Singular, add_scaled, multiply, solve_many, transpose};
@@ -110,11 +112,11 @@ fn push_terms<P: Path, const N: usize>(
     interval: &Interval<f64, P, N>,
     y: &[f64; N],
     z: &[f64; N],
-    end: fn(&Node<f64>, f64) -> Variation<f64>,
+    end: fn(&GaussPoint<f64>, f64) -> Variation<f64>,
     h: f64,
     terms: &mut Vec<Term<N>>,
 ) {
-    for node in P::nodes().as_ref() {
+    for node in P::points().as_ref() {
         let (q, v) = interval.point(node);
         let (end, bubble) = (end(node, h), Variation::bubble(node, h));
         let weigh = |end: f64, bubble: f64| -> [f64; N] {

@@ -7,7 +7,7 @@ use leastaction::model_file::{decode, encode, rust_source};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::model::Discretisation;
+use leastaction_core::model::TrainedStep;
 use leastaction_core::particles::Particles;
 
 #[path = "../cli_golden/model.rs"]
@@ -32,7 +32,7 @@ fn exported_files_agree() {
     let bytes = bench.read("m.postcard");
     assert_eq!(report["bytes"].as_u64(), Some(bytes.len() as u64));
     let model = decode(&bytes).unwrap();
-    assert_eq!(model.discretisation, Some(Discretisation { order: 2, h: 0.1 }));
+    assert_eq!(model.trained_step, Some(TrainedStep { order: 2, h: 0.1 }));
     assert_eq!(report["parameters"].as_u64(), Some(model.weights.len() as u64));
     assert_eq!(report["provenance"].as_str(), Some(model.provenance.as_str()));
     assert!(
@@ -152,7 +152,7 @@ fn shape() -> RigidArchitecture {
 fn example() -> Vec<u8> {
     let architecture = Architecture::from(shape());
     let weights = architecture.initial_weights(1);
-    encode(&architecture, &weights, Some(Discretisation { order: 4, h: 0.05 }), "an example\nin two lines")
+    encode(&architecture, &weights, Some(TrainedStep { order: 4, h: 0.05 }), "an example\nin two lines")
         .unwrap()
 }
 

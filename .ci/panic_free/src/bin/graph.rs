@@ -15,10 +15,10 @@ const NODES: usize = 5;
 /// Everything of particles.
 #[inline(never)]
 fn all(particles: &impl Particles<f32, 2>) {
-    let (q, mut room, mut l_q) = (black_box([[0.1; 2]; NODES]), [0.0; 256], [[0.0; 2]; NODES]);
+    let (q, mut workspace, mut l_q) = (black_box([[0.1; 2]; NODES]), [0.0; 256], [[0.0; 2]; NODES]);
     let (node, v) = (black_box(3), &black_box([0.1; 2]));
-    black_box((particles.nodes(), particles.room(), particles.energies(&q, &q, &mut room)));
-    particles.l_q(&q, &mut room, &mut l_q);
+    black_box((particles.nodes(), particles.workspace(), particles.energies(&q, &q, &mut workspace)));
+    particles.l_q(&q, &mut workspace, &mut l_q);
     black_box(l_q);
     black_box((particles.l_v(node, v), particles.mass(node, v)));
     black_box((particles.drag(node, v), particles.drag_slope(node, v)));
@@ -36,7 +36,7 @@ fn all(particles: &impl Particles<f32, 2>) {
 fn fixed(graph: Graph<f32, 2, 6, 8, 2>) {
     let Ok(lagrangian) = Fixed::<_, 2, 6, 8, 2, 4>::new(graph) else { return };
     let at = &black_box([0.1_f32; 4]);
-    black_box((lagrangian.force(at, at), lagrangian.derivatives(at, at)));
+    black_box((lagrangian.force(at, at, at), lagrangian.derivatives(at, at, at)));
     everything(&System::conservative(lagrangian));
 }
 

@@ -8,7 +8,7 @@ use crate::status::Status;
 use core::ffi::{CStr, c_char};
 use leastaction_core::energy::graph::{Edge, Fixed};
 use leastaction_core::forces::System;
-use leastaction_core::model::{Discretisation, GraphHeader, parse_as};
+use leastaction_core::model::{GraphHeader, TrainedStep, parse_as};
 
 pub(crate) const FAMILY: &CStr = c"graph";
 pub(crate) const EDGES: usize = LEASTACTION_EDGES;
@@ -16,7 +16,7 @@ pub(crate) const EDGES: usize = LEASTACTION_EDGES;
 /// Particles, coordinates node after node.
 pub(crate) struct Mechanism {
     particles: Particles,
-    discretisation: Option<Discretisation>,
+    trained_step: Option<TrainedStep>,
 }
 
 /// A Lagrangian that is its own drag.
@@ -40,14 +40,14 @@ impl Mechanism {
             return Err(Error::new(Status::Rods, [layout.rods().count()]));
         }
         let particles = Fixed::new(header.graph(layout, parsed.weights, edges)?)?;
-        Ok(Self { particles, discretisation: parsed.discretisation })
+        Ok(Self { particles, trained_step: parsed.trained_step })
     }
 
     pub fn system(&self) -> System<&Particles, &Particles> {
         System { lagrangian: &self.particles, forces: &self.particles }
     }
 
-    pub fn discretisation(&self) -> Option<Discretisation> {
-        self.discretisation
+    pub fn trained_step(&self) -> Option<TrainedStep> {
+        self.trained_step
     }
 }

@@ -7,7 +7,7 @@ use core::ffi::{CStr, c_char};
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::Modular;
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::model::{Discretisation, ModularModel};
+use leastaction_core::model::{ModularModel, TrainedStep};
 
 pub(crate) const FAMILY: &CStr = c"modular";
 pub(crate) const EDGES: usize = 0;
@@ -38,7 +38,7 @@ impl Mechanism {
         System { lagrangian: &self.0.system.lagrangian, forces: &self.0.system.forces }
     }
 
-    pub fn discretisation(&self) -> Option<Discretisation> {
-        self.0.discretisation
+    pub fn trained_step(&self) -> Option<TrainedStep> {
+        self.0.trained_step
     }
 }

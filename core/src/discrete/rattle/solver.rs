@@ -2,14 +2,14 @@ use super::Rattle;
 use super::points::{Points, add, copy};
 use super::stage::{BLOCK, Scale, Stage, largest, relative, size, worse};
 use crate::constraints::{
-    Banded, Constrained, ConstraintError, Constraints, Positions, Room, Rows, at, inverse,
+    Banded, Constrained, ConstraintError, Constraints, Positions, Rows, Workspace, at, inverse,
 };
 use crate::discrete::{Newton, Report};
 use crate::linear::{Matrix, add_scaled, multiply, solve_definite};
 use crate::particles::Particles;
 use crate::scalar::Real;
 
-/// One step in the caller's room.
+/// One step in the caller's workspace.
 pub(super) struct Solver<'m, 'r, R, S, C: ?Sized, const D: usize> {
     mechanism: &'m Constrained<'m, R, S, C, D>,
     newton: &'m Newton<R>,
@@ -34,20 +34,20 @@ where
     pub fn new(
         mechanism: &'m Constrained<'m, R, S, C, D>,
         newton: &'m Newton<R>,
-        room: &'r mut [R],
+        workspace: &'r mut [R],
     ) -> Result<Self, ConstraintError<R>> {
-        let mut room = Room::new(Rattle::room(mechanism), room)?;
+        let mut workspace = Workspace::new(Rattle::workspace(mechanism), workspace)?;
         let nodes = coupled(mechanism.system().nodes(), mechanism.equations());
         Ok(Self {
             mechanism,
             newton,
-            scratch: room.numbers(mechanism.system().room()),
-            trial: room.vectors(nodes),
-            trial_carry: room.vectors(nodes),
-            update: room.vectors(nodes),
-            inverses: room.blocks(nodes),
-            matrix: Banded::new(mechanism.band(), room.numbers(mechanism.matrix_room())),
-            multipliers: room.numbers(mechanism.equations()),
+            scratch: workspace.numbers(mechanism.system().workspace()),
+            trial: workspace.vectors(nodes),
+            trial_carry: workspace.vectors(nodes),
+            update: workspace.vectors(nodes),
+            inverses: workspace.blocks(nodes),
+            matrix: Banded::new(mechanism.band(), workspace.numbers(mechanism.matrix_workspace())),
+            multipliers: workspace.numbers(mechanism.equations()),
         })
     }
 

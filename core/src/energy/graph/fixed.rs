@@ -1,9 +1,10 @@
 //! Graphs of a number of coordinates that is compiled in.
 
 use super::{Edge, Graph, GraphError, across, exchange};
-use crate::energy::part::Ignore;
+use crate::energy::placed_network::Ignore;
 use crate::forces::Forces;
-use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
@@ -128,8 +129,6 @@ impl<
     const N: usize,
 > Lagrangian<S, N> for Fixed<'_, W, D, K, H, L, N>
 {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let types = &self.graph.types;
         let (mut kinetic, mut potential) = (S::zero(), S::zero());
@@ -144,8 +143,8 @@ impl<
         Gradient { l_q: self.l_q(q), l_v: self.l_v(v) }
     }
 
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
-        Dynamics { mass: DenseMass(self.l_vv(v)), l_q: self.l_q(q), l_v: self.l_v(v), l_vq_v: [S::zero(); N] }
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
+        Dynamics { mass: self.l_vv(v), l_q: self.l_q(q), l_v: self.l_v(v), l_vq_v: [S::zero(); N] }
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
@@ -169,17 +168,21 @@ impl<
     const N: usize,
 > Forces<S, N> for Fixed<'_, W, D, K, H, L, N>
 {
-    fn force(&self, _: &[S; N], v: &[S; N]) -> [S; N] {
+    fn force(&self, _: &[S; N], v: &[S; N], _: &[S; N]) -> [S; N] {
         self.each(v, |kind, v| self.graph.types.drags(kind, v)[0])
     }
 
-    fn derivatives(&self, _: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]) {
+    fn derivatives(&self, _: &[S; N], v: &[S; N], _: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
         let slopes = self.each(v, |kind, v| self.graph.types.drags(kind, v)[1]);
         let mut q_v = [[S::zero(); N]; N];
         for (i, (row, slope)) in q_v.iter_mut().zip(slopes).enumerate() {
             row[i] = slope;
         }
         ([[S::zero(); N]; N], q_v)
+    }
+
+    fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {
+        [[S::zero(); N]; N]
     }
 }
 

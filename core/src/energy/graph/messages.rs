@@ -3,7 +3,7 @@
 
 use super::shape::{MAX_EMBEDDING, MessageShape, Separation};
 use super::types::{Inputs, Types};
-use crate::energy::part::{Part, Visit};
+use crate::energy::placed_network::{PlacedNetwork, Visit};
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
@@ -58,12 +58,12 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         self.types.node_type(1).is_none()
     }
 
-    fn part(&self, network: u8) -> Option<&'t Part<'a, W, L>> {
+    fn part(&self, network: u8) -> Option<&'t PlacedNetwork<'a, W, L>> {
         self.types.network(network)
     }
 
     /// f_b of an edge type, and the width of what it gives.
-    fn embed(&self, kind: u8) -> Option<(&'t Part<'a, W, L>, usize)> {
+    fn embed(&self, kind: u8) -> Option<(&'t PlacedNetwork<'a, W, L>, usize)> {
         let network = self.part(self.types.edge_type(kind)?.embedding?)?;
         Some((network, network.network.outputs()))
     }

@@ -29,8 +29,8 @@ pub use cutoff::cutoff_edges;
 pub use error::GraphError;
 pub use fixed::Fixed;
 pub use shape::{
-    Drag, EDGE_NUMBERS, EdgeShape, Kinetic, MAX_EDGE_TYPES, MAX_EMBEDDING, MAX_NETWORKS, MAX_NODE_TYPES,
-    MessageShape, NodeShape, Potential, Separation, Shape,
+    Drag, EDGE_NUMBERS, EdgeShape, GraphShape, Kinetic, MAX_EDGE_TYPES, MAX_EMBEDDING, MAX_NETWORKS,
+    MAX_NODE_TYPES, MessageShape, NodeShape, Potential, Separation,
 };
 pub use types::Types;
 pub use union::{Member, Union};
@@ -96,7 +96,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 }
 
-impl Shape {
+impl GraphShape {
     /// Checks a graph against the types.
     ///
     /// # Errors

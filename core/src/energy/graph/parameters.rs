@@ -5,7 +5,7 @@ use super::fixed::{Fixed, vectors};
 use super::radial::{ramp, square};
 use super::shape::{Drag, Kinetic, MAX_EMBEDDING, MAX_NODE_TYPES, Potential};
 use super::types::{Types, inputs, sign};
-use crate::energy::part::{Part, Rows};
+use crate::energy::placed_network::{PlacedNetwork, Rows};
 use crate::energy::{Learnable, LearnableForces};
 use crate::linear::dot;
 use crate::network::Jet;
@@ -194,7 +194,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 }
 
-impl<W: Stored, const L: usize> Part<'_, W, L> {
+impl<W: Stored, const L: usize> PlacedNetwork<'_, W, L> {
     /// Visits c ∂|net(x)|/∂θ.
     fn size_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
         &self,

@@ -2,7 +2,7 @@
 
 use super::messages::{Embedding, Ends, Kept, Messaging};
 use super::{Edge, Graph, across, exchange};
-use crate::energy::part::Ignore;
+use crate::energy::placed_network::Ignore;
 use crate::lagrangian::Energies;
 use crate::linear::Matrix;
 use crate::network::Jet;
@@ -17,16 +17,16 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
         self.nodes.len()
     }
 
-    fn room(&self) -> usize {
+    fn workspace(&self) -> usize {
         self.types.messaging().map_or(0, |messaging| KEPT * messaging.width() * self.nodes.len())
     }
 
-    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R> {
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R> {
         let kinetic = self.sum_nodes(v, |kind, v| self.types.kinetic::<R::Pack, 0>(kind, v).value);
-        Energies { kinetic, potential: self.potential(q, room) }
+        Energies { kinetic, potential: self.potential(q, workspace) }
     }
 
-    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
+    fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]) {
         let pull = |kind, x: &[R::Pack; D]| {
             let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {});
             pull.map(|pull| -pull.value)
@@ -35,7 +35,7 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
         self.for_edges(q, |run, kind, d| {
             add_forces::<R, D>(l_q, run, &self.types.pair::<R::Pack, 1>(kind, &d).gradient(&d));
         });
-        self.messages(q, room, |run, gradient| add_forces::<R, D>(l_q, run, &gradient));
+        self.messages(q, workspace, |run, gradient| add_forces::<R, D>(l_q, run, &gradient));
     }
 
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D] {
@@ -139,20 +139,20 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 
     /// V(q).
-    pub(super) fn potential<R: Packed<Weight = W::Wide>>(&self, q: &[[R; D]], room: &mut [R]) -> R {
+    pub(super) fn potential<R: Packed<Weight = W::Wide>>(&self, q: &[[R; D]], workspace: &mut [R]) -> R {
         let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
         self.for_edges(q, |run, kind, d| {
             let pairs = self.types.pair::<R::Pack, 0>(kind, &d).value;
             (0..run.len()).for_each(|l| potential += R::lane(&pairs, l));
         });
-        potential += self.messages(q, room, |_, _| {});
+        potential += self.messages(q, workspace, |_, _| {});
         potential
     }
 
     /// n = h and n̄ = 0 at every node.
-    fn begin<R: Packed<Weight = W::Wide>>(&self, room: &mut [R]) {
+    fn begin<R: Packed<Weight = W::Wide>>(&self, workspace: &mut [R]) {
         let width = usize::from(self.types.shape().embedding);
-        let mut slots = room.iter_mut();
+        let mut slots = workspace.iter_mut();
         for kind in self.nodes {
             for (k, slot) in slots.by_ref().take(KEPT * width).enumerate() {
                 *slot = if k < width { self.types.embedding(*kind, k) } else { R::zero() };
@@ -164,32 +164,32 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     #[allow(clippy::type_complexity, reason = "a pack and how it finds its nodes")]
     fn ends<'t, R: Packed<Weight = W::Wide>>(
         &'t self,
-        room: &'t mut [R],
+        workspace: &'t mut [R],
         run: &'t [Edge],
     ) -> PackEnds<'t, 'a, W, R, impl Fn(usize, usize) -> usize, D, K, H, L> {
         let node = move |end: usize, lane: usize| run.get(lane).and_then(|edge| edge.ends.get(end)).copied();
         let node = move |end, lane| usize::from(node(end, lane).unwrap_or(0));
-        PackEnds { graph: self, room, lanes: run.len(), node }
+        PackEnds { graph: self, workspace, lanes: run.len(), node }
     }
 
     /// V of the messages; `add` gets its gradient in the differences of a pack of edges.
     fn messages<R: Packed<Weight = W::Wide>>(
         &self,
         q: &[[R; D]],
-        room: &mut [R],
+        workspace: &mut [R],
         mut add: impl FnMut(&[Edge], [R::Pack; D]),
     ) -> R {
         let (mut sum, constant) = (R::zero(), |d: [R::Pack; D]| d.map(Jet::constant));
         let Some(messaging) = self.types.messaging() else { return sum };
-        self.begin(room);
+        self.begin(workspace);
         self.for_edges(q, |run, kind, d| {
             let [feature, _] = messaging.feature::<_, 0>(kind, &constant(d));
-            messaging.send(kind, feature, &mut self.ends(room, run));
+            messaging.send(kind, feature, &mut self.ends(workspace, run));
         });
-        sum += self.settle(&messaging, room);
+        sum += self.settle(&messaging, workspace);
         self.for_edges(q, |run, kind, d| {
             let [feature, rate] = messaging.feature(kind, &constant(d));
-            let Some([v, bar]) = messaging.update(kind, feature, &mut self.ends(room, run), &mut Ignore)
+            let Some([v, bar]) = messaging.update(kind, feature, &mut self.ends(workspace, run), &mut Ignore)
             else {
                 return;
             };
@@ -198,7 +198,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         });
         self.for_edges(q, |run, kind, d| {
             let [feature, rate] = messaging.feature(kind, &constant(d));
-            let bar = messaging.answer(kind, feature, &self.ends(room, run), &mut Ignore, |_, _, _| {});
+            let bar = messaging.answer(kind, feature, &self.ends(workspace, run), &mut Ignore, |_, _, _| {});
             let Some(bar) = bar else { return };
             add(run, d.map(|d| bar.times(&rate).value * d));
         });
@@ -206,11 +206,16 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 
     /// The nodes' part of V of the messages, and n̄ of it.
-    fn settle<R: Packed<Weight = W::Wide>>(&self, messaging: &Messaging<W, D, K, H, L>, room: &mut [R]) -> R {
+    fn settle<R: Packed<Weight = W::Wide>>(
+        &self,
+        messaging: &Messaging<W, D, K, H, L>,
+        workspace: &mut [R],
+    ) -> R {
         let mut sum = R::zero();
         for first in (0..self.nodes.len()).step_by(R::WIDTH) {
             let lanes = R::WIDTH.min(self.nodes.len() - first);
-            let mut ends = PackEnds { graph: self, room: &mut *room, lanes, node: |_, l| first + l };
+            let mut ends =
+                PackEnds { graph: self, workspace: &mut *workspace, lanes, node: |_, l| first + l };
             if let Some(v) = messaging.settle(&mut ends, &mut Ignore) {
                 (0..lanes).for_each(|l| sum += R::lane(&v.value, l));
             }
@@ -239,7 +244,7 @@ const KEPT: usize = 2;
 /// A pack of edges or of nodes among what is kept, node after node: lane l ends at `node(end, l)`.
 struct PackEnds<'t, 'a, W, R, F, const D: usize, const K: usize, const H: usize, const L: usize> {
     graph: &'t Graph<'a, W, D, K, H, L>,
-    room: &'t mut [R],
+    workspace: &'t mut [R],
     lanes: usize,
     node: F,
 }
@@ -281,7 +286,7 @@ impl<
     }
 
     fn get(&self, kept: Kept, end: usize, k: usize) -> Jet<R::Pack, 0> {
-        let at = |l| self.room.get(self.place(kept, end, l, k)).copied();
+        let at = |l| self.workspace.get(self.place(kept, end, l, k)).copied();
         Jet::constant(R::pack(|l| at(l).unwrap_or(R::zero())))
     }
 
@@ -290,7 +295,7 @@ impl<
             for (end, x) in x.iter().enumerate() {
                 for (k, x) in x.iter().enumerate() {
                     let place = self.place(kept, end, lane, k);
-                    if let Some(slot) = self.room.get_mut(place) {
+                    if let Some(slot) = self.workspace.get_mut(place) {
                         *slot += R::lane(&x.value, lane);
                     }
                 }

@@ -4,7 +4,7 @@ use super::fixed::Fixed;
 use super::messages::{Embedding, Ends, Kept};
 use super::shape::MAX_EMBEDDING;
 use super::{Edge, Graph};
-use crate::energy::part::Visit;
+use crate::energy::placed_network::Visit;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 

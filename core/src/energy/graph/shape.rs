@@ -1,7 +1,7 @@
 //! The shape of a graph model, apart from its numbers and its graphs.
 
 use super::GraphError;
-use crate::energy::part::NetworkShape;
+use crate::energy::placed_network::NetworkShape;
 use crate::scalar::{Real, Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
@@ -101,7 +101,7 @@ pub struct MessageShape {
 /// drag c (N s/m), field (N, as many as dimensions), kinetic embedding, embedding; then of each edge type c₁ and c₂. What a type does
 /// not use has no meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shape {
+pub struct GraphShape {
     /// Dimensions of space, 2 or 3.
     pub dimension: u8,
     /// Numbers of a node type's kinetic embedding.
@@ -118,7 +118,7 @@ pub struct Shape {
     pub messages: Option<MessageShape>,
 }
 
-impl Shape {
+impl GraphShape {
     /// Of these networks and types, without embeddings and messages; `None` for more than the lists hold.
     pub fn new(
         dimension: u8,
@@ -197,7 +197,7 @@ impl Shape {
     }
 
     /// What of the shape is out of range, if anything is.
-    pub fn misfit(&self) -> Option<&'static str> {
+    pub fn invalid_part(&self) -> Option<&'static str> {
         let [kinetic, h] = [self.kinetic_embedding, self.embedding].map(usize::from);
         let few = |n: usize| n <= MAX_EMBEDDING;
         let fits = [
@@ -226,7 +226,7 @@ impl Shape {
             matches!(node.potential, Potential::Network(n) if !self.serves(n, h + d, 1)),
             matches!(node.drag, Drag::Network(n) if !self.serves(n, 1, 1)),
         ];
-        misfits.iter().all(|misfit| !misfit)
+        misfits.iter().all(|invalid_part| !invalid_part)
     }
 
     fn fits_edge(&self, edge: &EdgeShape) -> bool {

@@ -3,8 +3,8 @@
 use super::GraphError;
 use super::messages::collected;
 use super::radial::{Radial, ramp, square};
-use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential, Shape};
-use crate::energy::part::{Part, Visit};
+use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, GraphShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential};
+use crate::energy::placed_network::{PlacedNetwork, Visit};
 use crate::network::Jet;
 use crate::scalar::{Real, Scalar, Stored};
 use heapless::Vec;
@@ -18,15 +18,15 @@ pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
 /// The types of a graph model in `D` dimensions: at most `K` networks of at most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
 pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
-    shape: Shape,
-    networks: [Option<Part<'a, W, L>>; K],
+    shape: GraphShape,
+    networks: [Option<PlacedNetwork<'a, W, L>>; K],
     /// Those of all node types and of all edge types, from `start` of the weight block on.
     numbers: &'a [W],
     start: usize,
 }
 
 /// The numbers of one node type, and the place of each in the weight block.
-pub(super) struct Numbers<'a, W> {
+pub(super) struct NodeParameters<'a, W> {
     pub mass: (usize, W),
     pub drag: (usize, W),
     pub field: (usize, &'a [W]),
@@ -36,16 +36,16 @@ pub(super) struct Numbers<'a, W> {
 
 impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
     /// Takes the types of this shape from the front of `block` and leaves the rest there. `None` where the block is too short,
-    /// the shape does not fit in itself (see [`Shape::misfit`]), or it has not `D` dimensions or more than `K` networks, `L`
+    /// the shape does not fit in itself (see [`GraphShape::invalid_part`]), or it has not `D` dimensions or more than `K` networks, `L`
     /// hidden layers or `H` units in one.
-    pub fn take(block: &mut &'a [W], shape: &Shape) -> Option<Self> {
-        let fits = shape.misfit().is_none() && usize::from(shape.dimension) == D;
+    pub fn take(block: &mut &'a [W], shape: &GraphShape) -> Option<Self> {
+        let fits = shape.invalid_part().is_none() && usize::from(shape.dimension) == D;
         if !fits || shape.networks().count() > K {
             return None;
         }
         let (mut networks, mut start) = ([None; K], 0);
         for (slot, network) in networks.iter_mut().zip(shape.networks()) {
-            *slot = Some(Part::take::<H>(block, &mut start, network)?);
+            *slot = Some(PlacedNetwork::take::<H>(block, &mut start, network)?);
         }
         let (numbers, rest) = block.split_at_checked(shape.all_numbers())?;
         *block = rest;
@@ -53,7 +53,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 
     /// The shape.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &GraphShape {
         &self.shape
     }
 
@@ -68,12 +68,12 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 
     #[inline(always)]
-    pub(super) fn network(&self, network: u8) -> Option<&Part<'a, W, L>> {
+    pub(super) fn network(&self, network: u8) -> Option<&PlacedNetwork<'a, W, L>> {
         self.networks.get(usize::from(network))?.as_ref()
     }
 
     #[inline(always)]
-    pub(super) fn numbers(&self, kind: u8) -> Option<Numbers<'a, W>> {
+    pub(super) fn numbers(&self, kind: u8) -> Option<NodeParameters<'a, W>> {
         let [kinetic, h] = [self.shape.kinetic_embedding, self.shape.embedding].map(usize::from);
         let stride = self.shape.numbers();
         let start = usize::from(kind) * stride;
@@ -81,7 +81,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         let (field, rest) = rest.split_at_checked(D)?;
         let (kinetic_embedding, rest) = rest.split_at_checked(kinetic)?;
         let at = self.start + start;
-        Some(Numbers {
+        Some(NodeParameters {
             mass: (at, *mass),
             drag: (at + 1, *drag),
             field: (at + 2, field),
@@ -230,7 +230,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
 impl<W: Stored<Wide: Real>, const D: usize, const K: usize, const H: usize, const L: usize>
     Types<'_, W, D, K, H, L>
 {
-    /// Checks the numbers that must be positive, see [`Shape::check_numbers`].
+    /// Checks the numbers that must be positive, see [`GraphShape::check_numbers`].
     ///
     /// # Errors
     /// [`GraphError::Mass`] and [`GraphError::Drag`].

@@ -89,14 +89,14 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
         self.nodes
     }
 
-    fn room(&self) -> usize {
-        let room = |member: &Member<_, D, K, H, L>| {
-            2 * D * member.nodes.len() + Particles::<R, D>::room(&member.graph)
+    fn workspace(&self) -> usize {
+        let workspace = |member: &Member<_, D, K, H, L>| {
+            2 * D * member.nodes.len() + Particles::<R, D>::workspace(&member.graph)
         };
-        self.members.iter().map(room).max().unwrap_or(0)
+        self.members.iter().map(workspace).max().unwrap_or(0)
     }
 
-    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R> {
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R> {
         let (mut kinetic, mut potential) = (R::zero(), R::zero());
         for (node, v) in v.iter().enumerate().take(self.nodes) {
             let owner = self.holders(node).next();
@@ -104,18 +104,18 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
                 owner.map_or(R::zero(), |(owner, kind)| owner.graph.types.kinetic::<R, 0>(kind, v).value);
         }
         for member in self.members {
-            let (own, room) = split::<R, D>(room, member.nodes.len());
-            potential += member.graph.potential(member.gather(q, own), room);
+            let (own, workspace) = split::<R, D>(workspace, member.nodes.len());
+            potential += member.graph.potential(member.gather(q, own), workspace);
         }
         Energies { kinetic, potential }
     }
 
-    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
+    fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]) {
         l_q.fill([R::zero(); D]);
         for member in self.members {
-            let (own, room) = split::<R, D>(room, member.nodes.len());
-            let (forces, room) = split::<R, D>(room, member.nodes.len());
-            member.graph.l_q(member.gather(q, own), room, forces);
+            let (own, workspace) = split::<R, D>(workspace, member.nodes.len());
+            let (forces, workspace) = split::<R, D>(workspace, member.nodes.len());
+            member.graph.l_q(member.gather(q, own), workspace, forces);
             for (node, force) in member.nodes.iter().zip(forces) {
                 let Some(sum) = l_q.get_mut(usize::from(*node)) else { continue };
                 sum.iter_mut().zip(force).for_each(|(sum, force)| *sum += *force);
@@ -157,8 +157,8 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 }
 
-/// Room for so many vectors, and the rest; none where the room is too small.
-fn split<R: Packed, const D: usize>(room: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
-    let (own, rest) = room.split_at_mut_checked(vectors * D).unwrap_or_default();
+/// Workspace for so many vectors, and the rest; none where the workspace is too small.
+fn split<R: Packed, const D: usize>(workspace: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
+    let (own, rest) = workspace.split_at_mut_checked(vectors * D).unwrap_or_default();
     (own.as_chunks_mut().0, rest)
 }

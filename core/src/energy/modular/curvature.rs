@@ -3,15 +3,15 @@
 use super::potential::Moving;
 use super::tree::{SPACE, Vector, add};
 use super::{Configuration, Modular, dot};
-use crate::energy::part::Ignore;
+use crate::energy::placed_network::Ignore;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
 /// V_xx, by pairs of elements.
 pub(super) type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
     /// Jᵀ V_xx J of what coordinate k alone adds.
     pub(super) fn pulled<S: Scalar>(

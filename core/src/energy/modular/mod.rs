@@ -20,28 +20,28 @@ mod potential;
 mod shape;
 mod tree;
 
-pub use super::part::{NetworkShape, Part};
-pub use element::{ElementType, Input, NUMBERS, Numbers, Transform};
+pub use super::placed_network::{NetworkShape, PlacedNetwork};
+pub use element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
 pub use potential::{Pair, PairInput};
-pub use shape::{MAX_NETWORKS, MAX_TYPES, PairShape, Shape, TransformShape, TypeShape};
-pub use tree::{Node, SPACE, Tree, TreeError, Vector};
+pub use shape::{MAX_NETWORKS, MAX_TYPES, ModularShape, PairShape, TransformShape, TypeShape};
+pub use tree::{SPACE, Tree, TreeElement, TreeError, Vector};
 
-use crate::energy::part::{Ignore, Visit};
-use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::energy::placed_network::{Ignore, Visit};
+use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use element::Motion;
 use potential::Moving;
 use tree::scale;
 
-/// A tree of elements in N coordinates over borrowed weights: at most `K` element types, networks of at most `D` hidden
+/// A tree of elements in N coordinates over borrowed weights: at most `E` element types, networks of at most `L` hidden
 /// layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
-pub struct Modular<'a, W, const N: usize, const K: usize, const H: usize, const D: usize> {
+pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const L: usize> {
     /// The element types.
-    pub types: [Option<ElementType<'a, W, D>>; K],
+    pub types: [Option<ElementType<'a, W, L>>; E],
     /// What every pair of elements adds.
-    pub pair: Option<Pair<'a, W, D>>,
+    pub pair: Option<Pair<'a, W, L>>,
     /// c₁ and c₂.
     pub coefficients: [W; 2],
     /// The place of `coefficients` in the weight block.
@@ -66,11 +66,11 @@ impl<S: Scalar, const N: usize> Configuration<S, N> {
     }
 }
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
     #[inline(always)]
-    fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, D>> {
+    fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, L>> {
         self.types.get(kind)?.as_ref()
     }
 
@@ -155,7 +155,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
         mass: &[S; N],
         x: &[Moving<S, T>; N],
         visit: &mut impl Visit<W, S, T>,
-        mut weighed: impl FnMut(Weighed<S, T>),
+        mut weighed: impl FnMut(PotentialTerm<S, T>),
     ) -> [Moving<S, T>; N] {
         let mut gradient = [[Jet::zero(); SPACE]; N];
         self.for_elements(|e, kind| {
@@ -163,7 +163,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
             let Some(potential) = &kind.potential else { return };
             let [c1, _] = self.c::<S>();
             let (u, x_bar) = potential.differentiate::<S, T, SPACE, H>(x, c1 * *m, visit);
-            weighed(Weighed::Element(e, u));
+            weighed(PotentialTerm::Element(e, u));
             accumulate(sum, &x_bar);
         });
         self.for_pairs(|a, b, pair| {
@@ -171,7 +171,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
             let (Some(ma), Some(mb)) = (mass.get(a), mass.get(b)) else { return };
             let [_, c2] = self.c::<S>();
             let (u, [on_a, on_b]) = pair.differentiate::<S, T, H>([xa, xb], c2 * *ma * *mb, visit);
-            weighed(Weighed::Pair(a, b, u));
+            weighed(PotentialTerm::Pair(a, b, u));
             for (e, force) in [(a, &on_a), (b, &on_b)] {
                 if let Some(sum) = gradient.get_mut(e) {
                     accumulate(sum, force);
@@ -188,7 +188,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 
     #[inline(always)]
-    fn for_elements(&self, mut visit: impl FnMut(usize, &ElementType<'a, W, D>)) {
+    fn for_elements(&self, mut visit: impl FnMut(usize, &ElementType<'a, W, L>)) {
         for (e, element) in self.tree.elements() {
             if let Some(kind) = self.element_type(element.kind) {
                 visit(e, kind);
@@ -197,7 +197,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 
     #[inline(always)]
-    fn for_pairs(&self, mut visit: impl FnMut(usize, usize, &Pair<'a, W, D>)) {
+    fn for_pairs(&self, mut visit: impl FnMut(usize, usize, &Pair<'a, W, L>)) {
         let Some(pair) = &self.pair else { return };
         for (b, _) in self.tree.elements() {
             for a in 0..b {
@@ -208,7 +208,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
 }
 
 /// A term of the potential without what it is multiplied by.
-enum Weighed<S, const T: usize> {
+enum PotentialTerm<S, const T: usize> {
     /// U₁ of element e, multiplied by c₁m_e.
     Element(usize, Jet<S, T>),
     /// U₂ of two elements, multiplied by c₂m_e m_f.
@@ -228,11 +228,9 @@ fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>) -> S {
     a[0] * b[0] + a[1] * b[1]
 }
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const K: usize, const H: usize, const D: usize>
-    Lagrangian<S, N> for Modular<'_, W, N, K, H, D>
+impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const E: usize, const H: usize, const L: usize>
+    Lagrangian<S, N> for Modular<'_, W, N, E, H, L>
 {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let c = self.configuration::<S, 1>(q);
         let velocity = core::array::from_fn(|j| scale(v[j], &c.motion[j].g));
@@ -267,14 +265,14 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const K: usize, con
         Gradient { l_q: core::array::from_fn(l_q), l_v: core::array::from_fn(l_v) }
     }
 
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         let c = self.configuration::<S, 2>(q);
         let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
         let turning = self.inertial(&c, &core::array::from_fn(|j| scale(v[j] * v[j], &c.motion[j].g_q)));
         let force = self.tree.joints(&c.centre, &self.potential_gradient(&c));
         let bent: [S; N] = core::array::from_fn(|j| v[j] * dot(&c.motion[j].g_q, &momentum[j]));
         Dynamics {
-            mass: DenseMass(self.mass_matrix(&c)),
+            mass: self.mass_matrix(&c),
             l_q: core::array::from_fn(|j| bent[j] - dot(&c.motion[j].s_q, &force[j])),
             l_v: core::array::from_fn(|j| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j]),
             l_vq_v: core::array::from_fn(|j| bent[j] + dot(&c.motion[j].g, &turning[j])),

@@ -3,9 +3,9 @@
 use super::element::Motion;
 use super::potential::Moving;
 use super::tree::{Vector, add, scale};
-use super::{Configuration, ElementType, Modular, Weighed, dot};
+use super::{Configuration, ElementType, Modular, PotentialTerm, dot};
 use crate::energy::Learnable;
-use crate::energy::part::Rows;
+use crate::energy::placed_network::Rows;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
@@ -15,8 +15,8 @@ struct Bilinear<'m, S, const N: usize> {
     beta: &'m [Vector<S>; N],
 }
 
-impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> Learnable<S, N>
-    for Modular<'_, S::Weight, N, K, H, D>
+impl<S: Scalar, const N: usize, const E: usize, const H: usize, const L: usize> Learnable<S, N>
+    for Modular<'_, S::Weight, N, E, H, L>
 {
     /// With a = δq v g′ + δv g and b = g v the kinetic part is Σ a·JᵀmJ b + δv I v; the potential part is −V_x·J(s′δq).
     fn directional_gradient(
@@ -75,8 +75,8 @@ impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> 
     }
 }
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
     /// −∂/∂θ of V_x·J(s′δq) in potentials, coefficients, masses and centres; returns its adjoints of s and s′.
     fn potential_part<S: Scalar<Weight = W::Wide>>(
@@ -151,7 +151,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 
     #[inline(always)]
-    fn for_own(&self, mut visit: impl FnMut(usize, &super::tree::Element, &ElementType<'a, W, D>)) {
+    fn for_own(&self, mut visit: impl FnMut(usize, &super::tree::Element, &ElementType<'a, W, L>)) {
         for (e, element) in self.tree.elements() {
             if let Some(kind) = self.element_type(element.kind) {
                 visit(e, element, kind);
@@ -175,15 +175,15 @@ impl<S: Scalar, const N: usize> Rates<S, N> {
         Self { elements: S::zero(), pairs: S::zero(), masses: [S::zero(); N] }
     }
 
-    fn add(&mut self, term: &Weighed<S, 1>, mass: &[S; N], [c1, c2]: [S; 2]) {
+    fn add(&mut self, term: &PotentialTerm<S, 1>, mass: &[S; N], [c1, c2]: [S; 2]) {
         let m = |e: usize| mass.get(e).copied().unwrap_or(S::zero());
         match term {
-            Weighed::Element(e, u) => {
+            PotentialTerm::Element(e, u) => {
                 let [rate] = u.tangent;
                 self.elements += m(*e) * rate;
                 self.of_mass(*e, c1 * rate);
             }
-            Weighed::Pair(a, b, u) => {
+            PotentialTerm::Pair(a, b, u) => {
                 let [rate] = u.tangent;
                 self.pairs += m(*a) * m(*b) * rate;
                 self.of_mass(*a, c2 * m(*b) * rate);

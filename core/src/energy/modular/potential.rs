@@ -1,7 +1,7 @@
 //! Potentials of elements and of pairs of elements, with their derivatives in positions and in weights.
 
 use super::tree::{SPACE, Vector, add, scale};
-use crate::energy::part::{Part, Visit};
+use crate::energy::placed_network::{PlacedNetwork, Visit};
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
@@ -35,14 +35,14 @@ pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
 
 /// The pair potential of a model.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<'a, W, const D: usize> {
+pub struct Pair<'a, W, const L: usize> {
     /// U₂.
-    pub potential: Part<'a, W, D>,
+    pub potential: PlacedNetwork<'a, W, L>,
     /// What it sees.
     pub input: PairInput,
 }
 
-impl<W: Stored, const D: usize> Pair<'_, W, D> {
+impl<W: Stored, const L: usize> Pair<'_, W, L> {
     /// U₂ of two positions.
     pub(super) fn energy<S: Scalar<Weight = W::Wide>, const H: usize>(
         &self,
@@ -97,7 +97,7 @@ impl<W: Stored, const D: usize> Pair<'_, W, D> {
     }
 }
 
-impl<W: Stored, const D: usize> Pair<'_, W, D> {
+impl<W: Stored, const L: usize> Pair<'_, W, L> {
     /// The feature f(r) of the distance r = |d|, and f′(r)/r, which makes a gradient of d.
     #[inline(always)]
     fn of_distance<S: Scalar, const T: usize>(&self, d: &Moving<S, T>) -> [Jet<S, T>; 2] {

@@ -1,10 +1,10 @@
 //! The shape of a modular model, apart from its numbers and its trees.
 
 use super::Modular;
-use super::element::{ElementType, Input, NUMBERS, Numbers, Transform};
+use super::element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
 use super::potential::{Pair, PairInput};
-use super::tree::{Node, SPACE, Tree, TreeError};
-use crate::energy::part::{NetworkShape, Part};
+use super::tree::{SPACE, Tree, TreeElement, TreeError};
+use crate::energy::placed_network::{NetworkShape, PlacedNetwork};
 use crate::scalar::Stored;
 use serde::{Deserialize, Serialize};
 
@@ -61,9 +61,9 @@ pub struct PairShape {
     pub input: PairInput,
 }
 
-/// The shape of a modular model. Its weight block: the networks in order, then the [`Numbers`] of each type, then c₁ and c₂.
+/// The shape of a modular model. Its weight block: the networks in order, then the [`ElementParameters`] of each type, then c₁ and c₂.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shape {
+pub struct ModularShape {
     /// The networks; the first `None` ends the list. Types may share one.
     pub networks: [Option<NetworkShape>; MAX_NETWORKS],
     /// The element types; the first `None` ends the list.
@@ -72,7 +72,7 @@ pub struct Shape {
     pub pair: Option<PairShape>,
 }
 
-impl Shape {
+impl ModularShape {
     /// Of these networks, types and pair potential; `None` for more than the lists hold.
     pub fn new(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Option<Self> {
         let mut shape = Self { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair };
@@ -95,24 +95,27 @@ impl Shape {
         self.types.iter().map_while(Option::as_ref)
     }
 
-    /// Numbers in the weight block; `None` on overflow.
+    /// ElementParameters in the weight block; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         let networks =
             self.networks().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))?;
-        networks.checked_add(NUMBERS * self.types().count() + 2)
+        networks.checked_add(ELEMENT_PARAMETERS * self.types().count() + 2)
     }
 
     /// Checks a tree against the types.
     ///
     /// # Errors
     /// See [`TreeError`].
-    pub fn tree<const N: usize>(&self, nodes: impl IntoIterator<Item = Node>) -> Result<Tree<N>, TreeError> {
+    pub fn tree<const N: usize>(
+        &self,
+        nodes: impl IntoIterator<Item = TreeElement>,
+    ) -> Result<Tree<N>, TreeError> {
         let coordinates = |kind| self.types().nth(kind).map(TypeShape::coordinates);
         Tree::new(nodes, self.types().count(), coordinates)
     }
 
     /// What of the shape is out of range, if anything is.
-    pub fn misfit(&self) -> Option<&'static str> {
+    pub fn invalid_part(&self) -> Option<&'static str> {
         let serves = |network: u8, inputs: usize, outputs: usize| {
             let network = self.networks().nth(network.into());
             network.is_some_and(|n| n.serves(inputs, outputs))
@@ -140,23 +143,23 @@ impl Shape {
     }
 }
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
     /// Builds a tree of this shape's elements on the front of `block` and leaves the rest there. `None` where the block is too
-    /// short, the shape does not fit in itself (see [`Shape::misfit`]), or it has more than `K` types, `D` hidden layers or `H`
+    /// short, the shape does not fit in itself (see [`ModularShape::invalid_part`]), or it has more than `E` types, `L` hidden layers or `H`
     /// units in one.
-    pub fn take(block: &mut &'a [W], shape: &Shape, tree: Tree<N>) -> Option<Self> {
-        if shape.misfit().is_some() || shape.types().count() > K {
+    pub fn take(block: &mut &'a [W], shape: &ModularShape, tree: Tree<N>) -> Option<Self> {
+        if shape.invalid_part().is_some() || shape.types().count() > E {
             return None;
         }
         let mut start = 0;
         let mut networks = [None; MAX_NETWORKS];
         for (slot, network) in networks.iter_mut().zip(shape.networks()) {
-            *slot = Some(Part::take::<H>(block, &mut start, network)?);
+            *slot = Some(PlacedNetwork::take::<H>(block, &mut start, network)?);
         }
         let network = |i: u8| networks.get(usize::from(i)).copied().flatten();
-        let mut types = [None; K];
+        let mut types = [None; E];
         for (slot, kind) in types.iter_mut().zip(shape.types()) {
             *slot = Some(take_type(block, &mut start, kind, network)?);
         }
@@ -170,12 +173,12 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 }
 
-fn take_type<'a, W: Stored, const D: usize>(
+fn take_type<'a, W: Stored, const L: usize>(
     block: &mut &'a [W],
     start: &mut usize,
     shape: &TypeShape,
-    network: impl Fn(u8) -> Option<Part<'a, W, D>>,
-) -> Option<ElementType<'a, W, D>> {
+    network: impl Fn(u8) -> Option<PlacedNetwork<'a, W, L>>,
+) -> Option<ElementType<'a, W, L>> {
     let transform = match shape.transform {
         TransformShape::Network { position, velocity, input } => {
             let velocity = match velocity {
@@ -192,8 +195,8 @@ fn take_type<'a, W: Stored, const D: usize>(
         None => None,
         Some(potential) => Some(network(potential)?),
     };
-    let numbers = Numbers::take(block)?;
+    let numbers = ElementParameters::take(block)?;
     let element = ElementType { transform, potential, numbers, start: *start };
-    *start += NUMBERS;
+    *start += ELEMENT_PARAMETERS;
     Some(element)
 }

@@ -12,7 +12,7 @@ pub type Vector<S> = [S; SPACE];
 
 /// One element of a tree, as it is described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Node {
+pub struct TreeElement {
     /// Which type the element is of.
     pub kind: u8,
     /// The element that it hangs from, described before it; `None`: the ground.
@@ -94,7 +94,7 @@ impl<const N: usize> Tree<N> {
     /// # Errors
     /// See [`TreeError`].
     pub fn new(
-        nodes: impl IntoIterator<Item = Node>,
+        nodes: impl IntoIterator<Item = TreeElement>,
         kinds: usize,
         coordinates: impl Fn(usize) -> Option<usize>,
     ) -> Result<Self, TreeError> {

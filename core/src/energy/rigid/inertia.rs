@@ -52,7 +52,7 @@ pub(super) struct Outputs<S, const T: usize, const N: usize> {
     pub potential: Jet<S, T>,
 }
 
-/// Room for the adjoint of the outputs: 2N² ≥ N(N + 1)/2 + 1.
+/// Workspace for the adjoint of the outputs: 2N² ≥ N(N + 1)/2 + 1.
 pub(super) type OutputBar<S, const T: usize, const N: usize> = [[Jets<S, T, N>; N]; 2];
 
 impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {

@@ -10,16 +10,16 @@ mod parameters;
 pub use features::{Coordinate, count as feature_count};
 pub use inertia::Inertia;
 
-use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::linear::{add_scaled, dot, multiply, transpose};
-use crate::network::{Activation, Bends, Jet, Mlp, Tape};
+use crate::network::{Activation, Jet, Mlp, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, Stored};
 use features::Features;
 use inertia::{Jets, OutputBar, Outputs, without_tangents};
 
 /// The shape of a rigid model, apart from its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape<'a, const N: usize> {
+pub struct RigidShape<'a, const N: usize> {
     /// What each coordinate is.
     pub coordinates: [Coordinate; N],
     /// Units of every hidden layer, first to last.
@@ -30,7 +30,7 @@ pub struct Shape<'a, const N: usize> {
     pub inertia: Inertia,
 }
 
-impl<const N: usize> Shape<'_, N> {
+impl<const N: usize> RigidShape<'_, N> {
     /// Numbers in the network's weight block; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         let inputs = feature_count(&self.coordinates);
@@ -38,18 +38,18 @@ impl<const N: usize> Shape<'_, N> {
     }
 }
 
-/// A rigid mechanism in N coordinates over borrowed weights: at most `D` hidden layers of at most `H` units.
+/// A rigid mechanism in N coordinates over borrowed weights: at most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
-pub struct Rigid<'a, W, const N: usize, const H: usize, const D: usize> {
+pub struct Rigid<'a, W, const N: usize, const H: usize, const L: usize> {
     coordinates: [Coordinate; N],
     inertia: Inertia,
-    network: Mlp<'a, W, D>,
+    network: Mlp<'a, W, L>,
 }
 
-impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N, H, D> {
+impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
     /// Builds the mechanism on the front of `block` and leaves the rest there. `None` where the block is too short, there
-    /// are more than `D` hidden layers, or one is wider than `H`.
-    pub fn take(block: &mut &'a [W], shape: &Shape<N>) -> Option<Self> {
+    /// are more than `L` hidden layers, or one is wider than `H`.
+    pub fn take(block: &mut &'a [W], shape: &RigidShape<N>) -> Option<Self> {
         if shape.widths.iter().any(|width| *width > H) {
             return None;
         }
@@ -69,7 +69,7 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
         &self,
         q: &[S; N],
         directions: &[[S; N]; T],
-        tape: &mut Tape<S, T, H, D>,
+        tape: &mut Tape<S, T, H, L>,
     ) -> Evaluation<S, T, N> {
         self.evaluate(q, directions, |x, y| self.network.forward(x, tape, y))
     }
@@ -97,7 +97,7 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
     fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         features: &Features<S, N>,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         bar: &OutputBar<S, A, N>,
         directions: &[[S; N]; A],
     ) -> Jets<S, A, N> {
@@ -114,7 +114,7 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
     fn adjoint_second_order<S: Scalar<Weight = W::Wide>>(
         &self,
         features: &Features<S, N>,
-        bends: &Bends<S, N, H, D>,
+        tape: &SecondOrderTape<S, N, H, L>,
         bar: &OutputBar<S, N, N>,
     ) -> (Jets<S, N, N>, [[S; N]; N]) {
         let plain = bar.each_ref().map(|rows| rows.each_ref().map(without_tangents));
@@ -122,26 +122,22 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
         let mut feature_bar = [[Jet::zero(); N]; 2];
         let count = feature_count(&self.coordinates);
         let slots = feature_bar.as_flattened_mut().get_mut(..count).unwrap_or_default();
-        let bent = self.network.second_order(bends, plain, slots);
+        let bent = self.network.second_order(tape, plain, slots);
         let feature_bar = feature_bar.map(|row| row.map(|x| Jet::constant(x.value)));
         (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), bent)
     }
 }
 
-impl<W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, H, D> {
+impl<W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, H, L> {
     /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
     #[inline]
-    fn dynamics_by_tangents<S: Scalar<Weight = W::Wide>>(
-        &self,
-        q: &[S; N],
-        v: &[S; N],
-    ) -> Dynamics<S, DenseMass<S, N>, N> {
+    fn dynamics_by_tangents<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         let Evaluation { outputs, .. } =
             self.evaluate(q, &unit_vectors(), |x, y| self.network.evaluate::<S, N, H>(x, y));
         let p = outputs.momentum(&held(v));
         let twice_kinetic_q = multiply(&transpose(&p.map(|p| p.tangent)), v);
         Dynamics {
-            mass: DenseMass(outputs.mass_matrix()),
+            mass: outputs.mass_matrix(),
             l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - outputs.potential.tangent[k]),
             l_v: p.map(|p| p.value),
             l_vq_v: multiply(&p.map(|p| p.tangent), v),
@@ -150,17 +146,13 @@ impl<W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, 
 
     /// One forward pass with the tangent along v, and one adjoint: three passes' work.
     #[inline]
-    fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(
-        &self,
-        q: &[S; N],
-        v: &[S; N],
-    ) -> Dynamics<S, DenseMass<S, N>, N> {
-        let mut tape = Tape::<S, 1, H, D>::default();
+    fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
+        let mut tape = Tape::<S, 1, H, L>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[*v], &mut tape);
         let p = outputs.momentum(&held(v));
         let bar = outputs.without_tangents().lagrangian_bar(&held(v));
         Dynamics {
-            mass: DenseMass(outputs.mass_matrix()),
+            mass: outputs.mass_matrix(),
             l_q: self.adjoint(&features, &tape, &bar, &[]).map(|l| l.value),
             l_v: p.map(|p| p.value),
             l_vq_v: p.map(|Jet { tangent: [along_v], .. }| along_v),
@@ -189,13 +181,11 @@ fn unit_vectors<S: Scalar, const N: usize>() -> [[S; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| if i == j { S::one() } else { S::zero() }))
 }
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const D: usize> Lagrangian<S, N>
-    for Rigid<'_, W, N, H, D>
+impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const L: usize> Lagrangian<S, N>
+    for Rigid<'_, W, N, H, L>
 {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
-        let Evaluation { outputs, .. } = self.forward(q, &[], &mut Tape::<S, 0, H, D>::default());
+        let Evaluation { outputs, .. } = self.forward(q, &[], &mut Tape::<S, 0, H, L>::default());
         let p = outputs.momentum(&held(v)).map(|p| p.value);
         Energies { kinetic: dot(&p, v).half(), potential: outputs.potential.value }
     }
@@ -203,7 +193,7 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
     // Functions of their own: on a controller neither's tape lies on the stack beside the other's.
     #[inline(never)]
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
-        let mut tape = Tape::<S, 0, H, D>::default();
+        let mut tape = Tape::<S, 0, H, L>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[], &mut tape);
         let v = held(v);
         let l_q = self.adjoint(&features, &tape, &outputs.lagrangian_bar(&v), &[]);
@@ -211,7 +201,7 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
     }
 
     /// By whichever takes fewer passes through the network for N; no dense ∂H/∂q is ever formed.
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         if N <= 2 { self.dynamics_by_tangents(q, v) } else { self.dynamics_by_adjoint(q, v) }
     }
 
@@ -219,12 +209,12 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
     /// second derivatives of the network weighed by ō, plus those of the features.
     #[inline(never)]
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
-        let mut bends = Bends::<S, N, H, D>::default();
+        let mut tape = SecondOrderTape::<S, N, H, L>::default();
         let Evaluation { features, raw, outputs } =
-            self.evaluate(q, &unit_vectors(), |x, y| self.network.forward_bent(x, &mut bends, y));
+            self.evaluate(q, &unit_vectors(), |x, y| self.network.forward_second_order(x, &mut tape, y));
         let v = held(v);
         let bar = outputs.lagrangian_bar(&v);
-        let (l_q, bent) = self.adjoint_second_order(&features, &bends, &bar);
+        let (l_q, bent) = self.adjoint_second_order(&features, &tape, &bar);
         let p = outputs.momentum(&v);
         Hessian {
             l_q: l_q.map(|l| l.value),

@@ -5,8 +5,8 @@ use crate::energy::Learnable;
 use crate::network::{Dense, Jet, Tape};
 use crate::scalar::{Scalar, Stored};
 
-impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
-    for Rigid<'_, S::Weight, N, H, D>
+impl<S: Scalar, const N: usize, const H: usize, const L: usize> Learnable<S, N>
+    for Rigid<'_, S::Weight, N, H, L>
 {
     fn directional_gradient(
         &self,
@@ -30,7 +30,7 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
     }
 }
 
-impl<const N: usize, const H: usize, const D: usize, W: Stored> Rigid<'_, W, N, H, D> {
+impl<const N: usize, const H: usize, const L: usize, W: Stored> Rigid<'_, W, N, H, L> {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
         self.network.layers().map(Dense::len).sum()
@@ -44,7 +44,7 @@ impl<const N: usize, const H: usize, const D: usize, W: Stored> Rigid<'_, W, N, 
         bar: impl FnOnce(&Outputs<S, 1, N>) -> OutputBar<S, 1, N>,
         row: impl FnMut(usize, S),
     ) {
-        let mut tape = Tape::<S, 1, H, D>::default();
+        let mut tape = Tape::<S, 1, H, L>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[*direction], &mut tape);
         self.weight_gradient(&features, &tape, direction, &bar(&outputs), row);
     }
@@ -52,7 +52,7 @@ impl<const N: usize, const H: usize, const D: usize, W: Stored> Rigid<'_, W, N, 
     fn weight_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         features: &Features<S, N>,
-        tape: &Tape<S, 1, H, D>,
+        tape: &Tape<S, 1, H, L>,
         direction: &[S; N],
         bar: &OutputBar<S, 1, N>,
         mut row: impl FnMut(usize, S),

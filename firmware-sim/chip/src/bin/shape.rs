@@ -36,7 +36,10 @@ fn run() -> Result<(), &'static [u8]> {
 #[cfg(graph)]
 fn run() -> Result<(), &'static [u8]> {
     use leastaction_core::constraints::Holonomic;
-    use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+    use leastaction_core::discrete::{
+        Order,
+        rattle::{ParticleState, Rattle},
+    };
     use leastaction_core::energy::graph::Edge;
     use leastaction_core::model::{GraphHeader, parse_as};
 
@@ -49,11 +52,11 @@ fn run() -> Result<(), &'static [u8]> {
     let written = rods.iter_mut().zip(layout.rods()).map(|(slot, rod)| *slot = rod.constraint()).count();
     let mut edges = [Edge::default(); model::EDGES];
     let model = models::load(|| model::load(&mut edges))?;
-    let mut room = [0.0; Rattle::<f32>::room_of::<2>(NODES, NODES, 1, 0)];
-    let mut numbers = [0.0; ParticleState::<f32, 2>::room(NODES, NODES)];
+    let mut workspace = [0.0; Rattle::<f32>::workspace_of::<2>(NODES, NODES, 1, 0)];
+    let mut numbers = [0.0; ParticleState::<f32, 2>::workspace(NODES, NODES)];
     let q: [[f32; 2]; NODES] = core::array::from_fn(|i| [0.6 * (i + 1) as f32, -0.8 * (i + 1) as f32]);
     let rods = rods.get(..written).unwrap_or(&[]);
-    models::hanging(&model.graph, (rods, &q), (ORDER, newton()), (&mut numbers, &mut room))
+    models::hanging(&model.graph, (rods, &q), (ORDER, newton()), (&mut numbers, &mut workspace))
 }
 
 image!(run);

@@ -51,7 +51,7 @@ fn control(tick: u32) -> [f32; 2] {
 }
 
 fn run(model: &Model) -> Result<(), ()> {
-    let (Some(trained), Some(mut peripherals)) = (model.discretisation, Peripherals::take()) else {
+    let (Some(trained), Some(mut peripherals)) = (model.trained_step, Peripherals::take()) else {
         return Err(());
     };
     let del = Del::<f32, Galerkin>::new(trained.h);

@@ -30,7 +30,7 @@ impl Mechanism {
     fn load() -> Option<Self> {
         let model = RigidModel::load(&FILE.0).ok()?;
         let state = State::new(&model.system.lagrangian, [0.0, 0.1], [0.0, 0.0]).ok()?;
-        Some(Self { model, del: Del::new(model.discretisation?.h), state, refused: 0 })
+        Some(Self { model, del: Del::new(model.trained_step?.h), state, refused: 0 })
     }
 
     /// On error the state is what it was: hold it, count, and command no force.

@@ -3,7 +3,7 @@
 use leastaction::architecture::{Architecture, GraphArchitecture, ModularArchitecture, RigidArchitecture};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
-use leastaction_core::energy::modular::{Node, TransformShape, TypeShape};
+use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
 use serde::Serialize;
@@ -233,7 +233,7 @@ const ROD: &str = "rod";
 
 impl Tree {
     fn new(tree: &TreeHeader, modular: &ModularArchitecture) -> Self {
-        let element = |(i, node): (usize, Node)| {
+        let element = |(i, node): (usize, TreeElement)| {
             let name = modular.types.get(usize::from(node.kind)).map_or("?", |kind| kind.name.as_str());
             match node.parent {
                 None => format!("{i} {name}"),

@@ -7,8 +7,8 @@ use crate::architecture::{MODULAR_SIZES, ModularArchitecture, NamedTree, NamedTy
 use crate::config::parts::Networks;
 use crate::config::problem::{check_count, check_name, list};
 use leastaction_core::energy::modular::{
-    Input, MAX_NETWORKS, MAX_TYPES, NUMBERS, NetworkShape, PairInput, PairShape, SPACE, Shape,
-    TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, MAX_NETWORKS, MAX_TYPES, ModularShape, NetworkShape, PairInput, PairShape,
+    SPACE, TransformShape, TypeShape,
 };
 use leastaction_core::model::MAX_TREES;
 use leastaction_core::network::Activation;
@@ -131,7 +131,7 @@ impl Assembly {
         let Source { architecture, weights } = source;
         let shape = &architecture.shape;
         let types: Vec<_> = shape.types().copied().zip(architecture.types.iter().cloned()).collect();
-        let numbers = NUMBERS * types.len() + 2;
+        let numbers = ELEMENT_PARAMETERS * types.len() + 2;
         let mut trees = architecture.trees.clone();
         if architecture.tree < trees.len() {
             trees.swap(0, architecture.tree);
@@ -278,7 +278,8 @@ impl Assembly {
     }
 
     fn finish(self) -> Assembled {
-        let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: self.pair };
+        let mut shape =
+            ModularShape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: self.pair };
         shape.networks.iter_mut().zip(&self.networks.0).for_each(|(slot, network)| *slot = Some(*network));
         shape.types.iter_mut().zip(&self.types).for_each(|(slot, (kind, _))| *slot = Some(*kind));
         let types = self.types.into_iter().map(|(_, named)| named).collect();

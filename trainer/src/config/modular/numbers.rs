@@ -3,10 +3,10 @@
 use super::{Problem, TransformKind, TypeConfig};
 use crate::architecture::Number;
 use crate::config::parts::{NumberConfig, Range};
-use leastaction_core::energy::modular::NUMBERS;
+use leastaction_core::energy::modular::ELEMENT_PARAMETERS;
 
 /// A point of 1 kg at the end of whatever carries it.
-pub(super) const DEFAULTS: [Number; NUMBERS] =
+pub(super) const DEFAULTS: [Number; ELEMENT_PARAMETERS] =
     [Number::known(1.0), Number::known(0.0), Number::known(1.0), Number::known(1.0), Number::known(0.0)];
 
 impl TypeConfig {
@@ -26,9 +26,9 @@ impl TypeConfig {
     pub(super) fn numbers(
         &self,
         transform: TransformKind,
-        defaults: [Number; NUMBERS],
-    ) -> Result<[Number; NUMBERS], (&'static str, Problem)> {
-        let rules: [(&'static str, bool, Range); NUMBERS] = [
+        defaults: [Number; ELEMENT_PARAMETERS],
+    ) -> Result<[Number; ELEMENT_PARAMETERS], (&'static str, Problem)> {
+        let rules: [(&'static str, bool, Range); ELEMENT_PARAMETERS] = [
             ("mass", true, Range::ABOVE),
             ("inertia", transform.turns(), Range::NOT_BELOW),
             ("centre", true, Range::ANY),

@@ -6,8 +6,8 @@ use leastaction_core::continuous::{ContinuousState, energy, rk4_step};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State, StepError};
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
-use leastaction_core::linear::Singular;
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear::{Singular, solve};
 use leastaction_core::scalar::Scalar;
 use serde::Serialize;
 use thiserror::Error;
@@ -117,7 +117,7 @@ impl Run<'_> {
             del.step(&self.system, &mut state, &Control::held([0.0; N]))?;
             let q = state.q().map(f64::from);
             let mass = self.judge.lagrangian.dynamics(&q, &[0.0; N]).mass;
-            Ok((q, mass.solve(&state.p().map(f64::from))?))
+            Ok((q, solve(mass, state.p().map(f64::from))?))
         })
     }
 

@@ -1,4 +1,4 @@
-//! Layers with their tangents one after the other, for scalars whose loops take plain vectors ([`Scalar::APART`]): a
+//! Layers with their tangents one after the other, for scalars whose loops take plain vectors ([`Scalar::COMPONENTWISE`]): a
 //! controller has registers for the sums of one vector, and one copy of the code serves any number of tangents.
 
 use super::{Dense, Jet};
@@ -7,19 +7,23 @@ use crate::scalar::{Scalar, Stored};
 /// Numbers gathered at a time; a multiple of the widest panel.
 const GATHERED: usize = 32;
 
-/// Room for one component of so many jets.
-type Room<S> = [S; GATHERED];
+/// Workspace for one component of so many jets.
+type Workspace<S> = [S; GATHERED];
 
 /// Component k of at most as many jets as there is room for: the value (0), or tangent k − 1.
 #[inline(never)]
-fn gather<'r, S: Scalar, const T: usize>(room: &'r mut Room<S>, jets: &[Jet<S, T>], k: usize) -> &'r [S] {
+fn gather<'r, S: Scalar, const T: usize>(
+    workspace: &'r mut Workspace<S>,
+    jets: &[Jet<S, T>],
+    k: usize,
+) -> &'r [S] {
     match k.checked_sub(1) {
-        None => room.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
-        Some(k) => room.iter_mut().zip(jets).for_each(|(x, jet)| {
+        None => workspace.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
+        Some(k) => workspace.iter_mut().zip(jets).for_each(|(x, jet)| {
             *x = jet.tangent.get(k).copied().unwrap_or(S::zero());
         }),
     }
-    room.get(..jets.len()).unwrap_or(room)
+    workspace.get(..jets.len()).unwrap_or(workspace)
 }
 
 #[inline(never)]
@@ -35,7 +39,7 @@ fn scatter<S: Scalar, const T: usize>(sums: &[S], jets: &mut [Jet<S, T>], k: usi
 }
 
 /// The part of a layer between some of its outputs and some of its inputs, as panels.
-struct Part<'w, W> {
+struct Panels<'w, W> {
     /// From the first of these outputs on.
     weights: &'w [W],
     /// Of the layer.
@@ -44,7 +48,7 @@ struct Part<'w, W> {
     first: usize,
 }
 
-impl<'w, W: Stored> Part<'w, W> {
+impl<'w, W: Stored> Panels<'w, W> {
     /// The rows of the next panel that belong to these inputs.
     fn rows<const P: usize>(&mut self, count: usize) -> &'w [[W; P]] {
         let (panel, rest) = self.weights.split_at_checked(self.inputs * P).unwrap_or((&[], &[]));
@@ -74,9 +78,9 @@ impl<'w, W: Stored> Part<'w, W> {
 }
 
 impl<'a, W: Stored> Dense<'a, W> {
-    fn part(&self, output: usize, first: usize) -> Part<'a, W> {
+    fn part(&self, output: usize, first: usize) -> Panels<'a, W> {
         let weights = self.weights.get(output * self.inputs..).unwrap_or(&[]);
-        Part { weights, inputs: self.inputs, first }
+        Panels { weights, inputs: self.inputs, first }
     }
 
     /// What the outputs' sums begin with: the biases, and nothing in their tangents.
@@ -89,7 +93,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         }
     }
 
-    pub(super) fn forward_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
+    pub(super) fn forward_componentwise<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
@@ -104,7 +108,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         k: usize,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
-        (inputs, sums): (&mut Room<S>, &mut Room<S>),
+        (inputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
     ) {
         S::component(k);
         for (y, output) in y.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
@@ -117,7 +121,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         }
     }
 
-    pub(super) fn adjoint_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
+    pub(super) fn adjoint_componentwise<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
@@ -132,7 +136,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         k: usize,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
-        (outputs, sums): (&mut Room<S>, &mut Room<S>),
+        (outputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
     ) {
         S::component(k);
         for (x_bar, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {

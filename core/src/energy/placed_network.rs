@@ -54,9 +54,9 @@ impl NetworkShape {
 
 /// A network with the place of its first number in the weight block.
 #[derive(Clone, Copy, Debug)]
-pub struct Part<'a, W, const D: usize> {
+pub struct PlacedNetwork<'a, W, const L: usize> {
     /// The network.
-    pub network: Mlp<'a, W, D>,
+    pub network: Mlp<'a, W, L>,
     /// Its first number in the weight block.
     pub start: usize,
 }
@@ -83,9 +83,9 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> 
     }
 }
 
-impl<'a, W: Stored, const D: usize> Part<'a, W, D> {
+impl<'a, W: Stored, const L: usize> PlacedNetwork<'a, W, L> {
     /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before; counts on.
-    /// `None` where the block is too short, or the network has more than `D` hidden layers or `H` units in one.
+    /// `None` where the block is too short, or the network has more than `L` hidden layers or `H` units in one.
     pub(super) fn take<const H: usize>(
         block: &mut &'a [W],
         start: &mut usize,
@@ -138,7 +138,7 @@ impl<'a, W: Stored, const D: usize> Part<'a, W, D> {
         V: Visit<W, S, T>,
         B: AsRef<[Jet<S, T>]>,
     {
-        let mut tape = Tape::<S, T, H, D>::default();
+        let mut tape = Tape::<S, T, H, L>::default();
         self.network.forward(x, &mut tape, y);
         let y_bar = bar(y, visit);
         let mut end = self.start + self.network.len();
