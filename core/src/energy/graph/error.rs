@@ -93,6 +93,13 @@ pub enum GraphError {
         /// Edges that there are.
         needed: usize,
     },
+    /// More rods than there is room for.
+    TooManyRods {
+        /// Rods that there is room for.
+        capacity: usize,
+        /// Rods that there are.
+        needed: usize,
+    },
 }
 
 impl fmt::Display for GraphError {
@@ -127,6 +134,9 @@ impl fmt::Display for GraphError {
             Self::Ownerless { node } => write!(f, "no member has node {node}"),
             Self::TooManyEdges { capacity, needed } => {
                 write!(f, "{needed} edges, but room for {capacity}")
+            }
+            Self::TooManyRods { capacity, needed } => {
+                write!(f, "{needed} rods, but room for {capacity}")
             }
         }
     }

@@ -142,20 +142,18 @@ pub struct ElementParameters<W> {
     pub centre: W,
     /// ℓ of a [`Transform::Rod`], m; without meaning for others.
     pub length: W,
-    /// Viscous damping of its coordinates, c ≥ 0, N s/m or N m s/rad.
-    pub damping: W,
 }
 
 /// ElementParameters in [`ElementParameters`].
-pub const ELEMENT_PARAMETERS: usize = 5;
+pub const ELEMENT_PARAMETERS: usize = 4;
 
 impl<W: Stored> ElementParameters<W> {
     /// From the weight block.
     pub(super) fn take(block: &mut &[W]) -> Option<Self> {
         let (numbers, rest) = block.split_first_chunk::<ELEMENT_PARAMETERS>()?;
         *block = rest;
-        let [mass, inertia, centre, length, damping] = *numbers;
-        Some(Self { mass, inertia, centre, length, damping })
+        let [mass, inertia, centre, length] = *numbers;
+        Some(Self { mass, inertia, centre, length })
     }
 }
 

@@ -80,30 +80,6 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
         self.coefficients.map(W::scalar)
     }
 
-    /// The damping of every coordinate, N s/m or N m s/rad.
-    pub fn damping<S: Scalar<Weight = W::Wide>>(&self) -> [S; N] {
-        let mut damping = [S::zero(); N];
-        for (_, element) in self.tree.elements() {
-            let Some(kind) = self.element_type(element.kind) else { continue };
-            for slot in damping.iter_mut().skip(element.first).take(element.count) {
-                *slot = kind.numbers.damping.scalar();
-            }
-        }
-        damping
-    }
-
-    /// Where in the weight block the damping of every coordinate is.
-    pub fn damping_positions(&self) -> [usize; N] {
-        let mut positions = [0; N];
-        for (_, element) in self.tree.elements() {
-            let Some(kind) = self.element_type(element.kind) else { continue };
-            for slot in positions.iter_mut().skip(element.first).take(element.count) {
-                *slot = kind.start + 4;
-            }
-        }
-        positions
-    }
-
     /// Every coordinate's motion with `O` derivatives of s, and every element's numbers.
     fn configuration<S: Scalar<Weight = W::Wide>, const O: usize>(&self, q: &[S; N]) -> Configuration<S, N> {
         let zero = [S::zero(); N];

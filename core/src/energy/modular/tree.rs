@@ -124,6 +124,17 @@ impl<const N: usize> Tree<N> {
         self.elements().count()
     }
 
+    /// The element type of every coordinate.
+    pub fn kinds(&self) -> [u8; N] {
+        let mut kinds = [0; N];
+        for (_, element) in self.elements() {
+            for slot in kinds.iter_mut().skip(element.first).take(element.count) {
+                *slot = element.kind as u8;
+            }
+        }
+        kinds
+    }
+
     /// Always false: a tree has an element.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
