@@ -41,7 +41,7 @@ fn a_rigid_model_has_the_bits_of_its_numbers() {
     assert!(half.bytes().len() + 2 * weights.len() <= single.bytes().len() + 4);
     let (single, half) = (
         RigidModel::<2, 8, 2>::load(single.bytes()).unwrap(),
-        RigidModel::<2, 8, 2, _>::load_half(half.bytes()),
+        RigidModel::<2, 8, 2, _>::load(half.bytes()),
     );
     assert_eq!(motion(&single.system), motion(&half.unwrap().system));
 }
@@ -50,7 +50,7 @@ fn a_rigid_model_has_the_bits_of_its_numbers() {
 fn a_tree_has_the_bits_of_its_numbers() {
     let [single, half] = files(arm_header(arm()), &arm_weights(ARM_NUMBERS));
     let single = ModularModel::<3, 3, 5, 2>::load(single.bytes(), "arm").unwrap();
-    let half = ModularModel::<3, 3, 5, 2, _>::load_half(half.bytes(), "arm").unwrap();
+    let half = ModularModel::<3, 3, 5, 2, _>::load(half.bytes(), "arm").unwrap();
     assert_eq!(motion(&single.system), motion(&half.system));
 }
 
@@ -64,7 +64,7 @@ fn a_graph_has_the_bits_of_its_numbers() {
     let mut edges = [[Edge::default(); 3]; 2];
     let [of_single, of_half] = &mut edges;
     let single = GraphModel::<2, 6, 5, 1>::load(single.bytes(), "ring", of_single).unwrap();
-    let half = GraphModel::<2, 6, 5, 1, _>::load_half(half.bytes(), "ring", of_half).unwrap();
+    let half = GraphModel::<2, 6, 5, 1, _>::load(half.bytes(), "ring", of_half).unwrap();
     assert_eq!(system(single.graph), system(half.graph));
 }
 
@@ -89,7 +89,7 @@ fn a_program_of_one_precision_refuses_the_other() {
     let [single, half] = files(HEADER, &file::weights(&CARTPOLE));
     let refusal = RigidModel::<2, 8, 2>::load(half.bytes()).unwrap_err();
     assert_eq!(refusal, ModelError::Precision { found: 16, compiled: 32 });
-    let refusal = RigidModel::<2, 8, 2, _>::load_half(single.bytes()).unwrap_err();
+    let refusal = RigidModel::<2, 8, 2, _>::load(single.bytes()).unwrap_err();
     assert_eq!(refusal, ModelError::Precision { found: 32, compiled: 16 });
     assert!(refusal.to_string().contains("32 bits"), "{refusal}");
 }
@@ -97,7 +97,7 @@ fn a_program_of_one_precision_refuses_the_other() {
 #[test]
 fn halves_must_be_finite_as_many_as_needed_and_aligned() {
     let mut weights = file::weights(&CARTPOLE);
-    let load = |file: &Aligned| RigidModel::<2, 8, 2, _>::load_half(file.bytes()).map(|_| ()).unwrap_err();
+    let load = |file: &Aligned| RigidModel::<2, 8, 2, _>::load(file.bytes()).map(|_| ()).unwrap_err();
     let needed = weights.len();
     weights.push(0.5);
     let more = Aligned::new(&file::write_half(HEADER, &weights));
@@ -111,7 +111,7 @@ fn halves_must_be_finite_as_many_as_needed_and_aligned() {
     let damping = Aligned::new(&file::write_half(HEADER, &weights));
     assert_eq!(load(&damping), ModelError::OutOfRange { what: "damping coefficient" });
     let shifted = Aligned::shifted(&file::write_half(HEADER, &file::weights(&CARTPOLE)), 2);
-    let refusal = RigidModel::<2, 8, 2, _>::load_half(&shifted.bytes()[2..]).unwrap_err();
+    let refusal = RigidModel::<2, 8, 2, _>::load(&shifted.bytes()[2..]).unwrap_err();
     assert_eq!(refusal, ModelError::Unaligned { offset: 2 });
 }
 
@@ -153,7 +153,7 @@ proptest! {
         weights.iter_mut().take(networks).zip(bits).for_each(|(w, b)| *w = b);
         let [single, half] = files(HEADER, &weights);
         let single = RigidModel::<2, 8, 2>::load(single.bytes()).unwrap().system.lagrangian;
-        let half = RigidModel::<2, 8, 2, _>::load_half(half.bytes()).unwrap().system.lagrangian;
+        let half = RigidModel::<2, 8, 2, _>::load(half.bytes()).unwrap().system.lagrangian;
         let (q, v) = ([0.3, -1.5], [2.0, 0.5]);
         let (of_single, of_half) = (single.hessian(&q, &v), half.hessian(&q, &v));
         prop_assert_eq!(of_single.l_qq.map(|row| row.map(f32::to_bits)), of_half.l_qq.map(|row| row.map(f32::to_bits)));

@@ -10,9 +10,11 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::{
-    Document, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, MAGIC, MAX_GRAPHS, MAX_TREES,
-    ModelError, ModularHeader, RigidHeader, TrainedStep, TreeHeader, checksum, parse,
+    FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError,
+    ModularHeader, RigidHeader, Section, TrainedStep, TreeHeader, checksum, parse,
 };
+use leastaction_core::discrete::Order;
+use leastaction_core::forces::ControlKind;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
 use std::path::PathBuf;
@@ -54,19 +56,20 @@ pub const CARTPOLE: RigidHeader<'static> = RigidHeader {
     widths: [7, 5, 0, 0],
     activation: Activation::Tanh,
     inertia: Inertia::Cholesky { epsilon: 1e-3 },
-    damped: true,
 };
 
 pub const HEADER: Header<'static> = Header {
-    family: Family::Rigid(CARTPOLE),
-    trained_step: Some(TrainedStep { order: 4, h: 0.05 }),
+    laws: Laws::VISCOUS,
+    trained_step: Some(STEP),
     provenance: "golden: weights are multiples of 1/64",
+    ..Header::new(Family::Rigid(CARTPOLE))
 };
+
+pub const STEP: TrainedStep = TrainedStep { order: Order::Four, h: 0.05, control: ControlKind::Held };
 
 /// Weights that are exact in any text, damping last.
 pub fn weights(header: &RigidHeader) -> Vec<f32> {
-    let damping = if header.damped { header.n() } else { 0 };
-    [exact(header.parameters().unwrap() - damping), vec![0.125; damping]].concat()
+    [exact(header.parameters().unwrap()), vec![0.125; header.n()]].concat()
 }
 
 /// Multiples of 1/64 in ±1.
@@ -92,9 +95,10 @@ pub fn arm_shape() -> ModularShape {
     ModularShape::new(&networks, &types, Some(pair)).expect("few parts")
 }
 
-/// The numbers of [`arm_shape`]'s types, then c₁ and c₂.
+/// The numbers of [`arm_shape`]'s types, then c₁ and c₂, then the damping of each type.
 pub const ARM_NUMBERS: [[f32; ELEMENT_PARAMETERS]; 3] =
-    [[2.0, 0.0, 1.0, 0.0, 0.5], [1.0, 0.25, 0.5, 0.0, 0.125], [0.75, 0.0, 1.0, 1.5, 0.0]];
+    [[2.0, 0.0, 1.0, 0.0], [1.0, 0.25, 0.5, 0.0], [0.75, 0.0, 1.0, 1.5]];
+pub const ARM_DAMPING: [f32; 3] = [0.5, 0.125, 0.0];
 pub const ARM_COEFFICIENTS: [f32; 2] = [9.5, 0.25];
 
 /// Two trees of them, of one and of three elements.
@@ -112,7 +116,7 @@ pub fn arm_header(arm: ModularHeader<'static>) -> Header<'static> {
 pub fn arm_weights(numbers: [[f32; ELEMENT_PARAMETERS]; 3]) -> Vec<f32> {
     let ends = ELEMENT_PARAMETERS * numbers.len() + ARM_COEFFICIENTS.len();
     let networks = exact(arm().parameters().unwrap() - ends);
-    [networks, numbers.concat(), ARM_COEFFICIENTS.to_vec()].concat()
+    [networks, numbers.concat(), ARM_COEFFICIENTS.to_vec(), ARM_DAMPING.to_vec()].concat()
 }
 
 /// The valid modular file that the tests damage.
@@ -163,7 +167,7 @@ pub fn web() -> GraphHeader<'static> {
 }
 
 pub fn web_header(web: GraphHeader) -> Header {
-    Header { family: Family::Graph(web), ..HEADER }
+    Header { family: Family::Graph(web), laws: Laws::NONE, ..HEADER }
 }
 
 pub fn web_weights(numbers: [[f32; 7]; 2]) -> Vec<f32> {
@@ -176,18 +180,55 @@ pub fn golden_web() -> Vec<u8> {
     write(web_header(web()), &web_weights(WEB_NUMBERS))
 }
 
-/// The file of a header and a weight block given as bytes, closed with a valid checksum.
+/// The file of a header and a weight block given as bytes, closed with a valid checksum: written here apart from core's own
+/// writer, which must give the same.
 pub fn write_raw(header: Header, padding: Option<&[u8]>, weights: &[u8]) -> Vec<u8> {
-    let with = |padding| {
-        let document =
-            Document { magic: MAGIC, version: FORMAT_VERSION, header, padding, weights, checksum: [0; 4] };
-        let mut buffer = vec![0; 8192 + weights.len()];
-        postcard::to_slice(&document, &mut buffer).unwrap().to_vec()
+    let mut file = [&MAGIC[..], &[FORMAT_VERSION]].concat();
+    for (section, content) in before_weights(&header) {
+        file.extend(section_of(section, &content));
+    }
+    let aligned = [0; 3].get(..(4 - (file.len() + 6) % 4) % 4).unwrap();
+    let padding = padding.unwrap_or(aligned);
+    file.extend(section_of(Section::Weights, &[&[padding.len() as u8], padding, weights].concat()));
+    for (section, content) in after_weights(&header) {
+        file.extend(section_of(section, &content));
+    }
+    sealed(&file)
+}
+
+/// A section: its number, its length, its content.
+pub fn section_of(section: Section, content: &[u8]) -> Vec<u8> {
+    [&[section as u8], &(content.len() as u32).to_le_bytes()[..], content].concat()
+}
+
+fn before_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
+    let actuator = header.actuator.map(|actuator| (Section::Actuator, actuator.bytes().to_vec()));
+    let step = header.trained_step.map(|step| (Section::Step, step.to_bytes().to_vec()));
+    let laws = Some((Section::Forces, header.laws.numbers().to_vec())).filter(|(_, laws)| !laws.is_empty());
+    let energies = Some((Section::Energies, energies(&header.family)));
+    [energies, laws, actuator, step].into_iter().flatten().collect()
+}
+
+fn after_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
+    let range = header.range.map_or(Vec::new(), |range| range.bytes().to_vec());
+    let all = [
+        (Section::Units, header.units.as_bytes().to_vec()),
+        (Section::Range, range),
+        (Section::Provenance, header.provenance.as_bytes().to_vec()),
+    ];
+    all.into_iter().filter(|(_, content)| !content.is_empty()).collect()
+}
+
+/// The number of the family and its shape.
+pub fn energies(family: &Family) -> Vec<u8> {
+    let mut buffer = vec![0; 8192];
+    let written = match family {
+        Family::Rigid(shape) => postcard::to_slice(&(0_u8, shape), &mut buffer),
+        Family::Modular(shape) => postcard::to_slice(&(1_u8, shape), &mut buffer),
+        Family::Graph(shape) => postcard::to_slice(&(2_u8, shape), &mut buffer),
+        _ => unreachable!("a family without tests"),
     };
-    let aligned =
-        || (0..4).map(|n| with(&[0; 3][..n])).find(|file| (file.len() - 4 - weights.len()).is_multiple_of(4));
-    let file = padding.map_or_else(|| aligned().unwrap(), with);
-    sealed(&file[..file.len() - 4])
+    written.unwrap().to_vec()
 }
 
 /// A file body closed with its checksum.
