@@ -39,10 +39,8 @@ fn a_rigid_model_has_the_bits_of_its_numbers() {
     let weights = file::weights(&CARTPOLE);
     let [single, half] = files(HEADER, &weights);
     assert!(half.bytes().len() + 2 * weights.len() <= single.bytes().len() + 4);
-    let (single, half) = (
-        RigidModel::<2, 8, 2>::load(single.bytes()).unwrap(),
-        RigidModel::<2, 8, 2, _>::load(half.bytes()),
-    );
+    let (single, half) =
+        (RigidModel::<2, 8, 2>::load(single.bytes()).unwrap(), RigidModel::<2, 8, 2, _>::load(half.bytes()));
     assert_eq!(motion(&single.system), motion(&half.unwrap().system));
 }
 

@@ -1,10 +1,11 @@
 use super::ModelError;
 use super::header::require;
 use super::section::take_f32;
+use serde::{Deserialize, Serialize};
 
 /// Smallest and largest value of a quantity in the training data.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Smallest.
     pub least: f32,
@@ -20,7 +21,7 @@ impl Interval {
 
 /// What the training data covered of one coordinate.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoordinateRange {
     /// q, m or rad.
     pub q: Interval,

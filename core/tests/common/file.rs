@@ -2,6 +2,7 @@
 
 use super::graphs::edge;
 use super::trees::network;
+use leastaction_core::discrete::Order;
 use leastaction_core::energy::graph::{
     self, Drag, EdgeShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
@@ -9,12 +10,11 @@ use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
     FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError,
     ModularHeader, RigidHeader, Section, TrainedStep, TreeHeader, checksum, parse,
 };
-use leastaction_core::discrete::Order;
-use leastaction_core::forces::ControlKind;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
 use std::path::PathBuf;

@@ -103,7 +103,9 @@ impl GraphArchitecture {
         let names =
             |types: &[GraphType]| types.iter().map(|kind| kind.name.as_str()).collect::<Vec<_>>().join(",");
         let edges = |graph: &NamedGraph| graph.edges.iter().flat_map(|edge| edge.to_bytes()).collect();
-        let rods = |graph: &NamedGraph| graph.rods.iter().flat_map(|rod| rod.to_bytes()).collect();
+        // No graph that is read or configured has a rod from node 65,535.
+        let rods =
+            |graph: &NamedGraph| graph.rods.iter().filter_map(|rod| rod.to_bytes()).flatten().collect();
         let bytes: Vec<[Vec<u8>; 2]> = self.graphs.iter().map(|graph| [edges(graph), rods(graph)]).collect();
         let mut graphs = [GraphLayout::default(); MAX_GRAPHS];
         for ((slot, graph), [edges, rods]) in graphs.iter_mut().zip(&self.graphs).zip(&bytes) {

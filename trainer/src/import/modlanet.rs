@@ -88,10 +88,10 @@ pub fn modlanet(bytes: &[u8], system: ManyBody, mass: Option<f64>) -> Result<Imp
     let coefficients = [Number::learned(c1?), Number::learned(c2? / mass)];
     let [inertia, centre, length, damping] = [0.0, 1.0, 1.0, 0.0].map(Number::known);
     let numbers = [Number::learned(mass), inertia, centre, length, damping];
-    weights.extend(numbers.iter().chain(&coefficients).map(|number| number.value));
     let types = vec![NamedType { name: element_name(system).to_owned(), numbers }];
     let architecture =
         ModularArchitecture::new(shape(system, networks), types, coefficients, vec![tree(system)]);
+    weights.extend(architecture.numbers().map(|number| number.value));
     Ok(Imported { architecture: architecture.into(), weights, discrete: false })
 }
 

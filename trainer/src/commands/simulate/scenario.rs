@@ -64,7 +64,7 @@ impl Request<'_> {
         setup.seed = self.seed;
         setup.seconds = self.seconds.unwrap_or(setup.seconds);
         setup.tick = self.tick.unwrap_or(setup.tick);
-        let order = self.model.trained_step.and_then(|d| Order::from_number(d.order));
+        let order = self.model.facts.trained_step.and_then(|step| Order::from_number(step.order.number()));
         setup.observer.order = order.unwrap_or(setup.observer.order);
     }
 }

@@ -7,8 +7,8 @@ use crate::architecture::{MODULAR_SIZES, ModularArchitecture, NamedTree, NamedTy
 use crate::config::parts::Networks;
 use crate::config::problem::{check_count, check_name, list};
 use leastaction_core::energy::modular::{
-    ELEMENT_PARAMETERS, Input, MAX_NETWORKS, MAX_TYPES, ModularShape, NetworkShape, PairInput, PairShape,
-    SPACE, TransformShape, TypeShape,
+    Input, MAX_NETWORKS, MAX_TYPES, ModularShape, NetworkShape, PairInput, PairShape, SPACE, TransformShape,
+    TypeShape,
 };
 use leastaction_core::model::MAX_TREES;
 use leastaction_core::network::Activation;
@@ -131,7 +131,7 @@ impl Assembly {
         let Source { architecture, weights } = source;
         let shape = &architecture.shape;
         let types: Vec<_> = shape.types().copied().zip(architecture.types.iter().cloned()).collect();
-        let numbers = ELEMENT_PARAMETERS * types.len() + 2;
+        let numbers = ModularArchitecture::numbers_of(types.len());
         let mut trees = architecture.trees.clone();
         if architecture.tree < trees.len() {
             trees.swap(0, architecture.tree);
