@@ -7,12 +7,16 @@
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
 
 pub mod graph;
+mod list;
 pub mod modular;
+mod network_shape;
 mod placed_network;
 pub mod rigid;
 pub mod trigonometric;
 
-pub use placed_network::{MAX_HIDDEN, NetworkShape, PlacedNetwork};
+pub use list::List;
+pub use network_shape::{MAX_HIDDEN, NetworkShape, SizeError};
+pub use placed_network::PlacedNetwork;
 
 use crate::scalar::Scalar;
 

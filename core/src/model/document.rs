@@ -183,7 +183,7 @@ impl<'a> ModularHeader<'a> {
         if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
-        let kinds = self.shape.types().count();
+        let kinds = self.shape.types.len();
         check_names(self.names, kinds, "element types")?;
         self.check_trees()?;
         let start = weights.len().saturating_sub(modular::ELEMENT_PARAMETERS * kinds + 2);
@@ -223,7 +223,7 @@ impl TreeHeader<'_> {
 
     /// Coordinates of the tree, with the types of `shape`; `None` where a type does not exist.
     pub fn coordinates(&self, shape: &modular::ModularShape) -> Option<usize> {
-        let of = |node: TreeElement| Some(shape.types().nth(node.kind.into())?.coordinates());
+        let of = |node: TreeElement| Some(shape.types.get(node.kind)?.coordinates());
         self.nodes().try_fold(0, |sum, node| Some(sum + of(node)?))
     }
 }

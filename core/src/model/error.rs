@@ -1,3 +1,4 @@
+use crate::energy::SizeError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
 use core::fmt;
@@ -97,6 +98,12 @@ pub enum ModelError {
         /// Compiled in: exact for coordinates and dimensions of space, at most for the others.
         compiled: usize,
     },
+}
+
+impl From<SizeError> for ModelError {
+    fn from(SizeError { what, found, compiled }: SizeError) -> Self {
+        Self::Shape { what, found, compiled }
+    }
 }
 
 impl fmt::Display for ModelError {

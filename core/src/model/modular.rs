@@ -1,4 +1,3 @@
-use super::rigid::require_at_most;
 use super::{ModelError, ModularHeader, TrainedStep, TreeHeader, parse_as};
 use crate::energy::modular::Modular;
 use crate::forces::{System, Viscous};
@@ -53,12 +52,7 @@ impl ModularHeader<'_> {
         W: Stored,
         S: Scalar<Weight = W::Wide>,
     {
-        require_at_most("element types", self.shape.types().count(), E)?;
-        for network in self.shape.networks() {
-            let (widths, depth) = network.widths();
-            require_at_most("hidden layers", depth, L)?;
-            require_at_most("units in a hidden layer", widths.into_iter().max().unwrap_or(0), H)?;
-        }
+        self.shape.check_size::<E, H, L>()?;
         let tree = self.shape.tree(tree.nodes()).map_err(ModelError::Tree)?;
         let mut block = weights;
         let short = ModelError::WeightCount { found: weights.len(), needed: self.parameters()? };
