@@ -26,12 +26,12 @@ impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
     fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
 }
 
-/// Passes the derivative in every weight of the energy's tangent to `row`, times −1.
-pub(super) struct Rows<R>(pub R);
+/// Passes the derivative in every weight of the outputs' tangent, weighted by their adjoint, to a closure with the position of the weight.
+pub(super) struct WeightTangents<R>(pub R);
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
+impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
-        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, -value));
+        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, value));
     }
 }
 

@@ -1,8 +1,8 @@
 use super::{GraphHeader, ModelError, ShapeHeader};
-use crate::energy::MAX_HIDDEN;
 use crate::energy::modular::{self, TreeElement, TreeError};
-use crate::energy::rigid::{Coordinate, Inertia, feature_count};
-use crate::network::{Activation, Mlp};
+use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
+use crate::energy::{MAX_HIDDEN, NetworkShape};
+use crate::network::Activation;
 use crate::scalar::Shipped;
 use serde::{Deserialize, Serialize};
 
@@ -247,23 +247,21 @@ impl<'a> RigidHeader<'a> {
         Ok(kinds)
     }
 
-    /// Units of each hidden layer, and how many layers there are.
-    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
-        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
-        (self.widths.map(usize::from), depth)
-    }
-
     /// Inputs of the network: one a translation, two an angle.
     pub fn features(&self) -> usize {
         self.coordinates.chars().filter_map(Coordinate::from_letter).map(|c| feature_count(&[c])).sum()
     }
 
+    /// The shape of the network.
+    pub fn network(&self) -> Result<NetworkShape, ModelError> {
+        let shape = network_shape(self.features(), &self.widths, (self.inertia, self.n()), self.activation);
+        shape.ok_or(ModelError::OutOfRange { what: "number of coordinates" })
+    }
+
     /// Numbers in the weight block: the network, then the damping.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require((1..=MAX_COORDINATES).contains(&self.n()), "number of coordinates")?;
-        let (widths, depth) = self.widths();
-        let widths = widths.get(..depth).unwrap_or(&[]);
-        let network = Mlp::<f32, 0>::parameters(self.features(), widths, self.inertia.outputs(self.n()));
+        let network = self.network()?.parameters();
         let damping = if self.damped { self.n() } else { 0 };
         network
             .and_then(|p| p.checked_add(damping))
@@ -272,8 +270,7 @@ impl<'a> RigidHeader<'a> {
 
     pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
         require(self.coordinates.chars().all(|c| Coordinate::from_letter(c).is_some()), "coordinate kind")?;
-        let (_, depth) = self.widths();
-        require(self.widths.iter().skip(depth).all(|w| *w == 0), "hidden width")?;
+        require(self.network()?.is_valid(), "hidden width")?;
         if let Inertia::Cholesky { epsilon } = self.inertia {
             require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")?;
         }

@@ -48,17 +48,9 @@ impl RigidHeader<'_> {
         W: Stored,
         S: Scalar<Weight = W::Wide>,
     {
-        let (widths, depth) = self.widths();
-        let widths = widths.get(..depth).unwrap_or(&[]);
-        let width = widths.iter().copied().max().unwrap_or(0);
-        require_at_most("hidden layers", depth, L)?;
-        require_at_most("units in a hidden layer", width, H)?;
-        let shape = RigidShape {
-            coordinates: self.kinds()?,
-            widths,
-            activation: self.activation,
-            inertia: self.inertia,
-        };
+        let shape =
+            RigidShape { coordinates: self.kinds()?, network: self.network()?, inertia: self.inertia };
+        shape.check_size::<H, L>()?;
         let mut block = weights;
         let needed = self.parameters()?;
         let short = ModelError::WeightCount { found: weights.len(), needed };
@@ -70,8 +62,4 @@ impl RigidHeader<'_> {
         }
         Ok(System { lagrangian, forces })
     }
-}
-
-pub(super) fn require_at_most(what: &'static str, found: usize, compiled: usize) -> Result<(), ModelError> {
-    if found <= compiled { Ok(()) } else { Err(ModelError::Shape { what, found, compiled }) }
 }

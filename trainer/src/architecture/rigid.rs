@@ -62,10 +62,9 @@ impl RigidArchitecture {
 
     /// The shape that a model file has.
     pub fn from_header(header: &RigidHeader) -> Self {
-        let (_, depth) = header.widths();
         Self {
             coordinates: header.coordinates.to_owned(),
-            widths: header.widths.iter().copied().take(depth).collect(),
+            widths: header.widths.into_iter().take_while(|width| *width != 0).collect(),
             activation: header.activation,
             inertia: header.inertia,
             damped: header.damped,

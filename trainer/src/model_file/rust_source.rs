@@ -94,7 +94,7 @@ fn write_graphs(to: &mut String, architecture: &GraphArchitecture, weight: &str)
     let graph = architecture.graphs.get(architecture.graph);
     let (name, edges) = graph.map_or(("", 0), |graph| (graph.name.as_str(), graph.edges.len()));
     writeln!(to, "/// Dimensions of space.\npub const DIMENSION: usize = {};", architecture.dimension())?;
-    writeln!(to, "/// Networks.\npub const K: usize = {};", architecture.shape.networks().count())?;
+    writeln!(to, "/// Networks.\npub const K: usize = {};", architecture.shape.networks.len())?;
     writeln!(to, "/// The graph.\npub const GRAPH: &str = {name:?};")?;
     writeln!(to, "/// Its edges.\npub const EDGES: usize = {edges};")?;
     writeln!(to, "/// All graphs in the file, their nodes and edges.")?;

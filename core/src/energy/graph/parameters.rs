@@ -5,7 +5,7 @@ use super::fixed::{Fixed, vectors};
 use super::radial::{ramp, square};
 use super::shape::{Drag, Kinetic, MAX_EMBEDDING, MAX_NODE_TYPES, Potential};
 use super::types::{Types, inputs, sign};
-use crate::energy::placed_network::{PlacedNetwork, Rows};
+use crate::energy::placed_network::{PlacedNetwork, WeightTangents};
 use crate::energy::{Learnable, LearnableForces};
 use crate::linear::dot;
 use crate::network::Jet;
@@ -97,7 +97,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, 
                 *slot += *rate;
             }
         };
-        self.messages::<S, 1>(&x, &mut Rows(&mut *row), |_, _| {}, embedding);
+        self.messages::<S, 1>(&x, &mut WeightTangents(|i, rate: S| row(i, -rate)), |_, _| {}, embedding);
         for (kind, rates) in (0..).zip(&rates) {
             let Some(numbers) = self.graph.types.numbers(kind) else { return };
             for (k, (rate, _)) in rates.iter().zip(numbers.embedding.1).enumerate() {
@@ -146,11 +146,16 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
             dx.iter().enumerate().for_each(|(k, dx)| row(numbers.field.0 + k, -*dx));
         }
         let mut embedding = [S::zero(); MAX_EMBEDDING];
-        self.pull(kind, &moving(x, dx), &mut Rows(&mut *row), |k, Jet { tangent: [rate], .. }| {
-            if let Some(slot) = embedding.get_mut(k) {
-                *slot = *rate;
-            }
-        });
+        self.pull(
+            kind,
+            &moving(x, dx),
+            &mut WeightTangents(|i, rate: S| row(i, -rate)),
+            |k, Jet { tangent: [rate], .. }| {
+                if let Some(slot) = embedding.get_mut(k) {
+                    *slot = *rate;
+                }
+            },
+        );
         for (k, (rate, _)) in embedding.iter().zip(numbers.embedding.1).enumerate() {
             row(numbers.embedding.0 + k, -*rate);
         }

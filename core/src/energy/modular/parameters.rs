@@ -5,7 +5,7 @@ use super::potential::Moving;
 use super::tree::{Vector, add, scale};
 use super::{Configuration, ElementType, Modular, PotentialTerm, dot};
 use crate::energy::Learnable;
-use crate::energy::placed_network::Rows;
+use crate::energy::placed_network::WeightTangents;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
@@ -92,8 +92,9 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
             core::array::from_fn(|i| Jet { value: centres[e][i], tangent: [rate[e][i]] })
         });
         let mut rates = Rates::new();
-        let gradient = self
-            .potential(&c.mass, &x, &mut Rows(&mut *row), |term| rates.add(&term, &c.mass, self.c::<S>()));
+        let gradient = self.potential(&c.mass, &x, &mut WeightTangents(|i, rate: S| row(i, -rate)), |term| {
+            rates.add(&term, &c.mass, self.c::<S>())
+        });
         let force = gradient.map(|g| g.map(|g| g.value));
         let force_rate = gradient.map(|g| g.map(|Jet { tangent: [rate], .. }| rate));
         row(self.start, -rates.elements);
