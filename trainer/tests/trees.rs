@@ -109,7 +109,7 @@ fn types_have_their_transforms_and_numbers() {
     assert_eq!(model.types[1].numbers, link);
     let sizes: Vec<_> = model.shape.networks.iter().map(|n| (n.inputs, n.widths().0[0], n.outputs)).collect();
     assert_eq!(sizes, [(2, 0, 1), (1, 5, 2), (1, 3, 2), (4, 7, 1)]);
-    let seam = model.shape.types.get(3).unwrap().transform;
+    let seam = model.shape.types.get(3_u8).unwrap().transform;
     assert_eq!(seam, TransformShape::Network { position: 1, velocity: Some(2), input: Input::WrappedAngle });
     assert_eq!(model.fixed_positions().len(), 4 * 5 + 2 - 3);
 }

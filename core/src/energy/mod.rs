@@ -6,6 +6,7 @@
 //! - [`graph`]: particles with potentials of their own, of pairs and of messages (LGNN), any number of them;
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
 
+mod distance;
 pub mod graph;
 mod list;
 pub mod modular;

@@ -1,6 +1,7 @@
 //! The shape of a graph model, apart from its numbers and its graphs.
 
 use super::GraphError;
+use crate::energy::distance::DistanceFeature;
 use crate::energy::network_shape::first_invalid;
 use crate::energy::{List, NetworkShape, SizeError};
 use crate::scalar::{Real, Scalar, Stored};
@@ -57,6 +58,17 @@ pub enum Separation {
     Distance,
     /// r², m²: smooth everywhere, and without a square root.
     Squared,
+}
+
+impl Separation {
+    /// The feature of the distance that the networks see.
+    #[inline(always)]
+    pub(super) fn feature(self) -> DistanceFeature {
+        match self {
+            Self::Distance => DistanceFeature::Distance,
+            Self::Squared => DistanceFeature::Squared,
+        }
+    }
 }
 
 /// The shape of a node type.

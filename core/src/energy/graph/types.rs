@@ -2,7 +2,7 @@
 
 use super::GraphError;
 use super::messages::collected;
-use super::radial::{Radial, ramp, square};
+use super::radial::{Radial, square};
 use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, GraphShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential};
 use crate::energy::placed_network::Visit;
 use crate::energy::{List, PlacedNetwork};
@@ -115,7 +115,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             Kinetic::Mass => Radial::linear(numbers.mass.1.scalar::<S>().half(), s),
             Kinetic::Network(network) => self.network(network).map_or(at_rest, |network| {
                 let mut y = [Jet::zero(); 1];
-                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[ramp(s)]);
+                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[Jet::parameter(s)]);
                 network.network.series::<S, O, H>(&x, &mut y);
                 Radial::of(&y[0])
             }),
@@ -183,7 +183,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         let s = square(d);
         let none = Radial::linear(S::zero(), s);
         let (Some(edge), Some((_, law))) = (self.edge_type(kind), self.law(kind)) else { return none };
-        let z = edge.separation.series::<S, O>(s);
+        let z = edge.separation.feature().of_square::<S, O>(s);
         let law = Radial::of(&z).quadratic(law.map(W::scalar));
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return law };
         let mut y = [Jet::zero(); 1];
@@ -216,7 +216,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             Drag::Viscous => viscous,
             Drag::Network(network) => self.network(network).map_or(viscous, |network| {
                 let mut y = [Jet::<S, 1>::zero(); 1];
-                network.network.series::<S, 1, H>(&[ramp(v)], &mut y);
+                network.network.series::<S, 1, H>(&[Jet::parameter(v)], &mut y);
                 let [Jet { value, tangent: [slope] }] = y;
                 let size = -value.neg_abs();
                 [viscous[0] - size * v, viscous[1] - (size + sign(value) * slope * v)]

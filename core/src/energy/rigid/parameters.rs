@@ -1,6 +1,6 @@
 //! Derivatives in the weights, for training: the tangent forward, then the adjoint, layer by layer.
 
-use super::{Features, Jets, OutputBar, Outputs, Rigid, held};
+use super::{Features, OutputBar, Outputs, Rigid, held};
 use crate::energy::Learnable;
 use crate::energy::placed_network::WeightTangents;
 use crate::expected::{first, first_mut};
@@ -16,7 +16,7 @@ impl<S: Scalar, const N: usize, const H: usize, const L: usize> Learnable<S, N>
         (dq, dv): (&[S; N], &[S; N]),
         row: impl FnMut(usize, S),
     ) {
-        self.gradient_along(q, dq, |outputs| outputs.lagrangian_bar(&moving(v, dv)), row);
+        self.gradient_along(q, dq, |outputs| outputs.lagrangian_bar(&Jet::moving(v, dv)), row);
     }
 
     fn residual_gradient(
@@ -27,7 +27,7 @@ impl<S: Scalar, const N: usize, const H: usize, const L: usize> Learnable<S, N>
         mut row: impl FnMut(usize, S),
     ) {
         self.gradient_along(q, y, |outputs| outputs.lagrangian_bar(&held(v)), &mut row);
-        let rate = |outputs: &Outputs<S, 1, N>| outputs.bilinear_bar(&held(y), &moving(v, a));
+        let rate = |outputs: &Outputs<S, 1, N>| outputs.bilinear_bar(&held(y), &Jet::moving(v, a));
         self.gradient_along(q, v, rate, |i, rate| row(i, -rate));
     }
 }
@@ -67,9 +67,4 @@ impl<S, const N: usize> AsRef<[Jet<S, 1>]> for Adjoint<S, N> {
     fn as_ref(&self) -> &[Jet<S, 1>] {
         first(self.bar.as_flattened().as_flattened(), self.outputs)
     }
-}
-
-/// v moving along δv.
-fn moving<S: Scalar, const N: usize>(v: &[S; N], dv: &[S; N]) -> Jets<S, 1, N> {
-    core::array::from_fn(|i| Jet { value: v[i], tangent: [dv[i]] })
 }
