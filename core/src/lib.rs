@@ -33,6 +33,7 @@ pub mod constraints;
 pub mod continuous;
 pub mod discrete;
 pub mod energy;
+mod expected;
 pub mod forces;
 pub mod lagrangian;
 pub mod linear;

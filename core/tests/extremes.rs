@@ -125,7 +125,7 @@ proptest! {
         scale in prop::sample::select(&[1.0_f32, 1e-40, 1e20, 3e38][..]),
     ) {
         let mut shape = trees::chain(input, own_velocity.then_some(2), pair);
-        shape.networks.iter_mut().flatten().for_each(|network| network.activation = activation);
+        shape.networks.iter_mut().for_each(|network| network.activation = activation);
         let tree = Tree::<2>::new(shape, nodes, 5);
         let weights: Vec<f32> = tree.single().into_iter().map(|w| w * scale).collect();
         let modular = tree.over(&weights);

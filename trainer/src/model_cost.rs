@@ -168,8 +168,8 @@ struct NetworkWeights {
 impl NetworkWeights {
     fn of(modular: &ModularArchitecture) -> Self {
         let shape = &modular.shape;
-        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
-        let kinds: Vec<_> = modular.kinds().filter_map(|kind| shape.types().nth(kind)).collect();
+        let weights = |network: u8| shape.networks.get(network).map_or(0, network_weights);
+        let kinds: Vec<_> = modular.kinds().filter_map(|kind| shape.types.get(kind)).collect();
         let transform = |kind: &&TypeShape| match kind.transform {
             TransformShape::Network { position, velocity, .. } => {
                 weights(position) + velocity.map_or(0, weights)
@@ -185,8 +185,8 @@ impl NetworkWeights {
             transforms: kinds.iter().map(transform).sum(),
             potentials: kinds.iter().filter_map(|kind| kind.potential).map(weights).sum(),
             pairs: shape.pair.map_or(0, |pair| pairs * passes(pair.input) * weights(pair.network)),
-            widest: shape.networks().flat_map(|network| network.widths().0).max().unwrap_or(0),
-            deepest: shape.networks().map(|network| network.widths().1).max().unwrap_or(0),
+            widest: shape.networks.iter().flat_map(|network| network.widths().0).max().unwrap_or(0),
+            deepest: shape.networks.iter().map(|network| network.widths().1).max().unwrap_or(0),
             has_pair: shape.pair.is_some(),
         }
     }

@@ -59,7 +59,9 @@ impl CoordinateRange {
     }
 
     fn from_bytes(mut bytes: &[u8]) -> Result<Self, ModelError> {
-        let mut interval = || Ok(Interval { least: take_f32(&mut bytes)?, most: take_f32(&mut bytes)? });
+        let mut interval = || -> Result<_, ModelError> {
+            Ok(Interval { least: take_f32(&mut bytes)?, most: take_f32(&mut bytes)? })
+        };
         let (q, v, u) = (interval()?, interval()?, interval()?);
         Ok(Self { q, v, u, period: take_f32(&mut bytes)? })
     }

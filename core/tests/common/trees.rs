@@ -39,7 +39,7 @@ impl<const N: usize> Tree<N> {
     pub fn new(shape: ModularShape, nodes: &[TreeElement], seed: u64) -> Self {
         let mut random = Random(seed);
         let mut weights = random.vector(shape.parameters().unwrap(), 0.8);
-        let kinds = shape.types().count();
+        let kinds = shape.types.len();
         let start = weights.len() - 2 - ELEMENT_PARAMETERS * kinds;
         for numbers in weights[start..start + ELEMENT_PARAMETERS * kinds].chunks_mut(ELEMENT_PARAMETERS) {
             numbers.iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
@@ -78,19 +78,19 @@ impl<const N: usize> Tree<N> {
     /// Gives all types this damping coefficient.
     pub fn set_damping(&mut self, damping: f64) {
         let end = self.weights.len() - 2;
-        let numbers = &mut self.weights[end - ELEMENT_PARAMETERS * self.shape.types().count()..end];
+        let numbers = &mut self.weights[end - ELEMENT_PARAMETERS * self.shape.types.len()..end];
         numbers.chunks_mut(ELEMENT_PARAMETERS).for_each(|numbers| numbers[4] = damping);
     }
 
     fn numbers(&self, kind: u8) -> [f64; ELEMENT_PARAMETERS] {
         let start =
-            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types().count() - usize::from(kind));
+            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types.len() - usize::from(kind));
         self.weights[start..start + ELEMENT_PARAMETERS].try_into().unwrap()
     }
 
     fn run(&self, network: u8, x: &[f64]) -> Vec<f64> {
-        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
-        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let before = self.shape.networks.iter().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks.get(network).unwrap();
         let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
         let outputs = shape.outputs.into();
         naive_network(&self.weights[before..], x.to_vec(), widths, shape.activation, outputs)
@@ -99,7 +99,7 @@ impl<const N: usize> Tree<N> {
     /// What an element's coordinates add to positions.
     fn displacement(&self, kind: u8, q: &[f64]) -> [f64; 2] {
         let run = |network, x: &[f64]| <[f64; 2]>::try_from(self.run(network, x)).unwrap();
-        match self.shape.types[usize::from(kind)].unwrap().transform {
+        match self.shape.types.get(usize::from(kind)).unwrap().transform {
             TransformShape::Network { position, input, .. } => run(position, &features(input, q[0])),
             TransformShape::Rod => {
                 let [_, _, _, length, _] = self.numbers(kind);
@@ -114,7 +114,7 @@ impl<const N: usize> Tree<N> {
     fn speed(&self, kind: u8, q: &[f64], v: &[f64]) -> [f64; 2] {
         const STEP: f64 = 1e-5;
         if let TransformShape::Network { velocity: Some(network), input, .. } =
-            self.shape.types[usize::from(kind)].unwrap().transform
+            self.shape.types.get(usize::from(kind)).unwrap().transform
         {
             let g = self.run(network, &features(input, q[0]));
             return [g[0] * v[0], g[1] * v[0]];
@@ -168,7 +168,7 @@ impl<const N: usize> Learned<N> for Tree<N> {
         let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
         let [c1, c2] = self.weights[self.weights.len() - 2..].try_into().unwrap();
         for TreeElement { kind, parent } in &self.nodes {
-            let shape = self.shape.types[usize::from(*kind)].unwrap();
+            let shape = self.shape.types.get(usize::from(*kind)).unwrap();
             let [mass, inertia, centre, _, _] = self.numbers(*kind);
             let range = first..first + shape.coordinates();
             let (own, speed) = (

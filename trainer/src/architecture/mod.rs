@@ -188,8 +188,8 @@ impl Architecture {
     pub fn widths(&self) -> Vec<usize> {
         match self {
             Self::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
-            Self::Modular(modular) => modular.shape.networks().flat_map(hidden).collect(),
-            Self::Graph(graph) => graph.shape.networks().flat_map(hidden).collect(),
+            Self::Modular(modular) => modular.shape.networks.iter().flat_map(hidden).collect(),
+            Self::Graph(graph) => graph.shape.networks.iter().flat_map(hidden).collect(),
         }
     }
 
@@ -197,8 +197,8 @@ impl Architecture {
     pub fn depth(&self) -> usize {
         match self {
             Self::Rigid(rigid) => rigid.widths.len(),
-            Self::Modular(modular) => modular.shape.networks().map(|n| n.widths().1).max().unwrap_or(0),
-            Self::Graph(graph) => graph.shape.networks().map(|n| n.widths().1).max().unwrap_or(0),
+            Self::Modular(modular) => modular.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
+            Self::Graph(graph) => graph.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
         }
     }
 

@@ -155,7 +155,7 @@ impl ModularArchitecture {
             TransformShape::Slide | TransformShape::Network { input: Input::Translation, .. } => "t",
             TransformShape::Rod | TransformShape::Network { .. } => "a",
         };
-        self.kinds().filter_map(|kind| self.shape.types().nth(kind)).map(letters).collect()
+        self.kinds().filter_map(|kind| self.shape.types.get(kind)).map(letters).collect()
     }
 
     /// What the tree is called.
@@ -170,7 +170,7 @@ impl ModularArchitecture {
 
     /// Random networks, the numbers as given.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut weights = random_layers(self.shape.networks().flat_map(layers), seed);
+        let mut weights = random_layers(self.shape.networks.iter().flat_map(layers), seed);
         weights.extend(self.numbers().map(|number| number.value));
         weights
     }
@@ -188,7 +188,7 @@ impl ModularArchitecture {
     }
 
     fn numbers_start(&self) -> usize {
-        self.shape.networks().filter_map(NetworkShape::parameters).sum()
+        self.shape.networks.iter().filter_map(NetworkShape::parameters).sum()
     }
 
     /// The positions of the known numbers.
@@ -204,7 +204,7 @@ impl ModularArchitecture {
     /// Where each coordinate of the tree has its damping.
     pub fn damping_positions(&self) -> Vec<usize> {
         let start = self.numbers_start() + ELEMENT_PARAMETERS * self.types.len() + COEFFICIENTS;
-        let of = |kind: usize| (kind, self.shape.types().nth(kind).map_or(0, |t| t.coordinates()));
+        let of = |kind: usize| (kind, self.shape.types.get(kind).map_or(0, |t| t.coordinates()));
         self.kinds().map(of).flat_map(|(kind, n)| std::iter::repeat_n(start + kind, n)).collect()
     }
 
@@ -241,7 +241,7 @@ impl ModularArchitecture {
     /// inertia.
     pub fn shows_scale(&self) -> bool {
         let known = |kind: usize| {
-            let (shape, named) = (self.shape.types().nth(kind)?, self.types.get(kind)?);
+            let (shape, named) = (self.shape.types.get(kind)?, self.types.get(kind)?);
             let [mass, inertia, centre, length, _] = named.numbers;
             let moves = match shape.transform {
                 TransformShape::Free | TransformShape::Slide => true,

@@ -61,10 +61,9 @@ impl RigidArchitecture {
 
     /// The shape that a model file has.
     pub fn from_header(header: &RigidHeader, laws: Laws) -> Self {
-        let (_, depth) = header.widths();
         Self {
             coordinates: header.coordinates.to_owned(),
-            widths: header.widths.iter().copied().take(depth).collect(),
+            widths: header.widths.into_iter().take_while(|width| *width != 0).collect(),
             activation: header.activation,
             inertia: header.inertia,
             damped: laws.contains(Law::Viscous),

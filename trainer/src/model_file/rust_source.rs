@@ -96,7 +96,7 @@ fn write_graphs(to: &mut String, architecture: &GraphArchitecture, weight: &str)
     let (name, edges, rods) =
         graph.map_or(("", 0, 0), |graph| (graph.name.as_str(), graph.edges.len(), graph.rods.len()));
     writeln!(to, "/// Dimensions of space.\npub const DIMENSION: usize = {};", architecture.dimension())?;
-    writeln!(to, "/// Networks.\npub const K: usize = {};", architecture.shape.networks().count())?;
+    writeln!(to, "/// Networks.\npub const K: usize = {};", architecture.shape.networks.len())?;
     writeln!(to, "/// The graph.\npub const GRAPH: &str = {name:?};")?;
     writeln!(to, "/// Its edges.\npub const EDGES: usize = {edges};")?;
     writeln!(to, "/// Its rods.\npub const RODS: usize = {rods};")?;

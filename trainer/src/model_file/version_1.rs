@@ -109,7 +109,7 @@ impl<'a> OldFamily<'a> {
 /// The networks, mass, inertia, centre and length of each element type, c₁ and c₂, then the damping of each type, which stood
 /// behind its length.
 fn with_damping_last(modular: &ModularHeader, weights: &[u8]) -> Result<Vec<u8>, ModelError> {
-    let kinds = modular.shape.types().count();
+    let kinds = modular.shape.types.len();
     // Version 2 counts as many numbers, in another order.
     let needed = modular.parameters()? + kinds;
     let width = weights.len() / needed.max(1);

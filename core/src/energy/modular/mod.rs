@@ -20,12 +20,13 @@ mod potential;
 mod shape;
 mod tree;
 
-pub use super::placed_network::{NetworkShape, PlacedNetwork};
+pub use super::{NetworkShape, PlacedNetwork};
 pub use element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
 pub use potential::{Pair, PairInput};
 pub use shape::{MAX_NETWORKS, MAX_TYPES, ModularShape, PairShape, TransformShape, TypeShape};
 pub use tree::{SPACE, Tree, TreeElement, TreeError, Vector};
 
+use crate::energy::List;
 use crate::energy::placed_network::{Ignore, Visit};
 use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use crate::network::Jet;
@@ -39,7 +40,7 @@ use tree::scale;
 #[derive(Clone, Copy, Debug)]
 pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const L: usize> {
     /// The element types.
-    pub types: [Option<ElementType<'a, W, L>>; E],
+    pub types: List<ElementType<'a, W, L>, E>,
     /// What every pair of elements adds.
     pub pair: Option<Pair<'a, W, L>>,
     /// c₁ and c₂.
@@ -71,7 +72,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
 {
     #[inline(always)]
     fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, L>> {
-        self.types.get(kind)?.as_ref()
+        self.types.get(kind)
     }
 
     /// c₁ and c₂.
