@@ -38,5 +38,6 @@ pub mod lagrangian;
 pub mod linear;
 pub mod model;
 pub mod network;
+mod newton;
 pub mod particles;
 pub mod scalar;
