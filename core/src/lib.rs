@@ -39,5 +39,6 @@ pub mod lagrangian;
 pub mod linear;
 pub mod model;
 pub mod network;
+mod newton;
 pub mod particles;
 pub mod scalar;

@@ -9,7 +9,7 @@ use leastaction_core::continuous::{
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::Singular;
+use leastaction_core::linear::SolveError;
 
 fn check_inverse<L, const N: usize>(lagrangian: L)
 where
@@ -76,5 +76,5 @@ fn a_singular_mass_matrix_is_an_error() {
     const NO_MASS: leastaction_core::energy::trigonometric::Trigonometric<'static, 2> =
         leastaction_core::energy::trigonometric::Trigonometric { inertia: &[], potential: &[] };
     let system = System::<_, Viscous<f64, 2>>::conservative(NO_MASS);
-    assert_eq!(acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]), Err(Singular { column: 0 }));
+    assert_eq!(acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]), Err(SolveError::Singular { column: 0 }));
 }

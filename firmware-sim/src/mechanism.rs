@@ -1,8 +1,8 @@
 use leastaction_core::continuous::{self, ContinuousState};
 use leastaction_core::discrete::{Control, Del, Path, Report, State, StepError};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
-use leastaction_core::linear::{self, Singular};
+use leastaction_core::lagrangian::{Energies, Hessian, Lagrangian};
+use leastaction_core::linear;
 
 /// A system in N coordinates that can be simulated and controlled in f32: what plants and models have in common.
 ///
@@ -17,16 +17,16 @@ pub trait Mechanism<const N: usize> {
     /// M(q)a.
     fn inertial_force(&self, q: &[f32; N], a: &[f32; N]) -> [f32; N];
     /// v = M⁻¹p.
-    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], Singular>;
+    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], StepError<f32>>;
     /// The control that produces the acceleration a.
-    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], Singular>;
+    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], StepError<f32>>;
     /// One Runge–Kutta step of h seconds under a held control.
     fn rk4_step(
         &self,
         state: &ContinuousState<f32, N>,
         u: &[f32; N],
         h: f32,
-    ) -> Result<ContinuousState<f32, N>, Singular>;
+    ) -> Result<ContinuousState<f32, N>, StepError<f32>>;
     /// The discrete state at rest or in motion at (q, v).
     fn state(&self, q: [f32; N], v: [f32; N]) -> Result<State<f32, N>, StepError<f32>>;
     /// The discrete state at q₁ from two positions and the control held between them.
@@ -64,15 +64,14 @@ where
 
     fn inertial_force(&self, q: &[f32; N], a: &[f32; N]) -> [f32; N] {
         // L_v is linear in v: the momentum of a "velocity" a is Ma.
-        let Gradient { l_v, .. } = self.lagrangian.gradient(q, a);
-        l_v
+        self.lagrangian.dynamics(q, a).l_v
     }
 
-    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], Singular> {
-        linear::solve(self.lagrangian.dynamics(q, &[0.0; N]).mass, *p)
+    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], StepError<f32>> {
+        Ok(linear::solve(self.lagrangian.dynamics(q, &[0.0; N]).mass, *p)?)
     }
 
-    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], Singular> {
+    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], StepError<f32>> {
         continuous::inverse_dynamics(self, q, v, a)
     }
 
@@ -81,8 +80,8 @@ where
         state: &ContinuousState<f32, N>,
         u: &[f32; N],
         h: f32,
-    ) -> Result<ContinuousState<f32, N>, Singular> {
-        continuous::rk4_step(self, state, u, h)
+    ) -> Result<ContinuousState<f32, N>, StepError<f32>> {
+        Ok(continuous::rk4_step(self, state, u, h)?)
     }
 
     fn state(&self, q: [f32; N], v: [f32; N]) -> Result<State<f32, N>, StepError<f32>> {

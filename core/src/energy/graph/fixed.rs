@@ -4,7 +4,7 @@ use super::round::MovingNodes;
 use super::{Edge, Graph, GraphError, across, exchange};
 use crate::energy::placed_network::Ignore;
 use crate::forces::Forces;
-use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
@@ -156,8 +156,13 @@ impl<
         Gradient { l_q: self.l_q(q), l_v: self.l_v(v) }
     }
 
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
-        Dynamics { mass: self.l_vv(v), l_q: self.l_q(q), l_v: self.l_v(v), l_vq_v: [S::zero(); N] }
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        Linearization {
+            l_q: self.l_q(q),
+            l_v: self.l_v(v),
+            l_vq: [[S::zero(); N]; N],
+            l_vv: self.l_vv(v),
+        }
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {

@@ -13,7 +13,7 @@ pub use inertia::Inertia;
 use crate::energy::network_shape::first_invalid;
 use crate::energy::{NetworkShape, PlacedNetwork, SizeError};
 use crate::expected::{first, first_mut};
-use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear::{add_scaled, dot, multiply, transpose};
 use crate::network::{Activation, Jet, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, Stored};
@@ -164,21 +164,6 @@ impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W,
 }
 
 impl<W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, H, L> {
-    /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
-    #[inline]
-    fn dynamics_by_tangents<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
-        let Evaluation { outputs, .. } =
-            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N, H>(x, y));
-        let p = outputs.momentum(&held(v));
-        let twice_kinetic_q = multiply(&transpose(&p.map(|p| p.tangent)), v);
-        Dynamics {
-            mass: outputs.mass_matrix(),
-            l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - outputs.potential.tangent[k]),
-            l_v: p.map(|p| p.value),
-            l_vq_v: multiply(&p.map(|p| p.tangent), v),
-        }
-    }
-
     /// One forward pass with the tangent along v, and one adjoint: three passes' work.
     #[inline]
     fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
@@ -237,7 +222,23 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
 
     /// By whichever takes fewer passes through the network for N; no dense ∂H/∂q is ever formed.
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
-        if N <= 2 { self.dynamics_by_tangents(q, v) } else { self.dynamics_by_adjoint(q, v) }
+        if N <= 2 { self.linearization(q, v).dynamics(v) } else { self.dynamics_by_adjoint(q, v) }
+    }
+
+    /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
+    #[inline(never)]
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        let Evaluation { outputs, .. } =
+            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N, H>(x, y));
+        let p = outputs.momentum(&held(v));
+        let l_vq = p.map(|p| p.tangent);
+        let twice_kinetic_q = multiply(&transpose(&l_vq), v);
+        Linearization {
+            l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - outputs.potential.tangent[k]),
+            l_v: p.map(|p| p.value),
+            l_vq,
+            l_vv: outputs.mass_matrix(),
+        }
     }
 
     /// One forward pass with N tangents and one plain adjoint: L_qq is Σ_o ∂o/∂q_i ∂ō/∂q_j with ō = ∂L/∂o, plus the
