@@ -119,7 +119,10 @@ impl<R: fmt::Display> Report<R> {
     /// Says that this is not good enough.
     pub(crate) fn not_converged(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { iterations, residual } = self;
-        write!(f, "Newton's method did not converge: {iterations} updates left a relative residual of {residual}")
+        write!(
+            f,
+            "Newton's method did not converge: {iterations} updates left a relative residual of {residual}"
+        )
     }
 }
 

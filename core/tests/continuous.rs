@@ -76,5 +76,8 @@ fn a_singular_mass_matrix_is_an_error() {
     const NO_MASS: leastaction_core::energy::trigonometric::Trigonometric<'static, 2> =
         leastaction_core::energy::trigonometric::Trigonometric { inertia: &[], potential: &[] };
     let system = System::<_, Viscous<f64, 2>>::conservative(NO_MASS);
-    assert_eq!(acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]), Err(SolveError::Singular { column: 0 }));
+    assert_eq!(
+        acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]),
+        Err(SolveError::Singular { column: 0 })
+    );
 }

@@ -145,7 +145,14 @@ where
         stage: Stage<R>,
     ) -> Result<Report<R>, ConstraintError<R>> {
         let newton = self.newton;
-        newton.solve(&mut Coupled { solver: self, points, stage, scale: None, keeps_matrix: false, before: R::one() })
+        newton.solve(&mut Coupled {
+            solver: self,
+            points,
+            stage,
+            scale: None,
+            keeps_matrix: false,
+            before: R::one(),
+        })
     }
 
     /// Writes what is left of both equations; the largest relative to the size of its terms.
