@@ -57,7 +57,8 @@ impl<'a> ActuatorBytes<'a> {
             });
         }
         let steps = self.delay() / h;
-        require(steps <= f32::from(u16::MAX), "delay of the actuator")?;
+        // h must be positive; not a number is in no range.
+        require((0.0..=f32::from(u16::MAX)).contains(&steps) && h > 0.0, "delay of the actuator")?;
         // Not negative: to truncate it is to take the whole steps.
         let whole = steps as u16;
         actuator.delay = steps - f32::from(whole);

@@ -12,8 +12,9 @@ use leastaction_core::energy::modular::{
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError,
-    ModularHeader, RigidHeader, Section, TrainedStep, TreeHeader, checksum, parse,
+    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Interval, Laws,
+    MAGIC, MAX_GRAPHS, MAX_TREES, ModelError, ModularHeader, RigidHeader, Section, TrainedStep,
+    TrainingRange, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
@@ -95,10 +96,12 @@ pub fn arm_shape() -> ModularShape {
     ModularShape::new(&networks, &types, Some(pair)).expect("few parts")
 }
 
-/// The numbers of [`arm_shape`]'s types, then c₁ and c₂, then the damping of each type.
+/// The numbers of [`arm_shape`]'s types.
 pub const ARM_NUMBERS: [[f32; ELEMENT_PARAMETERS]; 3] =
     [[2.0, 0.0, 1.0, 0.0], [1.0, 0.25, 0.5, 0.0], [0.75, 0.0, 1.0, 1.5]];
+/// The damping of its types.
 pub const ARM_DAMPING: [f32; 3] = [0.5, 0.125, 0.0];
+/// c₁ and c₂.
 pub const ARM_COEFFICIENTS: [f32; 2] = [9.5, 0.25];
 
 /// Two trees of them, of one and of three elements.
@@ -201,6 +204,25 @@ pub fn section_of(section: Section, content: &[u8]) -> Vec<u8> {
     [&[section as u8], &(content.len() as u32).to_le_bytes()[..], content].concat()
 }
 
+/// Where the content of a section begins and ends in a file.
+pub fn place(file: &[u8], section: Section) -> [usize; 2] {
+    let mut start = 5;
+    loop {
+        let length = u32::from_le_bytes(file[start + 1..start + 5].try_into().unwrap()) as usize;
+        if file[start] == section as u8 {
+            return [start + 5, start + 5 + length];
+        }
+        start += 5 + length;
+    }
+}
+
+/// The file with another content of a section, closed anew.
+pub fn with_section(file: &[u8], section: Section, content: &[u8]) -> Vec<u8> {
+    let [start, end] = place(file, section);
+    let rest = &file[end..file.len() - 4];
+    sealed(&[&file[..start - 5], &section_of(section, content), rest].concat())
+}
+
 fn before_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
     let actuator = header.actuator.map(|actuator| (Section::Actuator, actuator.bytes().to_vec()));
     let step = header.trained_step.map(|step| (Section::Step, step.to_bytes().to_vec()));
@@ -249,6 +271,52 @@ pub fn write_half(header: Header, weights: &[f32]) -> Vec<u8> {
 /// The valid file that the tests damage.
 pub fn golden() -> Vec<u8> {
     write(HEADER, &weights(&CARTPOLE))
+}
+
+/// The same with every section that a file can have.
+pub fn golden_whole() -> Vec<u8> {
+    let (actuator, range) = (actuator(&ACTUATOR), range(&RANGE));
+    let header = Header {
+        actuator: Some(ActuatorBytes::new(&actuator).unwrap()),
+        units: "m,rad",
+        range: Some(TrainingRange::new(&range).unwrap()),
+        ..HEADER
+    };
+    write(header, &weights(&CARTPOLE))
+}
+
+/// Delay, then gain and offset of both coordinates.
+pub const ACTUATOR: [f32; 5] = [0.125, 2.0, -0.5, 0.25, 0.0];
+
+/// Of a rail of ±2 m and of an angle that was never upright.
+pub const RANGE: [CoordinateRange; 2] = {
+    const fn interval(least: f32, most: f32) -> Interval {
+        Interval { least, most }
+    }
+    [
+        CoordinateRange {
+            q: interval(-2.0, 2.0),
+            v: interval(-4.0, 3.5),
+            u: interval(-10.0, 10.0),
+            period: 0.0,
+        },
+        CoordinateRange {
+            q: interval(-2.5, 3.0),
+            v: interval(-8.0, 8.0),
+            u: interval(0.0, 0.0),
+            period: std::f32::consts::TAU,
+        },
+    ]
+};
+
+/// As a section.
+pub fn actuator(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+/// As a section.
+pub fn range(coordinates: &[CoordinateRange]) -> Vec<u8> {
+    coordinates.iter().flat_map(|coordinate| coordinate.to_bytes()).collect()
 }
 
 /// Every part of the file, cut off anywhere, must be refused.
