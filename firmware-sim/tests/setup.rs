@@ -2,7 +2,7 @@
 
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
-use leastaction_core::forces::{Forces, System, Viscous};
+use leastaction_core::forces::{ControlKind, Forces, System, Viscous};
 use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::TrainedStep;

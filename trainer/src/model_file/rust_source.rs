@@ -73,17 +73,17 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
     writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
-    writeln!(to, "/// Hidden layers.\npub const D: usize = {};", architecture.depth())?;
+    writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
     match architecture {
         Architecture::Rigid(_) => {
-            writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, D{weight}>;")
+            writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, L{weight}>;")
         }
         Architecture::Modular(modular) => {
-            writeln!(to, "/// Element types.\npub const K: usize = {};", modular.types.len())?;
+            writeln!(to, "/// Element types.\npub const E: usize = {};", modular.types.len())?;
             writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
             write_trees(to, modular)?;
             writeln!(to, "\n/// A tree of `M` coordinates.")?;
-            writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, K, H, D{weight}>;")?;
+            writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L{weight}>;")?;
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
         Architecture::Graph(graph) => write_graphs(to, graph, weight),
@@ -109,7 +109,7 @@ fn write_graphs(to: &mut String, architecture: &GraphArchitecture, weight: &str)
     writeln!(to, "];")?;
     writeln!(to, "\n/// A rod, as the solvers see it.\npub type Rod = Holonomic<f32, DIMENSION>;")?;
     writeln!(to, "/// The loaded model, whose lists of edges and rods live as long.")?;
-    writeln!(to, "pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, D{weight}>;")
+    writeln!(to, "pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, L{weight}>;")
 }
 
 /// All trees, with their coordinates.
