@@ -7,7 +7,7 @@ use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State, 
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::{Singular, solve};
+use leastaction_core::linear::{SolveError, solve};
 use leastaction_core::scalar::Scalar;
 use serde::Serialize;
 use thiserror::Error;
@@ -77,8 +77,8 @@ impl From<StepError<f32>> for SteppingError {
     }
 }
 
-impl From<Singular> for SteppingError {
-    fn from(_: Singular) -> Self {
+impl From<SolveError> for SteppingError {
+    fn from(_: SolveError) -> Self {
         Self::Singular
     }
 }
