@@ -31,16 +31,17 @@ impl<R: Real> Newton<R> {
     /// Measure, update, measure: until the residual is small or no longer falls.
     #[inline(always)]
     pub(crate) fn solve<E: Equations<R>>(&self, equations: &mut E) -> Result<Report<R>, E::Error> {
-        let mut report = Report { iterations: 0, residual: equations.residual() };
-        while report.iterations < self.max_iterations && report.residual.is_finite() {
-            equations.update()?;
-            let before = report.residual;
-            report = Report { iterations: report.iterations + 1, residual: equations.residual() };
-            if self.settled(before, report.residual) {
-                break;
+        let mut report = Report::nothing();
+        loop {
+            let residual = equations.residual();
+            let before = core::mem::replace(&mut report.residual, residual);
+            let settled = report.iterations > 0 && self.settled(before, residual);
+            if settled || report.iterations >= self.max_iterations || !residual.is_finite() {
+                return Ok(self.accepted(report)?);
             }
+            equations.update()?;
+            report.iterations += 1;
         }
-        Ok(self.accepted(report)?)
     }
 
     /// Whether another update would be in vain: the residual is small enough, or acceptable and an update no longer

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{Random, shapes, trees};
-use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State, StepError};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, Report, State, StepError};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::scalar::{Real, Stored};
 
 /// Steps that took 0, 1, 2, … updates.
@@ -252,4 +252,78 @@ fn a_state_is_finite_or_refused() {
         let start = del.start(&System::conservative(PENDULUM), &[0.0], &[bad], &Control::none());
         assert_eq!(start, Err(StepError::NotFinite));
     }
+}
+
+/// A system in coordinates q′ = cq, that is in other units.
+#[derive(Clone, Copy)]
+struct Rescaled<L, const N: usize> {
+    lagrangian: L,
+    c: [f32; N],
+}
+
+impl<L: Lagrangian<f32, N>, const N: usize> Rescaled<L, N> {
+    fn divided(&self, x: &[f32; N]) -> [f32; N] {
+        core::array::from_fn(|i| x[i] / self.c[i])
+    }
+
+    fn matrix(&self, x: &[[f32; N]; N]) -> [[f32; N]; N] {
+        core::array::from_fn(|i| self.divided(&x[i]).map(|x| x / self.c[i]))
+    }
+}
+
+impl<L: Lagrangian<f32, N>, const N: usize> Lagrangian<f32, N> for Rescaled<L, N> {
+    fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
+        self.lagrangian.energies(&self.divided(q), &self.divided(v))
+    }
+
+    fn gradient(&self, q: &[f32; N], v: &[f32; N]) -> Gradient<f32, N> {
+        let Gradient { l_q, l_v } = self.lagrangian.gradient(&self.divided(q), &self.divided(v));
+        Gradient { l_q: self.divided(&l_q), l_v: self.divided(&l_v) }
+    }
+
+    fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N> {
+        let Hessian { l_q, l_v, l_qq, l_vq, l_vv } =
+            self.lagrangian.hessian(&self.divided(q), &self.divided(v));
+        let [l_qq, l_vq, l_vv] = [l_qq, l_vq, l_vv].map(|x| self.matrix(&x));
+        Hessian { l_q: self.divided(&l_q), l_v: self.divided(&l_v), l_qq, l_vq, l_vv }
+    }
+}
+
+/// Metres or about millimetres, radians or about hours of arc: the same updates and the same residuals, bit for bit where the
+/// factors are powers of two.
+#[test]
+fn units_of_coordinates_do_not_matter() {
+    fn check<P: Path>(c: [f32; 2]) {
+        let del = Del::<f32, P>::new(0.02);
+        let plain = System::conservative(CARTPOLE);
+        let rescaled = System::conservative(Rescaled { lagrangian: CARTPOLE, c });
+        for (q, v) in [([0.3, 2.0], [0.5, -1.0]), ([1e-3, 1e-2], [0.0, 0.0]), ([0.0, 3.0], [0.0, 0.0])] {
+            let scaled = |x: [f32; 2]| [x[0] * c[0], x[1] * c[1]];
+            let mut state = State::new(&plain.lagrangian, q, v).unwrap();
+            let mut other = State::new(&rescaled.lagrangian, scaled(q), scaled(v)).unwrap();
+            for k in 0..500 {
+                let u = [0.3 * (0.1 * k as f32).sin(), 0.0];
+                let report = del.step(&plain, &mut state, &Control::held(u)).unwrap();
+                let u = [u[0] / c[0], u[1] / c[1]];
+                assert_eq!(del.step(&rescaled, &mut other, &Control::held(u)), Ok(report), "{c:?}, step {k}");
+                assert_eq!(other.q(), scaled(state.q()), "{c:?}, step {k}");
+            }
+        }
+    }
+    // All leave the same row to the elimination first.
+    for c in [[1024.0, 1024.0], [0.0009765625, 1.0], [0.0078125, 64.0], [0.125, 0.0625]] {
+        check::<Midpoint>(c);
+        check::<Galerkin>(c);
+    }
+}
+
+#[test]
+fn errors_say_what_is_wrong() {
+    let slow: StepError<f32> = StepError::NotConverged(Report { iterations: 3, residual: 0.25 });
+    assert_eq!(
+        slow.to_string(),
+        "Newton's method did not converge: 3 updates left a relative residual of 0.25"
+    );
+    let singular: &dyn std::error::Error = &StepError::<f32>::Singular { column: 1 };
+    assert_eq!(singular.to_string(), "the matrix is singular: column 1 has no pivot but 0");
 }

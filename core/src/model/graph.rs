@@ -2,6 +2,7 @@ use super::ModelError;
 use super::header::{are_names, check_names, require};
 use crate::constraints::{Constrained, ConstraintError, Holonomic};
 use crate::energy::graph::{Edge, Graph, GraphError, GraphShape, Types};
+use crate::expected::expected;
 use crate::scalar::{Real, Shipped, Stored};
 use serde::{Deserialize, Serialize};
 
@@ -226,7 +227,7 @@ impl<'a> GraphHeader<'a> {
         check_names(self.edge_names, self.shape.edges.len(), "edge types")?;
         self.check_graphs()?;
         let start = weights.len().saturating_sub(self.shape.all_numbers());
-        self.shape.check_numbers(weights.get(start..).unwrap_or(&[])).map_err(ModelError::Graph)
+        self.shape.check_numbers(expected(weights.get(start..), &[])).map_err(ModelError::Graph)
     }
 
     fn check_graphs(&self) -> Result<(), ModelError> {

@@ -2,6 +2,7 @@ use super::{ActuatorBytes, GraphHeader, Laws, ModelError, ShapeHeader, TrainedSt
 use crate::energy::modular::{self, TreeElement, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
 use crate::energy::{MAX_HIDDEN, NetworkShape};
+use crate::expected::expected;
 use crate::network::Activation;
 use crate::scalar::Shipped;
 use serde::{Deserialize, Serialize};
@@ -198,7 +199,7 @@ impl<'a> ModularHeader<'a> {
         check_names(self.names, kinds, "element types")?;
         self.check_trees()?;
         let start = weights.len().saturating_sub(modular::ELEMENT_PARAMETERS * kinds + 2);
-        let numbers = weights.get(start..).unwrap_or(&[]).as_chunks().0;
+        let numbers = expected(weights.get(start..), &[]).as_chunks().0;
         numbers.iter().take(kinds).try_for_each(|numbers| check_numbers(&numbers.map(W::wide)))
     }
 

@@ -35,8 +35,9 @@ impl<S: Scalar> Compensated<S> {
     /// The sum after adding `increment`.
     #[must_use]
     pub fn plus(self, increment: S) -> Self {
-        let (value, carry) = sum(self.sum, increment + self.carry);
-        Self { sum: value, carry }
+        let (total, lost) = sum(self.sum, increment);
+        let (sum, carry) = sum(total, lost + self.carry);
+        Self { sum, carry }
     }
 }
 

@@ -226,7 +226,7 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
     }
 
     /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
-    #[inline(never)]
+    #[inline]
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         let Evaluation { outputs, .. } =
             self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N, H>(x, y));
