@@ -83,7 +83,7 @@ pub fn network_shape(
 pub struct Rigid<'a, W, const N: usize, const H: usize, const L: usize> {
     coordinates: [Coordinate; N],
     inertia: Inertia,
-    network: PlacedNetwork<'a, W, L>,
+    network: PlacedNetwork<'a, W, H, L>,
 }
 
 impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
@@ -93,7 +93,7 @@ impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W,
         if shape.invalid_part().is_some() {
             return None;
         }
-        let network = PlacedNetwork::take::<H>(block, &mut 0, &shape.network)?;
+        let network = PlacedNetwork::take(block, &mut 0, &shape.network)?;
         Some(Self { coordinates: shape.coordinates, inertia: shape.inertia, network })
     }
 
@@ -168,7 +168,7 @@ impl<W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, 
     #[inline]
     fn dynamics_by_tangents<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         let Evaluation { outputs, .. } =
-            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N, H>(x, y));
+            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N>(x, y));
         let p = outputs.momentum(&held(v));
         let twice_kinetic_q = multiply(&transpose(&p.map(|p| p.tangent)), v);
         Dynamics {
