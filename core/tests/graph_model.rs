@@ -9,9 +9,8 @@ use common::trees::network;
 use common::{assert_close, assert_vectors_close};
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
-use leastaction_core::energy::graph::{
-    Drag, Edge, GraphError, GraphShape, Kinetic, MAX_EDGE_TYPES, MAX_NODE_TYPES, Potential,
-};
+use leastaction_core::energy::List;
+use leastaction_core::energy::graph::{Drag, Edge, GraphError, GraphShape, Kinetic, Potential};
 use leastaction_core::model::{
     FORMAT_VERSION, GraphHeader, GraphLayout, GraphModel, GraphSystem, MAX_GRAPHS, ModelError, ModularModel,
     Rod, Section, parse,
@@ -239,7 +238,7 @@ fn names_are_there_and_different() {
 #[test]
 fn a_model_without_edges_has_no_names_of_edges() {
     let mut header = with_shape(|shape| {
-        shape.edges = [None; MAX_EDGE_TYPES];
+        shape.edges = List::default();
         shape.messages = None;
     });
     header.edge_names = "";
@@ -263,11 +262,11 @@ fn lists_have_no_gap() {
     named.graphs[2].name = "nothing";
     assert_eq!(header_refusal(named), out_of_range("list of graphs"));
     let cases = [
-        (with_shape(|shape| shape.nodes = [None; MAX_NODE_TYPES]), "number of node types"),
-        (with_shape(|shape| shape.nodes.swap(1, 2)), "list of node types"),
-        (with_shape(|shape| shape.edges.swap(0, 1)), "list of edge types"),
-        (with_shape(|shape| shape.edges[2] = shape.edges[0]), "list of edge types"),
-        (with_shape(|shape| shape.networks.swap(5, 6)), "list of networks"),
+        (with_shape(|shape| shape.nodes = List::default()), "number of node types"),
+        (with_shape(|shape| shape.nodes.slots.swap(1, 2)), "list of node types"),
+        (with_shape(|shape| shape.edges.slots.swap(0, 1)), "list of edge types"),
+        (with_shape(|shape| shape.edges.slots[2] = shape.edges.slots[0]), "list of edge types"),
+        (with_shape(|shape| shape.networks.slots.swap(5, 6)), "list of networks"),
         (with_shape(|shape| shape.dimension = 1), "number of dimensions"),
         (with_shape(|shape| shape.dimension = 4), "number of dimensions"),
         (with_shape(|shape| shape.embedding = 9), "length of an embedding"),
@@ -282,13 +281,13 @@ fn lists_have_no_gap() {
 fn networks_must_have_the_arity_of_their_use() {
     let set = |i: usize, inputs, outputs| {
         let network = network(inputs, &[3], outputs, Activation::Tanh);
-        with_shape(|shape| shape.networks[i] = Some(network))
+        with_shape(|shape| shape.networks.slots[i] = Some(network))
     };
     let node = |i: usize, change: fn(&mut leastaction_core::energy::graph::NodeShape)| {
-        with_shape(|shape| shape.nodes[i].iter_mut().for_each(change))
+        with_shape(|shape| shape.nodes.slots[i].iter_mut().for_each(change))
     };
     let embedding =
-        |network| with_shape(|shape| shape.edges[0].iter_mut().for_each(|e| e.embedding = network));
+        |network| with_shape(|shape| shape.edges.slots[0].iter_mut().for_each(|e| e.embedding = network));
     let (of_node, of_edge) = ("network of a node type", "network of an edge type");
     let of_messages = "network of the messages";
     let cases = [
@@ -346,7 +345,7 @@ fn weights_are_as_many_as_the_shape_says() {
     let error = refusal(&file::write(web_header(web()), &weights[1..]));
     assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
     let wide = with_shape(|shape| {
-        shape.networks = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 12];
+        shape.networks.slots = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 12];
     });
     let error = refusal(&file::write(web_header(wide), &weights));
     assert!(matches!(error, ModelError::WeightCount { found, .. } if found == needed), "{error:?}");

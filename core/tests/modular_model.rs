@@ -7,6 +7,7 @@ use common::file::{self, ARM_DAMPING, ARM_NUMBERS, Aligned, arm, arm_header, arm
 use common::oracle::Learned;
 use common::trees::{self, network, node};
 use leastaction_core::continuous::acceleration;
+use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, ModularShape, PairInput, PairShape, TransformShape, TreeElement, TreeError, TypeShape,
 };
@@ -32,7 +33,7 @@ fn header_refusal(header: ModularHeader<'static>) -> ModelError {
     let mut weights = arm_weights(ARM_NUMBERS);
     weights.truncate(weights.len() - ARM_DAMPING.len());
     let (kinds, numbers) =
-        (header.shape.types().count(), weights.split_off(weights.len() - ELEMENT_PARAMETERS * 3 - 2));
+        (header.shape.types.len(), weights.split_off(weights.len() - ELEMENT_PARAMETERS * 3 - 2));
     let networks = count.saturating_sub(ELEMENT_PARAMETERS * kinds + 2);
     weights.resize(networks, 0.5);
     weights.extend(numbers.into_iter().chain([1.0; 64]).take(count - networks));
@@ -64,7 +65,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert_eq!(model.trained_step, parsed.header.trained_step);
     assert_eq!(model.system.forces.coefficients, ARM_DAMPING);
     assert_eq!(model.system.lagrangian.coefficients, file::ARM_COEFFICIENTS);
-    let masses = model.system.lagrangian.types.map(|t| t.unwrap().numbers.mass);
+    let masses = model.system.lagrangian.types.slots.map(|t| t.unwrap().numbers.mass);
     assert_eq!(masses, [2.0, 1.0, 0.75]);
 }
 
@@ -184,9 +185,9 @@ fn lists_have_no_gap() {
     named.trees[2].name = "nothing";
     assert_eq!(header_refusal(named), ModelError::OutOfRange { what: "list of trees" });
     let cases = [
-        (with_shape(|shape| shape.types = [None; 6]), "number of element types"),
-        (with_shape(|shape| shape.types.swap(2, 3)), "list of element types"),
-        (with_shape(|shape| shape.networks.swap(2, 3)), "list of networks"),
+        (with_shape(|shape| shape.types = List::default()), "number of element types"),
+        (with_shape(|shape| shape.types.slots.swap(2, 3)), "list of element types"),
+        (with_shape(|shape| shape.networks.slots.swap(2, 3)), "list of networks"),
     ];
     for (header, what) in cases {
         assert_eq!(header_refusal(header), ModelError::OutOfRange { what });
@@ -196,11 +197,11 @@ fn lists_have_no_gap() {
 #[test]
 fn networks_must_have_the_arity_of_their_use() {
     let tanh = |inputs, widths, outputs| Some(network(inputs, widths, outputs, Activation::Tanh));
-    let set = |i: usize, network| with_shape(|shape| shape.networks[i] = network);
+    let set = |i: usize, network| with_shape(|shape| shape.networks.slots[i] = network);
     let velocity = |velocity| {
         with_shape(|shape| {
             if let Some(TypeShape { transform: TransformShape::Network { velocity: slot, .. }, .. }) =
-                &mut shape.types[1]
+                &mut shape.types.slots[1]
             {
                 *slot = Some(velocity);
             }
@@ -220,7 +221,7 @@ fn networks_must_have_the_arity_of_their_use() {
         (velocity(255), transform),
         (set(1, tanh(3, &[5], 1)), potential),
         (set(1, tanh(2, &[5], 2)), potential),
-        (with_shape(|shape| shape.types[2].as_mut().unwrap().potential = Some(9)), potential),
+        (with_shape(|shape| shape.types.slots[2].as_mut().unwrap().potential = Some(9)), potential),
         (pair(2, PairInput::Difference), "network of the pair potential"),
         (pair(1, PairInput::Distance), "network of the pair potential"),
         (pair(3, PairInput::Distance), "network of the pair potential"),
@@ -280,7 +281,7 @@ fn weights_are_as_many_as_the_shape_says() {
     assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
     // Every network as wide as it can be: more numbers than any file has, and no overflow.
     let wide = with_shape(|shape| {
-        shape.networks = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 8];
+        shape.networks.slots = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 8];
     });
     let error = refusal(&file::write(arm_header(wide), &weights));
     assert!(matches!(error, ModelError::WeightCount { found, .. } if found == needed), "{error:?}");

@@ -11,21 +11,26 @@
 
 mod integrator;
 
-pub use integrator::{Integrator, Order};
+pub use integrator::Integrator;
+pub use leastaction_core::discrete::Order;
 
 use crate::Mechanism;
 use crate::angle::wrap;
-use crate::error::{SetupError, require};
-use crate::wire::NewtonWire;
+use crate::error::{Range, SetupError, require};
+use crate::wire::{NewtonWire, OrderWire};
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::{Newton, Report, State, StepError};
+use leastaction_core::model::TrainedStep;
 use serde::{Deserialize, Serialize};
 
 /// How the observer steps the model and how much it believes it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObserverConfig {
-    /// Order of the discrete Euler–Lagrange step; a model of a discrete Lagrangian names its own.
+    /// Order of the discrete Euler–Lagrange step; a model learned through steps names its own.
+    #[serde(with = "OrderWire")]
     pub order: Order,
+    /// What becomes of an order or a tick that the model was not trained for.
+    pub other_step: OtherStep,
     /// Bounds of Newton's method.
     #[serde(with = "NewtonWire")]
     pub newton: Newton<f32>,
@@ -37,14 +42,63 @@ pub struct ObserverConfig {
     pub patience: u8,
 }
 
+/// What becomes of an order or a tick that a model was not trained for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum OtherStep {
+    /// It is an error: the model is less accurate with it.
+    #[default]
+    Refused,
+    /// It is what the caller asked for, who should say so aloud where [`ObserverConfig::require_step`] would refuse it.
+    Accepted,
+}
+
 impl Default for ObserverConfig {
-    /// Order 2, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience of 25 samples.
+    /// Order 2, of no other step than the model's, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience
+    /// of 25 samples.
     fn default() -> Self {
-        Self { order: Order::Two, newton: Newton::default(), memory: 5, delay: 1, patience: 25 }
+        Self {
+            order: Order::Two,
+            other_step: OtherStep::Refused,
+            newton: Newton::default(),
+            memory: 5,
+            delay: 1,
+            patience: 25,
+        }
     }
 }
 
+/// Relative difference of two steps that are the same but for rounding.
+const SAME_STEP: f32 = 1e-6;
+
 impl ObserverConfig {
+    /// Whether steps of this order and of `tick` seconds are those that a model was trained for; every step is where a model
+    /// names none.
+    ///
+    /// # Errors
+    /// The tick or the order that differs, with the model's own.
+    pub fn require_step(&self, tick: f32, trained: Option<TrainedStep>) -> Result<(), SetupError> {
+        let Some(TrainedStep { order, h, .. }) = trained else { return Ok(()) };
+        let other = |what, value, own| {
+            let range = Range::Only(own, "which the model was trained for");
+            SetupError::OutOfRange { what, value, range }
+        };
+        if (tick - h).abs() > SAME_STEP * h {
+            return Err(other("tick", tick, h));
+        }
+        if self.order != order {
+            return Err(other("order of the step", self.order.number().into(), order.number().into()));
+        }
+        Ok(())
+    }
+
+    /// [`ObserverConfig::require_step`], unless other steps are accepted.
+    pub(crate) fn check_step(&self, tick: f32, trained: Option<TrainedStep>) -> Result<(), SetupError> {
+        match self.other_step {
+            OtherStep::Refused => self.require_step(tick, trained),
+            OtherStep::Accepted => Ok(()),
+        }
+    }
+
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
         require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")
     }

@@ -1,4 +1,3 @@
-use crate::Mechanism;
 use crate::control::{
     CartPump, Catch, Controller, Gains, JointPump, Law, PumpConfig, Reference, Regulator, SwingUp, Tolerance,
     Track,
@@ -6,6 +5,7 @@ use crate::control::{
 use crate::devices::ActuatorConfig;
 use crate::error::{SetupError, require};
 use crate::firmware::Firmware;
+use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::ObserverConfig;
 use crate::wire::array;
 use serde::{Deserialize, Serialize};
@@ -65,11 +65,18 @@ impl<const N: usize> Task<N> {
 }
 
 impl<const N: usize> Program<N> {
-    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+    fn validate(&self) -> Result<(), SetupError> {
         require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
         self.actuator.validate()?;
         self.observer.validate()?;
         self.task.validate()
+    }
+
+    /// Whether the program can be run over a model: its numbers, its step, and the model's kinetic energy where it begins.
+    pub(crate) fn check<M: Mechanism<N>>(&self, model: &M) -> Result<(), SetupError> {
+        self.validate()?;
+        self.observer.check_step(self.tick, model.trained_step())?;
+        require_quadratic(model, &self.task.reference(0.0))
     }
 
     pub(crate) fn firmware<'m, M: Mechanism<N>, C: Controller<M, N>>(
@@ -86,7 +93,7 @@ impl<const N: usize> Program<N> {
         model: &M,
         pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
     ) -> Result<Law<P, N>, SetupError> {
-        self.validate()?;
+        self.check(model)?;
         match self.task {
             Task::Track { reference, gains } => Ok(Law::Track(self.track(reference, gains))),
             Task::SwingUp { pump: config, tolerance, catch } => {
@@ -119,7 +126,8 @@ impl Program<1> {
     /// The firmware over a model of a pendulum, q = θ.
     ///
     /// # Errors
-    /// Numbers out of range, and models that no feedback holds upright.
+    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
+    /// that no feedback holds upright.
     pub fn start<'m, M: Mechanism<1>>(
         &self,
         model: &'m M,
@@ -132,7 +140,8 @@ impl Program<2> {
     /// The firmware over a model of a cart and its pole, q = (x, θ); of any two coordinates where it is to follow a motion.
     ///
     /// # Errors
-    /// Numbers out of range, and models that no feedback holds upright.
+    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
+    /// that no feedback holds upright.
     pub fn start<'m, M: Mechanism<2>>(
         &self,
         model: &'m M,

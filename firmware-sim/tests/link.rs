@@ -5,7 +5,7 @@ use leastaction_firmware_sim::link::{
     Answer, Broken, Done, Frame, MAX_COORDINATES, ModelFault, Port, ProgramFault, Receiver, Refusal, Request,
     Samples, VERSION, answer, answered, request, requested, serve,
 };
-use leastaction_firmware_sim::observer::Order;
+use leastaction_firmware_sim::observer::{Order, OtherStep};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::trajectory::reference::Cartpole;
 use leastaction_firmware_sim::{Outcome, Program};
@@ -43,6 +43,7 @@ fn program() -> Program<2> {
     config.setup.devices.actuator.limit = [8.5, 0.25];
     config.setup.devices.actuator.delay = 3;
     config.setup.observer.order = Order::Four;
+    config.setup.observer.other_step = OtherStep::Accepted;
     config.setup.observer.newton.max_iterations = 5;
     (config.setup.observer.newton.stop, config.setup.observer.newton.accept) = (1e-6, 2e-3);
     (config.setup.observer.memory, config.setup.observer.delay, config.setup.observer.patience) = (7, 2, 31);
@@ -81,9 +82,9 @@ fn requests_and_answers_come_back_as_they_went() {
 #[test]
 fn a_tick_has_the_bytes_of_the_document() {
     // Version, coordinates, a tick, its number 258, 2.57 s, 3 ticks, −0.25, nothing; the checksum.
-    let document = [1, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
+    let document = [2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
     let sent = bytes(&request(&tick()).unwrap());
-    assert_eq!(sent[..12], [12, 1, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
+    assert_eq!(sent[..12], [12, 2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
     assert_eq!(sent[12..17], [1, 3, 0x80, 0xbe, 5], "zeros stand in the lengths of the blocks");
     assert_eq!((sent.len(), sent.last()), (document.len() + 4 + 2, Some(&0)));
     let sum = leastaction_core::model::checksum(&document);

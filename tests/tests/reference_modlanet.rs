@@ -136,7 +136,8 @@ fn in_their_terms(modular: &ModularArchitecture, weights: &[f64], ours: &[f64]) 
 
 /// Where each network ends in the weight block, and how many outputs it has.
 fn blocks(modular: &ModularArchitecture) -> Vec<(usize, usize)> {
-    let networks = modular.shape.networks().map(|n| (n.parameters().expect("size"), usize::from(n.outputs)));
+    let networks =
+        modular.shape.networks.iter().map(|n| (n.parameters().expect("size"), usize::from(n.outputs)));
     networks
         .scan(0, |end, (parameters, outputs)| {
             *end += parameters;

@@ -43,11 +43,10 @@ static int evaluate(const float *q, const float *v, const float *u) {
     return 0;
 }
 
-/* A tick of a control loop takes the same time every time: two updates by one Jacobian. */
+/* A tick of a control loop takes the same time every time: two updates. */
 static leastaction_newton bounded(void) {
     leastaction_newton newton = leastaction_default_newton();
     newton.max_iterations = 2;
-    newton.max_jacobians = 1;
     newton.stop = 0;
     return newton;
 }

@@ -90,8 +90,8 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_RODS = 9,
     /**
-     * A bound of Newton's method is out of range. Which, from 1: `max_iterations` and `max_jacobians` are at least 1, `stop` is
-     * not negative, `accept` positive and finite.
+     * A bound of Newton's method is out of range. Which, from 1: `max_iterations` is at least 1, `stop` is not negative,
+     * `accept` positive and finite.
      */
     LEASTACTION_STATUS_BAD_NEWTON = 10,
     /**
@@ -356,17 +356,13 @@ typedef struct {
 /**
  * How far Newton's method goes in a step.
  *
- * For a constant running time: `stop` = 0, and as many updates as the motion needs, two of them by one Jacobian for most.
+ * For a constant running time: `stop` = 0, and as many updates as the motion needs, two for most.
  */
 typedef struct {
     /**
      * Updates at most; at least 1.
      */
     uint8_t max_iterations;
-    /**
-     * Of these, updates by a Jacobian of their own, at least 1; the others keep the last and cost a third.
-     */
-    uint8_t max_jacobians;
     /**
      * Stop early at this relative residual; 0 always takes `max_iterations`.
      */
@@ -672,7 +668,7 @@ leastaction_status leastaction_state_w(const leastaction_state *state,
                                        leastaction_error *error);
 
 /**
- * The bounds where none are given: at most 8 updates, each with its Jacobian, down to rounding.
+ * The bounds where none are given: at most 50 updates, down to rounding. Up to a step of 50 ms five suffice.
  */
 leastaction_newton leastaction_default_newton(void);
 

@@ -2,7 +2,7 @@ use crate::status::Status;
 use core::ffi::c_char;
 use leastaction_core::discrete::StepError;
 use leastaction_core::energy::graph::GraphError;
-use leastaction_core::linear::Singular;
+use leastaction_core::linear::SolveError;
 use leastaction_core::model::{Coded, ModelError};
 
 /// Why a call failed, with numbers. Every function that can fail fills one in, where its last argument is not NULL; after
@@ -68,16 +68,16 @@ impl From<GraphError> for Error {
     }
 }
 
-impl From<Singular> for Error {
-    fn from(singular: Singular) -> Self {
-        Self::new(Status::Singular, [singular.column.into()])
+impl From<SolveError> for Error {
+    fn from(error: SolveError) -> Self {
+        StepError::from(error).into()
     }
 }
 
 impl From<StepError<f32>> for Error {
     fn from(error: StepError<f32>) -> Self {
         match error {
-            StepError::Singular(singular) => singular.into(),
+            StepError::Singular { column } => Self::new(Status::Singular, [column.into()]),
             StepError::NotFinite => Status::NotFinite.into(),
             StepError::NotConverged(report) => Self {
                 residual: report.residual,
@@ -138,7 +138,7 @@ mod tests {
     fn every_error_of_a_step_has_its_status_and_numbers() {
         let slow = Error::from(StepError::NotConverged(Report { iterations: 8, residual: 0.5 }));
         assert_eq!((slow.status, slow.numbers, slow.residual), (Status::NotConverged, [8, 0, 0], 0.5));
-        let singular = Error::from(StepError::Singular(Singular { column: 1 }));
+        let singular = Error::from(StepError::Singular { column: 1 });
         assert_eq!((singular.status, singular.numbers), (Status::Singular, [1, 0, 0]));
         assert_eq!(Error::from(StepError::NotFinite), Error::from(Status::NotFinite));
     }

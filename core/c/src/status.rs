@@ -28,8 +28,8 @@ pub enum Status {
     NoStep = 8,
     /// The graph has rods, which this library does not keep. How many.
     Rods = 9,
-    /// A bound of Newton's method is out of range. Which, from 1: `max_iterations` and `max_jacobians` are at least 1, `stop` is
-    /// not negative, `accept` positive and finite.
+    /// A bound of Newton's method is out of range. Which, from 1: `max_iterations` is at least 1, `stop` is not negative,
+    /// `accept` positive and finite.
     BadNewton = 10,
     /// The program was compiled with a header of another binary interface. LEASTACTION_ABI of the library, that of the header.
     OtherAbi = 11,

@@ -1,23 +1,33 @@
 //! The innermost loops of leastaction-core, in f32: products with panels of a matrix, the square root, sine and cosine.
 //!
 //! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l, in single precision
-//! ([`single`]) or in half precision, widened as they are read ([`half`]). On ARM with a floating-point unit (targets
-//! `…eabihf`: Cortex-M4F, M7, M33) the loops are written in its instructions, because a compiler loads weight after weight
-//! where one instruction loads sixteen: 36 instructions for 16 multiply-adds, 53 with weights in half precision. Elsewhere
-//! they are plain Rust. Multiplications and additions are the same in the same order, each rounded, and widening is exact: the
-//! bits are the same everywhere.
+//! ([`single`]) or in half precision, widened as they are read ([`half`]). On a Cortex-M with a floating-point unit the loops are
+//! written in its instructions, because a compiler loads weight after weight where one instruction loads sixteen: 36 instructions
+//! for 16 multiply-adds, 53 with weights in half precision. Elsewhere they are plain Rust. Multiplications and additions are the
+//! same in the same order, each rounded, and widening is exact: the bits are the same everywhere.
+//!
+//! The instructions need a unit that converts numbers in half precision. A stable compiler does not say whether the processor
+//! has one (`rustc --print cfg` lists no feature of ARM's), so the build script goes by the target:
+//!
+//! | target | loops |
+//! |---|---|
+//! | `thumbv7em-none-eabihf`, `thumbv8m.main-none-eabihf` (Cortex-M4F, M7, M33F, M55) | instructions |
+//! | other ARM targets `…eabihf` (Cortex-R, Cortex-A, Linux) | plain Rust, for a Cortex-R5F or A8 has no half precision; instructions where a nightly compiler lists `vfp4` |
+//! | all others | plain Rust |
+//!
+//! `LEASTACTION_FPU=arm` or `=portable` in the environment of the build overrules it.
 #![no_std]
 
-#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+#[cfg(arm_instructions)]
 mod arm;
 pub mod portable;
 mod trigonometry;
 
 pub use ::half::f16;
-#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+#[cfg(arm_instructions)]
 use arm as this;
 /// The portable loops by the names of the instructions'.
-#[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
+#[cfg(not(arm_instructions))]
 mod this {
     pub use crate::portable::{sin_cos, sqrt, widened};
 

@@ -35,6 +35,13 @@ pub enum Holonomic<R, const D: usize> {
     },
 }
 
+/// Coordinate 0 of node 0 held at 0: what the places of a list hold before it is filled.
+impl<R: Real, const D: usize> Default for Holonomic<R, D> {
+    fn default() -> Self {
+        Self::Held { node: 0, axis: 0, at: R::zero() }
+    }
+}
+
 impl<R: Real, const D: usize> Holonomic<R, D> {
     /// A node held at a fixed point: one equation for each coordinate.
     pub fn held(node: usize, at: [R; D]) -> [Self; D] {

@@ -19,7 +19,10 @@ pub(crate) use banded::Banded;
 pub(crate) use multipliers::{Rows, inverse};
 pub(crate) use workspace::Workspace;
 
+use crate::linear::SolveError;
+use crate::newton::{Report, StepError};
 use crate::scalar::{Real, sum};
+use core::fmt;
 
 /// Holonomic constraints φ_k(q) = 0, each of a few nodes in `D` dimensions.
 ///
@@ -146,13 +149,48 @@ pub enum ConstraintError<R> {
     /// Positions, momenta, forces or energies are infinite or not numbers.
     NotFinite,
     /// The equations of a step were not solved within the bound of iterations.
-    NotConverged {
-        /// Newton updates taken.
-        iterations: u8,
-        /// Largest relative residual.
-        residual: R,
-    },
+    NotConverged(Report<R>),
 }
+
+impl<R> From<StepError<R>> for ConstraintError<R> {
+    fn from(error: StepError<R>) -> Self {
+        match error {
+            StepError::Singular { column } => Self::Redundant { constraint: column.into() },
+            StepError::NotFinite => Self::NotFinite,
+            StepError::NotConverged(report) => Self::NotConverged(report),
+        }
+    }
+}
+
+impl<R: fmt::Display> fmt::Display for ConstraintError<R> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Node { constraint, node, nodes } => {
+                write!(f, "constraint {constraint} names node {node}, but there are {nodes} nodes")
+            }
+            Self::Length { constraint, length } => {
+                write!(f, "the length of constraint {constraint}, {length} m, is not positive and finite")
+            }
+            Self::Shape { expected, given } => {
+                write!(f, "a slice holds {given} nodes or multipliers instead of {expected}")
+            }
+            Self::Workspace { needed, given } => {
+                write!(f, "the workspace holds {given} numbers, but {needed} are needed")
+            }
+            Self::Off { constraint, residual } => {
+                write!(f, "the start violates constraint {constraint} by {residual} of its length")
+            }
+            Self::Redundant { constraint } => {
+                write!(f, "constraint {constraint} follows from those before it, or contradicts them")
+            }
+            Self::Mass { node } => write!(f, "the mass of node {node} is singular"),
+            Self::NotFinite => SolveError::NotFinite.fmt(f),
+            Self::NotConverged(report) => report.not_converged(f),
+        }
+    }
+}
+
+impl<R: fmt::Debug + fmt::Display> core::error::Error for ConstraintError<R> {}
 
 /// The vector of a node; zero for a node that is not there (which [`Constrained::new`] excludes).
 #[inline(always)]

@@ -26,8 +26,9 @@ pub mod rattle;
 mod state;
 
 pub use crate::forces::Control;
+pub use crate::newton::{Newton, Report, StepError};
 pub use interval::{Balance, Interval, Linearised, Variation};
-pub use newton::{Newton, Report, Solved, StepError};
+pub use newton::Solved;
 pub use order::Order;
 pub use path::{Galerkin, GaussPoint, Midpoint, Path};
 pub use state::State;

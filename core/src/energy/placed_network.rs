@@ -1,56 +1,8 @@
-//! Networks as parts of a family's weight block: their shapes, their places, and energies that they give.
+//! Networks with their places in the weight block of a model, and the energies that they give.
 
-use crate::network::{Activation, Dense, Jet, Mlp, Tape};
+use super::NetworkShape;
+use crate::network::{Dense, Jet, Mlp, Tape};
 use crate::scalar::{Scalar, Stored};
-use serde::{Deserialize, Serialize};
-
-/// Hidden layers of a network at most.
-pub const MAX_HIDDEN: usize = 4;
-
-/// The shape of one network.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct NetworkShape {
-    /// Inputs.
-    pub inputs: u8,
-    /// Units of the hidden layers; the first 0 ends the list.
-    pub widths: [u16; MAX_HIDDEN],
-    /// Outputs.
-    pub outputs: u8,
-    /// Of the hidden layers.
-    pub activation: Activation,
-}
-
-impl NetworkShape {
-    /// A network with hidden layers of these widths; `None` for more than `MAX_HIDDEN` of them.
-    pub fn new(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> Option<Self> {
-        let mut all = [0; MAX_HIDDEN];
-        all.get_mut(..widths.len())?.copy_from_slice(widths);
-        Some(Self { inputs, widths: all, outputs, activation })
-    }
-
-    /// Units of each hidden layer, and how many layers there are.
-    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
-        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
-        (self.widths.map(usize::from), depth)
-    }
-
-    /// Numbers in the weight block; `None` on overflow.
-    pub fn parameters(&self) -> Option<usize> {
-        let (widths, depth) = self.widths();
-        Mlp::<f32, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
-    }
-
-    /// Whether only zeros follow the first 0 of the widths.
-    pub(super) fn is_valid(&self) -> bool {
-        let (_, depth) = self.widths();
-        self.widths.iter().skip(depth).all(|w| *w == 0)
-    }
-
-    /// Whether it takes and gives so many numbers.
-    pub(super) fn serves(&self, inputs: usize, outputs: usize) -> bool {
-        usize::from(self.inputs) == inputs && usize::from(self.outputs) == outputs
-    }
-}
 
 /// A network with the place of its first number in the weight block.
 #[derive(Clone, Copy, Debug)]
@@ -74,12 +26,12 @@ impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
     fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
 }
 
-/// Passes the derivative in every weight of the energy's tangent to `row`, times −1.
-pub(super) struct Rows<R>(pub R);
+/// Passes the derivative in every weight of the outputs' tangent, weighted by their adjoint, to a closure with the position of the weight.
+pub(super) struct WeightTangents<R>(pub R);
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
+impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
-        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, -value));
+        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, value));
     }
 }
 
@@ -91,15 +43,13 @@ impl<'a, W: Stored, const L: usize> PlacedNetwork<'a, W, L> {
         start: &mut usize,
         shape: &NetworkShape,
     ) -> Option<Self> {
+        shape.check_size::<H, L>().ok()?;
         let (widths, depth) = shape.widths();
         let widths = widths.get(..depth)?;
-        if widths.iter().any(|width| *width > H) {
-            return None;
-        }
         let network = Mlp::take(block, shape.inputs.into(), widths, shape.outputs.into(), shape.activation)?;
-        let part = Self { network, start: *start };
+        let placed = Self { network, start: *start };
         *start += network.len();
-        Some(part)
+        Some(placed)
     }
 
     /// U(x) alone, of a network with one output.

@@ -1,6 +1,7 @@
 use super::ModelError;
 use super::header::require;
 use super::section::take_f32;
+use crate::expected::expected;
 use crate::forces::Actuator;
 
 /// The actuator of a model as the file has it: the delay (s), then gain and offset of every coordinate, each four bytes.
@@ -39,7 +40,7 @@ impl<'a> ActuatorBytes<'a> {
     /// d, s.
     pub fn delay(&self) -> f32 {
         let mut bytes = self.0;
-        take_f32(&mut bytes).unwrap_or(0.0)
+        expected(take_f32(&mut bytes).ok(), 0.0)
     }
 
     /// For steps of h seconds: the number of whole steps that a command is late, and the actuator with the rest of the delay.
@@ -62,7 +63,7 @@ impl<'a> ActuatorBytes<'a> {
         // Not negative: to truncate it is to take the whole steps.
         let whole = steps as u16;
         actuator.delay = steps - f32::from(whole);
-        let (pairs, _) = self.0.get(4..).unwrap_or(&[]).as_chunks::<8>();
+        let (pairs, _) = expected(self.0.get(4..), &[]).as_chunks::<8>();
         for ((gain, offset), pair) in actuator.gain.iter_mut().zip(&mut actuator.offset).zip(pairs) {
             [*gain, *offset] = numbers(pair)?;
         }

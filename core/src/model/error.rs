@@ -1,4 +1,5 @@
 use super::Law;
+use crate::energy::SizeError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
 use core::fmt;
@@ -122,6 +123,12 @@ pub enum ModelError {
         /// Compiled in: exact for coordinates and dimensions of space, at most for the others.
         compiled: usize,
     },
+}
+
+impl From<SizeError> for ModelError {
+    fn from(SizeError { what, found, compiled }: SizeError) -> Self {
+        Self::Shape { what, found, compiled }
+    }
 }
 
 impl fmt::Display for ModelError {

@@ -1,8 +1,8 @@
 use super::ModelError;
 use super::header::{are_names, check_names, require};
-use super::loaded::require_at_most;
 use crate::constraints::{Constrained, ConstraintError, Holonomic};
 use crate::energy::graph::{Edge, Graph, GraphError, GraphShape, Types};
+use crate::expected::expected;
 use crate::scalar::{Real, Shipped, Stored};
 use serde::{Deserialize, Serialize};
 
@@ -178,7 +178,7 @@ impl<'a> GraphHeader<'a> {
 
     /// Groups of coordinates: one a node type.
     pub(super) fn groups(&self) -> usize {
-        self.shape.nodes().count()
+        self.shape.nodes.len()
     }
 
     /// Numbers in the weight block.
@@ -194,16 +194,7 @@ impl<'a> GraphHeader<'a> {
         &self,
         weights: &'w [W],
     ) -> Result<Types<'w, W, D, K, H, L>, ModelError> {
-        let dimension = usize::from(self.shape.dimension);
-        if dimension != D {
-            return Err(ModelError::Shape { what: "dimensions", found: dimension, compiled: D });
-        }
-        require_at_most("networks", self.shape.networks().count(), K)?;
-        for network in self.shape.networks() {
-            let (widths, depth) = network.widths();
-            require_at_most("hidden layers", depth, L)?;
-            require_at_most("units in a hidden layer", widths.into_iter().max().unwrap_or(0), H)?;
-        }
+        self.shape.check_size::<D, K, H, L>()?;
         let (mut block, needed) = (weights, self.parameters()?);
         let short = ModelError::WeightCount { found: weights.len(), needed };
         Types::take(&mut block, &self.shape).ok_or(short)
@@ -232,11 +223,11 @@ impl<'a> GraphHeader<'a> {
         if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
-        check_names(self.node_names, self.shape.nodes().count(), "node types")?;
-        check_names(self.edge_names, self.shape.edges().count(), "edge types")?;
+        check_names(self.node_names, self.shape.nodes.len(), "node types")?;
+        check_names(self.edge_names, self.shape.edges.len(), "edge types")?;
         self.check_graphs()?;
         let start = weights.len().saturating_sub(self.shape.all_numbers());
-        self.shape.check_numbers(weights.get(start..).unwrap_or(&[])).map_err(ModelError::Graph)
+        self.shape.check_numbers(expected(weights.get(start..), &[])).map_err(ModelError::Graph)
     }
 
     fn check_graphs(&self) -> Result<(), ModelError> {

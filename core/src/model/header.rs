@@ -1,8 +1,9 @@
 use super::{ActuatorBytes, GraphHeader, Laws, ModelError, ShapeHeader, TrainedStep, TrainingRange};
-use crate::energy::MAX_HIDDEN;
 use crate::energy::modular::{self, TreeElement, TreeError};
-use crate::energy::rigid::{Coordinate, Inertia, feature_count};
-use crate::network::{Activation, Mlp};
+use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
+use crate::energy::{MAX_HIDDEN, NetworkShape};
+use crate::expected::expected;
+use crate::network::Activation;
 use crate::scalar::Shipped;
 use serde::{Deserialize, Serialize};
 
@@ -182,7 +183,7 @@ impl<'a> ModularHeader<'a> {
 
     /// Groups of coordinates: one an element type.
     pub(super) fn groups(&self) -> usize {
-        self.shape.types().count()
+        self.shape.types.len()
     }
 
     /// Numbers in the weight block.
@@ -194,11 +195,11 @@ impl<'a> ModularHeader<'a> {
         if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
-        let kinds = self.shape.types().count();
+        let kinds = self.shape.types.len();
         check_names(self.names, kinds, "element types")?;
         self.check_trees()?;
         let start = weights.len().saturating_sub(modular::ELEMENT_PARAMETERS * kinds + 2);
-        let numbers = weights.get(start..).unwrap_or(&[]).as_chunks().0;
+        let numbers = expected(weights.get(start..), &[]).as_chunks().0;
         numbers.iter().take(kinds).try_for_each(|numbers| check_numbers(&numbers.map(W::wide)))
     }
 
@@ -234,7 +235,7 @@ impl TreeHeader<'_> {
 
     /// Coordinates of the tree, with the types of `shape`; `None` where a type does not exist.
     pub fn coordinates(&self, shape: &modular::ModularShape) -> Option<usize> {
-        let of = |node: TreeElement| Some(shape.types().nth(node.kind.into())?.coordinates());
+        let of = |node: TreeElement| Some(shape.types.get(node.kind)?.coordinates());
         self.nodes().try_fold(0, |sum, node| Some(sum + of(node)?))
     }
 }
@@ -263,30 +264,26 @@ impl<'a> RigidHeader<'a> {
         Ok(kinds)
     }
 
-    /// Units of each hidden layer, and how many layers there are.
-    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
-        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
-        (self.widths.map(usize::from), depth)
-    }
-
     /// Inputs of the network: one a translation, two an angle.
     pub fn features(&self) -> usize {
         self.coordinates.chars().filter_map(Coordinate::from_letter).map(|c| feature_count(&[c])).sum()
     }
 
+    /// The shape of the network.
+    pub fn network(&self) -> Result<NetworkShape, ModelError> {
+        let shape = network_shape(self.features(), &self.widths, (self.inertia, self.n()), self.activation);
+        shape.ok_or(ModelError::OutOfRange { what: "number of coordinates" })
+    }
+
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require((1..=MAX_COORDINATES).contains(&self.n()), "number of coordinates")?;
-        let (widths, depth) = self.widths();
-        let widths = widths.get(..depth).unwrap_or(&[]);
-        let network = Mlp::<f32, 0>::parameters(self.features(), widths, self.inertia.outputs(self.n()));
-        network.ok_or(ModelError::OutOfRange { what: "number of weights" })
+        self.network()?.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
     pub(super) fn validate<W: Shipped>(&self, _: &[W]) -> Result<(), ModelError> {
         require(self.coordinates.chars().all(|c| Coordinate::from_letter(c).is_some()), "coordinate kind")?;
-        let (_, depth) = self.widths();
-        require(self.widths.iter().skip(depth).all(|w| *w == 0), "hidden width")?;
+        require(self.network()?.is_valid(), "hidden width")?;
         match self.inertia {
             Inertia::Cholesky { epsilon } => {
                 require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")

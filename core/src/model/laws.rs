@@ -2,6 +2,7 @@
 
 use super::ModelError;
 use super::header::require;
+use crate::expected::expected;
 use crate::forces::{Forces, Viscous};
 use crate::scalar::{Scalar, Shipped, Stored};
 
@@ -87,7 +88,8 @@ impl<'a> Laws<'a> {
     /// Checks their numbers, which end the weight block.
     pub(super) fn validate<W: Shipped>(&self, groups: usize, mut numbers: &[W]) -> Result<(), ModelError> {
         for law in self.iter() {
-            let (own, rest) = numbers.split_at_checked(law.parameters(groups)).unwrap_or((numbers, &[]));
+            let own = numbers.split_at_checked(law.parameters(groups));
+            let (own, rest) = expected(own, (numbers, &[]));
             law.validate(own)?;
             numbers = rest;
         }
@@ -148,13 +150,19 @@ pub(super) fn load_forces<S: Scalar, W: Stored<Wide = S::Weight>, F: LoadForces<
     Ok(forces)
 }
 
+/// The number of every coordinate's group.
+fn of_groups<S: Scalar, W: Stored<Wide = S::Weight>, const N: usize>(
+    numbers: &[W],
+    groups: &[u8; N],
+) -> [S; N] {
+    groups.map(|group| expected(numbers.get(usize::from(group)).map(|number| number.scalar()), S::zero()))
+}
+
 impl<S: Scalar, const N: usize> LoadForces<S, N> for Viscous<S, N> {
     fn take<W: Stored<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
         let mut forces = Self::none();
         if let Some(numbers) = laws.take(Law::Viscous) {
-            for (c, group) in forces.coefficients.iter_mut().zip(groups) {
-                *c = numbers.get(usize::from(*group)).map_or(S::zero(), |c| c.scalar());
-            }
+            forces.coefficients = of_groups(numbers, groups);
         }
         forces
     }

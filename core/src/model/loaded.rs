@@ -191,17 +191,9 @@ impl RigidHeader<'_> {
         S: Scalar<Weight = W::Wide>,
         F: LoadForces<S, N>,
     {
-        let (widths, depth) = self.widths();
-        let widths = widths.get(..depth).unwrap_or(&[]);
-        let width = widths.iter().copied().max().unwrap_or(0);
-        require_at_most("hidden layers", depth, L)?;
-        require_at_most("units in a hidden layer", width, H)?;
-        let shape = RigidShape {
-            coordinates: self.kinds()?,
-            widths,
-            activation: self.activation,
-            inertia: self.inertia,
-        };
+        let shape =
+            RigidShape { coordinates: self.kinds()?, network: self.network()?, inertia: self.inertia };
+        shape.check_size::<H, L>()?;
         let mut block = weights;
         let needed = self.parameters()?;
         let lagrangian = Rigid::take(&mut block, &shape)
@@ -230,12 +222,7 @@ impl ModularHeader<'_> {
         S: Scalar<Weight = W::Wide>,
         F: LoadForces<S, N>,
     {
-        require_at_most("element types", self.shape.types().count(), E)?;
-        for network in self.shape.networks() {
-            let (widths, depth) = network.widths();
-            require_at_most("hidden layers", depth, L)?;
-            require_at_most("units in a hidden layer", widths.into_iter().max().unwrap_or(0), H)?;
-        }
+        self.shape.check_size::<E, H, L>()?;
         let tree = self.shape.tree(tree.nodes()).map_err(ModelError::Tree)?;
         let mut block = weights;
         let needed = self.parameters()?;
@@ -246,8 +233,4 @@ impl ModularHeader<'_> {
         let forces = load_forces(LawNumbers::new(laws, block, self.groups()), &groups)?;
         Ok(System { lagrangian, forces })
     }
-}
-
-pub(super) fn require_at_most(what: &'static str, found: usize, compiled: usize) -> Result<(), ModelError> {
-    if found <= compiled { Ok(()) } else { Err(ModelError::Shape { what, found, compiled }) }
 }

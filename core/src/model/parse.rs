@@ -7,6 +7,7 @@ use super::{
     ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections, TrainedStep, TrainingRange,
     checksum,
 };
+use crate::expected::expected;
 use crate::scalar::{Shipped, Weights, f16};
 use serde::Deserialize;
 
@@ -181,7 +182,7 @@ fn finish<'a, H: ShapeHeader<'a>, W: Shipped>(begun: &Begun<'a>) -> Result<Parse
     let (energies, groups) = (shape.parameters()?, shape.groups());
     let needed = sum(energies, laws.parameters(groups))?;
     let weights: &[W] = numbers(unpadded(sections.required(Section::Weights)?)?, needed)?;
-    let (of_energies, of_laws) = weights.split_at_checked(energies).unwrap_or((weights, &[]));
+    let (of_energies, of_laws) = expected(weights.split_at_checked(energies), (weights, &[]));
     shape.validate(of_energies)?;
     laws.validate(groups, of_laws)?;
     let trained_step = sections.get(Section::Step).map(TrainedStep::from_bytes).transpose()?;

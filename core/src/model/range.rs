@@ -1,10 +1,11 @@
 use super::ModelError;
 use super::header::require;
 use super::section::take_f32;
+use serde::{Deserialize, Serialize};
 
 /// Smallest and largest value of a quantity in the training data.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Smallest.
     pub least: f32,
@@ -20,7 +21,7 @@ impl Interval {
 
 /// What the training data covered of one coordinate.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoordinateRange {
     /// q, m or rad.
     pub q: Interval,
@@ -58,7 +59,9 @@ impl CoordinateRange {
     }
 
     fn from_bytes(mut bytes: &[u8]) -> Result<Self, ModelError> {
-        let mut interval = || Ok(Interval { least: take_f32(&mut bytes)?, most: take_f32(&mut bytes)? });
+        let mut interval = || -> Result<_, ModelError> {
+            Ok(Interval { least: take_f32(&mut bytes)?, most: take_f32(&mut bytes)? })
+        };
         let (q, v, u) = (interval()?, interval()?, interval()?);
         Ok(Self { q, v, u, period: take_f32(&mut bytes)? })
     }

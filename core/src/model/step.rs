@@ -4,11 +4,12 @@ use super::section::take_f32;
 use crate::discrete::{Del, Order, Path};
 use crate::forces::ControlKind;
 use crate::scalar::Real;
+use serde::{Deserialize, Serialize};
 
 /// The step that a model was trained with. With another it is less accurate: a model of a discrete Lagrangian absorbs the
 /// error of the integrator.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrainedStep {
     /// Order of the integrator.
     pub order: Order,

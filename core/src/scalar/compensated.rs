@@ -1,6 +1,7 @@
 use super::{Real, Scalar};
 
-/// A running sum that remembers what rounding took from it (Kahan).
+/// A running sum that remembers what rounding took from it, whichever of sum and increment is the larger (Kahan, with the
+/// two-sum of Knuth).
 ///
 /// Positions and momenta of a long simulation are sums of many small increments; with this carry the f32 trajectory of
 /// 3 s at h = 1 ms stays within about 2e-6 rad of the f64 one, instead of 1e-3 rad.
@@ -34,15 +35,15 @@ impl<S: Scalar> Compensated<S> {
     /// The sum after adding `increment`.
     #[must_use]
     pub fn plus(self, increment: S) -> Self {
-        let y = increment + self.carry;
-        let sum = self.sum + y;
-        Self { sum, carry: y - (sum - self.sum) }
+        let (total, lost) = sum(self.sum, increment);
+        let (sum, carry) = sum(total, lost + self.carry);
+        Self { sum, carry }
     }
 }
 
 /// a + b rounded, and what rounding took: their sum is a + b exactly (Knuth).
 #[inline(always)]
-pub fn sum<R: Real>(a: R, b: R) -> (R, R) {
+pub fn sum<S: Scalar>(a: S, b: S) -> (S, S) {
     let sum = a + b;
     let rest = sum - a;
     (sum, (a - (sum - rest)) + (b - rest))

@@ -1,6 +1,10 @@
 use super::{Real, Scalar, Stored, Weights, tanh};
 use leastaction_fpu::{half, portable, sin_cos, single, sqrt};
 
+/// 2π, and the next smaller number.
+const TURN: f32 = core::f32::consts::TAU;
+const BELOW_TURN: f32 = TURN.next_down();
+
 impl Scalar for f32 {
     type Weight = f32;
 
@@ -79,7 +83,10 @@ impl Scalar for f32 {
     }
     #[inline]
     fn wrapped(self) -> Self {
-        self - libm::floorf(self / core::f32::consts::TAU) * core::f32::consts::TAU
+        let angle = self - libm::floorf(self / TURN) * TURN;
+        // The quotient, and with it the floor, may have been rounded up.
+        let angle = if angle < 0.0 { angle + TURN } else { angle };
+        angle.clamp(0.0, BELOW_TURN)
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {

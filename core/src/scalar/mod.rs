@@ -54,7 +54,8 @@ pub trait Scalar:
     fn tanh(self) -> Self;
     /// (sin x, cos x), x in radians.
     fn sin_cos(self) -> (Self, Self);
-    /// x − 2π⌊x/2π⌋, the angle x rad in [0, 2π).
+    /// x − 2π⌊x/2π⌋, the angle x rad in [0, 2π): the largest number below 2π where rounding would give 2π itself. NaN where x is
+    /// not finite.
     fn wrapped(self) -> Self;
     /// The larger of the two; `other` where `self` is not a number.
     fn max(self, other: Self) -> Self;

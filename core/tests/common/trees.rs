@@ -39,7 +39,7 @@ pub fn node(kind: u8, parent: Option<u8>) -> TreeElement {
 
 impl<const N: usize> Tree<N> {
     pub fn new(shape: ModularShape, nodes: &[TreeElement], seed: u64) -> Self {
-        let (mut random, kinds) = (Random(seed), shape.types().count());
+        let (mut random, kinds) = (Random(seed), shape.types.len());
         let networks = shape.parameters().unwrap() - ELEMENT_PARAMETERS * kinds - 2;
         let mut weights = random.vector(networks, 0.8);
         let mut damping = Vec::new();
@@ -87,13 +87,13 @@ impl<const N: usize> Tree<N> {
 
     fn numbers(&self, kind: u8) -> [f64; ELEMENT_PARAMETERS] {
         let start =
-            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types().count() - usize::from(kind));
+            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types.len() - usize::from(kind));
         self.weights[start..start + ELEMENT_PARAMETERS].try_into().unwrap()
     }
 
     fn run(&self, network: u8, x: &[f64]) -> Vec<f64> {
-        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
-        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let before = self.shape.networks.iter().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks.get(network).unwrap();
         let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
         let outputs = shape.outputs.into();
         naive_network(&self.weights[before..], x.to_vec(), widths, shape.activation, outputs)
@@ -102,7 +102,7 @@ impl<const N: usize> Tree<N> {
     /// What an element's coordinates add to positions.
     fn displacement(&self, kind: u8, q: &[f64]) -> [f64; 2] {
         let run = |network, x: &[f64]| <[f64; 2]>::try_from(self.run(network, x)).unwrap();
-        match self.shape.types[usize::from(kind)].unwrap().transform {
+        match self.shape.types.get(usize::from(kind)).unwrap().transform {
             TransformShape::Network { position, input, .. } => run(position, &features(input, q[0])),
             TransformShape::Rod => {
                 let [_, _, _, length] = self.numbers(kind);
@@ -117,7 +117,7 @@ impl<const N: usize> Tree<N> {
     fn speed(&self, kind: u8, q: &[f64], v: &[f64]) -> [f64; 2] {
         const STEP: f64 = 1e-5;
         if let TransformShape::Network { velocity: Some(network), input, .. } =
-            self.shape.types[usize::from(kind)].unwrap().transform
+            self.shape.types.get(usize::from(kind)).unwrap().transform
         {
             let g = self.run(network, &features(input, q[0]));
             return [g[0] * v[0], g[1] * v[0]];
@@ -171,7 +171,7 @@ impl<const N: usize> Learned<N> for Tree<N> {
         let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
         let [c1, c2] = self.weights[self.weights.len() - 2..].try_into().unwrap();
         for TreeElement { kind, parent } in &self.nodes {
-            let shape = self.shape.types[usize::from(*kind)].unwrap();
+            let shape = self.shape.types.get(usize::from(*kind)).unwrap();
             let [mass, inertia, centre, _] = self.numbers(*kind);
             let range = first..first + shape.coordinates();
             let (own, speed) = (

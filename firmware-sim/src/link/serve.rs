@@ -1,10 +1,10 @@
 use super::frame::{Frame, Receiver};
 use super::message::{Answer, Done, Request, Samples, answer, requested};
 use super::refusal::Refusal;
-use crate::Mechanism;
 use crate::control::Controller;
 use crate::error::SetupError;
 use crate::firmware::Firmware;
+use crate::{Mechanism, Trained};
 use leastaction_core::model::{ModelError, RigidModel};
 
 /// A board's end of a link.
@@ -45,11 +45,15 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
             (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
             (Ok(Request::Begin(program)), _) => {
                 let model = load(model, RigidModel::<1, H, D>::load);
-                link.program(model.as_ref().map(|model| &model.system), |model| program.start(model))?
+                let model = model.as_ref().map_err(|refusal| *refusal);
+                let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
+                link.program(model.as_ref(), |model| program.start(model))?
             }
             (_, Ok(Request::Begin(program))) => {
                 let model = load(model, RigidModel::<2, H, D>::load);
-                link.program(model.as_ref().map(|model| &model.system), |model| program.start(model))?
+                let model = model.as_ref().map_err(|refusal| *refusal);
+                let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
+                link.program(model.as_ref(), |model| program.start(model))?
             }
             (Ok(Request::Tick(_)), _) | (_, Ok(Request::Tick(_))) => link.refuse(Refusal::NotBegun)?,
             (Err(Refusal::Coordinates { .. }), Err(refusal)) | (Err(refusal), Err(_)) => {

@@ -1,9 +1,9 @@
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::Mechanism;
 use crate::angle::difference;
 use crate::devices::{Devices, EncoderConfig};
 use crate::error::{SetupError, require};
+use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::{Integrator, ObserverConfig, Order};
 use crate::plant::Plant;
 use crate::summary::{Goal, Recorder, Summary};
@@ -167,6 +167,9 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
 ///
 /// The error of a tick is the plant's position minus the model's; as measured it shows the true position. Where a step is
 /// refused the model stays where it was.
+///
+/// # Errors
+/// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
 pub fn predict<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     plant: &P,
     model: &M,
@@ -175,6 +178,8 @@ pub fn predict<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
 ) -> Result<Summary<N>, SetupError> {
     config.validate()?;
     let setup = &config.setup;
+    setup.observer.check_step(setup.tick, model.trained_step())?;
+    require_quadratic(model, &setup.start.q)?;
     let angle = setup.devices.angles();
     let mut plant = Plant::new(plant, setup.start.draw(setup.seed), setup.substeps);
     let mut forecast = Forecast::new(model, setup, plant.state().q);

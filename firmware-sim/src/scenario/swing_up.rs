@@ -81,6 +81,9 @@ impl<const N: usize> SwingUpConfig<N> {
 }
 
 /// Swings a pendulum up by its joint and holds it, by energies and derivatives of the model alone. q = θ, upright at 0.
+///
+/// # Errors
+/// As [`Program::start`], and a setup out of range.
 pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
     plant: &P,
     model: &M,
@@ -93,6 +96,9 @@ pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
 
 /// Swings a pole up by the cart that carries it and holds it, by energies and derivatives of the model alone.
 /// q = (x, θ), upright at 0.
+///
+/// # Errors
+/// As [`Program::start`], and a setup out of range.
 pub fn swing_up_cartpole<P: Mechanism<2>, M: Mechanism<2>>(
     plant: &P,
     model: &M,

@@ -69,6 +69,9 @@ impl TrackConfig<2> {
 }
 
 /// Follows a reference by the model's inverse dynamics and PD feedback.
+///
+/// # Errors
+/// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
 pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     plant: &P,
     model: &M,
@@ -77,7 +80,7 @@ pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
 ) -> Result<Summary<N>, SetupError> {
     let program = config.program();
     config.setup.validate()?;
-    program.validate()?;
+    program.check(model)?;
     let controller = program.track(config.reference, config.gains);
     run_in_place(plant, program.firmware(model, controller), &config.setup, sink)
 }

@@ -108,7 +108,7 @@ impl GraphShape {
         if nodes.len() > MAX_NODES {
             return Err(GraphError::TooManyNodes { found: nodes.len(), most: MAX_NODES });
         }
-        let kinds = self.nodes().count();
+        let kinds = self.nodes.len();
         let unknown =
             nodes.iter().map(|kind| usize::from(*kind)).enumerate().find(|(_, kind)| *kind >= kinds);
         if let Some((node, kind)) = unknown {
@@ -118,7 +118,7 @@ impl GraphShape {
     }
 
     fn check_edge(&self, edge: usize, Edge { kind, ends }: &Edge, nodes: usize) -> Result<(), GraphError> {
-        let (kind, kinds, [a, b]) = (usize::from(*kind), self.edges().count(), ends.map(usize::from));
+        let (kind, kinds, [a, b]) = (usize::from(*kind), self.edges.len(), ends.map(usize::from));
         if kind >= kinds {
             return Err(GraphError::EdgeKind { edge, kind, kinds });
         }

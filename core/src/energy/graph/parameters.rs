@@ -1,11 +1,12 @@
 //! Derivatives in the weights, for training.
 
-use super::across;
 use super::fixed::{Fixed, vectors};
-use super::radial::{ramp, square};
+use super::radial::square;
+use super::round::{Batch, MovingNodes};
 use super::shape::{Drag, Kinetic, MAX_EMBEDDING, MAX_NODE_TYPES, Potential};
 use super::types::{Types, inputs, sign};
-use crate::energy::placed_network::{PlacedNetwork, Rows};
+use super::{Edge, across};
+use crate::energy::placed_network::{PlacedNetwork, WeightTangents};
 use crate::energy::{Learnable, LearnableForces};
 use crate::linear::dot;
 use crate::network::Jet;
@@ -82,22 +83,28 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, 
         dq: &[S; N],
         row: &mut impl FnMut(usize, S),
     ) {
-        if self.graph.types.messaging().is_none() {
+        if self.graph.messaging().is_none() {
             return;
         }
         let mut x = [[Jet::zero(); D]; N];
         for ((slot, x), dx) in x.iter_mut().zip(vectors(q)).zip(vectors(dq)) {
-            *slot = moving(x, dx);
+            *slot = Jet::moving(x, dx);
         }
         // The sums of what nodes of one type have.
         let mut rates = [[S::zero(); MAX_EMBEDDING]; MAX_NODE_TYPES];
-        let embedding = |node: usize, k: usize, Jet { tangent: [rate], .. }: &Jet<S, 1>| {
+        let mut embedding = |node: usize, k: usize, bar: &Jet<S, 1>| {
             let kind = usize::from(self.graph.kind(node));
             if let Some(slot) = rates.get_mut(kind).and_then(|rates| rates.get_mut(k)) {
-                *slot += *rate;
+                *slot += bar.rate();
             }
         };
-        self.messages::<S, 1>(&x, &mut Rows(&mut *row), |_, _| {}, embedding);
+        let mut states = MovingNodes::new(&x);
+        let sender =
+            |edges: &[Edge], end: usize, k: usize, bar: &Jet<S, 1>| embedding(edges.node(end, 0), k, bar);
+        self.graph.round(&mut states, &mut WeightTangents(|i, rate: S| row(i, -rate)), |_, _| {}, sender);
+        for (i, bar) in states.adjoints().enumerate().take(self.graph.nodes.len()) {
+            bar.iter().enumerate().for_each(|(k, bar)| embedding(i, k, bar));
+        }
         for (kind, rates) in (0..).zip(&rates) {
             let Some(numbers) = self.graph.types.numbers(kind) else { return };
             for (k, (rate, _)) in rates.iter().zip(numbers.embedding.1).enumerate() {
@@ -122,7 +129,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
             Kinetic::Network(network) => {
                 let Some(network) = self.network(network) else { return };
                 let (start, embedding) = numbers.kinetic_embedding;
-                let x = inputs(embedding, &[ramp(square(v))]);
+                let x = inputs(embedding, &[Jet::parameter(square(v))]);
                 let mut x_bar = x.clone();
                 let y_bar = [Jet { value: S::zero(), tangent: c }];
                 network.series_gradient::<S, H>((&x, &mut x_bar), &y_bar, row);
@@ -146,9 +153,9 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
             dx.iter().enumerate().for_each(|(k, dx)| row(numbers.field.0 + k, -*dx));
         }
         let mut embedding = [S::zero(); MAX_EMBEDDING];
-        self.pull(kind, &moving(x, dx), &mut Rows(&mut *row), |k, Jet { tangent: [rate], .. }| {
+        self.pull(kind, &Jet::moving(x, dx), &mut WeightTangents(|i, rate: S| row(i, -rate)), |k, bar| {
             if let Some(slot) = embedding.get_mut(k) {
-                *slot = *rate;
+                *slot = bar.rate();
             }
         });
         for (k, (rate, _)) in embedding.iter().zip(numbers.embedding.1).enumerate() {
@@ -165,7 +172,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
         row: &mut impl FnMut(usize, S),
     ) {
         let (Some(edge), Some((start, _))) = (self.edge_type(kind), self.law(kind)) else { return };
-        let z: Jet<S, 2> = edge.separation.series(square(d));
+        let z: Jet<S, 2> = edge.separation.feature().of_square(square(d));
         let linear = c * z.tangent[0];
         row(start, linear);
         row(start + 1, (linear + linear) * z.value);
@@ -205,10 +212,4 @@ impl<W: Stored, const L: usize> PlacedNetwork<'_, W, L> {
         let side = sign(self.energy::<S, H>(&[Jet::constant(x)]));
         self.series_gradient::<S, H>((&[Jet::constant(x)], &mut []), &[Jet::constant(side * c)], row);
     }
-}
-
-/// x moving with the velocity `dx`.
-#[inline(always)]
-fn moving<S: Scalar, const D: usize>(x: &[S; D], dx: &[S; D]) -> [Jet<S, 1>; D] {
-    core::array::from_fn(|i| Jet { value: x[i], tangent: [dx[i]] })
 }

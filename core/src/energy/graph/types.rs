@@ -2,9 +2,10 @@
 
 use super::GraphError;
 use super::messages::collected;
-use super::radial::{Radial, ramp, square};
+use super::radial::{Radial, square};
 use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, GraphShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential};
-use crate::energy::placed_network::{PlacedNetwork, Visit};
+use crate::energy::placed_network::Visit;
+use crate::energy::{List, PlacedNetwork};
 use crate::network::Jet;
 use crate::scalar::{Real, Scalar, Stored};
 use heapless::Vec;
@@ -19,7 +20,7 @@ pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
 #[derive(Clone, Copy, Debug)]
 pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     shape: GraphShape,
-    networks: [Option<PlacedNetwork<'a, W, L>>; K],
+    networks: List<PlacedNetwork<'a, W, L>, K>,
     /// Those of all node types and of all edge types, from `start` of the weight block on.
     numbers: &'a [W],
     start: usize,
@@ -39,14 +40,11 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     /// the shape does not fit in itself (see [`GraphShape::invalid_part`]), or it has not `D` dimensions or more than `K` networks, `L`
     /// hidden layers or `H` units in one.
     pub fn take(block: &mut &'a [W], shape: &GraphShape) -> Option<Self> {
-        let fits = shape.invalid_part().is_none() && usize::from(shape.dimension) == D;
-        if !fits || shape.networks().count() > K {
+        if shape.invalid_part().is_some() || shape.check_size::<D, K, H, L>().is_err() {
             return None;
         }
-        let (mut networks, mut start) = ([None; K], 0);
-        for (slot, network) in networks.iter_mut().zip(shape.networks()) {
-            *slot = Some(PlacedNetwork::take::<H>(block, &mut start, network)?);
-        }
+        let mut start = 0;
+        let networks = shape.networks.take::<W, K, H, L>(block, &mut start)?;
         let (numbers, rest) = block.split_at_checked(shape.all_numbers())?;
         *block = rest;
         Some(Self { shape: *shape, networks, numbers, start })
@@ -59,17 +57,17 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
 
     #[inline(always)]
     pub(super) fn node_type(&self, kind: u8) -> Option<&NodeShape> {
-        self.shape.nodes.get(usize::from(kind))?.as_ref()
+        self.shape.nodes.get(kind)
     }
 
     #[inline(always)]
     pub(super) fn edge_type(&self, kind: u8) -> Option<&EdgeShape> {
-        self.shape.edges.get(usize::from(kind))?.as_ref()
+        self.shape.edges.get(kind)
     }
 
     #[inline(always)]
     pub(super) fn network(&self, network: u8) -> Option<&PlacedNetwork<'a, W, L>> {
-        self.networks.get(usize::from(network))?.as_ref()
+        self.networks.get(network)
     }
 
     #[inline(always)]
@@ -99,7 +97,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     /// c₁ and c₂ of an edge type, and the place of c₁ in the weight block.
     #[inline(always)]
     pub(super) fn law(&self, kind: u8) -> Option<(usize, [W; EDGE_NUMBERS])> {
-        let at = self.shape.numbers() * self.shape.nodes().count() + EDGE_NUMBERS * usize::from(kind);
+        let at = self.shape.numbers() * self.shape.nodes.len() + EDGE_NUMBERS * usize::from(kind);
         Some((self.start + at, *self.numbers.get(at..)?.first_chunk()?))
     }
 
@@ -117,7 +115,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             Kinetic::Mass => Radial::linear(numbers.mass.1.scalar::<S>().half(), s),
             Kinetic::Network(network) => self.network(network).map_or(at_rest, |network| {
                 let mut y = [Jet::zero(); 1];
-                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[ramp(s)]);
+                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[Jet::parameter(s)]);
                 network.network.series::<S, O, H>(&x, &mut y);
                 Radial::of(&y[0])
             }),
@@ -185,7 +183,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         let s = square(d);
         let none = Radial::linear(S::zero(), s);
         let (Some(edge), Some((_, law))) = (self.edge_type(kind), self.law(kind)) else { return none };
-        let z = edge.separation.series::<S, O>(s);
+        let z = edge.separation.feature().of_square::<S, O>(s);
         let law = Radial::of(&z).quadratic(law.map(W::scalar));
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return law };
         let mut y = [Jet::zero(); 1];
@@ -218,7 +216,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             Drag::Viscous => viscous,
             Drag::Network(network) => self.network(network).map_or(viscous, |network| {
                 let mut y = [Jet::<S, 1>::zero(); 1];
-                network.network.series::<S, 1, H>(&[ramp(v)], &mut y);
+                network.network.series::<S, 1, H>(&[Jet::parameter(v)], &mut y);
                 let [Jet { value, tangent: [slope] }] = y;
                 let size = -value.neg_abs();
                 [viscous[0] - size * v, viscous[1] - (size + sign(value) * slope * v)]

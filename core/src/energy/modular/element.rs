@@ -29,29 +29,14 @@ impl Input {
     /// The features and their first E derivatives in q.
     fn series<S: Scalar, const E: usize>(self, q: S) -> [Jet<S, E>; 2] {
         match self {
-            Self::Translation => [ramp(q), Jet::zero()],
-            Self::WrappedAngle => [ramp(q.wrapped()), Jet::zero()],
+            Self::Translation => [Jet::parameter(q), Jet::zero()],
+            Self::WrappedAngle => [Jet::parameter(q.wrapped()), Jet::zero()],
             Self::Angle => {
                 let (sin, cos) = q.sin_cos();
-                [turning(cos, [-sin, -cos, sin]), turning(sin, [cos, -sin, -cos])]
+                [Jet::series(cos, [-sin, -cos, sin]), Jet::series(sin, [cos, -sin, -cos])]
             }
         }
     }
-}
-
-/// A quantity that grows by 1 per unit of q.
-#[inline(always)]
-fn ramp<S: Scalar, const E: usize>(value: S) -> Jet<S, E> {
-    turning(value, [S::one(), S::zero(), S::zero()])
-}
-
-#[inline(always)]
-fn turning<S: Scalar, const E: usize>(value: S, derivatives: [S; 3]) -> Jet<S, E> {
-    let mut series = Jet::constant(value);
-    for (slot, derivative) in series.tangent.iter_mut().zip(derivatives) {
-        *slot = derivative;
-    }
-    series
 }
 
 /// How the coordinates of an element move it and everything that it carries.
@@ -177,12 +162,12 @@ impl<'a, W: Stored, const L: usize> ElementType<'a, W, L> {
             Transform::Rod => {
                 let (sin, cos) = q.sin_cos();
                 let unit: [Jet<S, 3>; SPACE] =
-                    [turning(sin, [cos, -sin, -cos]), turning(-cos, [sin, cos, -sin])];
+                    [Jet::series(sin, [cos, -sin, -cos]), Jet::series(-cos, [sin, cos, -sin])];
                 Motion::exact(&unit.map(|u| u.scaled(self.numbers.length.scalar())))
             }
-            Transform::Slide => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
-            Transform::Free if axis == 0 => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
-            Transform::Free => Motion::exact::<3>(&[Jet::zero(), ramp(q)]),
+            Transform::Slide => Motion::exact::<3>(&[Jet::parameter(q), Jet::zero()]),
+            Transform::Free if axis == 0 => Motion::exact::<3>(&[Jet::parameter(q), Jet::zero()]),
+            Transform::Free => Motion::exact::<3>(&[Jet::zero(), Jet::parameter(q)]),
         }
     }
 

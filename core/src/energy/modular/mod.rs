@@ -20,14 +20,15 @@ mod potential;
 mod shape;
 mod tree;
 
-pub use super::placed_network::{NetworkShape, PlacedNetwork};
+pub use super::{NetworkShape, PlacedNetwork};
 pub use element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
 pub use potential::{Pair, PairInput};
 pub use shape::{MAX_NETWORKS, MAX_TYPES, ModularShape, PairShape, TransformShape, TypeShape};
 pub use tree::{SPACE, Tree, TreeElement, TreeError, Vector};
 
+use crate::energy::List;
 use crate::energy::placed_network::{Ignore, Visit};
-use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use element::Motion;
@@ -39,7 +40,7 @@ use tree::scale;
 #[derive(Clone, Copy, Debug)]
 pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const L: usize> {
     /// The element types.
-    pub types: [Option<ElementType<'a, W, L>>; E],
+    pub types: List<ElementType<'a, W, L>, E>,
     /// What every pair of elements adds.
     pub pair: Option<Pair<'a, W, L>>,
     /// c₁ and c₂.
@@ -71,7 +72,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
 {
     #[inline(always)]
     fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, L>> {
-        self.types.get(kind)?.as_ref()
+        self.types.get(kind)
     }
 
     /// c₁ and c₂.
@@ -122,6 +123,35 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
             let own = |i: usize| if i == k { c.inertia[k] } else { S::zero() };
             core::array::from_fn(|i| dot(&c.motion[i].g, &row[i]) + own(i))
         })
+    }
+
+    /// All derivatives but L_qq from JᵀmJ(g v) and JᵀV_x; calls `visit` with JᵀmJ of what v_k g′_k alone adds, for each k.
+    #[inline(always)]
+    fn linearized<S: Scalar>(
+        &self,
+        c: &Configuration<S, N>,
+        v: &[S; N],
+        momentum: &[Vector<S>; N],
+        force: &[Vector<S>; N],
+        mut visit: impl FnMut(usize, &[Vector<S>; N]),
+    ) -> Linearization<S, N> {
+        let mut l_vq = [[S::zero(); N]; N];
+        for k in 0..N {
+            let turned = self.inertial_of(c, k, scale(v[k], &c.motion[k].g_q));
+            for i in 0..N {
+                l_vq[i][k] = dot(&c.motion[i].g, &turned[i]);
+            }
+            l_vq[k][k] += dot(&c.motion[k].g_q, &momentum[k]);
+            visit(k, &turned);
+        }
+        let l_q = |j: usize| v[j] * dot(&c.motion[j].g_q, &momentum[j]) - dot(&c.motion[j].s_q, &force[j]);
+        let l_v = |j: usize| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j];
+        Linearization {
+            l_q: core::array::from_fn(l_q),
+            l_v: core::array::from_fn(l_v),
+            l_vq,
+            l_vv: self.mass_matrix(c),
+        }
     }
 
     /// V with its tangents, and V_x with its tangents, at centres that move; `weighed` gets the sums that c₁, c₂ and the
@@ -255,31 +285,28 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const E: usize, con
         }
     }
 
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        let c = self.configuration::<S, 2>(q);
+        let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
+        let force = self.tree.joints(&c.centre, &self.potential_gradient(&c));
+        self.linearized(&c, v, &momentum, &force, |_, _| {})
+    }
+
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         let c = self.configuration::<S, 3>(q);
         let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
         let (gradient, curvature) = self.potential_hessian(&c);
         let force = self.tree.joints(&c.centre, &gradient);
-        let (mut l_qq, mut l_vq) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);
-        for k in 0..N {
-            let (motion, p) = (&c.motion[k], &momentum[k]);
-            let turned = self.inertial_of(&c, k, scale(v[k], &motion.g_q));
-            let pulled = self.pulled(&c, &curvature, k);
-            for i in 0..N {
-                l_qq[i][k] = v[i] * dot(&c.motion[i].g_q, &turned[i]) - dot(&c.motion[i].s_q, &pulled[i]);
-                l_vq[i][k] = dot(&c.motion[i].g, &turned[i]);
-            }
-            l_qq[k][k] += v[k] * dot(&motion.g_qq, p) - dot(&motion.s_qq, &force[k]);
-            l_vq[k][k] += dot(&motion.g_q, p);
-        }
-        Hessian {
-            l_q: core::array::from_fn(|j| {
-                v[j] * dot(&c.motion[j].g_q, &momentum[j]) - dot(&c.motion[j].s_q, &force[j])
-            }),
-            l_v: core::array::from_fn(|j| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j]),
-            l_qq,
-            l_vq,
-            l_vv: self.mass_matrix(&c),
-        }
+        let mut l_qq = [[S::zero(); N]; N];
+        let Linearization { l_q, l_v, l_vq, l_vv } =
+            self.linearized(&c, v, &momentum, &force, |k, turned| {
+                let (motion, p) = (&c.motion[k], &momentum[k]);
+                let pulled = self.pulled(&c, &curvature, k);
+                for i in 0..N {
+                    l_qq[i][k] = v[i] * dot(&c.motion[i].g_q, &turned[i]) - dot(&c.motion[i].s_q, &pulled[i]);
+                }
+                l_qq[k][k] += v[k] * dot(&motion.g_qq, p) - dot(&motion.s_qq, &force[k]);
+            });
+        Hessian { l_q, l_v, l_qq, l_vq, l_vv }
     }
 }

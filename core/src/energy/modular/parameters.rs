@@ -5,7 +5,7 @@ use super::potential::Moving;
 use super::tree::{Vector, add, scale};
 use super::{Configuration, ElementType, Modular, PotentialTerm, dot};
 use crate::energy::Learnable;
-use crate::energy::placed_network::Rows;
+use crate::energy::placed_network::WeightTangents;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
@@ -88,14 +88,13 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
         let moved = core::array::from_fn(|j| scale(dq[j], &c.motion[j].s_q));
         let (s, rate) = (c.of(|m| m.s), self.tree.centres(&c.centre, &moved));
         let centres = self.tree.centres(&c.centre, &s);
-        let x: [Moving<S, 1>; N] = core::array::from_fn(|e| {
-            core::array::from_fn(|i| Jet { value: centres[e][i], tangent: [rate[e][i]] })
-        });
+        let x: [Moving<S, 1>; N] = core::array::from_fn(|e| Jet::moving(&centres[e], &rate[e]));
         let mut rates = Rates::new();
-        let gradient = self
-            .potential(&c.mass, &x, &mut Rows(&mut *row), |term| rates.add(&term, &c.mass, self.c::<S>()));
+        let gradient = self.potential(&c.mass, &x, &mut WeightTangents(|i, rate: S| row(i, -rate)), |term| {
+            rates.add(&term, &c.mass, self.c::<S>())
+        });
         let force = gradient.map(|g| g.map(|g| g.value));
-        let force_rate = gradient.map(|g| g.map(|Jet { tangent: [rate], .. }| rate));
+        let force_rate = gradient.map(|g| g.map(|g| g.rate()));
         row(self.start, -rates.elements);
         row(self.start + 1, -rates.pairs);
         self.for_own(|e, element, kind| {
@@ -179,12 +178,12 @@ impl<S: Scalar, const N: usize> Rates<S, N> {
         let m = |e: usize| mass.get(e).copied().unwrap_or(S::zero());
         match term {
             PotentialTerm::Element(e, u) => {
-                let [rate] = u.tangent;
+                let rate = u.rate();
                 self.elements += m(*e) * rate;
                 self.of_mass(*e, c1 * rate);
             }
             PotentialTerm::Pair(a, b, u) => {
-                let [rate] = u.tangent;
+                let rate = u.rate();
                 self.pairs += m(*a) * m(*b) * rate;
                 self.of_mass(*a, c2 * m(*b) * rate);
                 self.of_mass(*b, c2 * m(*a) * rate);

@@ -78,6 +78,12 @@ impl<S: Scalar, const N: usize> Features<S, N> {
         }
     }
 
+    /// Number of features.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     #[inline(always)]
     fn iter(&self) -> impl Iterator<Item = &Feature<S>> {
         self.slots.as_flattened().iter().take(self.count)

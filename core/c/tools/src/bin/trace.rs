@@ -83,7 +83,7 @@ where
     L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
-    let bounded = Newton { max_iterations: 2, max_jacobians: 1, stop: 0.0, ..Newton::default() };
+    let bounded = Newton { max_iterations: 2, stop: 0.0, ..Newton::default() };
     let start = State::new(&system.lagrangian, q, v).map_err(words)?;
     run(system, &Del::<f32, P>::with_newton(h, bounded), start, hash)?;
     let del = Del::<f32, P>::new(h);
