@@ -1,6 +1,7 @@
 use crate::arguments::{Given, call, check_step, loaded, place, started, vectors};
 use crate::contents::Started;
 use crate::error::Error;
+use crate::family::system;
 use crate::status::Status;
 use crate::storage::{Model, State};
 use leastaction_core::discrete::{self, Control, Del, Galerkin, Midpoint, Path};
@@ -30,7 +31,7 @@ pub struct Newton {
 }
 
 /// The bounds where none are given: at most 50 updates, down to rounding. Up to a step of 50 ms five suffice.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "default_newton"))]
 pub extern "C" fn leastaction_default_newton() -> Newton {
     let discrete::Newton { max_iterations, stop, accept } = discrete::Newton::default();
     Newton { max_iterations, stop, accept }
@@ -60,7 +61,7 @@ impl Newton {
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "step2"))]
 pub unsafe extern "C" fn leastaction_step2(
     model: *const Model,
     state: *mut State,
@@ -80,7 +81,7 @@ pub unsafe extern "C" fn leastaction_step2(
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "step4"))]
 pub unsafe extern "C" fn leastaction_step4(
     model: *const Model,
     state: *mut State,
@@ -116,7 +117,7 @@ unsafe fn step<P: Path>(
     // SAFETY: this function's promise.
     let newton = newton.map_or(leastaction_default_newton(), |newton| unsafe { newton.read() });
     let del = Del::<f32, P>::with_newton(h, newton.checked()?);
-    let how = del.step(&mechanism.system(), &mut next.state, &Control { start, end })?;
+    let how = del.step(&system(mechanism), &mut next.state, &Control { start, end })?;
     // SAFETY: this function's promise.
     unsafe { finish(&place, next, report, how) };
     Ok(())

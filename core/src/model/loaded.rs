@@ -67,6 +67,15 @@ impl<'a, M> Model<'a, M> {
         Ok(Self { system, trained_step, sections, covered })
     }
 
+    /// The same file with another system, made of this one.
+    ///
+    /// # Errors
+    /// Those of `make`.
+    pub fn try_map<T, E>(self, make: impl FnOnce(M) -> Result<T, E>) -> Result<Model<'a, T>, E> {
+        let Self { system, trained_step, sections, covered } = self;
+        Ok(Model { system: make(system)?, trained_step, sections, covered })
+    }
+
     /// The step that the model was trained with.
     ///
     /// # Errors
