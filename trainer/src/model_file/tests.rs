@@ -129,11 +129,43 @@ const VERSION_2: [&str; 4] = [
     include_str!("../../../core/tests/golden/web.hex"),
 ];
 
-/// The golden files of both versions are of the same models; version 1 took the control as linear, and named no units.
+/// Models that this repository ships, as they were in version 1, and as they are.
+const SHIPPED: [(&str, &[u8], &[u8]); 5] = [
+    (
+        "cartpole.postcard",
+        include_bytes!("../../tests/version_1/cartpole.postcard"),
+        include_bytes!("../../../firmware-sim/chip/models/cartpole.postcard"),
+    ),
+    (
+        "cartpole-f16.postcard",
+        include_bytes!("../../tests/version_1/cartpole-f16.postcard"),
+        include_bytes!("../../../firmware-sim/chip/models/cartpole-f16.postcard"),
+    ),
+    (
+        "double.postcard",
+        include_bytes!("../../tests/version_1/double.postcard"),
+        include_bytes!("../../../firmware-sim/chip/models/double.postcard"),
+    ),
+    (
+        "pendulums.postcard",
+        include_bytes!("../../tests/version_1/pendulums.postcard"),
+        include_bytes!("../../../firmware-sim/chip/models/pendulums.postcard"),
+    ),
+    (
+        "example.postcard",
+        include_bytes!("../../tests/version_1/example.postcard"),
+        include_bytes!("../../../firmware-sim/examples/cartpole.postcard"),
+    ),
+];
+
+/// The files of both versions are of the same models; version 1 took the control as linear, and named no units.
 #[test]
 fn files_of_version_1_are_the_same_models() {
-    for ((name, old), new) in VERSION_1.into_iter().zip(VERSION_2) {
-        let (old, new) = (decode(&hexadecimal(old)).unwrap(), decode(&hexadecimal(new)).unwrap());
+    let golden = VERSION_1.into_iter().zip(VERSION_2);
+    let golden = golden.map(|((name, old), new)| (name, hexadecimal(old), hexadecimal(new)));
+    let shipped = SHIPPED.map(|(name, old, new)| (name, old.to_vec(), new.to_vec()));
+    for (name, old, new) in golden.chain(shipped) {
+        let (old, new) = (decode(&old).unwrap(), decode(&new).unwrap());
         assert_eq!((old.version, new.version), (1, 2), "{name}");
         assert_eq!(old.architecture, new.architecture, "{name}");
         let bits = |model: &HostModel| model.weights.iter().map(|w| w.to_bits()).collect::<Vec<_>>();
