@@ -40,7 +40,7 @@ impl NetworkShape {
     /// Numbers in the weight block; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
         let (widths, depth) = self.widths();
-        Mlp::<f32, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
+        Mlp::<f32, 0, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
     }
 
     /// Whether only zeros follow the first 0 of the widths.
@@ -96,13 +96,13 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
     }
 
     /// Takes all networks from the front of `block`, `start` numbers of which were taken before, and counts `start` on. `None`
-    /// where the block is too short, there are more than `K` networks, or one has more than `L` hidden layers.
+    /// where the block is too short, there are more than `K` networks, or one has more than `L` hidden layers or `H` units in one.
     pub(super) fn take<'a, W: Stored, const K: usize, const H: usize, const L: usize>(
         &self,
         block: &mut &'a [W],
         start: &mut usize,
-    ) -> Option<List<PlacedNetwork<'a, W, L>, K>> {
-        self.try_map(|network| PlacedNetwork::take::<H>(block, start, network))
+    ) -> Option<List<PlacedNetwork<'a, W, H, L>, K>> {
+        self.try_map(|network| PlacedNetwork::take(block, start, network))
     }
 }
 

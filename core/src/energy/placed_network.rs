@@ -6,9 +6,9 @@ use crate::scalar::{Scalar, Stored};
 
 /// A network with the place of its first number in the weight block.
 #[derive(Clone, Copy, Debug)]
-pub struct PlacedNetwork<'a, W, const L: usize> {
+pub struct PlacedNetwork<'a, W, const H: usize, const L: usize> {
     /// The network.
-    pub network: Mlp<'a, W, L>,
+    pub network: Mlp<'a, W, H, L>,
     /// Its first number in the weight block.
     pub start: usize,
 }
@@ -35,14 +35,10 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> 
     }
 }
 
-impl<'a, W: Stored, const L: usize> PlacedNetwork<'a, W, L> {
+impl<'a, W: Stored, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
     /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before; counts on.
     /// `None` where the block is too short, or the network has more than `L` hidden layers or `H` units in one.
-    pub(super) fn take<const H: usize>(
-        block: &mut &'a [W],
-        start: &mut usize,
-        shape: &NetworkShape,
-    ) -> Option<Self> {
+    pub(super) fn take(block: &mut &'a [W], start: &mut usize, shape: &NetworkShape) -> Option<Self> {
         shape.check_size::<H, L>().ok()?;
         let (widths, depth) = shape.widths();
         let widths = widths.get(..depth)?;
@@ -53,31 +49,26 @@ impl<'a, W: Stored, const L: usize> PlacedNetwork<'a, W, L> {
     }
 
     /// U(x) alone, of a network with one output.
-    pub(super) fn energy<S: Scalar<Weight = W::Wide>, const H: usize>(&self, x: &[Jet<S, 0>]) -> S {
+    pub(super) fn energy<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 0>]) -> S {
         let mut y = [Jet::zero(); 1];
-        self.network.evaluate::<S, 0, H>(x, &mut y);
+        self.network.evaluate::<S, 0>(x, &mut y);
         y[0].value
     }
 
     /// U(x) with its tangents, and `weight` times its gradient with the gradient's tangents, of a network with one output.
-    pub(super) fn differentiate<
-        S: Scalar<Weight = W::Wide>,
-        const T: usize,
-        const I: usize,
-        const H: usize,
-    >(
+    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize, const I: usize>(
         &self,
         x: &[Jet<S, T>; I],
         weight: S,
         visit: &mut impl Visit<W, S, T>,
     ) -> (Jet<S, T>, [Jet<S, T>; I]) {
         let (mut y, mut x_bar) = ([Jet::zero(); 1], [Jet::zero(); I]);
-        self.pull_back::<S, T, H, _, _>((x, &mut x_bar), &mut y, visit, |_, _| [Jet::constant(weight)]);
+        self.pull_back::<S, T, _, _>((x, &mut x_bar), &mut y, visit, |_, _| [Jet::constant(weight)]);
         (y[0], x_bar)
     }
 
     /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents, ȳ = `bar(y)`; both get `visit`.
-    pub(super) fn pull_back<S, const T: usize, const H: usize, V, B>(
+    pub(super) fn pull_back<S, const T: usize, V, B>(
         &self,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),
         y: &mut [Jet<S, T>],
@@ -100,14 +91,14 @@ impl<'a, W: Stored, const L: usize> PlacedNetwork<'a, W, L> {
 
     /// Visits the derivatives in the weights of Σ_k ȳ⁽ᵏ⁾y⁽ᵏ⁾, k = 0 … 2, along a curve of inputs; `x_bar` gets the adjoint
     /// of its inputs, or is empty.
-    pub(super) fn series_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
+    pub(super) fn series_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         (x, x_bar): (&[Jet<S, 2>], &mut [Jet<S, 2>]),
         y_bar: &[Jet<S, 2>],
         row: &mut impl FnMut(usize, S),
     ) {
         let mut end = self.start + self.network.len();
-        self.network.series_adjoints::<S, H>(x, y_bar, |layer, x, bar| {
+        self.network.series_adjoints::<S>(x, y_bar, |layer, x, bar| {
             end -= layer.len();
             layer.series_gradient(x, bar, |i, value| row(end + i, value));
             if end == self.start {

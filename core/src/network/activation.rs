@@ -1,4 +1,5 @@
 use super::Jet;
+use crate::expected::expected;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +93,7 @@ impl Activation {
         for units in units.chunks_mut(BLOCK) {
             z.iter_mut().zip(units.iter()).for_each(|(z, unit)| *z = unit.value);
             let Curve { value, slope, curvature } = &mut c;
-            self.curves(z.get(..units.len()).unwrap_or(&z), [value, slope, curvature]);
+            self.curves(expected(z.get(..units.len()), &z), [value, slope, curvature]);
             for (((unit, value), slope), curvature) in
                 units.iter_mut().zip(c.value).zip(c.slope).zip(c.curvature)
             {

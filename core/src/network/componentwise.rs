@@ -2,6 +2,7 @@
 //! controller has registers for the sums of one vector, and one copy of the code serves any number of tangents.
 
 use super::{Dense, Jet};
+use crate::expected::{expected, first_mut, present};
 use crate::scalar::{Scalar, Stored};
 
 /// Numbers gathered at a time; a multiple of the widest panel.
@@ -20,10 +21,10 @@ fn gather<'r, S: Scalar, const T: usize>(
     match k.checked_sub(1) {
         None => workspace.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
         Some(k) => workspace.iter_mut().zip(jets).for_each(|(x, jet)| {
-            *x = jet.tangent.get(k).copied().unwrap_or(S::zero());
+            *x = expected(jet.tangent.get(k).copied(), S::zero());
         }),
     }
-    workspace.get(..jets.len()).unwrap_or(workspace)
+    expected(workspace.get(..jets.len()), workspace)
 }
 
 #[inline(never)]
@@ -31,7 +32,7 @@ fn scatter<S: Scalar, const T: usize>(sums: &[S], jets: &mut [Jet<S, T>], k: usi
     match k.checked_sub(1) {
         None => jets.iter_mut().zip(sums).for_each(|(jet, x)| jet.value = *x),
         Some(k) => jets.iter_mut().zip(sums).for_each(|(jet, x)| {
-            if let Some(slot) = jet.tangent.get_mut(k) {
+            if let Some(slot) = present(jet.tangent.get_mut(k)) {
                 *slot = *x;
             }
         }),
@@ -51,9 +52,9 @@ struct Panels<'w, W> {
 impl<'w, W: Stored> Panels<'w, W> {
     /// The rows of the next panel that belong to these inputs.
     fn rows<const P: usize>(&mut self, count: usize) -> &'w [[W; P]] {
-        let (panel, rest) = self.weights.split_at_checked(self.inputs * P).unwrap_or((&[], &[]));
+        let (panel, rest) = expected(self.weights.split_at_checked(self.inputs * P), (&[], &[]));
         self.weights = rest;
-        panel.as_chunks().0.get(self.first..self.first + count).unwrap_or(&[])
+        expected(panel.as_chunks().0.get(self.first..self.first + count), &[])
     }
 
     /// Adds what the inputs give to the outputs' sums.
@@ -79,7 +80,7 @@ impl<'w, W: Stored> Panels<'w, W> {
 
 impl<'a, W: Stored> Dense<'a, W> {
     fn part(&self, output: usize, first: usize) -> Panels<'a, W> {
-        let weights = self.weights.get(output * self.inputs..).unwrap_or(&[]);
+        let weights = expected(self.weights.get(output * self.inputs..), &[]);
         Panels { weights, inputs: self.inputs, first }
     }
 
@@ -88,7 +89,7 @@ impl<'a, W: Stored> Dense<'a, W> {
     fn begin<S: Scalar<Weight = W::Wide>>(&self, k: usize, output: usize, sums: &mut [S]) {
         sums.fill(S::zero());
         if k == 0 {
-            let bias = self.bias.get(output..).unwrap_or(&[]);
+            let bias = expected(self.bias.get(output..), &[]);
             sums.iter_mut().zip(bias).for_each(|(sum, bias)| *sum = bias.scalar());
         }
     }
@@ -112,7 +113,7 @@ impl<'a, W: Stored> Dense<'a, W> {
     ) {
         S::component(k);
         for (y, output) in y.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
-            let sums = sums.get_mut(..y.len()).unwrap_or_default();
+            let sums = first_mut(sums, y.len());
             self.begin(k, output, sums);
             for (x, first) in x.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
                 self.part(output, first).forward(gather(inputs, x, k), sums);
@@ -140,7 +141,7 @@ impl<'a, W: Stored> Dense<'a, W> {
     ) {
         S::component(k);
         for (x_bar, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
-            let sums = sums.get_mut(..x_bar.len()).unwrap_or_default();
+            let sums = first_mut(sums, x_bar.len());
             sums.fill(S::zero());
             for (y_bar, output) in y_bar.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
                 self.part(output, first).adjoint(gather(outputs, y_bar, k), sums);

@@ -1,4 +1,5 @@
 use super::Jet;
+use crate::expected::expected;
 use crate::scalar::{Scalar, Stored};
 use leastaction_fpu::portable::dot;
 
@@ -208,8 +209,8 @@ fn forward_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize
     y: &'y mut [Jet<S, T>],
 ) -> Rest<'w, 'y, W, S, T> {
     let (panels, y) = y.as_chunks_mut::<P>();
-    let (bias, bias_rest) = bias.split_at_checked(panels.len() * P).unwrap_or((bias, &[]));
-    let (rows, rest) = weights.split_at_checked(panels.len() * P * x.len()).unwrap_or((weights, &[]));
+    let (bias, bias_rest) = expected(bias.split_at_checked(panels.len() * P), (bias, &[]));
+    let (rows, rest) = expected(weights.split_at_checked(panels.len() * P * x.len()), (weights, &[]));
     let mut rows = rows.as_chunks::<P>().0;
     for (y, bias) in panels.iter_mut().zip(bias.as_chunks::<P>().0) {
         let panel = forward_panel(split_off(&mut rows, x.len()), bias, x);
@@ -223,7 +224,7 @@ fn forward_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize
 /// Takes the first `n` from the front of `rows`; all where there are fewer.
 #[inline(always)]
 fn split_off<'w, X>(rows: &mut &'w [X], n: usize) -> &'w [X] {
-    let (first, rest) = rows.split_at_checked(n).unwrap_or((rows, &[]));
+    let (first, rest) = expected(rows.split_at_checked(n), (rows, &[]));
     *rows = rest;
     first
 }
@@ -261,7 +262,7 @@ fn adjoint_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize
     x_bar: &mut [Jet<S, T>],
 ) -> (&'w [W], &'y [Jet<S, T>]) {
     let (panels, y_rest) = y_bar.as_chunks::<P>();
-    let (rows, rest) = weights.split_at_checked(panels.len() * P * x_bar.len()).unwrap_or((weights, &[]));
+    let (rows, rest) = expected(weights.split_at_checked(panels.len() * P * x_bar.len()), (weights, &[]));
     let mut rows = rows.as_chunks::<P>().0;
     for y_bar in panels {
         adjoint_panel(split_off(&mut rows, x_bar.len()), y_bar, x_bar);

@@ -24,10 +24,10 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Seco
     }
 }
 
-impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
+impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y(x) and its tangents along those of x; records what [`Mlp::second_order`] needs.
     #[inline]
-    pub fn forward_second_order<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn forward_second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         tape: &mut SecondOrderTape<S, T, H, L>,
@@ -57,7 +57,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
     /// along straight lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
     #[inline]
-    pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         tape: &SecondOrderTape<S, T, H, L>,
         y_bar: &[Jet<S, 0>],

@@ -8,13 +8,9 @@ use super::{Activation, Curve, Dense, Jet, Mlp, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
+impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
-    pub fn series<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
-        &self,
-        x: &[Jet<S, K>],
-        y: &mut [Jet<S, K>],
-    ) {
+    pub fn series<S: Scalar<Weight = W::Wide>, const K: usize>(&self, x: &[Jet<S, K>], y: &mut [Jet<S, K>]) {
         let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());
         let mut input = x;
         for (layer, units) in self.hidden().zip(&mut units) {
@@ -31,7 +27,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first, where `y_bar` is the adjoint of
     /// y and its first two derivatives: the derivative in a weight is Σ_k z̄⁽ᵏ⁾x⁽ᵏ⁾, see [`Dense::series_gradient`].
-    pub fn series_adjoints<S: Scalar<Weight = W::Wide>, const H: usize>(
+    pub fn series_adjoints<S: Scalar<Weight = W::Wide>>(
         &self,
         x: &[Jet<S, 2>],
         y_bar: &[Jet<S, 2>],
@@ -56,11 +52,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     }
 
     /// The hidden layers along a curve, with what their adjoint needs.
-    fn recorded<S: Scalar<Weight = W::Wide>, const H: usize>(
-        &self,
-        x: &[Jet<S, 2>],
-        record: &mut Record<S, H, L>,
-    ) {
+    fn recorded<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 2>], record: &mut Record<S, H, L>) {
         let mut input = x;
         for ((layer, bends), units) in self.hidden().zip(&mut record.bends).zip(&mut record.units) {
             let units = sized(units, layer.outputs(), Jet::zero());

@@ -42,23 +42,25 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
 
     /// Whether there is one node type, so that both ends of an edge are sent the same.
     fn alike(&self) -> bool {
-        self.types.node_type(1).is_none()
+        self.types.shape().nodes.len() == 1
     }
 
-    fn part(&self, network: u8) -> Option<&'t PlacedNetwork<'a, W, L>> {
+    fn part(&self, network: u8) -> Option<&'t PlacedNetwork<'a, W, H, L>> {
         self.types.network(network)
     }
 
     /// f_b of an edge type, and the width of what it gives.
-    fn embed(&self, kind: u8) -> Option<(&'t PlacedNetwork<'a, W, L>, usize)> {
+    fn embed(&self, kind: u8) -> Option<(&'t PlacedNetwork<'a, W, H, L>, usize)> {
         let network = self.part(self.types.edge_type(kind)?.embedding?)?;
         Some((network, network.network.outputs()))
     }
 
     /// What the networks of an edge type see of d, and what makes a gradient in d of a derivative in it.
     pub fn feature<S: Scalar, const T: usize>(&self, kind: u8, d: &[Jet<S, T>; D]) -> [Jet<S, T>; 2] {
-        let feature =
-            self.types.edge_type(kind).map_or(DistanceFeature::Squared, |edge| edge.separation.feature());
+        let feature = expected(
+            self.types.edge_type(kind).map(|edge| edge.separation.feature()),
+            DistanceFeature::Squared,
+        );
         feature.of_difference(d)
     }
 
@@ -72,10 +74,10 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
     ) -> Option<()> {
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut e = zeros(width);
-        embed.network.evaluate::<S, T, H>(&[feature], &mut e);
+        embed.network.evaluate::<S, T>(&[feature], &mut e);
         let from = |from| {
             let mut sent = zeros(self.width());
-            message.network.evaluate::<S, T, H>(&self.message_inputs::<S, T, M>(edges, from, &e), &mut sent);
+            message.network.evaluate::<S, T>(&self.message_inputs::<S, T, M>(edges, from, &e), &mut sent);
             sent
         };
         let of_first = from(0);
@@ -95,7 +97,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         let n = self.read(NodeQuantity::Sum, nodes, 0, states);
         let (mut bar, mut v) = (n.clone(), [Jet::zero(); 1]);
         let one = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::one())];
-        potential.pull_back::<S, T, H, _, _>((&n, &mut bar), &mut v, visit, one);
+        potential.pull_back::<S, T, _, _>((&n, &mut bar), &mut v, visit, one);
         states.add(NodeQuantity::Adjoint, nodes, &[bar]);
         let [v] = v;
         Some(v)
@@ -116,19 +118,14 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         let product = times(&a, &b);
         let (mut product_bar, mut v, mut feature_bar) = (product.clone(), [Jet::zero(); 1], [Jet::zero(); 1]);
         let (e, change) = (&mut zeros(width), &mut zeros(width));
-        embed.pull_back::<S, T, H, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
             let mut bar = zeros(width);
-            update.pull_back::<S, T, H, _, _>(
-                (&product, &mut product_bar),
-                change,
-                visit,
-                |change, visit| {
-                    let updated = plus(e, change);
-                    let twice = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::constant(2.0))];
-                    potential.pull_back::<S, T, H, _, _>((&updated, &mut bar), &mut v, visit, twice);
-                    bar.clone()
-                },
-            );
+            update.pull_back::<S, T, _, _>((&product, &mut product_bar), change, visit, |change, visit| {
+                let updated = plus(e, change);
+                let twice = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::constant(2.0))];
+                potential.pull_back::<S, T, _, _>((&updated, &mut bar), &mut v, visit, twice);
+                bar.clone()
+            });
             bar
         });
         states.add(NodeQuantity::Adjoint, edges, &[times(&product_bar, &b), times(&product_bar, &a)]);
@@ -150,7 +147,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut feature_bar = [Jet::zero(); 1];
         let e = &mut zeros(width);
-        embed.pull_back::<S, T, H, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
             let mut e_bar = zeros(width);
             let [a, b] = [0, 1].map(|end| self.read(NodeQuantity::Adjoint, edges, end, states));
             let received =
@@ -159,8 +156,8 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
                 let x = self.message_inputs::<S, T, M>(edges, from, e);
                 let (mut x_bar, mut sent) = (x.clone(), zeros::<S, T>(self.width()));
                 let bar = |_: &[Jet<S, T>], _: &mut _| bar;
-                message.pull_back::<S, T, H, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
-                let (of_sender, of_edge) = x_bar.split_at_checked(self.width()).unwrap_or_default();
+                message.pull_back::<S, T, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
+                let (of_sender, of_edge) = expected(x_bar.split_at_checked(self.width()), (&[], &[]));
                 of_sender.iter().enumerate().for_each(|(k, bar)| sender(from, k, bar));
                 e_bar = plus(&e_bar, of_edge);
             }

@@ -35,6 +35,7 @@ pub use shape::{
 pub use types::Types;
 pub use union::{Member, Union};
 
+use crate::expected::expected;
 use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +93,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
 
     #[inline(always)]
     fn kind(&self, node: usize) -> u8 {
-        self.nodes.get(node).copied().unwrap_or(0)
+        expected(self.nodes.get(node).copied(), 0)
     }
 }
 

@@ -8,6 +8,7 @@ use super::types::{Types, inputs, sign};
 use super::{Edge, across};
 use crate::energy::placed_network::{PlacedNetwork, WeightTangents};
 use crate::energy::{Learnable, LearnableForces};
+use crate::expected::present;
 use crate::linear::dot;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
@@ -71,7 +72,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, 
             self.graph.types.potential_gradient(kind, x, dx, row);
         }
         for (edge, d) in self.edges(q) {
-            let Some(dd) = across(vectors(dq), edge) else { continue };
+            let Some(dd) = present(across(vectors(dq), edge)) else { continue };
             self.graph.types.pair_gradient(edge.kind, &d, S::constant(-2.0) * dot(&d, &dd), row);
         }
         self.message_part(q, dq, row);
@@ -105,7 +106,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, 
         for (i, bar) in states.adjoints().enumerate().take(self.graph.nodes.len()) {
             bar.iter().enumerate().for_each(|(k, bar)| embedding(i, k, bar));
         }
-        for (kind, rates) in (0..).zip(&rates) {
+        for (kind, rates) in (0..).zip(rates.iter().take(self.graph.types.shape().nodes.len())) {
             let Some(numbers) = self.graph.types.numbers(kind) else { return };
             for (k, (rate, _)) in rates.iter().zip(numbers.embedding.1).enumerate() {
                 row(numbers.embedding.0 + k, -*rate);
@@ -132,7 +133,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
                 let x = inputs(embedding, &[Jet::parameter(square(v))]);
                 let mut x_bar = x.clone();
                 let y_bar = [Jet { value: S::zero(), tangent: c }];
-                network.series_gradient::<S, H>((&x, &mut x_bar), &y_bar, row);
+                network.series_gradient::<S>((&x, &mut x_bar), &y_bar, row);
                 for (k, (bar, _)) in x_bar.iter().zip(embedding).enumerate() {
                     row(start + k, bar.value);
                 }
@@ -178,7 +179,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
         row(start + 1, (linear + linear) * z.value);
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return };
         let y_bar = [Jet { value: S::zero(), tangent: [c, S::zero()] }];
-        network.series_gradient::<S, H>((&[z], &mut []), &y_bar, row);
+        network.series_gradient::<S>((&[z], &mut []), &y_bar, row);
     }
 
     /// Visits y ∂Q/∂θ of a node along one axis.
@@ -196,20 +197,15 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
         if let Drag::Network(network) = node.drag
             && let Some(network) = self.network(network)
         {
-            network.size_gradient::<S, H>(v, -(y * v), row);
+            network.size_gradient::<S>(v, -(y * v), row);
         }
     }
 }
 
-impl<W: Stored, const L: usize> PlacedNetwork<'_, W, L> {
+impl<W: Stored, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
     /// Visits c ∂|net(x)|/∂θ.
-    fn size_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
-        &self,
-        x: S,
-        c: S,
-        row: &mut impl FnMut(usize, S),
-    ) {
-        let side = sign(self.energy::<S, H>(&[Jet::constant(x)]));
-        self.series_gradient::<S, H>((&[Jet::constant(x)], &mut []), &[Jet::constant(side * c)], row);
+    fn size_gradient<S: Scalar<Weight = W::Wide>>(&self, x: S, c: S, row: &mut impl FnMut(usize, S)) {
+        let side = sign(self.energy::<S>(&[Jet::constant(x)]));
+        self.series_gradient::<S>((&[Jet::constant(x)], &mut []), &[Jet::constant(side * c)], row);
     }
 }

@@ -3,6 +3,7 @@
 use super::round::{NODE_QUANTITIES, NodesAtRest, difference_in_lanes, packs, runs};
 use super::{Edge, Graph, exchange};
 use crate::energy::placed_network::Ignore;
+use crate::expected::{expected, present};
 use crate::lagrangian::Energies;
 use crate::linear::Matrix;
 use crate::network::Jet;
@@ -97,10 +98,10 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         mut x: &[[R; D]],
         mut visit: impl FnMut(&[u8], u8, [R::Pack; D]),
     ) {
-        let nodes = self.nodes.get(first..).unwrap_or_default();
-        let nodes = nodes.get(..x.len()).unwrap_or(nodes);
+        let nodes = expected(self.nodes.get(first..), &[]);
+        let nodes = expected(nodes.get(..x.len()), nodes);
         for (kind, run) in runs(nodes, |kind| *kind, R::WIDTH) {
-            let Some((own, rest)) = x.split_at_checked(run.len()) else { return };
+            let Some((own, rest)) = present(x.split_at_checked(run.len())) else { return };
             x = rest;
             let Some(first) = own.first() else { return };
             visit(run, kind, packs(|l| *own.get(l).unwrap_or(first)));

@@ -5,7 +5,7 @@ use super::messages::{Embedding, Messaging};
 use super::shape::MAX_EMBEDDING;
 use super::{Edge, Graph, across};
 use crate::energy::placed_network::Visit;
-use crate::expected::expected;
+use crate::expected::{expected, present};
 use crate::network::Jet;
 use crate::scalar::{Packed, Scalar, Stored};
 use core::iter;
@@ -208,7 +208,7 @@ impl<R: Packed, const D: usize> NodeStates<R::Pack, 0, D> for NodesAtRest<'_, R,
             for (end, x) in x.iter().enumerate() {
                 let start = self.place(quantity, batch.node(end, lane), 0);
                 for (k, x) in x.iter().enumerate() {
-                    if let Some(slot) = self.workspace.get_mut(start + k) {
+                    if let Some(slot) = present(self.workspace.get_mut(start + k)) {
                         *slot += R::lane(&x.value, lane);
                     }
                 }
@@ -288,7 +288,7 @@ impl<S: Scalar, const T: usize, const D: usize, const N: usize> NodeStates<S, T,
 
     fn add(&mut self, quantity: NodeQuantity, batch: impl Batch, x: &[Embedding<S, T>]) {
         for (end, x) in x.iter().enumerate() {
-            let Some(node) = self.quantities.get_mut(batch.node(end, 0)) else { continue };
+            let Some(node) = present(self.quantities.get_mut(batch.node(end, 0))) else { continue };
             for (slot, x) in node[quantity as usize].iter_mut().zip(x) {
                 *slot = slot.plus(x);
             }

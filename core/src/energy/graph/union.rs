@@ -1,6 +1,7 @@
 //! Several trained graphs on one set of nodes.
 
 use super::{Graph, GraphError};
+use crate::expected::{expected, first_mut, present};
 use crate::lagrangian::Energies;
 use crate::particles::Particles;
 use crate::scalar::{Packed, Stored};
@@ -76,9 +77,9 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     /// Copies what the union's nodes have to the front of `own`, and returns that part.
     fn gather<'o, R: Packed>(&self, x: &[[R; D]], own: &'o mut [[R; D]]) -> &'o mut [[R; D]] {
         for (slot, node) in own.iter_mut().zip(self.nodes) {
-            *slot = x.get(usize::from(*node)).copied().unwrap_or([R::zero(); D]);
+            *slot = expected(x.get(usize::from(*node)).copied(), [R::zero(); D]);
         }
-        own.get_mut(..self.nodes.len()).unwrap_or_default()
+        first_mut(own, self.nodes.len())
     }
 }
 
@@ -99,7 +100,7 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
     fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R> {
         let (mut kinetic, mut potential) = (R::zero(), R::zero());
         for (node, v) in v.iter().enumerate().take(self.nodes) {
-            let owner = self.holders(node).next();
+            let owner = present(self.holders(node).next());
             kinetic +=
                 owner.map_or(R::zero(), |(owner, kind)| owner.graph.types.kinetic::<R, 0>(kind, v).value);
         }
@@ -117,40 +118,45 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
             let (forces, workspace) = split::<R, D>(workspace, member.nodes.len());
             member.graph.l_q(member.gather(q, own), workspace, forces);
             for (node, force) in member.nodes.iter().zip(forces) {
-                let Some(sum) = l_q.get_mut(usize::from(*node)) else { continue };
+                let Some(sum) = present(l_q.get_mut(usize::from(*node))) else { continue };
                 sum.iter_mut().zip(force).for_each(|(sum, force)| *sum += *force);
             }
         }
     }
 
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D] {
-        let owner = self.holders(node).next();
+        let owner = present(self.holders(node).next());
         owner.map_or([R::zero(); D], |(owner, kind)| owner.graph.types.kinetic::<R, 1>(kind, v).gradient(v))
     }
 
     fn mass(&self, node: usize, v: &[R; D]) -> [[R; D]; D] {
-        let owner = self.holders(node).next();
+        let owner = present(self.holders(node).next());
         owner.map_or([[R::zero(); D]; D], |(owner, kind)| {
             owner.graph.types.kinetic::<R, 2>(kind, v).hessian(v)
         })
     }
 
     fn drag(&self, node: usize, v: &[R; D]) -> [R; D] {
-        self.sum(node, v, 0)
+        self.sum(node, v, |[drag, _]| drag)
     }
 
     fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D] {
-        self.sum(node, v, 1)
+        self.sum(node, v, |[_, slope]| slope)
     }
 }
 
 impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'_, W, D, K, H, L> {
-    /// The drag of all members (0) or its slope (1).
-    fn sum<R: Packed<Weight = W::Wide>>(&self, node: usize, v: &[R; D], of: usize) -> [R; D] {
+    /// The sum of what `part` takes of every member's drag and its slope, axis by axis.
+    fn sum<R: Packed<Weight = W::Wide>>(
+        &self,
+        node: usize,
+        v: &[R; D],
+        part: impl Fn([R; 2]) -> R,
+    ) -> [R; D] {
         let mut sum = [R::zero(); D];
         for (member, kind) in self.holders(node) {
             for (sum, v) in sum.iter_mut().zip(v) {
-                *sum += member.graph.types.drag(kind, *v).get(of).copied().unwrap_or(R::zero());
+                *sum += part(member.graph.types.drag(kind, *v));
             }
         }
         sum
@@ -159,6 +165,6 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
 
 /// Workspace for so many vectors, and the rest; none where the workspace is too small.
 fn split<R: Packed, const D: usize>(workspace: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
-    let (own, rest) = workspace.split_at_mut_checked(vectors * D).unwrap_or_default();
+    let (own, rest) = expected(workspace.split_at_mut_checked(vectors * D), (&mut [], &mut []));
     (own.as_chunks_mut().0, rest)
 }

@@ -2,6 +2,7 @@
 
 use super::tree::{SPACE, Vector};
 use crate::energy::placed_network::PlacedNetwork;
+use crate::expected::first;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
@@ -41,13 +42,13 @@ impl Input {
 
 /// How the coordinates of an element move it and everything that it carries.
 #[derive(Clone, Copy, Debug)]
-pub enum Transform<'a, W, const L: usize> {
+pub enum Transform<'a, W, const H: usize, const L: usize> {
     /// x = T(q), learned (ModLaNet, section 4.1); one coordinate.
     Network {
         /// T.
-        position: PlacedNetwork<'a, W, L>,
+        position: PlacedNetwork<'a, W, H, L>,
         /// ModLaNet's separate velocity network, ẋ = T_v(q)q̇; without it ẋ is the exact derivative of T.
-        velocity: Option<PlacedNetwork<'a, W, L>>,
+        velocity: Option<PlacedNetwork<'a, W, H, L>>,
         /// How q enters.
         input: Input,
     },
@@ -59,7 +60,7 @@ pub enum Transform<'a, W, const L: usize> {
     Free,
 }
 
-impl<W, const L: usize> Transform<'_, W, L> {
+impl<W, const H: usize, const L: usize> Transform<'_, W, H, L> {
     /// Coordinates of such an element.
     pub const fn coordinates(&self) -> usize {
         match self {
@@ -105,11 +106,11 @@ impl<S: Scalar> Motion<S> {
 
 /// An element type over borrowed weights.
 #[derive(Clone, Copy, Debug)]
-pub struct ElementType<'a, W, const L: usize> {
+pub struct ElementType<'a, W, const H: usize, const L: usize> {
     /// How it moves.
-    pub transform: Transform<'a, W, L>,
+    pub transform: Transform<'a, W, H, L>,
     /// U₁(x) of its centre, per unit of mass; `None`: no potential of its own.
-    pub potential: Option<PlacedNetwork<'a, W, L>>,
+    pub potential: Option<PlacedNetwork<'a, W, H, L>>,
     /// Its numbers, at `start` of the weight block.
     pub numbers: ElementParameters<W>,
     /// The place of `numbers` in the weight block.
@@ -142,21 +143,17 @@ impl<W: Stored> ElementParameters<W> {
     }
 }
 
-impl<'a, W: Stored, const L: usize> ElementType<'a, W, L> {
+impl<'a, W: Stored, const H: usize, const L: usize> ElementType<'a, W, H, L> {
     /// s(q) of the element's coordinate `axis` (from 0), with E derivatives of it.
-    pub(super) fn motion<S: Scalar<Weight = W::Wide>, const E: usize, const H: usize>(
-        &self,
-        axis: usize,
-        q: S,
-    ) -> Motion<S> {
+    pub(super) fn motion<S: Scalar<Weight = W::Wide>, const E: usize>(&self, axis: usize, q: S) -> Motion<S> {
         match &self.transform {
             Transform::Network { position, velocity, input } => {
                 let features = input.series::<S, E>(q);
-                let x = features.get(..input.features()).unwrap_or(&[]);
-                let motion = Motion::exact(&position.series::<S, E, H>(x));
+                let x = first(&features, input.features());
+                let motion = Motion::exact(&position.series::<S, E>(x));
                 match velocity {
                     None => motion,
-                    Some(velocity) => motion.with_velocity(&velocity.series::<S, E, H>(x)),
+                    Some(velocity) => motion.with_velocity(&velocity.series::<S, E>(x)),
                 }
             }
             Transform::Rod => {
@@ -172,7 +169,7 @@ impl<'a, W: Stored, const L: usize> ElementType<'a, W, L> {
     }
 
     /// Visits the derivatives in the weights of the transform, `bar` the adjoints of s, s′ (and s″, g, g′).
-    pub(super) fn transform_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
+    pub(super) fn transform_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         q: S,
         bar: &Motion<S>,
@@ -181,21 +178,19 @@ impl<'a, W: Stored, const L: usize> ElementType<'a, W, L> {
         match &self.transform {
             Transform::Network { position, velocity, input } => {
                 let features = input.series::<S, 2>(q);
-                let x = features.get(..input.features()).unwrap_or(&[]);
+                let x = first(&features, input.features());
                 let series =
                     |value: &Vector<S>, first: &Vector<S>, second: &Vector<S>| -> [Jet<S, 2>; SPACE] {
                         core::array::from_fn(|i| Jet { value: value[i], tangent: [first[i], second[i]] })
                     };
                 match velocity {
-                    None => position.series_gradient::<S, H>(
-                        (x, &mut []),
-                        &series(&bar.s, &bar.s_q, &bar.s_qq),
-                        row,
-                    ),
+                    None => {
+                        position.series_gradient::<S>((x, &mut []), &series(&bar.s, &bar.s_q, &bar.s_qq), row)
+                    }
                     Some(velocity) => {
                         let zero = [S::zero(); SPACE];
-                        position.series_gradient::<S, H>((x, &mut []), &series(&bar.s, &bar.s_q, &zero), row);
-                        velocity.series_gradient::<S, H>((x, &mut []), &series(&bar.g, &bar.g_q, &zero), row);
+                        position.series_gradient::<S>((x, &mut []), &series(&bar.s, &bar.s_q, &zero), row);
+                        velocity.series_gradient::<S>((x, &mut []), &series(&bar.g, &bar.g_q, &zero), row);
                     }
                 }
             }
@@ -217,13 +212,10 @@ impl<'a, W: Stored, const L: usize> ElementType<'a, W, L> {
     }
 }
 
-impl<W: Stored, const L: usize> PlacedNetwork<'_, W, L> {
-    fn series<S: Scalar<Weight = W::Wide>, const E: usize, const H: usize>(
-        &self,
-        x: &[Jet<S, E>],
-    ) -> [Jet<S, E>; SPACE] {
+impl<W: Stored, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
+    fn series<S: Scalar<Weight = W::Wide>, const E: usize>(&self, x: &[Jet<S, E>]) -> [Jet<S, E>; SPACE] {
         let mut y = [Jet::zero(); SPACE];
-        self.network.series::<S, E, H>(x, &mut y);
+        self.network.series::<S, E>(x, &mut y);
         y
     }
 }

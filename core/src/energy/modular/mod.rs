@@ -28,6 +28,7 @@ pub use tree::{SPACE, Tree, TreeElement, TreeError, Vector};
 
 use crate::energy::List;
 use crate::energy::placed_network::{Ignore, Visit};
+use crate::expected::present;
 use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
@@ -40,9 +41,9 @@ use tree::scale;
 #[derive(Clone, Copy, Debug)]
 pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const L: usize> {
     /// The element types.
-    pub types: List<ElementType<'a, W, L>, E>,
+    pub types: List<ElementType<'a, W, H, L>, E>,
     /// What every pair of elements adds.
-    pub pair: Option<Pair<'a, W, L>>,
+    pub pair: Option<Pair<'a, W, H, L>>,
     /// c₁ and c₂.
     pub coefficients: [W; 2],
     /// The place of `coefficients` in the weight block.
@@ -71,8 +72,8 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
     Modular<'a, W, N, E, H, L>
 {
     #[inline(always)]
-    fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, L>> {
-        self.types.get(kind)
+    fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, H, L>> {
+        present(self.types.get(kind))
     }
 
     /// c₁ and c₂.
@@ -93,7 +94,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
             }
             let own = c.motion.iter_mut().zip(&mut c.inertia).zip(q).skip(element.first).take(element.count);
             for (axis, ((motion, inertia), q)) in own.enumerate() {
-                *motion = kind.motion::<S, O, H>(axis, *q);
+                *motion = kind.motion::<S, O>(axis, *q);
                 *inertia = kind.numbers.inertia.scalar();
             }
         }
@@ -168,7 +169,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
             let (Some(x), Some(sum), Some(m)) = (x.get(e), gradient.get_mut(e), mass.get(e)) else { return };
             let Some(potential) = &kind.potential else { return };
             let [c1, _] = self.c::<S>();
-            let (u, x_bar) = potential.differentiate::<S, T, SPACE, H>(x, c1 * *m, visit);
+            let (u, x_bar) = potential.differentiate::<S, T, SPACE>(x, c1 * *m, visit);
             weighed(PotentialTerm::Element(e, u));
             accumulate(sum, &x_bar);
         });
@@ -176,7 +177,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
             let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
             let (Some(ma), Some(mb)) = (mass.get(a), mass.get(b)) else { return };
             let [_, c2] = self.c::<S>();
-            let (u, [on_a, on_b]) = pair.differentiate::<S, T, H>([xa, xb], c2 * *ma * *mb, visit);
+            let (u, [on_a, on_b]) = pair.differentiate::<S, T>([xa, xb], c2 * *ma * *mb, visit);
             weighed(PotentialTerm::Pair(a, b, u));
             for (e, force) in [(a, &on_a), (b, &on_b)] {
                 if let Some(sum) = gradient.get_mut(e) {
@@ -194,7 +195,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
     }
 
     #[inline(always)]
-    fn for_elements(&self, mut visit: impl FnMut(usize, &ElementType<'a, W, L>)) {
+    fn for_elements(&self, mut visit: impl FnMut(usize, &ElementType<'a, W, H, L>)) {
         for (e, element) in self.tree.elements() {
             if let Some(kind) = self.element_type(element.kind) {
                 visit(e, kind);
@@ -203,7 +204,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
     }
 
     #[inline(always)]
-    fn for_pairs(&self, mut visit: impl FnMut(usize, usize, &Pair<'a, W, L>)) {
+    fn for_pairs(&self, mut visit: impl FnMut(usize, usize, &Pair<'a, W, H, L>)) {
         let Some(pair) = &self.pair else { return };
         for (b, _) in self.tree.elements() {
             for a in 0..b {
@@ -249,14 +250,14 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const E: usize, con
         let [c1, c2] = self.c::<S>();
         self.for_elements(|e, kind| {
             if let (Some(x), Some(m), Some(u)) = (x.get(e), c.mass.get(e), &kind.potential) {
-                potential += c1 * *m * u.energy::<S, H>(&x.map(Jet::constant));
+                potential += c1 * *m * u.energy::<S>(&x.map(Jet::constant));
             }
         });
         self.for_pairs(|a, b, pair| {
             if let (Some(xa), Some(xb), Some(ma), Some(mb)) =
                 (x.get(a), x.get(b), c.mass.get(a), c.mass.get(b))
             {
-                potential += c2 * *ma * *mb * pair.energy::<S, H>(xa, xb);
+                potential += c2 * *ma * *mb * pair.energy::<S>(xa, xb);
             }
         });
         Energies { kinetic: twice_kinetic.half(), potential }

@@ -6,6 +6,7 @@ use super::tree::{Vector, add, scale};
 use super::{Configuration, ElementType, Modular, PotentialTerm, dot};
 use crate::energy::Learnable;
 use crate::energy::placed_network::WeightTangents;
+use crate::expected::expected;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
@@ -99,7 +100,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
         row(self.start + 1, -rates.pairs);
         self.for_own(|e, element, kind| {
             let (Some(force), Some(force_rate)) = (force.get(e), force_rate.get(e)) else { return };
-            row(kind.start, -rates.masses.get(e).copied().unwrap_or(S::zero()));
+            row(kind.start, -expected(rates.masses.get(e).copied(), S::zero()));
             row(kind.start + 2, -(dot(force_rate, &element.own(&s)) + dot(force, &element.own(&moved))));
         });
         let (of_s, of_moved) =
@@ -144,13 +145,13 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
                     bar.s_q = add(&bar.s_q, &bar.g);
                     bar.s_qq = bar.g_q;
                 }
-                kind.transform_gradient::<S, H>(*q, &bar, row);
+                kind.transform_gradient::<S>(*q, &bar, row);
             }
         });
     }
 
     #[inline(always)]
-    fn for_own(&self, mut visit: impl FnMut(usize, &super::tree::Element, &ElementType<'a, W, L>)) {
+    fn for_own(&self, mut visit: impl FnMut(usize, &super::tree::Element, &ElementType<'a, W, H, L>)) {
         for (e, element) in self.tree.elements() {
             if let Some(kind) = self.element_type(element.kind) {
                 visit(e, element, kind);
@@ -175,7 +176,7 @@ impl<S: Scalar, const N: usize> Rates<S, N> {
     }
 
     fn add(&mut self, term: &PotentialTerm<S, 1>, mass: &[S; N], [c1, c2]: [S; 2]) {
-        let m = |e: usize| mass.get(e).copied().unwrap_or(S::zero());
+        let m = |e: usize| expected(mass.get(e).copied(), S::zero());
         match term {
             PotentialTerm::Element(e, u) => {
                 let rate = u.rate();

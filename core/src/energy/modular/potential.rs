@@ -37,24 +37,20 @@ pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
 
 /// The pair potential of a model.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<'a, W, const L: usize> {
+pub struct Pair<'a, W, const H: usize, const L: usize> {
     /// U₂.
-    pub potential: PlacedNetwork<'a, W, L>,
+    pub potential: PlacedNetwork<'a, W, H, L>,
     /// What it sees.
     pub input: PairInput,
 }
 
-impl<W: Stored, const L: usize> Pair<'_, W, L> {
+impl<W: Stored, const H: usize, const L: usize> Pair<'_, W, H, L> {
     /// U₂ of two positions.
-    pub(super) fn energy<S: Scalar<Weight = W::Wide>, const H: usize>(
-        &self,
-        a: &Vector<S>,
-        b: &Vector<S>,
-    ) -> S {
+    pub(super) fn energy<S: Scalar<Weight = W::Wide>>(&self, a: &Vector<S>, b: &Vector<S>) -> S {
         let [ax, ay] = a.map(Jet::constant);
         let [bx, by] = b.map(Jet::constant);
         let d = add(a, &scale(-S::one(), b));
-        let u = |x: &[Jet<S, 0>]| self.potential.energy::<S, H>(x);
+        let u = |x: &[Jet<S, 0>]| self.potential.energy::<S>(x);
         let feature = match self.input {
             PairInput::Concat => return (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])).half(),
             PairInput::Difference => {
@@ -67,7 +63,7 @@ impl<W: Stored, const L: usize> Pair<'_, W, L> {
     }
 
     /// U₂, and `weight` times its gradients in a and in b, all with tangents.
-    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         [a, b]: [&Moving<S, T>; 2],
         weight: S,
@@ -78,16 +74,16 @@ impl<W: Stored, const L: usize> Pair<'_, W, L> {
         let feature = match self.input {
             PairInput::Concat => {
                 let (u, [ax, ay, bx, by]) =
-                    potential.differentiate::<S, T, 4, H>(&[a[0], a[1], b[0], b[1]], weight * half, visit);
+                    potential.differentiate::<S, T, 4>(&[a[0], a[1], b[0], b[1]], weight * half, visit);
                 let (w, [cx, cy, dx, dy]) =
-                    potential.differentiate::<S, T, 4, H>(&[b[0], b[1], a[0], a[1]], weight * half, visit);
+                    potential.differentiate::<S, T, 4>(&[b[0], b[1], a[0], a[1]], weight * half, visit);
                 let gradients = [[ax.plus(&dx), ay.plus(&dy)], [bx.plus(&cx), by.plus(&cy)]];
                 return (u.plus(&w).scaled(half), gradients);
             }
             PairInput::Difference => {
                 let d = difference(a, b);
-                let (u, forth) = potential.differentiate::<S, T, 2, H>(&d, weight * half, visit);
-                let (w, back) = potential.differentiate::<S, T, 2, H>(&negative(&d), weight * half, visit);
+                let (u, forth) = potential.differentiate::<S, T, 2>(&d, weight * half, visit);
+                let (w, back) = potential.differentiate::<S, T, 2>(&negative(&d), weight * half, visit);
                 let on_a = difference(&forth, &back);
                 return (u.plus(&w).scaled(half), [on_a, negative(&on_a)]);
             }
@@ -96,7 +92,7 @@ impl<W: Stored, const L: usize> Pair<'_, W, L> {
         };
         let d = difference(a, b);
         let [z, rate] = feature.of_difference(&d);
-        let (u, [slope]) = potential.differentiate::<S, T, 1, H>(&[z], weight, visit);
+        let (u, [slope]) = potential.differentiate::<S, T, 1>(&[z], weight, visit);
         let along = slope.times(&rate);
         let on_a = d.map(|d| d.times(&along));
         (u, [on_a, negative(&on_a)])

@@ -152,12 +152,12 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
     }
 }
 
-fn take_type<'a, W: Stored, const L: usize>(
+fn take_type<'a, W: Stored, const H: usize, const L: usize>(
     block: &mut &'a [W],
     start: &mut usize,
     shape: &TypeShape,
-    network: impl Fn(u8) -> Option<PlacedNetwork<'a, W, L>>,
-) -> Option<ElementType<'a, W, L>> {
+    network: impl Fn(u8) -> Option<PlacedNetwork<'a, W, H, L>>,
+) -> Option<ElementType<'a, W, H, L>> {
     let transform = match shape.transform {
         TransformShape::Network { position, velocity, input } => {
             let velocity = match velocity {

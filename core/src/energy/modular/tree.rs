@@ -3,6 +3,7 @@
 
 use core::fmt;
 
+use crate::expected::expected;
 use crate::scalar::Scalar;
 
 /// Dimensions of the space that elements lie in.
@@ -153,8 +154,8 @@ impl<const N: usize> Tree<N> {
         let mut tips = [[S::zero(); SPACE]; N];
         let mut centres = tips;
         for (e, element) in self.elements() {
-            let base = element.parent.and_then(|parent| tips.get(parent).copied());
-            let base = base.unwrap_or([S::zero(); SPACE]);
+            let ground = [S::zero(); SPACE];
+            let base = element.parent.map_or(ground, |parent| expected(tips.get(parent).copied(), ground));
             let own = element.own(moved);
             if let (Some(tip), Some(slot), Some(centre)) =
                 (tips.get_mut(e), centres.get_mut(e), centre.get(e))

@@ -1,3 +1,4 @@
+use crate::expected::{expected, present};
 use crate::network::Jet;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
@@ -108,7 +109,7 @@ impl<S: Scalar, const N: usize> Features<S, N> {
     pub fn adjoint<const A: usize>(&self, bar: &[Jet<S, A>], directions: &[[S; N]; A]) -> [Jet<S, A>; N] {
         let mut q_bar = [Jet::zero(); N];
         for (bar, f) in bar.iter().zip(self.iter()) {
-            let Some(q) = q_bar.get_mut(f.coordinate) else { continue };
+            let Some(q) = present(q_bar.get_mut(f.coordinate)) else { continue };
             q.value += bar.value * f.slope;
             for ((q, bar_k), direction) in q.tangent.iter_mut().zip(&bar.tangent).zip(directions) {
                 *q += *bar_k * f.slope + bar.value * f.curvature * component(direction, f.coordinate);
@@ -120,5 +121,5 @@ impl<S: Scalar, const N: usize> Features<S, N> {
 
 #[inline(always)]
 fn component<S: Scalar, const N: usize>(direction: &[S; N], i: usize) -> S {
-    direction.get(i).copied().unwrap_or(S::zero())
+    expected(direction.get(i).copied(), S::zero())
 }

@@ -83,7 +83,7 @@ pub fn network_shape(
 pub struct Rigid<'a, W, const N: usize, const H: usize, const L: usize> {
     coordinates: [Coordinate; N],
     inertia: Inertia,
-    network: PlacedNetwork<'a, W, L>,
+    network: PlacedNetwork<'a, W, H, L>,
 }
 
 impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
@@ -93,7 +93,7 @@ impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W,
         if shape.invalid_part().is_some() {
             return None;
         }
-        let network = PlacedNetwork::take::<H>(block, &mut 0, &shape.network)?;
+        let network = PlacedNetwork::take(block, &mut 0, &shape.network)?;
         Some(Self { coordinates: shape.coordinates, inertia: shape.inertia, network })
     }
 
@@ -229,7 +229,7 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
     #[inline]
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         let Evaluation { outputs, .. } =
-            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N, H>(x, y));
+            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N>(x, y));
         let p = outputs.momentum(&held(v));
         let l_vq = p.map(|p| p.tangent);
         let twice_kinetic_q = multiply(&transpose(&l_vq), v);

@@ -51,7 +51,7 @@ impl<const N: usize, const H: usize, const L: usize, W: Stored> Rigid<'_, W, N, 
         let mut raw: OutputBar<S, 1, N> = [[[Jet::zero(); N]; N]; 2];
         let outputs = first_mut(raw.as_flattened_mut().as_flattened_mut(), self.inertia.outputs(N));
         let x = first(inputs.as_flattened(), count);
-        self.network.pull_back::<S, 1, H, _, _>((x, &mut []), outputs, &mut WeightTangents(row), |o, _| {
+        self.network.pull_back::<S, 1, _, _>((x, &mut []), outputs, &mut WeightTangents(row), |o, _| {
             Adjoint { bar: bar(&Outputs::new(self.inertia, o)), outputs: o.len() }
         });
     }
