@@ -3,10 +3,10 @@
 mod common;
 
 use common::{Random, assert_close, assert_vectors_close, shapes};
+use leastaction_core::constraints::ConstraintError;
 use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
-use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::discrete::{Del, Galerkin, State, StepError};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
