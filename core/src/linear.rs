@@ -30,7 +30,9 @@ impl SolveError {
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Singular { column } => write!(f, "the matrix is singular: column {column} has no pivot but 0"),
+            Self::Singular { column } => {
+                write!(f, "the matrix is singular: column {column} has no pivot but 0")
+            }
             Self::NotFinite => f.write_str("a number is infinite or not a number"),
         }
     }
@@ -148,7 +150,11 @@ fn pivot<R: Real, const N: usize, const C: usize>(
             }
         }
     }
-    if a[k][k].abs() > R::zero() && a[k][k].is_finite() { Ok(()) } else { Err(SolveError::of_pivot(a[k][k], k)) }
+    if a[k][k].abs() > R::zero() && a[k][k].is_finite() {
+        Ok(())
+    } else {
+        Err(SolveError::of_pivot(a[k][k], k))
+    }
 }
 
 /// Back substitution in the upper triangle.

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{Random, assert_close, assert_vectors_close, shapes};
+use leastaction_core::constraints::ConstraintError;
 use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
-use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::discrete::{Del, Galerkin, State, StepError};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
@@ -80,7 +80,10 @@ fn a_singular_mass_matrix_is_an_error() {
     const NO_MASS: leastaction_core::energy::trigonometric::Trigonometric<'static, 2> =
         leastaction_core::energy::trigonometric::Trigonometric { inertia: &[], potential: &[] };
     let system = System::<_, Viscous<f64, 2>>::conservative(NO_MASS);
-    assert_eq!(acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]), Err(SolveError::Singular { column: 0 }));
+    assert_eq!(
+        acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]),
+        Err(SolveError::Singular { column: 0 })
+    );
 }
 
 /// A number that is none is an error wherever it comes in, not a result.

@@ -43,8 +43,7 @@ fn steps<P: Path, L: Lagrangian<f32, 2>>(
     u: [f32; 2],
 ) {
     let control = Control { start: u, end: v };
-    for newton in [Newton::default(), Newton { max_iterations: 2, stop: 0.0, accept: 1e-3 }]
-    {
+    for newton in [Newton::default(), Newton { max_iterations: 2, stop: 0.0, accept: 1e-3 }] {
         let del = Del::<f32, P>::with_newton(h, newton);
         if let Ok(mut state) = State::new(&system.lagrangian, q, v) {
             for _ in 0..3 {

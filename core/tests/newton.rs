@@ -63,10 +63,7 @@ fn few_iterations_up_to_50_ms() {
 }
 
 /// A double pendulum of 1 m that falls from upright turns by half a radian in 50 ms: a few steps take longer.
-fn check_tree_iterations<R: Real<Weight = R> + Stored<Wide = R>, P: Path>(
-    scalar: &str,
-    most: [usize; 4],
-) {
+fn check_tree_iterations<R: Real<Weight = R> + Stored<Wide = R>, P: Path>(scalar: &str, most: [usize; 4]) {
     for (links, learned) in [("rods", false), ("learned links", true)] {
         let tree = trees::double_pendulum(learned);
         let weights: Vec<R> = tree.weights.iter().map(|w| R::constant(*w)).collect();
@@ -227,7 +224,11 @@ fn a_step_far_too_long_is_never_taken_for_converged() {
             match del.step(&System::conservative(ACROBOT), &mut state, &Control::none()) {
                 Ok(report) => assert!(report.residual <= accept),
                 Err(StepError::NotConverged(report)) => {
-                    assert!(report.residual > accept && report.iterations == Newton::<f32>::default().max_iterations, "{report:?}");
+                    assert!(
+                        report.residual > accept
+                            && report.iterations == Newton::<f32>::default().max_iterations,
+                        "{report:?}"
+                    );
                     assert_eq!(state, before, "the state was touched");
                     failures += 1;
                 }

@@ -524,14 +524,14 @@ fn refused_steps_leave_the_state() {
     assert_eq!(infinite, ConstraintError::NotFinite);
     let hurried = Newton { max_iterations: 1, stop: 1e-15, accept: 1e-15 };
     let error = refuse(&Rattle::with_newton(0.05, Order::Two, hurried), None, &mut work);
-    assert!(matches!(error, ConstraintError::NotConverged(Report { iterations: 1, residual }) if residual > 1e-15));
+    assert!(
+        matches!(error, ConstraintError::NotConverged(Report { iterations: 1, residual }) if residual > 1e-15)
+    );
     let leap = refuse(&Rattle::new(40.0, Order::Two), None, &mut work);
     assert!(
         matches!(
             leap,
-            ConstraintError::NotConverged(_)
-                | ConstraintError::Redundant { .. }
-                | ConstraintError::NotFinite
+            ConstraintError::NotConverged(_) | ConstraintError::Redundant { .. } | ConstraintError::NotFinite
         ),
         "{leap:?}"
     );

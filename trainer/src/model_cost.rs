@@ -121,10 +121,8 @@ impl Evaluations {
         let (widest, depth) = (weights.widest, weights.deepest);
         let arrays = size_of::<[[f32; 16]; N]>();
         let networks = modular.types.len() * 3 + 1;
-        let dynamics = Work {
-            multiply_adds: multiply_adds(2, 0, 0),
-            stack_bytes: tape::<2, 0>(widest, depth) + arrays,
-        };
+        let dynamics =
+            Work { multiply_adds: multiply_adds(2, 0, 0), stack_bytes: tape::<2, 0>(widest, depth) + arrays };
         Self {
             handle_bytes: networks * (depth + 1) * LAYER + N * 5 * WORD + size_of::<Viscous<f32, N>>(),
             dynamics,

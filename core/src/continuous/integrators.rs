@@ -38,7 +38,7 @@ where
     Ok(ContinuousState { q: state.v, v: acceleration(system, &state.q, &state.v, tau)? })
 }
 
-/// One classical Runge–Kutta step of order 4 with τ held over the step h (s). 
+/// One classical Runge–Kutta step of order 4 with τ held over the step h (s).
 ///
 /// # Errors
 /// As [`acceleration`]; and where the state at the end is not finite.
@@ -61,7 +61,7 @@ where
     state.moved(sixth, &k1).moved(third, &k2).moved(third, &k3).moved(sixth, &k4).checked()
 }
 
-/// One explicit midpoint step of order 2 with τ held over the step h (s). 
+/// One explicit midpoint step of order 2 with τ held over the step h (s).
 ///
 /// # Errors
 /// As [`acceleration`]; and where the state at the end is not finite.

@@ -144,12 +144,7 @@ impl<
     }
 
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
-        Linearization {
-            l_q: self.l_q(q),
-            l_v: self.l_v(v),
-            l_vq: [[S::zero(); N]; N],
-            l_vv: self.l_vv(v),
-        }
+        Linearization { l_q: self.l_q(q), l_v: self.l_v(v), l_vq: [[S::zero(); N]; N], l_vv: self.l_vv(v) }
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {

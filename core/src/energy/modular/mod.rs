@@ -326,8 +326,7 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const E: usize, con
                 let (motion, p) = (&c.motion[k], &momentum[k]);
                 let pulled = self.pulled(&c, &curvature, k);
                 for i in 0..N {
-                    l_qq[i][k] =
-                        v[i] * dot(&c.motion[i].g_q, &turned[i]) - dot(&c.motion[i].s_q, &pulled[i]);
+                    l_qq[i][k] = v[i] * dot(&c.motion[i].g_q, &turned[i]) - dot(&c.motion[i].s_q, &pulled[i]);
                 }
                 l_qq[k][k] += v[k] * dot(&motion.g_qq, p) - dot(&motion.s_qq, &force[k]);
             });
