@@ -109,7 +109,7 @@ pub enum ConstraintError<R> {
         /// Number of nodes.
         nodes: usize,
     },
-    /// The length of a constraint is not positive and finite.
+    /// The length of a constraint is not positive and finite; it is 0 of a held coordinate that is not one of the dimensions.
     Length {
         /// The equation.
         constraint: usize,
