@@ -82,15 +82,9 @@ pub(crate) trait Equations<R> {
 /// A residual relative to the size of its terms: 0 where all vanish, not a number where any is not finite.
 #[inline(always)]
 pub(crate) fn relative<R: Real>(residual: R, size: R) -> R {
-    // An infinite size must not make a residual look like 0.
-    let finite = residual + size * R::zero();
-    if size > R::zero() {
-        finite / size
-    } else if finite == R::zero() {
-        finite
-    } else {
-        finite / finite
-    }
+    // Smaller than any size in any unit. And an infinite size must not make a residual look like 0.
+    let tiny = R::constant(1e-37);
+    (residual + size * R::zero()) / (size + tiny)
 }
 
 /// How Newton's method went.

@@ -55,19 +55,20 @@ pub struct Positions<'a, R, const D: usize> {
 
 impl<'a, R: Real, const D: usize> Positions<'a, R, D> {
     /// Positions as they are, m.
-    pub fn new(q: &'a [[R; D]]) -> Self {
+    pub const fn new(q: &'a [[R; D]]) -> Self {
         Self { q, carry: &[] }
     }
 
     /// Positions with what rounding took from them, m.
-    pub fn with_carry(q: &'a [[R; D]], carry: &'a [[R; D]]) -> Self {
+    pub const fn with_carry(q: &'a [[R; D]], carry: &'a [[R; D]]) -> Self {
         Self { q, carry }
     }
 
     /// (q, carry) of a node.
     #[inline(always)]
     pub fn node(&self, node: usize) -> ([R; D], [R; D]) {
-        (at(self.q, node), at(self.carry, node))
+        // Positions as they are carry nothing.
+        (at(self.q, node), self.carry.get(node).copied().unwrap_or([R::zero(); D]))
     }
 
     /// From node b to node a: the difference d and the rest, d + rest being exact to twice the precision of R.
@@ -108,7 +109,7 @@ pub enum ConstraintError<R> {
         /// Number of nodes.
         nodes: usize,
     },
-    /// The length of a constraint is not positive and finite.
+    /// The length of a constraint is not positive and finite; it is 0 of a held coordinate that is not one of the dimensions.
     Length {
         /// The equation.
         constraint: usize,
@@ -192,8 +193,9 @@ impl<R: fmt::Display> fmt::Display for ConstraintError<R> {
 
 impl<R: fmt::Debug + fmt::Display> core::error::Error for ConstraintError<R> {}
 
-/// The vector of a node; zero for a node that is not there (which [`Constrained::new`] excludes).
+/// The vector of a node, which is there: [`Constrained::new`] checks the nodes of constraints, and every entry its slices.
 #[inline(always)]
 pub(crate) fn at<R: Real, const D: usize>(x: &[[R; D]], node: usize) -> [R; D] {
+    debug_assert!(node < x.len(), "node {node} of {}", x.len());
     x.get(node).copied().unwrap_or([R::zero(); D])
 }

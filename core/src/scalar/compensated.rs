@@ -18,17 +18,17 @@ impl<S: Scalar> Compensated<S> {
     }
 
     /// A sum that was stored as its two parts.
-    pub fn from_parts(value: S, carry: S) -> Self {
+    pub const fn from_parts(value: S, carry: S) -> Self {
         Self { sum: value, carry }
     }
 
     /// The sum, rounded.
-    pub fn value(&self) -> S {
+    pub const fn value(&self) -> S {
         self.sum
     }
 
     /// What rounding took so far: the exact sum is close to `value() + carry()`.
-    pub fn carry(&self) -> S {
+    pub const fn carry(&self) -> S {
         self.carry
     }
 
@@ -36,8 +36,10 @@ impl<S: Scalar> Compensated<S> {
     #[must_use]
     pub fn plus(self, increment: S) -> Self {
         let (total, lost) = sum(self.sum, increment);
-        let (sum, carry) = sum(total, lost + self.carry);
-        Self { sum, carry }
+        // Not larger than the total, unless that is 0: the shorter way to the same two numbers (Dekker).
+        let rest = lost + self.carry;
+        let sum = total + rest;
+        Self { sum, carry: rest - (sum - total) }
     }
 }
 

@@ -50,12 +50,12 @@ impl<R: Real> Rattle<R> {
 
     /// An integrator with the caller's bounds of Newton's method. Residuals are relative: of
     /// momenta to the terms they are sums of, of constraints, φ/h or A v, to the largest velocity.
-    pub fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
+    pub const fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
         Self { h, order, newton }
     }
 
     /// h, s.
-    pub fn h(&self) -> R {
+    pub const fn h(&self) -> R {
         self.h
     }
 

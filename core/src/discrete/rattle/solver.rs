@@ -125,6 +125,7 @@ where
     }
 
     /// Block by block, where nothing couples nodes.
+    #[inline(never)]
     fn solve_nodes(
         &self,
         points: &mut Points<R, D>,
@@ -139,6 +140,7 @@ where
     }
 
     /// Velocities and impulses together.
+    #[inline(never)]
     fn solve_all(
         &mut self,
         points: &mut Points<R, D>,
@@ -229,6 +231,7 @@ where
         let Points { q, q_carry, p, p_carry, v, lambda, .. } = points;
         let (constraints, x) = (self.mechanism.constraints(), Positions::with_carry(q, q_carry));
         Rows { constraints, x }.transposed_times(self.multipliers, |node, impulse| {
+            debug_assert!(node < p.len(), "node {node} of {}", p.len());
             if let (Some(p), Some(carry)) = (p.get_mut(node), p_carry.get_mut(node)) {
                 add(p, carry, &impulse);
             }
@@ -278,15 +281,16 @@ where
     }
 
     fn update(&mut self) -> Result<(), ConstraintError<R>> {
-        let impulse = largest(self.solver.update);
+        let impulse = if self.scale.is_none() { largest(self.solver.update) } else { R::zero() };
         if !self.keeps_matrix {
             self.solver.linearise(self.points, self.stage)?;
         }
         self.solver.changes();
-        let velocity = worse(largest(self.points.v), largest(self.solver.update));
+        if self.scale.is_none() {
+            let velocity = worse(largest(self.points.v), largest(self.solver.update));
+            self.scale = Some(Scale { impulse, velocity });
+        }
         self.solver.apply(self.points);
-        let velocity = worse(velocity, largest(self.points.v));
-        self.scale.get_or_insert(Scale { impulse, velocity });
         Ok(())
     }
 }

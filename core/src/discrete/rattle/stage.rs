@@ -79,6 +79,7 @@ pub(super) fn size<R: Real, const D: usize>(x: &[R; D]) -> R {
     x.iter().fold(R::zero(), |sum, x| sum + x.abs())
 }
 
+#[inline(never)]
 pub(super) fn largest<R: Real, const D: usize>(x: &[[R; D]]) -> R {
     x.iter().fold(R::zero(), |largest, x| worse(largest, size(x)))
 }
