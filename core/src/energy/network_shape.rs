@@ -73,6 +73,8 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
     }
 
     /// Whether the network with this number exists, and has this number of inputs and of outputs.
+    // One copy of the code: it is called for every use of a network.
+    #[inline(never)]
     pub fn serves(&self, network: u8, inputs: usize, outputs: usize) -> bool {
         self.get(network).is_some_and(|network| network.serves(inputs, outputs))
     }

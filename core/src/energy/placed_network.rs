@@ -13,12 +13,13 @@ pub struct PlacedNetwork<'a, W, const H: usize, const L: usize> {
     pub start: usize,
 }
 
-/// Called with the start of the layer in the weight block, the layer, its inputs and the adjoint of its outputs.
+/// Visitor of the layers in an adjoint pass, last to first: gets the place of the layer in the weight block, the layer, its
+/// inputs, and the adjoint of its outputs.
 pub(super) trait Visit<W, S, const T: usize> {
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, T>], y_bar: &[Jet<S, T>]);
 }
 
-/// Nobody wants the derivatives in the weights.
+/// Visitor that leaves the derivatives in the weights out.
 pub(super) struct Ignore;
 
 impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
@@ -26,7 +27,7 @@ impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
     fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
 }
 
-/// Passes the derivative in every weight of the outputs' tangent, weighted by their adjoint, to a closure with the position of the weight.
+/// Visitor that gives its closure, for every weight, the position and the derivative in it of ȳ·y's tangent.
 pub(super) struct WeightTangents<R>(pub R);
 
 impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
@@ -36,7 +37,7 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> 
 }
 
 impl<'a, W: Stored, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
-    /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before; counts on.
+    /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before, and counts `start` on.
     /// `None` where the block is too short, or the network has more than `L` hidden layers or `H` units in one.
     pub(super) fn take(block: &mut &'a [W], start: &mut usize, shape: &NetworkShape) -> Option<Self> {
         shape.check_size::<H, L>().ok()?;
@@ -67,7 +68,7 @@ impl<'a, W: Stored, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
         (y[0], x_bar)
     }
 
-    /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents, ȳ = `bar(y)`; both get `visit`.
+    /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents, where ȳ = `bar(y, visit)`; `x_bar` may be empty.
     pub(super) fn pull_back<S, const T: usize, V, B>(
         &self,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),

@@ -116,13 +116,13 @@ impl Activation {
     }
 }
 
-/// Units that σ is applied to side by side.
+/// Number of units that σ is applied to side by side.
 const BLOCK: usize = 8;
 
 #[inline(always)]
 fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curvature]: [&mut [S]; 3]) {
-    // A full block has a length that the compiler knows, and workspaces of its own that nothing else can lie in: it becomes vectors. Where
-    // code is dear, one loop serves all.
+    // A full block has a length that the compiler knows and arrays of its own, so it becomes vector instructions. Where
+    // code size matters more, one loop serves all lengths.
     if !S::COMPONENTWISE
         && let Ok(z) = <&[S; BLOCK]>::try_from(z)
     {

@@ -74,7 +74,7 @@ pub enum GraphError {
         /// Nodes that it has.
         needed: usize,
     },
-    /// The nodes that a member of a union names do not grow, or one is not there.
+    /// The nodes that a member of a union names do not ascend, or one does not exist.
     MemberOrder {
         /// The member, from 0.
         member: usize,
@@ -86,9 +86,9 @@ pub enum GraphError {
         /// The node, from 0.
         node: usize,
     },
-    /// More edges than there is room for.
+    /// More edges than the caller's slice holds.
     TooManyEdges {
-        /// Edges that there is room for.
+        /// Edges that the slice holds.
         capacity: usize,
         /// Edges that there are.
         needed: usize,

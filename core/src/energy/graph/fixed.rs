@@ -1,4 +1,4 @@
-//! Graphs of a number of coordinates that is compiled in.
+//! Graphs whose number of coordinates is compiled in.
 
 use super::round::MovingNodes;
 use super::{Edge, Graph, GraphError, across, exchange};
@@ -34,19 +34,19 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         &self.graph
     }
 
-    /// The nodes with what each of them has of x.
+    /// The type of every node, with its part of x.
     #[inline(always)]
     pub(super) fn nodes<'x, S>(&self, x: &'x [S; N]) -> impl Iterator<Item = (u8, &'x [S; D])> {
         self.graph.nodes.iter().copied().zip(vectors(x))
     }
 
-    /// The edges with what lies between their ends.
+    /// The edges, each with x_a − x_b of its ends.
     #[inline(always)]
     pub(super) fn edges<S: Scalar>(&self, q: &[S; N]) -> impl Iterator<Item = (&'a Edge, [S; D])> {
         self.graph.edges.iter().filter_map(|edge| Some((edge, across(vectors(q), edge)?)))
     }
 
-    /// `of` every node's part of x, node after node.
+    /// Applies `of` to the type of every node and its part of x, node after node.
     fn each<S: Scalar<Weight = W::Wide>>(&self, x: &[S; N], of: impl Fn(u8, &[S; D]) -> [S; D]) -> [S; N] {
         let mut y = [S::zero(); N];
         for (slot, (kind, x)) in y.as_chunks_mut::<D>().0.iter_mut().zip(self.nodes(x)) {
@@ -113,7 +113,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         self.graph.round(&mut MovingNodes::new(x), &mut Ignore, gradient, |_, _, _, _| {})
     }
 
-    /// Column by column of blocks: how the gradients of the messages change with the place of node j.
+    /// Adds the messages' part, one column of blocks after the other: the derivatives of their gradients in the position of node j.
     fn add_messages<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], l_qq: &mut [[S; N]; N]) {
         for j in 0..self.graph.nodes.len() {
             let mut x = placed::<S, D, D, N>(q);
@@ -199,13 +199,13 @@ impl<
     }
 }
 
-/// x by nodes.
+/// x as one vector a node.
 #[inline(always)]
 pub(super) fn vectors<S, const D: usize, const N: usize>(x: &[S; N]) -> &[[S; D]] {
     x.as_chunks().0
 }
 
-/// The nodes where they are, at rest along all T directions; places beyond the last node are not used.
+/// Nodes at q that move along none of the T directions; what follows the last node is not used.
 fn placed<S: Scalar, const T: usize, const D: usize, const N: usize>(q: &[S; N]) -> [[Jet<S, T>; D]; N] {
     let mut placed = [[Jet::zero(); D]; N];
     for (slot, x) in placed.iter_mut().zip(vectors::<S, D, N>(q)) {
@@ -214,7 +214,7 @@ fn placed<S: Scalar, const T: usize, const D: usize, const N: usize>(q: &[S; N])
     placed
 }
 
-/// Adds a block of two nodes.
+/// Adds to the block of rows of node i and columns of node j.
 #[inline(always)]
 fn add_block<S: Scalar, const D: usize, const N: usize>(
     matrix: &mut [[S; N]; N],

@@ -40,7 +40,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         self.types.shape().embedding.into()
     }
 
-    /// Whether there is one node type, so that both ends of an edge are sent the same.
+    /// Whether there is one node type, so that an edge sends the same to both of its ends.
     fn alike(&self) -> bool {
         self.types.shape().nodes.len() == 1
     }
@@ -49,13 +49,13 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         self.types.network(network)
     }
 
-    /// f_b of an edge type, and the width of what it gives.
+    /// f_b of an edge type, and its number of outputs.
     fn embed(&self, kind: u8) -> Option<(&'t PlacedNetwork<'a, W, H, L>, usize)> {
         let network = self.part(self.types.edge_type(kind)?.embedding?)?;
         Some((network, network.network.outputs()))
     }
 
-    /// What the networks of an edge type see of d, and what makes a gradient in d of a derivative in it.
+    /// The feature z of d that the networks of an edge type see, and (∂z/∂r)/r.
     pub fn feature<S: Scalar, const T: usize>(&self, kind: u8, d: &[Jet<S, T>; D]) -> [Jet<S, T>; 2] {
         let feature = expected(
             self.types.edge_type(kind).map(|edge| edge.separation.feature()),
@@ -86,7 +86,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         Some(())
     }
 
-    /// f₂(n) of a node, and n̄ += its gradient.
+    /// f₂(n) of a node; adds its gradient to n̄.
     pub fn settle<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         nodes: impl Batch,
@@ -103,7 +103,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         Some(v)
     }
 
-    /// 2f₁(e′) of an edge, its derivative in the feature while n is constant, and n̄ += its gradient.
+    /// 2f₁(e′) of an edge, and its derivative in the feature at constant n; adds its gradient in n to n̄.
     pub fn update<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
@@ -203,14 +203,14 @@ fn times<S: Scalar, const T: usize>(a: &[Jet<S, T>], b: &[Jet<S, T>]) -> Embeddi
     collected(a.iter().zip(b).map(|(a, b)| a.times(b)))
 }
 
-/// As many as there is room for: widths are checked when types are taken.
+/// Collects at most N jets; no embedding and no input is longer.
 pub(super) fn collected<S: Scalar, const T: usize, const N: usize>(
     from: impl Iterator<Item = Jet<S, T>>,
 ) -> Vec<Jet<S, T>, N> {
     let mut to = Vec::new();
     for x in from {
-        // An error leaves it out.
-        let _: Result<(), _> = to.push(x);
+        let pushed = to.push(x);
+        debug_assert!(pushed.is_ok(), "more than {N} numbers");
     }
     to
 }

@@ -130,15 +130,16 @@ impl GraphShape {
     }
 }
 
-/// x_a − x_b of an edge's ends; nothing where an end has no place.
+/// x_a − x_b of an edge's ends; `None` where q has no such node.
 #[inline(always)]
 fn across<S: Scalar, const D: usize>(q: &[[S; D]], edge: &Edge) -> Option<[S; D]> {
     let [a, b] = edge.ends.map(usize::from);
-    let (a, b) = (q.get(a)?, q.get(b)?);
-    Some(core::array::from_fn(|i| a[i] - b[i]))
+    let (mut d, b) = (*q.get(a)?, q.get(b)?);
+    d.iter_mut().zip(b).for_each(|(d, b)| *d -= *b);
+    Some(d)
 }
 
-/// Adds `x` to one place and takes it from another.
+/// Adds `x` at the first end of an edge, and subtracts it at the second.
 #[inline(always)]
 fn exchange<S: Scalar, const D: usize>(of: &mut [[S; D]], edge: &Edge, x: &[S; D]) {
     let [a, b] = edge.ends.map(usize::from);

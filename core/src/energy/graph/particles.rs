@@ -1,4 +1,4 @@
-//! Graphs of any size, their nodes and edges in packs.
+//! Graphs of any size, whose nodes and edges are evaluated several at a time in the lanes of a scalar.
 
 use super::round::{NODE_QUANTITIES, NodesAtRest, difference_in_lanes, packs, runs};
 use super::{Edge, Graph, exchange};
@@ -90,7 +90,7 @@ fn lane<R: Packed, const D: usize>(x: &[R::Pack; D], lane: usize) -> [R; D] {
 }
 
 impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
-    /// Visits neighbouring nodes of one type, from `first` on, with their type and what `x` says of them.
+    /// Visits neighbouring nodes of one type, from `first` on, with their type and vectors of `x`.
     #[inline(always)]
     fn for_nodes<R: Packed<Weight = W::Wide>>(
         &self,
@@ -108,7 +108,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         }
     }
 
-    /// Writes `of` every node's type and what `x` says of it, from node `first` on; `lane` takes what is written from a pack.
+    /// Applies `of` to types and vectors of neighbouring nodes, from node `first` on, and writes one `lane` of the result a node.
     #[inline(always)]
     fn write_nodes<R: Packed<Weight = W::Wide>, P, T>(
         &self,
@@ -124,7 +124,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         });
     }
 
-    /// Visits neighbouring edges of one type with their type and what lies between their ends.
+    /// Visits neighbouring edges of one type with their type and x_a − x_b of their ends.
     #[inline(always)]
     fn for_edges<R: Packed<Weight = W::Wide>>(
         &self,
@@ -174,7 +174,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 }
 
-/// Takes the gradients in the differences of a pack of edges from l_q of their first ends and adds them to that of the others.
+/// Subtracts ∂V/∂(x_a − x_b) of edges from l_q of their first ends, and adds it to l_q of their second ends.
 #[inline(always)]
 fn add_forces<R: Packed, const D: usize>(l_q: &mut [[R; D]], run: &[Edge], gradient: &[R::Pack; D]) {
     for (l, edge) in run.iter().enumerate() {

@@ -13,7 +13,7 @@ pub(super) struct Radial<S> {
 }
 
 impl<S: Scalar> Radial<S> {
-    /// φ and as many of its derivatives as are carried.
+    /// φ and its derivatives; those that the series does not carry are 0.
     #[inline(always)]
     pub fn of<const O: usize>(series: &Jet<S, O>) -> Self {
         let at = |k: usize| series.tangent.get(k).copied().unwrap_or(S::zero());

@@ -36,7 +36,7 @@ pub enum Potential {
     Uniform,
     /// g·x + net(h ‖ x), h the type's embedding; without g LGNN's V_i.
     ///
-    /// What is linear in x, as gravity is, a network alone has only over its data.
+    /// A network alone represents a uniform field, as gravity is, only within the range of its data.
     Network(u8),
 }
 
@@ -47,14 +47,14 @@ pub enum Drag {
     None,
     /// −cv, c ≥ 0.
     Viscous,
-    /// −(c + |net(v_c)|)v_c, without c LGNN's; its slope jumps where the network is 0.
+    /// −(c + |net(v_i)|)v_i for each component i; LGNN's for c = 0. Its slope jumps where the network is 0.
     Network(u8),
 }
 
-/// What an edge sees of its ends: only how far they are apart, so linear and angular momentum are conserved.
+/// What the networks of an edge see: a function of the distance of its ends alone, so linear and angular momentum are conserved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Separation {
-    /// r = |x_a − x_b|, m (LGNN); not differentiable where the two meet.
+    /// r = |x_a − x_b|, m (LGNN); not differentiable at 0.
     Distance,
     /// r², m²: smooth everywhere, and without a square root.
     Squared,
@@ -82,15 +82,15 @@ pub struct NodeShape {
     pub drag: Drag,
 }
 
-/// The shape of an edge type: U = c₁z + c₂z² + net(z) of what it sees, z. Of the distance, c₁ and c₂ alone are a linear spring,
-/// ½k(r − ℓ)² but for a constant; what is so simple a network alone has only over its data.
+/// The shape of an edge type: U = c₁z + c₂z² + net(z), z what its [`Separation`] gives. With z = r, c₁ and c₂ alone are a
+/// linear spring, ½k(r − ℓ)² up to a constant, which a network alone represents only within the range of its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EdgeShape {
-    /// What its networks see.
+    /// z.
     pub separation: Separation,
-    /// The network of the pair potential, once an edge.
+    /// The network of the pair potential; counted once for every edge.
     pub potential: Option<u8>,
-    /// The network f_b of its embedding; all edge types of a model with messages have one, and none without.
+    /// The network f_b of its embedding: present in all edge types of a model with messages, and in none of a model without.
     pub embedding: Option<u8>,
 }
 
@@ -111,8 +111,8 @@ pub struct MessageShape {
 }
 
 /// The shape of a graph model. Its weight block: the networks in order, then of each node type its numbers: mass (kg), viscous
-/// drag c (N s/m), field (N, as many as dimensions), kinetic embedding, embedding; then of each edge type c₁ and c₂. What a type does
-/// not use has no meaning.
+/// drag c (N s/m), field (N, as many as dimensions), kinetic embedding, embedding; then of each edge type c₁ and c₂. Numbers
+/// that a type does not use have no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphShape {
     /// Dimensions of space, 2 or 3.
@@ -132,7 +132,7 @@ pub struct GraphShape {
 }
 
 impl GraphShape {
-    /// Of these networks and types, without embeddings and messages; `None` for more than the lists hold.
+    /// The shape with these networks and types, without embeddings and messages; `None` for more than the lists hold.
     pub fn new(
         dimension: u8,
         networks: &[NetworkShape],
@@ -150,7 +150,7 @@ impl GraphShape {
         })
     }
 
-    /// Numbers of a node type beside its networks.
+    /// Numbers of a node type apart from its networks.
     #[inline(always)]
     pub fn numbers(&self) -> usize {
         let field_and_embeddings = [self.dimension, self.kinetic_embedding, self.embedding].map(usize::from);
@@ -186,7 +186,7 @@ impl GraphShape {
         Ok(())
     }
 
-    /// Numbers of an edge's embedding: what the networks of all edge types give, 0 without messages.
+    /// Length of an edge's embedding, the same for all edge types; 0 without messages.
     pub(super) fn edge_embedding(&self) -> usize {
         let network = self.edges.iter().next().and_then(|edge| self.networks.get(edge.embedding?));
         network.map_or(0, |network| network.outputs.into())

@@ -1,4 +1,4 @@
-//! What is learned: node types and edge types over borrowed weights, and their energies at one node or edge.
+//! Node types and edge types over borrowed weights, and their energies at one node or edge.
 
 use super::GraphError;
 use super::messages::collected;
@@ -22,7 +22,7 @@ pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
 pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     shape: GraphShape,
     networks: List<PlacedNetwork<'a, W, H, L>, K>,
-    /// Those of all node types and of all edge types, from `start` of the weight block on.
+    /// The numbers of all node types and then of all edge types, which begin at `start` of the weight block.
     numbers: &'a [W],
     start: usize,
 }

@@ -11,14 +11,14 @@ use crate::scalar::{Packed, Stored};
 pub struct Member<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     /// The graph, with nodes of its own.
     pub graph: Graph<'a, W, D, K, H, L>,
-    /// Which node of the union each of its nodes is, upwards.
+    /// For each of its nodes, the number of that node in the union, in ascending order.
     pub nodes: &'a [u16],
 }
 
-/// Graphs of different models on one set of nodes (LGNN's hybrid systems): their potentials and drags add; a node has the
-/// kinetic energy that the first member gives it, which would count more than once else.
+/// Graphs of different models on one set of nodes (LGNN's hybrid systems). Their potentials and drags add up; the kinetic energy
+/// of a node counts once, as the first member that has the node gives it.
 ///
-/// Models that are joined must have been trained on one scale of energy: accelerations do not tell it.
+/// Models that are joined must have been trained with one scale of energy, which accelerations alone do not determine.
 #[derive(Clone, Copy, Debug)]
 pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     members: &'a [Member<'a, W, D, K, H, L>],
@@ -26,10 +26,10 @@ pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L:
 }
 
 impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'a, W, D, K, H, L> {
-    /// Members on `nodes` nodes in all.
+    /// A union of `nodes` nodes.
     ///
     /// # Errors
-    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] where a member does not name its nodes upwards,
+    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] where a member does not name its nodes in ascending order,
     /// [`GraphError::Ownerless`] for a node that no member has, [`GraphError::Empty`].
     pub fn new(members: &'a [Member<'a, W, D, K, H, L>], nodes: usize) -> Result<Self, GraphError> {
         let union = Self { members, nodes };
@@ -74,7 +74,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         self.graph.nodes.get(own).copied()
     }
 
-    /// Copies what the union's nodes have to the front of `own`, and returns that part.
+    /// Copies the vectors of the member's nodes to the front of `own`, and returns that part.
     fn gather<'o, R: Packed>(&self, x: &[[R; D]], own: &'o mut [[R; D]]) -> &'o mut [[R; D]] {
         for (slot, node) in own.iter_mut().zip(self.nodes) {
             *slot = expected(x.get(usize::from(*node)).copied(), [R::zero(); D]);
@@ -163,7 +163,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 }
 
-/// Workspace for so many vectors, and the rest; none where the workspace is too small.
+/// Workspace for this number of vectors, and the rest.
 fn split<R: Packed, const D: usize>(workspace: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
     let (own, rest) = expected(workspace.split_at_mut_checked(vectors * D), (&mut [], &mut []));
     (own.as_chunks_mut().0, rest)

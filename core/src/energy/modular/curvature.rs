@@ -13,7 +13,7 @@ pub(super) type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
     Modular<'a, W, N, E, H, L>
 {
-    /// Jᵀ V_xx J of what coordinate k alone adds.
+    /// JᵀV_xxJ times the displacement that coordinate k alone adds.
     pub(super) fn pulled<S: Scalar>(
         &self,
         c: &Configuration<S, N>,

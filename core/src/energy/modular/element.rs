@@ -1,4 +1,4 @@
-//! What an element is, apart from its place in a tree: how its coordinates move it, what it weighs, and its potential.
+//! Element types: how the coordinates of an element move it, its mass and other parameters, and its potential.
 
 use super::tree::{SPACE, Vector};
 use crate::energy::placed_network::PlacedNetwork;
@@ -19,7 +19,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// ElementParameters that it gives the network.
+    /// Number of features that it gives the network.
     pub const fn features(self) -> usize {
         match self {
             Self::Translation | Self::WrappedAngle => 1,
@@ -126,11 +126,11 @@ pub struct ElementParameters<W> {
     pub inertia: W,
     /// Where the centre lies between what the element hangs from (0) and what it carries (1): 1 for a point at the end.
     pub centre: W,
-    /// ℓ of a [`Transform::Rod`], m; without meaning for others.
+    /// ℓ of a [`Transform::Rod`], m; not used by others.
     pub length: W,
 }
 
-/// ElementParameters in [`ElementParameters`].
+/// Number of [`ElementParameters`].
 pub const ELEMENT_PARAMETERS: usize = 4;
 
 impl<W: Stored> ElementParameters<W> {

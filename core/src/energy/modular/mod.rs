@@ -52,12 +52,12 @@ pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const 
     pub tree: Tree<N>,
 }
 
-/// What each coordinate and each element is at a state.
+/// The motion of every coordinate, and the parameters of every element, at a configuration q.
 struct Configuration<S, const N: usize> {
     motion: [Motion<S>; N],
     mass: [S; N],
     centre: [S; N],
-    /// Of the element that a coordinate belongs to.
+    /// The moment of inertia of the element that a coordinate belongs to.
     inertia: [S; N],
 }
 
@@ -101,14 +101,14 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
         c
     }
 
-    /// JᵀmJ of what each coordinate adds.
+    /// JᵀmJ times the displacements that the coordinates add.
     fn inertial<S: Scalar>(&self, c: &Configuration<S, N>, moved: &[Vector<S>; N]) -> [Vector<S>; N] {
         let centres = self.tree.centres(&c.centre, moved);
         let momenta = core::array::from_fn(|e| scale(c.mass[e], &centres[e]));
         self.tree.joints(&c.centre, &momenta)
     }
 
-    /// JᵀmJ of what coordinate k alone adds.
+    /// JᵀmJ times the displacement that coordinate k alone adds.
     fn inertial_of<S: Scalar>(&self, c: &Configuration<S, N>, k: usize, moved: Vector<S>) -> [Vector<S>; N] {
         let mut alone = [[S::zero(); SPACE]; N];
         if let Some(slot) = alone.get_mut(k) {
@@ -155,14 +155,13 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
         }
     }
 
-    /// V with its tangents, and V_x with its tangents, at centres that move; `weighed` gets the sums that c₁, c₂ and the
-    /// masses multiply.
+    /// V_x with its tangents at centres that move; `term` gets every U₁ and U₂, not yet multiplied by c₁, c₂ and masses.
     fn potential<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         mass: &[S; N],
         x: &[Moving<S, T>; N],
         visit: &mut impl Visit<W, S, T>,
-        mut weighed: impl FnMut(PotentialTerm<S, T>),
+        mut term: impl FnMut(PotentialTerm<S, T>),
     ) -> [Moving<S, T>; N] {
         let mut gradient = [[Jet::zero(); SPACE]; N];
         self.for_elements(|e, kind| {
@@ -170,7 +169,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
             let Some(potential) = &kind.potential else { return };
             let [c1, _] = self.c::<S>();
             let (u, x_bar) = potential.differentiate::<S, T, SPACE>(x, c1 * *m, visit);
-            weighed(PotentialTerm::Element(e, u));
+            term(PotentialTerm::Element(e, u));
             accumulate(sum, &x_bar);
         });
         self.for_pairs(|a, b, pair| {
@@ -178,7 +177,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
             let (Some(ma), Some(mb)) = (mass.get(a), mass.get(b)) else { return };
             let [_, c2] = self.c::<S>();
             let (u, [on_a, on_b]) = pair.differentiate::<S, T>([xa, xb], c2 * *ma * *mb, visit);
-            weighed(PotentialTerm::Pair(a, b, u));
+            term(PotentialTerm::Pair(a, b, u));
             for (e, force) in [(a, &on_a), (b, &on_b)] {
                 if let Some(sum) = gradient.get_mut(e) {
                     accumulate(sum, force);
@@ -214,7 +213,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
     }
 }
 
-/// A term of the potential without what it is multiplied by.
+/// A term of the potential without its factors.
 enum PotentialTerm<S, const T: usize> {
     /// U₁ of element e, multiplied by c₁m_e.
     Element(usize, Jet<S, T>),
@@ -277,12 +276,12 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const E: usize, con
         let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
         let turning = self.inertial(&c, &core::array::from_fn(|j| scale(v[j] * v[j], &c.motion[j].g_q)));
         let force = self.tree.joints(&c.centre, &self.potential_gradient(&c));
-        let bent: [S; N] = core::array::from_fn(|j| v[j] * dot(&c.motion[j].g_q, &momentum[j]));
+        let kinetic_q: [S; N] = core::array::from_fn(|j| v[j] * dot(&c.motion[j].g_q, &momentum[j]));
         Dynamics {
             mass: self.mass_matrix(&c),
-            l_q: core::array::from_fn(|j| bent[j] - dot(&c.motion[j].s_q, &force[j])),
+            l_q: core::array::from_fn(|j| kinetic_q[j] - dot(&c.motion[j].s_q, &force[j])),
             l_v: core::array::from_fn(|j| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j]),
-            l_vq_v: core::array::from_fn(|j| bent[j] + dot(&c.motion[j].g, &turning[j])),
+            l_vq_v: core::array::from_fn(|j| kinetic_q[j] + dot(&c.motion[j].g, &turning[j])),
         }
     }
 

@@ -10,7 +10,7 @@ use crate::expected::expected;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
-/// Σ α·(JᵀmJ)β, one term of a derivative of the kinetic energy: what two displacements of the coordinates give together.
+/// Two displacements of the coordinates in Σ α·(JᵀmJ)β, one term of a derivative of the kinetic energy.
 struct Bilinear<'m, S, const N: usize> {
     alpha: &'m [Vector<S>; N],
     beta: &'m [Vector<S>; N],
@@ -160,11 +160,11 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
     }
 }
 
-/// The rate of V, divided by each of the numbers that multiply it.
+/// Derivatives of the rate of V in the numbers that multiply its terms.
 struct Rates<S, const N: usize> {
-    /// By c₁.
+    /// In c₁.
     elements: S,
-    /// By c₂.
+    /// In c₂.
     pairs: S,
     /// In each mass.
     masses: [S; N],

@@ -74,7 +74,7 @@ pub struct ModularShape {
 }
 
 impl ModularShape {
-    /// Of these networks, types and pair potential; `None` for more than the lists hold.
+    /// The shape with these networks, types and pair potential; `None` for more than the lists hold.
     pub fn new(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Option<Self> {
         Some(Self { networks: List::new(networks)?, types: List::new(types)?, pair })
     }

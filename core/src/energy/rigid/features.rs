@@ -3,7 +3,7 @@ use crate::network::Jet;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
-/// What a coordinate is, and so how the network sees it.
+/// The kind of a coordinate, which decides the features that the network sees.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Coordinate {
@@ -15,7 +15,7 @@ pub enum Coordinate {
     Cyclic,
 }
 
-/// Features that coordinates of these kinds give.
+/// Number of features of coordinates of these kinds.
 pub fn count(coordinates: &[Coordinate]) -> usize {
     coordinates
         .iter()
@@ -27,7 +27,7 @@ pub fn count(coordinates: &[Coordinate]) -> usize {
         .sum()
 }
 
-/// One feature s(q_i) with s′ and s″, and which coordinate it is of.
+/// One feature s(q_i) with s′ and s″, and the number i of its coordinate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Feature<S> {
     pub coordinate: usize,

@@ -157,9 +157,9 @@ impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W,
         let plain = first(plain.as_flattened().as_flattened(), self.inertia.outputs(N));
         let mut feature_bar = [[Jet::zero(); N]; 2];
         let slots = first_mut(feature_bar.as_flattened_mut(), features.count());
-        let bent = self.network.network.second_order(tape, plain, slots);
+        let l_qq = self.network.network.second_order(tape, plain, slots);
         let feature_bar = feature_bar.map(|row| row.map(|x| Jet::constant(x.value)));
-        (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), bent)
+        (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), l_qq)
     }
 }
 
@@ -180,7 +180,7 @@ impl<W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, 
     }
 }
 
-/// What one pass through the network gives.
+/// The results of one pass through the network.
 struct Evaluation<S, const T: usize, const N: usize> {
     features: Features<S, N>,
     /// The network's outputs o.
@@ -189,7 +189,7 @@ struct Evaluation<S, const T: usize, const N: usize> {
     outputs: Outputs<S, T, N>,
 }
 
-/// v with all tangents zero.
+/// v at rest along all directions: all tangents are zero.
 #[inline(always)]
 fn held<S: Scalar, const T: usize, const N: usize>(v: &[S; N]) -> Jets<S, T, N> {
     v.map(Jet::constant)
@@ -220,7 +220,7 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
         Gradient { l_q: l_q.map(|l| l.value), l_v: outputs.momentum(&v).map(|p| p.value) }
     }
 
-    /// By whichever takes fewer passes through the network for N; no dense ∂H/∂q is ever formed.
+    /// Takes the way that needs fewer passes through the network for N; no dense ∂H/∂q is formed.
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         if N <= 2 { self.linearization(q, v).dynamics(v) } else { self.dynamics_by_adjoint(q, v) }
     }
@@ -250,28 +250,28 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
             .evaluate(q, &unit_vectors(), |x, y| self.network.network.forward_second_order(x, &mut tape, y));
         let v = held(v);
         let bar = outputs.lagrangian_bar(&v);
-        let (l_q, bent) = self.adjoint_second_order(&features, &tape, &bar);
+        let (l_q, of_network) = self.adjoint_second_order(&features, &tape, &bar);
         let p = outputs.momentum(&v);
         Hessian {
             l_q: l_q.map(|l| l.value),
             l_v: p.map(|p| p.value),
-            l_qq: assembled(&l_q, &bent, &raw, &bar),
+            l_qq: assembled(&l_q, &of_network, &raw, &bar),
             l_vq: p.map(|p| p.tangent),
             l_vv: outputs.mass_matrix(),
         }
     }
 }
 
-/// L_qq, the sum of three parts: the features' (tangents of `l_q`), the network's (`bent`), and Σ_o ∂o/∂q_i ∂ō/∂q_j.
+/// L_qq, the sum of three parts: the features' (tangents of `l_q`), the network's (`of_network`), and Σ_o ∂o/∂q_i ∂ō/∂q_j.
 #[inline]
 fn assembled<S: Scalar, const N: usize>(
     l_q: &Jets<S, N, N>,
-    bent: &[[S; N]; N],
+    of_network: &[[S; N]; N],
     raw: &OutputBar<S, N, N>,
     bar: &OutputBar<S, N, N>,
 ) -> [[S; N]; N] {
     let mut sum: [[S; N]; N] =
-        core::array::from_fn(|i| core::array::from_fn(|j| l_q[i].tangent[j] + bent[i][j]));
+        core::array::from_fn(|i| core::array::from_fn(|j| l_q[i].tangent[j] + of_network[i][j]));
     let pairs = raw.as_flattened().as_flattened().iter().zip(bar.as_flattened().as_flattened());
     for (o, bar) in pairs {
         for (row, o) in sum.iter_mut().zip(&o.tangent) {
