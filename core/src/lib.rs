@@ -40,3 +40,5 @@ pub mod model;
 pub mod network;
 pub mod particles;
 pub mod scalar;
+#[cfg(feature = "nalgebra")]
+pub mod static_vectors;
