@@ -42,3 +42,5 @@ pub mod network;
 mod newton;
 pub mod particles;
 pub mod scalar;
+#[cfg(feature = "nalgebra")]
+pub mod static_vectors;

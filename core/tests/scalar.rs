@@ -122,7 +122,7 @@ fn tanh_at_the_ends() {
 }
 
 #[test]
-fn elementary_functions_of_numbers_that_are_none() {
+fn elementary_functions_outside_their_domains() {
     assert!(
         Scalar::sqrt(-1.0_f32).is_nan() && Scalar::exp(f32::NAN).is_nan() && Scalar::ln_1p(-2.0_f64).is_nan()
     );
@@ -145,7 +145,7 @@ fn square_roots_of_lanes_have_the_bits_of_one_after_another() {
 }
 
 #[test]
-fn norms_say_where_a_number_is_none() {
+fn norms_are_nan_where_a_number_is_not_finite() {
     assert_eq!(max_abs(&[1.0_f32, -3.0, 2.0]), 3.0);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for i in 0..3 {

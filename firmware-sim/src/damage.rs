@@ -1,22 +1,22 @@
-//! What becomes of damaged model files: every bit changed, every truncation, reason by reason, on any target.
+//! How loaders answer damaged model files, on any target: every changed bit and every truncation, counted by reason.
 
 use leastaction_core::model::{CATALOGUE, Entry, ModelError, checksum};
 
 /// How often a loader refused, and how often it did not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refusals {
-    /// Files taken for whole.
+    /// Damaged files that were accepted.
     pub accepted: u32,
     /// Refusals by the place of their reason in [`CATALOGUE`].
     by_reason: [u32; CATALOGUE.len()],
 }
 
-/// What is done to a file.
+/// A kind of damage to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// One bit is changed, every one in turn.
+    /// Every bit is changed, one at a time.
     Bit,
-    /// The same but in the checksum, which is made to fit: what the other checks are worth alone.
+    /// Every bit before the checksum is changed, and the checksum corrected: the other checks have to find it alone.
     BitUnderChecksum,
     /// The end is missing, from one byte to all.
     Truncation,
@@ -26,7 +26,7 @@ impl Damage {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Bit, Self::BitUnderChecksum, Self::Truncation];
 
-    /// In a word.
+    /// Its name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bit => "bit",
@@ -35,7 +35,7 @@ impl Damage {
         }
     }
 
-    /// What a loader makes of a file with every such damage; the file is whole again at the end.
+    /// Counts the answers of a loader to a file with every such damage in turn; the file is whole again at the end.
     pub fn refusals(
         self,
         file: &mut [u8],
@@ -66,7 +66,7 @@ impl Refusals {
                 reasons.find(|(entry, _)| entry.code == code).map(|(_, counter)| counter)
             }
         };
-        debug_assert!(counter.is_some(), "a reason that the catalogue lacks");
+        debug_assert!(counter.is_some(), "every reason is in the catalogue");
         if let Some(counter) = counter {
             *counter += 1;
         }
@@ -95,11 +95,11 @@ fn every_bit_under_checksum(file: &mut [u8], mut visit: impl FnMut(&[u8])) {
     let Some((body, _)) = file.split_last_chunk::<4>() else { return };
     for bit in 0..8 * body.len() {
         flip(file, bit);
-        mend(file);
+        correct_checksum(file);
         visit(file);
         flip(file, bit);
     }
-    mend(file);
+    correct_checksum(file);
 }
 
 fn flip(file: &mut [u8], bit: usize) {
@@ -108,7 +108,7 @@ fn flip(file: &mut [u8], bit: usize) {
     }
 }
 
-fn mend(file: &mut [u8]) {
+fn correct_checksum(file: &mut [u8]) {
     if let Some((body, sum)) = file.split_last_chunk_mut() {
         *sum = checksum(body).to_le_bytes();
     }

@@ -16,6 +16,7 @@ pub use leastaction_core::discrete::Order;
 
 use crate::Mechanism;
 use crate::angle::wrap;
+use crate::devices::MAX_DELAY;
 use crate::error::{Range, SetupError, require};
 use crate::wire::{NewtonWire, OrderWire};
 use leastaction_core::continuous::ContinuousState;
@@ -36,7 +37,7 @@ pub struct ObserverConfig {
     pub newton: Newton<f32>,
     /// Most samples in memory, at least 1: more smooth the noise more and follow a wrong model longer.
     pub memory: u8,
-    /// Ticks from a command to its effect, as far as the firmware knows.
+    /// Ticks from a command to its effect, as far as the firmware knows; at most [`MAX_DELAY`].
     pub delay: u8,
     /// Samples of one encoder missing in a row, or ticks slept through, after which the estimate is not trusted any more.
     pub patience: u8,
@@ -52,18 +53,14 @@ pub enum OtherStep {
     Accepted,
 }
 
+/// Newton's default bounds in f32, [`Newton::default`]; the largest accepted residual is √ε = 2^−11.5.
+const NEWTON: Newton<f32> =
+    Newton { max_iterations: 8, max_jacobians: 8, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
+
 impl Default for ObserverConfig {
-    /// Order 2, of no other step than the model's, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience
-    /// of 25 samples.
+    /// [`ObserverConfig::new`].
     fn default() -> Self {
-        Self {
-            order: Order::Two,
-            other_step: OtherStep::Refused,
-            newton: Newton::default(),
-            memory: 5,
-            delay: 1,
-            patience: 25,
-        }
+        Self::new()
     }
 }
 
@@ -71,6 +68,19 @@ impl Default for ObserverConfig {
 const SAME_STEP: f32 = 1e-6;
 
 impl ObserverConfig {
+    /// Order 2, of no other step than the model's, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience
+    /// of 25 samples.
+    pub const fn new() -> Self {
+        Self {
+            order: Order::Two,
+            other_step: OtherStep::Refused,
+            newton: NEWTON,
+            memory: 5,
+            delay: 1,
+            patience: 25,
+        }
+    }
+
     /// Whether steps of this order and of `tick` seconds are those that a model was trained for; every step is where a model
     /// names none.
     ///
@@ -100,7 +110,8 @@ impl ObserverConfig {
     }
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
-        require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")
+        require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")?;
+        require("observer delay", f32::from(self.delay), self.delay <= MAX_DELAY, "at most 8 ticks")
     }
 }
 
@@ -136,6 +147,7 @@ pub struct Observer<'a, M, const N: usize> {
 impl<'a, M: Mechanism<N>, const N: usize> Observer<'a, M, N> {
     /// An observer that steps `model` by ticks of h seconds; `angle` says which encoders forget whole turns.
     pub fn new(model: &'a M, h: f32, angle: [bool; N], config: &ObserverConfig) -> Self {
+        debug_assert!(config.memory >= 1, "a memory of at least 1 sample");
         Self {
             model,
             integrator: Integrator::new(config.order, h, config.newton),
@@ -224,10 +236,12 @@ impl<'a, M: Mechanism<N>, const N: usize> Observer<'a, M, N> {
         for (first, sample) in self.first.iter_mut().zip(measured) {
             *first = sample.or(*first);
         }
-        if self.first.iter().all(Option::is_some) {
-            let q = self.first.map(Option::unwrap_or_default);
-            self.state = Some(self.model.state(q, [0.0; N])?);
+        let mut q = [0.0; N];
+        for (q, first) in q.iter_mut().zip(self.first) {
+            let Some(first) = first else { return Ok(()) };
+            *q = first;
         }
+        self.state = Some(self.model.state(q, [0.0; N])?);
         Ok(())
     }
 

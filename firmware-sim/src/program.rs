@@ -1,6 +1,6 @@
 use crate::control::{
-    CartPump, Catch, Controller, Gains, JointPump, Law, PumpConfig, Reference, Regulator, SwingUp, Tolerance,
-    Track,
+    CartPump, Catch, Controller, Gains, JointPump, PumpConfig, Reference, Regulator, SwingUp, TaskController,
+    Tolerance, Track,
 };
 use crate::devices::ActuatorConfig;
 use crate::error::{SetupError, require};
@@ -88,18 +88,18 @@ impl<const N: usize> Program<N> {
     }
 
     /// The controller over a model, with a pump made by `pump`; D is 2N.
-    fn law<M: Mechanism<N>, P, const D: usize>(
+    fn controller<M: Mechanism<N>, P, const D: usize>(
         &self,
         model: &M,
         pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
-    ) -> Result<Law<P, N>, SetupError> {
+    ) -> Result<TaskController<P, N>, SetupError> {
         self.check(model)?;
         match self.task {
-            Task::Track { reference, gains } => Ok(Law::Track(self.track(reference, gains))),
+            Task::Track { reference, gains } => Ok(TaskController::Track(self.track(reference, gains))),
             Task::SwingUp { pump: config, tolerance, catch } => {
                 let pump = pump(model, 0.0, config)?;
                 let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, self.tick)?;
-                Ok(Law::SwingUp(self.swing_up(pump, regulator, catch)))
+                Ok(TaskController::SwingUp(self.swing_up(pump, regulator, catch)))
             }
         }
     }
@@ -110,13 +110,14 @@ impl<const N: usize> Program<N> {
     }
 
     fn swing_up<P>(&self, pump: P, regulator: Regulator<N>, catch: Catch) -> SwingUp<P, N> {
+        const { assert!(N > 0, "the first coordinate is actuated, the last swings") };
         SwingUp {
             pump,
             regulator,
             catch,
             swinging: N - 1,
             angle: self.angle,
-            limit: self.actuator.limit.first().copied().unwrap_or(0.0),
+            limit: self.actuator.limit[0],
             holding: false,
         }
     }
@@ -131,8 +132,8 @@ impl Program<1> {
     pub fn start<'m, M: Mechanism<1>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, Law<JointPump, 1>, 1>, SetupError> {
-        Ok(self.firmware(model, self.law::<M, _, 2>(model, JointPump::new)?))
+    ) -> Result<Firmware<'m, M, TaskController<JointPump, 1>, 1>, SetupError> {
+        Ok(self.firmware(model, self.controller::<M, _, 2>(model, JointPump::new)?))
     }
 }
 
@@ -145,7 +146,7 @@ impl Program<2> {
     pub fn start<'m, M: Mechanism<2>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, Law<CartPump, 2>, 2>, SetupError> {
-        Ok(self.firmware(model, self.law::<M, _, 4>(model, CartPump::new)?))
+    ) -> Result<Firmware<'m, M, TaskController<CartPump, 2>, 2>, SetupError> {
+        Ok(self.firmware(model, self.controller::<M, _, 4>(model, CartPump::new)?))
     }
 }

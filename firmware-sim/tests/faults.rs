@@ -157,7 +157,7 @@ fn a_model_of_nonsense_never_acts() {
 #[test]
 fn a_configuration_out_of_range_is_named() {
     type Change = fn(&mut TrackConfig<2>);
-    let changes: [(&str, Change); 9] = [
+    let changes: [(&str, Change); 10] = [
         ("tick", |c| c.setup.tick = 0.0),
         ("length of the run", |c| c.setup.seconds = f32::INFINITY),
         ("plant substeps", |c| c.setup.substeps = 0),
@@ -166,6 +166,7 @@ fn a_configuration_out_of_range_is_named() {
         ("actuator limit", |c| c.setup.devices.actuator.limit[0] = -1.0),
         ("actuator delay", |c| c.setup.devices.actuator.delay = 9),
         ("observer memory", |c| c.setup.observer.memory = 0),
+        ("observer delay", |c| c.setup.observer.delay = 9),
         ("reference frequency", |c| c.reference.frequency[0] = 0.0),
     ];
     let system = System::conservative(CARTPOLE);

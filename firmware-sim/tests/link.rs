@@ -3,7 +3,7 @@
 use leastaction_core::model::{CATALOGUE, Entry, ModelError};
 use leastaction_firmware_sim::link::{
     Answer, Broken, Done, Frame, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver, Refusal,
-    Request, Samples, VERSION, answer, answered, request, requested, serve,
+    Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
 };
 use leastaction_firmware_sim::observer::{Order, OtherStep};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
@@ -63,10 +63,10 @@ fn requests_and_answers_come_back_as_they_went() {
     let track = Request::Begin(TrackConfig::<2>::acrobot().program());
     for sent in [Request::Begin(program()), track, tick(), Request::End] {
         let received = frames(&bytes(&request(&sent).unwrap()));
-        assert_eq!(requested::<2>(received[0].as_ref().unwrap()), Ok(sent));
+        assert_eq!(parse_request::<2>(received[0].as_ref().unwrap()), Ok(sent));
     }
     let one = Request::Begin(TrackConfig::<1>::pendulum().program());
-    assert_eq!(requested::<1>(&request(&one).unwrap()), Ok(one));
+    assert_eq!(parse_request::<1>(&request(&one).unwrap()), Ok(one));
 
     let mut outcome = Outcome::<2>::waiting();
     (outcome.estimate.q, outcome.estimate.v) = ([f32::MIN_POSITIVE, -0.0], [1.0 / 3.0, f32::MAX]);
@@ -75,7 +75,7 @@ fn requests_and_answers_come_back_as_they_went() {
     let refused = Refusal::Model(ModelRefusal { code: 35, numbers: [2, 1, u32::MAX] });
     for sent in [Answer::Ready { processor: "cortex-m4f" }, done, Answer::Refused(refused)] {
         let received = frames(&bytes(&answer(&sent).unwrap()));
-        assert_eq!(answered(received[0].as_ref().unwrap()), Ok(sent));
+        assert_eq!(parse_answer(received[0].as_ref().unwrap()), Ok(sent));
     }
 }
 
@@ -107,15 +107,17 @@ fn every_truncation_is_refused_and_the_next_frame_is_read() {
         // Its end is lost, with and without the 0 that ends it.
         let cut: Vec<u8> = long[..length].iter().chain(&[0]).chain(&next).copied().collect();
         let received = frames(&cut);
-        let first = received[0].as_ref().map_err(|_| Refusal::Frame).and_then(requested::<2>);
+        let first = received[0].as_ref().map_err(|_| Refusal::Frame).and_then(parse_request::<2>);
         if length < long.len() - 1 {
             assert_eq!((first, received.len()), (Err(Refusal::Frame), 2), "{length}");
         }
-        assert_eq!(requested::<2>(received[1].as_ref().unwrap()), Ok(tick()), "{length}");
+        assert_eq!(parse_request::<2>(received[1].as_ref().unwrap()), Ok(tick()), "{length}");
         // Its beginning is lost.
         let received = frames(&long[length..]);
         assert!(
-            received.iter().all(|frame| frame.as_ref().map_or(true, |frame| requested::<2>(frame).is_err()))
+            received
+                .iter()
+                .all(|frame| frame.as_ref().map_or(true, |frame| parse_request::<2>(frame).is_err()))
         );
     }
     assert!(frames(&[0, 0, 0]).is_empty(), "zeros between frames are nothing");
@@ -131,7 +133,7 @@ fn every_changed_bit_is_refused() {
             damaged.push(0);
             let received = frames(&damaged);
             let good = |frame: &Result<Frame, Broken>| {
-                frame.as_ref().is_ok_and(|frame| requested::<2>(frame).is_ok())
+                frame.as_ref().is_ok_and(|frame| parse_request::<2>(frame).is_ok())
             };
             assert!(!received.is_empty() && !received.iter().any(good), "bit {bit}");
         }
@@ -142,7 +144,7 @@ proptest! {
     #[test]
     fn any_bytes_are_read_without_harm(noise: Vec<u8>) {
         for frame in frames(&noise).into_iter().flatten() {
-            prop_assert!(requested::<1>(&frame).is_err() && requested::<2>(&frame).is_err());
+            prop_assert!(parse_request::<1>(&frame).is_err() && parse_request::<2>(&frame).is_err());
         }
     }
 }
@@ -178,7 +180,7 @@ fn answers(model: Option<&[u8]>, heard: Vec<u8>) -> (Vec<Frame>, Result<(), Sile
 }
 
 fn refusal(model: Option<&[u8]>, sent: &Frame) -> Refusal {
-    match answered::<2>(&answers(model, bytes(sent)).0[0]) {
+    match parse_answer::<2>(&answers(model, bytes(sent)).0[0]) {
         Ok(Answer::Refused(refusal)) => refusal,
         other => panic!("{other:?}"),
     }
@@ -196,12 +198,12 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
     heard.push(99);
     let (said, end) = answers(Some(&CARTPOLE_FILE.0), heard);
     assert_eq!(end, Ok(()), "what comes after the end is not read");
-    assert_eq!(answered::<2>(&said[0]), Ok(Answer::Ready { processor: "tester" }));
+    assert_eq!(parse_answer::<2>(&said[0]), Ok(Answer::Ready { processor: "tester" }));
     assert_eq!(said.len(), 41);
     for (i, frame) in (0..).zip(&said[1..]) {
         let Samples { time, elapsed, measured, .. } = tick(i);
         let outcome = firmware.run(time, elapsed, &measured);
-        assert_eq!(answered(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
+        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
 }
 
@@ -212,7 +214,7 @@ fn a_program_can_be_begun_again_and_a_damaged_frame_is_refused() {
     damaged[7] ^= 1;
     let (said, end) = answers(Some(&CARTPOLE_FILE.0), [&begin[..], &damaged, &begin].concat());
     assert_eq!(end, Err(Silence));
-    let said: Vec<_> = said.iter().map(|frame| answered::<2>(frame).unwrap()).collect();
+    let said: Vec<_> = said.iter().map(|frame| parse_answer::<2>(frame).unwrap()).collect();
     let ready = Answer::Ready { processor: "tester" };
     assert_eq!(said, [ready, Answer::Refused(Refusal::Frame), ready]);
 }
@@ -234,6 +236,12 @@ fn what_cannot_be_run_is_refused_with_its_reason() {
     wrong.tick = f32::NAN;
     let wrong = request(&Request::Begin(wrong)).unwrap();
     assert_eq!(refusal(Some(file), &wrong), Refusal::Program(ProgramFault::OutOfRange));
+
+    // The file names a step of 0.05 s and order 4.
+    let mut other = program();
+    other.observer.other_step = OtherStep::Refused;
+    let other = request(&Request::Begin(other)).unwrap();
+    assert_eq!(refusal(Some(file), &other), Refusal::Program(ProgramFault::OutOfRange));
 
     let three = Frame::of(&(VERSION, 3_u8, Request::<2>::End)).unwrap();
     assert_eq!(refusal(Some(file), &three), Refusal::Coordinates { supported: MAX_COORDINATES });

@@ -1,16 +1,20 @@
 //! What a model does not suit is refused before anything moves, with the reason.
 
-use leastaction_core::discrete::Order;
+use leastaction_core::discrete::{Newton, Order};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{ControlKind, Forces, System, Viscous};
 use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::TrainedStep;
-use leastaction_firmware_sim::observer::OtherStep;
+use leastaction_firmware_sim::control::{CartPump, Regulator, TaskController, Tolerance};
+use leastaction_firmware_sim::link::{Answer, Broken, Frame, Receiver, Refusal, Request};
+use leastaction_firmware_sim::observer::{Observer, ObserverConfig, OtherStep};
 use leastaction_firmware_sim::scenario::{
-    Predict, SwingUpConfig, TrackConfig, predict, swing_up_cartpole, swing_up_pendulum, track,
+    Predict, RunError, SwingUpConfig, TrackConfig, predict, swing_up_cartpole, swing_up_pendulum, track,
 };
-use leastaction_firmware_sim::{Mode, SetupError, Summary, Tick, Trained, require_quadratic};
+use leastaction_firmware_sim::{
+    Firmware, Mode, Outcome, Program, SetupError, Summary, Tick, Trained, require_quadratic,
+};
 
 /// A pendulum whose kinetic energy grows faster than v²: T = v²/6 + cv⁴/4, as one that a network learned might.
 struct Quartic {
@@ -141,4 +145,40 @@ fn where_a_controller_fails_the_firmware_is_safe_and_counts_it() {
     assert_eq!(safe.len() as u32, following.incidents.safe + swinging.incidents.safe);
     assert!(safe.iter().all(|tick| tick.commanded == [0.0; 2]));
     assert!(ticks.iter().any(|tick| tick.mode == Mode::Track));
+}
+
+#[test]
+fn a_regulator_of_no_coordinate_is_refused() {
+    let system = System::conservative(CARTPOLE);
+    let tolerance = Tolerance { q: [0.3, 0.2], v: [0.6; 2], u: 1.2 };
+    let error = Regulator::design::<_, 4>(&system, [0.0; 2], 2, &tolerance, 0.01).unwrap_err();
+    assert!(error.to_string().starts_with("actuated coordinate of the regulator is 2"), "{error}");
+}
+
+#[test]
+fn the_constant_configuration_has_newtons_default_bounds() {
+    const CONFIG: ObserverConfig = ObserverConfig::new();
+    assert_eq!((CONFIG.newton, CONFIG), (Newton::default(), ObserverConfig::default()));
+    const SWING_UP: SwingUpConfig<2> = SwingUpConfig::<2>::cartpole();
+    assert_eq!(SWING_UP.setup.observer, CONFIG);
+}
+
+/// A task may hand these to another, whatever borrows the model.
+#[test]
+fn what_moves_between_tasks_can_be_sent() {
+    fn send<T: Send>() {}
+    type Model = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
+    send::<Firmware<'static, Model, TaskController<CartPump, 2>, 2>>();
+    send::<Observer<'static, Model, 2>>();
+    send::<(Program<2>, Outcome<2>, Tick<2>, Summary<2>, SwingUpConfig<2>)>();
+    send::<(Request<2>, Answer<'static, 2>, Frame, Receiver)>();
+    send::<(SetupError, RunError<Broken>, Refusal)>();
+}
+
+#[test]
+fn errors_say_what_and_where() {
+    let error: &dyn std::error::Error = &RunError::Processor { tick: 7, error: Broken };
+    assert!(error.to_string().starts_with("tick 7 was not run: a frame is damaged"), "{error}");
+    let setup: RunError<Broken> = RunError::Setup(SetupError::NotStabilisable);
+    assert_eq!(setup.to_string(), SetupError::NotStabilisable.to_string());
 }

@@ -13,7 +13,7 @@ use leastaction_firmware_sim::damage::{Damage, Refusals};
 use leastaction_firmware_sim::trajectory::reference::{
     BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
 };
-use leastaction_firmware_sim::trajectory::{Free, Hanging, fingerprint};
+use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion, fingerprint};
 use std::fmt::{self, Write};
 
 /// Why a run has no fingerprint, which for the models of this repository it always has.
@@ -105,7 +105,7 @@ fn along<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize>(
     system: &System<L, F>,
     steps: u32,
 ) -> Result<u64, StepError<f32>> {
-    let mut motion = Free::new(system, Del::<f32, P>::with_newton(STEP, newton()))?;
+    let mut motion = SystemMotion::new(system, Del::<f32, P>::with_newton(STEP, newton()))?;
     Ok(fingerprint(&mut motion, steps)?.value())
 }
 
@@ -119,7 +119,7 @@ fn bobs(order: Order, steps: u32) -> Result<u64, Refused> {
         .map_err(Refused::Particles)?;
     let mut force = [[0.0; 2]; BOBS];
     let rattle = Rattle::with_newton(STEP, order, newton());
-    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, &mut workspace);
+    let mut motion = ParticleMotion::new(&mechanism, rattle, state, &mut force, &mut workspace);
     Ok(fingerprint(&mut motion, steps).map_err(Refused::Particles)?.value())
 }
 

@@ -25,10 +25,10 @@ mod trigonometry;
 
 pub use ::half::f16;
 #[cfg(arm_instructions)]
-use arm as this;
+use arm as chosen;
 /// The portable loops by the names of the instructions'.
 #[cfg(not(arm_instructions))]
-mod this {
+mod chosen {
     pub use crate::portable::{sin_cos, sqrt, widened};
 
     macro_rules! portable {
@@ -61,46 +61,46 @@ mod this {
 /// √x, correctly rounded; NaN for x < 0.
 #[inline(always)]
 pub fn sqrt(x: f32) -> f32 {
-    this::sqrt(x)
+    chosen::sqrt(x)
 }
 
 /// (sin x, cos x), x in radians; NaN where x is not a number in ±65,536. At most 2 ulp off for |x| ≤ 8192 except where the result
 /// itself vanishes next to a multiple of π/2, and 1.2e-7 there.
 #[inline(always)]
 pub fn sin_cos(x: f32) -> (f32, f32) {
-    this::sin_cos(x)
+    chosen::sin_cos(x)
 }
 
 /// The same number in single precision.
 #[inline(always)]
 pub fn widened(w: f16) -> f32 {
-    this::widened(w)
+    chosen::widened(w)
 }
 
 macro_rules! loops {
     ($doc:literal, $precision:ident, $weight:ty) => {
         #[doc = $doc]
         pub mod $precision {
-            use crate::this::$precision as this;
+            use crate::chosen::$precision as chosen;
 
             /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … for eight outputs l; as many inputs as both `rows` and `x` have.
             pub fn accumulate_8(rows: &[[$weight; 8]], x: &[f32], sum: &mut [f32; 8]) {
-                this::accumulate_8(rows, x, sum);
+                chosen::accumulate_8(rows, x, sum);
             }
 
             /// The same for four outputs.
             pub fn accumulate_4(rows: &[[$weight; 4]], x: &[f32], sum: &mut [f32; 4]) {
-                this::accumulate_4(rows, x, sum);
+                chosen::accumulate_4(rows, x, sum);
             }
 
             /// x̄_j ← x̄_j + Σ_l w_jl ȳ_l over eight outputs l, products added in halves: lane l to lane l + 4, and so on.
             pub fn transposed_8(rows: &[[$weight; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
-                this::transposed_8(rows, y_bar, x_bar);
+                chosen::transposed_8(rows, y_bar, x_bar);
             }
 
             /// The same over four outputs.
             pub fn transposed_4(rows: &[[$weight; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
-                this::transposed_4(rows, y_bar, x_bar);
+                chosen::transposed_4(rows, y_bar, x_bar);
             }
         }
     };

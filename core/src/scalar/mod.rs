@@ -7,8 +7,6 @@ mod compensated;
 mod float32;
 mod float64;
 mod lanes;
-#[cfg(feature = "micromath")]
-mod micro;
 mod packed;
 mod stored;
 mod tanh;
@@ -16,8 +14,6 @@ mod tanh;
 pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};
 pub use leastaction_fpu::f16;
-#[cfg(feature = "micromath")]
-pub use micro::Micro;
 pub use packed::Packed;
 pub use stored::{Shipped, Stored, Weights};
 

@@ -17,7 +17,7 @@ use leastaction_core::particles::Particles;
 use leastaction_firmware_sim::trajectory::reference::{
     BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
 };
-use leastaction_firmware_sim::trajectory::{Free, Hanging};
+use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion};
 
 /// Loads a model, and prints the stack that it takes.
 pub fn load<T>(load: impl FnOnce() -> Result<T, ModelError>) -> Result<T, &'static [u8]> {
@@ -41,7 +41,7 @@ where
         let _ = black_box(acceleration(system, q, v, u));
     });
     let del = Del::<f32, P>::with_newton(STEP, newton);
-    let mut motion = Free::new(system, del).map_err(|_| b"the start is refused".as_slice())?;
+    let mut motion = SystemMotion::new(system, del).map_err(|_| b"the start is refused".as_slice())?;
     report::motion(&mut motion, &mut Counts::default())
 }
 
@@ -86,7 +86,7 @@ pub fn hanging<S: Particles<f32, 2>, const NODES: usize>(
     let state = ParticleState::new(&mechanism, q, &v, numbers, workspace).map_err(|_| refused)?;
     let rattle = Rattle::with_newton(STEP, order, newton);
     let mut force = [[0.0; 2]; NODES];
-    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, workspace);
+    let mut motion = ParticleMotion::new(&mechanism, rattle, state, &mut force, workspace);
     report::motion(&mut motion, &mut Counts::default())
 }
 

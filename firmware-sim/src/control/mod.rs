@@ -1,17 +1,17 @@
 //! Controllers that know a mechanism only through its model.
 
-mod law;
 mod pump;
 mod regulator;
 mod riccati;
 mod swing_up;
+mod task;
 mod track;
 
-pub use law::Law;
 pub use pump::{CartPump, JointPump, Pump, PumpConfig};
 pub use regulator::{Regulator, Tolerance};
 pub use riccati::{Linear, riccati};
 pub use swing_up::{Catch, SwingUp};
+pub use task::TaskController;
 pub use track::{Gains, Reference, Setpoint, Track};
 
 use crate::tick::Mode;

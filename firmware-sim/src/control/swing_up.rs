@@ -53,7 +53,9 @@ impl<P, const N: usize> SwingUp<P, N> {
     /// Whether the regulator, which asks for so much force, should be at work.
     fn holds(&self, state: &ContinuousState<f32, N>, force: f32) -> bool {
         let deviation = difference(&state.q, &self.regulator.target, &self.angle);
-        let angle = deviation.get(self.swinging).map_or(0.0, |x| x.abs());
+        debug_assert!(self.swinging < N, "one of the coordinates swings");
+        // Of no coordinate: never near upright.
+        let angle = deviation.get(self.swinging).map_or(f32::INFINITY, |x| x.abs());
         if self.holding {
             angle < self.catch.release
         } else {

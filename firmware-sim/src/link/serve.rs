@@ -1,5 +1,5 @@
 use super::frame::{Frame, Receiver};
-use super::message::{Answer, Done, Request, Samples, answer, requested};
+use super::message::{Answer, Done, Request, Samples, answer, parse_request};
 use super::refusal::Refusal;
 use crate::control::Controller;
 use crate::error::SetupError;
@@ -41,7 +41,7 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
     let mut link = Link { port, receiver: Receiver::default(), processor };
     let mut next = link.receive()?;
     loop {
-        next = match (requested::<1>(&next), requested::<2>(&next)) {
+        next = match (parse_request::<1>(&next), parse_request::<2>(&next)) {
             (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
             (Ok(Request::Begin(program)), _) => {
                 let model = load(model, RigidModel::<1, H, D>::load);
@@ -93,8 +93,11 @@ impl<P: Port> Link<'_, P> {
     fn send<const N: usize>(&mut self, message: &Answer<'_, N>) -> Result<(), P::Error> {
         match answer(message) {
             Ok(frame) => frame.send(|byte| self.port.send(byte)),
-            // No answer is longer than a frame; if one were, the other end would hear nothing, and say so.
-            Err(_) => Ok(()),
+            // The other end would hear nothing, and say so.
+            Err(_) => {
+                debug_assert!(false, "no answer is longer than a frame");
+                Ok(())
+            }
         }
     }
 
@@ -103,7 +106,7 @@ impl<P: Port> Link<'_, P> {
         self.receive()
     }
 
-    /// Starts a program, and runs its ticks up to the first frame that is none.
+    /// Starts a program, and runs its ticks up to the first frame that is no tick.
     fn program<'m, M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
         &mut self,
         model: Result<&'m M, &Refusal>,
@@ -127,7 +130,7 @@ impl<P: Port> Link<'_, P> {
         self.send(&ready)?;
         loop {
             let frame = self.receive()?;
-            let Ok(Request::Tick(samples)) = requested::<N>(&frame) else { return Ok(frame) };
+            let Ok(Request::Tick(samples)) = parse_request::<N>(&frame) else { return Ok(frame) };
             let Samples { sequence, time, elapsed, measured } = samples;
             let (instructions, outcome) = self.port.count(|| firmware.run(time, elapsed, &measured));
             self.send(&Answer::Done(Done { sequence, outcome, instructions }))?;

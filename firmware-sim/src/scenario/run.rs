@@ -8,6 +8,7 @@ use crate::summary::{Recorder, Summary};
 use crate::tick::Tick;
 use crate::{Mechanism, Processor};
 use core::convert::Infallible;
+use core::fmt;
 
 /// The world as the firmware meets it.
 struct World<'a, P, const N: usize> {
@@ -111,6 +112,17 @@ pub enum RunError<E> {
         error: E,
     },
 }
+
+impl<E: fmt::Display> fmt::Display for RunError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Setup(error) => error.fmt(f),
+            Self::Processor { tick, error } => write!(f, "tick {tick} was not run: {error}"),
+        }
+    }
+}
+
+impl<E: core::error::Error> core::error::Error for RunError<E> {}
 
 /// Of a firmware in place, which always runs.
 impl From<RunError<Infallible>> for SetupError {

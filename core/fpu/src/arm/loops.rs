@@ -58,6 +58,7 @@ fn aligned<W: Copy, const P: usize>(rows: &[[W; P]], mut pass: impl FnMut(usize,
         let Some(row) = rows.first() else { continue };
         let mut workspace = Workspace([*row; COPIED]);
         workspace.0.iter_mut().zip(rows).for_each(|(copy, row)| *copy = *row);
+        debug_assert!(rows.len() <= COPIED, "a chunk");
         pass(first, workspace.0.get(..rows.len()).unwrap_or(&workspace.0));
     }
 }

@@ -8,6 +8,7 @@ use leastaction_chip::{image, print};
 use leastaction_core::network::{Activation, Dense, Jet};
 use leastaction_core::scalar::{Scalar, Stored, f16};
 use leastaction_fpu as fpu;
+use micromath::F32Ext;
 
 /// Units of a layer.
 const UNITS: usize = 32;
@@ -46,6 +47,23 @@ fn activation(name: &[u8], activation: Activation) {
 fn scalar(name: &[u8], mut f: impl FnMut(f32) -> f32) {
     let x = black_box(0.7_f32);
     print::number(name, mean(CALLS, || _ = black_box(f(black_box(x)))));
+}
+
+/// Prints the instructions of our elementary functions, and of micromath's.
+fn elementary() {
+    let both = |(sin, cos): (f32, f32)| {
+        black_box(cos);
+        sin
+    };
+    scalar(b"sin_cos", |x| both(Scalar::sin_cos(x)));
+    scalar(b"micromath_sin_cos", |x| both(F32Ext::sin_cos(x)));
+    scalar(b"sqrt", Scalar::sqrt);
+    scalar(b"micromath_sqrt", F32Ext::sqrt);
+    scalar(b"exp", Scalar::exp);
+    scalar(b"micromath_exp", F32Ext::exp);
+    scalar(b"ln_1p", Scalar::ln_1p);
+    scalar(b"micromath_ln", F32Ext::ln);
+    scalar(b"nothing", |x| x);
 }
 
 /// Numbers of both signs and many sizes.
@@ -134,14 +152,7 @@ fn run() -> Result<(), &'static [u8]> {
     activation(b"softplus", Activation::Softplus);
     activation(b"squareplus", Activation::Squareplus);
     activation(b"isru", Activation::Isru);
-    scalar(b"sin_cos", |x| {
-        let (sin, cos) = Scalar::sin_cos(x);
-        black_box(cos);
-        sin
-    });
-    scalar(b"sin", |x| Scalar::sin_cos(x).0);
-    scalar(b"sqrt", Scalar::sqrt);
-    scalar(b"nothing", |x| x);
+    elementary();
     Ok(())
 }
 

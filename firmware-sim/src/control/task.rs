@@ -4,14 +4,14 @@ use leastaction_core::discrete::StepError;
 
 /// A controller whose task is chosen at run time.
 #[derive(Clone, Copy, Debug)]
-pub enum Law<P, const N: usize> {
+pub enum TaskController<P, const N: usize> {
     /// Follows a motion.
     Track(Track<N>),
     /// Brings the mechanism upright.
     SwingUp(SwingUp<P, N>),
 }
 
-impl<M, P, const N: usize> Controller<M, N> for Law<P, N>
+impl<M, P, const N: usize> Controller<M, N> for TaskController<P, N>
 where
     Track<N>: Controller<M, N>,
     P: Pump<M, N>,
