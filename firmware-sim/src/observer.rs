@@ -54,8 +54,7 @@ pub enum OtherStep {
 }
 
 /// Newton's default bounds in f32, [`Newton::default`]; the largest accepted residual is √ε = 2^−11.5.
-const NEWTON: Newton<f32> =
-    Newton { max_iterations: 8, max_jacobians: 8, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
+const NEWTON: Newton<f32> = Newton { max_iterations: 50, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
 
 impl Default for ObserverConfig {
     /// [`ObserverConfig::new`].
