@@ -44,9 +44,15 @@ fn fixed(graph: Graph<f32, 2, 6, 8, 2>) {
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
     let (mut edges, mut rods) = ([Edge::default(); 8], [Holonomic::Held { node: 0, axis: 0, at: 0.0 }; 4]);
-    if let Ok(model) = GraphModel::<2, 6, 8, 2>::load(FLASH.bytes(), black_box("web"), &mut edges, &mut rods) {
+    if let Ok(model) = GraphModel::<2, 6, 8, 2>::load(FLASH.bytes(), black_box("web"), &mut edges, &mut rods)
+    {
         let graph = model.system.graph;
-        let _ = black_box((model.rattle::<f32>(), model.system.constrained().is_ok(), model.range(), model.actuator()));
+        let _ = black_box((
+            model.rattle::<f32>(),
+            model.system.constrained().is_ok(),
+            model.range(),
+            model.actuator(),
+        ));
         all(&graph);
         fixed(graph);
         let nodes = black_box([0, 1, 2]);
