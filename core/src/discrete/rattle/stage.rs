@@ -16,7 +16,8 @@ pub(super) const BLOCK: usize = 8;
 
 impl<R: Real> Stage<R> {
     /// Writes p + ½h Q(v) − L_v(v) of a block of nodes, and the size of its terms.
-    #[inline]
+    // One copy for all solvers.
+    #[inline(never)]
     pub fn imbalances<S: Particles<R, D>, const D: usize>(
         self,
         system: &S,
