@@ -176,7 +176,7 @@ fn shape(networks: &[NetworkShape], node: NodeShape, edge: EdgeShape) -> Outcome
 /// Row-major matrices and biases, layer by layer, as our weight block has them.
 fn panels(shape: &GraphShape, numbers: &mut &[f64]) -> Outcome<Vec<f64>> {
     let mut block = Vec::new();
-    for network in shape.networks() {
+    for network in shape.networks.iter() {
         let (widths, depth) = network.widths();
         let mut inputs = usize::from(network.inputs);
         for outputs in widths[..depth].iter().copied().chain([network.outputs.into()]) {

@@ -1,5 +1,6 @@
 //! What the solvers see of a mechanical system: a Lagrangian L(q, v) = T − V with its derivatives.
 
+use crate::linear::multiply;
 use crate::scalar::Scalar;
 
 /// Kinetic and potential energy, J.
@@ -34,6 +35,34 @@ pub struct Dynamics<S, const N: usize> {
     pub l_vq_v: [S; N],
 }
 
+/// What a step of the discrete Euler–Lagrange equation needs of the Lagrangian: all first and second derivatives but L_qq.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linearization<S, const N: usize> {
+    /// L_q.
+    pub l_q: [S; N],
+    /// p = L_v.
+    pub l_v: [S; N],
+    /// ∂²L/∂v_i∂q_j; the transpose is L_qv.
+    pub l_vq: [[S; N]; N],
+    /// M = ∂²L/∂v_i∂v_j, symmetric.
+    pub l_vv: [[S; N]; N],
+}
+
+impl<S: Scalar, const N: usize> Linearization<S, N> {
+    /// The terms of the equation of motion at velocity v.
+    #[inline]
+    pub fn dynamics(self, v: &[S; N]) -> Dynamics<S, N> {
+        let Self { l_q, l_v, l_vq, l_vv } = self;
+        Dynamics { mass: l_vv, l_q, l_v, l_vq_v: multiply(&l_vq, v) }
+    }
+}
+
+impl<S, const N: usize> From<Hessian<S, N>> for Linearization<S, N> {
+    fn from(Hessian { l_q, l_v, l_vq, l_vv, .. }: Hessian<S, N>) -> Self {
+        Self { l_q, l_v, l_vq, l_vv }
+    }
+}
+
 /// First and second derivatives of the Lagrangian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hessian<S, const N: usize> {
@@ -59,7 +88,14 @@ pub trait Lagrangian<S: Scalar, const N: usize> {
     /// L_q and L_v at (q, v).
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N>;
     /// The terms of the equation of motion at (q, v).
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N>;
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
+        self.linearization(q, v).dynamics(v)
+    }
+    /// First and second derivatives at (q, v) but L_qq: all that a step needs. A family has its own where this costs less than
+    /// the Hessian.
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        self.hessian(q, v).into()
+    }
     /// All first and second derivatives at (q, v).
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N>;
 }
@@ -75,6 +111,10 @@ impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
 
     fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         (**self).dynamics(q, v)
+    }
+
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        (**self).linearization(q, v)
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {

@@ -169,17 +169,20 @@ fn layers_of_every_small_shape() {
     }
 }
 
+/// Units of a hidden layer at most.
+const WIDTH: usize = 47;
+
 /// A network of two hidden layers with T tangents: values, and the adjoint of its inputs.
 fn network<const T: usize>(sizes: [usize; 4], activation: Activation) {
-    const WIDTH: usize = 47;
     let [inputs, first, second, outputs] = sizes;
     let random = &mut Random(sizes.iter().sum::<usize>() as u64);
     let weights =
-        weights(random, Mlp::<f32, 2>::parameters(inputs, &[first, second], outputs).unwrap(), |w| w);
-    let mlp = Mlp::<_, 2>::take(&mut &weights[..], inputs, &[first, second], outputs, activation).unwrap();
+        weights(random, Mlp::<f32, WIDTH, 2>::parameters(inputs, &[first, second], outputs).unwrap(), |w| w);
+    let mlp =
+        Mlp::<_, WIDTH, 2>::take(&mut &weights[..], inputs, &[first, second], outputs, activation).unwrap();
     let (x, y_bar) = (jets::<T>(random, inputs), jets::<T>(random, outputs));
     fn run<S: Scalar<Weight = f32> + Bits, const T: usize>(
-        mlp: &Mlp<'_, f32, 2>,
+        mlp: &Mlp<'_, f32, WIDTH, 2>,
         x: &[Jet<S, T>],
         y_bar: &[Jet<S, T>],
     ) -> [Vec<Vec<u32>>; 2] {

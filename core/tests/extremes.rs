@@ -43,8 +43,7 @@ fn steps<P: Path, L: Lagrangian<f32, 2>>(
     u: [f32; 2],
 ) {
     let control = Control { start: u, end: v };
-    for newton in [Newton::default(), Newton { max_iterations: 2, max_jacobians: 2, stop: 0.0, accept: 1e-3 }]
-    {
+    for newton in [Newton::default(), Newton { max_iterations: 2, stop: 0.0, accept: 1e-3 }] {
         let del = Del::<f32, P>::with_newton(h, newton);
         if let Ok(mut state) = State::new(&system.lagrangian, q, v) {
             for _ in 0..3 {
@@ -125,7 +124,7 @@ proptest! {
         scale in prop::sample::select(&[1.0_f32, 1e-40, 1e20, 3e38][..]),
     ) {
         let mut shape = trees::chain(input, own_velocity.then_some(2), pair);
-        shape.networks.iter_mut().flatten().for_each(|network| network.activation = activation);
+        shape.networks.iter_mut().for_each(|network| network.activation = activation);
         let tree = Tree::<2>::new(shape, nodes, 5);
         let weights: Vec<f32> = tree.single().into_iter().map(|w| w * scale).collect();
         let modular = tree.over(&weights);

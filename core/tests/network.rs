@@ -99,7 +99,8 @@ const DEPTH: usize = 3;
 impl Net {
     fn new(sizes: &[usize], activation: Activation, seed: u64) -> Self {
         let (inputs, outputs) = (sizes[0], sizes[sizes.len() - 1]);
-        let length = Mlp::<f64, DEPTH>::parameters(inputs, &sizes[1..sizes.len() - 1], outputs).unwrap();
+        let length =
+            Mlp::<f64, WIDTH, DEPTH>::parameters(inputs, &sizes[1..sizes.len() - 1], outputs).unwrap();
         Self { sizes: sizes.to_vec(), activation, weights: Random(seed).vector(length, 0.7) }
     }
 
@@ -111,7 +112,7 @@ impl Net {
         self.sizes[self.sizes.len() - 1]
     }
 
-    fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Mlp<'a, W, DEPTH> {
+    fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Mlp<'a, W, WIDTH, DEPTH> {
         let hidden = &self.sizes[1..self.sizes.len() - 1];
         let mlp = Mlp::take(&mut weights, self.inputs(), hidden, self.outputs(), self.activation).unwrap();
         assert!(weights.is_empty());
@@ -194,18 +195,19 @@ fn adjoints_of_fewer_tangents_than_the_tape() {
 }
 
 #[test]
-fn blocks_that_are_too_short_or_too_deep_are_refused() {
+fn networks_that_are_too_long_too_deep_or_too_wide_are_refused() {
     let weights = [0.0_f32; 100];
     let take = |n: usize, widths: &[usize]| {
         let mut block = &weights[..n];
-        Mlp::<f32, 2>::take(&mut block, 3, widths, 2, Activation::Tanh).map(|_| block.len())
+        Mlp::<f32, 5, 2>::take(&mut block, 3, widths, 2, Activation::Tanh).map(|_| block.len())
     };
-    assert_eq!(Mlp::<f32, 2>::parameters(3, &[4, 5], 2), Some(4 * 4 + 5 * 5 + 6 * 2));
+    assert_eq!(Mlp::<f32, 5, 2>::parameters(3, &[4, 5], 2), Some(4 * 4 + 5 * 5 + 6 * 2));
     assert_eq!(take(60, &[4, 5]), Some(60 - 53));
     assert_eq!(take(52, &[4, 5]), None);
     assert_eq!(take(100, &[4, 5, 1]), None);
-    assert_eq!(Mlp::<f32, 2>::parameters(usize::MAX, &[4], 2), None);
-    assert_eq!(Mlp::<f32, 2>::parameters(3, &[usize::MAX / 2], 2), None);
+    assert_eq!(take(100, &[4, 6]), None);
+    assert_eq!(Mlp::<f32, 5, 2>::parameters(usize::MAX, &[4], 2), None);
+    assert_eq!(Mlp::<f32, 5, 2>::parameters(3, &[usize::MAX / 2], 2), None);
     let mut block = &weights[..];
     assert!(Dense::take(&mut block, usize::MAX, 2).is_none());
 }

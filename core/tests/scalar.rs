@@ -286,6 +286,15 @@ fn compensated_sums_keep_what_rounding_takes() {
     assert!((f64::from(sum.value()) + f64::from(sum.carry()) - exact).abs() < 1e-8);
 }
 
+/// Whichever is the larger.
+#[test]
+fn compensated_sums_keep_what_a_large_increment_hides() {
+    let sum = Compensated::new(1e-3_f32).plus(1e8);
+    assert_eq!((sum.value(), sum.carry()), (1e8, 1e-3));
+    let back = sum.plus(-1e8);
+    assert_eq!((back.value(), back.carry()), (1e-3, 0.0));
+}
+
 /// Two numbers of 24 digits, of any size: their sum and product are exactly what comes back, in f64 and, by integers, in f32.
 #[test]
 fn sums_and_products_come_with_what_rounding_took() {

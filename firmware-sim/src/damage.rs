@@ -1,15 +1,14 @@
-//! How loaders answer damaged model files, on any target: every changed bit and every truncation, counted by kind of error.
+//! How loaders answer damaged model files, on any target: every changed bit and every truncation, counted by reason.
 
-use crate::link::ModelFault;
-use leastaction_core::model::{ModelError, checksum};
+use leastaction_core::model::{CATALOGUE, Entry, ModelError, checksum};
 
 /// How often a loader refused, and how often it did not.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refusals {
     /// Damaged files that were accepted.
     pub accepted: u32,
-    /// Refusals by the code of their kind.
-    pub by_fault: [u32; ModelFault::ALL.len()],
+    /// Refusals by the place of their reason in [`CATALOGUE`].
+    by_reason: [u32; CATALOGUE.len()],
 }
 
 /// A kind of damage to a file.
@@ -42,7 +41,7 @@ impl Damage {
         file: &mut [u8],
         mut load: impl FnMut(&[u8]) -> Result<(), ModelError>,
     ) -> Refusals {
-        let mut refusals = Refusals::default();
+        let mut refusals = Refusals { accepted: 0, by_reason: [0; CATALOGUE.len()] };
         match self {
             Self::Bit => every_bit(file, |damaged| refusals.count(load(damaged))),
             Self::BitUnderChecksum => every_bit_under_checksum(file, |damaged| refusals.count(load(damaged))),
@@ -61,17 +60,26 @@ impl Refusals {
     pub fn count(&mut self, outcome: Result<(), ModelError>) {
         let counter = match outcome {
             Ok(()) => Some(&mut self.accepted),
-            Err(error) => self.by_fault.get_mut(ModelFault::from(error) as usize),
+            Err(error) => {
+                let code = error.coded().code;
+                let mut reasons = CATALOGUE.iter().zip(&mut self.by_reason);
+                reasons.find(|(entry, _)| entry.code == code).map(|(_, counter)| counter)
+            }
         };
-        debug_assert!(counter.is_some(), "every kind has its counter");
+        debug_assert!(counter.is_some(), "every reason is in the catalogue");
         if let Some(counter) = counter {
             *counter += 1;
         }
     }
 
-    /// The kinds that occurred, and how often.
-    pub fn occurred(&self) -> impl Iterator<Item = (ModelFault, u32)> {
-        ModelFault::ALL.into_iter().zip(self.by_fault).filter(|(_, count)| *count > 0)
+    /// The reasons that occurred, and how often.
+    pub fn occurred(&self) -> impl Iterator<Item = (&'static Entry, u32)> {
+        CATALOGUE.iter().zip(self.by_reason).filter(|(_, count)| *count > 0)
+    }
+
+    /// How often the reason of that name occurred.
+    pub fn of(&self, name: &str) -> u32 {
+        self.occurred().find(|(entry, _)| entry.name == name).map_or(0, |(_, count)| count)
     }
 }
 

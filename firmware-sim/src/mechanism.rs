@@ -3,7 +3,7 @@ use leastaction_core::continuous::{self, ContinuousState};
 use leastaction_core::discrete::{Control, Del, Path, Report, State, StepError};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{Energies, Hessian, Lagrangian};
-use leastaction_core::linear::{self, Singular};
+use leastaction_core::linear;
 use leastaction_core::model::TrainedStep;
 use leastaction_core::scalar::max_abs;
 
@@ -45,7 +45,7 @@ pub trait Mechanism<const N: usize> {
 
     /// The momentum p = L_v(q, v).
     fn momentum(&self, q: &[f32; N], v: &[f32; N]) -> [f32; N] {
-        self.system().lagrangian.gradient(q, v).l_v
+        self.system().lagrangian.dynamics(q, v).l_v
     }
 
     /// M(q)a of a kinetic energy that is quadratic in v: the momentum of a "velocity" a.
@@ -54,12 +54,12 @@ pub trait Mechanism<const N: usize> {
     }
 
     /// v = M(q)⁻¹p of a kinetic energy that is quadratic in v.
-    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], Singular> {
-        linear::solve(self.system().lagrangian.dynamics(q, &[0.0; N]).mass, *p)
+    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], StepError<f32>> {
+        Ok(linear::solve(self.system().lagrangian.linearization(q, &[0.0; N]).l_vv, *p)?)
     }
 
     /// The control that produces the acceleration a.
-    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], Singular> {
+    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], StepError<f32>> {
         continuous::inverse_dynamics(self.system(), q, v, a)
     }
 
@@ -69,8 +69,8 @@ pub trait Mechanism<const N: usize> {
         state: &ContinuousState<f32, N>,
         u: &[f32; N],
         h: f32,
-    ) -> Result<ContinuousState<f32, N>, Singular> {
-        continuous::rk4_step(self.system(), state, u, h)
+    ) -> Result<ContinuousState<f32, N>, StepError<f32>> {
+        Ok(continuous::rk4_step(self.system(), state, u, h)?)
     }
 
     /// The discrete state at rest or in motion at (q, v).
@@ -151,7 +151,7 @@ const QUADRATIC: f32 = 1e-3;
 /// # Errors
 /// Where they differ by more than 0.1%, as those of a graph whose kinetic energy is a network's.
 pub fn require_quadratic<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N]) -> Result<(), SetupError> {
-    let mass = model.hessian(q, &[0.0; N]).l_vv;
+    let mass = model.system().lagrangian.linearization(q, &[0.0; N]).l_vv;
     SPEEDS.into_iter().try_for_each(|speed| {
         // Neither along a coordinate nor along a diagonal.
         let v = core::array::from_fn(|i| if i % 2 == 0 { speed } else { -0.7 * speed });

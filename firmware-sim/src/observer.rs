@@ -53,9 +53,9 @@ pub enum OtherStep {
     Accepted,
 }
 
-/// Newton's default bounds in f32, [`Newton::default`]; the largest accepted residual is √ε = 2^−11.5.
-const NEWTON: Newton<f32> =
-    Newton { max_iterations: 8, max_jacobians: 8, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
+/// Newton's default bounds in f32, [`Newton::default`], but at most 8 updates, which bounds a tick; the largest accepted
+/// residual is √ε = 2^−11.5.
+const NEWTON: Newton<f32> = Newton { max_iterations: 8, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
 
 impl Default for ObserverConfig {
     /// [`ObserverConfig::new`].
@@ -68,7 +68,7 @@ impl Default for ObserverConfig {
 const SAME_STEP: f32 = 1e-6;
 
 impl ObserverConfig {
-    /// Order 2, of no other step than the model's, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience
+    /// Order 2, of no other step than the model's, at most 8 updates of Newton's method a step, a memory of 5 samples, one tick of delay, a patience
     /// of 25 samples.
     pub const fn new() -> Self {
         Self {
@@ -95,9 +95,8 @@ impl ObserverConfig {
         if (tick - h).abs() > SAME_STEP * h {
             return Err(other("tick", tick, h));
         }
-        let number = self.order.number();
-        if number != order {
-            return Err(other("order of the step", number.into(), order.into()));
+        if self.order != order {
+            return Err(other("order of the step", self.order.number().into(), order.number().into()));
         }
         Ok(())
     }

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 #[serde(remote = "Newton::<f32>")]
 pub(crate) struct NewtonWire {
     max_iterations: u8,
-    max_jacobians: u8,
     stop: f32,
     accept: f32,
 }

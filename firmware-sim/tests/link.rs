@@ -1,9 +1,9 @@
 //! Frames of the link, whole and damaged, and what the processor's end makes of them.
 
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{CATALOGUE, Entry, ModelError};
 use leastaction_firmware_sim::link::{
-    Answer, Broken, Done, Frame, MAX_COORDINATES, ModelFault, Port, ProgramFault, Receiver, Refusal, Request,
-    Samples, VERSION, answer, parse_answer, parse_request, request, serve,
+    Answer, Broken, Done, Frame, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver, Refusal,
+    Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
 };
 use leastaction_firmware_sim::observer::{Order, OtherStep};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
@@ -72,7 +72,7 @@ fn requests_and_answers_come_back_as_they_went() {
     (outcome.estimate.q, outcome.estimate.v) = ([f32::MIN_POSITIVE, -0.0], [1.0 / 3.0, f32::MAX]);
     (outcome.command.u, outcome.newton.iterations, outcome.errors) = ([-1.0, 0.0], 4, 77);
     let done = Answer::Done(Done { sequence: 258, outcome, instructions: 1_000_000 });
-    let refused = Refusal::Model(ModelFault::Shape);
+    let refused = Refusal::Model(ModelRefusal { code: 35, numbers: [2, 1, u32::MAX] });
     for sent in [Answer::Ready { processor: "cortex-m4f" }, done, Answer::Refused(refused)] {
         let received = frames(&bytes(&answer(&sent).unwrap()));
         assert_eq!(parse_answer(received[0].as_ref().unwrap()), Ok(sent));
@@ -224,11 +224,13 @@ fn what_cannot_be_run_is_refused_with_its_reason() {
     let begin = request(&Request::Begin(program())).unwrap();
     let file = &CARTPOLE_FILE.0;
     assert_eq!(refusal(None, &begin), Refusal::NoModel);
-    assert_eq!(refusal(Some(&DOUBLE_FILE.0), &begin), Refusal::Model(ModelFault::OtherFamily));
-    assert_eq!(refusal(Some(&file[..file.len() - 4]), &begin), Refusal::Model(ModelFault::Checksum));
+    assert_eq!(refusal(Some(&DOUBLE_FILE.0), &begin), of_model(34, [0; 3]));
+    let Refusal::Model(damaged) = refusal(Some(&file[..file.len() - 4]), &begin) else { panic!("accepted") };
+    assert_eq!(damaged.code, 23);
+    assert!(damaged.numbers[0] != damaged.numbers[1] && damaged.numbers[2] == 0, "{damaged}");
     assert_eq!(refusal(Some(file), &request(&tick()).unwrap()), Refusal::NotBegun);
     let pendulum = request(&Request::Begin(TrackConfig::<1>::pendulum().program())).unwrap();
-    assert_eq!(refusal(Some(file), &pendulum), Refusal::Model(ModelFault::Shape));
+    assert_eq!(refusal(Some(file), &pendulum), of_model(35, [2, 1, 0]));
 
     let mut wrong = program();
     wrong.tick = f32::NAN;
@@ -247,11 +249,31 @@ fn what_cannot_be_run_is_refused_with_its_reason() {
     assert_eq!(refusal(Some(file), &newer), Refusal::Version { supported: VERSION });
 }
 
+/// A model is refused by this number of core's catalogue.
+fn of_model(code: u8, numbers: [u32; 3]) -> Refusal {
+    Refusal::Model(ModelRefusal { code, numbers })
+}
+
 #[test]
-fn codes_of_model_errors_are_their_places() {
-    for (code, fault) in ModelFault::ALL.into_iter().enumerate() {
-        assert_eq!(fault as usize, code);
-        assert!(fault.to_string().ends_with(&format!("(code {code})")));
-    }
-    assert_eq!(ModelFault::from(ModelError::NoSuchTree { trees: 1 }), ModelFault::NoSuchTree);
+fn refusals_of_models_are_core_s_own() {
+    let refusal = ModelRefusal::from(ModelError::NoSuchTree { trees: 3 });
+    assert_eq!(Refusal::Model(refusal), of_model(32, [3, 0, 0]));
+    assert_eq!(refusal.to_string(), "no tree in the file has that name (code 32: 3, 0, 0)");
+    let far = ModelRefusal::from(ModelError::NotFinite { index: usize::MAX });
+    assert_eq!(Refusal::Model(far), of_model(29, [u32::MAX, 0, 0]));
+    let unknown = ModelRefusal { code: 250, numbers: [0; 3] };
+    assert_eq!(unknown.to_string(), "refused (code 250: 0, 0, 0)");
+}
+
+/// LINK.md has every code, and no other.
+#[test]
+fn the_codes_that_are_written_down_are_core_s_catalogue() {
+    let text = include_str!("../LINK.md");
+    let (_, table) = text.split_once("| code | name | why |\n|---|---|---|\n").unwrap();
+    let rows: Vec<&str> = table.lines().take_while(|line| line.starts_with('|')).collect();
+    let catalogue = CATALOGUE.iter();
+    let expected: Vec<String> = catalogue
+        .map(|Entry { code, name, message }| format!("| {code} | `{name}` | {} |", message.to_str().unwrap()))
+        .collect();
+    assert_eq!(rows, expected, "the table of codes:\n{}\n", expected.join("\n"));
 }

@@ -2,7 +2,7 @@
 
 use leastaction_core::discrete::{Newton, Order};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
-use leastaction_core::forces::{Forces, System, Viscous};
+use leastaction_core::forces::{ControlKind, Forces, System, Viscous};
 use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::TrainedStep;
@@ -69,7 +69,7 @@ fn a_kinetic_energy_that_is_not_quadratic_is_refused() {
 type Cartpole = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
 
 fn trained(system: &Cartpole) -> Trained<'_, Trigonometric<'static, 2>, Viscous<f32, 2>> {
-    Trained { system, step: Some(TrainedStep { order: 4, h: 0.01 }) }
+    Trained { system, step: Some(TrainedStep { order: Order::Four, h: 0.01, control: ControlKind::Held }) }
 }
 
 #[test]

@@ -74,10 +74,7 @@ where
     L: Lagrangian<f64, N>,
     F: Forces<f64, N>,
 {
-    let del = Del::<f64, P>::with_newton(
-        h,
-        Newton { max_iterations: 20, max_jacobians: 20, stop: 1e-14, accept: 1e-8 },
-    );
+    let del = Del::<f64, P>::with_newton(h, Newton { max_iterations: 50, stop: 1e-14, accept: 1e-8 });
     let mut positions: Vec<f64> = trajectory.q.iter().take(2).flatten().copied().collect();
     let _stopped_early = extend_run(&del, system, trajectory, &mut positions);
     positions.resize(trajectory.samples() * N, f64::NAN);

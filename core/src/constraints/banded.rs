@@ -75,6 +75,7 @@ impl<'a, R: Real> Banded<'a, R> {
 
     /// Replaces b by the solution; after [`Banded::factor`].
     pub fn solve(&self, b: &mut [R]) {
+        debug_assert!(b.len() * width(self.band).get() == self.entries.len(), "{} numbers", b.len());
         let (band, width) = (self.band, width(self.band));
         for (k, row) in self.entries.chunks_exact(width.get()).enumerate() {
             let Some((done, [value, ..])) = b.split_at_mut_checked(k) else { return };

@@ -11,9 +11,10 @@ impl<'a, R> Workspace<'a, R> {
         if given < needed { Err(ConstraintError::Workspace { needed, given }) } else { Ok(Self(workspace)) }
     }
 
-    /// The next numbers; fewer where the workspace ends.
+    /// The next numbers; all are there, as [`Workspace::new`] was told how many are needed.
     pub fn numbers(&mut self, count: usize) -> &'a mut [R] {
         let workspace = core::mem::take(&mut self.0);
+        debug_assert!(count <= workspace.len(), "{count} numbers of {}", workspace.len());
         let (piece, rest) = workspace.split_at_mut(count.min(workspace.len()));
         self.0 = rest;
         piece

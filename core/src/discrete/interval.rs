@@ -1,7 +1,7 @@
 use super::{GaussPoint, Path};
 use crate::forces::{Control, Forces, System};
-use crate::lagrangian::Lagrangian;
-use crate::linear::{add_scaled, add_scaled_matrix, transpose};
+use crate::lagrangian::{Gradient, Lagrangian, Linearization};
+use crate::linear::{Matrix, add_scaled, add_scaled_matrix, transpose};
 use crate::scalar::Real;
 use core::marker::PhantomData;
 
@@ -59,16 +59,33 @@ pub struct Linearised<R, const N: usize> {
     /// The equations.
     pub balance: Balance<R, N>,
     /// ∂ d1_ld/∂w.
-    pub momentum_w: [[R; N]; N],
+    pub momentum_w: Matrix<R, N>,
     /// ∂ d1_ld/∂s.
-    pub momentum_s: [[R; N]; N],
+    pub momentum_s: Matrix<R, N>,
     /// ∂ dm_ld/∂w.
-    pub bubble_w: [[R; N]; N],
+    pub bubble_w: Matrix<R, N>,
     /// ∂ dm_ld/∂s.
-    pub bubble_s: [[R; N]; N],
-    /// Σ b Σ_j (|M_ij v_j| + |∂L_v,i/∂q_j| max(1, |q_j|)) + h Σ b (|F_i| + Σ_j |∂F_i/∂q_j| max(1, |q_j|)): the size of the
-    /// terms that rounding acts on, also where they cancel (a momentum of zero, a force in equilibrium).
+    pub bubble_s: Matrix<R, N>,
+    /// Σ b [Σ_j |M_ij| (|v_j| + √ε |q_j|/h) + Σ_j |∂L_v,i/∂q_j q_j|] + h Σ b (|L_q,i| + |Q_i| + |τ_i| + Σ_j |∂Q_i/∂q_j q_j|):
+    /// the size of the terms that rounding acts on, also where they cancel. With √ε it takes a residual as solved that would
+    /// carry the system by no more than the rounding of its position: at rest nothing else is left of the terms.
+    ///
+    /// Every term has the unit of the momentum p_i, in whatever units coordinates are measured.
     pub scale: [R; N],
+}
+
+impl<R: Real, const N: usize> Linearised<R, N> {
+    pub(super) fn zero() -> Self {
+        let zero = [[R::zero(); N]; N];
+        Self {
+            balance: Balance::zero(),
+            momentum_w: zero,
+            momentum_s: zero,
+            bubble_w: zero,
+            bubble_s: zero,
+            scale: [R::zero(); N],
+        }
+    }
 }
 
 /// How a first variation weighs F and L_v at a Gauss point: Σ b (force · F + momentum · L_v).
@@ -100,52 +117,44 @@ impl<R: Real> Variation<R> {
     }
 }
 
-/// F and L_v at a Gauss point with their derivatives along a family of paths.
+/// F and L_v at a Gauss point with their derivatives.
 struct PointDerivatives<R, const N: usize> {
     force: [R; N],
     l_v: [R; N],
-    force_q: [[R; N]; N],
-    force_v: [[R; N]; N],
-    l_vq: [[R; N]; N],
-    l_vv: [[R; N]; N],
+    force_q: Matrix<R, N>,
+    force_v: Matrix<R, N>,
+    l_vq: Matrix<R, N>,
+    l_vv: Matrix<R, N>,
+    /// The terms of [`Linearised::scale`] at this point.
+    scale: [R; N],
 }
 
 impl<R: Real, const N: usize> PointDerivatives<R, N> {
     /// (∂F, ∂L_v) when the point moves by `column`: position by its `force` part, velocity by its `momentum` part.
     #[inline]
-    fn along(&self, column: Variation<R>) -> ([[R; N]; N], [[R; N]; N]) {
-        let mix = |q: &[[R; N]; N], v: &[[R; N]; N]| -> [[R; N]; N] {
+    fn along(&self, column: Variation<R>) -> (Matrix<R, N>, Matrix<R, N>) {
+        let mix = |q: &Matrix<R, N>, v: &Matrix<R, N>| -> Matrix<R, N> {
             core::array::from_fn(|i| {
                 core::array::from_fn(|j| q[i][j] * column.force + v[i][j] * column.momentum)
             })
         };
         (mix(&self.force_q, &self.force_v), mix(&self.l_vq, &self.l_vv))
     }
-
-    /// The terms of [`Linearised::scale`] at this point.
-    #[inline]
-    fn size(&self, q: &[R; N], v: &[R; N], h: R) -> [R; N] {
-        core::array::from_fn(|i| {
-            let in_q = |row: &[R; N]| sum(row, q, |slope, q| slope.abs() * q.abs().max(R::one()));
-            let momentum = sum(&self.l_vv[i], v, |m, v| (m * v).abs()) + in_q(&self.l_vq[i]);
-            momentum + h * (self.force[i].abs() + in_q(&self.force_q[i]))
-        })
-    }
 }
 
-/// Σ_j f(a_j, b_j).
+/// Σ_j |a_j x_j|.
 #[inline(always)]
-fn sum<R: Real, const N: usize>(a: &[R; N], b: &[R; N], f: impl Fn(R, R) -> R) -> R {
-    a.iter().zip(b).fold(R::zero(), |sum, (a, b)| sum + f(*a, *b))
+fn sizes<R: Real, const N: usize>(a: &[R; N], x: &[R; N]) -> R {
+    a.iter().zip(x).fold(R::zero(), |sum, (a, x)| sum + (*a * *x).abs())
 }
 
 /// Adds b(row.force · ∂F + row.momentum · ∂L_v).
 #[inline(always)]
 fn add_block<R: Real, const N: usize>(
-    sum: &mut [[R; N]; N],
+    sum: &mut Matrix<R, N>,
     weight: R,
     row: Variation<R>,
-    (force, l_v): &([[R; N]; N], [[R; N]; N]),
+    (force, l_v): &(Matrix<R, N>, Matrix<R, N>),
 ) {
     *sum = add_scaled_matrix(&add_scaled_matrix(sum, weight * row.force, force), weight * row.momentum, l_v);
 }
@@ -184,42 +193,45 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         (q, add_scaled(&self.w, gamma, &self.s))
     }
 
-    #[inline]
-    fn total_force<L, F: Forces<R, N>>(
+    /// (τ, Q) at a Gauss point.
+    #[inline(always)]
+    fn forces<L, F: Forces<R, N>>(
         &self,
         system: &System<L, F>,
         point: &GaussPoint<R>,
-        q: &[R; N],
-        v: &[R; N],
-        l_q: &[R; N],
-    ) -> [R; N] {
-        let u = self.u.at(point.c);
-        let force = system.forces.force(q, v, &u);
-        core::array::from_fn(|i| l_q[i] + force[i] + u[i])
+        (q, v): &([R; N], [R; N]),
+    ) -> ([R; N], [R; N]) {
+        let tau = self.u.at(point.c);
+        (tau, system.forces.force(q, v, &tau))
     }
 
-    #[inline]
-    fn derivatives<L, F>(
+    /// From the derivatives of L at position and velocity `at` of a Gauss point; without L_qq where it is not given.
+    #[inline(always)]
+    fn derivatives<L, F: Forces<R, N>>(
         &self,
         system: &System<L, F>,
         point: &GaussPoint<R>,
-        q: &[R; N],
-        v: &[R; N],
-    ) -> PointDerivatives<R, N>
-    where
-        L: Lagrangian<R, N>,
-        F: Forces<R, N>,
-    {
-        let d = system.lagrangian.hessian(q, v);
-        let (q_q, q_v) = system.forces.derivatives(q, v, &self.u.at(point.c));
-        let one = R::one();
+        at: &([R; N], [R; N]),
+        l: &Linearization<R, N>,
+        l_qq: Option<&Matrix<R, N>>,
+    ) -> PointDerivatives<R, N> {
+        let (one, (q, v)) = (R::one(), at);
+        let (tau, force) = self.forces(system, point, at);
+        let (q_q, q_v) = system.forces.derivatives(q, v, &tau);
+        let rounding = R::EPSILON.sqrt() / self.h.abs();
+        let scale = core::array::from_fn(|i| {
+            let forces = l.l_q[i].abs() + force[i].abs() + tau[i].abs() + sizes(&q_q[i], q);
+            let moved = sizes(&l.l_vv[i], v) + rounding * sizes(&l.l_vv[i], q);
+            moved + sizes(&l.l_vq[i], q) + self.h.abs() * forces
+        });
         PointDerivatives {
-            force: self.total_force(system, point, q, v, &d.l_q),
-            l_v: d.l_v,
-            force_q: add_scaled_matrix(&d.l_qq, one, &q_q),
-            force_v: add_scaled_matrix(&transpose(&d.l_vq), one, &q_v),
-            l_vq: d.l_vq,
-            l_vv: d.l_vv,
+            force: core::array::from_fn(|i| l.l_q[i] + force[i] + tau[i]),
+            l_v: l.l_v,
+            force_q: l_qq.map_or(q_q, |l_qq| add_scaled_matrix(l_qq, one, &q_q)),
+            force_v: add_scaled_matrix(&transpose(&l.l_vq), one, &q_v),
+            l_vq: l.l_vq,
+            l_vv: l.l_vv,
+            scale,
         }
     }
 
@@ -231,37 +243,52 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     {
         let mut balance = Balance::zero();
         for point in P::points().as_ref() {
-            let (q, v) = self.point(point);
-            let gradient = system.lagrangian.gradient(&q, &v);
-            let force = self.total_force(system, point, &q, &v, &gradient.l_q);
-            balance.add(point, self.h, &force, &gradient.l_v, P::BUBBLE);
+            let at = self.point(point);
+            let Gradient { l_q, l_v } = system.lagrangian.gradient(&at.0, &at.1);
+            let (tau, force) = self.forces(system, point, &at);
+            let force = core::array::from_fn(|i| l_q[i] + force[i] + tau[i]);
+            balance.add(point, self.h, &force, &l_v, P::BUBBLE);
         }
         balance
     }
 
-    /// The balance and its derivatives.
+    /// The balance and its exact derivatives.
     pub fn linearise<L, F>(&self, system: &System<L, F>) -> Linearised<R, N>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        let zero = [[R::zero(); N]; N];
-        let balance = Balance::zero();
-        let mut sum = Linearised {
-            balance,
-            momentum_w: zero,
-            momentum_s: zero,
-            bubble_w: zero,
-            bubble_s: zero,
-            scale: [R::zero(); N],
-        };
+        self.summed(|point, at| {
+            let hessian = system.lagrangian.hessian(&at.0, &at.1);
+            self.derivatives(system, point, at, &hessian.into(), Some(&hessian.l_qq))
+        })
+    }
+
+    /// The balance and its derivatives but for what L_qq adds to them: of a relative size of (hω)²/4 where ω is the fastest
+    /// rate, rad/s, at which the system oscillates. One evaluation of [`Lagrangian::linearization`] at each Gauss point.
+    pub fn linearise_without_l_qq<L, F>(&self, system: &System<L, F>) -> Linearised<R, N>
+    where
+        L: Lagrangian<R, N>,
+        F: Forces<R, N>,
+    {
+        self.summed(|point, at| {
+            let l = system.lagrangian.linearization(&at.0, &at.1);
+            self.derivatives(system, point, at, &l, None)
+        })
+    }
+
+    /// Sums what is at the Gauss points.
+    #[inline(always)]
+    fn summed(
+        &self,
+        derivatives: impl Fn(&GaussPoint<R>, &([R; N], [R; N])) -> PointDerivatives<R, N>,
+    ) -> Linearised<R, N> {
+        let mut sum = Linearised::zero();
         for point in P::points().as_ref() {
-            let (q, v) = self.point(point);
-            let d = self.derivatives(system, point, &q, &v);
+            let d = derivatives(point, &self.point(point));
             let (start, along_w) = (Variation::start(point, self.h), d.along(Variation::end(point, self.h)));
             sum.balance.add(point, self.h, &d.force, &d.l_v, P::BUBBLE);
-            let size = d.size(&q, &v, self.h);
-            sum.scale = add_scaled(&sum.scale, point.weight, &size);
+            sum.scale = add_scaled(&sum.scale, point.weight, &d.scale);
             add_block(&mut sum.momentum_w, point.weight, start, &along_w);
             if P::BUBBLE {
                 let bubble = Variation::bubble(point, self.h);
@@ -275,15 +302,17 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     }
 
     /// ∂(D₂L_d + f⁺)/∂s: how the momentum at the end moves with the bubble.
-    pub fn end_momentum_s<L, F>(&self, system: &System<L, F>) -> [[R; N]; N]
+    pub fn end_momentum_s<L, F>(&self, system: &System<L, F>) -> Matrix<R, N>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
         let mut sum = [[R::zero(); N]; N];
         for point in P::points().as_ref() {
-            let (q, v) = self.point(point);
-            let along_s = self.derivatives(system, point, &q, &v).along(Variation::bubble(point, self.h));
+            let at = self.point(point);
+            let hessian = system.lagrangian.hessian(&at.0, &at.1);
+            let d = self.derivatives(system, point, &at, &hessian.into(), Some(&hessian.l_qq));
+            let along_s = d.along(Variation::bubble(point, self.h));
             add_block(&mut sum, point.weight, Variation::end(point, self.h), &along_s);
         }
         sum

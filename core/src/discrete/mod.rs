@@ -13,6 +13,26 @@
 //!
 //! The unknown is w, not q₁: in f32 the residual then falls to about 1e-6 instead of 1e-4.
 //!
+//! # Newton's matrix
+//!
+//! The matrix of the two equations leaves L_qq out. What is missing is of a relative size of (hω)²/4, ω being the fastest rate
+//! at which the system oscillates, so that an update still divides the error by the inverse of that. In return one evaluation,
+//! [`Lagrangian::linearization`], gives the residual after an update and the matrix of the next; an acceleration of up to two
+//! coordinates is the same evaluation; and no family needs second derivatives of its potential on a controller. Measured on
+//! the exact systems of [`trigonometric`](crate::energy::trigonometric) and on double pendulums of learned links
+//! ([`modular`](crate::energy::modular)), at speeds up to 10 rad/s, order 2; updates until rounding, mean and most:
+//!
+//! | h | with L_qq, f32 | without, f32 | with L_qq, f64 | without, f64 |
+//! |---|---|---|---|---|
+//! | 1 ms, exact | 1.0, 2 | 1.0, 2 | 1.0, 2 | 2.0, 3 |
+//! | 10 ms, exact | 1.0, 2 | 1.0, 2 | 1.9, 3 | 3.3, 5 |
+//! | 50 ms, exact | 1.2, 2 | 2.1, 4 | 2.2, 3 | 5.9, 10 |
+//! | 10 ms, learned links | 1.0, 2 | 1.2, 3 | 2.1, 3 | 4.0, 8 |
+//! | 50 ms, learned links | 2.0, 5 | 2.9, 8 | 3.2, 6 | 7.5, 33 |
+//!
+//! For a cart-pole of 2 × 32 units on a Cortex-M4F, two updates of order 2 take 60,200 instructions, 1.9 kB of stack and 14.2 kB
+//! of code; with L_qq in the first of two updates they took 66,600, 3.3 kB and 21.7 kB.
+//!
 //! Systems of any number of particles, with or without constraints, are stepped by [`rattle`].
 //!
 //! Sources: Marsden and West, "Discrete mechanics and variational integrators", Acta Numerica 2001, sections 1.5, 2.6
@@ -26,8 +46,9 @@ pub mod rattle;
 mod state;
 
 pub use crate::forces::Control;
+pub use crate::newton::{Newton, Report, StepError};
 pub use interval::{Balance, Interval, Linearised, Variation};
-pub use newton::{Newton, Report, Solved, StepError};
+pub use newton::Solved;
 pub use order::Order;
 pub use path::{Galerkin, GaussPoint, Midpoint, Path};
 pub use state::State;
@@ -52,12 +73,12 @@ impl<R: Real, P: Path> Del<R, P> {
     }
 
     /// An integrator with the caller's bounds of Newton's method.
-    pub fn with_newton(h: R, newton: Newton<R>) -> Self {
+    pub const fn with_newton(h: R, newton: Newton<R>) -> Self {
         Self { h, newton, path: PhantomData }
     }
 
     /// h, s.
-    pub fn h(&self) -> R {
+    pub const fn h(&self) -> R {
         self.h
     }
 

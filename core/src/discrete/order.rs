@@ -1,8 +1,9 @@
 use core::fmt;
+use serde::{Deserialize, Serialize};
 
 /// The order of accuracy of an integrator: its error over a fixed time falls with this power of the step h.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Order {
     /// Midpoint paths, or one RATTLE step.
     Two,

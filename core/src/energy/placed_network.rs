@@ -1,72 +1,25 @@
-//! Networks as parts of a family's weight block: their shapes, their places, and energies that they give.
+//! Networks with their places in the weight block of a model, and the energies that they give.
 
-use crate::network::{Activation, Dense, Jet, Mlp, Tape};
+use super::NetworkShape;
+use crate::network::{Dense, Jet, Mlp, Tape};
 use crate::scalar::{Scalar, Stored};
-use serde::{Deserialize, Serialize};
-
-/// Hidden layers of a network at most.
-pub const MAX_HIDDEN: usize = 4;
-
-/// The shape of one network.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct NetworkShape {
-    /// Inputs.
-    pub inputs: u8,
-    /// Units of the hidden layers; the first 0 ends the list.
-    pub widths: [u16; MAX_HIDDEN],
-    /// Outputs.
-    pub outputs: u8,
-    /// Of the hidden layers.
-    pub activation: Activation,
-}
-
-impl NetworkShape {
-    /// A network with hidden layers of these widths; `None` for more than `MAX_HIDDEN` of them.
-    pub fn new(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> Option<Self> {
-        let mut all = [0; MAX_HIDDEN];
-        all.get_mut(..widths.len())?.copy_from_slice(widths);
-        Some(Self { inputs, widths: all, outputs, activation })
-    }
-
-    /// Units of each hidden layer, and how many layers there are.
-    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
-        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
-        (self.widths.map(usize::from), depth)
-    }
-
-    /// Numbers in the weight block; `None` on overflow.
-    pub fn parameters(&self) -> Option<usize> {
-        let (widths, depth) = self.widths();
-        Mlp::<f32, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
-    }
-
-    /// Whether only zeros follow the first 0 of the widths.
-    pub(super) fn is_valid(&self) -> bool {
-        let (_, depth) = self.widths();
-        self.widths.iter().skip(depth).all(|w| *w == 0)
-    }
-
-    /// Whether it takes and gives so many numbers.
-    pub(super) fn serves(&self, inputs: usize, outputs: usize) -> bool {
-        usize::from(self.inputs) == inputs && usize::from(self.outputs) == outputs
-    }
-}
 
 /// A network with the place of its first number in the weight block.
 #[derive(Clone, Copy, Debug)]
-pub struct PlacedNetwork<'a, W, const L: usize> {
+pub struct PlacedNetwork<'a, W, const H: usize, const L: usize> {
     /// The network.
-    pub network: Mlp<'a, W, L>,
+    pub network: Mlp<'a, W, H, L>,
     /// Its first number in the weight block.
     pub start: usize,
 }
 
-/// Called with the start of the layer in the weight block, the layer, its inputs and the adjoint of its outputs.
+/// Visitor of the layers in an adjoint pass, last to first: gets the place of the layer in the weight block, the layer, its
+/// inputs, and the adjoint of its outputs.
 pub(super) trait Visit<W, S, const T: usize> {
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, T>], y_bar: &[Jet<S, T>]);
 }
 
-/// Nobody wants the derivatives in the weights.
+/// Visitor that leaves the derivatives in the weights out.
 pub(super) struct Ignore;
 
 impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
@@ -74,60 +27,49 @@ impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
     fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
 }
 
-/// Passes the derivative in every weight of the energy's tangent to `row`, times −1.
-pub(super) struct Rows<R>(pub R);
+/// Visitor that gives its closure, for every weight, the position and the derivative in it of ȳ·y's tangent.
+pub(super) struct WeightTangents<R>(pub R);
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for Rows<R> {
+impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
-        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, -value));
+        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, value));
     }
 }
 
-impl<'a, W: Stored, const L: usize> PlacedNetwork<'a, W, L> {
-    /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before; counts on.
+impl<'a, W: Stored, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
+    /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before, and counts `start` on.
     /// `None` where the block is too short, or the network has more than `L` hidden layers or `H` units in one.
-    pub(super) fn take<const H: usize>(
-        block: &mut &'a [W],
-        start: &mut usize,
-        shape: &NetworkShape,
-    ) -> Option<Self> {
+    pub(super) fn take(block: &mut &'a [W], start: &mut usize, shape: &NetworkShape) -> Option<Self> {
+        shape.check_size::<H, L>().ok()?;
         let (widths, depth) = shape.widths();
         let widths = widths.get(..depth)?;
-        if widths.iter().any(|width| *width > H) {
-            return None;
-        }
         let network = Mlp::take(block, shape.inputs.into(), widths, shape.outputs.into(), shape.activation)?;
-        let part = Self { network, start: *start };
+        let placed = Self { network, start: *start };
         *start += network.len();
-        Some(part)
+        Some(placed)
     }
 
     /// U(x) alone, of a network with one output.
-    pub(super) fn energy<S: Scalar<Weight = W::Wide>, const H: usize>(&self, x: &[Jet<S, 0>]) -> S {
+    pub(super) fn energy<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 0>]) -> S {
         let mut y = [Jet::zero(); 1];
-        self.network.evaluate::<S, 0, H>(x, &mut y);
+        self.network.evaluate::<S, 0>(x, &mut y);
         y[0].value
     }
 
     /// U(x) with its tangents, and `weight` times its gradient with the gradient's tangents, of a network with one output.
-    pub(super) fn differentiate<
-        S: Scalar<Weight = W::Wide>,
-        const T: usize,
-        const I: usize,
-        const H: usize,
-    >(
+    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize, const I: usize>(
         &self,
         x: &[Jet<S, T>; I],
         weight: S,
         visit: &mut impl Visit<W, S, T>,
     ) -> (Jet<S, T>, [Jet<S, T>; I]) {
         let (mut y, mut x_bar) = ([Jet::zero(); 1], [Jet::zero(); I]);
-        self.pull_back::<S, T, H, _, _>((x, &mut x_bar), &mut y, visit, |_, _| [Jet::constant(weight)]);
+        self.pull_back::<S, T, _, _>((x, &mut x_bar), &mut y, visit, |_, _| [Jet::constant(weight)]);
         (y[0], x_bar)
     }
 
-    /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents, ȳ = `bar(y)`; both get `visit`.
-    pub(super) fn pull_back<S, const T: usize, const H: usize, V, B>(
+    /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents, where ȳ = `bar(y, visit)`; `x_bar` may be empty.
+    pub(super) fn pull_back<S, const T: usize, V, B>(
         &self,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),
         y: &mut [Jet<S, T>],
@@ -150,14 +92,14 @@ impl<'a, W: Stored, const L: usize> PlacedNetwork<'a, W, L> {
 
     /// Visits the derivatives in the weights of Σ_k ȳ⁽ᵏ⁾y⁽ᵏ⁾, k = 0 … 2, along a curve of inputs; `x_bar` gets the adjoint
     /// of its inputs, or is empty.
-    pub(super) fn series_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
+    pub(super) fn series_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         (x, x_bar): (&[Jet<S, 2>], &mut [Jet<S, 2>]),
         y_bar: &[Jet<S, 2>],
         row: &mut impl FnMut(usize, S),
     ) {
         let mut end = self.start + self.network.len();
-        self.network.series_adjoints::<S, H>(x, y_bar, |layer, x, bar| {
+        self.network.series_adjoints::<S>(x, y_bar, |layer, x, bar| {
             end -= layer.len();
             layer.series_gradient(x, bar, |i, value| row(end + i, value));
             if end == self.start {

@@ -1,7 +1,7 @@
 //! Exact mechanisms whose inertia and potential are sums of cosines of the coordinates: M_ij = Σ c cos(k·q),
 //! V = Σ c cos(k·q). They are references for tests, ground truth for data, and plants for the firmware loop.
 
-use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
 use crate::linear::{dot, multiply};
 use crate::scalar::{Real, Scalar};
 
@@ -128,13 +128,8 @@ impl<S: Scalar, const N: usize> Lagrangian<S, N> for Trigonometric<'_, N> {
     }
 
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
-        let Dynamics { l_q, l_v, .. } = self.dynamics(q, v);
+        let Hessian { l_q, l_v, .. } = self.hessian(q, v);
         Gradient { l_q, l_v }
-    }
-
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
-        let Hessian { l_q, l_v, l_vq, l_vv, .. } = self.hessian(q, v);
-        Dynamics { mass: l_vv, l_q, l_v, l_vq_v: multiply(&l_vq, v) }
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {

@@ -46,8 +46,9 @@ impl<R: Real, const N: usize> Actuator<R, N> {
 
     /// The force over the step that begins when `u` is commanded, `before` having been commanded one step earlier, both held.
     ///
-    /// It jumps at t + d. The step sees the linear force of the same impulse ∫τ dt and moment ∫tτ dt, whose error in the path
-    /// is that of the step itself.
+    /// It jumps at t + d. The step sees the linear force of the same impulse ∫τ dt and moment ∫tτ dt. For a smooth command this
+    /// keeps order 2; a step of order 4 keeps order 3 (4 without a jump inside the step), and 2 under a law that is nonlinear
+    /// in τ, such as friction that grows with the load. Where that matters, take two steps, of d and of h − d.
     pub fn held(&self, before: &[R; N], u: &[R; N]) -> Control<R, N> {
         let (early, late) = (self.output(before), self.output(u));
         let d = self.delay;
@@ -59,7 +60,8 @@ impl<R: Real, const N: usize> Actuator<R, N> {
     }
 
     /// The force over the step between two samples `start` and `end`, `before` being the one before them, linear between
-    /// samples. As for [`Actuator::held`] the bend at t + d is replaced by the same impulse and moment.
+    /// samples. As for [`Actuator::held`] the bend at t + d is replaced by the same impulse and moment, which
+    /// keeps orders 2 and 4 for a smooth command.
     pub fn linear(&self, before: &[R; N], start: &[R; N], end: &[R; N]) -> Control<R, N> {
         let [before, start, end] = [before, start, end].map(|u| self.output(u));
         let (d, late) = (self.delay, R::one() - self.delay);

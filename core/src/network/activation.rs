@@ -1,4 +1,5 @@
 use super::Jet;
+use crate::expected::expected;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +93,7 @@ impl Activation {
         for units in units.chunks_mut(BLOCK) {
             z.iter_mut().zip(units.iter()).for_each(|(z, unit)| *z = unit.value);
             let Curve { value, slope, curvature } = &mut c;
-            self.curves(z.get(..units.len()).unwrap_or(&z), [value, slope, curvature]);
+            self.curves(expected(z.get(..units.len()), &z), [value, slope, curvature]);
             for (((unit, value), slope), curvature) in
                 units.iter_mut().zip(c.value).zip(c.slope).zip(c.curvature)
             {
@@ -115,13 +116,13 @@ impl Activation {
     }
 }
 
-/// Units that σ is applied to side by side.
+/// Number of units that σ is applied to side by side.
 const BLOCK: usize = 8;
 
 #[inline(always)]
 fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curvature]: [&mut [S]; 3]) {
-    // A full block has a length that the compiler knows, and workspaces of its own that nothing else can lie in: it becomes vectors. Where
-    // code is dear, one loop serves all.
+    // A full block has a length that the compiler knows and arrays of its own, so it becomes vector instructions. Where
+    // code size matters more, one loop serves all lengths.
     if !S::COMPONENTWISE
         && let Ok(z) = <&[S; BLOCK]>::try_from(z)
     {

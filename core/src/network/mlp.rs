@@ -2,10 +2,10 @@ use super::{Activation, Dense, Jet, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-/// A multilayer perceptron over borrowed weights: up to `L` hidden layers, each followed by the activation, and a linear
-/// output layer.
+/// A multilayer perceptron over borrowed weights: up to `L` hidden layers of up to `H` units, each followed by the activation,
+/// and a linear output layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Mlp<'a, W, const L: usize> {
+pub struct Mlp<'a, W, const H: usize, const L: usize> {
     hidden: [Option<Dense<'a, W>>; L],
     output: Dense<'a, W>,
     activation: Activation,
@@ -25,9 +25,9 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape
     }
 }
 
-impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
+impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` where the
-    /// block is too short or there are more than `L` hidden layers.
+    /// block is too short, there are more than `L` hidden layers, or one has more than `H` units.
     pub fn take(
         block: &mut &'a [W],
         inputs: usize,
@@ -37,7 +37,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     ) -> Option<Self> {
         let mut hidden = [None; L];
         let mut fan_in = inputs;
-        if widths.len() > L {
+        if widths.len() > L || widths.iter().any(|width| *width > H) {
             return None;
         }
         for (layer, width) in hidden.iter_mut().zip(widths) {
@@ -101,7 +101,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
 
     /// y(x) and its tangents along those of x; records on `tape` what [`Mlp::adjoint`] needs.
     #[inline]
-    pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         tape: &mut Tape<S, T, H, L>,
@@ -121,7 +121,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
 
     /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
     #[inline]
-    pub fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
@@ -141,7 +141,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     ///
     /// `A` ≤ `T` tangents are carried (0: a plain gradient).
     #[inline]
-    pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
+    pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         tape: &Tape<S, T, H, L>,
         y_bar: &[Jet<S, A>],
@@ -157,7 +157,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the forward pass
     /// was given.
     #[inline]
-    pub fn layer_adjoints<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
+    pub fn layer_adjoints<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         tape: &Tape<S, T, H, L>,
         x: &[Jet<S, T>],
@@ -169,12 +169,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
 
     /// [`Mlp::adjoint`] and [`Mlp::layer_adjoints`] in one pass.
     #[inline]
-    pub fn adjoint_with_layers<
-        S: Scalar<Weight = W::Wide>,
-        const T: usize,
-        const A: usize,
-        const H: usize,
-    >(
+    pub fn adjoint_with_layers<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         tape: &Tape<S, T, H, L>,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, A>]),
@@ -192,7 +187,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     /// Carries the adjoint down to the outputs of the first layer. `visit` gets each layer, the units below it on the tape
     /// (none below the first) and the adjoint of its outputs.
     #[inline(always)]
-    fn backward<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
+    fn backward<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         tape: &Tape<S, T, H, L>,
         y_bar: &[Jet<S, A>],

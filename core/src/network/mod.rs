@@ -17,13 +17,11 @@ pub use jet::Jet;
 pub use mlp::{Mlp, Tape};
 pub use second_order::SecondOrderTape;
 
-/// The first `n` places of a layer's workspace, each written before it is read: workspace that is not used costs no time.
-///
-/// Nothing where the workspace is too small; shapes are checked when a model is read.
+/// The first `n` ≤ `H` places of a layer's workspace, filled: places beyond cost no time. [`Mlp::take`] refuses wider layers.
 #[inline(always)]
 fn sized<T: Copy, const H: usize>(workspace: &mut Vec<T, H>, n: usize, fill: T) -> &mut [T] {
     workspace.clear();
-    // An error leaves it empty.
-    let _: Result<(), _> = workspace.resize(n, fill);
+    let resized = workspace.resize(n, fill);
+    debug_assert!(resized.is_ok(), "a layer of {n} units in a network of at most {H}");
     workspace
 }

@@ -1,12 +1,11 @@
-//! How a network tape: first and second derivatives in its inputs from one pass forward with tangents and one plain pass
-//! back.
+//! First and second derivatives of a network in its inputs, from one forward pass with tangents and one adjoint pass without.
 
 use super::{Jet, Mlp, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-/// What a pass forward leaves of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
-/// up to `H`. Half of what a [`Tape`](super::Tape) with tangents takes.
+/// What the forward pass records of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
+/// up to `H`. It takes half the memory of a [`Tape`](super::Tape) with tangents.
 #[derive(Clone, Debug)]
 pub struct SecondOrderTape<S, const T: usize, const H: usize, const L: usize> {
     /// σ′ with ż.
@@ -24,10 +23,10 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Seco
     }
 }
 
-impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
+impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y(x) and its tangents along those of x; records what [`Mlp::second_order`] needs.
     #[inline]
-    pub fn forward_second_order<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn forward_second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         tape: &mut SecondOrderTape<S, T, H, L>,
@@ -40,7 +39,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
             let width = layer.outputs();
             let z = sized(slopes, width, Jet::zero());
             layer.forward_of::<S, T, H>(input, z);
-            // The layer has read its input: the workspace may take its output.
+            // The layer has read its input, which the workspace held: its output may replace it.
             let units = sized(&mut workspace, width, Jet::zero());
             let mut places = units.iter_mut().zip(sized(curvatures, width, S::zero()));
             self.activation().visit(z, |z, c| {
@@ -57,7 +56,7 @@ impl<'a, W: Stored, const L: usize> Mlp<'a, W, L> {
     /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
     /// along straight lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
     #[inline]
-    pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         tape: &SecondOrderTape<S, T, H, L>,
         y_bar: &[Jet<S, 0>],

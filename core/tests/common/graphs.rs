@@ -4,6 +4,7 @@ use super::Random;
 use super::oracle::Learned;
 use super::shapes::naive_network;
 use super::trees::network;
+use leastaction_core::energy::List;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, Fixed, Graph, GraphShape, Kinetic, MessageShape, NodeShape,
     Potential, Separation, Types,
@@ -36,11 +37,11 @@ impl<const D: usize> Model<D> {
     pub fn new(shape: GraphShape, nodes: &[u8], edges: &[Edge], seed: u64) -> Self {
         let mut weights = Random(seed).vector(shape.parameters().unwrap(), 0.8);
         let start = weights.len() - shape.all_numbers();
-        for numbers in weights[start..].chunks_exact_mut(shape.numbers()).take(shape.nodes().count()) {
+        for numbers in weights[start..].chunks_exact_mut(shape.numbers()).take(shape.nodes.len()) {
             numbers[..2].iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
         }
         // Squares of squares of distances would drown all other terms.
-        let laws = weights.len() - EDGE_NUMBERS * shape.edges().count();
+        let laws = weights.len() - EDGE_NUMBERS * shape.edges.len();
         weights[laws..].iter_mut().for_each(|x| *x *= 0.01);
         Self { shape, nodes: nodes.to_vec(), edges: edges.to_vec(), weights }
     }
@@ -61,8 +62,8 @@ impl<const D: usize> Model<D> {
     }
 
     fn run(&self, network: u8, x: Vec<f64>) -> Vec<f64> {
-        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
-        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let before = self.shape.networks.iter().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks.get(network).unwrap();
         let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
         naive_network(&self.weights[before..], x, widths, shape.activation, shape.outputs.into())
     }
@@ -79,7 +80,7 @@ impl<const D: usize> Model<D> {
     pub fn naive_kinetic(&self, kind: u8, v: &[f64; D]) -> f64 {
         let (mass, _, _, embedding, _) = self.numbers(kind);
         let square = v.iter().map(|v| v * v).sum();
-        match self.shape.nodes[usize::from(kind)].unwrap().kinetic {
+        match self.shape.nodes.get(usize::from(kind)).unwrap().kinetic {
             Kinetic::Mass => 0.5 * mass * square,
             Kinetic::Network(network) => self.run(network, [embedding, &[square]].concat())[0],
         }
@@ -87,7 +88,7 @@ impl<const D: usize> Model<D> {
 
     pub fn naive_drag(&self, kind: u8, v: f64) -> f64 {
         let viscous = -self.numbers(kind).1 * v;
-        match self.shape.nodes[usize::from(kind)].unwrap().drag {
+        match self.shape.nodes.get(usize::from(kind)).unwrap().drag {
             Drag::None => 0.0,
             Drag::Viscous => viscous,
             Drag::Network(network) => viscous - self.run(network, vec![v])[0].abs() * v,
@@ -97,7 +98,7 @@ impl<const D: usize> Model<D> {
     fn naive_node(&self, kind: u8, x: &[f64; D]) -> f64 {
         let (_, _, field, _, embedding) = self.numbers(kind);
         let uniform: f64 = field.iter().zip(x).map(|(g, x)| g * x).sum();
-        match self.shape.nodes[usize::from(kind)].unwrap().potential {
+        match self.shape.nodes.get(usize::from(kind)).unwrap().potential {
             Potential::None => 0.0,
             Potential::Uniform => uniform,
             Potential::Network(network) => uniform + self.run(network, [embedding, x].concat())[0],
@@ -107,14 +108,14 @@ impl<const D: usize> Model<D> {
     pub fn naive_potential(&self, q: &[[f64; D]]) -> f64 {
         let nodes: f64 = self.nodes.iter().zip(q).map(|(kind, x)| self.naive_node(*kind, x)).sum();
         let pair = |edge: &Edge| {
-            let shape = self.shape.edges[usize::from(edge.kind)].unwrap();
+            let shape = self.shape.edges.get(usize::from(edge.kind)).unwrap();
             let [a, b] = edge.ends.map(|end| q[usize::from(end)]);
             let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
             let seen = match shape.separation {
                 Separation::Distance => square.sqrt(),
                 Separation::Squared => square,
             };
-            let start = self.weights.len() - 2 * (self.shape.edges().count() - usize::from(edge.kind));
+            let start = self.weights.len() - 2 * (self.shape.edges.len() - usize::from(edge.kind));
             let law = self.weights[start] * seen + self.weights[start + 1] * seen * seen;
             law + shape.potential.map_or(0.0, |network| self.run(network, vec![seen])[0])
         };
@@ -131,7 +132,7 @@ impl<const D: usize> Model<D> {
             })
         };
         let embed = |kind: u8, [a, b]: [usize; 2]| {
-            let shape = self.shape.edges[usize::from(kind)].unwrap();
+            let shape = self.shape.edges.get(usize::from(kind)).unwrap();
             let square: f64 = q[a].iter().zip(&q[b]).map(|(a, b)| (a - b).powi(2)).sum();
             let seen = if shape.separation == Separation::Distance { square.sqrt() } else { square };
             self.run(shape.embedding.unwrap(), vec![seen])
@@ -219,9 +220,9 @@ pub fn with_messages(dimension: u8) -> GraphShape {
         network(3, &[4], 1, Activation::Tanh),
         network(2, &[3], 1, Activation::Tanh),
     ];
-    let networks: Vec<_> = shape.networks().copied().chain(messaging).collect();
-    let edges: Vec<_> = shape.edges().map(|edge| EdgeShape { embedding: Some(5), ..*edge }).collect();
-    let nodes: Vec<_> = shape.nodes().copied().collect();
+    let networks: Vec<_> = shape.networks.iter().copied().chain(messaging).collect();
+    let edges: Vec<_> = shape.edges.iter().map(|edge| EdgeShape { embedding: Some(5), ..*edge }).collect();
+    let nodes: Vec<_> = shape.nodes.iter().copied().collect();
     let messages = MessageShape { message: 6, update: 7, edge_potential: Some(8), node_potential: Some(9) };
     GraphShape {
         kinetic_embedding: shape.kinetic_embedding,
@@ -241,7 +242,7 @@ pub fn talking() -> Model<2> {
 pub fn alike() -> Model<2> {
     let shape = with_messages(2);
     let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::Network(1), drag: Drag::None };
-    let nodes = core::array::from_fn(|kind| (kind == 0).then_some(node));
+    let nodes = List::new(&[node]).expect("one type");
     Model::new(GraphShape { nodes, ..shape }, &[0; 4], &talking().edges, 6)
 }
 

@@ -25,6 +25,8 @@ pub struct Tree<const N: usize> {
     pub shape: ModularShape,
     pub nodes: Vec<TreeElement>,
     pub weights: Vec<f64>,
+    /// Of each type.
+    pub damping: Vec<f64>,
 }
 
 pub fn network(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> NetworkShape {
@@ -37,14 +39,16 @@ pub fn node(kind: u8, parent: Option<u8>) -> TreeElement {
 
 impl<const N: usize> Tree<N> {
     pub fn new(shape: ModularShape, nodes: &[TreeElement], seed: u64) -> Self {
-        let mut random = Random(seed);
-        let mut weights = random.vector(shape.parameters().unwrap(), 0.8);
-        let kinds = shape.types().count();
-        let start = weights.len() - 2 - ELEMENT_PARAMETERS * kinds;
-        for numbers in weights[start..start + ELEMENT_PARAMETERS * kinds].chunks_mut(ELEMENT_PARAMETERS) {
-            numbers.iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
+        let (mut random, kinds) = (Random(seed), shape.types.len());
+        let networks = shape.parameters().unwrap() - ELEMENT_PARAMETERS * kinds - 2;
+        let mut weights = random.vector(networks, 0.8);
+        let mut damping = Vec::new();
+        for _ in 0..kinds {
+            weights.extend(random.array::<ELEMENT_PARAMETERS>(0.8).map(|x| 1.0 + 0.5 * x));
+            damping.push(1.0 + 0.5 * random.symmetric(0.8));
         }
-        Self { shape, nodes: nodes.to_vec(), weights }
+        weights.extend(random.array::<2>(0.8));
+        Self { shape, nodes: nodes.to_vec(), weights, damping }
     }
 
     /// The tree over a weight block of any type, of this shape.
@@ -58,7 +62,8 @@ impl<const N: usize> Tree<N> {
     /// The tree with the damping of its elements.
     pub fn damped<'a, S: Scalar>(&self, weights: &'a [S::Weight]) -> Damped<'a, S, N> {
         let lagrangian = self.over(weights);
-        System { forces: Viscous { coefficients: lagrangian.damping() }, lagrangian }
+        let coefficients = lagrangian.tree.kinds().map(|kind| S::constant(self.damping[usize::from(kind)]));
+        System { lagrangian, forces: Viscous { coefficients } }
     }
 
     pub fn in_f64(&self) -> Modular<'_, f64, N, KINDS, WIDTH, DEPTH> {
@@ -77,20 +82,18 @@ impl<const N: usize> Tree<N> {
 
     /// Gives all types this damping coefficient.
     pub fn set_damping(&mut self, damping: f64) {
-        let end = self.weights.len() - 2;
-        let numbers = &mut self.weights[end - ELEMENT_PARAMETERS * self.shape.types().count()..end];
-        numbers.chunks_mut(ELEMENT_PARAMETERS).for_each(|numbers| numbers[4] = damping);
+        self.damping.fill(damping);
     }
 
     fn numbers(&self, kind: u8) -> [f64; ELEMENT_PARAMETERS] {
         let start =
-            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types().count() - usize::from(kind));
+            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types.len() - usize::from(kind));
         self.weights[start..start + ELEMENT_PARAMETERS].try_into().unwrap()
     }
 
     fn run(&self, network: u8, x: &[f64]) -> Vec<f64> {
-        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
-        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let before = self.shape.networks.iter().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks.get(network).unwrap();
         let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
         let outputs = shape.outputs.into();
         naive_network(&self.weights[before..], x.to_vec(), widths, shape.activation, outputs)
@@ -99,10 +102,10 @@ impl<const N: usize> Tree<N> {
     /// What an element's coordinates add to positions.
     fn displacement(&self, kind: u8, q: &[f64]) -> [f64; 2] {
         let run = |network, x: &[f64]| <[f64; 2]>::try_from(self.run(network, x)).unwrap();
-        match self.shape.types[usize::from(kind)].unwrap().transform {
+        match self.shape.types.get(usize::from(kind)).unwrap().transform {
             TransformShape::Network { position, input, .. } => run(position, &features(input, q[0])),
             TransformShape::Rod => {
-                let [_, _, _, length, _] = self.numbers(kind);
+                let [_, _, _, length] = self.numbers(kind);
                 [length * q[0].sin(), -length * q[0].cos()]
             }
             TransformShape::Slide => [q[0], 0.0],
@@ -114,7 +117,7 @@ impl<const N: usize> Tree<N> {
     fn speed(&self, kind: u8, q: &[f64], v: &[f64]) -> [f64; 2] {
         const STEP: f64 = 1e-5;
         if let TransformShape::Network { velocity: Some(network), input, .. } =
-            self.shape.types[usize::from(kind)].unwrap().transform
+            self.shape.types.get(usize::from(kind)).unwrap().transform
         {
             let g = self.run(network, &features(input, q[0]));
             return [g[0] * v[0], g[1] * v[0]];
@@ -168,8 +171,8 @@ impl<const N: usize> Learned<N> for Tree<N> {
         let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
         let [c1, c2] = self.weights[self.weights.len() - 2..].try_into().unwrap();
         for TreeElement { kind, parent } in &self.nodes {
-            let shape = self.shape.types[usize::from(*kind)].unwrap();
-            let [mass, inertia, centre, _, _] = self.numbers(*kind);
+            let shape = self.shape.types.get(usize::from(*kind)).unwrap();
+            let [mass, inertia, centre, _] = self.numbers(*kind);
             let range = first..first + shape.coordinates();
             let (own, speed) = (
                 self.displacement(*kind, &q[range.clone()]),
@@ -282,10 +285,10 @@ fn mechanism<const N: usize>(learned: bool, nodes: &[TreeElement]) -> Tree<N> {
     ];
     let hidden = [EPSILON, 0.0, 0.0, EPSILON, 0.0, 0.0];
     let output = [0.0, 1.0 / EPSILON, -1.0 / EPSILON, 0.0, 0.0, 0.0];
-    let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.0]);
+    let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 2.0, 0.0, 1.0, 1.0]);
     let weights = [&hidden[..], &output, &gravity, &numbers, &[1.0, 0.0]].concat();
     let shape = ModularShape::new(&networks, &types, None).expect("few parts");
-    Tree { shape, nodes: nodes.to_vec(), weights }
+    Tree { shape, nodes: nodes.to_vec(), weights, damping: vec![0.0; 2] }
 }
 
 pub fn double_pendulum(learned: bool) -> Tree<2> {

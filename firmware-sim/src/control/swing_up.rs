@@ -3,7 +3,7 @@ use crate::angle::difference;
 use crate::error::{SetupError, require};
 use crate::tick::Mode;
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::linear::Singular;
+use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
 /// When the regulator takes over from the pump, and when it gives up.
@@ -74,7 +74,7 @@ impl<M, P: Pump<M, N>, const N: usize> Controller<M, N> for SwingUp<P, N> {
         model: &M,
         _: f32,
         state: &ContinuousState<f32, N>,
-    ) -> Result<Command<N>, Singular> {
+    ) -> Result<Command<N>, StepError<f32>> {
         let force = self.regulator.force(state, &self.angle);
         self.holding = self.holds(state, force);
         if !self.holding {

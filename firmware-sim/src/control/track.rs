@@ -6,7 +6,7 @@ use crate::tick::Mode;
 use crate::wire::array;
 use core::f32::consts::TAU;
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::linear::Singular;
+use leastaction_core::discrete::StepError;
 use leastaction_core::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -113,7 +113,7 @@ impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
         model: &M,
         t: f32,
         state: &ContinuousState<f32, N>,
-    ) -> Result<Command<N>, Singular> {
+    ) -> Result<Command<N>, StepError<f32>> {
         let t = t + self.delay;
         let (now, middle) = (self.reference.at(t), self.reference.at(t + self.middle));
         let error = difference(&state.q, &now.q, &self.angle);

@@ -13,5 +13,5 @@ pub use frame::{Broken, Frame, MAX_FRAME, Receiver};
 pub use message::{
     Answer, Done, MAX_COORDINATES, Request, Samples, VERSION, answer, parse_answer, parse_request, request,
 };
-pub use refusal::{ModelFault, ProgramFault, Refusal};
+pub use refusal::{ModelRefusal, ProgramFault, Refusal};
 pub use serve::{Port, serve};

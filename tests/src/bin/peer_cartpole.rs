@@ -82,12 +82,10 @@ fn panels(mut numbers: &[f32]) -> Option<Vec<f32>> {
 }
 
 fn system(mut block: &[f32]) -> Option<CartPole<'_>> {
-    let shape = RigidShape {
-        coordinates: [Coordinate::Translation, Coordinate::Angle],
-        widths: &SIZES[1..3],
-        activation: Activation::Tanh,
-        inertia: Inertia::Cholesky { epsilon: 1e-9 },
-    };
+    let coordinates = [Coordinate::Translation, Coordinate::Angle];
+    let widths = [SIZES[1] as u16, SIZES[2] as u16];
+    let inertia = Inertia::Cholesky { epsilon: 1e-9 };
+    let shape = RigidShape::new(coordinates, &widths, Activation::Tanh, inertia)?;
     Rigid::take(&mut block, &shape).map(System::conservative)
 }
 

@@ -165,7 +165,7 @@ pub(super) struct InputsBar<S, const T: usize> {
 
 /// A network with the end of its weights in the block.
 pub(super) struct Placed<'w> {
-    mlp: Mlp<'w, f64, DEPTH>,
+    mlp: Mlp<'w, f64, MAX_WIDTH, DEPTH>,
     end: usize,
 }
 

@@ -7,7 +7,9 @@ use clap::{Args, Subcommand, ValueEnum};
 use leastaction::ground_truth::{ManyBody, Mechanism};
 use leastaction::import::{self, Imported};
 use leastaction::{atomic, model_file};
+use leastaction_core::discrete::Order;
 use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::TrainedStep;
 use serde::Serialize;
 use std::fmt;
@@ -143,7 +145,7 @@ impl Symo {
         let imported =
             import::symo(&bytes, &coordinates).map_err(|error| Failure::input(&self.file, error))?;
         let step = self.h.or(self.system.map(|system| system.step() as f32)).filter(|_| imported.discrete);
-        let trained_step = step.map(|h| TrainedStep { order: 2, h });
+        let trained_step = step.map(|h| TrainedStep { order: Order::Two, h, control: ControlKind::Linear });
         Files { from: &self.file, to: self.output }.write(&imported, trained_step, "SyMo", output)
     }
 

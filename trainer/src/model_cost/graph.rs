@@ -13,7 +13,7 @@ pub(super) const COMPOSED: usize = 5;
 pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError> {
     let graph = architecture.graph()?;
     let shape = &architecture.shape;
-    let networks = || shape.networks().map(|network| network.widths());
+    let networks = || shape.networks.iter().map(|network| network.widths());
     let widest = networks().flat_map(|(widths, _)| widths).max().unwrap_or(0);
     let depth = networks().map(|(_, depth)| depth).max().unwrap_or(0);
     let stack_bytes = tape::<1, 1>(widest, depth);
@@ -30,7 +30,7 @@ pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError>
         state_bytes: size_of::<f32>() * numbers,
         // The shape, the networks' layers, and the edges, which are read into RAM.
         handle_bytes: size_of::<GraphShape>()
-            + shape.networks().count() * (depth + 1) * LAYER
+            + shape.networks.len() * (depth + 1) * LAYER
             + size_of::<Edge>() * graph.edges.len()
             + 8 * WORD,
         acceleration: Work { multiply_adds: forces, stack_bytes },
@@ -61,8 +61,8 @@ struct Forces {
 
 impl Forces {
     fn of(shape: &GraphShape, nodes: &[u8], edges: &[Edge]) -> Self {
-        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
-        let kinds = || nodes.iter().filter_map(|kind| shape.nodes().nth((*kind).into()));
+        let weights = |network: u8| shape.networks.get(network).map_or(0, network_weights);
+        let kinds = || nodes.iter().filter_map(|kind| shape.nodes.get(*kind));
         let potential = |kind: &NodeShape| match kind.potential {
             Potential::Network(network) => weights(network),
             Potential::None | Potential::Uniform => 0,
@@ -71,7 +71,7 @@ impl Forces {
             Kinetic::Network(network) => weights(network),
             Kinetic::Mass => 0,
         };
-        let joined = || edges.iter().filter_map(|edge| shape.edges().nth(edge.kind.into()));
+        let joined = || edges.iter().filter_map(|edge| shape.edges.get(edge.kind));
         let pairs = joined().flat_map(|kind| [kind.potential, kind.embedding]).flatten();
         let messages = shape.messages.map_or(0, |messages| {
             let an_edge = 2 * weights(messages.message)

@@ -45,7 +45,7 @@ pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evalua
 const H: f64 = 0.01;
 
 fn newton() -> Newton<Real> {
-    Newton { max_iterations: 2, max_jacobians: 1, stop: Counted(0.0), accept: Counted(f64::INFINITY) }
+    Newton { max_iterations: 2, stop: Counted(0.0), accept: Counted(f64::INFINITY) }
 }
 
 impl HostScalar for Real {

@@ -13,7 +13,7 @@ use crate::dual::Dual;
 use leastaction_core::discrete::StepError;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::{Matrix, Singular, add_scaled, dot, multiply, solve, solve_many, transpose};
+use leastaction_core::linear::{Matrix, SolveError, add_scaled, dot, multiply, solve, solve_many, transpose};
 use leastaction_core::scalar::{LANES, Lanes, Scalar};
 use serde::{Deserialize, Serialize};
 
@@ -66,8 +66,8 @@ impl From<StepError<f64>> for Failed {
     }
 }
 
-impl From<Singular> for Failed {
-    fn from(_: Singular) -> Self {
+impl From<SolveError> for Failed {
+    fn from(_: SolveError) -> Self {
         Self
     }
 }

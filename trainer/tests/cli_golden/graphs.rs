@@ -2,6 +2,7 @@
 //!
 //! an example
 
+use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::{GraphModel, ModelError};
 
@@ -10,7 +11,7 @@ pub const N: usize = 4;
 /// Units of the widest hidden layer.
 pub const H: usize = 3;
 /// Hidden layers.
-pub const D: usize = 1;
+pub const L: usize = 1;
 /// Dimensions of space.
 pub const DIMENSION: usize = 2;
 /// Networks.
@@ -19,15 +20,19 @@ pub const K: usize = 2;
 pub const GRAPH: &str = "pair";
 /// Its edges.
 pub const EDGES: usize = 1;
+/// Its rods.
+pub const RODS: usize = 0;
 /// All graphs in the file, their nodes and edges.
 pub const GRAPHS: [(&str, usize, usize); 2] = [("pair", 2, 1), ("three", 3, 2)];
 
+/// A rod, as the solvers see it.
+pub type Rod = Holonomic<f32, DIMENSION>;
 /// The loaded model, whose list of edges lives as long.
-pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, D>;
+pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, L>;
 
 /// Validates the model, once; the weights stay where they are.
-pub fn load(edges: &mut [Edge; EDGES]) -> Result<Model<'_>, ModelError> {
-    Model::load(&FILE.0, GRAPH, edges)
+pub fn load<'a>(edges: &'a mut [Edge; EDGES], rods: &'a mut [Rod; RODS]) -> Result<Model<'a>, ModelError> {
+    Model::load(&FILE.0, GRAPH, edges, rods)
 }
 
 /// The file, at a multiple of 4 as the weights need it.

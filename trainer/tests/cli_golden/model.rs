@@ -11,10 +11,10 @@ pub const N: usize = 1;
 /// Units of the widest hidden layer.
 pub const H: usize = 3;
 /// Hidden layers.
-pub const D: usize = 2;
+pub const L: usize = 2;
 
 /// The loaded model.
-pub type Model = RigidModel<'static, N, H, D>;
+pub type Model = RigidModel<'static, N, H, L>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;

@@ -9,16 +9,16 @@ pub const N: usize = 2;
 /// Units of the widest hidden layer.
 pub const H: usize = 3;
 /// Hidden layers.
-pub const D: usize = 1;
+pub const L: usize = 1;
 /// Element types.
-pub const K: usize = 2;
+pub const E: usize = 2;
 /// The tree of elements.
 pub const TREE: &str = "double";
 /// All trees in the file, and their coordinates.
 pub const TREES: [(&str, usize); 2] = [("double", 2), ("crane", 3)];
 
 /// A tree of `M` coordinates.
-pub type Tree<const M: usize> = ModularModel<'static, M, K, H, D>;
+pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L>;
 /// The loaded model.
 pub type Model = Tree<N>;
 

@@ -3,6 +3,7 @@
 #![no_main]
 
 use core::hint::black_box;
+use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{Edge, Fixed, Graph, Member, Union, cutoff_edges};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::model::GraphModel;
@@ -42,12 +43,20 @@ fn fixed(graph: Graph<f32, 2, 6, 8, 2>) {
 
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
-    let mut edges = [Edge::default(); 8];
-    if let Ok(model) = GraphModel::<2, 6, 8, 2>::load(FLASH.bytes(), black_box("web"), &mut edges) {
-        all(&model.graph);
-        fixed(model.graph);
+    let (mut edges, mut rods) = ([Edge::default(); 8], [Holonomic::Held { node: 0, axis: 0, at: 0.0 }; 4]);
+    if let Ok(model) = GraphModel::<2, 6, 8, 2>::load(FLASH.bytes(), black_box("web"), &mut edges, &mut rods)
+    {
+        let graph = model.system.graph;
+        let _ = black_box((
+            model.rattle::<f32>(),
+            model.system.constrained().is_ok(),
+            model.range(),
+            model.actuator(),
+        ));
+        all(&graph);
+        fixed(graph);
         let nodes = black_box([0, 1, 2]);
-        let members = [Member { graph: model.graph, nodes: &nodes }; 2];
+        let members = [Member { graph, nodes: &nodes }; 2];
         if let Ok(union) = Union::new(&members, NODES) {
             all(&union);
         }

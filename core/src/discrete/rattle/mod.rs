@@ -45,21 +45,17 @@ impl<R: Real> Rattle<R> {
     /// quarter of ε): what it leaves of φ has one sign, and over 10⁶ steps in f32 that becomes a drift of the energy.
     pub fn new(h: R, order: Order) -> Self {
         let stop = R::EPSILON * R::constant(0.25);
-        Self::with_newton(
-            h,
-            order,
-            Newton { max_iterations: 12, max_jacobians: 12, stop, accept: R::EPSILON.sqrt() },
-        )
+        Self::with_newton(h, order, Newton { max_iterations: 12, stop, accept: R::EPSILON.sqrt() })
     }
 
-    /// An integrator with the caller's bounds of Newton's method; at least one update is taken. Residuals are relative: of
+    /// An integrator with the caller's bounds of Newton's method. Residuals are relative: of
     /// momenta to the terms they are sums of, of constraints, φ/h or A v, to the largest velocity.
-    pub fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
+    pub const fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
         Self { h, order, newton }
     }
 
     /// h, s.
-    pub fn h(&self) -> R {
+    pub const fn h(&self) -> R {
         self.h
     }
 
@@ -120,19 +116,11 @@ impl<R: Real> Rattle<R> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
-        let mut report = Report { iterations: 0, residual: R::zero() };
+        let mut report = Report::nothing();
         for h in self.order.substeps(self.h) {
             report = report.worse(solver.step(next, force, h)?);
         }
         Ok(report)
-    }
-}
-
-impl<R: Real> Report<R> {
-    /// The more iterations and the larger residual of two.
-    fn worse(self, other: Self) -> Self {
-        let residual = if other.residual > self.residual { other.residual } else { self.residual };
-        Self { iterations: self.iterations.max(other.iterations), residual }
     }
 }
 

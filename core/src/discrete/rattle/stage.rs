@@ -79,12 +79,7 @@ pub(super) fn size<R: Real, const D: usize>(x: &[R; D]) -> R {
     x.iter().fold(R::zero(), |sum, x| sum + x.abs())
 }
 
+#[inline(never)]
 pub(super) fn largest<R: Real, const D: usize>(x: &[[R; D]]) -> R {
     x.iter().fold(R::zero(), |largest, x| worse(largest, size(x)))
-}
-
-/// a relative to the size of its terms; 0 where all vanish.
-#[inline(always)]
-pub(super) fn relative<R: Real>(a: R, size: R) -> R {
-    a / (size + R::EPSILON * R::EPSILON * R::EPSILON)
 }

@@ -18,7 +18,7 @@ pub(super) const MAX_WIDTH: usize = 256;
 pub struct Cartesian<'w> {
     /// k of every node, kg.
     k: &'w [f64],
-    potential: Mlp<'w, f64, DEPTH>,
+    potential: Mlp<'w, f64, MAX_WIDTH, DEPTH>,
 }
 
 impl<'w> Cartesian<'w> {

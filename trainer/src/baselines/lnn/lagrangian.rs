@@ -12,7 +12,7 @@ pub(super) const DEPTH: usize = 2;
 #[derive(Clone, Copy, Debug)]
 pub struct LnnNetwork<'w, const H: usize> {
     coordinates: &'w str,
-    network: Mlp<'w, f64, DEPTH>,
+    network: Mlp<'w, f64, H, DEPTH>,
 }
 
 impl<'w, const H: usize> LnnNetwork<'w, H> {

@@ -10,7 +10,7 @@ use leastaction::model_file::HostModel;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_core::model::ModelError;
-use leastaction_firmware_sim::observer::{Order, OtherStep};
+use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on};
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary};
 use serde::Serialize;
@@ -65,10 +65,10 @@ impl Request<'_> {
         setup.seed = self.seed;
         setup.seconds = self.seconds.unwrap_or(setup.seconds);
         setup.tick = self.tick.unwrap_or(setup.tick);
-        let order = self.model.trained_step.and_then(|d| Order::from_number(d.order));
+        let order = self.model.facts.trained_step.map(|step| step.order);
         setup.observer.order = order.unwrap_or(setup.observer.order);
         setup.observer.other_step = OtherStep::Accepted;
-        if let Err(other) = setup.observer.require_step(setup.tick, self.model.trained_step) {
+        if let Err(other) = setup.observer.require_step(setup.tick, self.model.facts.trained_step) {
             Output { json: false }
                 .note(&format!("warning: the model is less accurate than it could be: {other}"));
         }

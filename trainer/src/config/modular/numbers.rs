@@ -1,12 +1,11 @@
 //! The numbers of element types.
 
 use super::{Problem, TransformKind, TypeConfig};
-use crate::architecture::Number;
+use crate::architecture::{Number, TYPE_NUMBERS};
 use crate::config::parts::{NumberConfig, Range};
-use leastaction_core::energy::modular::ELEMENT_PARAMETERS;
 
 /// A point of 1 kg at the end of whatever carries it.
-pub(super) const DEFAULTS: [Number; ELEMENT_PARAMETERS] =
+pub(super) const DEFAULTS: [Number; TYPE_NUMBERS] =
     [Number::known(1.0), Number::known(0.0), Number::known(1.0), Number::known(1.0), Number::known(0.0)];
 
 impl TypeConfig {
@@ -26,9 +25,9 @@ impl TypeConfig {
     pub(super) fn numbers(
         &self,
         transform: TransformKind,
-        defaults: [Number; ELEMENT_PARAMETERS],
-    ) -> Result<[Number; ELEMENT_PARAMETERS], (&'static str, Problem)> {
-        let rules: [(&'static str, bool, Range); ELEMENT_PARAMETERS] = [
+        defaults: [Number; TYPE_NUMBERS],
+    ) -> Result<[Number; TYPE_NUMBERS], (&'static str, Problem)> {
+        let rules: [(&'static str, bool, Range); TYPE_NUMBERS] = [
             ("mass", true, Range::ABOVE),
             ("inertia", transform.turns(), Range::NOT_BELOW),
             ("centre", true, Range::ANY),

@@ -13,6 +13,12 @@ use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::TrainedStep;
 
+/// How the model file stores its weights.
+#[cfg(not(feature = "half"))]
+type Weight = f32;
+#[cfg(feature = "half")]
+type Weight = leastaction_core::scalar::f16;
+
 const STEPS: usize = 200;
 
 /// FNV-1a over the bits of some numbers.
@@ -77,7 +83,7 @@ where
     L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
-    let bounded = Newton { max_iterations: 2, max_jacobians: 1, stop: 0.0, ..Newton::default() };
+    let bounded = Newton { max_iterations: 2, stop: 0.0, ..Newton::default() };
     let start = State::new(&system.lagrangian, q, v).map_err(words)?;
     run(system, &Del::<f32, P>::with_newton(h, bounded), start, hash)?;
     let del = Del::<f32, P>::new(h);
@@ -104,17 +110,15 @@ where
 
 #[cfg(not(any(feature = "modular", feature = "graph")))]
 fn trace_file(file: &[u8], _: &str) -> Result<u64, String> {
-    #[cfg(feature = "half")]
-    let model = leastaction_core::model::RigidModel::<N, H, L, _>::load_half(file).map_err(words)?;
-    #[cfg(not(feature = "half"))]
-    let model = leastaction_core::model::RigidModel::<N, H, L>::load(file).map_err(words)?;
+    let model = leastaction_core::model::RigidModel::<N, H, L, Weight>::load(file).map_err(words)?;
     trace(&model.system, model.trained_step)
 }
 
 #[cfg(feature = "modular")]
 fn trace_file(file: &[u8], name: &str) -> Result<u64, String> {
     use config::LEASTACTION_TYPES as K;
-    let model = leastaction_core::model::ModularModel::<N, K, H, L>::load(file, name).map_err(words)?;
+    let model =
+        leastaction_core::model::ModularModel::<N, K, H, L, Weight>::load(file, name).map_err(words)?;
     trace(&model.system, model.trained_step)
 }
 
@@ -124,8 +128,9 @@ fn trace_file(file: &[u8], name: &str) -> Result<u64, String> {
     use leastaction_core::energy::graph::{Edge, Fixed};
     let mut edges = [Edge::default(); EDGES];
     let model =
-        leastaction_core::model::GraphModel::<D, K, H, L>::load(file, name, &mut edges).map_err(words)?;
-    let fixed = Fixed::<_, D, K, H, L, N>::new(model.graph).map_err(words)?;
+        leastaction_core::model::GraphModel::<D, K, H, L, Weight>::load(file, name, &mut edges, &mut [])
+            .map_err(words)?;
+    let fixed = Fixed::<_, D, K, H, L, N>::new(model.system.graph).map_err(words)?;
     trace(&System { lagrangian: fixed, forces: fixed }, model.trained_step)
 }
 
