@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct Program<const N: usize> {
     /// The tick h > 0, s.
     pub tick: f32,
-    /// Which encoders read angles, and so forget whole turns.
+    /// Which encoders measure angles, and wrap their readings.
     #[serde(with = "array")]
     pub angle: [bool; N],
     /// The limits of the actuators; their delay is the observer's to know.

@@ -8,7 +8,7 @@ const BELOW_TURN: f32 = TURN.next_down();
 impl Scalar for f32 {
     type Weight = f32;
 
-    /// On controllers; a desk's processor has vector registers for several sums and their tangents.
+    /// True on controllers; the vector registers of larger processors hold several sums with their tangents.
     const COMPONENTWISE: bool = cfg!(target_pointer_width = "32");
 
     #[inline]

@@ -58,12 +58,12 @@ pub trait Scalar:
     /// −|x|.
     fn neg_abs(self) -> Self;
 
-    /// Whether a layer takes its tangents one after the other, by [`Scalar::accumulate`] and [`Scalar::transposed`], and not
-    /// side by side.
+    /// Whether a layer evaluates its tangents one after the other, with [`Scalar::accumulate`] and [`Scalar::transposed`],
+    /// instead of side by side.
     const COMPONENTWISE: bool = false;
 
-    /// Told of every component (0: the values, then the tangents) of vectors that a layer takes apart, before its loops: for
-    /// scalars that count what is done.
+    /// Called before the loops over each component of a layer's vectors (0: the values, then the tangents), for scalars that
+    /// count operations.
     #[inline(always)]
     fn component(_index: usize) {}
 

@@ -72,7 +72,7 @@ impl Frame {
         }
     }
 
-    /// The message that a document begins with, whatever follows.
+    /// The first message of a document, whatever follows it.
     pub(super) fn beginning<'a, T: Deserialize<'a>>(&'a self) -> Result<T, Broken> {
         postcard::take_from_bytes(self.document()?).map(|(message, _)| message).map_err(|_| Broken)
     }

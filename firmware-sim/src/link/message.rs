@@ -19,7 +19,7 @@ pub enum Request<const N: usize> {
     End,
 }
 
-/// What a tick begins with.
+/// What the firmware is told at the beginning of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Samples<const N: usize> {
     /// The number of the request; its answer has the same.

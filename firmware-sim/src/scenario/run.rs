@@ -124,7 +124,7 @@ impl<E: fmt::Display> fmt::Display for RunError<E> {
 
 impl<E: core::error::Error> core::error::Error for RunError<E> {}
 
-/// Of a firmware in place, which always runs.
+/// A firmware in place always runs, so that only its setup can fail.
 impl From<RunError<Infallible>> for SetupError {
     fn from(error: RunError<Infallible>) -> Self {
         match error {
