@@ -178,7 +178,8 @@ fn network<const T: usize>(sizes: [usize; 4], activation: Activation) {
     let random = &mut Random(sizes.iter().sum::<usize>() as u64);
     let weights =
         weights(random, Mlp::<f32, WIDTH, 2>::parameters(inputs, &[first, second], outputs).unwrap(), |w| w);
-    let mlp = Mlp::<_, WIDTH, 2>::take(&mut &weights[..], inputs, &[first, second], outputs, activation).unwrap();
+    let mlp =
+        Mlp::<_, WIDTH, 2>::take(&mut &weights[..], inputs, &[first, second], outputs, activation).unwrap();
     let (x, y_bar) = (jets::<T>(random, inputs), jets::<T>(random, outputs));
     fn run<S: Scalar<Weight = f32> + Bits, const T: usize>(
         mlp: &Mlp<'_, f32, WIDTH, 2>,

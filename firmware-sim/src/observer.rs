@@ -53,8 +53,9 @@ pub enum OtherStep {
     Accepted,
 }
 
-/// Newton's default bounds in f32, [`Newton::default`]; the largest accepted residual is √ε = 2^−11.5.
-const NEWTON: Newton<f32> = Newton { max_iterations: 50, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
+/// Newton's default bounds in f32, [`Newton::default`], but at most 8 updates, which bounds a tick; the largest accepted
+/// residual is √ε = 2^−11.5.
+const NEWTON: Newton<f32> = Newton { max_iterations: 8, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
 
 impl Default for ObserverConfig {
     /// [`ObserverConfig::new`].
@@ -67,7 +68,7 @@ impl Default for ObserverConfig {
 const SAME_STEP: f32 = 1e-6;
 
 impl ObserverConfig {
-    /// Order 2, of no other step than the model's, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience
+    /// Order 2, of no other step than the model's, at most 8 updates of Newton's method a step, a memory of 5 samples, one tick of delay, a patience
     /// of 25 samples.
     pub const fn new() -> Self {
         Self {

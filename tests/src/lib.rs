@@ -1,6 +1,6 @@
 //! What the cross-crate tests and the peer programs share.
 
-use leastaction_core::constraints::{Constrained, ConstraintError};
+use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
 use leastaction_core::discrete::{
     Order,

@@ -11,8 +11,9 @@ use leastaction::import::{Imported, modlanet};
 use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::modular::{ELEMENT_PARAMETERS, MAX_TYPES};
-use leastaction_core::forces::{Forces, System};
+use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::Laws;
 use leastaction_core::scalar::Real;
 use reference::{Arrays, EXACT, assert_close, assert_within, data, in_single, scale};
 use std::fs;
@@ -24,8 +25,8 @@ const N: usize = 2;
 const WIDTH: usize = 50;
 /// Agreement of single precision: tens of units in the last place, for velocities and angles are rounded to it too.
 const SINGLE: f64 = 3e-6;
-/// The numbers after the networks: those of the one type, then c₁ and c₂.
-const TAIL: usize = ELEMENT_PARAMETERS + 2;
+/// The numbers after the networks: those of the one type, then c₁ and c₂, then the damping of the type.
+const TAIL: usize = ELEMENT_PARAMETERS + 2 + 1;
 
 fn path(name: &str) -> PathBuf {
     data("modlanet").join(name)
@@ -87,7 +88,11 @@ fn evaluate<R: Real>(
     states: (&[f64], &[f64]),
     real: fn(f64) -> R,
 ) -> Values {
-    let system = modular.header().system::<_, R, N, MAX_TYPES, WIDTH, 2>(&modular.tree_header(), weights);
+    let system = modular.header().system::<_, R, Viscous<R, N>, N, MAX_TYPES, WIDTH, 2>(
+        &modular.tree_header(),
+        Laws::VISCOUS,
+        weights,
+    );
     values(&system.expect("shape"), states, real)
 }
 
@@ -128,7 +133,7 @@ fn in_their_terms(modular: &ModularArchitecture, weights: &[f64], ours: &[f64]) 
     for (end, outputs) in blocks(modular) {
         gradient[end - outputs..end].fill(0.0);
     }
-    let (mass, c2) = (weights.len() - TAIL, weights.len() - 1);
+    let (mass, c2) = (weights.len() - TAIL, weights.len() - 2);
     gradient[mass] -= weights[c2] / weights[mass] * ours[c2];
     gradient[c2] /= weights[mass];
     gradient

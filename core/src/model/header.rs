@@ -257,16 +257,20 @@ impl<'a> RigidHeader<'a> {
         if self.n() != N {
             return Err(ModelError::Shape { what: "coordinates", found: self.n(), compiled: N });
         }
-        for (kind, letter) in kinds.iter_mut().zip(self.coordinates.chars()) {
-            *kind =
-                Coordinate::from_letter(letter).ok_or(ModelError::OutOfRange { what: "coordinate kind" })?;
+        for (slot, kind) in kinds.iter_mut().zip(self.letters()) {
+            *slot = kind.ok_or(ModelError::OutOfRange { what: "coordinate kind" })?;
         }
         Ok(kinds)
     }
 
     /// Inputs of the network: one a translation, two an angle.
     pub fn features(&self) -> usize {
-        self.coordinates.chars().filter_map(Coordinate::from_letter).map(|c| feature_count(&[c])).sum()
+        self.letters().flatten().map(|kind| feature_count(&[kind])).sum()
+    }
+
+    /// The kind of every coordinate, `None` for a letter that stands for none. Bytes: to decode characters takes code.
+    fn letters(&self) -> impl Iterator<Item = Option<Coordinate>> {
+        self.coordinates.as_bytes().iter().map(|letter| Coordinate::from_letter(char::from(*letter)))
     }
 
     /// The shape of the network.
@@ -282,7 +286,7 @@ impl<'a> RigidHeader<'a> {
     }
 
     pub(super) fn validate<W: Shipped>(&self, _: &[W]) -> Result<(), ModelError> {
-        require(self.coordinates.chars().all(|c| Coordinate::from_letter(c).is_some()), "coordinate kind")?;
+        require(self.letters().all(|kind| kind.is_some()), "coordinate kind")?;
         require(self.network()?.is_valid(), "hidden width")?;
         match self.inertia {
             Inertia::Cholesky { epsilon } => {

@@ -82,6 +82,8 @@ impl<'a> Sections<'a> {
     }
 
     /// The content of a section, where the file has it.
+    // One copy: a loader asks for every section.
+    #[inline(never)]
     pub fn get(&self, section: Section) -> Option<&'a [u8]> {
         let mut rest = self.0;
         while let Some((number, content, after)) = split(rest) {
