@@ -26,7 +26,7 @@ where
     let force = inverse_dynamics(system, q, v, &a);
     let p = momentum(&system.lagrangian, q, v);
     let state = ContinuousState { q: *q, v: *v };
-    black_box((a, force, p));
+    let _ = black_box((a, force, p));
     let _ = black_box(rk4_step(system, &state, u, 0.01));
     let _ = black_box(midpoint_step(system, &state, u, 0.01));
     energy(&system.lagrangian, q, v)
@@ -61,7 +61,7 @@ where
 #[inline(never)]
 pub fn said<M, const N: usize>(model: &Model<M>) {
     let at = &black_box([0.1; N]);
-    black_box((model.step(), model.del::<f32, Midpoint>().is_ok()));
+    let _ = black_box((model.step(), model.del::<f32, Midpoint>().is_ok()));
     if let Ok(Some(actuator)) = model.actuator()
         && let Ok((steps, actuator)) = actuator.at_step::<N>(black_box(0.01))
     {
