@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size, and links two of them
-# into one image; links the C
+# Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size; links the C
 # example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
-# the same steps have in Rust, and refuse every damaged file. The committed header must be what the sources give.
+# the same steps have in Rust, and refuse every damaged file. Links two shapes into one image, and runs both. The committed
+# header must be what the sources give.
 # Families may be named: `check.sh rigid`; without a name all three are checked.
 set -euo pipefail
 families=" ${*:-rigid modular graph} "
@@ -112,7 +112,8 @@ part() {
     [ -z "$name" ] || own+=("-DMODEL_NAME=\"$name\"")
     "${host[@]}" build --quiet --release --lib "${features[@]}"
     cp "$out/release/libleastaction.a" "$parts/host.a"
-    "${chip[@]}" "${features[@]}"
+    # Functions in assembly keep their mangled names, which must differ too.
+    "${chip[@]}" "${features[@]}" --config "target.$target.rustflags=['-Cmetadata=$prefix']"
     cp "$out/chip/$target/release/libleastaction.a" "$parts/chip.a"
     for file in trace.c model.S; do
         gcc "${strict[@]}" "${own[@]}" -c "$parts/$file" -o "$parts/host-$file.o"

@@ -8,7 +8,7 @@ use leastaction_core::energy::graph::{Edge, Fixed, Graph, Member, Union, cutoff_
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::model::GraphModel;
 use leastaction_core::particles::Particles;
-use panic_free::{Flash, everything, halt};
+use panic_free::{Flash, everything, halt, said};
 
 static FLASH: Flash = Flash::new();
 const NODES: usize = 5;
@@ -47,12 +47,8 @@ extern "C" fn _start() -> ! {
     if let Ok(model) = GraphModel::<2, 6, 8, 2>::load(FLASH.bytes(), black_box("web"), &mut edges, &mut rods)
     {
         let graph = model.system.graph;
-        let _ = black_box((
-            model.rattle::<f32>(),
-            model.system.constrained().is_ok(),
-            model.range(),
-            model.actuator(),
-        ));
+        said::<_, 4>(&model);
+        let _ = black_box((model.rattle::<f32>(), model.system.constrained().is_ok()));
         all(&graph);
         fixed(graph);
         let nodes = black_box([0, 1, 2]);
