@@ -229,7 +229,10 @@ pub(super) fn difference_in_lanes<R: Packed, const D: usize>(q: &[[R; D]], edges
 #[inline(always)]
 pub(super) fn packs<R: Packed, const D: usize>(lane: impl Fn(usize) -> [R; D]) -> [R::Pack; D] {
     let mut packs = [R::Pack::zero(); D];
-    packs.iter_mut().enumerate().for_each(|(i, pack)| *pack = R::pack(|l| expected(lane(l).get(i).copied(), R::zero())));
+    packs
+        .iter_mut()
+        .enumerate()
+        .for_each(|(i, pack)| *pack = R::pack(|l| expected(lane(l).get(i).copied(), R::zero())));
     packs
 }
 
