@@ -31,7 +31,7 @@ use crate::continuous::{self, ContinuousState};
 use crate::discrete::{State, StepError};
 use crate::forces::{Control, Forces, System};
 use crate::lagrangian::{Dynamics, Gradient, Hessian, Lagrangian};
-use crate::linear::Singular;
+use crate::linear::SolveError;
 use crate::scalar::{Real, Scalar};
 use nalgebra::{SMatrix, SVector, Scalar as Entry};
 
@@ -48,13 +48,13 @@ pub fn rows<S: Copy + Entry, const R: usize, const C: usize>(matrix: &SMatrix<S,
 /// [`continuous::acceleration`] at vectors q, v under the control force u, N or N m.
 ///
 /// # Errors
-/// Where the mass matrix is singular.
+/// Where the mass matrix is singular, and where a number is not finite.
 pub fn acceleration<R: Real + Entry, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize>(
     system: &System<L, F>,
     q: &SVector<R, N>,
     v: &SVector<R, N>,
     u: &SVector<R, N>,
-) -> Result<SVector<R, N>, Singular> {
+) -> Result<SVector<R, N>, SolveError> {
     continuous::acceleration(system, &array(q), &array(v), &array(u)).map(SVector::from)
 }
 
@@ -67,7 +67,7 @@ pub fn inverse_dynamics<R: Real + Entry, L: Lagrangian<R, N>, F: Forces<R, N>, c
     q: &SVector<R, N>,
     v: &SVector<R, N>,
     acceleration: &SVector<R, N>,
-) -> Result<SVector<R, N>, Singular> {
+) -> Result<SVector<R, N>, StepError<R>> {
     continuous::inverse_dynamics(system, &array(q), &array(v), &array(acceleration)).map(SVector::from)
 }
 

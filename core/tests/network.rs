@@ -9,13 +9,10 @@ use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
 use leastaction_core::scalar::Stored;
 use proptest::prelude::*;
 
-const ACTIVATIONS: [Activation; 5] =
-    [Activation::Tanh, Activation::Softplus, Activation::Squareplus, Activation::Isru, Activation::Identity];
-
 #[test]
 fn slopes_and_curvatures_are_the_derivatives() {
     const STEP: f64 = 1e-4;
-    for activation in ACTIVATIONS {
+    for activation in Activation::ALL {
         for k in -60..=60 {
             // Not 0, where the two branches of |z| meet and the oracle has no side.
             let z = f64::from(k) * 0.25 + 0.01;
@@ -36,7 +33,7 @@ fn slopes_and_curvatures_are_the_derivatives() {
 
 #[test]
 fn activations_keep_their_accuracy_far_out() {
-    for activation in ACTIVATIONS {
+    for activation in Activation::ALL {
         for z in [-80.0_f32, -20.0, -1e-3, 0.0, 1e-3, 20.0, 80.0] {
             let (single, double) = (activation.curve(z), activation.curve(f64::from(z)));
             for (a, b) in [(single.value, double.value), (single.slope, double.slope)] {
@@ -56,7 +53,7 @@ fn activations_keep_their_accuracy_far_out() {
 
 #[test]
 fn apply_carries_tangents_through_value_and_slope() {
-    for activation in ACTIVATIONS {
+    for activation in Activation::ALL {
         let z = Jet { value: 0.7, tangent: [1.5, -0.3] };
         let (mut units, mut slopes) = ([z], [Jet::zero()]);
         activation.apply(&mut units, &mut slopes);
@@ -168,7 +165,7 @@ impl Net {
 
 #[test]
 fn networks_with_panels_of_8_4_and_1() {
-    for (k, activation) in ACTIVATIONS.into_iter().enumerate() {
+    for (k, activation) in Activation::ALL.into_iter().enumerate() {
         Net::new(&[3, 7, 13, 5], activation, k as u64).check();
         Net::new(&[5, 22, 9, 17, 2], activation, 10 + k as u64).check();
         Net::new(&[4, 13], activation, 20 + k as u64).check();
@@ -218,7 +215,7 @@ proptest! {
     #[test]
     fn networks_of_random_shape(
         sizes in prop::collection::vec(1..=WIDTH, 2..=5),
-        activation in prop::sample::select(&ACTIVATIONS[..]),
+        activation in prop::sample::select(&Activation::ALL[..]),
         seed in any::<u64>(),
     ) {
         Net::new(&sizes, activation, seed).check();

@@ -4,7 +4,7 @@
 //! numerically.
 //!
 //! A program names the family, the sizes and the laws of force that it is compiled for by a type, [`RigidModel`],
-//! [`ModularModel`] or [`GraphModel`]; [`parse`] reads a file of any of them on the host, and [`write`] writes one.
+//! [`ModularModel`] or [`GraphModel`]; [`parse`] reads a file of any of them on the host, and [`write`](fn@write) writes one.
 
 mod actuator;
 mod catalogue;

@@ -34,6 +34,9 @@ pub struct Curve<S> {
 }
 
 impl Activation {
+    /// All activations, in the order of their numbers in a model file.
+    pub const ALL: [Self; 5] = [Self::Tanh, Self::Softplus, Self::Squareplus, Self::Isru, Self::Identity];
+
     /// σ, σ′ and σ″ at z; finite for every finite z.
     #[inline(always)]
     pub fn curve<S: Scalar>(self, z: S) -> Curve<S> {

@@ -114,13 +114,17 @@ impl<'a, W: Stored> Dense<'a, W> {
         (inputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
     ) {
         S::component(k);
-        for (y, output) in y.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
+        let mut output = 0;
+        for y in y.chunks_mut(GATHERED) {
             let sums = first_mut(sums, y.len());
             self.begin(k, output, sums);
-            for (x, first) in x.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
+            let mut first = 0;
+            for x in x.chunks(GATHERED) {
                 self.part(output, first).forward(gather(inputs, x, k), sums);
+                first += GATHERED;
             }
             scatter(sums, y, k);
+            output += GATHERED;
         }
     }
 
@@ -142,13 +146,17 @@ impl<'a, W: Stored> Dense<'a, W> {
         (outputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
     ) {
         S::component(k);
-        for (x_bar, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
+        let mut first = 0;
+        for x_bar in x_bar.chunks_mut(GATHERED) {
             let sums = first_mut(sums, x_bar.len());
             sums.fill(S::zero());
-            for (y_bar, output) in y_bar.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
+            let mut output = 0;
+            for y_bar in y_bar.chunks(GATHERED) {
                 self.part(output, first).adjoint(gather(outputs, y_bar, k), sums);
+                output += GATHERED;
             }
             scatter(sums, x_bar, k);
+            first += GATHERED;
         }
     }
 }

@@ -139,11 +139,11 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
 
 /// Parts of a list whose items are of one kind, each as long as it may be and at most `width`, with the kind.
 #[inline(always)]
-pub(super) fn runs<'l, T>(
-    mut rest: &'l [T],
+pub(super) fn runs<T>(
+    mut rest: &[T],
     kind: impl Fn(&T) -> u8,
     width: usize,
-) -> impl Iterator<Item = (u8, &'l [T])> {
+) -> impl Iterator<Item = (u8, &[T])> {
     iter::from_fn(move || {
         let first = kind(rest.first()?);
         let length = rest.iter().take(width).take_while(|item| kind(item) == first).count();

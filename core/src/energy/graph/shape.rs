@@ -194,7 +194,8 @@ impl GraphShape {
 
     /// The name of the first part that is invalid; `None` where the shape is valid.
     pub fn invalid_part(&self) -> Option<&'static str> {
-        let embeddings = [self.kinetic_embedding.into(), self.embedding.into(), self.edge_embedding()];
+        let e = self.edge_embedding();
+        let embeddings = [self.kinetic_embedding.into(), self.embedding.into(), e];
         let invalid = [
             (!matches!(self.dimension, 2 | 3), "number of dimensions"),
             (embeddings.into_iter().any(|length| length > MAX_EMBEDDING), "length of an embedding"),
@@ -202,8 +203,8 @@ impl GraphShape {
             (self.nodes.has_gap(), "list of node types"),
             (self.edges.has_gap(), "list of edge types"),
             (!self.nodes.iter().all(|node| self.serves_node(node)), "network of a node type"),
-            (!self.edges.iter().all(|edge| self.serves_edge(edge)), "network of an edge type"),
-            (!self.messages.is_none_or(|of| self.serves_messages(&of)), "network of the messages"),
+            (!self.edges.iter().all(|edge| self.serves_edge(edge, e)), "network of an edge type"),
+            (!self.messages.is_none_or(|of| self.serves_messages(&of, e)), "network of the messages"),
         ];
         self.networks.invalid_part().or_else(|| first_invalid(&invalid))
     }
@@ -244,14 +245,14 @@ impl GraphShape {
         kinetic && potential && drag
     }
 
-    fn serves_edge(&self, edge: &EdgeShape) -> bool {
+    fn serves_edge(&self, edge: &EdgeShape, e: usize) -> bool {
         edge.embedding.is_some() == self.messages.is_some()
             && edge.potential.is_none_or(|n| self.serves(n, 1, 1))
-            && edge.embedding.is_none_or(|n| self.serves(n, 1, self.edge_embedding()))
+            && edge.embedding.is_none_or(|n| self.serves(n, 1, e))
     }
 
-    fn serves_messages(&self, messages: &MessageShape) -> bool {
-        let (h, e) = (usize::from(self.embedding), self.edge_embedding());
+    fn serves_messages(&self, messages: &MessageShape, e: usize) -> bool {
+        let h = usize::from(self.embedding);
         h > 0
             && self.serves(messages.message, h + e, h)
             && self.serves(messages.update, h, e)
