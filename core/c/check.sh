@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds the C library of every family for the host and for a Cortex-M4F, optimised for speed and for size; links the C
 # example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
-# the same steps have in Rust, and refuse every damaged file. The committed header must be what the sources give.
+# the same steps have in Rust, and refuse every damaged file. Links two shapes into one image, and runs both. The committed
+# header must be what the sources give.
 # Families may be named: `check.sh rigid`; without a name all three are checked.
 set -euo pipefail
 families=" ${*:-rigid modular graph} "
@@ -80,6 +81,10 @@ check() {
     hash=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name")
     local expected=$hash$'\n''errors as they should be'
     local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"")
+    if [ "$golden" = cartpole ]; then
+        tool bytes "${features[@]}" <../tests/golden/cartpole-whole.hex >"$work/cartpole-whole.bin"
+        defines+=("-DWHOLE_FILE=\"$work/cartpole-whole.bin\"")
+    fi
     [ -z "$name" ] || defines+=("-DMODEL_NAME=\"$name\"")
     "${host[@]}" build --quiet --release --lib "${features[@]}"
     check_host "$family" "$expected" "${defines[@]}"
@@ -87,6 +92,55 @@ check() {
         check_chip "$family" "$level" "$expected" "${defines[@]}"
     done
     unset "${@%%=*}"
+}
+
+# One of two libraries in one image: the prefix of its names, its family, golden file, name in it and sizes; prints its hash.
+part() {
+    local prefix=$1 family=$2 golden=$3 name=$4
+    shift 4
+    local features=(--no-default-features --features "$family") parts=$work/$prefix
+    export "$@" LEASTACTION_PREFIX=${prefix}_
+    mkdir -p "$parts"
+    tool bytes "${features[@]}" <"../tests/golden/$golden.hex" >"$work/$golden.bin"
+    tool header "${features[@]}" >"$parts/leastaction.h"
+    tool trace "${features[@]}" -- "$work/$golden.bin" "$name"
+    for file in trace.c model.S example.h; do
+        sed "s/leastaction_/${prefix}_/g; s/LEASTACTION_/${prefix^^}_/g" "example/$file" >"$parts/$file"
+    done
+    local own=("-Dtrace=${prefix}_trace" "-Dmodel_file=${prefix}_model_file" "-Dmodel_file_end=${prefix}_model_file_end"
+        "-DMODEL_FILE=\"$work/$golden.bin\"" -I "$parts")
+    [ -z "$name" ] || own+=("-DMODEL_NAME=\"$name\"")
+    "${host[@]}" build --quiet --release --lib "${features[@]}"
+    cp "$out/release/libleastaction.a" "$parts/host.a"
+    # Functions in assembly keep their mangled names, which must differ too.
+    "${chip[@]}" "${features[@]}" --config "target.$target.rustflags=['-Cmetadata=$prefix']"
+    cp "$out/chip/$target/release/libleastaction.a" "$parts/chip.a"
+    for file in trace.c model.S; do
+        gcc "${strict[@]}" "${own[@]}" -c "$parts/$file" -o "$parts/host-$file.o"
+        arm-none-eabi-gcc "${m4[@]}" "${strict[@]}" "${own[@]}" -c "$parts/$file" -o "$parts/chip-$file.o"
+    done
+    unset LEASTACTION_PREFIX "${@%%=*}"
+}
+
+# Two shapes link into one image, and each does what it does alone.
+check_two() {
+    local expected
+    {
+        part cart rigid cartpole "" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+        part arm modular arm arm LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
+    } >"$work/two"
+    expected=$(<"$work/two")
+    # What both share is compiled with either header.
+    mkdir -p "$work/both"
+    sed '/^int main/,$d' example/main.c >"$work/both/put.c"
+    local shared=(-I "$work/cart" -I example "$work/both/put.c" example/two.c)
+    gcc "${strict[@]}" "${shared[@]}" example/host.c "$work"/{cart,arm}/host-*.o "$work"/{cart,arm}/host.a -o "$work/both/host"
+    expect "two shapes on the host" "$expected" "$work/both/host"
+    arm-none-eabi-gcc "${m4[@]}" "${strict[@]}" -nostdlib -Wl,-z,noexecstack -T example/chip.ld "${shared[@]}" example/chip.c \
+        "$work"/{cart,arm}/chip-*.o "$work"/{cart,arm}/chip.a -lgcc -o "$work/both/chip.elf"
+    expect "two shapes on the chip" "$expected" qemu-system-arm -M mps2-an386 -display none \
+        -monitor none -serial none -chardev stdio,id=out -semihosting-config enable=on,target=native,chardev=out \
+        -kernel "$work/both/chip.elf"
 }
 
 # The header of the default family and sizes is the committed one, and C++ can read it.
@@ -112,4 +166,5 @@ check rigid cartpole "" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTI
 check rigid,half cartpole-f16 "" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check modular arm arm LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
 check graph web pair LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 LEASTACTION_NETWORKS=6
+[[ $families != *" rigid "* || $families != *" modular "* ]] || check_two
 printf 'the C interface is well\n'

@@ -2,11 +2,14 @@
 //! `tests/peers/README.md`.
 
 use leastaction_core::constraints::{Constrained, ConstraintError, Holonomic};
-use leastaction_core::continuous::{Drive, constrained_acceleration, constrained_room};
-use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+use leastaction_core::continuous::{Drive, constrained_acceleration, constrained_workspace};
+use leastaction_core::discrete::{
+    Order,
+    rattle::{ParticleState, Rattle},
+};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
-    Drag, Edge, EdgeShape, Graph, Kinetic, MessageShape, NodeShape, Potential, Separation, Shape, Types,
+    Drag, Edge, EdgeShape, Graph, GraphShape, Kinetic, MessageShape, NodeShape, Potential, Separation, Types,
 };
 use leastaction_core::network::{Activation, Dense};
 use leastaction_core::particles::Particles;
@@ -68,21 +71,21 @@ fn usage() -> Box<dyn Error> {
 /// Writes what is compared, and prints times.
 fn measure([lgnn, springs]: [&Model; 2], states: &[f64], output: &str) -> Outcome<()> {
     let [lgnn, springs] = [Ring::new(lgnn, states), Ring::new(springs, states)];
-    let (graph, mut room) = (lgnn.graph()?, Vec::new());
+    let (graph, mut workspace) = (lgnn.graph()?, Vec::new());
     let mut l_q = vec![[0.0; 2]; lgnn.q.len()];
     let mut acceleration = l_q.clone();
-    room.resize(Particles::<f64, 2>::room(&graph), 0.0);
+    workspace.resize(Particles::<f64, 2>::workspace(&graph), 0.0);
     let mut report = String::from("{");
     let mut force = || {
-        graph.l_q(&lgnn.q, &mut room, &mut l_q);
+        graph.l_q(&lgnn.q, &mut workspace, &mut l_q);
         Ok(())
     };
     entry(&mut report, "l_q_s", fastest(&mut force)?)?;
     let mechanism = Constrained::new(&graph, NO_RODS).map_err(failed)?;
-    room.resize(constrained_room(&mechanism), 0.0);
+    workspace.resize(constrained_workspace(&mechanism), 0.0);
     let mut accelerate = || {
         let outputs = (&mut acceleration[..], &mut [][..]);
-        constrained_acceleration(&mechanism, (&lgnn.q, &lgnn.v), &Drive::none(), &mut room, outputs)
+        constrained_acceleration(&mechanism, (&lgnn.q, &lgnn.v), &Drive::none(), &mut workspace, outputs)
     };
     entry(&mut report, "acceleration_s", fastest(&mut || accelerate().map_err(failed))?)?;
     entry(&mut report, "lgnn_step_s", lgnn.step_time()?)?;
@@ -120,7 +123,7 @@ fn doubles(path: &str) -> Outcome<Vec<f64>> {
 
 /// A shape and its weight block.
 struct Model {
-    shape: Shape,
+    shape: GraphShape,
     weights: Vec<f64>,
 }
 
@@ -132,7 +135,7 @@ impl Model {
         let node = NodeShape { kinetic: Kinetic::Network(4), potential: Potential::None, drag: Drag::None };
         let edge = EdgeShape { separation: Separation::Distance, potential: None, embedding: Some(0) };
         let messages = MessageShape { message: 1, update: 2, edge_potential: Some(3), node_potential: None };
-        let shape = Shape {
+        let shape = GraphShape {
             kinetic_embedding: EMBEDDING,
             embedding: EMBEDDING,
             messages: Some(messages),
@@ -166,14 +169,14 @@ fn network(inputs: u8, widths: &[u16], outputs: u8) -> NetworkShape {
     NetworkShape::new(inputs, widths, outputs, Activation::Squareplus).expect("few layers")
 }
 
-fn shape(networks: &[NetworkShape], node: NodeShape, edge: EdgeShape) -> Outcome<Shape> {
-    Ok(Shape::new(2, networks, &[node], &[edge]).ok_or("too many types")?)
+fn shape(networks: &[NetworkShape], node: NodeShape, edge: EdgeShape) -> Outcome<GraphShape> {
+    Ok(GraphShape::new(2, networks, &[node], &[edge]).ok_or("too many types")?)
 }
 
 /// Row-major matrices and biases, layer by layer, as our weight block has them.
-fn panels(shape: &Shape, numbers: &mut &[f64]) -> Outcome<Vec<f64>> {
+fn panels(shape: &GraphShape, numbers: &mut &[f64]) -> Outcome<Vec<f64>> {
     let mut block = Vec::new();
-    for network in shape.networks() {
+    for network in shape.networks.iter() {
         let (widths, depth) = network.widths();
         let mut inputs = usize::from(network.inputs);
         for outputs in widths[..depth].iter().copied().chain([network.outputs.into()]) {
@@ -230,13 +233,13 @@ impl<'m> Ring<'m> {
     ) -> Outcome<(T, State)> {
         let graph = self.graph()?;
         let mechanism = Constrained::new(&graph, NO_RODS).map_err(failed)?;
-        let mut room = vec![0.0; Rattle::room(&mechanism)];
-        let mut storage = vec![0.0; ParticleState::<f64, 2>::room(self.q.len(), 0)];
+        let mut workspace = vec![0.0; Rattle::workspace(&mechanism)];
+        let mut storage = vec![0.0; ParticleState::<f64, 2>::workspace(self.q.len(), 0)];
         let mut state =
-            ParticleState::new(&mechanism, &self.q, &self.v, &mut storage, &mut room).map_err(failed)?;
+            ParticleState::new(&mechanism, &self.q, &self.v, &mut storage, &mut workspace).map_err(failed)?;
         let integrator = Rattle::new(STEP, Order::Two);
         let result = run(&mut || {
-            integrator.step(&mechanism, &mut state, None, &mut room).map_err(failed)?;
+            integrator.step(&mechanism, &mut state, None, &mut workspace).map_err(failed)?;
             Ok(())
         })?;
         Ok((result, [state.q().to_vec(), state.v().to_vec()]))

@@ -1,7 +1,7 @@
 //! What the solvers see of a mechanical system: a Lagrangian L(q, v) = T − V with its derivatives.
 
-use crate::linear;
-use crate::scalar::{Real, Scalar};
+use crate::linear::multiply;
+use crate::scalar::Scalar;
 
 /// Kinetic and potential energy, J.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -24,15 +24,43 @@ pub struct Gradient<S, const N: usize> {
 
 /// The terms of M v̇ = L_q − L_vq v + Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dynamics<S, M, const N: usize> {
-    /// M = L_vv in the family's own form.
-    pub mass: M,
+pub struct Dynamics<S, const N: usize> {
+    /// M = L_vv, symmetric, row by row.
+    pub mass: [[S; N]; N],
     /// L_q.
     pub l_q: [S; N],
     /// p = L_v.
     pub l_v: [S; N],
     /// L_vq v, the change of momentum along the motion at constant velocity.
     pub l_vq_v: [S; N],
+}
+
+/// What a step of the discrete Euler–Lagrange equation needs of the Lagrangian: all first and second derivatives but L_qq.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linearization<S, const N: usize> {
+    /// L_q.
+    pub l_q: [S; N],
+    /// p = L_v.
+    pub l_v: [S; N],
+    /// ∂²L/∂v_i∂q_j; the transpose is L_qv.
+    pub l_vq: [[S; N]; N],
+    /// M = ∂²L/∂v_i∂v_j, symmetric.
+    pub l_vv: [[S; N]; N],
+}
+
+impl<S: Scalar, const N: usize> Linearization<S, N> {
+    /// The terms of the equation of motion at velocity v.
+    #[inline]
+    pub fn dynamics(self, v: &[S; N]) -> Dynamics<S, N> {
+        let Self { l_q, l_v, l_vq, l_vv } = self;
+        Dynamics { mass: l_vv, l_q, l_v, l_vq_v: multiply(&l_vq, v) }
+    }
+}
+
+impl<S, const N: usize> From<Hessian<S, N>> for Linearization<S, N> {
+    fn from(Hessian { l_q, l_v, l_vq, l_vv, .. }: Hessian<S, N>) -> Self {
+        Self { l_q, l_v, l_vq, l_vv }
+    }
 }
 
 /// First and second derivatives of the Lagrangian.
@@ -55,22 +83,24 @@ pub struct Hessian<S, const N: usize> {
 /// A family implements this once; continuous and discrete dynamics, on the host and on the chip, use nothing else.
 /// Evaluation cannot fail: where the numbers leave the range of S the result is not finite, and the solvers say so.
 pub trait Lagrangian<S: Scalar, const N: usize> {
-    /// The mass matrix in the form the family has it: dense, block-diagonal, tree-shaped.
-    type Mass;
-
     /// T(q, v) and V(q), J. L = T − V; the energy is T + V.
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S>;
     /// L_q and L_v at (q, v).
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N>;
     /// The terms of the equation of motion at (q, v).
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N>;
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
+        self.linearization(q, v).dynamics(v)
+    }
+    /// First and second derivatives at (q, v) but L_qq: all that a step needs. A family has its own where this costs less than
+    /// the Hessian.
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        self.hessian(q, v).into()
+    }
     /// All first and second derivatives at (q, v).
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N>;
 }
 
 impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
-    type Mass = L::Mass;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         (**self).energies(q, v)
     }
@@ -79,42 +109,15 @@ impl<S: Scalar, L: Lagrangian<S, N>, const N: usize> Lagrangian<S, N> for &L {
         (**self).gradient(q, v)
     }
 
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         (**self).dynamics(q, v)
+    }
+
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        (**self).linearization(q, v)
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         (**self).hessian(q, v)
-    }
-}
-
-/// A mass matrix that can be applied and inverted.
-pub trait MassMatrix<R: Real, const N: usize> {
-    /// Mv.
-    fn multiply(&self, v: &[R; N]) -> [R; N];
-    /// M⁻¹r; an error where a pivot vanishes.
-    fn solve(&self, r: &[R; N]) -> Result<[R; N], linear::Singular>;
-    /// M entry by entry.
-    fn dense(&self) -> [[R; N]; N];
-}
-
-/// A full N × N mass matrix, row by row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DenseMass<S, const N: usize>(
-    /// M_ij.
-    pub [[S; N]; N],
-);
-
-impl<R: Real, const N: usize> MassMatrix<R, N> for DenseMass<R, N> {
-    fn multiply(&self, v: &[R; N]) -> [R; N] {
-        linear::multiply(&self.0, v)
-    }
-
-    fn solve(&self, r: &[R; N]) -> Result<[R; N], linear::Singular> {
-        linear::solve(self.0, *r)
-    }
-
-    fn dense(&self) -> [[R; N]; N] {
-        self.0
     }
 }

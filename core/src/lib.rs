@@ -33,10 +33,14 @@ pub mod constraints;
 pub mod continuous;
 pub mod discrete;
 pub mod energy;
+mod expected;
 pub mod forces;
 pub mod lagrangian;
 pub mod linear;
 pub mod model;
 pub mod network;
+mod newton;
 pub mod particles;
 pub mod scalar;
+#[cfg(feature = "nalgebra")]
+pub mod static_vectors;

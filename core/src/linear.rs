@@ -2,17 +2,43 @@
 //! and in one order of operations on every target.
 
 use crate::scalar::{Real, Scalar};
+use core::fmt;
 
 /// A square matrix, row by row.
 pub type Matrix<S, const N: usize> = [[S; N]; N];
 
-/// A pivot of the elimination was zero or not a number.
+/// Why a system of linear equations has no solution in numbers.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Singular {
-    /// The column, from 0, in which no usable pivot was left.
-    pub column: u8,
+pub enum SolveError {
+    /// The matrix is singular: no pivot but 0 was left.
+    Singular {
+        /// The column of the pivot, from 0.
+        column: u8,
+    },
+    /// The matrix, the right-hand side or the solution has infinite entries or some that are not numbers.
+    NotFinite,
 }
+
+impl SolveError {
+    /// Of a pivot that cannot be divided by.
+    fn of_pivot<R: Real>(pivot: R, column: usize) -> Self {
+        if pivot.is_finite() { Self::Singular { column: column as u8 } } else { Self::NotFinite }
+    }
+}
+
+impl fmt::Display for SolveError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Singular { column } => {
+                write!(f, "the matrix is singular: column {column} has no pivot but 0")
+            }
+            Self::NotFinite => f.write_str("a number is infinite or not a number"),
+        }
+    }
+}
+
+impl core::error::Error for SolveError {}
 
 /// Σ a_i b_i.
 #[inline]
@@ -45,7 +71,7 @@ pub fn add_scaled_matrix<S: Scalar, const N: usize>(a: &[[S; N]; N], c: S, b: &[
 }
 
 /// A⁻¹b by Gaussian elimination with partial pivoting.
-pub fn solve<R: Real, const N: usize>(a: [[R; N]; N], b: [R; N]) -> Result<[R; N], Singular> {
+pub fn solve<R: Real, const N: usize>(a: [[R; N]; N], b: [R; N]) -> Result<[R; N], SolveError> {
     let [x] = solve_many(a, [b])?;
     Ok(x)
 }
@@ -54,7 +80,7 @@ pub fn solve<R: Real, const N: usize>(a: [[R; N]; N], b: [R; N]) -> Result<[R; N
 pub fn solve_many<R: Real, const N: usize, const C: usize>(
     mut a: [[R; N]; N],
     mut rhs: [[R; N]; C],
-) -> Result<[[R; N]; C], Singular> {
+) -> Result<[[R; N]; C], SolveError> {
     for k in 0..N {
         pivot(&mut a, &mut rhs, k)?;
         let row_k = a[k];
@@ -80,12 +106,12 @@ pub fn solve_many<R: Real, const N: usize, const C: usize>(
 pub fn solve_definite<R: Real, const N: usize, const C: usize>(
     mut a: [[R; N]; N],
     mut rhs: [[R; N]; C],
-) -> Result<[[R; N]; C], Singular> {
+) -> Result<[[R; N]; C], SolveError> {
     for k in 0..N {
         let row_k = a[k];
         let reciprocal = R::one() / row_k[k];
         if !(reciprocal.abs() > R::zero() && reciprocal.is_finite()) {
-            return Err(Singular { column: k as u8 });
+            return Err(SolveError::of_pivot(row_k[k], k));
         }
         a[k][k] = reciprocal;
         for i in k + 1..N {
@@ -115,7 +141,7 @@ fn pivot<R: Real, const N: usize, const C: usize>(
     a: &mut [[R; N]; N],
     rhs: &mut [[R; N]; C],
     k: usize,
-) -> Result<(), Singular> {
+) -> Result<(), SolveError> {
     for i in k + 1..N {
         if a[i][k].abs() > a[k][k].abs() {
             a.swap(i, k);
@@ -124,7 +150,11 @@ fn pivot<R: Real, const N: usize, const C: usize>(
             }
         }
     }
-    if a[k][k].abs() > R::zero() && a[k][k].is_finite() { Ok(()) } else { Err(Singular { column: k as u8 }) }
+    if a[k][k].abs() > R::zero() && a[k][k].is_finite() {
+        Ok(())
+    } else {
+        Err(SolveError::of_pivot(a[k][k], k))
+    }
 }
 
 /// Back substitution in the upper triangle.

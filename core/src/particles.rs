@@ -9,21 +9,21 @@ use crate::scalar::Real;
 
 /// What the solvers see of a system of particles in `D` dimensions.
 ///
-/// Slices of nodes are as long as [`Particles::nodes`] says, in the order of the nodes. Evaluation cannot fail: where the
-/// numbers leave the range of R the result is not finite, and the solvers say so.
+/// Slices of nodes have [`Particles::nodes`] items, in the order of the nodes. Evaluation cannot fail: where the numbers leave
+/// the range of R the result is not finite, and the solvers return an error.
 ///
-/// The methods on neighbouring nodes are for systems that are faster with several of them side by side; bits are those of one
-/// after another.
+/// The methods on neighbouring nodes exist for systems that evaluate several nodes side by side faster; their results have the
+/// same bits as those of one node after the other.
 pub trait Particles<R: Real, const D: usize> {
     /// Number of nodes.
     fn nodes(&self) -> usize;
-    /// Numbers of scratch room that [`Particles::energies`] and [`Particles::l_q`] need; what it holds between calls is of no
-    /// meaning.
-    fn room(&self) -> usize;
+    /// Length of the workspace that [`Particles::energies`] and [`Particles::l_q`] need; its contents between calls do not
+    /// matter.
+    fn workspace(&self) -> usize;
     /// T(v) and V(q), J.
-    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R>;
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R>;
     /// Writes L_q = −V_q, N.
-    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]);
+    fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]);
     /// p_i = ∂T_i/∂v_i of one node, kg m/s.
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D];
     /// M_i = ∂²T_i/∂v_i² of one node, kg: symmetric.
@@ -33,7 +33,7 @@ pub trait Particles<R: Real, const D: usize> {
     /// ∂Q_i/∂v_i, component by component, N s/m.
     fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D];
 
-    /// [`Particles::l_v`] of neighbouring nodes, `first` and as many as there are velocities.
+    /// [`Particles::l_v`] of neighbouring nodes, from `first` on, one for each velocity.
     fn momenta(&self, first: usize, v: &[[R; D]], l_v: &mut [[R; D]]) {
         each(first, v, l_v, |node, v| self.l_v(node, v));
     }
@@ -51,7 +51,7 @@ pub trait Particles<R: Real, const D: usize> {
     }
 }
 
-/// Writes what `of` says of one node after another.
+/// Writes `of(node, v)` of one node after the other.
 #[inline(always)]
 fn each<V, T>(first: usize, v: &[V], to: &mut [T], of: impl Fn(usize, &V) -> T) {
     for (node, (v, to)) in (first..).zip(v.iter().zip(to)) {

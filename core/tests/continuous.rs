@@ -3,18 +3,21 @@
 mod common;
 
 use common::{Random, assert_close, assert_vectors_close, shapes};
+use leastaction_core::constraints::ConstraintError;
 use leastaction_core::continuous::{
-    ContinuousState, acceleration, energy, inverse_dynamics, momentum, rk4_step,
+    ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
-use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
+use leastaction_core::discrete::rattle::{ParticleState, Rattle};
+use leastaction_core::discrete::{Del, Galerkin, State, StepError};
+use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
-use leastaction_core::linear::Singular;
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear::SolveError;
+use leastaction_core::model::{GraphModel, ModularModel, RigidModel};
 
 fn check_inverse<L, const N: usize>(lagrangian: L)
 where
     L: Lagrangian<f64, N>,
-    L::Mass: MassMatrix<f64, N>,
 {
     let mut random = Random(12);
     let forces = Viscous { coefficients: core::array::from_fn(|i| 0.1 + 0.2 * i as f64) };
@@ -22,7 +25,7 @@ where
     for _ in 0..10 {
         let (q, v, u) = (random.array(3.0), random.array(2.0), random.array(5.0));
         let a = acceleration(&system, &q, &v, &u).unwrap();
-        assert_vectors_close("u", &inverse_dynamics(&system, &q, &v, &a), &u, 1e-12);
+        assert_vectors_close("u", &inverse_dynamics(&system, &q, &v, &a).unwrap(), &u, 1e-12);
     }
 }
 
@@ -77,5 +80,44 @@ fn a_singular_mass_matrix_is_an_error() {
     const NO_MASS: leastaction_core::energy::trigonometric::Trigonometric<'static, 2> =
         leastaction_core::energy::trigonometric::Trigonometric { inertia: &[], potential: &[] };
     let system = System::<_, Viscous<f64, 2>>::conservative(NO_MASS);
-    assert_eq!(acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]), Err(Singular { column: 0 }));
+    assert_eq!(
+        acceleration(&system, &[0.0; 2], &[0.0; 2], &[0.0; 2]),
+        Err(SolveError::Singular { column: 0 })
+    );
+}
+
+/// A number that is none is an error wherever it comes in, not a result.
+#[test]
+fn what_is_not_finite_is_refused() {
+    let system = System::conservative(CARTPOLE);
+    let (q, v, zero) = ([0.2, 1.3], [0.5, -0.7], [0.0; 2]);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for wrong in [[bad, 0.0], [0.0, bad]] {
+            let state = ContinuousState { q, v };
+            assert_eq!(acceleration(&system, &q, &v, &wrong), Err(SolveError::NotFinite));
+            assert_eq!(acceleration(&system, &q, &wrong, &zero), Err(SolveError::NotFinite));
+            assert_eq!(acceleration(&system, &[0.0, bad], &v, &zero), Err(SolveError::NotFinite));
+            assert_eq!(inverse_dynamics(&system, &q, &v, &wrong), Err(StepError::NotFinite));
+            for step in [rk4_step, midpoint_step] {
+                assert_eq!(step(&system, &state, &wrong, 0.01), Err(SolveError::NotFinite));
+                assert_eq!(step(&system, &state, &zero, bad), Err(SolveError::NotFinite));
+            }
+        }
+    }
+}
+
+#[test]
+fn everything_of_a_loop_can_move_to_another_thread() {
+    fn moves<T: Send + Sync>() {}
+    moves::<ContinuousState<f32, 2>>();
+    moves::<State<f32, 2>>();
+    moves::<Del<f32, Galerkin>>();
+    moves::<Rattle<f32>>();
+    moves::<ParticleState<'_, f32, 2>>();
+    moves::<System<Trigonometric<'_, 2>, Viscous<f32, 2>>>();
+    moves::<System<RigidModel<'_, 2, 8, 2>, Viscous<f32, 2>>>();
+    moves::<ModularModel<'_, 2, 1, 8, 2>>();
+    moves::<GraphModel<'_, 2, 1, 8, 2>>();
+    moves::<StepError<f32>>();
+    moves::<ConstraintError<f32>>();
 }

@@ -6,9 +6,9 @@ use common::graphs::{self, FixedModel, Model, edge, every_term, with_messages};
 use common::oracle::{self, Learned, at_states};
 use common::{Random, assert_close, assert_vectors_close};
 use leastaction_core::energy::LearnableForces;
-use leastaction_core::energy::graph::{Edge, Fixed, Graph, GraphError, MAX_NODES, Shape};
+use leastaction_core::energy::graph::{Edge, Fixed, Graph, GraphError, GraphShape, MAX_NODES};
 use leastaction_core::forces::Forces;
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::{LANES, Lanes, Real};
 
@@ -31,7 +31,7 @@ macro_rules! everywhere {
 oracle::family_tests!(everywhere);
 
 /// A ring with chords, its nodes and edges in runs longer and shorter than a pack.
-fn ring(shape: Shape, nodes: usize) -> Model<2> {
+fn ring(shape: GraphShape, nodes: usize) -> Model<2> {
     let mut random = Random(11);
     let kinds: Vec<u8> = (0..nodes).map(|i| if i < 11 { 1 } else { (random.bits() % 3) as u8 }).collect();
     let next = |i: usize, by: usize| ((i + by) % nodes) as u16;
@@ -48,14 +48,14 @@ fn state() -> ([[f64; 2]; NODES], [[f64; 2]; NODES]) {
     (core::array::from_fn(|_| random.array(3.0)), core::array::from_fn(|_| random.array(2.0)))
 }
 
-/// Scratch room that holds something.
-fn room<R: Real>(graph: &impl Particles<R, 2>) -> Vec<R> {
-    vec![R::constant(f64::NAN); graph.room()]
+/// Scratch workspace that holds something.
+fn workspace<R: Real>(graph: &impl Particles<R, 2>) -> Vec<R> {
+    vec![R::constant(f64::NAN); graph.workspace()]
 }
 
 fn l_q<const N: usize>(model: &Model<2>, q: &[[f64; 2]; N]) -> [[f64; 2]; N] {
     let (graph, mut l_q) = (model.in_f64(), [[f64::NAN; 2]; N]);
-    graph.l_q(q, &mut room(&graph), &mut l_q);
+    graph.l_q(q, &mut workspace(&graph), &mut l_q);
     l_q
 }
 
@@ -80,7 +80,7 @@ fn forces_are_differences(model: &Model<2>) {
         }
     }
     let graph = model.in_f64();
-    let energies = Particles::energies(&graph, &q, &v, &mut room(&graph));
+    let energies = Particles::energies(&graph, &q, &v, &mut workspace(&graph));
     let kinetic: f64 = model.nodes.iter().zip(&v).map(|(kind, v)| model.naive_kinetic(*kind, v)).sum();
     assert_close("potential", energies.potential, model.naive_potential(&q), 1e-13);
     assert_close("kinetic", energies.kinetic, kinetic, 1e-13);
@@ -99,7 +99,7 @@ fn packs_have_the_same_bits(model: &Model<2>) {
     let alone = Fixed::<_, 2, _, _, _, { 2 * NODES }>::new(graph).unwrap();
     let (q_alone, v_alone) = (flat(&q), flat(&v));
     assert_eq!(alone.gradient(&q_alone, &v_alone).l_q, flat(&l_q(model, &q)));
-    let packed = Particles::energies(&graph, &q, &v, &mut room(&graph));
+    let packed = Particles::energies(&graph, &q, &v, &mut workspace(&graph));
     assert_eq!(packed, Lagrangian::<f64, _>::energies(&alone, &q_alone, &v_alone));
 }
 
@@ -125,8 +125,8 @@ fn momenta_masses_and_drag_are_those_of_the_fixed_graph() {
     let [fixed, ..] = of_eight();
     let (fixed, mut random) = (fixed.in_f64(), Random(14));
     let (q, v): ([f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0));
-    let (dynamics, (_, slopes)) = (fixed.dynamics(&q, &v), fixed.derivatives(&q, &v));
-    let (mass, force) = (dynamics.mass.dense(), fixed.force(&q, &v));
+    let (dynamics, (_, slopes)) = (fixed.dynamics(&q, &v), fixed.derivatives(&q, &v, &[0.0; 8]));
+    let (mass, force) = (dynamics.mass, fixed.force(&q, &v, &[0.0; 8]));
     for (i, v) in v.as_chunks::<2>().0.iter().enumerate() {
         let (graph, at) = (fixed.graph(), |k: usize| 2 * i + k);
         assert_eq!(graph.l_v(i, v), [0, 1].map(|k| dynamics.l_v[at(k)]));
@@ -161,7 +161,7 @@ fn single_precision_is_near() {
     let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
     let mut found = [[f32::NAN; 2]; NODES];
     let graph = model.graph(&weights);
-    graph.l_q(&q.map(|x| x.map(|x| x as f32)), &mut room(&graph), &mut found);
+    graph.l_q(&q.map(|x| x.map(|x| x as f32)), &mut workspace(&graph), &mut found);
     for (found, exact) in found.iter().zip(l_q(&model, &q)) {
         assert_vectors_close("l_q", &found.map(f64::from), &exact, 1e-5);
     }
@@ -193,11 +193,11 @@ fn drag_is_the_printed_formula_and_its_derivatives_are_differences() {
     let [model, ..] = of_eight();
     let mut random = Random(17);
     let (q, v, y): ([f64; 8], [f64; 8], [f64; 8]) = (random.array(2.0), random.array(2.0), random.array(1.0));
-    let force = |model: &FixedModel<2, 8>, v: &[f64; 8]| model.in_f64().force(&q, v);
+    let force = |model: &FixedModel<2, 8>, v: &[f64; 8]| model.in_f64().force(&q, v, &[0.0; 8]);
     let naive: [f64; 8] = core::array::from_fn(|i| model.0.naive_drag(model.0.nodes[i / 2], v[i]));
     assert_vectors_close("drag", &force(&model, &v), &naive, 1e-14);
     assert!(naive.iter().zip(&v).all(|(force, v)| force * v <= 0.0), "{naive:?} against {v:?}");
-    let (by_q, by_v) = model.in_f64().derivatives(&q, &v);
+    let (by_q, by_v) = model.in_f64().derivatives(&q, &v, &[0.0; 8]);
     assert_eq!(by_q, [[0.0; 8]; 8]);
     for (j, step) in (0..8).map(|j| (j, common::dual::unit::<8>(j).map(|x| STEP * x))) {
         let at = |sign: f64| force(&model, &core::array::from_fn(|i| v[i] + sign * step[i]));

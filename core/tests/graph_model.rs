@@ -4,14 +4,16 @@ mod common;
 
 use common::file::{self, Aligned, WEB_NUMBERS, web, web_header, web_weights};
 use common::graphs::{Model, edge};
+use common::particles::rod_error;
 use common::trees::network;
 use common::{assert_close, assert_vectors_close};
 use leastaction_core::constraints::Holonomic;
-use leastaction_core::energy::graph::{
-    Drag, Edge, GraphError, Kinetic, MAX_EDGE_TYPES, MAX_NODE_TYPES, Potential, Shape,
-};
+use leastaction_core::discrete::rattle::{ParticleState, Rattle};
+use leastaction_core::energy::List;
+use leastaction_core::energy::graph::{Drag, Edge, GraphError, GraphShape, Kinetic, Potential};
 use leastaction_core::model::{
-    FORMAT_VERSION, GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS, ModelError, ModularModel, Rod, parse,
+    FORMAT_VERSION, GraphHeader, GraphLayout, GraphModel, GraphSystem, MAX_GRAPHS, ModelError, ModularModel,
+    Rod, Section, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
@@ -21,9 +23,12 @@ use proptest::prelude::*;
 /// The web in the sizes that fit it.
 type Web<'a> = GraphModel<'a, 2, 6, 5, 1>;
 
+/// In the place of a rod that is not read yet.
+const UNUSED: Holonomic<f32, 2> = Holonomic::Anchor { node: 0, to: [0.0; 2], length: 1.0 };
+
 fn refusal(file: &[u8]) -> ModelError {
-    let mut edges = [Edge::default(); 8];
-    Web::load(Aligned::new(file).bytes(), "ring", &mut edges)
+    let (mut edges, mut rods) = ([Edge::default(); 8], [UNUSED; 8]);
+    Web::load(Aligned::new(file).bytes(), "ring", &mut edges, &mut rods)
         .map(|_| ())
         .expect_err("the file must be refused")
 }
@@ -36,7 +41,7 @@ fn header_refusal(header: GraphHeader) -> ModelError {
     refusal(&file::write(web_header(header), &weights))
 }
 
-fn with_shape(change: impl FnOnce(&mut Shape)) -> GraphHeader<'static> {
+fn with_shape(change: impl FnOnce(&mut GraphShape)) -> GraphHeader<'static> {
     let mut header = web();
     change(&mut header.shape);
     header
@@ -66,13 +71,34 @@ fn a_valid_file_loads_and_is_what_was_written() {
     let Weights::Single(weights) = parsed.weights else { panic!("single precision") };
     assert_eq!(weights, web_weights(WEB_NUMBERS));
     assert!(file.bytes().as_ptr_range().contains(&weights.as_ptr().cast()), "borrowed in place");
-    let mut edges = [Edge::default(); 3];
-    let model = Web::load(file.bytes(), "ring", &mut edges).unwrap();
-    assert_eq!(model.discretisation, parsed.header.discretisation);
-    assert_eq!(model.graph.nodes(), [0, 1, 1]);
-    assert!(file.bytes().as_ptr_range().contains(&model.graph.nodes().as_ptr()), "borrowed in place");
-    assert_eq!(model.graph.edges(), [edge(0, 0, 1), edge(0, 1, 2), edge(0, 2, 0)]);
-    assert_eq!(model.graph.types().shape(), &file::web_shape());
+    let (mut edges, mut rods) = ([Edge::default(); 3], [UNUSED; 2]);
+    let model = Web::load(file.bytes(), "ring", &mut edges, &mut rods).unwrap();
+    assert_eq!(model.trained_step, parsed.header.trained_step);
+    let GraphSystem { graph, rods } = model.system;
+    assert_eq!(graph.nodes(), [0, 1, 1]);
+    assert!(file.bytes().as_ptr_range().contains(&graph.nodes().as_ptr()), "borrowed in place");
+    assert_eq!(graph.edges(), [edge(0, 0, 1), edge(0, 1, 2), edge(0, 2, 0)]);
+    assert_eq!(graph.types().shape(), &file::web_shape());
+    let [anchor, rod] = file::RODS.map(|rod| Rod::from_bytes(rod).constraint());
+    assert_eq!(rods, [anchor, rod]);
+}
+
+/// The rods of a file are what the model is stepped under: they keep their lengths.
+#[test]
+fn a_loaded_model_moves_under_its_rods() {
+    let (file, mut edges, mut rods) = (Aligned::new(&file::golden_web()), [Edge::default(); 3], [UNUSED; 2]);
+    let model = Web::load(file.bytes(), "ring", &mut edges, &mut rods).unwrap();
+    let system = model.system.constrained().unwrap();
+    let rattle = model.rattle::<f32>().unwrap();
+    let mut workspace = vec![0.0; ParticleState::<f32, 2>::workspace(3, 2)];
+    let mut work = vec![0.0; Rattle::workspace(&system)];
+    let (q, v) = ([[0.0, -0.5], [1.0, 1.0], [0.0, -2.5]], [[1.0, 0.0], [0.5, 0.0], [1.0, 0.0]]);
+    let mut state = ParticleState::new(&system, &q, &v, &mut workspace, &mut work).unwrap();
+    for _ in 0..10 {
+        rattle.step(&system, &mut state, None, &mut work).unwrap();
+    }
+    assert!(rod_error(model.system.rods, state.q()) < 1e-5);
+    assert!(state.q()[0][0].abs() > 1e-2, "it moves");
 }
 
 #[test]
@@ -82,14 +108,14 @@ fn rods_are_what_was_written() {
     let [anchor, rod] =
         [(None, 0, 0.5), (Some(0), 2, 2.0)].map(|(from, to, length)| Rod { from, to, length });
     assert_eq!(rods, [anchor, rod]);
-    assert_eq!(rods.iter().map(|rod| rod.to_bytes()).collect::<Vec<_>>(), file::RODS);
+    assert_eq!(rods.iter().map(|rod| rod.to_bytes()).collect::<Vec<_>>(), file::RODS.map(Some));
     assert_eq!(anchor.constraint::<f32, 2>(), Holonomic::Anchor { node: 0, to: [0.0; 2], length: 0.5 });
     assert_eq!(rod.constraint::<f64, 3>(), Holonomic::Rod { nodes: [2, 0], length: 2.0 });
 }
 
 #[test]
 fn rods_that_cannot_be_are_refused() {
-    let rod = |from, to, length| Rod { from, to, length }.to_bytes();
+    let rod = |from, to, length| Rod { from, to, length }.to_bytes().unwrap();
     assert_eq!(header_refusal(with_rods(&[0; 7])), out_of_range("length of a list of rods"));
     for bad in [rod(Some(0), 0, 1.0), rod(Some(3), 0, 1.0), rod(None, 3, 1.0)] {
         assert_eq!(header_refusal(with_rods(&bad)), out_of_range("end of a rod"));
@@ -101,13 +127,13 @@ fn rods_that_cannot_be_are_refused() {
 
 #[test]
 fn a_loaded_graph_is_the_one_of_its_weights() {
-    let (file, mut edges) = (Aligned::new(&file::golden_web()), [Edge::default(); 3]);
-    let graph = Web::load(file.bytes(), "ring", &mut edges).unwrap().graph;
+    let (file, mut edges, mut rods) = (Aligned::new(&file::golden_web()), [Edge::default(); 3], [UNUSED; 2]);
+    let graph = Web::load(file.bytes(), "ring", &mut edges, &mut rods).unwrap().system.graph;
     let mut twin = Model::<2>::new(file::web_shape(), graph.nodes(), graph.edges(), 0);
     twin.weights = web_weights(WEB_NUMBERS).into_iter().map(f64::from).collect();
     let (q, v) = ([[0.5_f32, -1.0], [2.0, 0.25], [-1.5, 1.0]], [[1.0_f32, -0.5], [0.25, 2.0], [0.0, 0.75]]);
-    let mut room = vec![0.0; Particles::<f32, 2>::room(&graph)];
-    let found = graph.energies(&q, &v, &mut room);
+    let mut workspace = vec![0.0; Particles::<f32, 2>::workspace(&graph)];
+    let found = graph.energies(&q, &v, &mut workspace);
     let wide = v.map(|v| v.map(f64::from));
     let kinetic: f64 = twin.nodes.iter().zip(&wide).map(|(kind, v)| twin.naive_kinetic(*kind, v)).sum();
     assert_close("T", found.kinetic.into(), kinetic, 3e-6);
@@ -117,17 +143,22 @@ fn a_loaded_graph_is_the_one_of_its_weights() {
 
 #[test]
 fn one_file_serves_all_its_graphs() {
-    let (file, mut edges) = (Aligned::new(&file::golden_web()), [Edge::default(); 3]);
-    let mut load = |name| Web::load(file.bytes(), name, &mut edges).map(|model| model.graph.nodes().len());
+    let (file, mut edges, mut rods) = (Aligned::new(&file::golden_web()), [Edge::default(); 3], [UNUSED; 2]);
+    let mut load = |name| {
+        let model = Web::load(file.bytes(), name, &mut edges, &mut rods);
+        model.map(|model| model.system.graph.nodes().len())
+    };
     assert_eq!(load("pair"), Ok(2));
     assert_eq!(load("ring"), Ok(3));
     assert_eq!(load("star"), Err(ModelError::NoSuchGraph { graphs: 2 }));
     assert_eq!(load(""), Err(ModelError::NoSuchGraph { graphs: 2 }));
     let text = ModelError::NoSuchGraph { graphs: 2 }.to_string();
     assert_eq!(text, "none of the 2 graphs in the file has that name");
-    let few = GraphModel::<2, 6, 5, 1>::load(file.bytes(), "ring", &mut edges[..2]).map(|_| ()).unwrap_err();
+    let few = Web::load(file.bytes(), "ring", &mut edges[..2], &mut rods).map(|_| ()).unwrap_err();
     assert_eq!(few, ModelError::Graph(GraphError::TooManyEdges { capacity: 2, needed: 3 }));
-    assert!(GraphModel::<2, 12, 16, 4>::load(file.bytes(), "pair", &mut edges[..1]).is_ok());
+    let few = Web::load(file.bytes(), "ring", &mut edges, &mut rods[..1]).map(|_| ()).unwrap_err();
+    assert_eq!(few, ModelError::Graph(GraphError::TooManyRods { capacity: 1, needed: 2 }));
+    assert!(GraphModel::<2, 12, 16, 4>::load(file.bytes(), "pair", &mut edges[..1], &mut []).is_ok());
 }
 
 #[test]
@@ -148,7 +179,8 @@ fn families_are_not_mistaken_for_each_other() {
 fn the_types_must_fit_the_compiled_sizes() {
     fn load<const D: usize, const K: usize, const H: usize, const L: usize>() -> ModelError {
         let (file, mut edges) = (Aligned::new(&file::golden_web()), [Edge::default(); 3]);
-        GraphModel::<D, K, H, L>::load(file.bytes(), "ring", &mut edges).map(|_| ()).unwrap_err()
+        let mut rods = [Holonomic::Anchor { node: 0, to: [0.0; D], length: 1.0 }; 2];
+        GraphModel::<D, K, H, L>::load(file.bytes(), "ring", &mut edges, &mut rods).map(|_| ()).unwrap_err()
     }
     let shape = |what, found, compiled| ModelError::Shape { what, found, compiled };
     assert_eq!(load::<3, 6, 5, 1>(), shape("dimensions", 2, 3));
@@ -182,7 +214,7 @@ fn more_than_256_nodes_have_edges() {
     let (nodes, ends) = ([1; 600], edge(0, 599, 258).to_bytes());
     let file = file::write(web_header(with_ring(&nodes, &ends)), &web_weights(WEB_NUMBERS));
     let (file, mut edges) = (Aligned::new(&file), [Edge::default(); 1]);
-    let graph = Web::load(file.bytes(), "ring", &mut edges).unwrap().graph;
+    let graph = Web::load(file.bytes(), "ring", &mut edges, &mut []).unwrap().system.graph;
     assert_eq!((graph.nodes().len(), graph.edges()), (600, &[edge(0, 599, 258)][..]));
 }
 
@@ -206,7 +238,7 @@ fn names_are_there_and_different() {
 #[test]
 fn a_model_without_edges_has_no_names_of_edges() {
     let mut header = with_shape(|shape| {
-        shape.edges = [None; MAX_EDGE_TYPES];
+        shape.edges = List::default();
         shape.messages = None;
     });
     header.edge_names = "";
@@ -214,7 +246,7 @@ fn a_model_without_edges_has_no_names_of_edges() {
     let weights = web_weights(WEB_NUMBERS);
     let (without_law, _) = weights.split_last_chunk::<2>().unwrap();
     let file = file::write(web_header(header), without_law);
-    assert!(Web::load(Aligned::new(&file).bytes(), "ring", &mut []).is_ok());
+    assert!(Web::load(Aligned::new(&file).bytes(), "ring", &mut [], &mut [UNUSED; 2]).is_ok());
     let named = GraphHeader { edge_names: "spring", ..header };
     assert_eq!(header_refusal(named), ModelError::Names { of: "edge types" });
 }
@@ -230,11 +262,11 @@ fn lists_have_no_gap() {
     named.graphs[2].name = "nothing";
     assert_eq!(header_refusal(named), out_of_range("list of graphs"));
     let cases = [
-        (with_shape(|shape| shape.nodes = [None; MAX_NODE_TYPES]), "number of node types"),
-        (with_shape(|shape| shape.nodes.swap(1, 2)), "list of node types"),
-        (with_shape(|shape| shape.edges.swap(0, 1)), "list of edge types"),
-        (with_shape(|shape| shape.edges[2] = shape.edges[0]), "list of edge types"),
-        (with_shape(|shape| shape.networks.swap(5, 6)), "list of networks"),
+        (with_shape(|shape| shape.nodes = List::default()), "number of node types"),
+        (with_shape(|shape| shape.nodes.slots.swap(1, 2)), "list of node types"),
+        (with_shape(|shape| shape.edges.slots.swap(0, 1)), "list of edge types"),
+        (with_shape(|shape| shape.edges.slots[2] = shape.edges.slots[0]), "list of edge types"),
+        (with_shape(|shape| shape.networks.slots.swap(5, 6)), "list of networks"),
         (with_shape(|shape| shape.dimension = 1), "number of dimensions"),
         (with_shape(|shape| shape.dimension = 4), "number of dimensions"),
         (with_shape(|shape| shape.embedding = 9), "length of an embedding"),
@@ -249,13 +281,13 @@ fn lists_have_no_gap() {
 fn networks_must_have_the_arity_of_their_use() {
     let set = |i: usize, inputs, outputs| {
         let network = network(inputs, &[3], outputs, Activation::Tanh);
-        with_shape(|shape| shape.networks[i] = Some(network))
+        with_shape(|shape| shape.networks.slots[i] = Some(network))
     };
     let node = |i: usize, change: fn(&mut leastaction_core::energy::graph::NodeShape)| {
-        with_shape(|shape| shape.nodes[i].iter_mut().for_each(change))
+        with_shape(|shape| shape.nodes.slots[i].iter_mut().for_each(change))
     };
     let embedding =
-        |network| with_shape(|shape| shape.edges[0].iter_mut().for_each(|e| e.embedding = network));
+        |network| with_shape(|shape| shape.edges.slots[0].iter_mut().for_each(|e| e.embedding = network));
     let (of_node, of_edge) = ("network of a node type", "network of an edge type");
     let of_messages = "network of the messages";
     let cases = [
@@ -313,7 +345,7 @@ fn weights_are_as_many_as_the_shape_says() {
     let error = refusal(&file::write(web_header(web()), &weights[1..]));
     assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
     let wide = with_shape(|shape| {
-        shape.networks = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 12];
+        shape.networks.slots = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 12];
     });
     let error = refusal(&file::write(web_header(wide), &weights));
     assert!(matches!(error, ModelError::WeightCount { found, .. } if found == needed), "{error:?}");
@@ -321,13 +353,14 @@ fn weights_are_as_many_as_the_shape_says() {
 
 /// Evaluates whatever loads.
 fn evaluate(file: &Aligned, name: &str) {
-    let mut edges = [Edge::default(); 8];
-    if let Ok(model) = GraphModel::<2, 12, 8, 3>::load(file.bytes(), name, &mut edges) {
-        let (graph, nodes) = (model.graph, model.graph.nodes().len());
-        let mut room = vec![0.0; Particles::<f32, 2>::room(&graph)];
+    let (mut edges, mut rods) = ([Edge::default(); 8], [UNUSED; 8]);
+    if let Ok(model) = GraphModel::<2, 12, 8, 3>::load(file.bytes(), name, &mut edges, &mut rods) {
+        assert!(model.system.constrained().is_ok());
+        let (graph, nodes) = (model.system.graph, model.system.graph.nodes().len());
+        let mut workspace = vec![0.0; Particles::<f32, 2>::workspace(&graph)];
         let (q, mut l_q) = (vec![[0.3_f32; 2]; nodes], vec![[0.0; 2]; nodes]);
-        graph.l_q(&q, &mut room, &mut l_q);
-        let _ = graph.energies(&q, &q, &mut room);
+        graph.l_q(&q, &mut workspace, &mut l_q);
+        let _ = graph.energies(&q, &q, &mut workspace);
         let _ = (graph.drag(0, &q[0]), Particles::mass(&graph, nodes - 1, &q[0]));
     }
 }
@@ -338,13 +371,14 @@ proptest! {
     /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION, 2], &bytes[..]].concat());
+        let energies = file::section_of(Section::Energies, &[&[2], &bytes[..]].concat());
+        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION], &energies[..]].concat());
         let _ = parse(Aligned::new(&file).bytes());
     }
 
     /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
     #[test]
-    fn sealed_changes_never_panic(changes in prop::collection::vec((6usize..180, 0u8..12), 1..4)) {
+    fn sealed_changes_never_panic(changes in prop::collection::vec((5usize..190, 0u8..12), 1..4)) {
         let file = file::golden_web();
         let mut body = file[..file.len() - 4].to_vec();
         for (position, value) in changes {

@@ -24,8 +24,8 @@ fn member<'a>(model: &'a Model<2>, nodes: &'a [u16]) -> Member<'a, f64, 2, 11, 1
     Member { graph: model.in_f64(), nodes }
 }
 
-fn room(of: &impl Particles<f64, 2>) -> Vec<f64> {
-    vec![f64::NAN; of.room()]
+fn workspace(of: &impl Particles<f64, 2>) -> Vec<f64> {
+    vec![f64::NAN; of.workspace()]
 }
 
 fn own<const N: usize>(nodes: &[u16; N], x: &[[f64; 2]; NODES]) -> [[f64; 2]; N] {
@@ -40,7 +40,7 @@ fn potentials_and_drags_add_and_kinetic_energy_counts_once() {
     let mut random = Random(3);
     let q: [[f64; 2]; NODES] = core::array::from_fn(|_| random.array(2.0));
     let v: [[f64; 2]; NODES] = core::array::from_fn(|_| random.array(2.0));
-    let energies = union.energies(&q, &v, &mut room(&union));
+    let energies = union.energies(&q, &v, &mut workspace(&union));
     let potential = a.naive_potential(&own(&FIRST, &q)) + b.naive_potential(&own(&SECOND, &q));
     assert_close("potential", energies.potential, potential, 1e-13);
     let first = FIRST.iter().zip(&a.nodes).map(|(node, kind)| a.naive_kinetic(*kind, &v[usize::from(*node)]));
@@ -48,11 +48,11 @@ fn potentials_and_drags_add_and_kinetic_energy_counts_once() {
     assert_close("kinetic", energies.kinetic, first.sum::<f64>() + rest, 1e-13);
 
     let mut found = [[f64::NAN; 2]; NODES];
-    union.l_q(&q, &mut room(&union), &mut found);
+    union.l_q(&q, &mut workspace(&union), &mut found);
     let mut sums = [[0.0; 2]; NODES];
     for (model, nodes) in [(&a, &FIRST), (&b, &SECOND)] {
         let (graph, mut forces) = (model.in_f64(), [[f64::NAN; 2]; 4]);
-        graph.l_q(&own(nodes, &q), &mut room(&graph), &mut forces);
+        graph.l_q(&own(nodes, &q), &mut workspace(&graph), &mut forces);
         for (node, force) in nodes.iter().zip(forces) {
             (0..2).for_each(|k| sums[usize::from(*node)][k] += force[k]);
         }

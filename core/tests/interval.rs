@@ -5,7 +5,7 @@ mod common;
 use common::shapes::{self, Model};
 use common::{Random, assert_close, assert_matrices_close, dual};
 use leastaction_core::discrete::{
-    Balance, Control, Del, Galerkin, Interval, Linearised, Midpoint, Node, Path, State, Variation,
+    Balance, Control, Del, Galerkin, GaussPoint, Interval, Linearised, Midpoint, Path, State, Variation,
 };
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE};
 use leastaction_core::forces::{Forces, System, Viscous};
@@ -58,11 +58,11 @@ fn two_positions_determine_the_momentum() {
 struct Drag;
 
 impl<const N: usize> Forces<f64, N> for Drag {
-    fn force(&self, q: &[f64; N], v: &[f64; N]) -> [f64; N] {
+    fn force(&self, q: &[f64; N], v: &[f64; N], _: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| -(1.0 + 0.5 * q[i].sin()) * v[i] + 0.3 * v[(i + 1) % N] * q[i])
     }
 
-    fn derivatives(&self, q: &[f64; N], v: &[f64; N]) -> (Matrix<f64, N>, Matrix<f64, N>) {
+    fn derivatives(&self, q: &[f64; N], v: &[f64; N], _: &[f64; N]) -> (Matrix<f64, N>, Matrix<f64, N>) {
         let (mut in_q, mut in_v) = ([[0.0; N]; N], [[0.0; N]; N]);
         for i in 0..N {
             in_q[i][i] = -0.5 * q[i].cos() * v[i] + 0.3 * v[(i + 1) % N];
@@ -70,6 +70,10 @@ impl<const N: usize> Forces<f64, N> for Drag {
             in_v[i][(i + 1) % N] += 0.3 * q[i];
         }
         (in_q, in_v)
+    }
+
+    fn load_derivative(&self, _: &[f64; N], _: &[f64; N], _: &[f64; N]) -> Matrix<f64, N> {
+        [[0.0; N]; N]
     }
 }
 
@@ -160,13 +164,13 @@ fn the_balance_is_the_derivative_of_the_discrete_lagrangian() {
     let action = |q0: [f64; 2], q1: [f64; 2], s: [f64; 2]| -> f64 {
         let w = core::array::from_fn(|i| (q1[i] - q0[i]) / h);
         let path = Interval::<f64, Galerkin, 2>::new(q0, w, h, Control::none()).moved(&[0.0; 2], &s);
-        Galerkin::nodes::<f64>()
+        Galerkin::points::<f64>()
             .as_ref()
             .iter()
-            .map(|node| {
-                let (q, v) = path.point(node);
+            .map(|point| {
+                let (q, v) = path.point(point);
                 let e = ACROBOT.energies(&q, &v);
-                h * node.weight * (e.kinetic - e.potential)
+                h * point.weight * (e.kinetic - e.potential)
             })
             .sum()
     };
@@ -186,9 +190,9 @@ fn the_balance_is_the_derivative_of_the_discrete_lagrangian() {
 
 #[test]
 fn variations_are_those_of_the_path() {
-    let (h, node) = (0.25, Node { tau: 0.3_f64, weight: 1.0 });
+    let (h, point) = (0.25, GaussPoint { c: 0.3_f64, weight: 1.0 });
     let (start, end, bubble) =
-        (Variation::start(&node, h), Variation::end(&node, h), Variation::bubble(&node, h));
+        (Variation::start(&point, h), Variation::end(&point, h), Variation::bubble(&point, h));
     assert_close("start", start.force, h * 0.7, 1e-15);
     assert_close("end", end.force, h * 0.3, 1e-15);
     assert_close("bubble", bubble.force, h * 4.0 * 0.3 * 0.7, 1e-15);

@@ -10,7 +10,7 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    Discretisation, FORMAT_VERSION, Family, Header, ModelError, RigidHeader, RigidModel, parse, parse_as,
+    FORMAT_VERSION, Family, Header, Laws, ModelError, RigidHeader, RigidModel, Section, parse, parse_as,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
@@ -35,7 +35,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert_eq!(parsed.weights, Weights::Single(&file::weights(&CARTPOLE)));
     assert_eq!((parsed.weights.bits(), parsed.weights.len()), (32, file::weights(&CARTPOLE).len()));
     let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
-    assert_eq!(model.discretisation, HEADER.discretisation);
+    assert_eq!((model.trained_step, model.step()), (HEADER.trained_step, Ok(file::STEP)));
     assert_eq!(model.system.forces.coefficients, [0.125; 2]);
     assert_eq!(model.system.lagrangian.coordinates(), &[Translation, Angle]);
     // Borrowed in place.
@@ -72,13 +72,18 @@ fn headers_without_options_load_too() {
         widths: [6, 0, 0, 0],
         activation: Activation::Isru,
         inertia: Inertia::Diagonal,
-        damped: false,
     };
     for provenance in ["", "a", "ab", "abc"] {
-        let header = Header { family: Family::Rigid(rigid), discretisation: None, provenance };
-        let file = Aligned::new(&file::write(header, &file::weights(&rigid)));
+        let header = Header { provenance, ..Header::new(Family::Rigid(rigid)) };
+        let weights = file::weights(&rigid);
+        let (_, undamped) = weights.split_last().unwrap();
+        let file = Aligned::new(&file::write(header, &weights[..undamped.len()]));
         let model = RigidModel::<1, 6, 1>::load(file.bytes()).unwrap();
-        assert_eq!((model.discretisation, model.system.forces.coefficients), (None, [0.0]));
+        assert_eq!((model.trained_step, model.system.forces.coefficients), (None, [0.0]));
+        assert_eq!(
+            (model.step(), model.actuator(), model.range()),
+            (Err(ModelError::NoStep), Ok(None), Ok(None))
+        );
     }
 }
 
@@ -96,9 +101,13 @@ fn every_change_of_a_byte_is_an_error() {
 fn additional_bytes_are_an_error() {
     let file = file::golden();
     assert!(matches!(load_error(&[&file[..], &[0]].concat()), ModelError::Checksum { .. }));
-    // Closed with a checksum of its own: the document ends before the file does.
-    let longer = file::sealed(&[&file[..], &[1, 2, 3]].concat());
-    assert_eq!(load_error(&longer), ModelError::TrailingBytes { bytes: 7 });
+    // Closed with a checksum of its own: what follows the last section is none.
+    let longer = file::sealed(&[&file[..file.len() - 4], &[200, 1, 0]].concat());
+    assert_eq!(load_error(&longer), ModelError::Malformed);
+    // Behind the shape, within its section.
+    let [start, end] = file::place(&file, Section::Energies);
+    let longer = file::with_section(&file, Section::Energies, &[&file[start..end], &[1, 2, 3]].concat());
+    assert_eq!(load_error(&longer), ModelError::TrailingBytes { bytes: 3 });
 }
 
 #[test]
@@ -159,14 +168,7 @@ fn the_shape_must_be_the_compiled_one() {
 #[test]
 fn header_fields_out_of_range_are_errors() {
     let epsilon = |epsilon| RigidHeader { inertia: Inertia::Cholesky { epsilon }, ..CARTPOLE };
-    let step = |order, h| Header { discretisation: Some(Discretisation { order, h }), ..HEADER };
     let cases = [
-        (step(3, 0.05), "order"),
-        (step(0, 0.05), "order"),
-        (step(4, 0.0), "step h"),
-        (step(2, -0.1), "step h"),
-        (step(2, f32::NAN), "step h"),
-        (step(2, f32::INFINITY), "step h"),
         (with_family(epsilon(-1e-3)), "epsilon of the inertia matrix"),
         (with_family(epsilon(f32::NAN)), "epsilon of the inertia matrix"),
         (with_family(RigidHeader { coordinates: "", ..CARTPOLE }), "number of coordinates"),
@@ -199,17 +201,22 @@ fn padding_is_at_most_three_zeros() {
     let right = (0..4).find(|n| file::write_raw(HEADER, Some(&[0; 4][..*n]), &bytes) == plain).unwrap();
     let longer = file::write_raw(HEADER, Some(&vec![0; right + 4]), &bytes);
     assert_eq!(load_error(&longer), ModelError::OutOfRange { what: "padding" });
-    let provenance = &HEADER.provenance[..HEADER.provenance.len() - 1];
-    let filled = file::write_raw(Header { provenance, ..HEADER }, Some(&vec![7; right + 1]), &bytes);
-    assert_eq!(load_error(&filled), ModelError::OutOfRange { what: "padding" });
+    let filled = [1, 2, 3].map(|n| file::write_raw(HEADER, Some(&vec![7; n]), &bytes));
+    for filled in filled {
+        assert_eq!(load_error(&filled), ModelError::OutOfRange { what: "padding" });
+    }
+    let nothing = file::with_section(&plain, Section::Weights, &[]);
+    assert_eq!(load_error(&nothing), ModelError::Malformed);
+    let short = file::with_section(&plain, Section::Weights, &[3, 0, 0]);
+    assert_eq!(load_error(&short), ModelError::Malformed);
 }
 
 #[test]
 fn impossible_encodings_are_malformed() {
     let file = file::golden();
     let body = &file[..file.len() - 4];
-    // family 3; a coordinate string that is not UTF-8; activation 5; inertia 2; damped 2; option 2.
-    for (position, value) in [(5, 3), (7, 0xff), (13, 5), (14, 2), (19, 2), (20, 2)] {
+    // Family 3; a coordinate string that is not UTF-8; activation 5; inertia 2.
+    for (position, value) in [(10, 3), (12, 0xff), (18, 5), (19, 2)] {
         let mut changed = body.to_vec();
         changed[position] = value;
         assert_eq!(load_error(&file::sealed(&changed)), ModelError::Malformed, "byte {position}");
@@ -221,7 +228,7 @@ fn impossible_encodings_are_malformed() {
 fn other_families_are_refused_before_their_shape_is_decoded() {
     let file = file::golden();
     let mut changed = file[..file.len() - 4].to_vec();
-    changed[5] = 1;
+    changed[10] = 1;
     let changed = file::sealed(&changed);
     assert_eq!(load_error(&changed), ModelError::OtherFamily { found: "modular" });
     assert_eq!(parse(Aligned::new(&changed).bytes()), Err(ModelError::Malformed));
@@ -232,8 +239,10 @@ fn a_file_of_one_family_says_the_same_as_of_any() {
     let file = Aligned::new(&file::golden());
     let (any, one) = (parse(file.bytes()).unwrap(), parse_as::<RigidHeader, f32>(file.bytes()).unwrap());
     assert_eq!(any.header.family, Family::Rigid(one.shape));
-    assert_eq!(any.header.discretisation, one.discretisation);
-    assert_eq!((any.header.provenance, any.weights), (one.provenance, Weights::Single(one.weights)));
+    assert_eq!(any.header.trained_step, one.trained_step);
+    assert_eq!((any.header.laws, any.weights), (Laws::VISCOUS, Weights::Single(one.weights)));
+    assert_eq!(any.header.laws, one.laws);
+    assert_eq!(one.sections.get(Section::Provenance), Some(any.header.provenance.as_bytes()));
 }
 
 #[test]
@@ -271,13 +280,16 @@ proptest! {
 
     /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
     #[test]
-    fn sealed_changes_never_panic(changes in prop::collection::vec((0usize..70, any::<u8>()), 1..4)) {
+    fn sealed_changes_never_panic(changes in prop::collection::vec((0usize..110, any::<u8>()), 1..4)) {
         let file = file::golden();
         let mut body = file[..file.len() - 4].to_vec();
         for (position, value) in changes {
-            body[position] = value;
+            // From the front, or from the end.
+            let end = body.len();
+            body[if position < 60 { position } else { end - (position - 59) }] = value;
         }
         let file = Aligned::new(&file::sealed(&body));
+        let _ = parse(file.bytes());
         if let Ok(model) = RigidModel::<2, 8, 3>::load(file.bytes()) {
             let _ = acceleration(&model.system, &[0.1, 0.2], &[0.3, 0.4], &[0.5, 0.6]);
         }

@@ -7,7 +7,7 @@ use common::trees::{self, Tree, node};
 use common::{Random, assert_vectors_close};
 use leastaction_core::continuous::{acceleration, inverse_dynamics, momentum};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
-use leastaction_core::energy::modular::{Input, Node, PairInput, TreeError};
+use leastaction_core::energy::modular::{Input, PairInput, TreeElement, TreeError};
 use leastaction_core::forces::System;
 use proptest::prelude::*;
 
@@ -73,7 +73,7 @@ fn a_pair_potential_of_the_distance_conserves_linear_and_angular_momentum() {
 #[test]
 fn what_is_no_tree_is_refused() {
     let shape = trees::of_three()[0].shape;
-    let tree = |nodes: &[Node]| shape.tree::<2>(nodes.iter().copied()).err();
+    let tree = |nodes: &[TreeElement]| shape.tree::<2>(nodes.iter().copied()).err();
     assert_eq!(tree(&[]), Some(TreeError::Empty));
     assert_eq!(tree(&[node(0, Some(0))]), Some(TreeError::Parent { element: 0, parent: 0 }));
     let cycle = [node(0, Some(1)), node(0, Some(0))];
@@ -86,7 +86,7 @@ fn what_is_no_tree_is_refused() {
 }
 
 /// Elements of N coordinates in all from any numbers: each of a type that exists, on the ground or on one before it.
-fn nodes_from<const N: usize>(raw: &[(u8, u8)], kinds: u8, free: bool) -> Vec<Node> {
+fn nodes_from<const N: usize>(raw: &[(u8, u8)], kinds: u8, free: bool) -> Vec<TreeElement> {
     let each = if free { 2 } else { 1 };
     let elements = raw.iter().take(N / each).enumerate();
     elements
@@ -128,7 +128,7 @@ fn check_random<const N: usize>(tree: &Tree<N>, seed: u64) -> Result<(), TestCas
         Ok(a) => {
             // Relative to the terms that cancel where M is nearly singular.
             let size = 1.0 + a.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
-            for (found, u) in inverse_dynamics(&system, &q, &v, &a).iter().zip(u) {
+            for (found, u) in inverse_dynamics(&system, &q, &v, &a).unwrap().iter().zip(u) {
                 prop_assert!((found - u).abs() <= 1e-11 * size, "{found} instead of {u}, a = {a:?}");
             }
         }

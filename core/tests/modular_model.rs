@@ -3,16 +3,18 @@
 mod common;
 
 use common::assert_close;
-use common::file::{self, ARM_NUMBERS, Aligned, arm, arm_header, arm_weights};
+use common::file::{self, ARM_DAMPING, ARM_NUMBERS, Aligned, arm, arm_header, arm_weights};
 use common::oracle::Learned;
 use common::trees::{self, network, node};
 use leastaction_core::continuous::acceleration;
+use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
-    NUMBERS, Node, PairInput, PairShape, Shape, TransformShape, TreeError, TypeShape,
+    ELEMENT_PARAMETERS, ModularShape, PairInput, PairShape, TransformShape, TreeElement, TreeError, TypeShape,
 };
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    FORMAT_VERSION, Family, MAX_TREES, ModelError, ModularHeader, ModularModel, RigidModel, TreeHeader, parse,
+    FORMAT_VERSION, Family, Header, Laws, MAX_TREES, ModelError, ModularHeader, ModularModel, RigidModel,
+    Section, TreeHeader, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
@@ -29,14 +31,17 @@ fn refusal(file: &[u8]) -> ModelError {
 fn header_refusal(header: ModularHeader<'static>) -> ModelError {
     let count = header.parameters().unwrap();
     let mut weights = arm_weights(ARM_NUMBERS);
-    let numbers = weights.split_off(weights.len() - NUMBERS * 3 - 2);
-    let networks = count.saturating_sub(NUMBERS * header.shape.types().count() + 2);
+    weights.truncate(weights.len() - ARM_DAMPING.len());
+    let (kinds, numbers) =
+        (header.shape.types.len(), weights.split_off(weights.len() - ELEMENT_PARAMETERS * 3 - 2));
+    let networks = count.saturating_sub(ELEMENT_PARAMETERS * kinds + 2);
     weights.resize(networks, 0.5);
     weights.extend(numbers.into_iter().chain([1.0; 64]).take(count - networks));
+    weights.extend(vec![0.25; kinds]);
     refusal(&file::write(arm_header(header), &weights))
 }
 
-fn with_shape(change: impl FnOnce(&mut Shape)) -> ModularHeader<'static> {
+fn with_shape(change: impl FnOnce(&mut ModularShape)) -> ModularHeader<'static> {
     let mut header = arm();
     change(&mut header.shape);
     header
@@ -57,10 +62,10 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert_eq!(weights, arm_weights(ARM_NUMBERS));
     assert!(file.bytes().as_ptr_range().contains(&weights.as_ptr().cast()), "borrowed in place");
     let model = Arm::load(file.bytes(), "arm").unwrap();
-    assert_eq!(model.discretisation, parsed.header.discretisation);
-    assert_eq!(model.system.forces.coefficients, [0.5, 0.125, 0.0]);
+    assert_eq!(model.trained_step, parsed.header.trained_step);
+    assert_eq!(model.system.forces.coefficients, ARM_DAMPING);
     assert_eq!(model.system.lagrangian.coefficients, file::ARM_COEFFICIENTS);
-    let masses = model.system.lagrangian.types.map(|t| t.unwrap().numbers.mass);
+    let masses = model.system.lagrangian.types.slots.map(|t| t.unwrap().numbers.mass);
     assert_eq!(masses, [2.0, 1.0, 0.75]);
 }
 
@@ -70,6 +75,7 @@ fn a_loaded_tree_is_the_one_of_its_weights() {
     let nodes = [node(0, None), node(1, Some(0)), node(2, Some(1))];
     let mut twin = trees::Tree::<3>::new(file::arm_shape(), &nodes, 0);
     twin.weights = arm_weights(ARM_NUMBERS).into_iter().map(f64::from).collect();
+    twin.weights.truncate(twin.weights.len() - ARM_DAMPING.len());
     let model = Arm::load(file.bytes(), "arm").unwrap();
     for (q, v) in [([0.3_f32, 1.25, -0.5], [0.5_f32, -2.0, 1.0]), ([-1.5, -3.0, 2.0], [0.0, 1.0, 0.25])] {
         let found = model.system.lagrangian.energies(&q, &v);
@@ -179,9 +185,9 @@ fn lists_have_no_gap() {
     named.trees[2].name = "nothing";
     assert_eq!(header_refusal(named), ModelError::OutOfRange { what: "list of trees" });
     let cases = [
-        (with_shape(|shape| shape.types = [None; 6]), "number of element types"),
-        (with_shape(|shape| shape.types.swap(2, 3)), "list of element types"),
-        (with_shape(|shape| shape.networks.swap(2, 3)), "list of networks"),
+        (with_shape(|shape| shape.types = List::default()), "number of element types"),
+        (with_shape(|shape| shape.types.slots.swap(2, 3)), "list of element types"),
+        (with_shape(|shape| shape.networks.slots.swap(2, 3)), "list of networks"),
     ];
     for (header, what) in cases {
         assert_eq!(header_refusal(header), ModelError::OutOfRange { what });
@@ -191,11 +197,11 @@ fn lists_have_no_gap() {
 #[test]
 fn networks_must_have_the_arity_of_their_use() {
     let tanh = |inputs, widths, outputs| Some(network(inputs, widths, outputs, Activation::Tanh));
-    let set = |i: usize, network| with_shape(|shape| shape.networks[i] = network);
+    let set = |i: usize, network| with_shape(|shape| shape.networks.slots[i] = network);
     let velocity = |velocity| {
         with_shape(|shape| {
             if let Some(TypeShape { transform: TransformShape::Network { velocity: slot, .. }, .. }) =
-                &mut shape.types[1]
+                &mut shape.types.slots[1]
             {
                 *slot = Some(velocity);
             }
@@ -215,7 +221,7 @@ fn networks_must_have_the_arity_of_their_use() {
         (velocity(255), transform),
         (set(1, tanh(3, &[5], 1)), potential),
         (set(1, tanh(2, &[5], 2)), potential),
-        (with_shape(|shape| shape.types[2].as_mut().unwrap().potential = Some(9)), potential),
+        (with_shape(|shape| shape.types.slots[2].as_mut().unwrap().potential = Some(9)), potential),
         (pair(2, PairInput::Difference), "network of the pair potential"),
         (pair(1, PairInput::Distance), "network of the pair potential"),
         (pair(3, PairInput::Distance), "network of the pair potential"),
@@ -237,27 +243,45 @@ fn numbers_of_a_type_are_in_range() {
             (0, 0.0, "mass of an element type"),
             (0, -1.0, "mass of an element type"),
             (1, -0.1, "moment of inertia of an element type"),
-            (4, -0.5, "damping coefficient"),
         ] {
             assert_eq!(refusal(&with(kind, number, value)), ModelError::OutOfRange { what });
         }
-        for number in 0..NUMBERS {
+        for number in 0..ELEMENT_PARAMETERS {
             let error = refusal(&with(kind, number, f32::NAN));
             assert!(matches!(error, ModelError::NotFinite { .. }), "{error:?}");
         }
+        let mut weights = arm_weights(ARM_NUMBERS);
+        let damping = weights.len() - ARM_DAMPING.len();
+        weights[damping + kind] = -0.5;
+        let error = refusal(&file::write(arm_header(arm()), &weights));
+        assert_eq!(error, ModelError::OutOfRange { what: "damping coefficient" });
     }
+}
+
+/// Damping is of element types: elements of one type share it, in the order of the tree's coordinates.
+#[test]
+fn damping_is_that_of_the_element_types() {
+    let with_damping = file::write(arm_header(with_tree(&[2, 0, 1, 1, 2, 2])), &arm_weights(ARM_NUMBERS));
+    let file = Aligned::new(&with_damping);
+    let [_, link, rod] = ARM_DAMPING;
+    assert_eq!(Arm::load(file.bytes(), "arm").unwrap().system.forces.coefficients, [rod, link, rod]);
+    let weights = arm_weights(ARM_NUMBERS);
+    let (undamped, _) = weights.split_at(weights.len() - ARM_DAMPING.len());
+    let header = Header { laws: Laws::NONE, ..arm_header(arm()) };
+    let file = Aligned::new(&file::write(header, undamped));
+    assert_eq!(Arm::load(file.bytes(), "arm").unwrap().system.forces.coefficients, [0.0; 3]);
 }
 
 #[test]
 fn weights_are_as_many_as_the_shape_says() {
     let weights = arm_weights(ARM_NUMBERS);
     let needed = weights.len();
-    assert_eq!(needed, (3 * 4 + 5 * 3 + 4 * 2) + (3 * 5 + 6) + 2 + 3 * NUMBERS + 2);
+    assert_eq!(needed, (3 * 4 + 5 * 3 + 4 * 2) + (3 * 5 + 6) + 2 + 3 * ELEMENT_PARAMETERS + 2 + 3);
     let error = refusal(&file::write(arm_header(arm()), &weights[1..]));
     assert_eq!(error, ModelError::WeightCount { found: needed - 1, needed });
     // Every network as wide as it can be: more numbers than any file has, and no overflow.
     let wide = with_shape(|shape| {
-        shape.networks = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 8];
+        shape.networks.slots = [Some(network(255, &[u16::MAX; 4], 255, Activation::Tanh)); 8];
     });
     let error = refusal(&file::write(arm_header(wide), &weights));
     assert!(matches!(error, ModelError::WeightCount { found, .. } if found == needed), "{error:?}");
@@ -268,7 +292,7 @@ fn impossible_encodings_are_malformed() {
     let file = file::golden_arm();
     let body = &file[..file.len() - 4];
     // Family 3; an option 2; activation 5; transform 4; input 3; pair input 4; a name that is not UTF-8.
-    for (position, value) in [(5, 3), (6, 2), (13, 5), (36, 4), (42, 3), (54, 4), (56, 0xff)] {
+    for (position, value) in [(10, 3), (11, 2), (18, 5), (41, 4), (47, 3), (59, 4), (61, 0xff)] {
         let mut changed = body.to_vec();
         changed[position] = value;
         assert_eq!(refusal(&file::sealed(&changed)), ModelError::Malformed, "byte {position}");
@@ -281,7 +305,6 @@ fn evaluate<const N: usize>(file: &Aligned, name: &str) {
         let (q, v) = ([0.2; N], [0.4; N]);
         let _ = acceleration(&model.system, &q, &v, &[0.5; N]);
         let _ = model.system.lagrangian.hessian(&q, &v);
-        let _ = model.system.lagrangian.damping_positions();
     }
 }
 
@@ -291,13 +314,14 @@ proptest! {
     /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..160)) {
-        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION, 1], &bytes[..]].concat());
+        let energies = file::section_of(Section::Energies, &[&[1], &bytes[..]].concat());
+        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION], &energies[..]].concat());
         let _ = parse(Aligned::new(&file).bytes());
     }
 
     /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
     #[test]
-    fn sealed_changes_never_panic(changes in prop::collection::vec((6usize..160, 0u8..12), 1..4)) {
+    fn sealed_changes_never_panic(changes in prop::collection::vec((5usize..170, 0u8..12), 1..4)) {
         let file = file::golden_arm();
         let mut body = file[..file.len() - 4].to_vec();
         for (position, value) in changes {
@@ -318,12 +342,9 @@ proptest! {
         let bytes: Vec<u8> = elements.iter().flat_map(|(kind, parent)| [*kind, *parent]).collect();
         let mut trees = [TreeHeader::default(); MAX_TREES];
         trees[0] = TreeHeader { name: "random", elements: &bytes };
-        let header = leastaction_core::model::Header {
-            family: Family::Modular(ModularHeader { trees, ..arm() }),
-            discretisation: None,
-            provenance: "",
-        };
-        let nodes: Vec<Node> = trees[0].nodes().collect();
+        let family = Family::Modular(ModularHeader { trees, ..arm() });
+        let header = Header { laws: Laws::VISCOUS, ..Header::new(family) };
+        let nodes: Vec<TreeElement> = trees[0].nodes().collect();
         let valid = elements.iter().zip(0u8..).all(|((kind, parent), e)| *kind < 3 && *parent <= e);
         let file = Aligned::new(&file::write(header, &arm_weights(ARM_NUMBERS)));
         prop_assert_eq!(parse(file.bytes()).is_ok(), valid, "{:?}", nodes);

@@ -9,13 +9,10 @@ use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
 use leastaction_core::scalar::Stored;
 use proptest::prelude::*;
 
-const ACTIVATIONS: [Activation; 5] =
-    [Activation::Tanh, Activation::Softplus, Activation::Squareplus, Activation::Isru, Activation::Identity];
-
 #[test]
 fn slopes_and_curvatures_are_the_derivatives() {
     const STEP: f64 = 1e-4;
-    for activation in ACTIVATIONS {
+    for activation in Activation::ALL {
         for k in -60..=60 {
             // Not 0, where the two branches of |z| meet and the oracle has no side.
             let z = f64::from(k) * 0.25 + 0.01;
@@ -36,7 +33,7 @@ fn slopes_and_curvatures_are_the_derivatives() {
 
 #[test]
 fn activations_keep_their_accuracy_far_out() {
-    for activation in ACTIVATIONS {
+    for activation in Activation::ALL {
         for z in [-80.0_f32, -20.0, -1e-3, 0.0, 1e-3, 20.0, 80.0] {
             let (single, double) = (activation.curve(z), activation.curve(f64::from(z)));
             for (a, b) in [(single.value, double.value), (single.slope, double.slope)] {
@@ -56,7 +53,7 @@ fn activations_keep_their_accuracy_far_out() {
 
 #[test]
 fn apply_carries_tangents_through_value_and_slope() {
-    for activation in ACTIVATIONS {
+    for activation in Activation::ALL {
         let z = Jet { value: 0.7, tangent: [1.5, -0.3] };
         let (mut units, mut slopes) = ([z], [Jet::zero()]);
         activation.apply(&mut units, &mut slopes);
@@ -99,7 +96,8 @@ const DEPTH: usize = 3;
 impl Net {
     fn new(sizes: &[usize], activation: Activation, seed: u64) -> Self {
         let (inputs, outputs) = (sizes[0], sizes[sizes.len() - 1]);
-        let length = Mlp::<f64, DEPTH>::parameters(inputs, &sizes[1..sizes.len() - 1], outputs).unwrap();
+        let length =
+            Mlp::<f64, WIDTH, DEPTH>::parameters(inputs, &sizes[1..sizes.len() - 1], outputs).unwrap();
         Self { sizes: sizes.to_vec(), activation, weights: Random(seed).vector(length, 0.7) }
     }
 
@@ -111,7 +109,7 @@ impl Net {
         self.sizes[self.sizes.len() - 1]
     }
 
-    fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Mlp<'a, W, DEPTH> {
+    fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Mlp<'a, W, WIDTH, DEPTH> {
         let hidden = &self.sizes[1..self.sizes.len() - 1];
         let mlp = Mlp::take(&mut weights, self.inputs(), hidden, self.outputs(), self.activation).unwrap();
         assert!(weights.is_empty());
@@ -167,7 +165,7 @@ impl Net {
 
 #[test]
 fn networks_with_panels_of_8_4_and_1() {
-    for (k, activation) in ACTIVATIONS.into_iter().enumerate() {
+    for (k, activation) in Activation::ALL.into_iter().enumerate() {
         Net::new(&[3, 7, 13, 5], activation, k as u64).check();
         Net::new(&[5, 22, 9, 17, 2], activation, 10 + k as u64).check();
         Net::new(&[4, 13], activation, 20 + k as u64).check();
@@ -194,18 +192,19 @@ fn adjoints_of_fewer_tangents_than_the_tape() {
 }
 
 #[test]
-fn blocks_that_are_too_short_or_too_deep_are_refused() {
+fn networks_that_are_too_long_too_deep_or_too_wide_are_refused() {
     let weights = [0.0_f32; 100];
     let take = |n: usize, widths: &[usize]| {
         let mut block = &weights[..n];
-        Mlp::<f32, 2>::take(&mut block, 3, widths, 2, Activation::Tanh).map(|_| block.len())
+        Mlp::<f32, 5, 2>::take(&mut block, 3, widths, 2, Activation::Tanh).map(|_| block.len())
     };
-    assert_eq!(Mlp::<f32, 2>::parameters(3, &[4, 5], 2), Some(4 * 4 + 5 * 5 + 6 * 2));
+    assert_eq!(Mlp::<f32, 5, 2>::parameters(3, &[4, 5], 2), Some(4 * 4 + 5 * 5 + 6 * 2));
     assert_eq!(take(60, &[4, 5]), Some(60 - 53));
     assert_eq!(take(52, &[4, 5]), None);
     assert_eq!(take(100, &[4, 5, 1]), None);
-    assert_eq!(Mlp::<f32, 2>::parameters(usize::MAX, &[4], 2), None);
-    assert_eq!(Mlp::<f32, 2>::parameters(3, &[usize::MAX / 2], 2), None);
+    assert_eq!(take(100, &[4, 6]), None);
+    assert_eq!(Mlp::<f32, 5, 2>::parameters(usize::MAX, &[4], 2), None);
+    assert_eq!(Mlp::<f32, 5, 2>::parameters(3, &[usize::MAX / 2], 2), None);
     let mut block = &weights[..];
     assert!(Dense::take(&mut block, usize::MAX, 2).is_none());
 }
@@ -216,7 +215,7 @@ proptest! {
     #[test]
     fn networks_of_random_shape(
         sizes in prop::collection::vec(1..=WIDTH, 2..=5),
-        activation in prop::sample::select(&ACTIVATIONS[..]),
+        activation in prop::sample::select(&Activation::ALL[..]),
         seed in any::<u64>(),
     ) {
         Net::new(&sizes, activation, seed).check();

@@ -7,7 +7,7 @@ use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step,
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 
 /// Time at which errors are compared, s; the steps divide it.
 const END: f64 = 0.8;
@@ -28,7 +28,6 @@ type Point<const N: usize> = ([f64; N], [f64; N]);
 impl<L, const N: usize> Motion<L, N>
 where
     L: Lagrangian<f64, N>,
-    L::Mass: MassMatrix<f64, N>,
 {
     fn control(&self, t: f64) -> [f64; N] {
         core::array::from_fn(|i| self.u[i] + self.u_rate[i] * t)

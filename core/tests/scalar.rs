@@ -7,6 +7,7 @@ use common::shapes::{self, Model};
 use leastaction_core::energy::Learnable;
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::{Compensated, LANES, Lanes, Real, Scalar, all_finite, max_abs, product, sum};
+use proptest::prelude::*;
 
 /// The distance between neighbouring f32 at |x|.
 fn ulp_f32(x: f64) -> f64 {
@@ -121,7 +122,7 @@ fn tanh_at_the_ends() {
 }
 
 #[test]
-fn elementary_functions_of_numbers_that_are_none() {
+fn elementary_functions_outside_their_domains() {
     assert!(
         Scalar::sqrt(-1.0_f32).is_nan() && Scalar::exp(f32::NAN).is_nan() && Scalar::ln_1p(-2.0_f64).is_nan()
     );
@@ -144,7 +145,7 @@ fn square_roots_of_lanes_have_the_bits_of_one_after_another() {
 }
 
 #[test]
-fn norms_say_where_a_number_is_none() {
+fn norms_are_nan_where_a_number_is_not_finite() {
     assert_eq!(max_abs(&[1.0_f32, -3.0, 2.0]), 3.0);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for i in 0..3 {
@@ -155,13 +156,76 @@ fn norms_say_where_a_number_is_none() {
     }
 }
 
+/// A turn, 2π rounded to the type.
+const TURN_F32: f32 = core::f32::consts::TAU;
+const TURN_F64: f64 = core::f64::consts::TAU;
+
+#[test]
+fn wrapped_angles_just_outside_a_turn_stay_below_it() {
+    for x in [-1e-9_f32, -f32::MIN_POSITIVE, -1e-45, -0.0, 0.0, TURN_F32, -TURN_F32, TURN_F32.next_down()] {
+        assert!((0.0..TURN_F32).contains(&x.wrapped()), "{x:e}: {:e}", x.wrapped());
+    }
+    for x in [-1e-17_f64, -f64::MIN_POSITIVE, -5e-324, -0.0, 0.0, TURN_F64, -TURN_F64, TURN_F64.next_down()] {
+        assert!((0.0..TURN_F64).contains(&x.wrapped()), "{x:e}: {:e}", x.wrapped());
+    }
+    // The number nearest to 2π − 1e-9 that is still below 2π.
+    assert_eq!((-1e-9_f32).wrapped(), TURN_F32.next_down());
+    assert_eq!((0.0_f32.wrapped(), 1.0_f64.wrapped()), (0.0, 1.0));
+    for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        assert!(x.wrapped().is_nan() && f64::from(x).wrapped().is_nan(), "{x}");
+    }
+}
+
+/// The distance of two angles the short way round, rad.
+fn around(a: f64, b: f64) -> f64 {
+    let whole = (a - b).abs() % TURN_F64;
+    whole.min(TURN_F64 - whole)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 20_000, ..ProptestConfig::default() })]
+
+    /// At every magnitude; near whole turns too, where the quotient is rounded up.
+    #[test]
+    fn wrapped_angles_are_in_a_turn(bits in any::<u64>(), turns in -4000_i16..4000, ulps in -3_i8..=3) {
+        let near = f32::from(turns) * TURN_F32;
+        let near = f32::from_bits(near.to_bits().saturating_add_signed(ulps.into()));
+        let random = f32::from_bits(bits as u32);
+        for x in [random, near].into_iter().filter(|x| x.is_finite()) {
+            let wrapped = x.wrapped();
+            prop_assert!((0.0..TURN_F32).contains(&wrapped), "{x:e}: {wrapped:e}");
+            if x.abs() < 1e4 {
+                // 2π differs from its f32 by 1.7e-7, which counts once a turn.
+                let error = around(wrapped.into(), x.into());
+                prop_assert!(error <= 1e-6 + 1e-7 * f64::from(x.abs()), "{x:e}: {wrapped:e}, {error:e} off");
+            }
+        }
+        let near = f64::from(turns) * TURN_F64;
+        let near = f64::from_bits(near.to_bits().saturating_add_signed(ulps.into()));
+        for x in [f64::from_bits(bits), near].into_iter().filter(|x| x.is_finite()) {
+            let wrapped = x.wrapped();
+            prop_assert!((0.0..TURN_F64).contains(&wrapped), "{x:e}: {wrapped:e}");
+            prop_assert_eq!(Lanes([x; LANES]).wrapped(), Lanes([wrapped; LANES]));
+        }
+    }
+
+    /// An angle that x − 2π⌊x/2π⌋ in floating point leaves in a turn has the bits of that.
+    #[test]
+    fn ordinary_angles_are_wrapped_by_the_plain_formula(x in -100.0_f32..100.0, y in -100.0_f64..100.0) {
+        let plain = x - libm::floorf(x / TURN_F32) * TURN_F32;
+        prop_assert!(!(0.0..TURN_F32).contains(&plain) || plain.to_bits() == x.wrapped().to_bits(), "{x:e}");
+        let plain = y - libm::floor(y / TURN_F64) * TURN_F64;
+        prop_assert!(!(0.0..TURN_F64).contains(&plain) || plain.to_bits() == y.wrapped().to_bits(), "{y:e}");
+    }
+}
+
 /// All that a model gives at (q, v), one number after another.
 fn evaluated<S: Scalar<Weight = f64>, const N: usize>(model: &Model<N>, q: &[S; N], v: &[S; N]) -> Vec<S> {
     let rigid = model.in_f64();
     let (e, g, d, h) =
         (rigid.energies(q, v), rigid.gradient(q, v), rigid.dynamics(q, v), rigid.hessian(q, v));
     let vectors = [g.l_q, g.l_v, d.l_q, d.l_v, d.l_vq_v, h.l_q, h.l_v].concat();
-    let matrices = [d.mass.0.concat(), h.l_qq.concat(), h.l_vq.concat(), h.l_vv.concat()].concat();
+    let matrices = [d.mass.concat(), h.l_qq.concat(), h.l_vq.concat(), h.l_vv.concat()].concat();
     [vec![e.kinetic, e.potential], vectors, matrices].concat()
 }
 
@@ -220,6 +284,15 @@ fn compensated_sums_keep_what_rounding_takes() {
     let exact = 1.0 + 1e6 * f64::from(1e-8_f32);
     assert!((f64::from(sum.value()) - exact).abs() <= ulp_f32(1.0) / 2.0);
     assert!((f64::from(sum.value()) + f64::from(sum.carry()) - exact).abs() < 1e-8);
+}
+
+/// Whichever is the larger.
+#[test]
+fn compensated_sums_keep_what_a_large_increment_hides() {
+    let sum = Compensated::new(1e-3_f32).plus(1e8);
+    assert_eq!((sum.value(), sum.carry()), (1e8, 1e-3));
+    let back = sum.plus(-1e8);
+    assert_eq!((back.value(), back.carry()), (1e-3, 0.0));
 }
 
 /// Two numbers of 24 digits, of any size: their sum and product are exactly what comes back, in f64 and, by integers, in f32.

@@ -21,6 +21,12 @@ while [ $# -gt 0 ]; do
     esac
 done
 
+images=(rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 rigid-f16_2) bare_images=(bare_acceleration bare_step)
+case " ${boards[*]} ${images[*]} ${bare_images[*]} bare " in
+    *" ${only:-bare} "*) ;;
+    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare" >&2; exit 2 ;;
+esac
+
 if [ -n "$build_only" ]; then
     for board in "${boards[@]}"; do
         build "$board"
@@ -60,10 +66,10 @@ run() {
     local board image
     for board in "${boards[@]}"; do
         build "$board"
-        for image in rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 rigid-f16_2; do
+        for image in "${images[@]}"; do
             case "$only" in "" | "$board" | "$image") report "$board" "$image" ;; esac
         done
-        for image in bare_acceleration bare_step; do
+        for image in "${bare_images[@]}"; do
             case "$only" in "" | "$board" | "$image" | bare) bare "$board" "$image" ;; esac
         done
     done

@@ -1,23 +1,22 @@
-//! What becomes of damaged model files: every bit changed, every truncation, kind of error by kind of error, on any target.
+//! How loaders answer damaged model files, on any target: every changed bit and every truncation, counted by reason.
 
-use crate::link::ModelFault;
-use leastaction_core::model::{ModelError, checksum};
+use leastaction_core::model::{CATALOGUE, Entry, ModelError, checksum};
 
 /// How often a loader refused, and how often it did not.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refusals {
-    /// Files taken for whole.
+    /// Damaged files that were accepted.
     pub accepted: u32,
-    /// Refusals by the code of their kind.
-    pub by_fault: [u32; ModelFault::ALL.len()],
+    /// Refusals by the place of their reason in [`CATALOGUE`].
+    by_reason: [u32; CATALOGUE.len()],
 }
 
-/// What is done to a file.
+/// A kind of damage to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// One bit is changed, every one in turn.
+    /// Every bit is changed, one at a time.
     Bit,
-    /// The same but in the checksum, which is made to fit: what the other checks are worth alone.
+    /// Every bit before the checksum is changed, and the checksum corrected: the other checks have to find it alone.
     BitUnderChecksum,
     /// The end is missing, from one byte to all.
     Truncation,
@@ -27,7 +26,7 @@ impl Damage {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Bit, Self::BitUnderChecksum, Self::Truncation];
 
-    /// In a word.
+    /// Its name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bit => "bit",
@@ -36,13 +35,13 @@ impl Damage {
         }
     }
 
-    /// What a loader makes of a file with every such damage; the file is whole again at the end.
+    /// Counts the answers of a loader to a file with every such damage in turn; the file is whole again at the end.
     pub fn refusals(
         self,
         file: &mut [u8],
         mut load: impl FnMut(&[u8]) -> Result<(), ModelError>,
     ) -> Refusals {
-        let mut refusals = Refusals::default();
+        let mut refusals = Refusals { accepted: 0, by_reason: [0; CATALOGUE.len()] };
         match self {
             Self::Bit => every_bit(file, |damaged| refusals.count(load(damaged))),
             Self::BitUnderChecksum => every_bit_under_checksum(file, |damaged| refusals.count(load(damaged))),
@@ -61,16 +60,26 @@ impl Refusals {
     pub fn count(&mut self, outcome: Result<(), ModelError>) {
         let counter = match outcome {
             Ok(()) => Some(&mut self.accepted),
-            Err(error) => self.by_fault.get_mut(ModelFault::from(error) as usize),
+            Err(error) => {
+                let code = error.coded().code;
+                let mut reasons = CATALOGUE.iter().zip(&mut self.by_reason);
+                reasons.find(|(entry, _)| entry.code == code).map(|(_, counter)| counter)
+            }
         };
+        debug_assert!(counter.is_some(), "every reason is in the catalogue");
         if let Some(counter) = counter {
             *counter += 1;
         }
     }
 
-    /// The kinds that occurred, and how often.
-    pub fn occurred(&self) -> impl Iterator<Item = (ModelFault, u32)> {
-        ModelFault::ALL.into_iter().zip(self.by_fault).filter(|(_, count)| *count > 0)
+    /// The reasons that occurred, and how often.
+    pub fn occurred(&self) -> impl Iterator<Item = (&'static Entry, u32)> {
+        CATALOGUE.iter().zip(self.by_reason).filter(|(_, count)| *count > 0)
+    }
+
+    /// How often the reason of that name occurred.
+    pub fn of(&self, name: &str) -> u32 {
+        self.occurred().find(|(entry, _)| entry.name == name).map_or(0, |(_, count)| count)
     }
 }
 
@@ -86,11 +95,11 @@ fn every_bit_under_checksum(file: &mut [u8], mut visit: impl FnMut(&[u8])) {
     let Some((body, _)) = file.split_last_chunk::<4>() else { return };
     for bit in 0..8 * body.len() {
         flip(file, bit);
-        mend(file);
+        correct_checksum(file);
         visit(file);
         flip(file, bit);
     }
-    mend(file);
+    correct_checksum(file);
 }
 
 fn flip(file: &mut [u8], bit: usize) {
@@ -99,7 +108,7 @@ fn flip(file: &mut [u8], bit: usize) {
     }
 }
 
-fn mend(file: &mut [u8]) {
+fn correct_checksum(file: &mut [u8]) {
     if let Some((body, sum)) = file.split_last_chunk_mut() {
         *sum = checksum(body).to_le_bytes();
     }

@@ -4,19 +4,38 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SetupError {
-    /// A number of the configuration is out of its range.
+    /// A number of the configuration, or one that the model gives, is out of its range.
     OutOfRange {
         /// Which.
         what: &'static str,
         /// What it was set to.
         value: f32,
         /// What it must be.
-        range: &'static str,
+        range: Range,
     },
     /// The model's inertia matrix at the upright position cannot be inverted.
     SingularInertia,
     /// The Riccati equation has no finite solution for the model: its upright position cannot be held by this input.
     NotStabilisable,
+}
+
+/// What a number of a configuration must be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Range {
+    /// In words.
+    Words(&'static str),
+    /// One number, and why.
+    Only(f32, &'static str),
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Words(words) => f.write_str(words),
+            Self::Only(value, why) => write!(f, "{value}, {why}"),
+        }
+    }
 }
 
 impl fmt::Display for SetupError {
@@ -42,5 +61,6 @@ pub(crate) fn require(
     condition: bool,
     range: &'static str,
 ) -> Result<(), SetupError> {
+    let range = Range::Words(range);
     if condition { Ok(()) } else { Err(SetupError::OutOfRange { what, value, range }) }
 }

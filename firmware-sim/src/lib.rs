@@ -49,9 +49,9 @@ pub mod trajectory;
 mod wire;
 
 pub use angle::{wrap, wrap_where};
-pub use error::SetupError;
+pub use error::{Range, SetupError};
 pub use firmware::{Firmware, Outcome};
-pub use mechanism::Mechanism;
+pub use mechanism::{Mechanism, Trained, require_quadratic};
 pub use processor::Processor;
 pub use program::{Program, Task};
 pub use summary::{Goal, Incidents, Summary};

@@ -1,110 +1,168 @@
+use crate::error::{SetupError, require};
 use leastaction_core::continuous::{self, ContinuousState};
 use leastaction_core::discrete::{Control, Del, Path, Report, State, StepError};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{Energies, Gradient, Hessian, Lagrangian, MassMatrix};
-use leastaction_core::linear::Singular;
+use leastaction_core::lagrangian::{Energies, Hessian, Lagrangian};
+use leastaction_core::linear;
+use leastaction_core::model::TrainedStep;
+use leastaction_core::scalar::max_abs;
 
 /// A system in N coordinates that can be simulated and controlled in f32: what plants and models have in common.
 ///
-/// Every [`System`] of a Lagrangian with an invertible mass matrix is one.
+/// Every [`System`] of a Lagrangian with an invertible mass matrix is one. A learned one is handed over as [`Trained`], with the
+/// step that its file names.
+///
+/// A plant may have any kinetic energy. Observers and controllers take T = ½ vᵀM(q)v, and with it p = M(q)v: programs and
+/// predictions refuse models of another ([`require_quadratic`]).
 pub trait Mechanism<const N: usize> {
+    /// Its energies.
+    type Lagrangian: Lagrangian<f32, N>;
+    /// The forces beside the control.
+    type Forces: Forces<f32, N>;
+
+    /// The Lagrangian with its forces.
+    fn system(&self) -> &System<Self::Lagrangian, Self::Forces>;
+
+    /// The step and order that a model was trained for, where it says so.
+    fn trained_step(&self) -> Option<TrainedStep> {
+        None
+    }
+
     /// T(q, v) and V(q), J.
-    fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32>;
+    fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
+        self.system().lagrangian.energies(q, v)
+    }
+
     /// All derivatives of L at (q, v).
-    fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N>;
+    fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N> {
+        self.system().lagrangian.hessian(q, v)
+    }
+
     /// ∂Q/∂q and ∂Q/∂v of the damping.
-    fn damping(&self, q: &[f32; N], v: &[f32; N]) -> ([[f32; N]; N], [[f32; N]; N]);
-    /// M(q)a.
-    fn inertial_force(&self, q: &[f32; N], a: &[f32; N]) -> [f32; N];
-    /// v = M⁻¹p.
-    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], Singular>;
+    fn damping(&self, q: &[f32; N], v: &[f32; N]) -> ([[f32; N]; N], [[f32; N]; N]) {
+        self.system().forces.derivatives(q, v, &[0.0; N])
+    }
+
+    /// The momentum p = L_v(q, v).
+    fn momentum(&self, q: &[f32; N], v: &[f32; N]) -> [f32; N] {
+        self.system().lagrangian.dynamics(q, v).l_v
+    }
+
+    /// M(q)a of a kinetic energy that is quadratic in v: the momentum of a "velocity" a.
+    fn inertial_force(&self, q: &[f32; N], a: &[f32; N]) -> [f32; N] {
+        self.momentum(q, a)
+    }
+
+    /// v = M(q)⁻¹p of a kinetic energy that is quadratic in v.
+    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], StepError<f32>> {
+        Ok(linear::solve(self.system().lagrangian.linearization(q, &[0.0; N]).l_vv, *p)?)
+    }
+
     /// The control that produces the acceleration a.
-    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> [f32; N];
+    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> Result<[f32; N], StepError<f32>> {
+        continuous::inverse_dynamics(self.system(), q, v, a)
+    }
+
     /// One Runge–Kutta step of h seconds under a held control.
     fn rk4_step(
         &self,
         state: &ContinuousState<f32, N>,
         u: &[f32; N],
         h: f32,
-    ) -> Result<ContinuousState<f32, N>, Singular>;
+    ) -> Result<ContinuousState<f32, N>, StepError<f32>> {
+        Ok(continuous::rk4_step(self.system(), state, u, h)?)
+    }
+
     /// The discrete state at rest or in motion at (q, v).
-    fn state(&self, q: [f32; N], v: [f32; N]) -> Result<State<f32, N>, StepError<f32>>;
-    /// The discrete state at q₁ from two positions and the control held between them.
-    fn start<P: Path>(
-        &self,
-        del: &Del<f32, P>,
-        q: [&[f32; N]; 2],
-        u: &[f32; N],
-    ) -> Result<State<f32, N>, StepError<f32>>;
-    /// One discrete Euler–Lagrange step under a held control; on error the state is what it was.
-    fn del_step<P: Path>(
-        &self,
-        del: &Del<f32, P>,
-        state: &mut State<f32, N>,
-        u: &[f32; N],
-    ) -> Result<Report<f32>, StepError<f32>>;
-}
-
-impl<L, F, const N: usize> Mechanism<N> for System<L, F>
-where
-    L: Lagrangian<f32, N>,
-    L::Mass: MassMatrix<f32, N>,
-    F: Forces<f32, N>,
-{
-    fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
-        self.lagrangian.energies(q, v)
-    }
-
-    fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N> {
-        self.lagrangian.hessian(q, v)
-    }
-
-    fn damping(&self, q: &[f32; N], v: &[f32; N]) -> ([[f32; N]; N], [[f32; N]; N]) {
-        self.forces.derivatives(q, v)
-    }
-
-    fn inertial_force(&self, q: &[f32; N], a: &[f32; N]) -> [f32; N] {
-        // L_v is linear in v: the momentum of a "velocity" a is Ma.
-        let Gradient { l_v, .. } = self.lagrangian.gradient(q, a);
-        l_v
-    }
-
-    fn velocity(&self, q: &[f32; N], p: &[f32; N]) -> Result<[f32; N], Singular> {
-        self.lagrangian.dynamics(q, &[0.0; N]).mass.solve(p)
-    }
-
-    fn inverse_dynamics(&self, q: &[f32; N], v: &[f32; N], a: &[f32; N]) -> [f32; N] {
-        continuous::inverse_dynamics(self, q, v, a)
-    }
-
-    fn rk4_step(
-        &self,
-        state: &ContinuousState<f32, N>,
-        u: &[f32; N],
-        h: f32,
-    ) -> Result<ContinuousState<f32, N>, Singular> {
-        continuous::rk4_step(self, state, u, h)
-    }
-
     fn state(&self, q: [f32; N], v: [f32; N]) -> Result<State<f32, N>, StepError<f32>> {
-        State::new(&self.lagrangian, q, v)
+        State::new(&self.system().lagrangian, q, v)
     }
 
+    /// The discrete state at q₁ from two positions and the control held between them.
     fn start<P: Path>(
         &self,
         del: &Del<f32, P>,
         [q0, q1]: [&[f32; N]; 2],
         u: &[f32; N],
     ) -> Result<State<f32, N>, StepError<f32>> {
-        del.start(self, q0, q1, &Control::held(*u))
+        del.start(self.system(), q0, q1, &Control::held(*u))
     }
 
+    /// One discrete Euler–Lagrange step under a held control; on error the state is what it was.
     fn del_step<P: Path>(
         &self,
         del: &Del<f32, P>,
         state: &mut State<f32, N>,
         u: &[f32; N],
     ) -> Result<Report<f32>, StepError<f32>> {
-        del.step(self, state, &Control::held(*u))
+        del.step(self.system(), state, &Control::held(*u))
     }
+}
+
+impl<L, F, const N: usize> Mechanism<N> for System<L, F>
+where
+    L: Lagrangian<f32, N>,
+    F: Forces<f32, N>,
+{
+    type Lagrangian = L;
+    type Forces = F;
+
+    fn system(&self) -> &System<L, F> {
+        self
+    }
+}
+
+/// A learned system with the step it was trained for: what a model file gives.
+///
+/// A model learned through a discrete step has absorbed the error of that step, and is less accurate with another: programs
+/// and predictions of another step or order are refused, unless [`OtherStep::Accepted`](crate::observer::OtherStep) is said.
+#[derive(Clone, Copy, Debug)]
+pub struct Trained<'a, L, F> {
+    /// The Lagrangian with its forces.
+    pub system: &'a System<L, F>,
+    /// Order and step in training; `None` of a model that was learned without steps.
+    pub step: Option<TrainedStep>,
+}
+
+impl<L, F, const N: usize> Mechanism<N> for Trained<'_, L, F>
+where
+    L: Lagrangian<f32, N>,
+    F: Forces<f32, N>,
+{
+    type Lagrangian = L;
+    type Forces = F;
+
+    fn system(&self) -> &System<L, F> {
+        self.system
+    }
+
+    fn trained_step(&self) -> Option<TrainedStep> {
+        self.step
+    }
+}
+
+/// Speeds at which a kinetic energy is tried, rad/s or m/s.
+const SPEEDS: [f32; 3] = [0.25, 1.0, 4.0];
+/// Largest difference of L_v and M(q)v, as a fraction of M(q)v.
+const QUADRATIC: f32 = 1e-3;
+
+/// Whether p = L_v(q, v) is M(q)v, as of a kinetic energy quadratic in v, at speeds of 0.25, 1 and 4 rad/s or m/s.
+///
+/// # Errors
+/// Where they differ by more than 0.1%, as those of a graph whose kinetic energy is a network's.
+pub fn require_quadratic<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N]) -> Result<(), SetupError> {
+    let mass = model.system().lagrangian.linearization(q, &[0.0; N]).l_vv;
+    SPEEDS.into_iter().try_for_each(|speed| {
+        // Neither along a coordinate nor along a diagonal.
+        let v = core::array::from_fn(|i| if i % 2 == 0 { speed } else { -0.7 * speed });
+        let (found, expected) = (model.momentum(q, &v), linear::multiply(&mass, &v));
+        let difference = max_abs(&linear::add_scaled(&found, -1.0, &expected));
+        let size = max_abs(&expected);
+        require(
+            "difference of the model's momentum L_v and M(q)v, as a fraction",
+            difference / size,
+            difference <= QUADRATIC * size,
+            "at most 0.001: observers and controllers take a kinetic energy that is quadratic in v",
+        )
+    })
 }

@@ -11,42 +11,107 @@
 
 mod integrator;
 
-pub use integrator::{Integrator, Order};
+pub use integrator::Integrator;
+pub use leastaction_core::discrete::Order;
 
 use crate::Mechanism;
 use crate::angle::wrap;
-use crate::error::{SetupError, require};
-use crate::wire::NewtonWire;
+use crate::devices::MAX_DELAY;
+use crate::error::{Range, SetupError, require};
+use crate::wire::{NewtonWire, OrderWire};
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::{Newton, Report, State, StepError};
+use leastaction_core::model::TrainedStep;
 use serde::{Deserialize, Serialize};
 
 /// How the observer steps the model and how much it believes it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObserverConfig {
-    /// Order of the discrete Euler–Lagrange step; a model of a discrete Lagrangian names its own.
+    /// Order of the discrete Euler–Lagrange step; a model learned through steps names its own.
+    #[serde(with = "OrderWire")]
     pub order: Order,
+    /// What becomes of an order or a tick that the model was not trained for.
+    pub other_step: OtherStep,
     /// Bounds of Newton's method.
     #[serde(with = "NewtonWire")]
     pub newton: Newton<f32>,
     /// Most samples in memory, at least 1: more smooth the noise more and follow a wrong model longer.
     pub memory: u8,
-    /// Ticks from a command to its effect, as far as the firmware knows.
+    /// Ticks from a command to its effect, as far as the firmware knows; at most [`MAX_DELAY`].
     pub delay: u8,
     /// Samples of one encoder missing in a row, or ticks slept through, after which the estimate is not trusted any more.
     pub patience: u8,
 }
 
+/// What becomes of an order or a tick that a model was not trained for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum OtherStep {
+    /// It is an error: the model is less accurate with it.
+    #[default]
+    Refused,
+    /// It is what the caller asked for, who should say so aloud where [`ObserverConfig::require_step`] would refuse it.
+    Accepted,
+}
+
+/// Newton's default bounds in f32, [`Newton::default`], but at most 8 updates, which bounds a tick; the largest accepted
+/// residual is √ε = 2^−11.5.
+const NEWTON: Newton<f32> = Newton { max_iterations: 8, stop: 2.0 * f32::EPSILON, accept: 3.452_669_8e-4 };
+
 impl Default for ObserverConfig {
-    /// Order 2, Newton's default bounds, a memory of 5 samples, one tick of delay, a patience of 25 samples.
+    /// [`ObserverConfig::new`].
     fn default() -> Self {
-        Self { order: Order::Two, newton: Newton::default(), memory: 5, delay: 1, patience: 25 }
+        Self::new()
     }
 }
 
+/// Relative difference of two steps that are the same but for rounding.
+const SAME_STEP: f32 = 1e-6;
+
 impl ObserverConfig {
+    /// Order 2, of no other step than the model's, at most 8 updates of Newton's method a step, a memory of 5 samples, one tick of delay, a patience
+    /// of 25 samples.
+    pub const fn new() -> Self {
+        Self {
+            order: Order::Two,
+            other_step: OtherStep::Refused,
+            newton: NEWTON,
+            memory: 5,
+            delay: 1,
+            patience: 25,
+        }
+    }
+
+    /// Whether steps of this order and of `tick` seconds are those that a model was trained for; every step is where a model
+    /// names none.
+    ///
+    /// # Errors
+    /// The tick or the order that differs, with the model's own.
+    pub fn require_step(&self, tick: f32, trained: Option<TrainedStep>) -> Result<(), SetupError> {
+        let Some(TrainedStep { order, h, .. }) = trained else { return Ok(()) };
+        let other = |what, value, own| {
+            let range = Range::Only(own, "which the model was trained for");
+            SetupError::OutOfRange { what, value, range }
+        };
+        if (tick - h).abs() > SAME_STEP * h {
+            return Err(other("tick", tick, h));
+        }
+        if self.order != order {
+            return Err(other("order of the step", self.order.number().into(), order.number().into()));
+        }
+        Ok(())
+    }
+
+    /// [`ObserverConfig::require_step`], unless other steps are accepted.
+    pub(crate) fn check_step(&self, tick: f32, trained: Option<TrainedStep>) -> Result<(), SetupError> {
+        match self.other_step {
+            OtherStep::Refused => self.require_step(tick, trained),
+            OtherStep::Accepted => Ok(()),
+        }
+    }
+
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
-        require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")
+        require("observer memory", f32::from(self.memory), self.memory >= 1, "at least 1 sample")?;
+        require("observer delay", f32::from(self.delay), self.delay <= MAX_DELAY, "at most 8 ticks")
     }
 }
 
@@ -82,6 +147,7 @@ pub struct Observer<'a, M, const N: usize> {
 impl<'a, M: Mechanism<N>, const N: usize> Observer<'a, M, N> {
     /// An observer that steps `model` by ticks of h seconds; `angle` says which encoders forget whole turns.
     pub fn new(model: &'a M, h: f32, angle: [bool; N], config: &ObserverConfig) -> Self {
+        debug_assert!(config.memory >= 1, "a memory of at least 1 sample");
         Self {
             model,
             integrator: Integrator::new(config.order, h, config.newton),
@@ -170,10 +236,12 @@ impl<'a, M: Mechanism<N>, const N: usize> Observer<'a, M, N> {
         for (first, sample) in self.first.iter_mut().zip(measured) {
             *first = sample.or(*first);
         }
-        if self.first.iter().all(Option::is_some) {
-            let q = self.first.map(Option::unwrap_or_default);
-            self.state = Some(self.model.state(q, [0.0; N])?);
+        let mut q = [0.0; N];
+        for (q, first) in q.iter_mut().zip(self.first) {
+            let Some(first) = first else { return Ok(()) };
+            *q = first;
         }
+        self.state = Some(self.model.state(q, [0.0; N])?);
         Ok(())
     }
 

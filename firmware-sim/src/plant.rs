@@ -16,6 +16,7 @@ pub struct Plant<'a, M, const N: usize> {
 impl<'a, M: Mechanism<N>, const N: usize> Plant<'a, M, N> {
     /// A mechanism at (q, v), with so many integration steps (at least 1) to each call of [`Plant::advance`].
     pub fn new(mechanism: &'a M, state: ContinuousState<f32, N>, substeps: u16) -> Self {
+        debug_assert!(substeps >= 1, "setups without integration steps are refused");
         Self { mechanism, state, substeps: substeps.max(1) }
     }
 

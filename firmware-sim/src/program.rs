@@ -1,11 +1,11 @@
-use crate::Mechanism;
 use crate::control::{
-    CartPump, Catch, Controller, Gains, JointPump, Law, PumpConfig, Reference, Regulator, SwingUp, Tolerance,
-    Track,
+    CartPump, Catch, Controller, Gains, JointPump, PumpConfig, Reference, Regulator, SwingUp, TaskController,
+    Tolerance, Track,
 };
 use crate::devices::ActuatorConfig;
 use crate::error::{SetupError, require};
 use crate::firmware::Firmware;
+use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::ObserverConfig;
 use crate::wire::array;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct Program<const N: usize> {
     /// The tick h > 0, s.
     pub tick: f32,
-    /// Which encoders read angles, and so forget whole turns.
+    /// Which encoders measure angles, and wrap their readings.
     #[serde(with = "array")]
     pub angle: [bool; N],
     /// The limits of the actuators; their delay is the observer's to know.
@@ -65,11 +65,18 @@ impl<const N: usize> Task<N> {
 }
 
 impl<const N: usize> Program<N> {
-    pub(crate) fn validate(&self) -> Result<(), SetupError> {
+    fn validate(&self) -> Result<(), SetupError> {
         require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
         self.actuator.validate()?;
         self.observer.validate()?;
         self.task.validate()
+    }
+
+    /// Whether the program can be run over a model: its numbers, its step, and the model's kinetic energy where it begins.
+    pub(crate) fn check<M: Mechanism<N>>(&self, model: &M) -> Result<(), SetupError> {
+        self.validate()?;
+        self.observer.check_step(self.tick, model.trained_step())?;
+        require_quadratic(model, &self.task.reference(0.0))
     }
 
     pub(crate) fn firmware<'m, M: Mechanism<N>, C: Controller<M, N>>(
@@ -81,18 +88,18 @@ impl<const N: usize> Program<N> {
     }
 
     /// The controller over a model, with a pump made by `pump`; D is 2N.
-    fn law<M: Mechanism<N>, P, const D: usize>(
+    fn controller<M: Mechanism<N>, P, const D: usize>(
         &self,
         model: &M,
         pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
-    ) -> Result<Law<P, N>, SetupError> {
-        self.validate()?;
+    ) -> Result<TaskController<P, N>, SetupError> {
+        self.check(model)?;
         match self.task {
-            Task::Track { reference, gains } => Ok(Law::Track(self.track(reference, gains))),
+            Task::Track { reference, gains } => Ok(TaskController::Track(self.track(reference, gains))),
             Task::SwingUp { pump: config, tolerance, catch } => {
                 let pump = pump(model, 0.0, config)?;
                 let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, self.tick)?;
-                Ok(Law::SwingUp(self.swing_up(pump, regulator, catch)))
+                Ok(TaskController::SwingUp(self.swing_up(pump, regulator, catch)))
             }
         }
     }
@@ -103,13 +110,14 @@ impl<const N: usize> Program<N> {
     }
 
     fn swing_up<P>(&self, pump: P, regulator: Regulator<N>, catch: Catch) -> SwingUp<P, N> {
+        const { assert!(N > 0, "the first coordinate is actuated, the last swings") };
         SwingUp {
             pump,
             regulator,
             catch,
             swinging: N - 1,
             angle: self.angle,
-            limit: self.actuator.limit.first().copied().unwrap_or(0.0),
+            limit: self.actuator.limit[0],
             holding: false,
         }
     }
@@ -119,12 +127,13 @@ impl Program<1> {
     /// The firmware over a model of a pendulum, q = θ.
     ///
     /// # Errors
-    /// Numbers out of range, and models that no feedback holds upright.
+    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
+    /// that no feedback holds upright.
     pub fn start<'m, M: Mechanism<1>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, Law<JointPump, 1>, 1>, SetupError> {
-        Ok(self.firmware(model, self.law::<M, _, 2>(model, JointPump::new)?))
+    ) -> Result<Firmware<'m, M, TaskController<JointPump, 1>, 1>, SetupError> {
+        Ok(self.firmware(model, self.controller::<M, _, 2>(model, JointPump::new)?))
     }
 }
 
@@ -132,11 +141,12 @@ impl Program<2> {
     /// The firmware over a model of a cart and its pole, q = (x, θ); of any two coordinates where it is to follow a motion.
     ///
     /// # Errors
-    /// Numbers out of range, and models that no feedback holds upright.
+    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
+    /// that no feedback holds upright.
     pub fn start<'m, M: Mechanism<2>>(
         &self,
         model: &'m M,
-    ) -> Result<Firmware<'m, M, Law<CartPump, 2>, 2>, SetupError> {
-        Ok(self.firmware(model, self.law::<M, _, 4>(model, CartPump::new)?))
+    ) -> Result<Firmware<'m, M, TaskController<CartPump, 2>, 2>, SetupError> {
+        Ok(self.firmware(model, self.controller::<M, _, 4>(model, CartPump::new)?))
     }
 }

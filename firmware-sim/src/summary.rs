@@ -151,12 +151,13 @@ impl<const N: usize> Recorder<N> {
 
     pub(crate) fn record(&mut self, tick: &Tick<N>) {
         self.hash.update(tick);
-        self.judge(tick);
+        self.update_goal(tick);
         self.measure(tick);
         self.count(tick);
     }
 
-    fn judge(&mut self, tick: &Tick<N>) {
+    /// Since when the error is within the tolerance, and whether the position left its bounds.
+    fn update_goal(&mut self, tick: &Tick<N>) {
         let settled_since = self.summary.settled_at.unwrap_or(tick.time);
         self.summary.settled_at = self.goal.met(&tick.error).then_some(settled_since);
         self.out_of_bounds |= tick.q.iter().zip(&self.goal.bounds).any(|(q, bound)| q.abs() > *bound);

@@ -1,7 +1,7 @@
 //! What `serde` does not do by itself: arrays of any length, and types of core.
 
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::discrete::{Newton, Report};
+use leastaction_core::discrete::{Newton, Order, Report};
 use serde::{Deserialize, Serialize};
 
 /// Bounds of Newton's method.
@@ -9,9 +9,16 @@ use serde::{Deserialize, Serialize};
 #[serde(remote = "Newton::<f32>")]
 pub(crate) struct NewtonWire {
     max_iterations: u8,
-    max_jacobians: u8,
     stop: f32,
     accept: f32,
+}
+
+/// Order of a step.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Order")]
+pub(crate) enum OrderWire {
+    Two,
+    Four,
 }
 
 /// How a step went.

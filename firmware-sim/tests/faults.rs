@@ -2,7 +2,7 @@
 
 use leastaction_core::energy::trigonometric::{CARTPOLE, Trigonometric, Wave};
 use leastaction_core::forces::System;
-use leastaction_core::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig, swing_up_cartpole, track};
 use leastaction_firmware_sim::{Mode, SetupError, Summary, Tick};
 use proptest::prelude::*;
@@ -113,8 +113,6 @@ impl Holed {
 }
 
 impl Lagrangian<f32, 2> for Holed {
-    type Mass = DenseMass<f32, 2>;
-
     fn energies(&self, q: &[f32; 2], v: &[f32; 2]) -> Energies<f32> {
         CARTPOLE.energies(q, v)
     }
@@ -122,8 +120,8 @@ impl Lagrangian<f32, 2> for Holed {
         let Gradient { l_q, l_v } = CARTPOLE.gradient(q, v);
         Gradient { l_q: l_q.map(|x| x * Self::known(q)), l_v }
     }
-    fn dynamics(&self, q: &[f32; 2], v: &[f32; 2]) -> Dynamics<f32, DenseMass<f32, 2>, 2> {
-        let d: Dynamics<f32, DenseMass<f32, 2>, 2> = CARTPOLE.dynamics(q, v);
+    fn dynamics(&self, q: &[f32; 2], v: &[f32; 2]) -> Dynamics<f32, 2> {
+        let d: Dynamics<f32, 2> = CARTPOLE.dynamics(q, v);
         Dynamics { l_q: d.l_q.map(|x| x * Self::known(q)), ..d }
     }
     fn hessian(&self, q: &[f32; 2], v: &[f32; 2]) -> Hessian<f32, 2> {
@@ -159,7 +157,7 @@ fn a_model_of_nonsense_never_acts() {
 #[test]
 fn a_configuration_out_of_range_is_named() {
     type Change = fn(&mut TrackConfig<2>);
-    let changes: [(&str, Change); 9] = [
+    let changes: [(&str, Change); 10] = [
         ("tick", |c| c.setup.tick = 0.0),
         ("length of the run", |c| c.setup.seconds = f32::INFINITY),
         ("plant substeps", |c| c.setup.substeps = 0),
@@ -168,6 +166,7 @@ fn a_configuration_out_of_range_is_named() {
         ("actuator limit", |c| c.setup.devices.actuator.limit[0] = -1.0),
         ("actuator delay", |c| c.setup.devices.actuator.delay = 9),
         ("observer memory", |c| c.setup.observer.memory = 0),
+        ("observer delay", |c| c.setup.observer.delay = 9),
         ("reference frequency", |c| c.reference.frequency[0] = 0.0),
     ];
     let system = System::conservative(CARTPOLE);

@@ -1,11 +1,11 @@
 //! Frames of the link, whole and damaged, and what the processor's end makes of them.
 
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{CATALOGUE, Entry, ModelError};
 use leastaction_firmware_sim::link::{
-    Answer, Broken, Done, Frame, MAX_COORDINATES, ModelFault, Port, ProgramFault, Receiver, Refusal, Request,
-    Samples, VERSION, answer, answered, request, requested, serve,
+    Answer, Broken, Done, Frame, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver, Refusal,
+    Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
 };
-use leastaction_firmware_sim::observer::Order;
+use leastaction_firmware_sim::observer::{Order, OtherStep};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::trajectory::reference::Cartpole;
 use leastaction_firmware_sim::{Outcome, Program};
@@ -43,6 +43,7 @@ fn program() -> Program<2> {
     config.setup.devices.actuator.limit = [8.5, 0.25];
     config.setup.devices.actuator.delay = 3;
     config.setup.observer.order = Order::Four;
+    config.setup.observer.other_step = OtherStep::Accepted;
     config.setup.observer.newton.max_iterations = 5;
     (config.setup.observer.newton.stop, config.setup.observer.newton.accept) = (1e-6, 2e-3);
     (config.setup.observer.memory, config.setup.observer.delay, config.setup.observer.patience) = (7, 2, 31);
@@ -62,28 +63,28 @@ fn requests_and_answers_come_back_as_they_went() {
     let track = Request::Begin(TrackConfig::<2>::acrobot().program());
     for sent in [Request::Begin(program()), track, tick(), Request::End] {
         let received = frames(&bytes(&request(&sent).unwrap()));
-        assert_eq!(requested::<2>(received[0].as_ref().unwrap()), Ok(sent));
+        assert_eq!(parse_request::<2>(received[0].as_ref().unwrap()), Ok(sent));
     }
     let one = Request::Begin(TrackConfig::<1>::pendulum().program());
-    assert_eq!(requested::<1>(&request(&one).unwrap()), Ok(one));
+    assert_eq!(parse_request::<1>(&request(&one).unwrap()), Ok(one));
 
     let mut outcome = Outcome::<2>::waiting();
     (outcome.estimate.q, outcome.estimate.v) = ([f32::MIN_POSITIVE, -0.0], [1.0 / 3.0, f32::MAX]);
     (outcome.command.u, outcome.newton.iterations, outcome.errors) = ([-1.0, 0.0], 4, 77);
     let done = Answer::Done(Done { sequence: 258, outcome, instructions: 1_000_000 });
-    let refused = Refusal::Model(ModelFault::Shape);
+    let refused = Refusal::Model(ModelRefusal { code: 35, numbers: [2, 1, u32::MAX] });
     for sent in [Answer::Ready { processor: "cortex-m4f" }, done, Answer::Refused(refused)] {
         let received = frames(&bytes(&answer(&sent).unwrap()));
-        assert_eq!(answered(received[0].as_ref().unwrap()), Ok(sent));
+        assert_eq!(parse_answer(received[0].as_ref().unwrap()), Ok(sent));
     }
 }
 
 #[test]
 fn a_tick_has_the_bytes_of_the_document() {
     // Version, coordinates, a tick, its number 258, 2.57 s, 3 ticks, −0.25, nothing; the checksum.
-    let document = [1, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
+    let document = [2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
     let sent = bytes(&request(&tick()).unwrap());
-    assert_eq!(sent[..12], [12, 1, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
+    assert_eq!(sent[..12], [12, 2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
     assert_eq!(sent[12..17], [1, 3, 0x80, 0xbe, 5], "zeros stand in the lengths of the blocks");
     assert_eq!((sent.len(), sent.last()), (document.len() + 4 + 2, Some(&0)));
     let sum = leastaction_core::model::checksum(&document);
@@ -106,15 +107,17 @@ fn every_truncation_is_refused_and_the_next_frame_is_read() {
         // Its end is lost, with and without the 0 that ends it.
         let cut: Vec<u8> = long[..length].iter().chain(&[0]).chain(&next).copied().collect();
         let received = frames(&cut);
-        let first = received[0].as_ref().map_err(|_| Refusal::Frame).and_then(requested::<2>);
+        let first = received[0].as_ref().map_err(|_| Refusal::Frame).and_then(parse_request::<2>);
         if length < long.len() - 1 {
             assert_eq!((first, received.len()), (Err(Refusal::Frame), 2), "{length}");
         }
-        assert_eq!(requested::<2>(received[1].as_ref().unwrap()), Ok(tick()), "{length}");
+        assert_eq!(parse_request::<2>(received[1].as_ref().unwrap()), Ok(tick()), "{length}");
         // Its beginning is lost.
         let received = frames(&long[length..]);
         assert!(
-            received.iter().all(|frame| frame.as_ref().map_or(true, |frame| requested::<2>(frame).is_err()))
+            received
+                .iter()
+                .all(|frame| frame.as_ref().map_or(true, |frame| parse_request::<2>(frame).is_err()))
         );
     }
     assert!(frames(&[0, 0, 0]).is_empty(), "zeros between frames are nothing");
@@ -130,7 +133,7 @@ fn every_changed_bit_is_refused() {
             damaged.push(0);
             let received = frames(&damaged);
             let good = |frame: &Result<Frame, Broken>| {
-                frame.as_ref().is_ok_and(|frame| requested::<2>(frame).is_ok())
+                frame.as_ref().is_ok_and(|frame| parse_request::<2>(frame).is_ok())
             };
             assert!(!received.is_empty() && !received.iter().any(good), "bit {bit}");
         }
@@ -141,7 +144,7 @@ proptest! {
     #[test]
     fn any_bytes_are_read_without_harm(noise: Vec<u8>) {
         for frame in frames(&noise).into_iter().flatten() {
-            prop_assert!(requested::<1>(&frame).is_err() && requested::<2>(&frame).is_err());
+            prop_assert!(parse_request::<1>(&frame).is_err() && parse_request::<2>(&frame).is_err());
         }
     }
 }
@@ -177,7 +180,7 @@ fn answers(model: Option<&[u8]>, heard: Vec<u8>) -> (Vec<Frame>, Result<(), Sile
 }
 
 fn refusal(model: Option<&[u8]>, sent: &Frame) -> Refusal {
-    match answered::<2>(&answers(model, bytes(sent)).0[0]) {
+    match parse_answer::<2>(&answers(model, bytes(sent)).0[0]) {
         Ok(Answer::Refused(refusal)) => refusal,
         other => panic!("{other:?}"),
     }
@@ -195,12 +198,12 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
     heard.push(99);
     let (said, end) = answers(Some(&CARTPOLE_FILE.0), heard);
     assert_eq!(end, Ok(()), "what comes after the end is not read");
-    assert_eq!(answered::<2>(&said[0]), Ok(Answer::Ready { processor: "tester" }));
+    assert_eq!(parse_answer::<2>(&said[0]), Ok(Answer::Ready { processor: "tester" }));
     assert_eq!(said.len(), 41);
     for (i, frame) in (0..).zip(&said[1..]) {
         let Samples { time, elapsed, measured, .. } = tick(i);
         let outcome = firmware.run(time, elapsed, &measured);
-        assert_eq!(answered(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
+        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
 }
 
@@ -211,7 +214,7 @@ fn a_program_can_be_begun_again_and_a_damaged_frame_is_refused() {
     damaged[7] ^= 1;
     let (said, end) = answers(Some(&CARTPOLE_FILE.0), [&begin[..], &damaged, &begin].concat());
     assert_eq!(end, Err(Silence));
-    let said: Vec<_> = said.iter().map(|frame| answered::<2>(frame).unwrap()).collect();
+    let said: Vec<_> = said.iter().map(|frame| parse_answer::<2>(frame).unwrap()).collect();
     let ready = Answer::Ready { processor: "tester" };
     assert_eq!(said, [ready, Answer::Refused(Refusal::Frame), ready]);
 }
@@ -221,16 +224,24 @@ fn what_cannot_be_run_is_refused_with_its_reason() {
     let begin = request(&Request::Begin(program())).unwrap();
     let file = &CARTPOLE_FILE.0;
     assert_eq!(refusal(None, &begin), Refusal::NoModel);
-    assert_eq!(refusal(Some(&DOUBLE_FILE.0), &begin), Refusal::Model(ModelFault::OtherFamily));
-    assert_eq!(refusal(Some(&file[..file.len() - 4]), &begin), Refusal::Model(ModelFault::Checksum));
+    assert_eq!(refusal(Some(&DOUBLE_FILE.0), &begin), of_model(34, [0; 3]));
+    let Refusal::Model(damaged) = refusal(Some(&file[..file.len() - 4]), &begin) else { panic!("accepted") };
+    assert_eq!(damaged.code, 23);
+    assert!(damaged.numbers[0] != damaged.numbers[1] && damaged.numbers[2] == 0, "{damaged}");
     assert_eq!(refusal(Some(file), &request(&tick()).unwrap()), Refusal::NotBegun);
     let pendulum = request(&Request::Begin(TrackConfig::<1>::pendulum().program())).unwrap();
-    assert_eq!(refusal(Some(file), &pendulum), Refusal::Model(ModelFault::Shape));
+    assert_eq!(refusal(Some(file), &pendulum), of_model(35, [2, 1, 0]));
 
     let mut wrong = program();
     wrong.tick = f32::NAN;
     let wrong = request(&Request::Begin(wrong)).unwrap();
     assert_eq!(refusal(Some(file), &wrong), Refusal::Program(ProgramFault::OutOfRange));
+
+    // The file names a step of 0.05 s and order 4.
+    let mut other = program();
+    other.observer.other_step = OtherStep::Refused;
+    let other = request(&Request::Begin(other)).unwrap();
+    assert_eq!(refusal(Some(file), &other), Refusal::Program(ProgramFault::OutOfRange));
 
     let three = Frame::of(&(VERSION, 3_u8, Request::<2>::End)).unwrap();
     assert_eq!(refusal(Some(file), &three), Refusal::Coordinates { supported: MAX_COORDINATES });
@@ -238,11 +249,31 @@ fn what_cannot_be_run_is_refused_with_its_reason() {
     assert_eq!(refusal(Some(file), &newer), Refusal::Version { supported: VERSION });
 }
 
+/// A model is refused by this number of core's catalogue.
+fn of_model(code: u8, numbers: [u32; 3]) -> Refusal {
+    Refusal::Model(ModelRefusal { code, numbers })
+}
+
 #[test]
-fn codes_of_model_errors_are_their_places() {
-    for (code, fault) in ModelFault::ALL.into_iter().enumerate() {
-        assert_eq!(fault as usize, code);
-        assert!(fault.to_string().ends_with(&format!("(code {code})")));
-    }
-    assert_eq!(ModelFault::from(ModelError::NoSuchTree { trees: 1 }), ModelFault::NoSuchTree);
+fn refusals_of_models_are_core_s_own() {
+    let refusal = ModelRefusal::from(ModelError::NoSuchTree { trees: 3 });
+    assert_eq!(Refusal::Model(refusal), of_model(32, [3, 0, 0]));
+    assert_eq!(refusal.to_string(), "no tree in the file has that name (code 32: 3, 0, 0)");
+    let far = ModelRefusal::from(ModelError::NotFinite { index: usize::MAX });
+    assert_eq!(Refusal::Model(far), of_model(29, [u32::MAX, 0, 0]));
+    let unknown = ModelRefusal { code: 250, numbers: [0; 3] };
+    assert_eq!(unknown.to_string(), "refused (code 250: 0, 0, 0)");
+}
+
+/// LINK.md has every code, and no other.
+#[test]
+fn the_codes_that_are_written_down_are_core_s_catalogue() {
+    let text = include_str!("../LINK.md");
+    let (_, table) = text.split_once("| code | name | why |\n|---|---|---|\n").unwrap();
+    let rows: Vec<&str> = table.lines().take_while(|line| line.starts_with('|')).collect();
+    let catalogue = CATALOGUE.iter();
+    let expected: Vec<String> = catalogue
+        .map(|Entry { code, name, message }| format!("| {code} | `{name}` | {} |", message.to_str().unwrap()))
+        .collect();
+    assert_eq!(rows, expected, "the table of codes:\n{}\n", expected.join("\n"));
 }

@@ -1,17 +1,19 @@
 //! What the cross-crate tests and the peer programs share.
 
-use leastaction_core::constraints::{Constrained, ConstraintError};
-use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
+use leastaction_core::discrete::{
+    Order,
+    rattle::{ParticleState, Rattle},
+};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{Entry, ModelError, entry_of};
 use leastaction_firmware_sim::damage::{Damage, Refusals};
-use leastaction_firmware_sim::link::ModelFault;
 use leastaction_firmware_sim::trajectory::reference::{
     BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
 };
-use leastaction_firmware_sim::trajectory::{Free, Hanging, fingerprint};
+use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion, fingerprint};
 use std::fmt::{self, Write};
 
 /// Why a run has no fingerprint, which for the models of this repository it always has.
@@ -73,7 +75,7 @@ impl Reference {
                 free(&model.system, order, steps)
             }
             ("rigid-f16", order) => {
-                let model = HalfCartpole::load_half(&HALF_CARTPOLE.0).map_err(Refused::Model)?;
+                let model = HalfCartpole::load(&HALF_CARTPOLE.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
             }
             ("modular", order) => {
@@ -103,21 +105,21 @@ fn along<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize>(
     system: &System<L, F>,
     steps: u32,
 ) -> Result<u64, StepError<f32>> {
-    let mut motion = Free::new(system, Del::<f32, P>::with_newton(STEP, newton()))?;
+    let mut motion = SystemMotion::new(system, Del::<f32, P>::with_newton(STEP, newton()))?;
     Ok(fingerprint(&mut motion, steps)?.value())
 }
 
 fn bobs(order: Order, steps: u32) -> Result<u64, Refused> {
-    let model = Bobs::load(&PENDULUMS.0, GRAPH, &mut []).map_err(Refused::Model)?;
-    let rods = chain();
-    let mechanism = Constrained::new(&model.graph, &rods[..]).map_err(Refused::Particles)?;
-    let mut room = vec![0.0; Rattle::room(&mechanism)];
-    let mut numbers = vec![0.0; ParticleState::<f32, 2>::room(BOBS, BOBS)];
-    let state = ParticleState::new(&mechanism, &aslant(), &[[0.0; 2]; BOBS], &mut numbers, &mut room)
+    let mut rods = chain();
+    let model = Bobs::load(&PENDULUMS.0, GRAPH, &mut [], &mut rods).map_err(Refused::Model)?;
+    let mechanism = model.system.constrained().map_err(Refused::Particles)?;
+    let mut workspace = vec![0.0; Rattle::workspace(&mechanism)];
+    let mut numbers = vec![0.0; ParticleState::<f32, 2>::workspace(BOBS, BOBS)];
+    let state = ParticleState::new(&mechanism, &aslant(), &[[0.0; 2]; BOBS], &mut numbers, &mut workspace)
         .map_err(Refused::Particles)?;
     let mut force = [[0.0; 2]; BOBS];
     let rattle = Rattle::with_newton(STEP, order, newton());
-    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, &mut room);
+    let mut motion = ParticleMotion::new(&mechanism, rattle, state, &mut force, &mut workspace);
     Ok(fingerprint(&mut motion, steps).map_err(Refused::Particles)?.value())
 }
 
@@ -127,7 +129,7 @@ pub type Refusal = (&'static str, Damage, Refusals);
 /// What the loader makes of every damage to the two small models.
 pub fn all_refusals() -> Vec<Refusal> {
     let double = |file: &[u8]| Double::load(file, TREE).map(drop);
-    let pendulums = |file: &[u8]| Bobs::load(file, GRAPH, &mut []).map(drop);
+    let pendulums = |file: &[u8]| Bobs::load(file, GRAPH, &mut [], &mut chain()).map(drop);
     let of_double = Damage::ALL.map(|damage| {
         let mut file = Aligned(*include_bytes!("../../firmware-sim/chip/models/double.postcard"));
         ("double", damage, damage.refusals(&mut file.0, double))
@@ -145,8 +147,8 @@ pub fn refusals() -> String {
     for (model, damage, refusals) in all_refusals() {
         // Writing to a string cannot fail.
         let _infallible = writeln!(text, "{model} {}", damage.name());
-        for (fault, count) in refusals.occurred() {
-            let _infallible = writeln!(text, "{} {count}", fault.name());
+        for (reason, count) in refusals.occurred() {
+            let _infallible = writeln!(text, "{} {count}", reason.name);
         }
         let _infallible = writeln!(text, "accepted {}", refusals.accepted);
     }
@@ -154,10 +156,10 @@ pub fn refusals() -> String {
 }
 
 /// Why a file is refused as a cart-pole; `None` where it is not.
-pub fn refused_cartpole(file: &[u8]) -> Option<ModelFault> {
+pub fn refused_cartpole(file: &[u8]) -> Option<&'static Entry> {
     let mut words = vec![0_u32; file.len().div_ceil(4)];
-    let room = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
-    room.iter_mut().zip(file).for_each(|(to, from)| *to = *from);
+    let workspace = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
+    workspace.iter_mut().zip(file).for_each(|(to, from)| *to = *from);
     let aligned = bytemuck::cast_slice(&words).get(..file.len()).unwrap_or_default();
-    Cartpole::load(aligned).err().map(ModelFault::from)
+    Cartpole::load(aligned).err().and_then(|error| entry_of(error.coded().code))
 }

@@ -5,7 +5,6 @@ mod common;
 use leastaction::model_file::decode;
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::System;
-use leastaction_firmware_sim::observer::Order;
 use leastaction_firmware_sim::scenario::{SwingUpConfig, swing_up_cartpole};
 use leastaction_firmware_sim::{Mode, wrap};
 
@@ -20,7 +19,7 @@ fn a_learned_cartpole_swings_up_from_twenty_starts() {
     for seed in 0..STARTS {
         let mut config = SwingUpConfig::cartpole();
         config.setup.seed = seed;
-        config.setup.observer.order = Order::from_number(model.discretisation.unwrap().order).unwrap();
+        config.setup.observer.order = model.facts.trained_step.unwrap().order;
         let devices = config.setup.devices;
         assert!(devices.actuator.delay == 1 && devices.encoders.iter().all(|encoder| encoder.noise > 0.0));
         let mut last = None;

@@ -53,8 +53,8 @@ fn check_energies(name: &str, drag: bool) {
         potential.push(energies.potential);
         let dynamics = fixed.dynamics(q, v);
         l_q.extend(dynamics.l_q);
-        mass.extend_from_slice(dynamics.mass.0.as_flattened());
-        force.extend(fixed.force(q, v));
+        mass.extend_from_slice(dynamics.mass.as_flattened());
+        force.extend(fixed.force(q, v, &[0.0; 6]));
     }
     assert_close("T", &kinetic, &reference.get("T"), EXACT);
     assert_close("V", &potential, &reference.get("V"), EXACT);
@@ -141,7 +141,7 @@ fn masses(imported: &Imported, q: &[f64], v: &[f64]) -> Vec<f64> {
     let particles = Graph::new(types(imported), &layout.nodes, &layout.edges).expect("a graph");
     let fixed: Model = Fixed::new(particles).expect("as many coordinates");
     let states = q.as_chunks::<N>().0.iter().zip(v.as_chunks::<N>().0);
-    let mass = states.map(|(q, v)| fixed.dynamics(q, v).mass.0);
+    let mass = states.map(|(q, v)| fixed.dynamics(q, v).mass);
     mass.flat_map(|mass| std::array::from_fn::<f64, N, _>(|i| mass[i][i])).collect()
 }
 

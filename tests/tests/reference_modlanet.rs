@@ -10,9 +10,10 @@ use leastaction::ground_truth::ManyBody;
 use leastaction::import::{Imported, modlanet};
 use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::acceleration;
-use leastaction_core::energy::modular::{MAX_TYPES, NUMBERS};
-use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::energy::modular::{ELEMENT_PARAMETERS, MAX_TYPES};
+use leastaction_core::forces::{Forces, System, Viscous};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::Laws;
 use leastaction_core::scalar::Real;
 use reference::{Arrays, EXACT, assert_close, assert_within, data, in_single, scale};
 use std::fs;
@@ -24,8 +25,8 @@ const N: usize = 2;
 const WIDTH: usize = 50;
 /// Agreement of single precision: tens of units in the last place, for velocities and angles are rounded to it too.
 const SINGLE: f64 = 3e-6;
-/// The numbers after the networks: those of the one type, then c₁ and c₂.
-const TAIL: usize = NUMBERS + 2;
+/// The numbers after the networks: those of the one type, then c₁ and c₂, then the damping of the type.
+const TAIL: usize = ELEMENT_PARAMETERS + 2 + 1;
 
 fn path(name: &str) -> PathBuf {
     data("modlanet").join(name)
@@ -41,7 +42,7 @@ fn gradient(arrays: &mut Arrays, prefix: &str) -> Vec<f64> {
     let imported = modlanet(&arrays.as_weights(prefix), ManyBody::Pendulum(N), Some(1.0));
     let mut gradient = imported.expect("gradient as weights").weights;
     let start = gradient.len() - TAIL;
-    gradient[start..start + NUMBERS].fill(0.0);
+    gradient[start..start + ELEMENT_PARAMETERS].fill(0.0);
     gradient[start] = arrays.get(&format!("{prefix}mass.weight"))[0];
     gradient
 }
@@ -61,7 +62,7 @@ struct Values {
 fn values<R, L, F>(system: &System<L, F>, (q, v): (&[f64], &[f64]), real: fn(f64) -> R) -> Values
 where
     R: Real,
-    L: Lagrangian<R, N, Mass = DenseMass<R, N>>,
+    L: Lagrangian<R, N>,
     F: Forces<R, N>,
 {
     let mut out = Values::default();
@@ -73,7 +74,7 @@ where
         let gradient = system.lagrangian.gradient(&q, &v);
         out.l_q.extend(gradient.l_q.map(R::to_f64));
         out.l_v.extend(gradient.l_v.map(R::to_f64));
-        out.mass.extend(system.lagrangian.dynamics(&q, &v).mass.0.as_flattened().iter().map(|x| x.to_f64()));
+        out.mass.extend(system.lagrangian.dynamics(&q, &v).mass.as_flattened().iter().map(|x| x.to_f64()));
         out.l_vq.extend(system.lagrangian.hessian(&q, &v).l_vq.as_flattened().iter().map(|x| x.to_f64()));
         let a = acceleration(system, &q, &v, &[real(0.0); N]).expect("mass");
         out.acceleration.extend(a.map(R::to_f64));
@@ -87,7 +88,11 @@ fn evaluate<R: Real>(
     states: (&[f64], &[f64]),
     real: fn(f64) -> R,
 ) -> Values {
-    let system = modular.header().system::<_, R, N, MAX_TYPES, WIDTH, 2>(&modular.tree_header(), weights);
+    let system = modular.header().system::<_, R, Viscous<R, N>, N, MAX_TYPES, WIDTH, 2>(
+        &modular.tree_header(),
+        Laws::VISCOUS,
+        weights,
+    );
     values(&system.expect("shape"), states, real)
 }
 
@@ -128,7 +133,7 @@ fn in_their_terms(modular: &ModularArchitecture, weights: &[f64], ours: &[f64]) 
     for (end, outputs) in blocks(modular) {
         gradient[end - outputs..end].fill(0.0);
     }
-    let (mass, c2) = (weights.len() - TAIL, weights.len() - 1);
+    let (mass, c2) = (weights.len() - TAIL, weights.len() - 2);
     gradient[mass] -= weights[c2] / weights[mass] * ours[c2];
     gradient[c2] /= weights[mass];
     gradient
@@ -136,7 +141,8 @@ fn in_their_terms(modular: &ModularArchitecture, weights: &[f64], ours: &[f64]) 
 
 /// Where each network ends in the weight block, and how many outputs it has.
 fn blocks(modular: &ModularArchitecture) -> Vec<(usize, usize)> {
-    let networks = modular.shape.networks().map(|n| (n.parameters().expect("size"), usize::from(n.outputs)));
+    let networks =
+        modular.shape.networks.iter().map(|n| (n.parameters().expect("size"), usize::from(n.outputs)));
     networks
         .scan(0, |end, (parameters, outputs)| {
             *end += parameters;
@@ -191,12 +197,12 @@ fn losses_and_parameter_gradients_agree() {
         let mass = start;
         assert_close(
             &format!("{what}: gradient, c1 and c2"),
-            &ours[mass + NUMBERS..],
-            &theirs[mass + NUMBERS..],
+            &ours[mass + ELEMENT_PARAMETERS..],
+            &theirs[mass + ELEMENT_PARAMETERS..],
             EXACT,
         );
         // The mass multiplies all of L: its gradient is 0, in both programs up to rounding.
-        let numbers = mass..mass + NUMBERS;
+        let numbers = mass..mass + ELEMENT_PARAMETERS;
         assert_within(
             &format!("{what}: gradient, mass"),
             &ours[numbers.clone()],

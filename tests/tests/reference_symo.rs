@@ -11,7 +11,7 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Del, Interval, Midpoint};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 use reference::{Arrays, EXACT, assert_close, data, in_single};
 use std::fs;
@@ -70,7 +70,6 @@ fn values<R, L, F, const N: usize>(system: &System<L, F>, samples: &Samples, rea
 where
     R: Real,
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
     let h = real(samples.h);
@@ -81,7 +80,7 @@ where
         let [q0, q1, q2] = samples.states.each_ref().map(|x| row(x));
         let [u0, u1, u2] = samples.controls.each_ref().map(|x| row(x));
         let zero = [R::zero(); N];
-        let mass = system.lagrangian.dynamics(&q1, &zero).mass.dense();
+        let mass = system.lagrangian.dynamics(&q1, &zero).mass;
         out.inertia.extend(mass.as_flattened().iter().map(|x| x.to_f64()));
         out.potential.push(system.lagrangian.energies(&q1, &zero).potential.to_f64());
         let before = Control { start: u0, end: u1 };
@@ -178,7 +177,6 @@ fn accelerations<R, L, F, const N: usize>(
 where
     R: Real,
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
     let rows = |x: &[f64]| -> Vec<[R; N]> { x.as_chunks().0.iter().map(|row| row.map(real)).collect() };

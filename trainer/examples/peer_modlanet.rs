@@ -5,7 +5,7 @@ use leastaction::architecture::{Architecture, ModularArchitecture, NamedTree, Na
 use leastaction::data::modlanet;
 use leastaction::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
 use leastaction::training::{LossKind, NormalEquations, Samples, objective};
-use leastaction_core::energy::modular::{Input, NetworkShape, Shape, TransformShape, TypeShape};
+use leastaction_core::energy::modular::{Input, ModularShape, NetworkShape, TransformShape, TypeShape};
 use leastaction_core::network::{Activation, Dense};
 use std::error::Error;
 use std::process::ExitCode;
@@ -95,7 +95,7 @@ fn architecture() -> Architecture {
     let networks: Vec<_> = SIZES.into_iter().filter_map(network).collect();
     let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
     let kind = TypeShape { transform, potential: Some(1) };
-    let shape = Shape::new(&networks, &[kind], None).expect("two networks and a type fit");
+    let shape = ModularShape::new(&networks, &[kind], None).expect("two networks and a type fit");
     let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
     let bob = NamedType { name: "bob".to_owned(), numbers };
     ModularArchitecture::new(

@@ -74,10 +74,7 @@ where
     L: Lagrangian<f64, N>,
     F: Forces<f64, N>,
 {
-    let del = Del::<f64, P>::with_newton(
-        h,
-        Newton { max_iterations: 20, max_jacobians: 20, stop: 1e-14, accept: 1e-8 },
-    );
+    let del = Del::<f64, P>::with_newton(h, Newton { max_iterations: 50, stop: 1e-14, accept: 1e-8 });
     let mut positions: Vec<f64> = trajectory.q.iter().take(2).flatten().copied().collect();
     let _stopped_early = extend_run(&del, system, trajectory, &mut positions);
     positions.resize(trajectory.samples() * N, f64::NAN);
@@ -215,7 +212,7 @@ impl Visitor for InertiaError<'_> {
         let mut squares = Vec::new();
         for q in self.data.trajectories.iter().flat_map(|t| t.q.iter()) {
             let learned =
-                system.lagrangian.dynamics(&std::array::from_fn::<f64, N, _>(|i| q[i]), &[0.0; N]).mass.0;
+                system.lagrangian.dynamics(&std::array::from_fn::<f64, N, _>(|i| q[i]), &[0.0; N]).mass;
             let exact = exact_mass(self.mechanism, q);
             squares.extend(learned.as_flattened().iter().zip(&exact).map(|(a, b)| (a - b) * (a - b)));
         }

@@ -80,25 +80,24 @@ impl Visitor for Count<'_> {
 struct Evaluations {
     handle_bytes: usize,
     dynamics: Work,
-    hessian: Work,
-    /// Multiply-adds of the first derivatives, whose memory the second derivatives need as well.
-    gradient: usize,
+    /// All first and second derivatives but L_qq.
+    linearization: Work,
 }
 
 impl Evaluations {
-    /// Up to two coordinates the dynamics take a forward pass with N tangents; beyond, one with a single tangent and a plain
-    /// adjoint. Second derivatives take a forward pass with N tangents and a plain adjoint.
+    /// A step takes a forward pass with N tangents. So do the dynamics up to two coordinates; beyond, one with a single tangent
+    /// and a plain adjoint.
     fn rigid<const N: usize>(rigid: &RigidArchitecture) -> Self {
         let weights: usize = rigid.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
         let widest = rigid.widths.iter().copied().max().map_or(0, usize::from);
         let depth = rigid.widths.len();
         let units = size_of::<Jet<f32, N>>() * widest * depth;
+        let linearization = Work { multiply_adds: (1 + N) * weights, stack_bytes: units + ends::<N, N>() };
         let dynamics = if N <= 2 {
-            Work { multiply_adds: (1 + N) * weights, stack_bytes: units + ends::<N, N>() }
+            linearization
         } else {
             Work { multiply_adds: 3 * weights, stack_bytes: tape::<1, 0>(widest, depth) + ends::<1, N>() }
         };
-        let stack_bytes = bends::<N>(widest, depth) + ends::<N, N>();
         Self {
             // Two slices and a length a layer, the kinds of coordinates, the inertia, the damping.
             handle_bytes: (depth + 1) * LAYER
@@ -106,8 +105,7 @@ impl Evaluations {
                 + size_of::<Viscous<f32, N>>()
                 + 5 * WORD,
             dynamics,
-            hessian: Work { multiply_adds: (2 + N) * weights, stack_bytes },
-            gradient: 2 * weights,
+            linearization,
         }
     }
 
@@ -122,35 +120,29 @@ impl Evaluations {
         };
         let (widest, depth) = (weights.widest, weights.deepest);
         let arrays = size_of::<[[f32; 16]; N]>();
-        let curvature = size_of::<[[[[f32; 2]; 2]; N]; N]>();
         let networks = modular.types.len() * 3 + 1;
+        let dynamics =
+            Work { multiply_adds: multiply_adds(2, 0, 0), stack_bytes: tape::<2, 0>(widest, depth) + arrays };
         Self {
             handle_bytes: networks * (depth + 1) * LAYER + N * 5 * WORD + size_of::<Viscous<f32, N>>(),
-            dynamics: Work {
-                multiply_adds: multiply_adds(2, 0, 0),
-                stack_bytes: tape::<2, 0>(widest, depth) + arrays,
-            },
-            hessian: Work {
-                multiply_adds: multiply_adds(3, 2, 4),
-                stack_bytes: weights.widest_tape() + arrays + curvature,
-            },
-            gradient: multiply_adds(2, 0, 0),
+            dynamics,
+            linearization: dynamics,
         }
     }
 
     fn none() -> Self {
         let nothing = Work { multiply_adds: 0, stack_bytes: 0 };
-        Self { handle_bytes: 0, dynamics: nothing, hessian: nothing, gradient: 0 }
+        Self { handle_bytes: 0, dynamics: nothing, linearization: nothing }
     }
 
-    /// At every Gauss point the second derivatives and, for the residual after the update, the first derivatives once more.
+    /// One evaluation at every Gauss point measures an update and makes the next.
     fn newton<P: Path, const N: usize>(&self) -> Work {
-        let nodes = P::nodes::<f32>().as_ref().len();
+        let nodes = P::points::<f32>().as_ref().len();
         let sums =
             size_of::<Linearised<f32, N>>() + size_of::<Solved<f32, P, N>>() + size_of::<State<f32, N>>();
         Work {
-            multiply_adds: nodes * (self.hessian.multiply_adds + self.gradient),
-            stack_bytes: self.hessian.stack_bytes + sums,
+            multiply_adds: nodes * self.linearization.multiply_adds,
+            stack_bytes: self.linearization.stack_bytes + sums,
         }
     }
 }
@@ -162,14 +154,13 @@ struct NetworkWeights {
     pairs: usize,
     widest: usize,
     deepest: usize,
-    has_pair: bool,
 }
 
 impl NetworkWeights {
     fn of(modular: &ModularArchitecture) -> Self {
         let shape = &modular.shape;
-        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
-        let kinds: Vec<_> = modular.kinds().filter_map(|kind| shape.types().nth(kind)).collect();
+        let weights = |network: u8| shape.networks.get(network).map_or(0, network_weights);
+        let kinds: Vec<_> = modular.kinds().filter_map(|kind| shape.types.get(kind)).collect();
         let transform = |kind: &&TypeShape| match kind.transform {
             TransformShape::Network { position, velocity, .. } => {
                 weights(position) + velocity.map_or(0, weights)
@@ -185,18 +176,8 @@ impl NetworkWeights {
             transforms: kinds.iter().map(transform).sum(),
             potentials: kinds.iter().filter_map(|kind| kind.potential).map(weights).sum(),
             pairs: shape.pair.map_or(0, |pair| pairs * passes(pair.input) * weights(pair.network)),
-            widest: shape.networks().flat_map(|network| network.widths().0).max().unwrap_or(0),
-            deepest: shape.networks().map(|network| network.widths().1).max().unwrap_or(0),
-            has_pair: shape.pair.is_some(),
-        }
-    }
-
-    /// Of second derivatives.
-    fn widest_tape(&self) -> usize {
-        if self.has_pair {
-            tape::<4, 4>(self.widest, self.deepest)
-        } else {
-            tape::<2, 2>(self.widest, self.deepest)
+            widest: shape.networks.iter().flat_map(|network| network.widths().0).max().unwrap_or(0),
+            deepest: shape.networks.iter().map(|network| network.widths().1).max().unwrap_or(0),
         }
     }
 }
@@ -219,14 +200,6 @@ fn tape<const T: usize, const A: usize>(widest: usize, depth: usize) -> usize {
     depth * (unit * widest + 2 * WORD) + 2 * (size_of::<Jet<f32, A>>() * widest + WORD)
 }
 
-/// How the units bend along T directions (slope, tangents, curvature), and the larger of one layer's units forward and two
-/// layers of a plain adjoint.
-fn bends<const T: usize>(widest: usize, depth: usize) -> usize {
-    let unit = size_of::<Jet<f32, T>>();
-    let room = (unit * widest + WORD).max(2 * (WORD * widest + WORD));
-    depth * ((unit + WORD) * widest + 2 * WORD) + room
-}
-
 /// Inputs and outputs of the network.
 fn ends<const T: usize, const N: usize>() -> usize {
     2 * size_of::<[[[Jet<f32, T>; N]; N]; 2]>()
@@ -241,7 +214,6 @@ mod tests {
     use super::*;
     use leastaction_core::energy::rigid::Coordinate;
     use leastaction_core::model::RigidModel;
-    use leastaction_core::network::Bends;
 
     fn cartpole(width: u16) -> Architecture {
         RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()
@@ -252,16 +224,16 @@ mod tests {
         let cost = cost(&cartpole(24)).unwrap();
         let weights = 3 * 24 + 24 * 24 + 24 * 4;
         assert_eq!(cost.acceleration.multiply_adds, 3 * weights);
-        assert_eq!(cost.step_order_2.multiply_adds, 6 * weights);
-        assert_eq!(cost.step_order_4.multiply_adds, 12 * weights);
+        // An evaluation of a step's equations is that of an acceleration, once a Gauss point.
+        assert_eq!(cost.step_order_2.multiply_adds, 3 * weights);
+        assert_eq!(cost.step_order_4.multiply_adds, 6 * weights);
     }
 
     #[test]
-    fn the_bends_are_those_of_the_compiled_sizes() {
-        let bends = size_of::<Bends<f32, 2, 24, 2>>();
-        let adjoint = size_of::<[[Jet<f32, 0>; 24]; 2]>();
+    fn the_units_of_a_step_are_those_of_the_compiled_sizes() {
+        let units = size_of::<[[Jet<f32, 2>; 24]; 2]>();
         let stack = cost(&cartpole(24)).unwrap().step_order_2.stack_bytes;
-        assert!((bends + adjoint..bends + adjoint + 1024).contains(&stack), "{stack}");
+        assert!((units..units + 1024).contains(&stack), "{stack}");
     }
 
     #[test]

@@ -10,7 +10,7 @@ const STACK: usize = 16 << 20;
 /// As many threads as there are processors; none where they cannot be had.
 static THREADS: LazyLock<Option<ThreadPool>> = LazyLock::new(|| threads(0).ok());
 
-/// So many threads with room for wide networks; 0: as many as there are processors.
+/// So many threads with workspace for wide networks; 0: as many as there are processors.
 ///
 /// # Errors
 /// Where they cannot be had.

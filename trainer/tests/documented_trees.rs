@@ -7,6 +7,8 @@ use leastaction::evaluate::acceleration_mse;
 use leastaction::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
 use leastaction::run::{Monitor, Plan, Row, Run, Trained};
 use leastaction_core::continuous::acceleration;
+use leastaction_core::forces::Viscous;
+use leastaction_core::model::Laws;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -148,7 +150,8 @@ fn a_fork() {
     weights[..3].copy_from_slice(&[0.0, 9.8, 0.0]);
     let header = modular.header();
     let tree = modular.tree_header();
-    let system = header.system::<_, f64, 3, 1, 0, 0>(&tree, &weights).unwrap();
+    let system =
+        header.system::<_, f64, Viscous<f64, 3>, 3, 1, 0, 0>(&tree, Laws::VISCOUS, &weights).unwrap();
     let (q, v) = ([0.4, -0.9, 0.7], [0.3, 1.1, -0.6]);
     let found = acceleration(&system, &q, &v, &[0.0; 3]).unwrap();
     // A_jk as of a chain, but that the second and the third carry nothing and do not see each other.

@@ -54,7 +54,7 @@ fn printed_keys_that_are_off_can_be_switched_on() {
         .collect();
     let on = architecture(&on.join("\n"));
     assert_eq!(on.graphs[0].rods, [Rod { from: None, to: 0, length: 1.0 }]);
-    assert_eq!(on.shape.nodes().next().unwrap().drag, Drag::Network(1));
+    assert_eq!(on.shape.nodes.iter().next().unwrap().drag, Drag::Network(1));
 }
 
 #[test]
@@ -103,12 +103,12 @@ fn types_have_their_networks_and_numbers() {
     assert_eq!(model.node_types[1].numbers, [1.0, 0.0, 0.0, 0.0].map(known));
     assert_eq!(model.edge_types[0].numbers, [1.0, -2.0].map(known));
     assert_eq!(model.edge_types[1].numbers, [0.0, 3.0].map(learned));
-    let nodes: Vec<_> = model.shape.nodes().map(|node| (node.potential, node.drag)).collect();
+    let nodes: Vec<_> = model.shape.nodes.iter().map(|node| (node.potential, node.drag)).collect();
     assert_eq!(nodes, [(Potential::Network(0), Drag::Viscous), (Potential::None, Drag::Network(1))]);
-    let edges: Vec<_> = model.shape.edges().map(|edge| (edge.separation, edge.potential)).collect();
+    let edges: Vec<_> = model.shape.edges.iter().map(|edge| (edge.separation, edge.potential)).collect();
     assert_eq!(edges, [(Separation::Squared, None), (Separation::Distance, Some(2))]);
     let networks: Vec<_> =
-        model.shape.networks().map(|n| (n.inputs, n.widths().0[0], n.outputs, n.activation)).collect();
+        model.shape.networks.iter().map(|n| (n.inputs, n.widths().0[0], n.outputs, n.activation)).collect();
     let squareplus = Activation::Squareplus;
     assert_eq!(networks, [(2, 5, 1, squareplus), (1, 3, 1, Activation::Tanh), (1, 0, 1, squareplus)]);
 }
@@ -209,7 +209,7 @@ fn more_than_a_model_holds_is_refused() {
 fn networks_beside_learned_laws_begin_small() {
     let last = |text: &str| {
         let (architecture, weights) = parse(text).unwrap().beginning().unwrap();
-        let networks = architecture.graph().unwrap().shape.networks().filter_map(|n| n.parameters());
+        let networks = architecture.graph().unwrap().shape.networks.iter().filter_map(|n| n.parameters());
         let end: usize = networks.sum();
         weights[end - 4..end - 1].iter().fold(0.0, |most: f64, w| most.max(w.abs()))
     };

@@ -7,7 +7,7 @@ use leastaction::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::LANES;
 
@@ -74,7 +74,7 @@ fn three_eighths<const N: usize>(
 /// Puts what the same rule gives in place of the next states.
 fn stepped<L, F, const N: usize>(system: &System<L, F>, samples: Samples, order: u8) -> Samples
 where
-    L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+    L: Lagrangian<f64, N>,
     F: Forces<f64, N>,
 {
     let (mut positions, mut velocities) = (Vec::new(), Vec::new());

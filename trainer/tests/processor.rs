@@ -4,7 +4,8 @@
 use leastaction::processor::{Line, LinkError, Remote};
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
-use leastaction_firmware_sim::link::{ModelFault, Port, Refusal, serve};
+use leastaction_firmware_sim::link::{Port, Refusal, serve};
+use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{RunError, SwingUpConfig, TrackConfig, run_on};
 use leastaction_firmware_sim::trajectory::reference::Cartpole;
 use leastaction_firmware_sim::{Program, Summary, Tick};
@@ -114,6 +115,7 @@ const SHORT: Duration = Duration::from_millis(200);
 fn config() -> SwingUpConfig<2> {
     let mut config = SwingUpConfig::cartpole();
     config.setup.seed = 3;
+    config.setup.observer.other_step = OtherStep::Accepted;
     config.setup.devices.clock.missed = 0.05;
     config.setup.devices.encoders[1].drop = 0.1;
     config
@@ -144,7 +146,8 @@ fn the_trace_is_the_same_over_a_line() {
 
 #[test]
 fn tracking_is_the_same_over_a_line_and_tells_the_same_reference() {
-    let config = TrackConfig::<2>::cartpole();
+    let mut config = TrackConfig::<2>::cartpole();
+    config.setup.observer.other_step = OtherStep::Accepted;
     let plant = System::conservative(CARTPOLE);
     let model = Cartpole::load(&MODEL.0).unwrap();
     let firmware = config.program().start(&model.system).unwrap();
@@ -225,11 +228,15 @@ fn a_refusal_says_why() {
     let program = config().program();
     assert_eq!(refused(None, &program), Refusal::NoModel);
     let damaged = &MODEL.0[..MODEL.0.len() - 8];
-    assert_eq!(refused(Some(damaged), &program), Refusal::Model(ModelFault::Checksum));
+    let said = refused(Some(damaged), &program);
+    assert!(matches!(said, Refusal::Model(model) if model.code == 23), "{said}");
 
     let (wire, _thread) = processor(Some(&MODEL.0), Fault::None);
     let pendulum = SwingUpConfig::<1>::pendulum();
     let error = Remote::begin(wire, &pendulum.program(), PATIENCE).map(drop).unwrap_err();
-    assert!(error.to_string().contains("another shape than its image was compiled for"), "{error}");
+    assert!(
+        error.to_string().contains("not the one that the program was built for (code 35: 2, 1, 0)"),
+        "{error}"
+    );
     assert!(pendulum.program().start(&System::conservative(PENDULUM)).is_ok());
 }

@@ -5,10 +5,13 @@ use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction::reproduce::lgnn::architecture;
 use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::constraints::Constrained;
-use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+use leastaction_core::discrete::{
+    Order,
+    rattle::{ParticleState, Rattle},
+};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, EdgeShape, Graph, Kinetic, NodeShape, Potential, Separation, Shape,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, Graph, GraphShape, Kinetic, NodeShape, Potential, Separation,
 };
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
@@ -41,7 +44,7 @@ fn shape(dimension: u8, graph: NamedGraph) -> GraphArchitecture {
         |name: &str, count| GraphType { name: name.to_owned(), numbers: vec![Number::learned(0.7); count] };
     let numbers = 2 + usize::from(dimension);
     GraphArchitecture {
-        shape: Shape::new(dimension, &networks, &[odd, plain], &[spring]).expect("fits"),
+        shape: GraphShape::new(dimension, &networks, &[odd, plain], &[spring]).expect("fits"),
         node_types: vec![learned("odd", numbers), learned("plain", numbers)],
         edge_types: vec![learned("spring", EDGE_NUMBERS)],
         graphs: vec![graph],
@@ -88,10 +91,10 @@ fn stepped<const D: usize>(shape: &GraphArchitecture, weights: &[f64], order: Or
         (Graph::new(types, &layout.nodes, &layout.edges).expect("a graph"), layout.constraints::<D>());
     let mechanism = Constrained::new(&graph, &rods[..]).expect("rods");
     let (nodes, n) = (layout.nodes.len(), shape.n());
-    let mut room = vec![0.0; ParticleState::<f64, D>::room(nodes, rods.len())];
-    let mut work = vec![0.0; Rattle::room(&mechanism)];
+    let mut workspace = vec![0.0; ParticleState::<f64, D>::workspace(nodes, rods.len())];
+    let mut work = vec![0.0; Rattle::workspace(&mechanism)];
     let (q, v) = start::<D>(&layout.rods, nodes);
-    let mut state = ParticleState::new(&mechanism, &q, &v, &mut room, &mut work).expect("on its rods");
+    let mut state = ParticleState::new(&mechanism, &q, &v, &mut workspace, &mut work).expect("on its rods");
     let control = |k: usize| (0..n).map(|i| 3.0 * wave(11 * k + i)).collect::<Vec<f64>>();
     let mut positions = vec![state.q().as_flattened().to_vec()];
     for k in 0..STEPS {

@@ -54,7 +54,7 @@ fn printed_keys_that_are_off_can_be_switched_on() {
         })
         .collect();
     let on = architecture(&on.join("\n"));
-    assert_eq!(on.shape.networks().count(), 4);
+    assert_eq!(on.shape.networks.len(), 4);
     assert_eq!(on.shape.pair.unwrap().input, PairInput::Distance);
 }
 
@@ -107,9 +107,9 @@ fn types_have_their_transforms_and_numbers() {
     let known = Number::known;
     let link = [known(1.0), Number::learned(0.02), known(0.25), known(0.5), known(0.0)];
     assert_eq!(model.types[1].numbers, link);
-    let sizes: Vec<_> = model.shape.networks().map(|n| (n.inputs, n.widths().0[0], n.outputs)).collect();
+    let sizes: Vec<_> = model.shape.networks.iter().map(|n| (n.inputs, n.widths().0[0], n.outputs)).collect();
     assert_eq!(sizes, [(2, 0, 1), (1, 5, 2), (1, 3, 2), (4, 7, 1)]);
-    let seam = model.shape.types().nth(3).unwrap().transform;
+    let seam = model.shape.types.get(3_u8).unwrap().transform;
     assert_eq!(seam, TransformShape::Network { position: 1, velocity: Some(2), input: Input::WrappedAngle });
     assert_eq!(model.fixed_positions().len(), 4 * 5 + 2 - 3);
 }

@@ -8,7 +8,8 @@ use leastaction_core::continuous::{
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::Model;
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -20,13 +21,12 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
 fn evaluate<L, const N: usize>(system: &System<L, Viscous<f32, N>>, [q, v, u]: &[[f32; N]; 3]) -> f32
 where
     L: Lagrangian<f32, N>,
-    L::Mass: MassMatrix<f32, N>,
 {
     let a = acceleration(system, q, v, u).unwrap_or(*q);
     let force = inverse_dynamics(system, q, v, &a);
     let p = momentum(&system.lagrangian, q, v);
     let state = ContinuousState { q: *q, v: *v };
-    black_box((a, force, p));
+    let _ = black_box((a, force, p));
     let _ = black_box(rk4_step(system, &state, u, 0.01));
     let _ = black_box(midpoint_step(system, &state, u, 0.01));
     energy(&system.lagrangian, q, v)
@@ -50,12 +50,26 @@ fn step<L: Lagrangian<f32, N>, P: Path, const N: usize>(
 pub fn everything<L, const N: usize>(system: &System<L, Viscous<f32, N>>)
 where
     L: Lagrangian<f32, N>,
-    L::Mass: MassMatrix<f32, N>,
 {
     let at = &black_box([[0.1; N]; 3]);
     black_box(evaluate(system, at));
     black_box(step::<L, Midpoint, N>(system, at));
     black_box(step::<L, Galerkin, N>(system, at));
+}
+
+/// What a file says beside its mechanism.
+#[inline(never)]
+pub fn said<M, const N: usize>(model: &Model<M>) {
+    let at = &black_box([0.1; N]);
+    let _ = black_box((model.step(), model.del::<f32, Midpoint>().is_ok()));
+    if let Ok(Some(actuator)) = model.actuator()
+        && let Ok((steps, actuator)) = actuator.at_step::<N>(black_box(0.01))
+    {
+        black_box((steps, actuator.held(at, at), actuator.linear(at, at, at), actuator.command(at)));
+    }
+    if let Ok(Some(range)) = model.range() {
+        let _ = black_box(range.outside(at, at, at));
+    }
 }
 
 /// A file in flash, of which the compiler knows nothing.

@@ -2,9 +2,9 @@
 
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Path, State};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Real, Scalar, Stored};
 
@@ -28,7 +28,7 @@ impl<W: Plain> Network<W> {
     /// Weights uniform in ±0.3, from a fixed linear congruential generator.
     pub fn new(width: usize) -> Self {
         let widths = [width; 2];
-        let length = shape(&widths).parameters().expect("a small network");
+        let length = shape(widths).parameters().expect("a small network");
         let mut bits = 1_u32;
         let mut next = || {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -39,18 +39,16 @@ impl<W: Plain> Network<W> {
 
     /// The mechanism, in this or another scalar with these weights.
     pub fn system<S: Real<Weight = W>>(&self) -> CartPole<'_, S> {
-        let rigid = Rigid::take(&mut self.block.as_slice(), &shape(&self.widths));
+        let rigid = Rigid::take(&mut self.block.as_slice(), &shape(self.widths));
         System::conservative(rigid.expect("a block of this length"))
     }
 }
 
-fn shape(widths: &[usize]) -> Shape<'_, 2> {
-    Shape {
-        coordinates: [Coordinate::Translation, Coordinate::Angle],
-        widths,
-        activation: Activation::Tanh,
-        inertia: Inertia::Cholesky { epsilon: 1e-9 },
-    }
+fn shape(widths: [usize; 2]) -> RigidShape<2> {
+    let widths = widths.map(|width| width as u16);
+    let coordinates = [Coordinate::Translation, Coordinate::Angle];
+    let inertia = Inertia::Cholesky { epsilon: 1e-9 };
+    RigidShape::new(coordinates, &widths, Activation::Tanh, inertia).expect("a small network")
 }
 
 /// (q, v, u).
@@ -68,7 +66,6 @@ pub fn acceleration<R: Real, L, const N: usize>(
 ) -> [R; N]
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
 {
     let invalid = R::constant(f64::NAN);
     continuous::acceleration(system, q, v, u).unwrap_or([invalid; N])

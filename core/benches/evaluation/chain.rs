@@ -2,7 +2,7 @@
 
 use crate::cases::{Plain, Point};
 use leastaction_core::energy::modular::{
-    Input, Modular, NUMBERS, NetworkShape, Node, Shape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, Modular, ModularShape, NetworkShape, TransformShape, TreeElement, TypeShape,
 };
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::Activation;
@@ -22,7 +22,7 @@ pub struct Links<W> {
 impl<W: Plain> Links<W> {
     /// Weights uniform in ±0.5, a link of 1 kg and 0.1 kg m², gravity.
     pub fn new() -> Self {
-        let length = shape().parameters().expect("small networks") - NUMBERS - 2;
+        let length = shape().parameters().expect("small networks") - ELEMENT_PARAMETERS - 2;
         let mut bits = 1_u32;
         let mut next = || {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -35,19 +35,19 @@ impl<W: Plain> Links<W> {
 
     /// N links, in this or another scalar with these weights.
     pub fn system<S: Real<Weight = W>, const N: usize>(&self) -> Pendulums<'_, S, N> {
-        let nodes = (0..N as u8).map(|e| Node { kind: 0, parent: e.checked_sub(1) });
+        let nodes = (0..N as u8).map(|e| TreeElement { kind: 0, parent: e.checked_sub(1) });
         let tree = shape().tree(nodes).expect("parents come first");
         let chain = Modular::take(&mut self.block.as_slice(), &shape(), tree);
         System::conservative(chain.expect("a block of this length"))
     }
 }
 
-fn shape() -> Shape {
+fn shape() -> ModularShape {
     let tanh =
         |outputs| NetworkShape::new(2, &[16, 16], outputs, Activation::Tanh).expect("two hidden layers");
     let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
     let link = TypeShape { transform, potential: Some(1) };
-    Shape::new(&[tanh(2), tanh(1)], &[link], None).expect("two networks and one type")
+    ModularShape::new(&[tanh(2), tanh(1)], &[link], None).expect("two networks and one type")
 }
 
 /// Where the links are.

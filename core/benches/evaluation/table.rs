@@ -7,7 +7,7 @@ use crate::counted::{Counted, Operations, count};
 use crate::peak::{fastest, flops};
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 use std::hint::black_box;
 
@@ -114,9 +114,7 @@ fn system<R: Plain, L, C, const N: usize>(
     peak: f64,
 ) where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     C: Lagrangian<Counted<R>, N>,
-    C::Mass: MassMatrix<Counted<R>, N>,
 {
     let (_, done) = count(|| cases::acceleration(counted, counted_at));
     let seconds = seconds(|| cases::acceleration(system, black_box(at)));

@@ -35,7 +35,7 @@ static void expect(int line, leastaction_status found, leastaction_status expect
 }
 
 static leastaction_status load(size_t length) {
-    return leastaction_load(&model, sizeof model, file, length, MODEL_NAME, &error);
+    return leastaction_load(&model, sizeof model, LEASTACTION_ABI, file, length, MODEL_NAME, &error);
 }
 
 static leastaction_status of_byte(size_t position) {
@@ -57,6 +57,9 @@ static void damaged(void) {
     EXPECT(VERSION, load(bytes));
     REQUIRE(error.numbers[0] == 99);
     file[4] = 1;
+    EXPECT(VERSION, load(bytes));
+    REQUIRE(error.numbers[0] == 1);
+    file[4] = 2;
     EXPECT(NOT_LOADED, leastaction_acceleration(&model, zero, zero, zero, N, (float[N]){0}, &error));
     EXPECT(OK, load(bytes));
 }
@@ -64,30 +67,32 @@ static void damaged(void) {
 static void misplaced(void) {
     float x[N];
     memmove(file + 1, file, bytes);
-    EXPECT(UNALIGNED, leastaction_load(&other, sizeof other, file + 1, bytes, MODEL_NAME, &error));
+    EXPECT(UNALIGNED, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file + 1, bytes, MODEL_NAME, &error));
     REQUIRE(error.numbers[0] != 0);
     memmove(file, file + 1, bytes);
-    EXPECT(NULL_POINTER, leastaction_load(NULL, sizeof other, file, bytes, MODEL_NAME, &error));
-    EXPECT(NULL_POINTER, leastaction_load(&other, sizeof other, NULL, bytes, MODEL_NAME, &error));
-    REQUIRE(error.numbers[0] == 3);
-    EXPECT(WRONG_LENGTH, leastaction_load(&other, sizeof other + 4, file, bytes, MODEL_NAME, &error));
-    EXPECT(WRONG_LENGTH, leastaction_load(&other, sizeof other, file, SIZE_MAX, MODEL_NAME, &error));
+    EXPECT(NULL_POINTER, leastaction_load(NULL, sizeof other, LEASTACTION_ABI, file, bytes, MODEL_NAME, &error));
+    EXPECT(NULL_POINTER, leastaction_load(&other, sizeof other, LEASTACTION_ABI, NULL, bytes, MODEL_NAME, &error));
+    REQUIRE(error.numbers[0] == 4);
+    EXPECT(OTHER_ABI, leastaction_load(&other, sizeof other, 1, file, bytes, MODEL_NAME, &error));
+    REQUIRE(error.numbers[0] == LEASTACTION_ABI && error.numbers[1] == 1);
+    EXPECT(WRONG_LENGTH, leastaction_load(&other, sizeof other + 4, LEASTACTION_ABI, file, bytes, MODEL_NAME, &error));
+    EXPECT(WRONG_LENGTH, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, SIZE_MAX, MODEL_NAME, &error));
     void *odd = (uint8_t *)&other + 1;
-    EXPECT(MISALIGNED, leastaction_load(odd, sizeof other, file, bytes, MODEL_NAME, &error));
+    EXPECT(MISALIGNED, leastaction_load(odd, sizeof other, LEASTACTION_ABI, file, bytes, MODEL_NAME, &error));
     EXPECT(NOT_LOADED, leastaction_momentum(&other, zero, zero, N, x, &error));
     EXPECT(OK, load(bytes));
     other = model;
     EXPECT(NOT_LOADED, leastaction_momentum(&other, zero, zero, N, x, &error));
 #ifndef LEASTACTION_RIGID
-    EXPECT(NULL_POINTER, leastaction_load(&other, sizeof other, file, bytes, NULL, &error));
-    leastaction_status none = leastaction_load(&other, sizeof other, file, bytes, "nothing", &error);
+    EXPECT(NULL_POINTER, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, NULL, &error));
+    leastaction_status none = leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, "nothing", &error);
     REQUIRE(none == LEASTACTION_STATUS_NO_SUCH_TREE || none == LEASTACTION_STATUS_NO_SUCH_GRAPH);
-    EXPECT(BAD_NAME, leastaction_load(&other, sizeof other, file, bytes, "\xff", &error));
+    EXPECT(BAD_NAME, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, "\xff", &error));
     static const char endless[] = "0123456789012345678901234567890123456789012345678901234567890123456789";
-    EXPECT(BAD_NAME, leastaction_load(&other, sizeof other, file, bytes, endless, &error));
+    EXPECT(BAD_NAME, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, endless, &error));
 #endif
 #ifdef LEASTACTION_GRAPH
-    EXPECT(RODS, leastaction_load(&other, sizeof other, file, bytes, "ring", &error));
+    EXPECT(RODS, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, "ring", &error));
     REQUIRE(error.numbers[0] == 2);
 #endif
 }
@@ -113,10 +118,67 @@ static void arguments(void) {
     EXPECT(NOT_FINITE, leastaction_momentum(&model, zero, nan, N, x, &error));
     EXPECT(NOT_FINITE, leastaction_energies(&model, nan, zero, N, x, &error));
     EXPECT(NULL_POINTER, leastaction_energies(&model, zero, zero, N, NULL, &error));
-    EXPECT(NULL_POINTER, leastaction_trained_step(&model, NULL, NULL, &error));
+    EXPECT(NULL_POINTER, leastaction_trained_step(&model, NULL, NULL, NULL, &error));
     leastaction_error *misplaced = (leastaction_error *)((uint8_t *)&error + 1);
     REQUIRE(leastaction_momentum(&model, zero, zero, N, x, misplaced) == LEASTACTION_STATUS_MISALIGNED);
 }
+
+/* What the file says: order 4, 0.05 s, held; no actuator, no range. */
+static void said(void) {
+    float h, u0[N], u1[N], u[N] = {0.5f}, nan[N] = {NAN};
+    uint8_t order, control;
+    uint16_t late = 9;
+    leastaction_outside outside;
+    EXPECT(OK, leastaction_trained_step(&model, &h, &order, &control, &error));
+    REQUIRE(h == 0.05f && order == 4 && control == 0);
+    EXPECT(OK, leastaction_check_step(&model, h, 4, &error));
+    EXPECT(OTHER_STEP, leastaction_check_step(&model, h / 2, 4, &error));
+    EXPECT(OTHER_STEP, leastaction_check_step(&model, NAN, 4, &error));
+    EXPECT(ORDER, leastaction_check_step(&model, h, 2, &error));
+    REQUIRE(error.numbers[0] == 4 && error.numbers[1] == 2);
+    EXPECT(ORDER, leastaction_check_step(&model, h, 3, &error));
+    EXPECT(OK, leastaction_late_steps(&model, h, &late, &error));
+    REQUIRE(late == 0);
+    EXPECT(OK, leastaction_actuate(&model, h, zero, u, N, u0, u1, &error));
+    REQUIRE(u0[0] == 0.5f && u1[0] == 0.5f && u0[1] == 0);
+    EXPECT(BAD_STEP, leastaction_actuate(&model, 0, zero, u, N, u0, u1, &error));
+    EXPECT(NOT_FINITE, leastaction_actuate(&model, h, zero, nan, N, u0, u1, &error));
+    EXPECT(NO_RANGE, leastaction_check_range(&model, zero, zero, zero, N, &outside, &error));
+    EXPECT(NULL_POINTER, leastaction_check_range(&model, zero, zero, zero, N, NULL, &error));
+    REQUIRE(leastaction_abi() == LEASTACTION_ABI && leastaction_version()[1] == '.');
+}
+
+#ifdef WHOLE_FILE
+/* A cart-pole whose file has every section: a delay of 0.125 s, and a range. */
+extern const uint8_t whole_file[], whole_file_end[];
+
+static void whole(void) {
+    float u0[N], u1[N], one[N] = {1, 1}, far[N] = {2.5f, 0}, turned[N] = {0, 12.566371f}, nan[N] = {NAN};
+    uint16_t late = 0;
+    leastaction_outside outside;
+    size_t length = (size_t)(whole_file_end - whole_file);
+    EXPECT(OK, leastaction_load(&other, sizeof other, LEASTACTION_ABI, whole_file, length, MODEL_NAME, &error));
+    EXPECT(OK, leastaction_late_steps(&other, 0.05f, &late, &error));
+    REQUIRE(late == 2);
+    EXPECT(OUT_OF_RANGE, leastaction_late_steps(&other, 1e-9f, &late, &error));
+    EXPECT(OK, leastaction_actuate(&other, 0.0625f, zero, one, N, u0, u1, &error));
+    /* Two whole steps late, and no rest: g u + o. */
+    REQUIRE(u0[0] == 1.5f && u1[0] == 1.5f && u0[1] == 0.25f && u1[1] == 0.25f);
+    EXPECT(OK, leastaction_actuate(&other, 0.25f, zero, one, N, u0, u1, &error));
+    /* A jump of 2 in the middle of the step: mean 0.5, slope 3. */
+    REQUIRE(u0[0] == -1 && u1[0] == 2);
+    EXPECT(OK, leastaction_check_range(&other, zero, zero, zero, N, &outside, &error));
+    REQUIRE(outside.quantity == 0 && outside.coordinate == 0);
+    EXPECT(OK, leastaction_check_range(&other, turned, zero, zero, N, &outside, &error));
+    REQUIRE(outside.quantity == 0);
+    EXPECT(OK, leastaction_check_range(&other, far, zero, zero, N, &outside, &error));
+    REQUIRE(outside.quantity == 'q' && outside.coordinate == 0);
+    EXPECT(OK, leastaction_check_range(&other, zero, zero, one, N, &outside, &error));
+    REQUIRE(outside.quantity == 'u' && outside.coordinate == 1);
+    EXPECT(OK, leastaction_check_range(&other, zero, nan, zero, N, &outside, &error));
+    REQUIRE(outside.quantity == 'v' && outside.coordinate == 0);
+}
+#endif
 
 static void starts(void) {
     const float h = 0.01f, nan[N] = {NAN};
@@ -133,13 +195,12 @@ static void starts(void) {
 
 static void refused_bounds(void) {
     const leastaction_newton right = leastaction_default_newton();
-    leastaction_newton wrong[4] = {right, right, right, right};
+    leastaction_newton wrong[3] = {right, right, right};
     wrong[0].max_iterations = 0;
-    wrong[1].max_jacobians = 0;
-    wrong[2].stop = -1;
-    wrong[3].accept = NAN;
+    wrong[1].stop = -1;
+    wrong[2].accept = NAN;
     before = state;
-    for (unsigned i = 0; i < 4; i++) {
+    for (unsigned i = 0; i < 3; i++) {
         EXPECT(BAD_NEWTON, leastaction_step2(&model, &state, 0.01f, zero, zero, N, &wrong[i], NULL, &error));
         REQUIRE(error.numbers[0] == i + 1);
     }
@@ -191,6 +252,10 @@ int errors(void) {
     damaged();
     misplaced();
     arguments();
+    said();
+#ifdef WHOLE_FILE
+    whole();
+#endif
     starts();
     refused_bounds();
     refused_steps();

@@ -5,4 +5,11 @@
 model_file:
     .incbin MODEL_FILE
 model_file_end:
+#ifdef WHOLE_FILE
+    .balign 4
+    .global whole_file, whole_file_end
+whole_file:
+    .incbin WHOLE_FILE
+whole_file_end:
+#endif
     .section .note.GNU-stack, "", %progbits

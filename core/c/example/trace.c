@@ -43,11 +43,10 @@ static int evaluate(const float *q, const float *v, const float *u) {
     return 0;
 }
 
-/* A tick of a control loop takes the same time every time: two updates by one Jacobian. */
+/* A tick of a control loop takes the same time every time: two updates. */
 static leastaction_newton bounded(void) {
     leastaction_newton newton = leastaction_default_newton();
     newton.max_iterations = 2;
-    newton.max_jacobians = 1;
     newton.stop = 0;
     return newton;
 }
@@ -82,14 +81,15 @@ int trace(void) {
     leastaction_error error;
     float h, q[N], q1[N], v[N], u[N] = {0};
     const leastaction_newton newton = bounded();
-    uint8_t order;
+    uint8_t order, control;
     for (int i = 0; i < N; i++) {
         q[i] = (float)(i + 1) / 8;
         v[i] = (float)(i - 1) / 4;
     }
     size_t bytes = (size_t)(model_file_end - model_file);
-    if (leastaction_load(&model, sizeof model, model_file, bytes, MODEL_NAME, &error)
-        || leastaction_trained_step(&model, &h, &order, &error)) {
+    if (leastaction_load(&model, sizeof model, LEASTACTION_ABI, model_file, bytes, MODEL_NAME, &error)
+        || leastaction_trained_step(&model, &h, &order, &control, &error)
+        || leastaction_check_step(&model, h, order, &error)) {
         return refused("load", &error);
     }
     h /= 8;

@@ -11,7 +11,8 @@
  *     static leastaction_state state;
  *     extern const uint8_t file[];                           // in flash, at a multiple of 4
  *
- *     if (leastaction_load(&model, sizeof model, file, file_bytes, NULL, NULL) != LEASTACTION_STATUS_OK) ...
+ *     if (leastaction_load(&model, sizeof model, LEASTACTION_ABI, file, file_bytes, NULL, NULL)) ...
+ *     if (leastaction_check_step(&model, h, 4, NULL)) ...    // what the model was trained with
  *     leastaction_start(&model, &state, q, v, LEASTACTION_COORDINATES, NULL);
  *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL, NULL);
  *     leastaction_state_q(&state, LEASTACTION_COORDINATES, q, NULL);
@@ -29,10 +30,11 @@
 
 /* What the library was built for. */
 #define LEASTACTION_RIGID 1
+#define LEASTACTION_ABI 2
 #define LEASTACTION_COORDINATES 2
 #define LEASTACTION_HIDDEN 32
 #define LEASTACTION_LAYERS 2
-#define LEASTACTION_MODEL_WORDS 27
+#define LEASTACTION_MODEL_WORDS 30
 #define LEASTACTION_STATE_WORDS 26
 
 
@@ -88,10 +90,22 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_RODS = 9,
     /**
-     * A bound of Newton's method is out of range. Which, from 1: `max_iterations` and `max_jacobians` are at least 1, `stop` is
-     * not negative, `accept` positive and finite.
+     * A bound of Newton's method is out of range. Which, from 1: `max_iterations` is at least 1, `stop` is not negative,
+     * `accept` positive and finite.
      */
     LEASTACTION_STATUS_BAD_NEWTON = 10,
+    /**
+     * The program was compiled with a header of another binary interface. LEASTACTION_ABI of the library, that of the header.
+     */
+    LEASTACTION_STATUS_OTHER_ABI = 11,
+    /**
+     * The step h is not the one that the model was trained with.
+     */
+    LEASTACTION_STATUS_OTHER_STEP = 12,
+    /**
+     * The file does not say what the training data covered, or not for this tree or graph.
+     */
+    LEASTACTION_STATUS_NO_RANGE = 13,
     /**
      * Fewer bytes than the smallest model file has. Bytes given.
      */
@@ -113,7 +127,7 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_MALFORMED = 24,
     /**
-     * Bytes after the end of the document. How many.
+     * Bytes after the end of a shape. How many.
      */
     LEASTACTION_STATUS_TRAILING_BYTES = 25,
     /**
@@ -161,6 +175,14 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_PRECISION = 36,
     /**
+     * The file has a section that this library does not know and that may change the physics. Its number.
+     */
+    LEASTACTION_STATUS_SECTION = 37,
+    /**
+     * The file lacks a section that every file has. `what`: which.
+     */
+    LEASTACTION_STATUS_MISSING_SECTION = 38,
+    /**
      * The file was refused for a reason that this list does not know.
      */
     LEASTACTION_STATUS_OTHER_FILE_ERROR = 39,
@@ -180,6 +202,14 @@ enum leastaction_status
      * The tree has not the coordinates that the library was built for. Of the tree, built in.
      */
     LEASTACTION_STATUS_TREE_COORDINATES = 43,
+    /**
+     * The file has a law of force that the library was not built for. Its number in the file.
+     */
+    LEASTACTION_STATUS_LAW = 44,
+    /**
+     * The model was trained with an integrator of another order. In the file, asked for.
+     */
+    LEASTACTION_STATUS_ORDER = 45,
     /**
      * The tree was refused for a reason that this list does not know.
      */
@@ -224,6 +254,22 @@ enum leastaction_status
      * More edges than the library was built for. Built in, of the graph.
      */
     LEASTACTION_STATUS_GRAPH_TOO_MANY_EDGES = 59,
+    /**
+     * More rods than the library was built for. Built in, of the graph.
+     */
+    LEASTACTION_STATUS_GRAPH_TOO_MANY_RODS = 60,
+    /**
+     * A member of a union does not name as many nodes as it has. The member, named, needed.
+     */
+    LEASTACTION_STATUS_GRAPH_MEMBER_NODES = 61,
+    /**
+     * A member of a union names its nodes out of order. The member, the node.
+     */
+    LEASTACTION_STATUS_GRAPH_MEMBER_ORDER = 62,
+    /**
+     * No member of a union has a node. The node.
+     */
+    LEASTACTION_STATUS_GRAPH_OWNERLESS = 63,
     /**
      * The graph was refused for a reason that this list does not know.
      */
@@ -286,6 +332,20 @@ typedef struct {
 } leastaction_error;
 
 /**
+ * Which quantity lies outside of what the training data covered.
+ */
+typedef struct {
+    /**
+     * `q`, `v` or `u`; 0 where nothing lies outside.
+     */
+    uint8_t quantity;
+    /**
+     * The coordinate, from 0.
+     */
+    uint32_t coordinate;
+} leastaction_outside;
+
+/**
  * Storage of a state: position and momentum, both summed with compensation, and the last increments. It must start as
  * zeros, as static storage does. A started one may be copied by assignment, to come back to it.
  */
@@ -296,17 +356,13 @@ typedef struct {
 /**
  * How far Newton's method goes in a step.
  *
- * For a constant running time: `stop` = 0, and as many updates as the motion needs, two of them by one Jacobian for most.
+ * For a constant running time: `stop` = 0, and as many updates as the motion needs, two for most.
  */
 typedef struct {
     /**
      * Updates at most; at least 1.
      */
     uint8_t max_iterations;
-    /**
-     * Of these, updates by a Jacobian of their own, at least 1; the others keep the last and cost a third.
-     */
-    uint8_t max_jacobians;
     /**
      * Stop early at this relative residual; 0 always takes `max_iterations`.
      */
@@ -343,18 +399,20 @@ const char *leastaction_message(int status);
 /**
  * Reads and validates a model file, and prepares it in `model`. Weights stay where they are, in flash.
  *
- * - `model_bytes`: `sizeof(leastaction_model)`, which shows that this header is the library's.
+ * - `model_bytes`: `sizeof(leastaction_model)`, which shows that the structs of this header are the library's.
+ * - `abi`: LEASTACTION_ABI, which shows the same of its functions.
  * - `file`, `file_bytes`: the whole file, at a multiple of 4. It must stay there unchanged while the model is used.
  * - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for the rigid family.
  * - `error`: filled in; may be NULL.
  *
- * Fails with statuses 1 to 3, 7, 9 and 20 to 69; then `model` holds no model, also if it did before.
+ * Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; then `model` holds no model, also if it did before.
  *
  * # Safety
  * Pointers are NULL or point to so many bytes.
  */
 leastaction_status leastaction_load(leastaction_model *model,
                                     size_t model_bytes,
+                                    uint32_t abi,
                                     const uint8_t *file,
                                     size_t file_bytes,
                                     const char *name,
@@ -366,8 +424,20 @@ leastaction_status leastaction_load(leastaction_model *model,
 const char *leastaction_family(void);
 
 /**
- * The step h (s) and the order (2 or 4) that the model was trained for: with others it is less accurate, for a model of a
- * discrete Lagrangian absorbs the integrator's error. Fails with statuses 1, 2, 4 and 8.
+ * The version of the library, as "0.1.0".
+ */
+const char *leastaction_version(void);
+
+/**
+ * The number of the library's binary interface: LEASTACTION_ABI of its header. It changes with any struct or function that a
+ * program was compiled with.
+ */
+uint32_t leastaction_abi(void);
+
+/**
+ * The step h (s), the order (2 or 4) and the kind of control (0: held from sample to sample, 1: linear between samples) that
+ * the model was trained with: with others it is less accurate, for a model of a discrete Lagrangian absorbs the integrator's
+ * error. Fails with statuses 1, 2, 4 and 8.
  *
  * # Safety
  * Pointers are NULL or point to what their type says.
@@ -375,7 +445,76 @@ const char *leastaction_family(void);
 leastaction_status leastaction_trained_step(const leastaction_model *model,
                                             float *h,
                                             uint8_t *order,
+                                            uint8_t *control,
                                             leastaction_error *error);
+
+/**
+ * Checks that the model was trained with steps of h (s) of this order, 2 or 4: call it once for the function of steps that the
+ * program uses. Fails with statuses 2, 4, 8, 12 and 45.
+ *
+ * # Safety
+ * Pointers are NULL or point to what their type says.
+ */
+leastaction_status leastaction_check_step(const leastaction_model *model,
+                                          float h,
+                                          uint8_t order,
+                                          leastaction_error *error);
+
+/**
+ * Says whether a state and control force lie outside of what the training data covered: there the model extrapolates. The
+ * first quantity that does is written; infinite ones, and what is not a number, do.
+ *
+ * - `q` (m or rad), `v` (m/s or rad/s), `u` (N or N m): `n` numbers each.
+ * - `n`: LEASTACTION_COORDINATES.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 4, 13, 30 and 35.
+ *
+ * # Safety
+ * Pointers are NULL or point to so many numbers.
+ */
+leastaction_status leastaction_check_range(const leastaction_model *model,
+                                           const float *q,
+                                           const float *v,
+                                           const float *u,
+                                           size_t n,
+                                           leastaction_outside *outside,
+                                           leastaction_error *error);
+
+/**
+ * Writes by how many whole steps of h (s) a command is late: leastaction_actuate takes commands that are so much older. 0
+ * where the file says no actuator. Fails with statuses 1, 2, 4, 6, 30 and 35.
+ *
+ * # Safety
+ * Pointers are NULL or point to what their type says.
+ */
+leastaction_status leastaction_late_steps(const leastaction_model *model,
+                                          float h,
+                                          uint16_t *steps,
+                                          leastaction_error *error);
+
+/**
+ * Writes the control forces over a step of h (s), as the functions of steps take them, that commands held from step to step
+ * bring about: τ(t) = g u(t − d) + o with gain, offset and delay of the file; without an actuator there the command itself.
+ *
+ * - `before`, `u`: the command one step earlier and the one of this step, both leastaction_late_steps older, `n` numbers each.
+ * - `n`: LEASTACTION_COORDINATES.
+ * - `u0`, `u1`: the forces (N or N m) at the start and at the end of the step, `n` numbers each, written on success alone.
+ * - `error`: filled in; may be NULL.
+ *
+ * Fails with statuses 1 to 4, 6, 30, 35 and 71.
+ *
+ * # Safety
+ * Pointers are NULL or point to so many numbers.
+ */
+leastaction_status leastaction_actuate(const leastaction_model *model,
+                                       float h,
+                                       const float *before,
+                                       const float *u,
+                                       size_t n,
+                                       float *u0,
+                                       float *u1,
+                                       leastaction_error *error);
 
 /**
  * Writes the acceleration a = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², that the control force u gives.
@@ -529,7 +668,7 @@ leastaction_status leastaction_state_w(const leastaction_state *state,
                                        leastaction_error *error);
 
 /**
- * The bounds where none are given: at most 8 updates, each with its Jacobian, down to rounding.
+ * The bounds where none are given: at most 50 updates, down to rounding. Up to a step of 50 ms five suffice.
  */
 leastaction_newton leastaction_default_newton(void);
 

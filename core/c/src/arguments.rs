@@ -67,11 +67,26 @@ pub(crate) unsafe fn vectors<const K: usize>(
     first: usize,
     n: usize,
 ) -> Result<[Vector; K], Error> {
+    // SAFETY: this function's promise.
+    let copies = unsafe { numbers(pointers, first, n) }?;
+    copies.iter().try_for_each(|copy| finite(*copy).map(drop))?;
+    Ok(copies)
+}
+
+/// [`vectors`] that need not be finite.
+///
+/// # Safety
+/// Each has `n` numbers.
+pub(crate) unsafe fn numbers<const K: usize>(
+    pointers: [*const f32; K],
+    first: usize,
+    n: usize,
+) -> Result<[Vector; K], Error> {
     check_length(LEASTACTION_COORDINATES, n)?;
     let mut copies = [[0.0; LEASTACTION_COORDINATES]; K];
     for (i, (copy, pointer)) in copies.iter_mut().zip(pointers).enumerate() {
         // SAFETY: it has n numbers, which is what a vector has.
-        *copy = finite(unsafe { Given::new(pointer.cast::<Vector>(), first + i)?.read() })?;
+        *copy = unsafe { Given::new(pointer.cast::<Vector>(), first + i)?.read() };
     }
     Ok(copies)
 }

@@ -13,6 +13,8 @@ macro_rules! size {
     };
 }
 
+/// Number of the binary interface: it changes with any struct or function that a program was compiled with.
+pub const LEASTACTION_ABI: u32 = 2;
 /// Coordinates of the mechanism.
 pub const LEASTACTION_COORDINATES: usize = size!("LEASTACTION_COORDINATES", 2, 1..=64);
 /// Units of a hidden layer at most.
@@ -41,15 +43,15 @@ const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "rigid")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + 9;
+    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + 12;
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "modular")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + 12;
+    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + 15;
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + 68;
+    LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + 71;
 
 /// Words of 32 bits of a state: 12 numbers a coordinate, and 2.
 pub const LEASTACTION_STATE_WORDS: usize = 12 * LEASTACTION_COORDINATES + 2;

@@ -2,9 +2,8 @@ use crate::status::Status;
 use core::ffi::c_char;
 use leastaction_core::discrete::StepError;
 use leastaction_core::energy::graph::GraphError;
-use leastaction_core::energy::modular::TreeError;
-use leastaction_core::linear::Singular;
-use leastaction_core::model::ModelError;
+use leastaction_core::linear::SolveError;
+use leastaction_core::model::{Coded, ModelError};
 
 /// Why a call failed, with numbers. Every function that can fail fills one in, where its last argument is not NULL; after
 /// success the status is LEASTACTION_STATUS_OK and all else is zero.
@@ -27,7 +26,7 @@ impl Error {
     pub(crate) const NONE: Self = Self::of(Status::Ok, [0; 3]);
 
     /// An error with all its numbers, the unused ones 0.
-    const fn of(status: Status, numbers: [u32; 3]) -> Self {
+    pub(crate) const fn of(status: Status, numbers: [u32; 3]) -> Self {
         Self { status, numbers, residual: 0.0, what: core::ptr::null(), what_bytes: 0 }
     }
 
@@ -50,88 +49,35 @@ impl From<Status> for Error {
     }
 }
 
-impl From<ModelError> for Error {
-    fn from(error: ModelError) -> Self {
-        match error {
-            ModelError::TooShort { bytes } => Self::new(Status::TooShort, [bytes]),
-            ModelError::Magic => Status::NotAModel.into(),
-            ModelError::Version { found } => Self::new(Status::Version, [found.into()]),
-            ModelError::Checksum { stored, computed } => Self::of(Status::Checksum, [stored, computed, 0]),
-            ModelError::Malformed => Status::Malformed.into(),
-            ModelError::TrailingBytes { bytes } => Self::new(Status::TrailingBytes, [bytes]),
-            ModelError::Unaligned { offset } => Self::new(Status::Unaligned, [offset.into()]),
-            ModelError::BigEndian => Status::BigEndian.into(),
-            ModelError::WeightCount { found, needed } => Self::new(Status::WeightCount, [found, needed]),
-            ModelError::NotFinite { index } => Self::new(Status::WeightNotFinite, [index]),
-            ModelError::OutOfRange { what } => Self::from(Status::OutOfRange).about(what),
-            ModelError::Tree(error) => error.into(),
-            ModelError::Graph(error) => error.into(),
-            ModelError::Names { of } => Self::from(Status::Names).about(of),
-            ModelError::NoSuchTree { trees } => Self::new(Status::NoSuchTree, [trees]),
-            ModelError::NoSuchGraph { graphs } => Self::new(Status::NoSuchGraph, [graphs]),
-            ModelError::OtherFamily { found } => Self::from(Status::OtherFamily).about(found),
-            ModelError::Shape { what, found, compiled } => {
-                Self::new(Status::Shape, [found, compiled]).about(what)
-            }
-            ModelError::Precision { found, compiled } => {
-                Self::new(Status::Precision, [usize::from(found), usize::from(compiled)])
-            }
-            _ => Status::OtherFileError.into(),
-        }
+impl From<Coded> for Error {
+    fn from(Coded { code, numbers, what }: Coded) -> Self {
+        let error = Self::new(Status::of_file(code), numbers);
+        what.map_or(error, |what| error.about(what))
     }
 }
 
-impl From<TreeError> for Error {
-    fn from(error: TreeError) -> Self {
-        match error {
-            TreeError::Empty => Status::TreeEmpty.into(),
-            TreeError::Parent { element, parent } => Self::new(Status::TreeParent, [element, parent]),
-            TreeError::Kind { element, kind, kinds } => Self::new(Status::TreeKind, [element, kind, kinds]),
-            TreeError::Coordinates { found, compiled } => {
-                Self::new(Status::TreeCoordinates, [found, compiled])
-            }
-            _ => Status::OtherTreeError.into(),
-        }
+impl From<ModelError> for Error {
+    fn from(error: ModelError) -> Self {
+        error.coded().into()
     }
 }
 
 impl From<GraphError> for Error {
     fn from(error: GraphError) -> Self {
-        match error {
-            GraphError::Empty => Status::GraphEmpty.into(),
-            GraphError::TooManyNodes { found, most } => Self::new(Status::GraphTooManyNodes, [found, most]),
-            GraphError::NodeKind { node, kind, kinds } => {
-                Self::new(Status::GraphNodeKind, [node, kind, kinds])
-            }
-            GraphError::EdgeKind { edge, kind, kinds } => {
-                Self::new(Status::GraphEdgeKind, [edge, kind, kinds])
-            }
-            GraphError::End { edge, node, nodes } => Self::new(Status::GraphEnd, [edge, node, nodes]),
-            GraphError::Loop { edge, node } => Self::new(Status::GraphLoop, [edge, node]),
-            GraphError::Coordinates { found, compiled } => {
-                Self::new(Status::GraphCoordinates, [found, compiled])
-            }
-            GraphError::Mass { kind } => Self::new(Status::GraphMass, [kind]),
-            GraphError::Drag { kind } => Self::new(Status::GraphDrag, [kind]),
-            GraphError::TooManyEdges { capacity, needed } => {
-                Self::new(Status::GraphTooManyEdges, [capacity, needed])
-            }
-            // Of unions, which this library does not make.
-            _ => Status::OtherGraphError.into(),
-        }
+        error.coded().into()
     }
 }
 
-impl From<Singular> for Error {
-    fn from(singular: Singular) -> Self {
-        Self::new(Status::Singular, [singular.column.into()])
+impl From<SolveError> for Error {
+    fn from(error: SolveError) -> Self {
+        StepError::from(error).into()
     }
 }
 
 impl From<StepError<f32>> for Error {
     fn from(error: StepError<f32>) -> Self {
         match error {
-            StepError::Singular(singular) => singular.into(),
+            StepError::Singular { column } => Self::new(Status::Singular, [column.into()]),
             StepError::NotFinite => Status::NotFinite.into(),
             StepError::NotConverged(report) => Self {
                 residual: report.residual,
@@ -145,6 +91,7 @@ impl From<StepError<f32>> for Error {
 mod tests {
     use super::*;
     use leastaction_core::discrete::Report;
+    use leastaction_core::energy::modular::TreeError;
 
     #[test]
     fn every_error_of_a_file_has_its_status_and_numbers() {
@@ -165,6 +112,10 @@ mod tests {
             (ModelError::NoSuchGraph { graphs: 2 }, Status::NoSuchGraph, [2, 0, 0]),
             (ModelError::OtherFamily { found: "graph" }, Status::OtherFamily, [0; 3]),
             (ModelError::Shape { what: "types", found: 3, compiled: 2 }, Status::Shape, [3, 2, 0]),
+            (ModelError::Section { number: 9 }, Status::Section, [9, 0, 0]),
+            (ModelError::Law { number: 7 }, Status::Law, [7, 0, 0]),
+            (ModelError::NoStep, Status::NoStep, [0; 3]),
+            (ModelError::Order { found: 4, compiled: 2 }, Status::Order, [4, 2, 0]),
             (ModelError::Tree(TreeError::Parent { element: 1, parent: 2 }), Status::TreeParent, [1, 2, 0]),
             (ModelError::Graph(GraphError::Loop { edge: 4, node: 1 }), Status::GraphLoop, [4, 1, 0]),
         ];
@@ -187,7 +138,7 @@ mod tests {
     fn every_error_of_a_step_has_its_status_and_numbers() {
         let slow = Error::from(StepError::NotConverged(Report { iterations: 8, residual: 0.5 }));
         assert_eq!((slow.status, slow.numbers, slow.residual), (Status::NotConverged, [8, 0, 0], 0.5));
-        let singular = Error::from(StepError::Singular(Singular { column: 1 }));
+        let singular = Error::from(StepError::Singular { column: 1 });
         assert_eq!((singular.status, singular.numbers), (Status::Singular, [1, 0, 0]));
         assert_eq!(Error::from(StepError::NotFinite), Error::from(Status::NotFinite));
     }

@@ -1,5 +1,6 @@
 use crate::arguments::{Given, call, finite, loaded, output, vectors};
 use crate::error::Error;
+use crate::family::system;
 use crate::status::Status;
 use crate::storage::Model;
 use leastaction_core::continuous::{acceleration, inverse_dynamics, momentum};
@@ -16,7 +17,7 @@ use leastaction_core::lagrangian::Lagrangian;
 ///
 /// # Safety
 /// Pointers are NULL or point to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "acceleration"))]
 pub unsafe extern "C" fn leastaction_acceleration(
     model: *const Model,
     q: *const f32,
@@ -30,7 +31,7 @@ pub unsafe extern "C" fn leastaction_acceleration(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v, u]) = unsafe { (loaded(model)?, vectors([q, v, u], 2, n)?) };
         let out = output(a, 6)?;
-        let a = finite(acceleration(&mechanism.system(), &q, &v, &u)?)?;
+        let a = finite(acceleration(&system(mechanism), &q, &v, &u)?)?;
         // SAFETY: the caller's promise.
         unsafe { out.write(a) };
         Ok(())
@@ -44,7 +45,7 @@ pub unsafe extern "C" fn leastaction_acceleration(
 ///
 /// # Safety
 /// Pointers are NULL or point to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "inverse_dynamics"))]
 pub unsafe extern "C" fn leastaction_inverse_dynamics(
     model: *const Model,
     q: *const f32,
@@ -58,7 +59,7 @@ pub unsafe extern "C" fn leastaction_inverse_dynamics(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v, a]) = unsafe { (loaded(model)?, vectors([q, v, a], 2, n)?) };
         let out = output(u, 6)?;
-        let u = finite(inverse_dynamics(&mechanism.system(), &q, &v, &a))?;
+        let u = finite(inverse_dynamics(&system(mechanism), &q, &v, &a)?)?;
         // SAFETY: the caller's promise.
         unsafe { out.write(u) };
         Ok(())
@@ -72,7 +73,7 @@ pub unsafe extern "C" fn leastaction_inverse_dynamics(
 ///
 /// # Safety
 /// Pointers are NULL or point to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "energies"))]
 pub unsafe extern "C" fn leastaction_energies(
     model: *const Model,
     q: *const f32,
@@ -85,7 +86,7 @@ pub unsafe extern "C" fn leastaction_energies(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v]) = unsafe { (loaded(model)?, vectors([q, v], 2, n)?) };
         let out = Given::new(energies.cast::<[f32; 2]>(), 5)?;
-        let energies = mechanism.system().lagrangian.energies(&q, &v);
+        let energies = system(mechanism).lagrangian.energies(&q, &v);
         // SAFETY: the caller's promise.
         unsafe { out.write(finite([energies.kinetic, energies.potential])?) };
         Ok(())
@@ -99,7 +100,7 @@ pub unsafe extern "C" fn leastaction_energies(
 ///
 /// # Safety
 /// Pointers are NULL or point to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "momentum"))]
 pub unsafe extern "C" fn leastaction_momentum(
     model: *const Model,
     q: *const f32,
@@ -112,7 +113,7 @@ pub unsafe extern "C" fn leastaction_momentum(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v]) = unsafe { (loaded(model)?, vectors([q, v], 2, n)?) };
         let out = output(p, 5)?;
-        let p = finite(momentum(mechanism.system().lagrangian, &q, &v))?;
+        let p = finite(momentum(system(mechanism).lagrangian, &q, &v))?;
         // SAFETY: the caller's promise.
         unsafe { out.write(p) };
         Ok(())

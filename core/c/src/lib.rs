@@ -25,6 +25,7 @@ mod evaluate;
 mod family;
 mod load;
 mod messages;
+mod said;
 mod start;
 mod status;
 mod step;

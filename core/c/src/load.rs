@@ -1,27 +1,30 @@
-use crate::arguments::{Given, call, check_length, loaded};
+use crate::arguments::{Given, call, check_length};
+use crate::config::LEASTACTION_ABI;
 use crate::contents::{Loaded, loaded_tag};
 use crate::error::Error;
-use crate::family::{EDGES, FAMILY, Mechanism};
+use crate::family::{self, EDGES, FAMILY};
 use crate::status::Status;
 use crate::storage::Model;
-use core::ffi::c_char;
+use core::ffi::{CStr, c_char};
 use leastaction_core::energy::graph::Edge;
 
 /// Reads and validates a model file, and prepares it in `model`. Weights stay where they are, in flash.
 ///
-/// - `model_bytes`: `sizeof(leastaction_model)`, which shows that this header is the library's.
+/// - `model_bytes`: `sizeof(leastaction_model)`, which shows that the structs of this header are the library's.
+/// - `abi`: LEASTACTION_ABI, which shows the same of its functions.
 /// - `file`, `file_bytes`: the whole file, at a multiple of 4. It must stay there unchanged while the model is used.
 /// - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for the rigid family.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 3, 7, 9 and 20 to 69; then `model` holds no model, also if it did before.
+/// Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; then `model` holds no model, also if it did before.
 ///
 /// # Safety
 /// Pointers are NULL or point to so many bytes.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "load"))]
 pub unsafe extern "C" fn leastaction_load(
     model: *mut Model,
     model_bytes: usize,
+    abi: u32,
     file: *const u8,
     file_bytes: usize,
     name: *const c_char,
@@ -30,12 +33,13 @@ pub unsafe extern "C" fn leastaction_load(
     let load = || {
         let place = Given::new(model, 1)?.pointer().cast::<Loaded>();
         check_length(size_of::<Model>(), model_bytes)?;
+        check_abi(abi)?;
         // SAFETY: the caller's storage, which is larger than what it holds and as aligned.
         let edges = unsafe { cleared(place) };
         // SAFETY: the caller's promise.
         let bytes = unsafe { whole(file, file_bytes) }?;
         // SAFETY: the caller's promise.
-        let mechanism = unsafe { Mechanism::load(bytes, name, edges) }?;
+        let mechanism = unsafe { family::load(bytes, name, edges) }?;
         // SAFETY: as above; the edges, to which the mechanism refers, are another part of it.
         unsafe {
             (&raw mut (*place).mechanism).write(mechanism);
@@ -47,7 +51,12 @@ pub unsafe extern "C" fn leastaction_load(
     unsafe { call(error, load) }
 }
 
-/// Says that nothing is loaded, and hands out the room for edges.
+fn check_abi(given: u32) -> Result<(), Error> {
+    let right = LEASTACTION_ABI;
+    if given == right { Ok(()) } else { Err(Error::of(Status::OtherAbi, [right, given, 0])) }
+}
+
+/// Says that nothing is loaded, and hands out the workspace for edges.
 ///
 /// # Safety
 /// `place` can be written to, and what is handed out is used before it is cleared again.
@@ -66,7 +75,7 @@ unsafe fn cleared(place: *mut Loaded) -> &'static mut [Edge] {
 /// # Safety
 /// There are so many of them, for as long as they are used.
 unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Error> {
-    let file = Given::new(file, 3)?;
+    let file = Given::new(file, 4)?;
     let most = isize::MAX as usize;
     if file_bytes > most {
         return Err(Error::new(Status::WrongLength, [most, file_bytes]));
@@ -76,32 +85,25 @@ unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Err
 }
 
 /// The family that the library was built for: "rigid", "modular" or "graph".
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "family"))]
 pub extern "C" fn leastaction_family() -> *const c_char {
     FAMILY.as_ptr()
 }
 
-/// The step h (s) and the order (2 or 4) that the model was trained for: with others it is less accurate, for a model of a
-/// discrete Lagrangian absorbs the integrator's error. Fails with statuses 1, 2, 4 and 8.
-///
-/// # Safety
-/// Pointers are NULL or point to what their type says.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn leastaction_trained_step(
-    model: *const Model,
-    h: *mut f32,
-    order: *mut u8,
-    error: *mut Error,
-) -> Status {
-    let read = || {
-        // SAFETY: the caller's promise.
-        let mechanism = unsafe { loaded(model) }?;
-        let (h, order) = (Given::new(h, 2)?, Given::new(order, 3)?);
-        let trained = mechanism.discretisation().ok_or(Status::NoStep)?;
-        // SAFETY: the caller's promise.
-        unsafe { (h.write(trained.h), order.write(trained.order)) };
-        Ok(())
-    };
-    // SAFETY: the caller's promise.
-    unsafe { call(error, read) }
+/// The version of the library, as "0.1.0".
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "version"))]
+pub extern "C" fn leastaction_version() -> *const c_char {
+    const VERSION: &CStr =
+        match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+            Ok(version) => version,
+            Err(_) => panic!("a version without zeros"),
+        };
+    VERSION.as_ptr()
+}
+
+/// The number of the library's binary interface: LEASTACTION_ABI of its header. It changes with any struct or function that a
+/// program was compiled with.
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "abi"))]
+pub extern "C" fn leastaction_abi() -> u32 {
+    LEASTACTION_ABI
 }

@@ -2,6 +2,7 @@ use crate::arguments::{call, check_length, check_step, loaded, output, place, st
 use crate::config::LEASTACTION_COORDINATES;
 use crate::contents::{CoreState, STARTED, Started};
 use crate::error::Error;
+use crate::family::system;
 use crate::status::Status;
 use crate::storage::{Model, State};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path};
@@ -11,7 +12,7 @@ use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path};
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "start"))]
 pub unsafe extern "C" fn leastaction_start(
     model: *const Model,
     state: *mut State,
@@ -24,7 +25,7 @@ pub unsafe extern "C" fn leastaction_start(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v]) = unsafe { (loaded(model)?, vectors([q, v], 3, n)?) };
         let place = place(state, 2)?;
-        let state = CoreState::new(mechanism.system().lagrangian, q, v)?;
+        let state = CoreState::new(system(mechanism).lagrangian, q, v)?;
         // SAFETY: the caller's promise.
         unsafe { place.write(Started { tag: STARTED, state }) };
         Ok(())
@@ -44,7 +45,7 @@ pub unsafe extern "C" fn leastaction_start(
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "start_from_positions2"))]
 pub unsafe extern "C" fn leastaction_start_from_positions2(
     model: *const Model,
     state: *mut State,
@@ -64,7 +65,7 @@ pub unsafe extern "C" fn leastaction_start_from_positions2(
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "start_from_positions4"))]
 pub unsafe extern "C" fn leastaction_start_from_positions4(
     model: *const Model,
     state: *mut State,
@@ -94,7 +95,7 @@ unsafe fn between<P: Path>(
     let place = place(state, 2)?;
     check_step(h)?;
     let control = Control { start: u0, end: u1 };
-    let state = Del::<f32, P>::new(h).start(&mechanism.system(), &q0, &q1, &control)?;
+    let state = Del::<f32, P>::new(h).start(&system(mechanism), &q0, &q1, &control)?;
     // SAFETY: this function's promise.
     unsafe { place.write(Started { tag: STARTED, state }) };
     Ok(())
@@ -104,7 +105,7 @@ unsafe fn between<P: Path>(
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "state_q"))]
 pub unsafe extern "C" fn leastaction_state_q(
     state: *const State,
     n: usize,
@@ -119,7 +120,7 @@ pub unsafe extern "C" fn leastaction_state_q(
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "state_p"))]
 pub unsafe extern "C" fn leastaction_state_p(
     state: *const State,
     n: usize,
@@ -135,7 +136,7 @@ pub unsafe extern "C" fn leastaction_state_p(
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "state_w"))]
 pub unsafe extern "C" fn leastaction_state_w(
     state: *const State,
     n: usize,

@@ -1,3 +1,5 @@
+use leastaction_core::model::CATALOGUE;
+
 /// What came of a call. Numbers are never given another meaning; new ones may be added.
 ///
 /// Of every status: what `numbers` of a `leastaction_error` are, in order, and what else it carries.
@@ -26,9 +28,15 @@ pub enum Status {
     NoStep = 8,
     /// The graph has rods, which this library does not keep. How many.
     Rods = 9,
-    /// A bound of Newton's method is out of range. Which, from 1: `max_iterations` and `max_jacobians` are at least 1, `stop` is
-    /// not negative, `accept` positive and finite.
+    /// A bound of Newton's method is out of range. Which, from 1: `max_iterations` is at least 1, `stop` is not negative,
+    /// `accept` positive and finite.
     BadNewton = 10,
+    /// The program was compiled with a header of another binary interface. LEASTACTION_ABI of the library, that of the header.
+    OtherAbi = 11,
+    /// The step h is not the one that the model was trained with.
+    OtherStep = 12,
+    /// The file does not say what the training data covered, or not for this tree or graph.
+    NoRange = 13,
 
     /// Fewer bytes than the smallest model file has. Bytes given.
     TooShort = 20,
@@ -40,7 +48,7 @@ pub enum Status {
     Checksum = 23,
     /// The header is not a document of this format.
     Malformed = 24,
-    /// Bytes after the end of the document. How many.
+    /// Bytes after the end of a shape. How many.
     TrailingBytes = 25,
     /// The weights do not begin at a multiple of 4: align the array that holds the file. Their address modulo 4.
     Unaligned = 26,
@@ -64,6 +72,10 @@ pub enum Status {
     Shape = 35,
     /// The weights are of another precision than the library was built for. Bits in the file, built in.
     Precision = 36,
+    /// The file has a section that this library does not know and that may change the physics. Its number.
+    Section = 37,
+    /// The file lacks a section that every file has. `what`: which.
+    MissingSection = 38,
     /// The file was refused for a reason that this list does not know.
     OtherFileError = 39,
 
@@ -75,6 +87,10 @@ pub enum Status {
     TreeKind = 42,
     /// The tree has not the coordinates that the library was built for. Of the tree, built in.
     TreeCoordinates = 43,
+    /// The file has a law of force that the library was not built for. Its number in the file.
+    Law = 44,
+    /// The model was trained with an integrator of another order. In the file, asked for.
+    Order = 45,
     /// The tree was refused for a reason that this list does not know.
     OtherTreeError = 49,
 
@@ -98,6 +114,14 @@ pub enum Status {
     GraphDrag = 58,
     /// More edges than the library was built for. Built in, of the graph.
     GraphTooManyEdges = 59,
+    /// More rods than the library was built for. Built in, of the graph.
+    GraphTooManyRods = 60,
+    /// A member of a union does not name as many nodes as it has. The member, named, needed.
+    GraphMemberNodes = 61,
+    /// A member of a union names its nodes out of order. The member, the node.
+    GraphMemberOrder = 62,
+    /// No member of a union has a node. The node.
+    GraphOwnerless = 63,
     /// The graph was refused for a reason that this list does not know.
     OtherGraphError = 69,
 
@@ -108,4 +132,96 @@ pub enum Status {
     /// The equations of a step were not solved: h is too long for this motion. Newton updates taken; `residual`: what is
     /// left.
     NotConverged = 72,
+}
+
+/// The reasons for which a file is refused, as core's catalogue has them.
+const OF_FILES: [Status; CATALOGUE.len()] = [
+    Status::NoStep,
+    Status::TooShort,
+    Status::NotAModel,
+    Status::Version,
+    Status::Checksum,
+    Status::Malformed,
+    Status::TrailingBytes,
+    Status::Unaligned,
+    Status::BigEndian,
+    Status::WeightCount,
+    Status::WeightNotFinite,
+    Status::OutOfRange,
+    Status::Names,
+    Status::NoSuchTree,
+    Status::NoSuchGraph,
+    Status::OtherFamily,
+    Status::Shape,
+    Status::Precision,
+    Status::Section,
+    Status::MissingSection,
+    Status::OtherFileError,
+    Status::TreeEmpty,
+    Status::TreeParent,
+    Status::TreeKind,
+    Status::TreeCoordinates,
+    Status::Law,
+    Status::Order,
+    Status::OtherTreeError,
+    Status::GraphEmpty,
+    Status::GraphTooManyNodes,
+    Status::GraphNodeKind,
+    Status::GraphEdgeKind,
+    Status::GraphEnd,
+    Status::GraphLoop,
+    Status::GraphCoordinates,
+    Status::GraphMass,
+    Status::GraphDrag,
+    Status::GraphTooManyEdges,
+    Status::GraphTooManyRods,
+    Status::GraphMemberNodes,
+    Status::GraphMemberOrder,
+    Status::GraphOwnerless,
+    Status::OtherGraphError,
+];
+
+impl Status {
+    /// The reason of that number in core's catalogue.
+    pub(crate) fn of_file(code: u8) -> Self {
+        let found = OF_FILES.iter().find(|status| **status as i32 == i32::from(code));
+        debug_assert!(found.is_some(), "a reason without a status");
+        found.copied().unwrap_or(Self::OtherFileError)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `TreeKind` as `tree_kind`.
+    fn snake(name: &str) -> String {
+        let mut text = String::new();
+        for c in name.chars() {
+            if c.is_uppercase() && !text.is_empty() {
+                text.push('_');
+            }
+            text.push(c.to_ascii_lowercase());
+        }
+        text
+    }
+
+    #[test]
+    fn statuses_of_files_are_the_catalogue() {
+        let catalogue = CATALOGUE.iter().map(|entry| (i32::from(entry.code), entry.name.to_string()));
+        let statuses = OF_FILES.iter().map(|status| (*status as i32, snake(&format!("{status:?}"))));
+        assert!(catalogue.eq(statuses));
+        // And there is no other among their numbers.
+        let source = include_str!("status.rs").lines().filter_map(|line| line.split_once(" = "));
+        let numbers = source.filter_map(|(_, number)| number.trim_end_matches(',').parse::<i32>().ok());
+        let of_files = numbers.filter(|number| *number == 8 || (20..70).contains(number));
+        assert!(of_files.eq(CATALOGUE.iter().map(|entry| i32::from(entry.code))));
+    }
+
+    #[test]
+    fn codes_are_statuses() {
+        for entry in &CATALOGUE {
+            assert_eq!(Status::of_file(entry.code) as i32, i32::from(entry.code));
+        }
+    }
 }

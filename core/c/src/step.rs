@@ -1,6 +1,7 @@
 use crate::arguments::{Given, call, check_step, loaded, place, started, vectors};
 use crate::contents::Started;
 use crate::error::Error;
+use crate::family::system;
 use crate::status::Status;
 use crate::storage::{Model, State};
 use leastaction_core::discrete::{self, Control, Del, Galerkin, Midpoint, Path};
@@ -17,34 +18,32 @@ pub struct Report {
 
 /// How far Newton's method goes in a step.
 ///
-/// For a constant running time: `stop` = 0, and as many updates as the motion needs, two of them by one Jacobian for most.
+/// For a constant running time: `stop` = 0, and as many updates as the motion needs, two for most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Newton {
     /// Updates at most; at least 1.
     pub max_iterations: u8,
-    /// Of these, updates by a Jacobian of their own, at least 1; the others keep the last and cost a third.
-    pub max_jacobians: u8,
     /// Stop early at this relative residual; 0 always takes `max_iterations`.
     pub stop: f32,
     /// A step whose relative residual stays above is refused.
     pub accept: f32,
 }
 
-/// The bounds where none are given: at most 8 updates, each with its Jacobian, down to rounding.
-#[unsafe(no_mangle)]
+/// The bounds where none are given: at most 50 updates, down to rounding. Up to a step of 50 ms five suffice.
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "default_newton"))]
 pub extern "C" fn leastaction_default_newton() -> Newton {
-    let discrete::Newton { max_iterations, max_jacobians, stop, accept } = discrete::Newton::default();
-    Newton { max_iterations, max_jacobians, stop, accept }
+    let discrete::Newton { max_iterations, stop, accept } = discrete::Newton::default();
+    Newton { max_iterations, stop, accept }
 }
 
 impl Newton {
     fn checked(self) -> Result<discrete::Newton<f32>, Error> {
-        let Self { max_iterations, max_jacobians, stop, accept } = self;
-        let holds = [max_iterations > 0, max_jacobians > 0, stop >= 0.0, accept > 0.0 && accept.is_finite()];
+        let Self { max_iterations, stop, accept } = self;
+        let holds = [max_iterations > 0, stop >= 0.0, accept > 0.0 && accept.is_finite()];
         match holds.iter().position(|holds| !holds) {
             Some(bound) => Err(Error::new(Status::BadNewton, [bound + 1])),
-            None => Ok(discrete::Newton { max_iterations, max_jacobians, stop, accept }),
+            None => Ok(discrete::Newton { max_iterations, stop, accept }),
         }
     }
 }
@@ -62,7 +61,7 @@ impl Newton {
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "step2"))]
 pub unsafe extern "C" fn leastaction_step2(
     model: *const Model,
     state: *mut State,
@@ -82,7 +81,7 @@ pub unsafe extern "C" fn leastaction_step2(
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
-#[unsafe(no_mangle)]
+#[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "step4"))]
 pub unsafe extern "C" fn leastaction_step4(
     model: *const Model,
     state: *mut State,
@@ -118,7 +117,7 @@ unsafe fn step<P: Path>(
     // SAFETY: this function's promise.
     let newton = newton.map_or(leastaction_default_newton(), |newton| unsafe { newton.read() });
     let del = Del::<f32, P>::with_newton(h, newton.checked()?);
-    let how = del.step(&mechanism.system(), &mut next.state, &Control { start, end })?;
+    let how = del.step(&system(mechanism), &mut next.state, &Control { start, end })?;
     // SAFETY: this function's promise.
     unsafe { finish(&place, next, report, how) };
     Ok(())

@@ -1,24 +1,34 @@
 //! The innermost loops of leastaction-core, in f32: products with panels of a matrix, the square root, sine and cosine.
 //!
 //! A panel holds the weights of P outputs input by input, `rows[j][l]` from input j to output l, in single precision
-//! ([`single`]) or in half precision, widened as they are read ([`half`]). On ARM with a floating-point unit (targets
-//! `…eabihf`: Cortex-M4F, M7, M33) the loops are written in its instructions, because a compiler loads weight after weight
-//! where one instruction loads sixteen: 36 instructions for 16 multiply-adds, 53 with weights in half precision. Elsewhere
-//! they are plain Rust. Multiplications and additions are the same in the same order, each rounded, and widening is exact: the
-//! bits are the same everywhere.
+//! ([`single`]) or in half precision, widened as they are read ([`half`]). On a Cortex-M with a floating-point unit the loops are
+//! written in its instructions, because a compiler loads weight after weight where one instruction loads sixteen: 36 instructions
+//! for 16 multiply-adds, 53 with weights in half precision. Elsewhere they are plain Rust. Multiplications and additions are the
+//! same in the same order, each rounded, and widening is exact: the bits are the same everywhere.
+//!
+//! The instructions need a unit that converts numbers in half precision. A stable compiler does not say whether the processor
+//! has one (`rustc --print cfg` lists no feature of ARM's), so the build script goes by the target:
+//!
+//! | target | loops |
+//! |---|---|
+//! | `thumbv7em-none-eabihf`, `thumbv8m.main-none-eabihf` (Cortex-M4F, M7, M33F, M55) | instructions |
+//! | other ARM targets `…eabihf` (Cortex-R, Cortex-A, Linux) | plain Rust, for a Cortex-R5F or A8 has no half precision; instructions where a nightly compiler lists `vfp4` |
+//! | all others | plain Rust |
+//!
+//! `LEASTACTION_FPU=arm` or `=portable` in the environment of the build overrules it.
 #![no_std]
 
-#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+#[cfg(arm_instructions)]
 mod arm;
 pub mod portable;
 mod trigonometry;
 
 pub use ::half::f16;
-#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
-use arm as this;
+#[cfg(arm_instructions)]
+use arm as chosen;
 /// The portable loops by the names of the instructions'.
-#[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
-mod this {
+#[cfg(not(arm_instructions))]
+mod chosen {
     pub use crate::portable::{sin_cos, sqrt, widened};
 
     macro_rules! portable {
@@ -51,46 +61,46 @@ mod this {
 /// √x, correctly rounded; NaN for x < 0.
 #[inline(always)]
 pub fn sqrt(x: f32) -> f32 {
-    this::sqrt(x)
+    chosen::sqrt(x)
 }
 
 /// (sin x, cos x), x in radians; NaN where x is not a number in ±65,536. At most 2 ulp off for |x| ≤ 8192 except where the result
 /// itself vanishes next to a multiple of π/2, and 1.2e-7 there.
 #[inline(always)]
 pub fn sin_cos(x: f32) -> (f32, f32) {
-    this::sin_cos(x)
+    chosen::sin_cos(x)
 }
 
 /// The same number in single precision.
 #[inline(always)]
 pub fn widened(w: f16) -> f32 {
-    this::widened(w)
+    chosen::widened(w)
 }
 
 macro_rules! loops {
     ($doc:literal, $precision:ident, $weight:ty) => {
         #[doc = $doc]
         pub mod $precision {
-            use crate::this::$precision as this;
+            use crate::chosen::$precision as chosen;
 
             /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … for eight outputs l; as many inputs as both `rows` and `x` have.
             pub fn accumulate_8(rows: &[[$weight; 8]], x: &[f32], sum: &mut [f32; 8]) {
-                this::accumulate_8(rows, x, sum);
+                chosen::accumulate_8(rows, x, sum);
             }
 
             /// The same for four outputs.
             pub fn accumulate_4(rows: &[[$weight; 4]], x: &[f32], sum: &mut [f32; 4]) {
-                this::accumulate_4(rows, x, sum);
+                chosen::accumulate_4(rows, x, sum);
             }
 
             /// x̄_j ← x̄_j + Σ_l w_jl ȳ_l over eight outputs l, products added in halves: lane l to lane l + 4, and so on.
             pub fn transposed_8(rows: &[[$weight; 8]], y_bar: &[f32; 8], x_bar: &mut [f32]) {
-                this::transposed_8(rows, y_bar, x_bar);
+                chosen::transposed_8(rows, y_bar, x_bar);
             }
 
             /// The same over four outputs.
             pub fn transposed_4(rows: &[[$weight; 4]], y_bar: &[f32; 4], x_bar: &mut [f32]) {
-                this::transposed_4(rows, y_bar, x_bar);
+                chosen::transposed_4(rows, y_bar, x_bar);
             }
         }
     };

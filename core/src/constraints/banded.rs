@@ -1,7 +1,7 @@
 use crate::scalar::Real;
 use core::num::NonZero;
 
-/// A square matrix with `band` diagonals on either side of the main one, over the caller's room, and then its factors LU.
+/// A square matrix with `band` diagonals on either side of the main one, over the caller's workspace, and then its factors LU.
 ///
 /// Rows are stored one after the other: the 2 `band` + 1 entries around the diagonal, and the size of the diagonal entry
 /// before elimination. Without pivoting: A₁ M⁻¹ A₀ᵀ is symmetric and positive definite where both Jacobians are of one
@@ -18,12 +18,12 @@ const fn width(band: usize) -> NonZero<usize> {
 }
 
 impl<'a, R: Real> Banded<'a, R> {
-    /// Numbers of room for a matrix.
-    pub const fn room(equations: usize, band: usize) -> usize {
+    /// Numbers of workspace for a matrix.
+    pub const fn workspace(equations: usize, band: usize) -> usize {
         equations * width(band).get()
     }
 
-    /// A matrix in this room, of meaningless entries.
+    /// A matrix in this workspace, of meaningless entries.
     pub fn new(band: usize, entries: &'a mut [R]) -> Self {
         Self { band, entries }
     }
@@ -75,6 +75,7 @@ impl<'a, R: Real> Banded<'a, R> {
 
     /// Replaces b by the solution; after [`Banded::factor`].
     pub fn solve(&self, b: &mut [R]) {
+        debug_assert!(b.len() * width(self.band).get() == self.entries.len(), "{} numbers", b.len());
         let (band, width) = (self.band, width(self.band));
         for (k, row) in self.entries.chunks_exact(width.get()).enumerate() {
             let Some((done, [value, ..])) = b.split_at_mut_checked(k) else { return };

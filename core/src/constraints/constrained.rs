@@ -49,9 +49,9 @@ where
         self.constraints.equations()
     }
 
-    /// Numbers of room of the matrix A M⁻¹ Aᵀ.
-    pub(crate) fn matrix_room(&self) -> usize {
-        Banded::<R>::room(self.equations(), self.band)
+    /// Numbers of workspace of the matrix A M⁻¹ Aᵀ.
+    pub(crate) fn matrix_workspace(&self) -> usize {
+        Banded::<R>::workspace(self.equations(), self.band)
     }
 
     /// An error unless a slice of nodes has the right length.

@@ -35,6 +35,13 @@ pub enum Holonomic<R, const D: usize> {
     },
 }
 
+/// Coordinate 0 of node 0 held at 0: what the places of a list hold before it is filled.
+impl<R: Real, const D: usize> Default for Holonomic<R, D> {
+    fn default() -> Self {
+        Self::Held { node: 0, axis: 0, at: R::zero() }
+    }
+}
+
 impl<R: Real, const D: usize> Holonomic<R, D> {
     /// A node held at a fixed point: one equation for each coordinate.
     pub fn held(node: usize, at: [R; D]) -> [Self; D] {
@@ -51,7 +58,8 @@ impl<R: Real, const D: usize> Holonomic<R, D> {
     fn size(&self) -> R {
         match *self {
             Self::Rod { length, .. } | Self::Anchor { length, .. } => length,
-            Self::Held { at, .. } => R::one() + at.abs(),
+            Self::Held { axis, at, .. } if axis < D => R::one() + at.abs(),
+            Self::Held { .. } => R::zero(),
         }
     }
 
@@ -108,9 +116,10 @@ fn minus<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> [R; D] {
     core::array::from_fn(|i| a[i] - b[i])
 }
 
-/// Zero for an axis that is not there, as if it were held already: then its equation has no gradient and is redundant.
+/// A component that is there: the size of an equation of any other is 0, and it is refused.
 #[inline(always)]
 fn component<R: Real, const D: usize>(x: &[R; D], axis: usize) -> R {
+    debug_assert!(axis < D, "axis {axis} of {D}");
     x.get(axis).copied().unwrap_or(R::zero())
 }
 
@@ -128,6 +137,13 @@ fn stretch<R: Real, const D: usize>((d, rest): ([R; D], [R; D]), length: R) -> R
     (high + low).half() / length
 }
 
+/// An equation that is there: callers count up to [`Constraints::equations`].
+#[inline(always)]
+fn equation_of<R, const D: usize>(list: &[Holonomic<R, D>], equation: usize) -> Option<&Holonomic<R, D>> {
+    debug_assert!(equation < list.len(), "equation {equation} of {}", list.len());
+    list.get(equation)
+}
+
 impl<R: Real, const D: usize> Constraints<R, D> for [Holonomic<R, D>] {
     fn equations(&self) -> usize {
         self.len()
@@ -135,24 +151,24 @@ impl<R: Real, const D: usize> Constraints<R, D> for [Holonomic<R, D>] {
 
     #[inline(always)]
     fn nodes(&self, equation: usize) -> &[usize] {
-        self.get(equation).map_or(&[], Holonomic::nodes)
+        equation_of(self, equation).map_or(&[], Holonomic::nodes)
     }
 
     fn size(&self, equation: usize) -> R {
-        self.get(equation).map_or(R::zero(), Holonomic::size)
+        equation_of(self, equation).map_or(R::zero(), Holonomic::size)
     }
 
     #[inline(always)]
     fn value(&self, equation: usize, x: Positions<R, D>) -> R {
-        self.get(equation).map_or(R::zero(), |item| item.value(x))
+        equation_of(self, equation).map_or(R::zero(), |item| item.value(x))
     }
 
     #[inline(always)]
     fn gradient(&self, equation: usize, slot: usize, x: Positions<R, D>) -> [R; D] {
-        self.get(equation).map_or([R::zero(); D], |item| item.gradient(slot, x))
+        equation_of(self, equation).map_or([R::zero(); D], |item| item.gradient(slot, x))
     }
 
     fn curvature(&self, equation: usize, _: Positions<R, D>, v: &[[R; D]]) -> R {
-        self.get(equation).map_or(R::zero(), |item| item.curvature(v))
+        equation_of(self, equation).map_or(R::zero(), |item| item.curvature(v))
     }
 }

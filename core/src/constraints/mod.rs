@@ -10,16 +10,19 @@ mod banded;
 mod constrained;
 mod holonomic;
 mod multipliers;
-mod room;
+mod workspace;
 
 pub use constrained::Constrained;
 pub use holonomic::Holonomic;
 
 pub(crate) use banded::Banded;
 pub(crate) use multipliers::{Rows, inverse};
-pub(crate) use room::Room;
+pub(crate) use workspace::Workspace;
 
+use crate::linear::SolveError;
+use crate::newton::{Report, StepError};
 use crate::scalar::{Real, sum};
+use core::fmt;
 
 /// Holonomic constraints φ_k(q) = 0, each of a few nodes in `D` dimensions.
 ///
@@ -52,19 +55,20 @@ pub struct Positions<'a, R, const D: usize> {
 
 impl<'a, R: Real, const D: usize> Positions<'a, R, D> {
     /// Positions as they are, m.
-    pub fn new(q: &'a [[R; D]]) -> Self {
+    pub const fn new(q: &'a [[R; D]]) -> Self {
         Self { q, carry: &[] }
     }
 
     /// Positions with what rounding took from them, m.
-    pub fn with_carry(q: &'a [[R; D]], carry: &'a [[R; D]]) -> Self {
+    pub const fn with_carry(q: &'a [[R; D]], carry: &'a [[R; D]]) -> Self {
         Self { q, carry }
     }
 
     /// (q, carry) of a node.
     #[inline(always)]
     pub fn node(&self, node: usize) -> ([R; D], [R; D]) {
-        (at(self.q, node), at(self.carry, node))
+        // Positions as they are carry nothing.
+        (at(self.q, node), self.carry.get(node).copied().unwrap_or([R::zero(); D]))
     }
 
     /// From node b to node a: the difference d and the rest, d + rest being exact to twice the precision of R.
@@ -105,7 +109,7 @@ pub enum ConstraintError<R> {
         /// Number of nodes.
         nodes: usize,
     },
-    /// The length of a constraint is not positive and finite.
+    /// The length of a constraint is not positive and finite; it is 0 of a held coordinate that is not one of the dimensions.
     Length {
         /// The equation.
         constraint: usize,
@@ -119,8 +123,8 @@ pub enum ConstraintError<R> {
         /// The length it has.
         given: usize,
     },
-    /// The room is too short.
-    Room {
+    /// The workspace is too short.
+    Workspace {
         /// Numbers needed.
         needed: usize,
         /// Numbers given.
@@ -146,16 +150,52 @@ pub enum ConstraintError<R> {
     /// Positions, momenta, forces or energies are infinite or not numbers.
     NotFinite,
     /// The equations of a step were not solved within the bound of iterations.
-    NotConverged {
-        /// Newton updates taken.
-        iterations: u8,
-        /// Largest relative residual.
-        residual: R,
-    },
+    NotConverged(Report<R>),
 }
 
-/// The vector of a node; zero for a node that is not there (which [`Constrained::new`] excludes).
+impl<R> From<StepError<R>> for ConstraintError<R> {
+    fn from(error: StepError<R>) -> Self {
+        match error {
+            StepError::Singular { column } => Self::Redundant { constraint: column.into() },
+            StepError::NotFinite => Self::NotFinite,
+            StepError::NotConverged(report) => Self::NotConverged(report),
+        }
+    }
+}
+
+impl<R: fmt::Display> fmt::Display for ConstraintError<R> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Node { constraint, node, nodes } => {
+                write!(f, "constraint {constraint} names node {node}, but there are {nodes} nodes")
+            }
+            Self::Length { constraint, length } => {
+                write!(f, "the length of constraint {constraint}, {length} m, is not positive and finite")
+            }
+            Self::Shape { expected, given } => {
+                write!(f, "a slice holds {given} nodes or multipliers instead of {expected}")
+            }
+            Self::Workspace { needed, given } => {
+                write!(f, "the workspace holds {given} numbers, but {needed} are needed")
+            }
+            Self::Off { constraint, residual } => {
+                write!(f, "the start violates constraint {constraint} by {residual} of its length")
+            }
+            Self::Redundant { constraint } => {
+                write!(f, "constraint {constraint} follows from those before it, or contradicts them")
+            }
+            Self::Mass { node } => write!(f, "the mass of node {node} is singular"),
+            Self::NotFinite => SolveError::NotFinite.fmt(f),
+            Self::NotConverged(report) => report.not_converged(f),
+        }
+    }
+}
+
+impl<R: fmt::Debug + fmt::Display> core::error::Error for ConstraintError<R> {}
+
+/// The vector of a node, which is there: [`Constrained::new`] checks the nodes of constraints, and every entry its slices.
 #[inline(always)]
 pub(crate) fn at<R: Real, const D: usize>(x: &[[R; D]], node: usize) -> [R; D] {
+    debug_assert!(node < x.len(), "node {node} of {}", x.len());
     x.get(node).copied().unwrap_or([R::zero(); D])
 }

@@ -1,5 +1,5 @@
 use crate::constraints::{
-    Banded, Constrained, ConstraintError, Constraints, Positions, Room, Rows, at, inverse,
+    Banded, Constrained, ConstraintError, Constraints, Positions, Rows, Workspace, at, inverse,
 };
 use crate::linear::{Matrix, add_scaled, multiply};
 use crate::particles::Particles;
@@ -39,15 +39,15 @@ impl<R: Real, const D: usize> Drive<'_, R, D> {
     }
 }
 
-/// Numbers of room that [`constrained_acceleration`] needs.
-pub fn constrained_room<R, S, C, const D: usize>(mechanism: &Constrained<R, S, C, D>) -> usize
+/// Numbers of workspace that [`constrained_acceleration`] needs.
+pub fn constrained_workspace<R, S, C, const D: usize>(mechanism: &Constrained<R, S, C, D>) -> usize
 where
     R: Real,
     S: Particles<R, D>,
     C: Constraints<R, D> + ?Sized,
 {
     let system = mechanism.system();
-    system.room() + system.nodes() * D * D + mechanism.matrix_room()
+    system.workspace() + system.nodes() * D * D + mechanism.matrix_workspace()
 }
 
 /// Writes the acceleration v̇ = M⁻¹(r + Aᵀλ), m/s², and the multipliers λ = −(A M⁻¹ Aᵀ)⁻¹(A M⁻¹ r + Ȧ v), N, with
@@ -58,7 +58,7 @@ pub fn constrained_acceleration<R, S, C, const D: usize>(
     mechanism: &Constrained<R, S, C, D>,
     (q, v): (&[[R; D]], &[[R; D]]),
     drive: &Drive<R, D>,
-    room: &mut [R],
+    workspace: &mut [R],
     (acceleration, lambda): (&mut [[R; D]], &mut [R]),
 ) -> Result<(), ConstraintError<R>>
 where
@@ -71,9 +71,9 @@ where
         mechanism.check_nodes(slice)?;
     }
     mechanism.check_equations(lambda)?;
-    let mut room = Room::new(constrained_room(mechanism), room)?;
-    system.l_q(q, room.numbers(system.room()), acceleration);
-    let inverses = room.blocks(system.nodes());
+    let mut workspace = Workspace::new(constrained_workspace(mechanism), workspace)?;
+    system.l_q(q, workspace.numbers(system.workspace()), acceleration);
+    let inverses = workspace.blocks(system.nodes());
     free_acceleration(system, v, drive.force, inverses, acceleration)?;
 
     let x = Positions::new(q);
@@ -82,7 +82,7 @@ where
         *b = -(rows.times(k, acceleration) + constraints.curvature(k, x, v) + feedback(drive, &rows, k, v));
     }
     check_finite(acceleration, lambda)?;
-    let mut matrix = Banded::new(mechanism.band(), room.numbers(mechanism.matrix_room()));
+    let mut matrix = Banded::new(mechanism.band(), workspace.numbers(mechanism.matrix_workspace()));
     matrix.set(|k, l| rows.coupling(k, inverses, &rows, l));
     matrix.factor().map_err(|constraint| ConstraintError::Redundant { constraint })?;
     matrix.solve(lambda);

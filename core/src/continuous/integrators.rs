@@ -1,7 +1,7 @@
-use super::acceleration;
+use super::{acceleration, finite};
 use crate::forces::{Forces, System};
-use crate::lagrangian::{Lagrangian, MassMatrix};
-use crate::linear::{Singular, add_scaled};
+use crate::lagrangian::Lagrangian;
+use crate::linear::{SolveError, add_scaled};
 use crate::scalar::Real;
 
 /// Position and velocity.
@@ -19,56 +19,63 @@ impl<R: Real, const N: usize> ContinuousState<R, N> {
     fn moved(&self, c: R, rate: &Self) -> Self {
         Self { q: add_scaled(&self.q, c, &rate.q), v: add_scaled(&self.v, c, &rate.v) }
     }
+
+    fn checked(self) -> Result<Self, SolveError> {
+        Ok(Self { q: finite(self.q)?, v: finite(self.v)? })
+    }
 }
 
 /// (v, v̇) at a state.
 fn rate<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
     state: &ContinuousState<R, N>,
-    u: &[R; N],
-) -> Result<ContinuousState<R, N>, Singular>
+    tau: &[R; N],
+) -> Result<ContinuousState<R, N>, SolveError>
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
-    Ok(ContinuousState { q: state.v, v: acceleration(system, &state.q, &state.v, u)? })
+    Ok(ContinuousState { q: state.v, v: acceleration(system, &state.q, &state.v, tau)? })
 }
 
-/// One classical Runge–Kutta step of order 4 with u held over the step h (s). An error where M is singular.
+/// One classical Runge–Kutta step of order 4 with τ held over the step h (s).
+///
+/// # Errors
+/// As [`acceleration`]; and where the state at the end is not finite.
 pub fn rk4_step<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
     state: &ContinuousState<R, N>,
-    u: &[R; N],
+    tau: &[R; N],
     h: R,
-) -> Result<ContinuousState<R, N>, Singular>
+) -> Result<ContinuousState<R, N>, SolveError>
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
-    let k1 = rate(system, state, u)?;
-    let k2 = rate(system, &state.moved(h.half(), &k1), u)?;
-    let k3 = rate(system, &state.moved(h.half(), &k2), u)?;
-    let k4 = rate(system, &state.moved(h, &k3), u)?;
+    let k1 = rate(system, state, tau)?;
+    let k2 = rate(system, &state.moved(h.half(), &k1), tau)?;
+    let k3 = rate(system, &state.moved(h.half(), &k2), tau)?;
+    let k4 = rate(system, &state.moved(h, &k3), tau)?;
     let sixth = h / R::constant(6.0);
     let third = h / R::constant(3.0);
-    Ok(state.moved(sixth, &k1).moved(third, &k2).moved(third, &k3).moved(sixth, &k4))
+    state.moved(sixth, &k1).moved(third, &k2).moved(third, &k3).moved(sixth, &k4).checked()
 }
 
-/// One explicit midpoint step of order 2 with u held over the step h (s). An error where M is singular.
+/// One explicit midpoint step of order 2 with τ held over the step h (s).
+///
+/// # Errors
+/// As [`acceleration`]; and where the state at the end is not finite.
 pub fn midpoint_step<R: Real, L, F, const N: usize>(
     system: &System<L, F>,
     state: &ContinuousState<R, N>,
-    u: &[R; N],
+    tau: &[R; N],
     h: R,
-) -> Result<ContinuousState<R, N>, Singular>
+) -> Result<ContinuousState<R, N>, SolveError>
 where
     L: Lagrangian<R, N>,
-    L::Mass: MassMatrix<R, N>,
     F: Forces<R, N>,
 {
-    let k1 = rate(system, state, u)?;
-    let k2 = rate(system, &state.moved(h.half(), &k1), u)?;
-    Ok(state.moved(h, &k2))
+    let k1 = rate(system, state, tau)?;
+    let k2 = rate(system, &state.moved(h.half(), &k1), tau)?;
+    state.moved(h, &k2).checked()
 }

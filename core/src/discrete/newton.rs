@@ -2,69 +2,10 @@ use super::{Balance, Interval, Linearised, Path};
 use crate::forces::{Forces, System};
 use crate::lagrangian::Lagrangian;
 use crate::linear::{
-    Matrix, Singular, add_scaled, add_scaled_matrix, multiply, solve, solve_many, transpose,
+    Matrix, SolveError, add_scaled, add_scaled_matrix, multiply, solve, solve_many, transpose,
 };
+use crate::newton::{Equations, Newton, Report, StepError, relative};
 use crate::scalar::{Real, max_abs};
-
-/// The bounds of Newton's method. Residuals are relative: each component to the size of the terms it is the sum of
-/// ([`Linearised::scale`] and the momentum).
-///
-/// At least one update is taken. Between `accept` and `stop` the iteration also ends where an update no longer halves the
-/// residual: rounding allows no more.
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Newton<R> {
-    /// Updates at most; 0 only checks the guess.
-    pub max_iterations: u8,
-    /// Of these, updates by a Jacobian of their own, at least one; the others keep the last (the simplified Newton method: an
-    /// update then costs a third, and takes an order of the guess's error less). [`Rattle`](super::rattle::Rattle) takes
-    /// them all anew.
-    pub max_jacobians: u8,
-    /// Stop early at this residual; 0 always takes `max_iterations`, for a constant running time.
-    pub stop: R,
-    /// A step whose residual stays above is an error.
-    pub accept: R,
-}
-
-impl<R: Real> Default for Newton<R> {
-    /// At most 8 updates, each with its Jacobian, stopping at 2 rounding units, accepting up to the square root of one.
-    fn default() -> Self {
-        Self {
-            max_iterations: 8,
-            max_jacobians: 8,
-            stop: R::constant(2.0) * R::EPSILON,
-            accept: R::EPSILON.sqrt(),
-        }
-    }
-}
-
-/// How a step went.
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Report<R> {
-    /// Newton updates taken.
-    pub iterations: u8,
-    /// Largest relative residual at the end.
-    pub residual: R,
-}
-
-/// Why a step was refused; the state is as it was before.
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StepError<R> {
-    /// The Newton matrix has no usable pivot.
-    Singular(Singular),
-    /// Positions, momenta, controls or energies are infinite or not numbers.
-    NotFinite,
-    /// The residual stayed above what is accepted.
-    NotConverged(Report<R>),
-}
-
-impl<R> From<Singular> for StepError<R> {
-    fn from(singular: Singular) -> Self {
-        Self::Singular(singular)
-    }
-}
 
 /// The solved path of a step.
 #[derive(Clone, Copy, Debug)]
@@ -76,13 +17,13 @@ pub struct Solved<R, P, const N: usize> {
     /// How it was found.
     pub report: Report<R>,
     /// What is left of its equations.
-    pub(super) owed: Residual<R, N>,
+    pub(super) left: Residual<R, N>,
 }
 
 impl<R: Real, const N: usize> Linearised<R, N> {
     /// (dw, ds) with momentum_w dw + momentum_s ds = −r_momentum and bubble_w dw + bubble_s ds = −r_bubble, by eliminating
     /// ds.
-    fn update(&self, r: &Residual<R, N>, bubble: bool) -> Result<Update<R, N>, Singular> {
+    fn update(&self, r: &Residual<R, N>, bubble: bool) -> Result<Update<R, N>, SolveError> {
         let minus = -R::one();
         if !bubble {
             return Ok((solve(self.momentum_w, r.momentum.map(|r| -r))?, [R::zero(); N]));
@@ -95,22 +36,8 @@ impl<R: Real, const N: usize> Linearised<R, N> {
         Ok((dw, ds))
     }
 
-    /// The size of the terms of the equations from p₀.
-    fn scale_beside(&self, p0: &[R; N]) -> [R; N] {
-        core::array::from_fn(|i| self.scale[i] + p0[i].abs())
-    }
-
-    /// Adds the size of the terms that an update brings; from rest it brings all of them.
-    fn add_moved(&self, scale: &mut [R; N], dw: &[R; N], ds: &[R; N]) {
-        for (i, scale) in scale.iter_mut().enumerate() {
-            for j in 0..N {
-                *scale += (self.momentum_w[i][j] * dw[j]).abs() + (self.bubble_s[i][j] * ds[j]).abs();
-            }
-        }
-    }
-
     /// X = bubble_s⁻¹ bubble_w (the bubble follows as ds = −X dw) and the reduced matrix momentum_w − momentum_s X.
-    pub fn reduced(&self) -> Result<(Matrix<R, N>, Matrix<R, N>), Singular> {
+    pub fn reduced(&self) -> Result<(Matrix<R, N>, Matrix<R, N>), SolveError> {
         let columns = solve_many(self.bubble_s, transpose(&self.bubble_w))?;
         let product = core::array::from_fn(|i| multiply(&columns, &self.momentum_s[i]));
         Ok((transpose(&columns), add_scaled_matrix(&self.momentum_w, -R::one(), &product)))
@@ -119,6 +46,9 @@ impl<R: Real, const N: usize> Linearised<R, N> {
 
 impl<R: Real> Newton<R> {
     /// Finds w and s such that p₀ + d1_ld = 0 and dm_ld = 0, from a guess.
+    ///
+    /// # Errors
+    /// As [`Del::step`](super::Del::step).
     pub fn solve_step<L, F, P: Path, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -129,10 +59,10 @@ impl<R: Real> Newton<R> {
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        self.solve_target(system, guess, &Target { p0: *p0, owed: Residual::zero() })
+        self.solve_target(system, guess, &Target { p0: *p0, left: Residual::zero() })
     }
 
-    /// [`Newton::solve_step`] towards equations to which earlier steps owe something.
+    /// [`Newton::solve_step`] with what the step before left.
     pub(super) fn solve_target<L, F, P: Path, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -143,11 +73,13 @@ impl<R: Real> Newton<R> {
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        let residual = |balance: &Balance<R, N>| target.residual(balance);
-        self.iterate(system, guess, &target.p0, residual, |linearised, r| linearised.update(r, P::BUBBLE))
+        StepEquations::<_, _, _, _, N, false>::new(system, guess, target).solved(self)
     }
 
     /// Finds s such that dm_ld = 0 on an interval whose two ends are given.
+    ///
+    /// # Errors
+    /// As [`Del::step`](super::Del::step).
     pub fn solve_bubble<L, F, P: Path, const N: usize>(
         &self,
         system: &System<L, F>,
@@ -157,87 +89,80 @@ impl<R: Real> Newton<R> {
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        let zero = [R::zero(); N];
         if !P::BUBBLE {
             let balance = guess.balance(system);
             // 0, or NaN where a number is not finite.
             let residual = max_abs(&balance.end_momentum()) * R::zero();
-            return self.judge(guess, balance, Residual::zero(), Report { iterations: 0, residual });
+            let report = self.accepted(Report { iterations: 0, residual })?;
+            return Ok(Solved { interval: guess, balance, report, left: Residual::zero() });
         }
-        let residual = |balance: &Balance<R, N>| Residual { momentum: zero, bubble: balance.dm_ld };
-        let update = |linearised: &Linearised<R, N>, r: &Residual<R, N>| {
-            Ok((zero, solve(linearised.bubble_s, r.bubble.map(|r| -r))?))
-        };
-        self.iterate(system, guess, &zero, residual, update)
+        let target = Target { p0: [R::zero(); N], left: Residual::zero() };
+        StepEquations::<_, _, _, _, N, true>::new(system, guess, &target).solved(self)
     }
+}
 
-    /// Linearise, update, measure; again until the residual is small or no longer falls.
+/// The equations of a step in w and s; with `ENDS` both ends are given, and s alone is unknown.
+struct StepEquations<'a, R, L, F, P, const N: usize, const ENDS: bool> {
+    system: &'a System<L, F>,
+    target: &'a Target<R, N>,
+    interval: Interval<R, P, N>,
+    linearised: Linearised<R, N>,
+    left: Residual<R, N>,
+}
+
+impl<'a, R, L, F, P, const N: usize, const ENDS: bool> StepEquations<'a, R, L, F, P, N, ENDS>
+where
+    R: Real,
+    L: Lagrangian<R, N>,
+    F: Forces<R, N>,
+    P: Path,
+{
     #[inline(always)]
-    fn iterate<L, F, P: Path, const N: usize>(
-        &self,
-        system: &System<L, F>,
-        guess: Interval<R, P, N>,
-        p0: &[R; N],
-        residual: impl Fn(&Balance<R, N>) -> Residual<R, N>,
-        update: impl Fn(&Linearised<R, N>, &Residual<R, N>) -> Result<Update<R, N>, Singular>,
-    ) -> Result<Solved<R, P, N>, StepError<R>>
-    where
-        L: Lagrangian<R, N>,
-        F: Forces<R, N>,
-    {
-        let (mut interval, mut iterations) = (guess, 0);
-        let mut linearised = interval.linearise(system);
-        let mut r = residual(&linearised.balance);
-        let mut scale = linearised.scale_beside(p0);
-        let mut before = r.relative(&scale);
-        while iterations < self.max_iterations && before.is_finite() {
-            let (dw, ds) = update(&linearised, &r)?;
-            linearised.add_moved(&mut scale, &dw, &ds);
-            interval = interval.moved(&dw, &ds);
-            iterations += 1;
-            let anew = iterations < self.max_jacobians && iterations < self.max_iterations;
-            // With a fixed number of updates there is nothing to decide between them.
-            if self.stop > R::zero() || !anew {
-                linearised.balance = interval.balance(system);
-                r = residual(&linearised.balance);
-                let after = r.relative(&scale);
-                let settled = self.settled(before, after);
-                before = after;
-                if settled {
-                    break;
-                }
-            }
-            if anew {
-                linearised = interval.linearise(system);
-                r = residual(&linearised.balance);
-                scale = linearised.scale_beside(p0);
-                before = r.relative(&scale);
-            }
+    fn new(system: &'a System<L, F>, interval: Interval<R, P, N>, target: &'a Target<R, N>) -> Self {
+        Self { system, target, interval, linearised: Linearised::zero(), left: Residual::zero() }
+    }
+
+    #[inline(always)]
+    fn solved(mut self, newton: &Newton<R>) -> Result<Solved<R, P, N>, StepError<R>> {
+        let report = newton.solve(&mut self)?;
+        let Self { interval, linearised, left, .. } = self;
+        Ok(Solved { interval, balance: linearised.balance, report, left })
+    }
+}
+
+impl<R, L, F, P, const N: usize, const ENDS: bool> Equations<R> for StepEquations<'_, R, L, F, P, N, ENDS>
+where
+    R: Real,
+    L: Lagrangian<R, N>,
+    F: Forces<R, N>,
+    P: Path,
+{
+    type Error = StepError<R>;
+
+    /// Evaluates the equations and their matrix: the evaluation that measures one update is the one that makes the next.
+    #[inline(always)]
+    fn residual(&mut self) -> R {
+        self.linearised = self.interval.linearise_without_l_qq(self.system);
+        self.left = self.target.residual(&self.linearised.balance);
+        if ENDS {
+            self.left.momentum = [R::zero(); N];
         }
-        self.judge(interval, linearised.balance, r, Report { iterations, residual: before })
+        let (left, scale, p0) = (&self.left, &self.linearised.scale, &self.target.p0);
+        max_abs::<R, N>(&core::array::from_fn(|i| {
+            relative(left.momentum[i].abs() + left.bubble[i].abs(), scale[i] + p0[i].abs())
+        }))
     }
 
-    /// Whether another update would be in vain: the residual is small enough, or acceptable and an update no longer
-    /// halves it (rounding has the last word).
-    pub(super) fn settled(&self, before: R, after: R) -> bool {
-        let floor = after <= self.accept && after > before.half();
-        self.stop > R::zero() && (after <= self.stop || floor)
-    }
-
-    fn judge<P: Path, const N: usize>(
-        &self,
-        interval: Interval<R, P, N>,
-        balance: Balance<R, N>,
-        owed: Residual<R, N>,
-        report: Report<R>,
-    ) -> Result<Solved<R, P, N>, StepError<R>> {
-        if report.residual <= self.accept {
-            Ok(Solved { interval, balance, report, owed })
-        } else if report.residual.is_finite() {
-            Err(StepError::NotConverged(report))
+    #[inline(always)]
+    fn update(&mut self) -> Result<(), StepError<R>> {
+        let (dw, ds) = if ENDS {
+            let ds = solve(self.linearised.bubble_s, self.left.bubble.map(|r| -r))?;
+            ([R::zero(); N], ds)
         } else {
-            Err(StepError::NotFinite)
-        }
+            self.linearised.update(&self.left, P::BUBBLE)?
+        };
+        self.interval = self.interval.moved(&dw, &ds);
+        Ok(())
     }
 }
 
@@ -255,32 +180,21 @@ impl<R: Real, const N: usize> Residual<R, N> {
     pub fn zero() -> Self {
         Self { momentum: [R::zero(); N], bubble: [R::zero(); N] }
     }
-
-    /// The largest component of both relative to the size of their terms; NaN where any is not finite.
-    fn relative(&self, scale: &[R; N]) -> R {
-        let tiny = R::EPSILON * R::EPSILON * R::EPSILON;
-        let ratios = core::array::from_fn(|i| {
-            // An infinite scale must not make a residual look like 0.
-            let size = scale[i] + tiny;
-            (self.momentum[i].abs() + self.bubble[i].abs() + size * R::zero()) / size
-        });
-        max_abs::<R, N>(&ratios)
-    }
 }
 
-/// What a step starts from: p₀, and what its two equations are to have beside it: the rounding of p₀ and what Newton's
-/// method left over one step before. Paid back in this way, neither adds up; without, it has the sign of the force at
-/// every step, and over 10⁶ steps in f32 the energy drifts.
+/// What a step starts from: p₀, and what is added to its two equations: the rounding of p₀ and what Newton's method left of
+/// the step before. Taken up one step later, neither adds up; lost, it has the sign of the force at every step, and over
+/// 10⁶ steps in f32 the energy drifts.
 pub(super) struct Target<R, const N: usize> {
     pub p0: [R; N],
-    pub owed: Residual<R, N>,
+    pub left: Residual<R, N>,
 }
 
 impl<R: Real, const N: usize> Target<R, N> {
     fn residual(&self, balance: &Balance<R, N>) -> Residual<R, N> {
         Residual {
-            momentum: core::array::from_fn(|i| self.p0[i] + balance.d1_ld[i] + self.owed.momentum[i]),
-            bubble: add_scaled(&balance.dm_ld, R::one(), &self.owed.bubble),
+            momentum: core::array::from_fn(|i| self.p0[i] + balance.d1_ld[i] + self.left.momentum[i]),
+            bubble: add_scaled(&balance.dm_ld, R::one(), &self.left.bubble),
         }
     }
 }

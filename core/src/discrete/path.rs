@@ -1,36 +1,37 @@
+use super::Order;
 use crate::scalar::Scalar;
 
 /// A Gauss point of the unit interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Node<S> {
-    /// τ, between 0 and 1.
-    pub tau: S,
+pub struct GaussPoint<S> {
+    /// c, between 0 and 1.
+    pub c: S,
     /// b; the weights of a path sum to 1.
     pub weight: S,
 }
 
-impl<S: Scalar> Node<S> {
-    /// β(τ) = 4τ(1 − τ), the bubble.
+impl<S: Scalar> GaussPoint<S> {
+    /// β(c) = 4c(1 − c), the bubble.
     #[inline(always)]
     pub fn bubble(&self) -> S {
-        S::constant(4.0) * self.tau * (S::one() - self.tau)
+        S::constant(4.0) * self.c * (S::one() - self.c)
     }
 
-    /// γ(τ) = β′ = 4(1 − 2τ).
+    /// γ(c) = β′ = 4(1 − 2c).
     #[inline(always)]
     pub fn bubble_rate(&self) -> S {
-        S::constant(4.0) * (S::one() - (self.tau + self.tau))
+        S::constant(4.0) * (S::one() - (self.c + self.c))
     }
 }
 
 /// The path that a step assumes between two positions, and the points at which it sums the action.
 pub trait Path: Copy {
     /// Order of accuracy of the integrator.
-    const ORDER: u8;
+    const ORDER: Order;
     /// Whether the path has a bubble.
     const BUBBLE: bool;
     /// The Gauss points.
-    fn nodes<S: Scalar>() -> impl AsRef<[Node<S>]>;
+    fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]>;
 }
 
 /// A straight path, the action taken at its midpoint: order 2.
@@ -38,12 +39,12 @@ pub trait Path: Copy {
 pub struct Midpoint;
 
 impl Path for Midpoint {
-    const ORDER: u8 = 2;
+    const ORDER: Order = Order::Two;
     const BUBBLE: bool = false;
 
     #[inline(always)]
-    fn nodes<S: Scalar>() -> impl AsRef<[Node<S>]> {
-        [Node { tau: S::constant(0.5), weight: S::one() }]
+    fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]> {
+        [GaussPoint { c: S::constant(0.5), weight: S::one() }]
     }
 }
 
@@ -52,15 +53,15 @@ impl Path for Midpoint {
 pub struct Galerkin;
 
 impl Path for Galerkin {
-    const ORDER: u8 = 4;
+    const ORDER: Order = Order::Four;
     const BUBBLE: bool = true;
 
     #[inline(always)]
-    fn nodes<S: Scalar>() -> impl AsRef<[Node<S>]> {
-        // ½ ± √3/6. The first is 1 − τ of the second, which is exact: the two mirror each other in every scalar, and D₁L_d
+    fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]> {
+        // ½ ± √3/6. The first is 1 − c of the second, which is exact: the two mirror each other in every scalar, and D₁L_d
         // and D₂L_d remain the derivatives of one function (else the energy drifts, by 1e-10 J a step in f32).
         let late = S::constant(0.788_675_134_594_812_9);
-        let node = |tau| Node { tau, weight: S::constant(0.5) };
-        [node(S::one() - late), node(late)]
+        let point = |c| GaussPoint { c, weight: S::constant(0.5) };
+        [point(S::one() - late), point(late)]
     }
 }

@@ -12,15 +12,15 @@ pub struct State<R, const N: usize> {
     q: [Compensated<R>; N],
     p: [Compensated<R>; N],
     /// Increment and bubble of the last steps, newest first; the first `known` are real.
-    history: [Shape<R, N>; HISTORY],
+    history: [Increment<R, N>; HISTORY],
     known: u8,
-    /// What Newton's method left over of the last step's equations.
-    owed: Residual<R, N>,
+    /// What Newton's method left of the last step's equations.
+    left: Residual<R, N>,
 }
 
 /// w and s of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Shape<R, const N: usize> {
+struct Increment<R, const N: usize> {
     w: [R; N],
     s: [R; N],
 }
@@ -28,7 +28,7 @@ struct Shape<R, const N: usize> {
 impl<R: Real, const N: usize> State<R, N> {
     /// Position q and velocity v; p = L_v(q, v). An error where a number is not finite.
     pub fn new<L: Lagrangian<R, N>>(lagrangian: &L, q: [R; N], v: [R; N]) -> Result<Self, StepError<R>> {
-        Self::with_momentum(q, lagrangian.gradient(&q, &v).l_v, v)
+        Self::with_momentum(q, lagrangian.linearization(&q, &v).l_v, v)
     }
 
     /// Position q, momentum p, and a guess of the next increment (about the velocity). An error where a number is not
@@ -37,9 +37,9 @@ impl<R: Real, const N: usize> State<R, N> {
         let state = Self {
             q: q.map(Compensated::new),
             p: p.map(Compensated::new),
-            history: [Shape { w, s: [R::zero(); N] }; HISTORY],
+            history: [Increment { w, s: [R::zero(); N] }; HISTORY],
             known: 1,
-            owed: Residual::zero(),
+            left: Residual::zero(),
         };
         state.checked()
     }
@@ -56,9 +56,9 @@ impl<R: Real, const N: usize> State<R, N> {
 
     /// What the next step starts from.
     pub(super) fn target(&self) -> Target<R, N> {
-        let Residual { momentum, bubble } = self.owed;
+        let Residual { momentum, bubble } = self.left;
         let momentum = core::array::from_fn(|i| self.p[i].carry() + momentum[i]);
-        Target { p0: self.p(), owed: Residual { momentum, bubble } }
+        Target { p0: self.p(), left: Residual { momentum, bubble } }
     }
 
     /// The last increment (q_k − q_{k−1})/h, or the guess the state was made with.
@@ -90,9 +90,9 @@ impl<R: Real, const N: usize> State<R, N> {
         let advanced = Self {
             q: core::array::from_fn(|i| self.q[i].plus(h * w[i])),
             p: core::array::from_fn(|i| self.p[i].plus(solved.balance.impulse[i])),
-            history: [Shape { w, s }, a, b],
+            history: [Increment { w, s }, a, b],
             known: (self.known + 1).min(HISTORY as u8),
-            owed: solved.owed,
+            left: solved.left,
         };
         advanced.checked()
     }

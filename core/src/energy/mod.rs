@@ -6,13 +6,18 @@
 //! - [`graph`]: particles with potentials of their own, of pairs and of messages (LGNN), any number of them;
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
 
+mod distance;
 pub mod graph;
+mod list;
 pub mod modular;
-mod part;
+mod network_shape;
+mod placed_network;
 pub mod rigid;
 pub mod trigonometric;
 
-pub use part::{MAX_HIDDEN, NetworkShape, Part};
+pub use list::List;
+pub use network_shape::{MAX_HIDDEN, NetworkShape, SizeError};
+pub use placed_network::PlacedNetwork;
 
 use crate::scalar::Scalar;
 

@@ -1,7 +1,7 @@
 //! Exact mechanisms whose inertia and potential are sums of cosines of the coordinates: M_ij = Σ c cos(k·q),
 //! V = Σ c cos(k·q). They are references for tests, ground truth for data, and plants for the firmware loop.
 
-use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
 use crate::linear::{dot, multiply};
 use crate::scalar::{Real, Scalar};
 
@@ -121,8 +121,6 @@ fn kinetic_weight<S: Scalar, const N: usize>(v: &[S; N], i: usize, j: usize) -> 
 }
 
 impl<S: Scalar, const N: usize> Lagrangian<S, N> for Trigonometric<'_, N> {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let kinetic = dot(&multiply(&self.mass_matrix(q), v), v).half();
         let potential = self.potential.iter().fold(S::zero(), |sum, wave| sum + wave.at(q).value);
@@ -130,13 +128,8 @@ impl<S: Scalar, const N: usize> Lagrangian<S, N> for Trigonometric<'_, N> {
     }
 
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
-        let Dynamics { l_q, l_v, .. } = self.dynamics(q, v);
+        let Hessian { l_q, l_v, .. } = self.hessian(q, v);
         Gradient { l_q, l_v }
-    }
-
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
-        let Hessian { l_q, l_v, l_vq, l_vv, .. } = self.hessian(q, v);
-        Dynamics { mass: DenseMass(l_vv), l_q, l_v, l_vq_v: multiply(&l_vq, v) }
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {

@@ -1,3 +1,5 @@
+use super::Law;
+use crate::energy::SizeError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
 use core::fmt;
@@ -28,7 +30,7 @@ pub enum ModelError {
     },
     /// The header is not a postcard document of this format.
     Malformed,
-    /// Bytes after the end of the document.
+    /// Bytes after the end of a shape.
     TrailingBytes {
         /// How many.
         bytes: usize,
@@ -64,11 +66,11 @@ pub enum ModelError {
         /// Which.
         what: &'static str,
     },
-    /// A tree of elements is none.
+    /// The elements do not form a tree.
     Tree(TreeError),
-    /// A graph is none, or a number of its node types is out of range.
+    /// Nodes and edges do not form a graph, or a number of a node type is out of range.
     Graph(GraphError),
-    /// Of these the names are not as many as there are, or one is empty, or two are the same.
+    /// Names are missing, empty or the same.
     Names {
         /// Element types or trees; node types, edge types or graphs.
         of: &'static str,
@@ -88,6 +90,30 @@ pub enum ModelError {
         /// The family in the file.
         found: &'static str,
     },
+    /// The file has a section that this build does not know and that may change the physics.
+    Section {
+        /// Its number.
+        number: u8,
+    },
+    /// The file lacks a section that every file has.
+    MissingSection {
+        /// Which.
+        what: &'static str,
+    },
+    /// The file has a law of force that the program was not compiled for.
+    Law {
+        /// Its number in the file.
+        number: u8,
+    },
+    /// The file does not say a step and an order: the model was not trained for one.
+    NoStep,
+    /// The model was trained with an integrator of another order.
+    Order {
+        /// In the file.
+        found: u8,
+        /// Of the program's integrator.
+        compiled: u8,
+    },
     /// The file's shape is not the one the program was compiled for.
     Shape {
         /// Which dimension: coordinates, dimensions of space, types, networks, hidden layers, or hidden width.
@@ -99,19 +125,30 @@ pub enum ModelError {
     },
 }
 
+impl From<SizeError> for ModelError {
+    fn from(SizeError { what, found, compiled }: SizeError) -> Self {
+        Self::Shape { what, found, compiled }
+    }
+}
+
 impl fmt::Display for ModelError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::TooShort { bytes } => write!(f, "only {bytes} bytes: not a whole model file"),
             Self::Magic => write!(f, "not a leastaction model file (it does not begin with LACT)"),
             Self::Version { found } => {
-                write!(f, "format version {found} is not {}, the one this build reads", super::FORMAT_VERSION)
+                let hint = if *found == 1 { ": write it anew with `leastaction convert`" } else { "" };
+                write!(
+                    f,
+                    "format version {found} is not {}, which this build reads{hint}",
+                    super::FORMAT_VERSION
+                )
             }
             Self::Checksum { stored, computed } => {
                 write!(f, "damaged: checksum {computed:08x}, but the file says {stored:08x}")
             }
             Self::Malformed => write!(f, "the header is malformed"),
-            Self::TrailingBytes { bytes } => write!(f, "{bytes} bytes after the end of the model"),
+            Self::TrailingBytes { bytes } => write!(f, "{bytes} bytes after the end of a shape"),
             Self::Unaligned { offset } => {
                 write!(
                     f,
@@ -138,6 +175,23 @@ impl fmt::Display for ModelError {
             }
             Self::OtherFamily { found } => {
                 write!(f, "a model of the family {found}, which is not the one asked for")
+            }
+            Self::Section { number } => {
+                write!(f, "section {number} is not known to this build, and may change the physics")
+            }
+            Self::MissingSection { what } => write!(f, "the section {what} is missing"),
+            Self::Law { number } => match Law::ALL.into_iter().find(|law| *law as u8 == *number) {
+                Some(law) => {
+                    write!(f, "the law {} is not among those that this program was compiled for", law.name())
+                }
+                None => write!(f, "law of force {number} is not known to this build"),
+            },
+            Self::NoStep => write!(f, "the file does not say a step: the model was not trained for one"),
+            Self::Order { found, compiled } => {
+                write!(
+                    f,
+                    "the model was trained with steps of order {found}, but this program takes steps of order {compiled}"
+                )
             }
             Self::Shape { what, found, compiled } => {
                 write!(f, "{found} {what}, but this program was compiled for {compiled}")

@@ -1,9 +1,9 @@
-use super::document::{are_names, check_names, require};
-use super::rigid::require_at_most;
-use super::{Discretisation, ModelError, parse_as};
-use crate::constraints::Holonomic;
-use crate::energy::graph::{Edge, Graph, GraphError, Shape, Types};
-use crate::scalar::{Real, Shipped, Stored, f16};
+use super::ModelError;
+use super::header::{are_names, check_names, require};
+use crate::constraints::{Constrained, ConstraintError, Holonomic};
+use crate::energy::graph::{Edge, Graph, GraphError, GraphShape, Types};
+use crate::expected::expected;
+use crate::scalar::{Real, Shipped, Stored};
 use serde::{Deserialize, Serialize};
 
 /// Graphs in one file at most.
@@ -13,7 +13,7 @@ pub const MAX_GRAPHS: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphHeader<'a> {
     /// Networks, node types and edge types.
-    pub shape: Shape,
+    pub shape: GraphShape,
     /// What the node types are called, separated by commas.
     pub node_names: &'a str,
     /// What the edge types are called, separated by commas; empty where there are none.
@@ -55,11 +55,14 @@ impl Rod {
     /// Bytes of a rod in a model file.
     pub const BYTES: usize = 8;
 
-    /// As a model file has it.
-    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+    /// As a model file has it; `None` from node 65,535, whose number stands for the origin there.
+    pub fn to_bytes(self) -> Option<[u8; Self::BYTES]> {
+        if self.from == Some(ORIGIN) {
+            return None;
+        }
         let ([a0, a1], [b0, b1]) = (self.from.unwrap_or(ORIGIN).to_le_bytes(), self.to.to_le_bytes());
         let [l0, l1, l2, l3] = self.length.to_le_bytes();
-        [a0, a1, b0, b1, l0, l1, l2, l3]
+        Some([a0, a1, b0, b1, l0, l1, l2, l3])
     }
 
     /// From a model file.
@@ -98,6 +101,25 @@ impl<'a> GraphLayout<'a> {
     }
 }
 
+impl GraphLayout<'_> {
+    /// Writes all rods to the front of `to`, as constraints, and returns that part.
+    ///
+    /// # Errors
+    /// [`GraphError::TooManyRods`] where `to` is too short.
+    pub fn constraints<'r, R: Real, const D: usize>(
+        &self,
+        to: &'r mut [Holonomic<R, D>],
+    ) -> Result<&'r [Holonomic<R, D>], ModelError> {
+        let (capacity, needed) = (to.len(), self.rods().count());
+        let short = ModelError::Graph(GraphError::TooManyRods { capacity, needed });
+        let to = to.get_mut(..needed).ok_or(short)?;
+        for (slot, rod) in to.iter_mut().zip(self.rods()) {
+            *slot = rod.constraint();
+        }
+        Ok(to)
+    }
+}
+
 impl Edge {
     /// Bytes of an edge in a model file.
     pub const BYTES: usize = 5;
@@ -114,47 +136,28 @@ impl Edge {
     }
 }
 
-/// A loaded graph in `D` dimensions, ready for the solvers: at most `K` networks of at most `L` hidden layers of at most `H`
-/// units.
-///
-/// `W` is how the file stores its weights: `f32`, or [`struct@f16`] in half the flash.
+/// A graph with the rods that hold it together.
 #[derive(Clone, Copy, Debug)]
-pub struct GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> {
+pub struct GraphSystem<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> {
     /// Energies and drag over the file's weights.
     pub graph: Graph<'a, W, D, K, H, L>,
-    /// The step and order the model was trained for.
-    pub discretisation: Option<Discretisation>,
+    /// Its rods.
+    pub rods: &'a [Holonomic<f32, D>],
 }
 
-impl<'a, const D: usize, const K: usize, const H: usize, const L: usize> GraphModel<'a, D, K, H, L> {
-    /// Reads, validates and borrows a model file, and takes the graph called `name`, whose edges are read into `edges`; `bytes`
-    /// must be 4-aligned.
-    ///
-    /// # Errors
-    /// See [`ModelError`]; [`GraphError::TooManyEdges`] where `edges` is too short.
-    pub fn load(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
-        Self::read(bytes, name, edges)
-    }
-}
-
-impl<'a, const D: usize, const K: usize, const H: usize, const L: usize> GraphModel<'a, D, K, H, L, f16> {
-    /// [`GraphModel::load`] of a file with weights in half precision.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn load_half(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
-        Self::read(bytes, name, edges)
-    }
-}
-
-impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: Shipped>
-    GraphModel<'a, D, K, H, L, W>
+impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: Stored<Wide = f32>>
+    GraphSystem<'a, D, K, H, L, W>
 {
-    fn read(bytes: &'a [u8], name: &str, edges: &'a mut [Edge]) -> Result<Self, ModelError> {
-        let parsed = parse_as::<GraphHeader, W>(bytes)?;
-        let header = parsed.shape;
-        let graph = header.graph(header.layout(name)?, parsed.weights, edges)?;
-        Ok(Self { graph, discretisation: parsed.discretisation })
+    /// What the solvers step: the graph under its rods.
+    ///
+    /// # Errors
+    /// See [`ConstraintError`]; none for a graph that was loaded.
+    #[allow(clippy::type_complexity, reason = "a graph and its rods, spelled out once")]
+    pub fn constrained(
+        &self,
+    ) -> Result<Constrained<'_, f32, Graph<'a, W, D, K, H, L>, [Holonomic<f32, D>], D>, ConstraintError<f32>>
+    {
+        Constrained::new(&self.graph, self.rods)
     }
 }
 
@@ -173,6 +176,11 @@ impl<'a> GraphHeader<'a> {
         self.graphs().find(|graph| graph.name == name).ok_or_else(none)
     }
 
+    /// Groups of coordinates: one a node type.
+    pub(super) fn groups(&self) -> usize {
+        self.shape.nodes.len()
+    }
+
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
@@ -186,16 +194,7 @@ impl<'a> GraphHeader<'a> {
         &self,
         weights: &'w [W],
     ) -> Result<Types<'w, W, D, K, H, L>, ModelError> {
-        let dimension = usize::from(self.shape.dimension);
-        if dimension != D {
-            return Err(ModelError::Shape { what: "dimensions", found: dimension, compiled: D });
-        }
-        require_at_most("networks", self.shape.networks().count(), K)?;
-        for network in self.shape.networks() {
-            let (widths, depth) = network.widths();
-            require_at_most("hidden layers", depth, L)?;
-            require_at_most("units in a hidden layer", widths.into_iter().max().unwrap_or(0), H)?;
-        }
+        self.shape.check_size::<D, K, H, L>()?;
         let (mut block, needed) = (weights, self.parameters()?);
         let short = ModelError::WeightCount { found: weights.len(), needed };
         Types::take(&mut block, &self.shape).ok_or(short)
@@ -212,8 +211,8 @@ impl<'a> GraphHeader<'a> {
         edges: &'w mut [Edge],
     ) -> Result<Graph<'w, W, D, K, H, L>, ModelError> {
         let (types, capacity, needed) = (self.types(weights)?, edges.len(), layout.edges().count());
-        let room = edges.get_mut(..needed);
-        let edges = room.ok_or(ModelError::Graph(GraphError::TooManyEdges { capacity, needed }))?;
+        let workspace = edges.get_mut(..needed);
+        let edges = workspace.ok_or(ModelError::Graph(GraphError::TooManyEdges { capacity, needed }))?;
         for (slot, edge) in edges.iter_mut().zip(layout.edges()) {
             *slot = edge;
         }
@@ -221,14 +220,14 @@ impl<'a> GraphHeader<'a> {
     }
 
     pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
-        if let Some(what) = self.shape.misfit() {
+        if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
-        check_names(self.node_names, self.shape.nodes().count(), "node types")?;
-        check_names(self.edge_names, self.shape.edges().count(), "edge types")?;
+        check_names(self.node_names, self.shape.nodes.len(), "node types")?;
+        check_names(self.edge_names, self.shape.edges.len(), "edge types")?;
         self.check_graphs()?;
         let start = weights.len().saturating_sub(self.shape.all_numbers());
-        self.shape.check_numbers(weights.get(start..).unwrap_or(&[])).map_err(ModelError::Graph)
+        self.shape.check_numbers(expected(weights.get(start..), &[])).map_err(ModelError::Graph)
     }
 
     fn check_graphs(&self) -> Result<(), ModelError> {

@@ -1,25 +1,37 @@
-//! The model file: one postcard document with the weights as an aligned block that is borrowed where it lies.
+//! The model file: checksummed sections, with the weights as an aligned block that is borrowed where it lies.
 //!
 //! `core/FORMAT.md` has the byte table. Loading validates everything once; after that, evaluation cannot fail except
 //! numerically.
+//!
+//! A program names the family, the sizes and the laws of force that it is compiled for by a type, [`RigidModel`],
+//! [`ModularModel`] or [`GraphModel`]; [`parse`] reads a file of any of them on the host, and [`write`](fn@write) writes one.
 
-mod document;
+mod actuator;
+mod catalogue;
 mod error;
 mod graph;
-mod modular;
+mod header;
+mod laws;
+mod loaded;
 mod parse;
-mod rigid;
+mod range;
+mod section;
+mod step;
+mod write;
 
 pub use crate::energy::MAX_HIDDEN;
-pub use document::{
-    Discretisation, Document, FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader,
-    TreeHeader,
-};
+pub use actuator::ActuatorBytes;
+pub use catalogue::{CATALOGUE, Coded, Entry, entry_of};
 pub use error::ModelError;
-pub use graph::{GraphHeader, GraphLayout, GraphModel, MAX_GRAPHS, ORIGIN, Rod};
-pub use modular::ModularModel;
+pub use graph::{GraphHeader, GraphLayout, GraphSystem, MAX_GRAPHS, ORIGIN, Rod};
+pub use header::{FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader, TreeHeader};
+pub use laws::{Law, LawNumbers, Laws, LoadForces};
+pub use loaded::{GraphModel, Model, ModularModel, RigidModel};
 pub use parse::{Parsed, ParsedAs, ShapeHeader, parse, parse_as};
-pub use rigid::RigidModel;
+pub use range::{CoordinateRange, Interval, Outside, TrainingRange};
+pub use section::{Section, Sections};
+pub use step::TrainedStep;
+pub use write::{WriteError, write};
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 

@@ -1,10 +1,13 @@
 //! Reading a file: what all families share, and of the shape only what the caller asks for, so that a firmware of one family
 //! holds no code for the others.
 
+use super::header::sum;
 use super::{
-    CRC_BYTES, Discretisation, FORMAT_VERSION, Family, GraphHeader, Header, MAGIC, MAX_PADDING, ModelError,
-    ModularHeader, PREFIX_BYTES, RigidHeader, checksum,
+    ActuatorBytes, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Laws, MAGIC, MAX_PADDING,
+    ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections, TrainedStep, TrainingRange,
+    checksum,
 };
+use crate::expected::expected;
 use crate::scalar::{Shipped, Weights, f16};
 use serde::Deserialize;
 
@@ -13,8 +16,10 @@ pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// What the family is in a file, and what it is called.
     const FAMILY: (u32, &'static str);
 
-    /// Numbers in the weight block.
+    /// Numbers of the energies in the weight block.
     fn parameters(&self) -> Result<usize, ModelError>;
+    /// Groups of coordinates that laws have numbers of their own for.
+    fn groups(&self) -> usize;
     /// Checks what the lengths do not say.
     fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError>;
 }
@@ -26,6 +31,10 @@ macro_rules! shape_header {
 
             fn parameters(&self) -> Result<usize, ModelError> {
                 self.parameters()
+            }
+
+            fn groups(&self) -> usize {
+                self.groups()
             }
 
             fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
@@ -52,62 +61,89 @@ pub struct Parsed<'a> {
 pub struct ParsedAs<'a, H, W> {
     /// The shape of the model.
     pub shape: H,
-    /// The step and order the model was trained for, where it was.
-    pub discretisation: Option<Discretisation>,
-    /// Where the model comes from: free text for people.
-    pub provenance: &'a str,
-    /// The weight block.
+    /// The laws of force.
+    pub laws: Laws<'a>,
+    /// The step that the model was trained with, where it was.
+    pub trained_step: Option<TrainedStep>,
+    /// The weight block: numbers of the energies, then of the laws.
     pub weights: &'a [W],
+    /// All sections.
+    pub sections: Sections<'a>,
 }
 
-impl<'a, H, W: Shipped> ParsedAs<'a, H, W> {
-    fn of(self, family: impl Fn(H) -> Family<'a>) -> Parsed<'a> {
-        let Self { shape, discretisation, provenance, weights } = self;
-        let header = Header { family: family(shape), discretisation, provenance };
-        Parsed { header, weights: W::weights(weights) }
+impl<'a, H: ShapeHeader<'a>, W: Shipped> ParsedAs<'a, H, W> {
+    /// With everything that a program may leave unread.
+    fn whole(self, family: impl Fn(H) -> Family<'a>) -> Result<Parsed<'a>, ModelError> {
+        let Self { shape, laws, trained_step, weights, sections } = self;
+        let header = Header {
+            family: family(shape),
+            laws,
+            actuator: sections.actuator()?,
+            trained_step,
+            units: text(&sections, Section::Units)?,
+            range: sections.range()?,
+            provenance: text(&sections, Section::Provenance)?,
+        };
+        Ok(Parsed { header, weights: W::weights(weights) })
     }
 }
 
-/// What stands before the shape: magic, format version, family. A postcard document is its parts, one after the other.
-type Beginning = ([u8; MAGIC.len()], u8, u32);
-
-/// What stands after the shape; see [`super::Document`].
-#[derive(Deserialize)]
-struct End<'a> {
-    discretisation: Option<Discretisation>,
-    provenance: &'a str,
-    padding: &'a [u8],
-    weights: &'a [u8],
-    #[allow(dead_code, reason = "checked before anything is decoded")]
-    checksum: [u8; CRC_BYTES],
+fn text<'a>(sections: &Sections<'a>, section: Section) -> Result<&'a str, ModelError> {
+    core::str::from_utf8(sections.get(section).unwrap_or(&[])).map_err(|_| ModelError::Malformed)
 }
 
-/// Reads and validates a model file of any family: magic, version, checksum, structure, shape, lengths, alignment, finite
-/// numbers.
+impl<'a> Sections<'a> {
+    /// Between command and force, where the file says it.
+    ///
+    /// # Errors
+    /// See [`ActuatorBytes::new`].
+    pub fn actuator(&self) -> Result<Option<ActuatorBytes<'a>>, ModelError> {
+        self.get(Section::Actuator).map(ActuatorBytes::new).transpose()
+    }
+
+    /// What the training data covered, where the file says it.
+    ///
+    /// # Errors
+    /// See [`TrainingRange::new`].
+    pub fn range(&self) -> Result<Option<TrainingRange<'a>>, ModelError> {
+        self.get(Section::Range).map(TrainingRange::new).transpose()
+    }
+}
+
+/// The parts of a file that all families share.
+struct Begun<'a> {
+    sections: Sections<'a>,
+    family: u32,
+    /// The shape of the family.
+    shape: &'a [u8],
+}
+
+/// Reads and validates a model file of any family: magic, version, checksum, sections, shape, lengths, alignment, finite
+/// numbers, and everything that a program may leave unread.
 ///
 /// `bytes` must be 4-aligned (as `#[repr(align(4))]` or a linker section gives it) and is borrowed, not copied.
 pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
-    let (family, rest) = begin(bytes)?;
-    match family {
-        0 => either(rest, Family::Rigid),
-        1 => either(rest, Family::Modular),
-        2 => either(rest, Family::Graph),
+    let begun = begin(bytes)?;
+    match begun.family {
+        0 => either(begun, Family::Rigid),
+        1 => either(begun, Family::Modular),
+        2 => either(begun, Family::Graph),
         _ => Err(ModelError::Malformed),
     }
 }
 
 /// With weights of whichever precision the block has.
 fn either<'a, H: ShapeHeader<'a>>(
-    bytes: &'a [u8],
+    begun: Begun<'a>,
     family: impl Fn(H) -> Family<'a>,
 ) -> Result<Parsed<'a>, ModelError> {
-    match finish::<H, f32>(bytes) {
-        Err(ModelError::Precision { .. }) => Ok(finish::<H, f16>(bytes)?.of(family)),
-        single => Ok(single?.of(family)),
+    match finish::<H, f32>(&begun) {
+        Err(ModelError::Precision { .. }) => finish::<H, f16>(&begun)?.whole(family),
+        single => single?.whole(family),
     }
 }
 
-/// [`parse`] of a file that must hold the family of `H` with weights of type `W`.
+/// [`parse`] of a file that must hold the family of `H` with weights of type `W`, and of whose optional sections nothing is read.
 ///
 /// # Errors
 /// [`ModelError::OtherFamily`] where it is a file of another one, of which no more is checked; [`ModelError::Precision`] where
@@ -115,41 +151,50 @@ fn either<'a, H: ShapeHeader<'a>>(
 pub fn parse_as<'a, H: ShapeHeader<'a>, W: Shipped>(
     bytes: &'a [u8],
 ) -> Result<ParsedAs<'a, H, W>, ModelError> {
-    let (family, rest) = begin(bytes)?;
-    if family == H::FAMILY.0 {
-        return finish(rest);
+    let begun = begin(bytes)?;
+    if begun.family == H::FAMILY.0 {
+        return finish(&begun);
     }
     let names = [RigidHeader::FAMILY, ModularHeader::FAMILY, GraphHeader::FAMILY];
-    let found = names.iter().find(|(number, _)| *number == family).ok_or(ModelError::Malformed)?;
+    let found = names.iter().find(|(number, _)| *number == begun.family).ok_or(ModelError::Malformed)?;
     Err(ModelError::OtherFamily { found: found.1 })
 }
 
-/// The family, and the bytes from the shape on.
-fn begin(bytes: &[u8]) -> Result<(u32, &[u8]), ModelError> {
+/// Everything before the shape.
+fn begin(bytes: &[u8]) -> Result<Begun<'_>, ModelError> {
     check_prefix(bytes)?;
-    check_sum(bytes)?;
-    let ((_, _, family), rest) = take::<Beginning>(bytes)?;
-    Ok((family, rest))
+    let sections = Sections::new(check_sum(bytes)?)?;
+    let (family, shape) = take(sections.required(Section::Energies)?)?;
+    Ok(Begun { sections, family, shape })
 }
 
 fn take<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<(T, &'a [u8]), ModelError> {
     postcard::take_from_bytes(bytes).map_err(|_| ModelError::Malformed)
 }
 
-fn finish<'a, H: ShapeHeader<'a>, W: Shipped>(bytes: &'a [u8]) -> Result<ParsedAs<'a, H, W>, ModelError> {
-    let (shape, rest) = take::<H>(bytes)?;
-    let (end, rest) = take::<End>(rest)?;
+fn finish<'a, H: ShapeHeader<'a>, W: Shipped>(begun: &Begun<'a>) -> Result<ParsedAs<'a, H, W>, ModelError> {
+    let Begun { sections, shape, .. } = *begun;
+    let (shape, rest) = take::<H>(shape)?;
     if !rest.is_empty() {
         return Err(ModelError::TrailingBytes { bytes: rest.len() });
     }
-    if end.padding.len() > MAX_PADDING || end.padding.iter().any(|byte| *byte != 0) {
-        return Err(ModelError::OutOfRange { what: "padding" });
-    }
-    let weights = numbers(end.weights, shape.parameters()?)?;
-    let End { discretisation, provenance, .. } = end;
-    discretisation.map_or(Ok(()), Discretisation::validate)?;
-    shape.validate(weights)?;
-    Ok(ParsedAs { shape, discretisation, provenance, weights })
+    let laws = Laws::new(sections.get(Section::Forces).unwrap_or(&[]))?;
+    let (energies, groups) = (shape.parameters()?, shape.groups());
+    let needed = sum(energies, laws.parameters(groups))?;
+    let weights: &[W] = numbers(unpadded(sections.required(Section::Weights)?)?, needed)?;
+    let (of_energies, of_laws) = expected(weights.split_at_checked(energies), (weights, &[]));
+    shape.validate(of_energies)?;
+    laws.validate(groups, of_laws)?;
+    let trained_step = sections.get(Section::Step).map(TrainedStep::from_bytes).transpose()?;
+    Ok(ParsedAs { shape, laws, trained_step, weights, sections })
+}
+
+/// The numbers of the weight section: behind one byte that says how many zeros follow it, and those.
+fn unpadded(section: &[u8]) -> Result<&[u8], ModelError> {
+    let padding = || section.split_first().and_then(|(n, rest)| rest.split_at_checked(usize::from(*n)));
+    let (zeros, numbers) = padding().ok_or(ModelError::Malformed)?;
+    let valid = zeros.len() <= MAX_PADDING && zeros.iter().all(|byte| *byte == 0);
+    if valid { Ok(numbers) } else { Err(ModelError::OutOfRange { what: "padding" }) }
 }
 
 /// Where the weight block begins in memory: at a multiple of so many bytes, in either precision.
@@ -190,12 +235,11 @@ fn check_prefix(bytes: &[u8]) -> Result<(), ModelError> {
     }
 }
 
-fn check_sum(bytes: &[u8]) -> Result<(), ModelError> {
+/// What stands between the version and the checksum.
+fn check_sum(bytes: &[u8]) -> Result<&[u8], ModelError> {
     let short = ModelError::TooShort { bytes: bytes.len() };
     let (body, stored) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(short)?;
-    if body.len() < PREFIX_BYTES {
-        return Err(short);
-    }
+    let sections = body.get(PREFIX_BYTES..).ok_or(short)?;
     let (stored, computed) = (u32::from_le_bytes(*stored), checksum(body));
-    if stored == computed { Ok(()) } else { Err(ModelError::Checksum { stored, computed }) }
+    if stored == computed { Ok(sections) } else { Err(ModelError::Checksum { stored, computed }) }
 }

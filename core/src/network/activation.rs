@@ -1,4 +1,5 @@
 use super::Jet;
+use crate::expected::expected;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,9 @@ pub struct Curve<S> {
 }
 
 impl Activation {
+    /// All activations, in the order of their numbers in a model file.
+    pub const ALL: [Self; 5] = [Self::Tanh, Self::Softplus, Self::Squareplus, Self::Isru, Self::Identity];
+
     /// σ, σ′ and σ″ at z; finite for every finite z.
     #[inline(always)]
     pub fn curve<S: Scalar>(self, z: S) -> Curve<S> {
@@ -92,7 +96,7 @@ impl Activation {
         for units in units.chunks_mut(BLOCK) {
             z.iter_mut().zip(units.iter()).for_each(|(z, unit)| *z = unit.value);
             let Curve { value, slope, curvature } = &mut c;
-            self.curves(z.get(..units.len()).unwrap_or(&z), [value, slope, curvature]);
+            self.curves(expected(z.get(..units.len()), &z), [value, slope, curvature]);
             for (((unit, value), slope), curvature) in
                 units.iter_mut().zip(c.value).zip(c.slope).zip(c.curvature)
             {
@@ -115,14 +119,14 @@ impl Activation {
     }
 }
 
-/// Units that σ is applied to side by side.
+/// Number of units that σ is applied to side by side.
 const BLOCK: usize = 8;
 
 #[inline(always)]
 fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curvature]: [&mut [S]; 3]) {
-    // A full block has a length that the compiler knows, and rooms of its own that nothing else can lie in: it becomes vectors. Where
-    // code is dear, one loop serves all.
-    if !S::APART
+    // A full block has a length that the compiler knows and arrays of its own, so it becomes vector instructions. Where
+    // code size matters more, one loop serves all lengths.
+    if !S::COMPONENTWISE
         && let Ok(z) = <&[S; BLOCK]>::try_from(z)
     {
         let mut c = [[S::zero(); BLOCK]; 3];
@@ -131,9 +135,9 @@ fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curva
             let c = sigma(*z);
             (values[l], slopes[l], curvatures[l]) = (c.value, c.slope, c.curvature);
         }
-        for (room, c) in [value, slope, curvature].into_iter().zip(c) {
-            if let Some(room) = room.first_chunk_mut() {
-                *room = c;
+        for (workspace, c) in [value, slope, curvature].into_iter().zip(c) {
+            if let Some(workspace) = workspace.first_chunk_mut() {
+                *workspace = c;
             }
         }
         return;

@@ -1,4 +1,5 @@
 use super::Jet;
+use crate::expected::expected;
 use crate::scalar::{Scalar, Stored};
 use leastaction_fpu::portable::dot;
 
@@ -14,8 +15,8 @@ pub struct Dense<'a, W> {
     pub(super) inputs: usize,
 }
 
-/// Units of a layer up to which to gather a vector takes more than it saves: on controllers the tangents of wider ones are taken
-/// one after the other.
+/// Networks of up to this width take the tangents of a layer side by side on controllers too. Wider networks take them one
+/// after the other there: gathering each vector then costs less than it saves.
 pub const NARROW: usize = 8;
 
 impl<'a, W: Stored> Dense<'a, W> {
@@ -81,8 +82,8 @@ impl<'a, W: Stored> Dense<'a, W> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        if S::APART && H > NARROW {
-            return self.forward_apart(x, y);
+        if S::COMPONENTWISE && H > NARROW {
+            return self.forward_componentwise(x, y);
         }
         let (weights, bias, y) = forward_panels::<W, S, T, 8>(self.weights, self.bias, x, y);
         let (weights, bias, y) = forward_panels::<W, S, T, 4>(weights, bias, x, y);
@@ -106,8 +107,8 @@ impl<'a, W: Stored> Dense<'a, W> {
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
     ) {
-        if S::APART && H > NARROW {
-            return self.adjoint_apart(y_bar, x_bar);
+        if S::COMPONENTWISE && H > NARROW {
+            return self.adjoint_componentwise(y_bar, x_bar);
         }
         x_bar.fill(Jet::zero());
         let (weights, y_bar) = adjoint_panels::<W, S, T, 8>(self.weights, y_bar, x_bar);
@@ -179,10 +180,10 @@ fn derivative<S: Scalar>(y: &Jet<S, 1>, x: &Jet<S, 1>) -> S {
     derivative
 }
 
-/// What is left of weights, biases and outputs after a pass.
+/// The weights, biases and outputs that follow the full panels.
 type Rest<'w, 'y, W, S, const T: usize> = (&'w [W], &'w [W], &'y mut [Jet<S, T>]);
 
-/// P jets with their values side by side, and so each of their tangents: as vector registers hold them.
+/// P jets as vector registers hold them: their values side by side, and each of their tangents side by side.
 struct Panel<S, const T: usize, const P: usize> {
     value: [S; P],
     tangent: [[S; P]; T],
@@ -199,7 +200,7 @@ impl<S: Scalar, const T: usize, const P: usize> Panel<S, T, P> {
     }
 }
 
-/// All full panels of P outputs.
+/// Evaluates all full panels of P outputs.
 #[inline(always)]
 fn forward_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
     weights: &'w [W],
@@ -208,8 +209,8 @@ fn forward_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize
     y: &'y mut [Jet<S, T>],
 ) -> Rest<'w, 'y, W, S, T> {
     let (panels, y) = y.as_chunks_mut::<P>();
-    let (bias, bias_rest) = bias.split_at_checked(panels.len() * P).unwrap_or((bias, &[]));
-    let (rows, rest) = weights.split_at_checked(panels.len() * P * x.len()).unwrap_or((weights, &[]));
+    let (bias, bias_rest) = expected(bias.split_at_checked(panels.len() * P), (bias, &[]));
+    let (rows, rest) = expected(weights.split_at_checked(panels.len() * P * x.len()), (weights, &[]));
     let mut rows = rows.as_chunks::<P>().0;
     for (y, bias) in panels.iter_mut().zip(bias.as_chunks::<P>().0) {
         let panel = forward_panel(split_off(&mut rows, x.len()), bias, x);
@@ -220,10 +221,10 @@ fn forward_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize
     (rest, bias_rest, y)
 }
 
-/// Takes the first `n` from the front of `rows`; all where there are fewer.
+/// Takes the first `n` from the front of `rows`, which has at least as many.
 #[inline(always)]
 fn split_off<'w, X>(rows: &mut &'w [X], n: usize) -> &'w [X] {
-    let (first, rest) = rows.split_at_checked(n).unwrap_or((rows, &[]));
+    let (first, rest) = expected(rows.split_at_checked(n), (rows, &[]));
     *rows = rest;
     first
 }
@@ -261,7 +262,7 @@ fn adjoint_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize
     x_bar: &mut [Jet<S, T>],
 ) -> (&'w [W], &'y [Jet<S, T>]) {
     let (panels, y_rest) = y_bar.as_chunks::<P>();
-    let (rows, rest) = weights.split_at_checked(panels.len() * P * x_bar.len()).unwrap_or((weights, &[]));
+    let (rows, rest) = expected(weights.split_at_checked(panels.len() * P * x_bar.len()), (weights, &[]));
     let mut rows = rows.as_chunks::<P>().0;
     for y_bar in panels {
         adjoint_panel(split_off(&mut rows, x_bar.len()), y_bar, x_bar);

@@ -40,6 +40,34 @@ impl<S: Scalar, const T: usize> Jet<S, T> {
         Self { value, tangent: [S::zero(); T] }
     }
 
+    /// The parameter t of a curve: its first derivative along the curve is 1, the others are 0.
+    #[inline(always)]
+    pub fn parameter(t: S) -> Self {
+        Self::series(t, [S::one()])
+    }
+
+    /// f(t) along a curve, with as many of its derivatives as are carried; those that are not given are 0.
+    #[inline(always)]
+    pub fn series<const K: usize>(value: S, derivatives: [S; K]) -> Self {
+        let mut series = Self::constant(value);
+        for (slot, derivative) in series.tangent.iter_mut().zip(derivatives) {
+            *slot = derivative;
+        }
+        series
+    }
+
+    /// The vector x moving along its own N axes, which are the directions `first` to `first + N - 1`.
+    #[inline(always)]
+    pub fn along_axes<const N: usize>(x: &[S; N], first: usize) -> [Self; N] {
+        let mut moving = x.map(Self::constant);
+        for (jet, k) in moving.iter_mut().zip(first..) {
+            if let Some(slot) = jet.tangent.get_mut(k) {
+                *slot = S::one();
+            }
+        }
+        moving
+    }
+
     /// x + y and the sums of their tangents.
     #[inline(always)]
     pub fn plus(&self, other: &Self) -> Self {
@@ -61,5 +89,20 @@ impl<S: Scalar, const T: usize> Jet<S, T> {
     #[inline(always)]
     pub fn without_tangents(&self) -> Jet<S, 0> {
         Jet { value: self.value, tangent: [] }
+    }
+}
+
+impl<S: Scalar> Jet<S, 1> {
+    /// The vector x moving with the velocity `dx`.
+    #[inline(always)]
+    pub fn moving<const N: usize>(x: &[S; N], dx: &[S; N]) -> [Self; N] {
+        core::array::from_fn(|i| Self { value: x[i], tangent: [dx[i]] })
+    }
+
+    /// The tangent.
+    #[inline(always)]
+    pub fn rate(&self) -> S {
+        let [rate] = self.tangent;
+        rate
     }
 }

@@ -2,11 +2,11 @@ use super::{Activation, Dense, Jet, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-/// A multilayer perceptron over borrowed weights: up to `D` hidden layers, each followed by the activation, and a linear
-/// output layer.
+/// A multilayer perceptron over borrowed weights: up to `L` hidden layers of up to `H` units, each followed by the activation,
+/// and a linear output layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Mlp<'a, W, const D: usize> {
-    hidden: [Option<Dense<'a, W>>; D],
+pub struct Mlp<'a, W, const H: usize, const L: usize> {
+    hidden: [Option<Dense<'a, W>>; L],
     output: Dense<'a, W>,
     activation: Activation,
 }
@@ -14,20 +14,20 @@ pub struct Mlp<'a, W, const D: usize> {
 /// What a forward pass leaves for the adjoint: units a = σ(z) and slopes σ′(z) of every hidden layer with tangents, for widths
 /// up to `H`.
 #[derive(Clone, Debug)]
-pub struct Tape<S, const T: usize, const H: usize, const D: usize> {
-    units: [Vec<Jet<S, T>, H>; D],
-    slopes: [Vec<Jet<S, T>, H>; D],
+pub struct Tape<S, const T: usize, const H: usize, const L: usize> {
+    units: [Vec<Jet<S, T>, H>; L],
+    slopes: [Vec<Jet<S, T>, H>; L],
 }
 
-impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Tape<S, T, H, D> {
+impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape<S, T, H, L> {
     fn default() -> Self {
         Self { units: core::array::from_fn(|_| Vec::new()), slopes: core::array::from_fn(|_| Vec::new()) }
     }
 }
 
-impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` where the
-    /// block is too short or there are more than `D` hidden layers.
+    /// block is too short, there are more than `L` hidden layers, or one has more than `H` units.
     pub fn take(
         block: &mut &'a [W],
         inputs: usize,
@@ -35,9 +35,9 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
         outputs: usize,
         activation: Activation,
     ) -> Option<Self> {
-        let mut hidden = [None; D];
+        let mut hidden = [None; L];
         let mut fan_in = inputs;
-        if widths.len() > D {
+        if widths.len() > L || widths.iter().any(|width| *width > H) {
             return None;
         }
         for (layer, width) in hidden.iter_mut().zip(widths) {
@@ -101,10 +101,10 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
 
     /// y(x) and its tangents along those of x; records on `tape` what [`Mlp::adjoint`] needs.
     #[inline]
-    pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
-        tape: &mut Tape<S, T, H, D>,
+        tape: &mut Tape<S, T, H, L>,
         y: &mut [Jet<S, T>],
     ) {
         let Tape { units, slopes } = tape;
@@ -121,12 +121,12 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
 
     /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
     #[inline]
-    pub fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        let mut units = core::array::from_fn::<_, D, _>(|_| Vec::<_, H>::new());
+        let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());
         let mut input = x;
         for (layer, units) in self.hidden.iter().flatten().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());
@@ -141,9 +141,9 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     ///
     /// `A` ≤ `T` tangents are carried (0: a plain gradient).
     #[inline]
-    pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
+    pub fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         y_bar: &[Jet<S, A>],
         x_bar: &mut [Jet<S, A>],
     ) {
@@ -157,9 +157,9 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the forward pass
     /// was given.
     #[inline]
-    pub fn layer_adjoints<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
+    pub fn layer_adjoints<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         x: &[Jet<S, T>],
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
@@ -169,14 +169,9 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
 
     /// [`Mlp::adjoint`] and [`Mlp::layer_adjoints`] in one pass.
     #[inline]
-    pub fn adjoint_with_layers<
-        S: Scalar<Weight = W::Wide>,
-        const T: usize,
-        const A: usize,
-        const H: usize,
-    >(
+    pub fn adjoint_with_layers<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, A>]),
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
@@ -192,9 +187,9 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     /// Carries the adjoint down to the outputs of the first layer. `visit` gets each layer, the units below it on the tape
     /// (none below the first) and the adjoint of its outputs.
     #[inline(always)]
-    fn backward<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize, const H: usize>(
+    fn backward<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         y_bar: &[Jet<S, A>],
         mut visit: impl FnMut(&Dense<'a, W>, Option<&[Jet<S, T>]>, &[Jet<S, A>]),
     ) {

@@ -2,28 +2,26 @@
 //! through the adjoint.
 
 mod activation;
-mod apart;
-mod bends;
+mod componentwise;
 mod dense;
 mod jet;
 mod mlp;
+mod second_order;
 mod series;
 
 use heapless::Vec;
 
 pub use activation::{Activation, Curve};
-pub use bends::Bends;
 pub use dense::{Dense, NARROW};
 pub use jet::Jet;
 pub use mlp::{Mlp, Tape};
+pub use second_order::SecondOrderTape;
 
-/// The first `n` places of a layer's room, each written before it is read: room that is not used costs no time.
-///
-/// Nothing where the room is too small; shapes are checked when a model is read.
+/// The first `n` ≤ `H` places of a layer's workspace, filled: places beyond cost no time. [`Mlp::take`] refuses wider layers.
 #[inline(always)]
-fn sized<T: Copy, const H: usize>(room: &mut Vec<T, H>, n: usize, fill: T) -> &mut [T] {
-    room.clear();
-    // An error leaves it empty.
-    let _: Result<(), _> = room.resize(n, fill);
-    room
+fn sized<T: Copy, const H: usize>(workspace: &mut Vec<T, H>, n: usize, fill: T) -> &mut [T] {
+    workspace.clear();
+    let resized = workspace.resize(n, fill);
+    debug_assert!(resized.is_ok(), "a layer of {n} units in a network of at most {H}");
+    workspace
 }

@@ -8,14 +8,10 @@ use super::{Activation, Curve, Dense, Jet, Mlp, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
-    pub fn series<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
-        &self,
-        x: &[Jet<S, K>],
-        y: &mut [Jet<S, K>],
-    ) {
-        let mut units = core::array::from_fn::<_, D, _>(|_| Vec::<_, H>::new());
+    pub fn series<S: Scalar<Weight = W::Wide>, const K: usize>(&self, x: &[Jet<S, K>], y: &mut [Jet<S, K>]) {
+        let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());
         let mut input = x;
         for (layer, units) in self.hidden().zip(&mut units) {
             let units = sized(units, layer.outputs(), Jet::zero());
@@ -31,44 +27,41 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first, where `y_bar` is the adjoint of
     /// y and its first two derivatives: the derivative in a weight is Σ_k z̄⁽ᵏ⁾x⁽ᵏ⁾, see [`Dense::series_gradient`].
-    pub fn series_adjoints<S: Scalar<Weight = W::Wide>, const H: usize>(
+    pub fn series_adjoints<S: Scalar<Weight = W::Wide>>(
         &self,
         x: &[Jet<S, 2>],
         y_bar: &[Jet<S, 2>],
         mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, 2>], &[Jet<S, 2>]),
     ) {
-        let mut record = Record::<S, H, D>::new();
-        self.recorded(x, &mut record);
+        let mut tape = CurveTape::<S, H, L>::new();
+        self.forward_along(x, &mut tape);
         let (mut unit_bar, mut sum_bar) = (Vec::<_, H>::new(), Vec::<_, H>::new());
         let (mut layer, mut bar) = (self.output(), y_bar);
-        let records = record.bends.iter().zip(&record.units).take(self.depth());
-        for (below, (bends, units)) in self.hidden().rev().zip(records.rev()) {
+        let records = tape.slopes.iter().zip(&tape.units).take(self.depth());
+        for (below, (slopes, units)) in self.hidden().rev().zip(records.rev()) {
             visit(layer, units, bar);
             let unit_bar = sized(&mut unit_bar, layer.inputs(), Jet::zero());
             layer.adjoint_of::<S, 2, H>(bar, unit_bar);
             let slots = sized(&mut sum_bar, layer.inputs(), Jet::zero());
-            for ((slot, bend), a) in slots.iter_mut().zip(bends).zip(unit_bar) {
-                *slot = bend.adjoint(a);
+            for ((slot, slope), a) in slots.iter_mut().zip(slopes).zip(unit_bar) {
+                *slot = slope.adjoint(a);
             }
             (layer, bar) = (below, slots);
         }
         visit(layer, x, bar);
     }
 
-    /// The hidden layers along a curve, with what their adjoint needs.
-    fn recorded<S: Scalar<Weight = W::Wide>, const H: usize>(
-        &self,
-        x: &[Jet<S, 2>],
-        record: &mut Record<S, H, D>,
-    ) {
+    /// Evaluates the hidden layers along a curve and records what their adjoint needs.
+    fn forward_along<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 2>], tape: &mut CurveTape<S, H, L>) {
         let mut input = x;
-        for ((layer, bends), units) in self.hidden().zip(&mut record.bends).zip(&mut record.units) {
+        for ((layer, slopes), units) in self.hidden().zip(&mut tape.slopes).zip(&mut tape.units) {
             let units = sized(units, layer.outputs(), Jet::zero());
-            let bends = sized(bends, layer.outputs(), Bend::straight());
+            let slopes = sized(slopes, layer.outputs(), UnitSlopes::zero());
             layer.forward_of::<S, 2, H>(input, units);
-            for (unit, bend) in units.iter_mut().zip(bends) {
+            for (unit, slopes) in units.iter_mut().zip(slopes) {
                 let c = self.activation().curve(unit.value);
-                *bend = Bend { z: unit.tangent, third: self.activation().third(unit.value, &c), curve: c };
+                let third = self.activation().third(unit.value, &c);
+                *slopes = UnitSlopes { z: unit.tangent, curve: c, third };
                 *unit = self.activation().series(unit, &c);
             }
             input = units;
@@ -76,21 +69,21 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     }
 }
 
-/// Units σ(z) of every hidden layer, and how each bends.
-struct Record<S, const H: usize, const D: usize> {
-    units: [Vec<Jet<S, 2>, H>; D],
-    bends: [Vec<Bend<S>, H>; D],
+/// Units σ(z) of every hidden layer along a curve, with the derivatives of σ at each.
+struct CurveTape<S, const H: usize, const L: usize> {
+    units: [Vec<Jet<S, 2>, H>; L],
+    slopes: [Vec<UnitSlopes<S>, H>; L],
 }
 
-impl<S: Scalar, const H: usize, const D: usize> Record<S, H, D> {
+impl<S: Scalar, const H: usize, const L: usize> CurveTape<S, H, L> {
     fn new() -> Self {
-        Self { units: core::array::from_fn(|_| Vec::new()), bends: [const { Vec::new() }; D] }
+        Self { units: core::array::from_fn(|_| Vec::new()), slopes: [const { Vec::new() }; L] }
     }
 }
 
-/// σ at a z(t).
+/// The derivatives of σ at z(t), and of z at t.
 #[derive(Clone, Copy)]
-struct Bend<S> {
+struct UnitSlopes<S> {
     /// z′ and z″.
     z: [S; 2],
     curve: Curve<S>,
@@ -98,8 +91,8 @@ struct Bend<S> {
     third: S,
 }
 
-impl<S: Scalar> Bend<S> {
-    fn straight() -> Self {
+impl<S: Scalar> UnitSlopes<S> {
+    fn zero() -> Self {
         let zero = S::zero();
         Self { z: [zero; 2], curve: Curve { value: zero, slope: zero, curvature: zero }, third: zero }
     }
@@ -109,11 +102,12 @@ impl<S: Scalar> Bend<S> {
     fn adjoint(&self, bar: &Jet<S, 2>) -> Jet<S, 2> {
         let Self { z: [z1, z2], curve: c, third } = self;
         let [bar1, bar2] = bar.tangent;
-        let bent = c.curvature * *z1;
-        let bent_more = *third * *z1 * *z1 + c.curvature * *z2;
+        // d/dt and d²/dt² of σ′(z(t)).
+        let first = c.curvature * *z1;
+        let second = *third * *z1 * *z1 + c.curvature * *z2;
         Jet {
-            value: c.slope * bar.value + bent * bar1 + bent_more * bar2,
-            tangent: [c.slope * bar1 + (bent + bent) * bar2, c.slope * bar2],
+            value: c.slope * bar.value + first * bar1 + second * bar2,
+            tangent: [c.slope * bar1 + (first + first) * bar2, c.slope * bar2],
         }
     }
 }
@@ -131,11 +125,7 @@ impl Activation {
             let mixed = S::constant(3.0) * c.curvature * z1 * z2;
             y[2] = self.third(z.value, c) * z1 * z1 * z1 + mixed + c.slope * z3;
         }
-        let mut series = Jet::constant(c.value);
-        for (slot, y) in series.tangent.iter_mut().zip(y) {
-            *slot = y;
-        }
-        series
+        Jet::series(c.value, y)
     }
 }
 

@@ -1,6 +1,7 @@
 use super::{Real, Scalar};
 
-/// A running sum that remembers what rounding took from it (Kahan).
+/// A running sum that remembers what rounding took from it, whichever of sum and increment is the larger (Kahan, with the
+/// two-sum of Knuth).
 ///
 /// Positions and momenta of a long simulation are sums of many small increments; with this carry the f32 trajectory of
 /// 3 s at h = 1 ms stays within about 2e-6 rad of the f64 one, instead of 1e-3 rad.
@@ -17,32 +18,34 @@ impl<S: Scalar> Compensated<S> {
     }
 
     /// A sum that was stored as its two parts.
-    pub fn from_parts(value: S, carry: S) -> Self {
+    pub const fn from_parts(value: S, carry: S) -> Self {
         Self { sum: value, carry }
     }
 
     /// The sum, rounded.
-    pub fn value(&self) -> S {
+    pub const fn value(&self) -> S {
         self.sum
     }
 
     /// What rounding took so far: the exact sum is close to `value() + carry()`.
-    pub fn carry(&self) -> S {
+    pub const fn carry(&self) -> S {
         self.carry
     }
 
     /// The sum after adding `increment`.
     #[must_use]
     pub fn plus(self, increment: S) -> Self {
-        let y = increment + self.carry;
-        let sum = self.sum + y;
-        Self { sum, carry: y - (sum - self.sum) }
+        let (total, lost) = sum(self.sum, increment);
+        // Not larger than the total, unless that is 0: the shorter way to the same two numbers (Dekker).
+        let rest = lost + self.carry;
+        let sum = total + rest;
+        Self { sum, carry: rest - (sum - total) }
     }
 }
 
 /// a + b rounded, and what rounding took: their sum is a + b exactly (Knuth).
 #[inline(always)]
-pub fn sum<R: Real>(a: R, b: R) -> (R, R) {
+pub fn sum<S: Scalar>(a: S, b: S) -> (S, S) {
     let sum = a + b;
     let rest = sum - a;
     (sum, (a - (sum - rest)) + (b - rest))

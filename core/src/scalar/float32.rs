@@ -1,11 +1,15 @@
 use super::{Real, Scalar, Stored, Weights, tanh};
 use leastaction_fpu::{half, portable, sin_cos, single, sqrt};
 
+/// 2π, and the next smaller number.
+const TURN: f32 = core::f32::consts::TAU;
+const BELOW_TURN: f32 = TURN.next_down();
+
 impl Scalar for f32 {
     type Weight = f32;
 
-    /// On controllers; a desk's processor has vector registers for several sums and their tangents.
-    const APART: bool = cfg!(target_pointer_width = "32");
+    /// True on controllers; the vector registers of larger processors hold several sums with their tangents.
+    const COMPONENTWISE: bool = cfg!(target_pointer_width = "32");
 
     #[inline]
     fn accumulate<W: Stored<Wide = f32>, const P: usize>(rows: &[[W; P]], x: &[f32], sum: &mut [f32; P]) {
@@ -79,7 +83,10 @@ impl Scalar for f32 {
     }
     #[inline]
     fn wrapped(self) -> Self {
-        self - libm::floorf(self / core::f32::consts::TAU) * core::f32::consts::TAU
+        let angle = self - libm::floorf(self / TURN) * TURN;
+        // The quotient, and with it the floor, may have been rounded up.
+        let angle = if angle < 0.0 { angle + TURN } else { angle };
+        angle.clamp(0.0, BELOW_TURN)
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {

@@ -1,5 +1,9 @@
 use super::{Real, Scalar, tanh};
 
+/// 2π, and the next smaller number.
+const TURN: f64 = core::f64::consts::TAU;
+const BELOW_TURN: f64 = TURN.next_down();
+
 impl Scalar for f64 {
     type Weight = f64;
 
@@ -33,7 +37,10 @@ impl Scalar for f64 {
     }
     #[inline]
     fn wrapped(self) -> Self {
-        self - libm::floor(self / core::f64::consts::TAU) * core::f64::consts::TAU
+        let angle = self - libm::floor(self / TURN) * TURN;
+        // The quotient, and with it the floor, may have been rounded up.
+        let angle = if angle < 0.0 { angle + TURN } else { angle };
+        angle.clamp(0.0, BELOW_TURN)
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {

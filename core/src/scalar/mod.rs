@@ -7,8 +7,6 @@ mod compensated;
 mod float32;
 mod float64;
 mod lanes;
-#[cfg(feature = "micromath")]
-mod micro;
 mod packed;
 mod stored;
 mod tanh;
@@ -16,8 +14,6 @@ mod tanh;
 pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};
 pub use leastaction_fpu::f16;
-#[cfg(feature = "micromath")]
-pub use micro::Micro;
 pub use packed::Packed;
 pub use stored::{Shipped, Stored, Weights};
 
@@ -54,19 +50,20 @@ pub trait Scalar:
     fn tanh(self) -> Self;
     /// (sin x, cos x), x in radians.
     fn sin_cos(self) -> (Self, Self);
-    /// x − 2π⌊x/2π⌋, the angle x rad in [0, 2π).
+    /// x − 2π⌊x/2π⌋, the angle x rad in [0, 2π): the largest number below 2π where rounding would give 2π itself. NaN where x is
+    /// not finite.
     fn wrapped(self) -> Self;
     /// The larger of the two; `other` where `self` is not a number.
     fn max(self, other: Self) -> Self;
     /// −|x|.
     fn neg_abs(self) -> Self;
 
-    /// Whether a layer takes its tangents one after the other, by [`Scalar::accumulate`] and [`Scalar::transposed`], and not
-    /// side by side.
-    const APART: bool = false;
+    /// Whether a layer evaluates its tangents one after the other, with [`Scalar::accumulate`] and [`Scalar::transposed`],
+    /// instead of side by side.
+    const COMPONENTWISE: bool = false;
 
-    /// Told of every component (0: the values, then the tangents) of vectors that a layer takes apart, before its loops: for
-    /// scalars that count what is done.
+    /// Called before the loops over each component of a layer's vectors (0: the values, then the tangents), for scalars that
+    /// count operations.
     #[inline(always)]
     fn component(_index: usize) {}
 

@@ -30,23 +30,16 @@ impl Packed for f64 {
 }
 
 /// Alone: chips have no vector registers for them.
-macro_rules! alone {
-    ($real:ty) => {
-        impl Packed for $real {
-            type Pack = Self;
-            const WIDTH: usize = 1;
+impl Packed for f32 {
+    type Pack = Self;
+    const WIDTH: usize = 1;
 
-            #[inline(always)]
-            fn pack(mut lane: impl FnMut(usize) -> Self) -> Self {
-                lane(0)
-            }
-            #[inline(always)]
-            fn lane(pack: &Self, _: usize) -> Self {
-                *pack
-            }
-        }
-    };
+    #[inline(always)]
+    fn pack(mut lane: impl FnMut(usize) -> Self) -> Self {
+        lane(0)
+    }
+    #[inline(always)]
+    fn lane(pack: &Self, _: usize) -> Self {
+        *pack
+    }
 }
-alone!(f32);
-#[cfg(feature = "micromath")]
-alone!(super::Micro);

@@ -12,7 +12,7 @@ pub trait Stored: Copy + Debug + Default + PartialEq {
     /// The same number.
     fn wide(self) -> Self::Wide;
 
-    /// The numbers with their type as a value, where it is one that a model file can have.
+    /// The numbers as [`Weights`], where their type is one that a model file has.
     #[inline(always)]
     fn shipped(_: &[Self]) -> Option<Weights<'_>> {
         None
@@ -25,7 +25,7 @@ pub trait Stored: Copy + Debug + Default + PartialEq {
     }
 }
 
-/// The numbers of a model file in the precision that they have there.
+/// The weights of a model file, in the precision of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weights<'a> {
     /// Two bytes a number.
@@ -34,14 +34,14 @@ pub enum Weights<'a> {
     Single(&'a [f32]),
 }
 
-/// What the numbers of a model file can be.
+/// A type in which a model file stores its weights.
 pub trait Shipped: Stored<Wide = f32> + AnyBitPattern {
     /// Bits of a number.
     const BITS: u8;
     /// Bits of a number of the other type.
     const OTHER_BITS: u8;
 
-    /// The numbers with their type as a value.
+    /// The numbers as [`Weights`].
     fn weights(numbers: &[Self]) -> Weights<'_>;
 }
 
@@ -117,7 +117,7 @@ impl Weights<'_> {
         }
     }
 
-    /// Whether there are none.
+    /// Whether the list is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

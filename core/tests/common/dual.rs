@@ -79,7 +79,7 @@ impl Scalar for Dual {
     type Weight = Dual;
 
     /// As on a controller: the oracle of the derivatives passes the layers as a chip does.
-    const APART: bool = true;
+    const COMPONENTWISE: bool = true;
 
     fn weight(w: Dual) -> Self {
         w

@@ -2,16 +2,19 @@
 
 use super::graphs::edge;
 use super::trees::network;
+use leastaction_core::discrete::Order;
 use leastaction_core::energy::graph::{
     self, Drag, EdgeShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
 use leastaction_core::energy::modular::{
-    Input, NUMBERS, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, ModularShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    Discretisation, Document, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, MAGIC, MAX_GRAPHS,
-    MAX_TREES, ModelError, ModularHeader, RigidHeader, TreeHeader, checksum, parse,
+    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Interval, Laws,
+    MAGIC, MAX_GRAPHS, MAX_TREES, ModelError, ModularHeader, RigidHeader, Section, TrainedStep,
+    TrainingRange, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
@@ -54,19 +57,20 @@ pub const CARTPOLE: RigidHeader<'static> = RigidHeader {
     widths: [7, 5, 0, 0],
     activation: Activation::Tanh,
     inertia: Inertia::Cholesky { epsilon: 1e-3 },
-    damped: true,
 };
 
 pub const HEADER: Header<'static> = Header {
-    family: Family::Rigid(CARTPOLE),
-    discretisation: Some(Discretisation { order: 4, h: 0.05 }),
+    laws: Laws::VISCOUS,
+    trained_step: Some(STEP),
     provenance: "golden: weights are multiples of 1/64",
+    ..Header::new(Family::Rigid(CARTPOLE))
 };
+
+pub const STEP: TrainedStep = TrainedStep { order: Order::Four, h: 0.05, control: ControlKind::Held };
 
 /// Weights that are exact in any text, damping last.
 pub fn weights(header: &RigidHeader) -> Vec<f32> {
-    let damping = if header.damped { header.n() } else { 0 };
-    [exact(header.parameters().unwrap() - damping), vec![0.125; damping]].concat()
+    [exact(header.parameters().unwrap()), vec![0.125; header.n()]].concat()
 }
 
 /// Multiples of 1/64 in ±1.
@@ -76,7 +80,7 @@ fn exact(count: usize) -> Vec<f32> {
 }
 
 /// A cart, a learned link and a rod, with a pair potential.
-pub fn arm_shape() -> Shape {
+pub fn arm_shape() -> ModularShape {
     let networks = [
         network(2, &[4, 3], 2, Activation::Tanh),
         network(2, &[5], 1, Activation::Softplus),
@@ -89,12 +93,15 @@ pub fn arm_shape() -> Shape {
         TypeShape { transform: TransformShape::Rod, potential: Some(1) },
     ];
     let pair = PairShape { network: 2, input: PairInput::Distance };
-    Shape::new(&networks, &types, Some(pair)).expect("few parts")
+    ModularShape::new(&networks, &types, Some(pair)).expect("few parts")
 }
 
-/// The numbers of [`arm_shape`]'s types, then c₁ and c₂.
-pub const ARM_NUMBERS: [[f32; NUMBERS]; 3] =
-    [[2.0, 0.0, 1.0, 0.0, 0.5], [1.0, 0.25, 0.5, 0.0, 0.125], [0.75, 0.0, 1.0, 1.5, 0.0]];
+/// The numbers of [`arm_shape`]'s types.
+pub const ARM_NUMBERS: [[f32; ELEMENT_PARAMETERS]; 3] =
+    [[2.0, 0.0, 1.0, 0.0], [1.0, 0.25, 0.5, 0.0], [0.75, 0.0, 1.0, 1.5]];
+/// The damping of its types.
+pub const ARM_DAMPING: [f32; 3] = [0.5, 0.125, 0.0];
+/// c₁ and c₂.
 pub const ARM_COEFFICIENTS: [f32; 2] = [9.5, 0.25];
 
 /// Two trees of them, of one and of three elements.
@@ -109,10 +116,10 @@ pub fn arm_header(arm: ModularHeader<'static>) -> Header<'static> {
     Header { family: Family::Modular(arm), ..HEADER }
 }
 
-pub fn arm_weights(numbers: [[f32; NUMBERS]; 3]) -> Vec<f32> {
-    let ends = NUMBERS * numbers.len() + ARM_COEFFICIENTS.len();
+pub fn arm_weights(numbers: [[f32; ELEMENT_PARAMETERS]; 3]) -> Vec<f32> {
+    let ends = ELEMENT_PARAMETERS * numbers.len() + ARM_COEFFICIENTS.len();
     let networks = exact(arm().parameters().unwrap() - ends);
-    [networks, numbers.concat(), ARM_COEFFICIENTS.to_vec()].concat()
+    [networks, numbers.concat(), ARM_COEFFICIENTS.to_vec(), ARM_DAMPING.to_vec()].concat()
 }
 
 /// The valid modular file that the tests damage.
@@ -121,7 +128,7 @@ pub fn golden_arm() -> Vec<u8> {
 }
 
 /// Bobs and a free body, springs between them, with messages.
-pub fn web_shape() -> graph::Shape {
+pub fn web_shape() -> graph::GraphShape {
     let networks = [
         network(2, &[3], 1, Activation::Softplus),
         network(1, &[4], 1, Activation::Squareplus),
@@ -136,8 +143,8 @@ pub fn web_shape() -> graph::Shape {
     ];
     let edges = [EdgeShape { separation: Separation::Distance, potential: Some(1), embedding: Some(2) }];
     let messages = MessageShape { message: 3, update: 4, edge_potential: Some(5), node_potential: None };
-    let shape = graph::Shape::new(2, &networks, &nodes, &edges).expect("few parts");
-    graph::Shape { kinetic_embedding: 1, embedding: 2, messages: Some(messages), ..shape }
+    let shape = graph::GraphShape::new(2, &networks, &nodes, &edges).expect("few parts");
+    graph::GraphShape { kinetic_embedding: 1, embedding: 2, messages: Some(messages), ..shape }
 }
 
 /// The numbers of [`web_shape`]'s types: mass, drag, field, kinetic embedding, embedding.
@@ -163,7 +170,7 @@ pub fn web() -> GraphHeader<'static> {
 }
 
 pub fn web_header(web: GraphHeader) -> Header {
-    Header { family: Family::Graph(web), ..HEADER }
+    Header { family: Family::Graph(web), laws: Laws::NONE, ..HEADER }
 }
 
 pub fn web_weights(numbers: [[f32; 7]; 2]) -> Vec<f32> {
@@ -176,18 +183,74 @@ pub fn golden_web() -> Vec<u8> {
     write(web_header(web()), &web_weights(WEB_NUMBERS))
 }
 
-/// The file of a header and a weight block given as bytes, closed with a valid checksum.
+/// The file of a header and a weight block given as bytes, closed with a valid checksum: written here apart from core's own
+/// writer, which must give the same.
 pub fn write_raw(header: Header, padding: Option<&[u8]>, weights: &[u8]) -> Vec<u8> {
-    let with = |padding| {
-        let document =
-            Document { magic: MAGIC, version: FORMAT_VERSION, header, padding, weights, checksum: [0; 4] };
-        let mut buffer = vec![0; 8192 + weights.len()];
-        postcard::to_slice(&document, &mut buffer).unwrap().to_vec()
+    let mut file = [&MAGIC[..], &[FORMAT_VERSION]].concat();
+    for (section, content) in before_weights(&header) {
+        file.extend(section_of(section, &content));
+    }
+    let aligned = [0; 3].get(..(4 - (file.len() + 6) % 4) % 4).unwrap();
+    let padding = padding.unwrap_or(aligned);
+    file.extend(section_of(Section::Weights, &[&[padding.len() as u8], padding, weights].concat()));
+    for (section, content) in after_weights(&header) {
+        file.extend(section_of(section, &content));
+    }
+    sealed(&file)
+}
+
+/// A section: its number, its length, its content.
+pub fn section_of(section: Section, content: &[u8]) -> Vec<u8> {
+    [&[section as u8], &(content.len() as u32).to_le_bytes()[..], content].concat()
+}
+
+/// Where the content of a section begins and ends in a file.
+pub fn place(file: &[u8], section: Section) -> [usize; 2] {
+    let mut start = 5;
+    loop {
+        let length = u32::from_le_bytes(file[start + 1..start + 5].try_into().unwrap()) as usize;
+        if file[start] == section as u8 {
+            return [start + 5, start + 5 + length];
+        }
+        start += 5 + length;
+    }
+}
+
+/// The file with another content of a section, closed anew.
+pub fn with_section(file: &[u8], section: Section, content: &[u8]) -> Vec<u8> {
+    let [start, end] = place(file, section);
+    let rest = &file[end..file.len() - 4];
+    sealed(&[&file[..start - 5], &section_of(section, content), rest].concat())
+}
+
+fn before_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
+    let actuator = header.actuator.map(|actuator| (Section::Actuator, actuator.bytes().to_vec()));
+    let step = header.trained_step.map(|step| (Section::Step, step.to_bytes().to_vec()));
+    let laws = Some((Section::Forces, header.laws.numbers().to_vec())).filter(|(_, laws)| !laws.is_empty());
+    let energies = Some((Section::Energies, energies(&header.family)));
+    [energies, laws, actuator, step].into_iter().flatten().collect()
+}
+
+fn after_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
+    let range = header.range.map_or(Vec::new(), |range| range.bytes().to_vec());
+    let all = [
+        (Section::Units, header.units.as_bytes().to_vec()),
+        (Section::Range, range),
+        (Section::Provenance, header.provenance.as_bytes().to_vec()),
+    ];
+    all.into_iter().filter(|(_, content)| !content.is_empty()).collect()
+}
+
+/// The number of the family and its shape.
+pub fn energies(family: &Family) -> Vec<u8> {
+    let mut buffer = vec![0; 8192];
+    let written = match family {
+        Family::Rigid(shape) => postcard::to_slice(&(0_u8, shape), &mut buffer),
+        Family::Modular(shape) => postcard::to_slice(&(1_u8, shape), &mut buffer),
+        Family::Graph(shape) => postcard::to_slice(&(2_u8, shape), &mut buffer),
+        _ => unreachable!("a family without tests"),
     };
-    let aligned =
-        || (0..4).map(|n| with(&[0; 3][..n])).find(|file| (file.len() - 4 - weights.len()).is_multiple_of(4));
-    let file = padding.map_or_else(|| aligned().unwrap(), with);
-    sealed(&file[..file.len() - 4])
+    written.unwrap().to_vec()
 }
 
 /// A file body closed with its checksum.
@@ -208,6 +271,52 @@ pub fn write_half(header: Header, weights: &[f32]) -> Vec<u8> {
 /// The valid file that the tests damage.
 pub fn golden() -> Vec<u8> {
     write(HEADER, &weights(&CARTPOLE))
+}
+
+/// The same with every section that a file can have.
+pub fn golden_whole() -> Vec<u8> {
+    let (actuator, range) = (actuator(&ACTUATOR), range(&RANGE));
+    let header = Header {
+        actuator: Some(ActuatorBytes::new(&actuator).unwrap()),
+        units: "m,rad",
+        range: Some(TrainingRange::new(&range).unwrap()),
+        ..HEADER
+    };
+    write(header, &weights(&CARTPOLE))
+}
+
+/// Delay, then gain and offset of both coordinates.
+pub const ACTUATOR: [f32; 5] = [0.125, 2.0, -0.5, 0.25, 0.0];
+
+/// Of a rail of ±2 m and of an angle that was never upright.
+pub const RANGE: [CoordinateRange; 2] = {
+    const fn interval(least: f32, most: f32) -> Interval {
+        Interval { least, most }
+    }
+    [
+        CoordinateRange {
+            q: interval(-2.0, 2.0),
+            v: interval(-4.0, 3.5),
+            u: interval(-10.0, 10.0),
+            period: 0.0,
+        },
+        CoordinateRange {
+            q: interval(-2.5, 3.0),
+            v: interval(-8.0, 8.0),
+            u: interval(0.0, 0.0),
+            period: std::f32::consts::TAU,
+        },
+    ]
+};
+
+/// As a section.
+pub fn actuator(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+/// As a section.
+pub fn range(coordinates: &[CoordinateRange]) -> Vec<u8> {
+    coordinates.iter().flat_map(|coordinate| coordinate.to_bytes()).collect()
 }
 
 /// Every part of the file, cut off anywhere, must be refused.

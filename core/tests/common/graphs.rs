@@ -4,9 +4,10 @@ use super::Random;
 use super::oracle::Learned;
 use super::shapes::naive_network;
 use super::trees::network;
+use leastaction_core::energy::List;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, EdgeShape, Fixed, Graph, Kinetic, MessageShape, NodeShape, Potential,
-    Separation, Shape, Types,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, Fixed, Graph, GraphShape, Kinetic, MessageShape, NodeShape,
+    Potential, Separation, Types,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Scalar, Stored};
@@ -22,7 +23,7 @@ pub type LearnedFixed<'a, W, const D: usize, const N: usize> = Fixed<'a, W, D, N
 /// A graph in D dimensions that owns its weights and lists.
 #[derive(Clone, Debug)]
 pub struct Model<const D: usize> {
-    pub shape: Shape,
+    pub shape: GraphShape,
     pub nodes: Vec<u8>,
     pub edges: Vec<Edge>,
     pub weights: Vec<f64>,
@@ -33,14 +34,14 @@ pub const fn edge(kind: u8, a: u16, b: u16) -> Edge {
 }
 
 impl<const D: usize> Model<D> {
-    pub fn new(shape: Shape, nodes: &[u8], edges: &[Edge], seed: u64) -> Self {
+    pub fn new(shape: GraphShape, nodes: &[u8], edges: &[Edge], seed: u64) -> Self {
         let mut weights = Random(seed).vector(shape.parameters().unwrap(), 0.8);
         let start = weights.len() - shape.all_numbers();
-        for numbers in weights[start..].chunks_exact_mut(shape.numbers()).take(shape.nodes().count()) {
+        for numbers in weights[start..].chunks_exact_mut(shape.numbers()).take(shape.nodes.len()) {
             numbers[..2].iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
         }
         // Squares of squares of distances would drown all other terms.
-        let laws = weights.len() - EDGE_NUMBERS * shape.edges().count();
+        let laws = weights.len() - EDGE_NUMBERS * shape.edges.len();
         weights[laws..].iter_mut().for_each(|x| *x *= 0.01);
         Self { shape, nodes: nodes.to_vec(), edges: edges.to_vec(), weights }
     }
@@ -61,8 +62,8 @@ impl<const D: usize> Model<D> {
     }
 
     fn run(&self, network: u8, x: Vec<f64>) -> Vec<f64> {
-        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
-        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let before = self.shape.networks.iter().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks.get(network).unwrap();
         let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
         naive_network(&self.weights[before..], x, widths, shape.activation, shape.outputs.into())
     }
@@ -79,7 +80,7 @@ impl<const D: usize> Model<D> {
     pub fn naive_kinetic(&self, kind: u8, v: &[f64; D]) -> f64 {
         let (mass, _, _, embedding, _) = self.numbers(kind);
         let square = v.iter().map(|v| v * v).sum();
-        match self.shape.nodes[usize::from(kind)].unwrap().kinetic {
+        match self.shape.nodes.get(usize::from(kind)).unwrap().kinetic {
             Kinetic::Mass => 0.5 * mass * square,
             Kinetic::Network(network) => self.run(network, [embedding, &[square]].concat())[0],
         }
@@ -87,7 +88,7 @@ impl<const D: usize> Model<D> {
 
     pub fn naive_drag(&self, kind: u8, v: f64) -> f64 {
         let viscous = -self.numbers(kind).1 * v;
-        match self.shape.nodes[usize::from(kind)].unwrap().drag {
+        match self.shape.nodes.get(usize::from(kind)).unwrap().drag {
             Drag::None => 0.0,
             Drag::Viscous => viscous,
             Drag::Network(network) => viscous - self.run(network, vec![v])[0].abs() * v,
@@ -97,7 +98,7 @@ impl<const D: usize> Model<D> {
     fn naive_node(&self, kind: u8, x: &[f64; D]) -> f64 {
         let (_, _, field, _, embedding) = self.numbers(kind);
         let uniform: f64 = field.iter().zip(x).map(|(g, x)| g * x).sum();
-        match self.shape.nodes[usize::from(kind)].unwrap().potential {
+        match self.shape.nodes.get(usize::from(kind)).unwrap().potential {
             Potential::None => 0.0,
             Potential::Uniform => uniform,
             Potential::Network(network) => uniform + self.run(network, [embedding, x].concat())[0],
@@ -107,14 +108,14 @@ impl<const D: usize> Model<D> {
     pub fn naive_potential(&self, q: &[[f64; D]]) -> f64 {
         let nodes: f64 = self.nodes.iter().zip(q).map(|(kind, x)| self.naive_node(*kind, x)).sum();
         let pair = |edge: &Edge| {
-            let shape = self.shape.edges[usize::from(edge.kind)].unwrap();
+            let shape = self.shape.edges.get(usize::from(edge.kind)).unwrap();
             let [a, b] = edge.ends.map(|end| q[usize::from(end)]);
             let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
             let seen = match shape.separation {
                 Separation::Distance => square.sqrt(),
                 Separation::Squared => square,
             };
-            let start = self.weights.len() - 2 * (self.shape.edges().count() - usize::from(edge.kind));
+            let start = self.weights.len() - 2 * (self.shape.edges.len() - usize::from(edge.kind));
             let law = self.weights[start] * seen + self.weights[start + 1] * seen * seen;
             law + shape.potential.map_or(0.0, |network| self.run(network, vec![seen])[0])
         };
@@ -131,7 +132,7 @@ impl<const D: usize> Model<D> {
             })
         };
         let embed = |kind: u8, [a, b]: [usize; 2]| {
-            let shape = self.shape.edges[usize::from(kind)].unwrap();
+            let shape = self.shape.edges.get(usize::from(kind)).unwrap();
             let square: f64 = q[a].iter().zip(&q[b]).map(|(a, b)| (a - b).powi(2)).sum();
             let seen = if shape.separation == Separation::Distance { square.sqrt() } else { square };
             self.run(shape.embedding.unwrap(), vec![seen])
@@ -190,7 +191,7 @@ impl<const D: usize, const N: usize> Learned<N> for FixedModel<D, N> {
 }
 
 /// Node types with every kind of term, and two edge types.
-pub fn every_term(dimension: u8) -> Shape {
+pub fn every_term(dimension: u8) -> GraphShape {
     let networks = [
         network(4, &[7, 5], 1, Activation::Softplus),
         network(2 + dimension, &[9], 1, Activation::Tanh),
@@ -205,12 +206,12 @@ pub fn every_term(dimension: u8) -> Shape {
     ];
     let edges = [(Separation::Distance, 3), (Separation::Squared, 4)]
         .map(|(separation, network)| EdgeShape { separation, potential: Some(network), embedding: None });
-    let shape = Shape::new(dimension, &networks, &nodes, &edges).expect("few parts");
-    Shape { kinetic_embedding: 3, embedding: 2, ..shape }
+    let shape = GraphShape::new(dimension, &networks, &nodes, &edges).expect("few parts");
+    GraphShape { kinetic_embedding: 3, embedding: 2, ..shape }
 }
 
 /// The same, with messages as well.
-pub fn with_messages(dimension: u8) -> Shape {
+pub fn with_messages(dimension: u8) -> GraphShape {
     let shape = every_term(dimension);
     let messaging = [
         network(1, &[4], 3, Activation::Tanh),
@@ -219,15 +220,15 @@ pub fn with_messages(dimension: u8) -> Shape {
         network(3, &[4], 1, Activation::Tanh),
         network(2, &[3], 1, Activation::Tanh),
     ];
-    let networks: Vec<_> = shape.networks().copied().chain(messaging).collect();
-    let edges: Vec<_> = shape.edges().map(|edge| EdgeShape { embedding: Some(5), ..*edge }).collect();
-    let nodes: Vec<_> = shape.nodes().copied().collect();
+    let networks: Vec<_> = shape.networks.iter().copied().chain(messaging).collect();
+    let edges: Vec<_> = shape.edges.iter().map(|edge| EdgeShape { embedding: Some(5), ..*edge }).collect();
+    let nodes: Vec<_> = shape.nodes.iter().copied().collect();
     let messages = MessageShape { message: 6, update: 7, edge_potential: Some(8), node_potential: Some(9) };
-    Shape {
+    GraphShape {
         kinetic_embedding: shape.kinetic_embedding,
         embedding: shape.embedding,
         messages: Some(messages),
-        ..Shape::new(dimension, &networks, &nodes, &edges).expect("few parts")
+        ..GraphShape::new(dimension, &networks, &nodes, &edges).expect("few parts")
     }
 }
 
@@ -241,8 +242,8 @@ pub fn talking() -> Model<2> {
 pub fn alike() -> Model<2> {
     let shape = with_messages(2);
     let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::Network(1), drag: Drag::None };
-    let nodes = core::array::from_fn(|kind| (kind == 0).then_some(node));
-    Model::new(Shape { nodes, ..shape }, &[0; 4], &talking().edges, 6)
+    let nodes = List::new(&[node]).expect("one type");
+    Model::new(GraphShape { nodes, ..shape }, &[0; 4], &talking().edges, 6)
 }
 
 /// In the plane: every type twice, edges of both types.

@@ -77,7 +77,7 @@ impl<R: Real, const D: usize> Particles<R, D> for Exact<R, D> {
         self.masses.len()
     }
 
-    fn room(&self) -> usize {
+    fn workspace(&self) -> usize {
         0
     }
 
@@ -189,12 +189,12 @@ pub fn rod_error<R: Real, const D: usize>(constraints: &[Holonomic<R, D>], q: &[
     errors.fold(0.0, |largest, error| error.abs().max(largest))
 }
 
-/// The rooms of a state and of the steps, on the host.
-pub fn rooms<R: Real, const D: usize>(
+/// The workspaces of a state and of the steps, on the host.
+pub fn workspaces<R: Real, const D: usize>(
     mechanism: &Constrained<R, Exact<R, D>, [Holonomic<R, D>], D>,
 ) -> (Vec<R>, Vec<R>) {
-    let state = ParticleState::<R, D>::room(mechanism.system().nodes(), mechanism.equations());
-    (vec![R::zero(); state], vec![R::zero(); Rattle::room(mechanism)])
+    let state = ParticleState::<R, D>::workspace(mechanism.system().nodes(), mechanism.equations());
+    (vec![R::zero(); state], vec![R::zero(); Rattle::workspace(mechanism)])
 }
 
 /// A⁻¹b by Gaussian elimination with partial pivoting, of any size.

@@ -2,13 +2,13 @@
 
 use super::Random;
 use super::oracle::Learned;
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape, feature_count};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape, feature_count};
 use leastaction_core::network::{Activation, Dense};
 use leastaction_core::scalar::{Scalar, Stored};
 
 pub use Coordinate::{Angle, Cyclic, Translation};
 
-/// Room of the compiled model: more than any shape here needs, so that unused room is covered too.
+/// Workspace of the compiled model: more than any shape here needs, so that unused workspace is covered too.
 pub const WIDTH: usize = 13;
 pub const DEPTH: usize = 3;
 
@@ -16,7 +16,7 @@ pub const DEPTH: usize = 3;
 #[derive(Clone, Debug)]
 pub struct Model<const N: usize> {
     pub coordinates: [Coordinate; N],
-    pub widths: Vec<usize>,
+    pub widths: Vec<u16>,
     pub activation: Activation,
     pub inertia: Inertia,
     pub weights: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct Model<const N: usize> {
 impl<const N: usize> Model<N> {
     pub fn new(
         coordinates: [Coordinate; N],
-        widths: &[usize],
+        widths: &[u16],
         activation: Activation,
         inertia: Inertia,
         seed: u64,
@@ -35,13 +35,9 @@ impl<const N: usize> Model<N> {
         model
     }
 
-    pub fn shape(&self) -> Shape<'_, N> {
-        Shape {
-            coordinates: self.coordinates,
-            widths: &self.widths,
-            activation: self.activation,
-            inertia: self.inertia,
-        }
+    pub fn shape(&self) -> RigidShape<N> {
+        RigidShape::new(self.coordinates, &self.widths, self.activation, self.inertia)
+            .expect("a small network")
     }
 
     /// The model over a weight block of any type, of this shape.
@@ -81,7 +77,7 @@ impl<const N: usize> Learned<N> for Model<N> {
         let mut x: Vec<f64> = of(Translation).map(|i| q[i]).collect();
         x.extend(of(Angle).map(|i| q[i].cos()));
         x.extend(of(Angle).map(|i| q[i].sin()));
-        let widths = self.widths.iter().copied();
+        let widths = self.widths.iter().copied().map(usize::from);
         let o = naive_network(&self.weights, x, widths, self.activation, self.inertia.outputs(N));
         let softplus = |z: f64| (1.0 + z.exp()).ln();
         let mut factor = [[0.0; N]; N];

@@ -4,7 +4,8 @@ use super::Random;
 use super::oracle::Learned;
 use super::shapes::naive_network;
 use leastaction_core::energy::modular::{
-    Input, Modular, NUMBERS, NetworkShape, Node, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, Modular, ModularShape, NetworkShape, PairInput, PairShape, TransformShape,
+    TreeElement, TypeShape,
 };
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::Activation;
@@ -21,29 +22,33 @@ pub type Damped<'a, S, const N: usize> =
 /// A tree that owns its weights.
 #[derive(Clone, Debug)]
 pub struct Tree<const N: usize> {
-    pub shape: Shape,
-    pub nodes: Vec<Node>,
+    pub shape: ModularShape,
+    pub nodes: Vec<TreeElement>,
     pub weights: Vec<f64>,
+    /// Of each type.
+    pub damping: Vec<f64>,
 }
 
 pub fn network(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> NetworkShape {
     NetworkShape::new(inputs, widths, outputs, activation).expect("few layers")
 }
 
-pub fn node(kind: u8, parent: Option<u8>) -> Node {
-    Node { kind, parent }
+pub fn node(kind: u8, parent: Option<u8>) -> TreeElement {
+    TreeElement { kind, parent }
 }
 
 impl<const N: usize> Tree<N> {
-    pub fn new(shape: Shape, nodes: &[Node], seed: u64) -> Self {
-        let mut random = Random(seed);
-        let mut weights = random.vector(shape.parameters().unwrap(), 0.8);
-        let kinds = shape.types().count();
-        let start = weights.len() - 2 - NUMBERS * kinds;
-        for numbers in weights[start..start + NUMBERS * kinds].chunks_mut(NUMBERS) {
-            numbers.iter_mut().for_each(|x| *x = 1.0 + 0.5 * *x);
+    pub fn new(shape: ModularShape, nodes: &[TreeElement], seed: u64) -> Self {
+        let (mut random, kinds) = (Random(seed), shape.types.len());
+        let networks = shape.parameters().unwrap() - ELEMENT_PARAMETERS * kinds - 2;
+        let mut weights = random.vector(networks, 0.8);
+        let mut damping = Vec::new();
+        for _ in 0..kinds {
+            weights.extend(random.array::<ELEMENT_PARAMETERS>(0.8).map(|x| 1.0 + 0.5 * x));
+            damping.push(1.0 + 0.5 * random.symmetric(0.8));
         }
-        Self { shape, nodes: nodes.to_vec(), weights }
+        weights.extend(random.array::<2>(0.8));
+        Self { shape, nodes: nodes.to_vec(), weights, damping }
     }
 
     /// The tree over a weight block of any type, of this shape.
@@ -57,7 +62,8 @@ impl<const N: usize> Tree<N> {
     /// The tree with the damping of its elements.
     pub fn damped<'a, S: Scalar>(&self, weights: &'a [S::Weight]) -> Damped<'a, S, N> {
         let lagrangian = self.over(weights);
-        System { forces: Viscous { coefficients: lagrangian.damping() }, lagrangian }
+        let coefficients = lagrangian.tree.kinds().map(|kind| S::constant(self.damping[usize::from(kind)]));
+        System { lagrangian, forces: Viscous { coefficients } }
     }
 
     pub fn in_f64(&self) -> Modular<'_, f64, N, KINDS, WIDTH, DEPTH> {
@@ -76,19 +82,18 @@ impl<const N: usize> Tree<N> {
 
     /// Gives all types this damping coefficient.
     pub fn set_damping(&mut self, damping: f64) {
-        let end = self.weights.len() - 2;
-        let numbers = &mut self.weights[end - NUMBERS * self.shape.types().count()..end];
-        numbers.chunks_mut(NUMBERS).for_each(|numbers| numbers[4] = damping);
+        self.damping.fill(damping);
     }
 
-    fn numbers(&self, kind: u8) -> [f64; NUMBERS] {
-        let start = self.weights.len() - 2 - NUMBERS * (self.shape.types().count() - usize::from(kind));
-        self.weights[start..start + NUMBERS].try_into().unwrap()
+    fn numbers(&self, kind: u8) -> [f64; ELEMENT_PARAMETERS] {
+        let start =
+            self.weights.len() - 2 - ELEMENT_PARAMETERS * (self.shape.types.len() - usize::from(kind));
+        self.weights[start..start + ELEMENT_PARAMETERS].try_into().unwrap()
     }
 
     fn run(&self, network: u8, x: &[f64]) -> Vec<f64> {
-        let before = self.shape.networks().take(network.into()).map(|n| n.parameters().unwrap()).sum();
-        let shape = self.shape.networks().nth(network.into()).unwrap();
+        let before = self.shape.networks.iter().take(network.into()).map(|n| n.parameters().unwrap()).sum();
+        let shape = self.shape.networks.get(network).unwrap();
         let widths = shape.widths.into_iter().filter(|w| *w > 0).map(usize::from);
         let outputs = shape.outputs.into();
         naive_network(&self.weights[before..], x.to_vec(), widths, shape.activation, outputs)
@@ -97,10 +102,10 @@ impl<const N: usize> Tree<N> {
     /// What an element's coordinates add to positions.
     fn displacement(&self, kind: u8, q: &[f64]) -> [f64; 2] {
         let run = |network, x: &[f64]| <[f64; 2]>::try_from(self.run(network, x)).unwrap();
-        match self.shape.types[usize::from(kind)].unwrap().transform {
+        match self.shape.types.get(usize::from(kind)).unwrap().transform {
             TransformShape::Network { position, input, .. } => run(position, &features(input, q[0])),
             TransformShape::Rod => {
-                let [_, _, _, length, _] = self.numbers(kind);
+                let [_, _, _, length] = self.numbers(kind);
                 [length * q[0].sin(), -length * q[0].cos()]
             }
             TransformShape::Slide => [q[0], 0.0],
@@ -112,7 +117,7 @@ impl<const N: usize> Tree<N> {
     fn speed(&self, kind: u8, q: &[f64], v: &[f64]) -> [f64; 2] {
         const STEP: f64 = 1e-5;
         if let TransformShape::Network { velocity: Some(network), input, .. } =
-            self.shape.types[usize::from(kind)].unwrap().transform
+            self.shape.types.get(usize::from(kind)).unwrap().transform
         {
             let g = self.run(network, &features(input, q[0]));
             return [g[0] * v[0], g[1] * v[0]];
@@ -165,9 +170,9 @@ impl<const N: usize> Learned<N> for Tree<N> {
         let mut centres: Vec<(f64, [f64; 2])> = Vec::new();
         let (mut kinetic, mut potential, mut first) = (0.0, 0.0, 0);
         let [c1, c2] = self.weights[self.weights.len() - 2..].try_into().unwrap();
-        for Node { kind, parent } in &self.nodes {
-            let shape = self.shape.types[usize::from(*kind)].unwrap();
-            let [mass, inertia, centre, _, _] = self.numbers(*kind);
+        for TreeElement { kind, parent } in &self.nodes {
+            let shape = self.shape.types.get(usize::from(*kind)).unwrap();
+            let [mass, inertia, centre, _] = self.numbers(*kind);
             let range = first..first + shape.coordinates();
             let (own, speed) = (
                 self.displacement(*kind, &q[range.clone()]),
@@ -207,7 +212,7 @@ const LEARNED: fn(Input, Option<u8>) -> TransformShape =
     |input, velocity| TransformShape::Network { position: 0, velocity, input };
 
 /// Element types of all kinds: a learned link, a rod and a slide, each with a potential or without.
-pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Shape {
+pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> ModularShape {
     let inputs = input.features() as u8;
     let networks = [
         network(inputs, &[7, 5], 2, Activation::Tanh),
@@ -220,17 +225,18 @@ pub fn chain(input: Input, velocity: Option<u8>, pair: Option<PairInput>) -> Sha
         TypeShape { transform: TransformShape::Rod, potential: Some(1) },
         TypeShape { transform: TransformShape::Slide, potential: None },
     ];
-    Shape::new(&networks, &types, pair.map(|input| PairShape { network: 3, input })).expect("few parts")
+    ModularShape::new(&networks, &types, pair.map(|input| PairShape { network: 3, input }))
+        .expect("few parts")
 }
 
 /// Free points, of two types.
-pub fn bodies(pair: PairInput) -> Shape {
+pub fn bodies(pair: PairInput) -> ModularShape {
     let networks = [
         network(2, &[5, 3], 1, Activation::Tanh),
         network(pair.features() as u8, &[10], 1, Activation::Tanh),
     ];
     let types = [None, Some(0)].map(|potential| TypeShape { transform: TransformShape::Free, potential });
-    Shape::new(&networks, &types, Some(PairShape { network: 1, input: pair })).expect("few parts")
+    ModularShape::new(&networks, &types, Some(PairShape { network: 1, input: pair })).expect("few parts")
 }
 
 pub fn of_three() -> Vec<Tree<3>> {
@@ -269,7 +275,7 @@ const CART: u8 = 1;
 
 /// A mechanism of links of 1 m and 1 kg and carts of 2 kg under gravity. A learned link has a network that is not quite a
 /// rod: x = tanh(ε(sin q, −cos q))/ε.
-fn mechanism<const N: usize>(learned: bool, nodes: &[Node]) -> Tree<N> {
+fn mechanism<const N: usize>(learned: bool, nodes: &[TreeElement]) -> Tree<N> {
     const EPSILON: f64 = 0.3;
     let networks = [network(2, &[2], 2, Activation::Tanh), network(2, &[], 1, Activation::Identity)];
     let transform = if learned { LEARNED(Input::Angle, None) } else { TransformShape::Rod };
@@ -279,10 +285,10 @@ fn mechanism<const N: usize>(learned: bool, nodes: &[Node]) -> Tree<N> {
     ];
     let hidden = [EPSILON, 0.0, 0.0, EPSILON, 0.0, 0.0];
     let output = [0.0, 1.0 / EPSILON, -1.0 / EPSILON, 0.0, 0.0, 0.0];
-    let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.0]);
+    let (gravity, numbers) = ([0.0, 9.81, 0.0], [1.0, 0.0, 1.0, 1.0, 2.0, 0.0, 1.0, 1.0]);
     let weights = [&hidden[..], &output, &gravity, &numbers, &[1.0, 0.0]].concat();
-    let shape = Shape::new(&networks, &types, None).expect("few parts");
-    Tree { shape, nodes: nodes.to_vec(), weights }
+    let shape = ModularShape::new(&networks, &types, None).expect("few parts");
+    Tree { shape, nodes: nodes.to_vec(), weights, damping: vec![0.0; 2] }
 }
 
 pub fn double_pendulum(learned: bool) -> Tree<2> {

@@ -5,16 +5,19 @@ use crate::{print, report, stack};
 use core::hint::black_box;
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{Drive, acceleration, constrained_acceleration};
-use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
 use leastaction_core::discrete::{Del, Newton, Path};
+use leastaction_core::discrete::{
+    Order,
+    rattle::{ParticleState, Rattle},
+};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::particles::Particles;
 use leastaction_firmware_sim::trajectory::reference::{
     BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
 };
-use leastaction_firmware_sim::trajectory::{Free, Hanging};
+use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion};
 
 /// Loads a model, and prints the stack that it takes.
 pub fn load<T>(load: impl FnOnce() -> Result<T, ModelError>) -> Result<T, &'static [u8]> {
@@ -30,7 +33,6 @@ pub fn free<L, F, P: Path, const N: usize>(
 ) -> Result<(), &'static [u8]>
 where
     L: Lagrangian<f32, N>,
-    L::Mass: MassMatrix<f32, N>,
     F: Forces<f32, N>,
 {
     let at = [[0.1; N], [0.2; N], [0.0; N]];
@@ -39,7 +41,7 @@ where
         let _ = black_box(acceleration(system, q, v, u));
     });
     let del = Del::<f32, P>::with_newton(STEP, newton);
-    let mut motion = Free::new(system, del).map_err(|_| b"the start is refused".as_slice())?;
+    let mut motion = SystemMotion::new(system, del).map_err(|_| b"the start is refused".as_slice())?;
     report::motion(&mut motion, &mut Counts::default())
 }
 
@@ -51,7 +53,7 @@ pub fn cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
 
 /// The same with weights in half precision.
 pub fn half_cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
-    let model = load(|| HalfCartpole::load_half(black_box(file)))?;
+    let model = load(|| HalfCartpole::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 
@@ -61,12 +63,19 @@ pub fn double_pendulum<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]
     free::<_, _, P, 2>(&model.system, newton())
 }
 
-/// The chain of bobs, straight and aslant, with steps of an order.
+/// The chain of bobs, straight and aslant, with steps of an order. Its rods are constants of the program, which takes a third
+/// less code than to step whatever rods the file has.
 pub fn bobs(file: &'static [u8], order: Order) -> Result<(), &'static [u8]> {
-    let bobs = load(|| Bobs::load(black_box(file), GRAPH, &mut []))?;
-    let mut room = [0.0; Rattle::<f32>::room_of::<2>(BOBS, BOBS, 1, 0)];
-    let mut numbers = [0.0; ParticleState::<f32, 2>::room(BOBS, BOBS)];
-    hanging(&bobs.graph, (&chain(), &aslant()), (order, newton()), (&mut numbers, &mut room))
+    let mut rods = chain();
+    let bobs = load(|| Bobs::load(black_box(file), GRAPH, &mut [], &mut rods))?;
+    let mut workspace = [0.0; Rattle::<f32>::workspace_of::<2>(BOBS, BOBS, 1, 0)];
+    let mut numbers = [0.0; ParticleState::<f32, 2>::workspace(BOBS, BOBS)];
+    hanging(
+        &bobs.system.graph,
+        (&chain(), &aslant()),
+        (order, newton()),
+        (&mut numbers, &mut workspace),
+    )
 }
 
 /// Measures particles on rods with steps of an order.
@@ -74,23 +83,23 @@ pub fn hanging<S: Particles<f32, 2>, const NODES: usize>(
     graph: &S,
     (rods, q): (&[Holonomic<f32, 2>], &[[f32; 2]; NODES]),
     (order, newton): (Order, Newton<f32>),
-    (numbers, room): (&mut [f32], &mut [f32]),
+    (numbers, workspace): (&mut [f32], &mut [f32]),
 ) -> Result<(), &'static [u8]> {
     let refused = b"the particles are refused".as_slice();
     let mechanism = Constrained::new(graph, rods).map_err(|_| refused)?;
-    accelerate(&mechanism, q, room);
+    accelerate(&mechanism, q, workspace);
     let v = [[0.0; 2]; NODES];
-    let state = ParticleState::new(&mechanism, q, &v, numbers, room).map_err(|_| refused)?;
+    let state = ParticleState::new(&mechanism, q, &v, numbers, workspace).map_err(|_| refused)?;
     let rattle = Rattle::with_newton(STEP, order, newton);
     let mut force = [[0.0; 2]; NODES];
-    let mut motion = Hanging::new(&mechanism, rattle, state, &mut force, room);
+    let mut motion = ParticleMotion::new(&mechanism, rattle, state, &mut force, workspace);
     report::motion(&mut motion, &mut Counts::default())
 }
 
 fn accelerate<S: Particles<f32, 2>, const NODES: usize>(
     mechanism: &Constrained<f32, S, [Holonomic<f32, 2>], 2>,
     q: &[[f32; 2]; NODES],
-    room: &mut [f32],
+    workspace: &mut [f32],
 ) {
     report::evaluation(b"acceleration_instructions", b"acceleration_stack", || {
         let (mut a, mut lambda) = ([[0.0; 2]; NODES], [0.0; NODES]);
@@ -99,7 +108,7 @@ fn accelerate<S: Particles<f32, 2>, const NODES: usize>(
             mechanism,
             (black_box(q), q),
             &Drive::none(),
-            room,
+            workspace,
             (&mut a, lambda_of_rods),
         ));
         black_box((a, lambda));

@@ -1,4 +1,4 @@
-//! How deep the stack goes: the room below it is painted, and looked at afterwards.
+//! How deep the stack goes: the workspace below it is painted, and looked at afterwards.
 
 use crate::board::stack_pointer;
 

@@ -1,23 +1,23 @@
 //! Controllers that know a mechanism only through its model.
 
-mod law;
 mod pump;
 mod regulator;
 mod riccati;
 mod swing_up;
+mod task;
 mod track;
 
-pub use law::Law;
 pub use pump::{CartPump, JointPump, Pump, PumpConfig};
 pub use regulator::{Regulator, Tolerance};
 pub use riccati::{Linear, riccati};
 pub use swing_up::{Catch, SwingUp};
+pub use task::TaskController;
 pub use track::{Gains, Reference, Setpoint, Track};
 
 use crate::tick::Mode;
 use crate::wire::array;
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::linear::Singular;
+use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
 /// What a controller asks for.
@@ -35,6 +35,10 @@ pub trait Controller<M, const N: usize> {
     /// Where the mechanism should be at time t, s.
     fn reference(&self, t: f32) -> [f32; N];
     /// The force for the estimated state at which it will act, time t (s). An error where the model cannot say.
-    fn command(&mut self, model: &M, t: f32, state: &ContinuousState<f32, N>)
-    -> Result<Command<N>, Singular>;
+    fn command(
+        &mut self,
+        model: &M,
+        t: f32,
+        state: &ContinuousState<f32, N>,
+    ) -> Result<Command<N>, StepError<f32>>;
 }

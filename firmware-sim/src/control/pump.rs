@@ -1,6 +1,7 @@
 use crate::Mechanism;
 use crate::error::{SetupError, require};
 use leastaction_core::continuous::ContinuousState;
+use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
 /// How energy is pumped into a swinging coordinate. Bands are where the effort falls off linearly, so that noise about
@@ -48,8 +49,8 @@ fn unit(x: f32) -> f32 {
 
 /// An energy-based swing-up law, from the model's own energies.
 pub trait Pump<M, const N: usize> {
-    /// The force at an estimated state.
-    fn force(&self, model: &M, state: &ContinuousState<f32, N>) -> [f32; N];
+    /// The force at an estimated state. An error where the model's inverse dynamics is singular.
+    fn force(&self, model: &M, state: &ContinuousState<f32, N>) -> Result<[f32; N], StepError<f32>>;
 }
 
 /// Pumps a single joint: u = ±effort with the sign of θ̇ while energy is missing, for Ė = uθ̇.
@@ -73,10 +74,10 @@ impl JointPump {
 }
 
 impl<M: Mechanism<1>> Pump<M, 1> for JointPump {
-    fn force(&self, model: &M, state: &ContinuousState<f32, 1>) -> [f32; 1] {
+    fn force(&self, model: &M, state: &ContinuousState<f32, 1>) -> Result<[f32; 1], StepError<f32>> {
         let energies = model.energies(&state.q, &state.v);
         let missing = (self.upright - energies.kinetic - energies.potential) / self.height;
-        [self.config.effort * self.config.drive(missing, state.v[0])]
+        Ok([self.config.effort * self.config.drive(missing, state.v[0])])
     }
 }
 
@@ -123,12 +124,12 @@ impl CartPump {
 }
 
 impl<M: Mechanism<2>> Pump<M, 2> for CartPump {
-    fn force(&self, model: &M, state: &ContinuousState<f32, 2>) -> [f32; 2] {
+    fn force(&self, model: &M, state: &ContinuousState<f32, 2>) -> Result<[f32; 2], StepError<f32>> {
         let x_ddot = self.acceleration(model, state);
-        let [_, on_pole] = model.inverse_dynamics(&state.q, &state.v, &[x_ddot, 0.0]);
+        let [_, on_pole] = model.inverse_dynamics(&state.q, &state.v, &[x_ddot, 0.0])?;
         let [_, pole] = model.inertial_force(&state.q, &[0.0, 1.0]);
-        let [force, _] = model.inverse_dynamics(&state.q, &state.v, &[x_ddot, -on_pole / pole]);
-        [force, 0.0]
+        let [force, _] = model.inverse_dynamics(&state.q, &state.v, &[x_ddot, -on_pole / pole])?;
+        Ok([force, 0.0])
     }
 }
 

@@ -1,7 +1,7 @@
 use super::riccati::{Linear, riccati};
 use crate::Mechanism;
 use crate::angle::difference;
-use crate::error::{SetupError, require};
+use crate::error::{Range, SetupError, require};
 use crate::wire::array;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::linear::{dot, solve_many, transpose};
@@ -31,6 +31,7 @@ impl<const N: usize> Tolerance<N> {
 
     /// Q.
     fn weights<const D: usize>(&self) -> SMatrix<f32, D, D> {
+        const { assert!(D == 2 * N, "the state has N positions and N velocities") };
         let mut tolerances = self.q.iter().chain(&self.v);
         let weights = SVector::from_fn(|_, _| tolerances.next().map_or(0.0, |x| 1.0 / (x * x)));
         SMatrix::from_diagonal(&weights)
@@ -54,6 +55,9 @@ pub struct Regulator<const N: usize> {
 
 impl<const N: usize> Regulator<N> {
     /// Designs the feedback for ticks of h seconds from the model's own second derivatives at `target`; D is 2N.
+    ///
+    /// # Errors
+    /// Tolerances that are not positive, an input that is no coordinate, and a model whose rest at `target` cannot be held by it.
     pub fn design<M: Mechanism<N>, const D: usize>(
         model: &M,
         target: [f32; N],
@@ -63,11 +67,13 @@ impl<const N: usize> Regulator<N> {
     ) -> Result<Self, SetupError> {
         const { assert!(D == 2 * N, "the state has N positions and N velocities") };
         tolerance.validate()?;
+        let (what, range) =
+            ("actuated coordinate of the regulator", Range::Words("one of the model's, from 0"));
+        let no_input = SetupError::OutOfRange { what, value: input as f32, range };
+        let bias = -*model.hessian(&target, &[0.0; N]).l_q.get(input).ok_or(no_input)?;
         let system = linearise::<M, N, D>(model, &target, input)?.sampled(h);
         let k = riccati(&system, &tolerance.weights(), 1.0 / (tolerance.u * tolerance.u))?;
-        let bias = -model.hessian(&target, &[0.0; N]).l_q.get(input).copied().unwrap_or(0.0);
-        let part = |from: usize| core::array::from_fn(|i| k.get(from + i).copied().unwrap_or(0.0));
-        Ok(Self { target, input, bias, gain_q: part(0), gain_v: part(N) })
+        Ok(Self { target, input, bias, gain_q: part(&k, 0), gain_v: part(&k, N) })
     }
 
     /// The force at a state, N or N m, not limited; `angle` says which coordinates are angles.
@@ -75,6 +81,12 @@ impl<const N: usize> Regulator<N> {
         let deviation = difference(&state.q, &self.target, angle);
         self.bias - dot(&self.gain_q, &deviation) - dot(&self.gain_v, &state.v)
     }
+}
+
+/// N entries of a column of 2N, from one on.
+fn part<const D: usize, const N: usize>(column: &SVector<f32, D>, from: usize) -> [f32; N] {
+    debug_assert!(from + N <= D, "a part of the column");
+    core::array::from_fn(|i| column.get(from + i).copied().unwrap_or(f32::NAN))
 }
 
 /// The model about a rest at q₀: v̇ = M⁻¹((L_qq + Q_q)δq + Q_v v + u), exactly; L_vq vanishes with v.

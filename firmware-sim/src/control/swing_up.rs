@@ -3,7 +3,7 @@ use crate::angle::difference;
 use crate::error::{SetupError, require};
 use crate::tick::Mode;
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::linear::Singular;
+use leastaction_core::discrete::StepError;
 use serde::{Deserialize, Serialize};
 
 /// When the regulator takes over from the pump, and when it gives up.
@@ -53,7 +53,9 @@ impl<P, const N: usize> SwingUp<P, N> {
     /// Whether the regulator, which asks for so much force, should be at work.
     fn holds(&self, state: &ContinuousState<f32, N>, force: f32) -> bool {
         let deviation = difference(&state.q, &self.regulator.target, &self.angle);
-        let angle = deviation.get(self.swinging).map_or(0.0, |x| x.abs());
+        debug_assert!(self.swinging < N, "one of the coordinates swings");
+        // Of no coordinate: never near upright.
+        let angle = deviation.get(self.swinging).map_or(f32::INFINITY, |x| x.abs());
         if self.holding {
             angle < self.catch.release
         } else {
@@ -72,11 +74,11 @@ impl<M, P: Pump<M, N>, const N: usize> Controller<M, N> for SwingUp<P, N> {
         model: &M,
         _: f32,
         state: &ContinuousState<f32, N>,
-    ) -> Result<Command<N>, Singular> {
+    ) -> Result<Command<N>, StepError<f32>> {
         let force = self.regulator.force(state, &self.angle);
         self.holding = self.holds(state, force);
         if !self.holding {
-            return Ok(Command { u: self.pump.force(model, state), mode: Mode::Swing });
+            return Ok(Command { u: self.pump.force(model, state)?, mode: Mode::Swing });
         }
         let u = core::array::from_fn(|i| if i == self.regulator.input { force } else { 0.0 });
         Ok(Command { u, mode: Mode::Hold })

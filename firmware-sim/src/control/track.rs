@@ -6,7 +6,7 @@ use crate::tick::Mode;
 use crate::wire::array;
 use core::f32::consts::TAU;
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::linear::Singular;
+use leastaction_core::discrete::StepError;
 use leastaction_core::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -113,7 +113,7 @@ impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
         model: &M,
         t: f32,
         state: &ContinuousState<f32, N>,
-    ) -> Result<Command<N>, Singular> {
+    ) -> Result<Command<N>, StepError<f32>> {
         let t = t + self.delay;
         let (now, middle) = (self.reference.at(t), self.reference.at(t + self.middle));
         let error = difference(&state.q, &now.q, &self.angle);
@@ -121,7 +121,7 @@ impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
             (square(self.gains.frequency), 2.0 * self.gains.damping * self.gains.frequency);
         let wanted = core::array::from_fn(|i| stiffness * error[i] + damping * (state.v[i] - now.v[i]));
         let feedback = model.inertial_force(&state.q, &wanted);
-        let feedforward = model.inverse_dynamics(&middle.q, &middle.v, &middle.a);
+        let feedforward = model.inverse_dynamics(&middle.q, &middle.v, &middle.a)?;
         let u = core::array::from_fn(|i| feedforward[i] - feedback[i]);
         Ok(Command { u, mode: Mode::Track })
     }

@@ -47,9 +47,10 @@ impl<const N: usize> DelayLine<N> {
     pub fn new(delay: u8) -> Self {
         let rest = [0.0; N];
         let mut pending = Deque::new();
+        debug_assert!(delay <= MAX_DELAY, "configurations of a longer delay are refused");
         for _ in 0..delay.min(MAX_DELAY) {
-            // The queue has room for MAX_DELAY + 1.
-            let _ = pending.push_back(rest);
+            let kept = pending.push_back(rest);
+            debug_assert!(kept.is_ok(), "the queue holds MAX_DELAY + 1");
         }
         Self { pending, last: rest }
     }
@@ -57,8 +58,8 @@ impl<const N: usize> DelayLine<N> {
     /// Takes this tick's command, or the last one again where there is none, and gives the force of this tick.
     pub fn advance(&mut self, command: Option<[f32; N]>) -> [f32; N] {
         self.last = command.unwrap_or(self.last);
-        // The one free place is filled here and freed on the next line.
-        let _ = self.pending.push_back(self.last);
+        let kept = self.pending.push_back(self.last);
+        debug_assert!(kept.is_ok(), "the one free place is filled here and freed on the next line");
         self.pending.pop_front().unwrap_or(self.last)
     }
 

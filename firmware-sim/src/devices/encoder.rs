@@ -6,7 +6,7 @@ use core::f32::consts::TAU;
 /// An encoder of one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderConfig {
-    /// Whether it reads an angle, and so forgets whole turns: its readings are in [−π, π].
+    /// Whether it measures an angle: its readings are then wrapped to [−π, π].
     pub angle: bool,
     /// One count, rad or m; 0: infinitely fine.
     pub resolution: f32,

@@ -3,7 +3,7 @@ use leastaction_core::scalar::Scalar;
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// Whose random numbers.
+/// What draws random numbers, each from a stream of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Device {

@@ -3,6 +3,7 @@
 //! COBS is of Cheshire and Baker, "Consistent Overhead Byte Stuffing", SIGCOMM 1997. A frame is too short for a block of
 //! 254 bytes, so that every block stands for a 0 behind it.
 
+use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use serde::Serialize;
 use serde::de::Deserialize;
@@ -13,9 +14,17 @@ pub const MAX_FRAME: usize = 192;
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;
 
-/// A frame that arrived is none: a byte of it was lost, changed or added, or it is too long.
+/// What arrived is not a whole frame with the message that was expected: a byte was lost, changed or added, or it is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Broken;
+
+impl fmt::Display for Broken {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a frame is damaged, too long, or holds another message")
+    }
+}
+
+impl core::error::Error for Broken {}
 
 /// A document and its checksum.
 #[derive(Clone, Debug)]
@@ -34,14 +43,19 @@ impl Frame {
         let mut frame = Self::empty();
         let length = postcard::to_slice(message, &mut frame.bytes).map_err(|_| Broken)?.len();
         let sum = CRC.checksum(frame.bytes.get(..length).ok_or(Broken)?);
-        let room = frame.bytes.get_mut(length..).and_then(|rest| rest.first_chunk_mut()).ok_or(Broken)?;
-        *room = sum.to_le_bytes();
+        let workspace =
+            frame.bytes.get_mut(length..).and_then(|rest| rest.first_chunk_mut()).ok_or(Broken)?;
+        *workspace = sum.to_le_bytes();
         frame.length = length + CRC_BYTES;
         Ok(frame)
     }
 
     /// Hands over the bytes as they go over the link, to the first error.
     pub fn send<E>(&self, mut to: impl FnMut(u8) -> Result<(), E>) -> Result<(), E> {
+        debug_assert!(
+            self.length <= MAX_FRAME,
+            "frames are made by `of` and `push`, which keep to their bytes"
+        );
         let bytes = self.bytes.get(..self.length).unwrap_or(&[]);
         for run in bytes.split(|byte| *byte == 0) {
             to(run.len() as u8 + 1)?;
@@ -50,7 +64,7 @@ impl Frame {
         to(0)
     }
 
-    /// The message in it; [`Broken`] where the checksum is another, or it is none of this kind, or goes on behind it.
+    /// The message in it; [`Broken`] where the checksum does not fit, the message is of another kind, or bytes follow it.
     pub fn message<'a, T: Deserialize<'a>>(&'a self) -> Result<T, Broken> {
         match postcard::take_from_bytes(self.document()?) {
             Ok((message, [])) => Ok(message),
@@ -58,7 +72,7 @@ impl Frame {
         }
     }
 
-    /// The message that a document begins with, whatever follows.
+    /// The first message of a document, whatever follows it.
     pub(super) fn beginning<'a, T: Deserialize<'a>>(&'a self) -> Result<T, Broken> {
         postcard::take_from_bytes(self.document()?).map(|(message, _)| message).map_err(|_| Broken)
     }

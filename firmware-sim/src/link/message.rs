@@ -6,7 +6,7 @@ use crate::wire::array;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages: the first byte of every document.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
 /// What the world asks of a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub enum Request<const N: usize> {
     End,
 }
 
-/// What a tick begins with.
+/// What the firmware is told at the beginning of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Samples<const N: usize> {
     /// The number of the request; its answer has the same.
@@ -61,9 +61,6 @@ pub struct Done<const N: usize> {
 /// Coordinates that programs are made for.
 pub const MAX_COORDINATES: u8 = 2;
 
-/// The beginning of a request: version and coordinates.
-pub(super) type Head = (u8, u8);
-
 /// The frame of a request.
 pub fn request<const N: usize>(request: &Request<N>) -> Result<Frame, Broken> {
     Frame::of(&(VERSION, N as u8, request))
@@ -72,9 +69,9 @@ pub fn request<const N: usize>(request: &Request<N>) -> Result<Frame, Broken> {
 /// The request in a frame.
 ///
 /// # Errors
-/// Why it is none in N coordinates.
-pub fn requested<const N: usize>(frame: &Frame) -> Result<Request<N>, Refusal> {
-    let (version, coordinates): Head = frame.beginning().map_err(|_| Refusal::Frame)?;
+/// Where the frame holds no request of this version in N coordinates: why.
+pub fn parse_request<const N: usize>(frame: &Frame) -> Result<Request<N>, Refusal> {
+    let (version, coordinates): (u8, u8) = frame.beginning().map_err(|_| Refusal::Frame)?;
     if version != VERSION {
         return Err(Refusal::Version { supported: VERSION });
     }
@@ -92,8 +89,8 @@ pub fn answer<const N: usize>(answer: &Answer<'_, N>) -> Result<Frame, Broken> {
 /// The answer in a frame.
 ///
 /// # Errors
-/// Where it is none in N coordinates, or of another version.
-pub fn answered<const N: usize>(frame: &Frame) -> Result<Answer<'_, N>, Broken> {
+/// Where the frame holds no answer of this version in N coordinates.
+pub fn parse_answer<const N: usize>(frame: &Frame) -> Result<Answer<'_, N>, Broken> {
     match frame.message()? {
         (VERSION, answer) => Ok(answer),
         _ => Err(Broken),

@@ -1,6 +1,6 @@
 use crate::error::SetupError;
 use core::fmt;
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{Coded, ModelError, entry_of};
 use serde::{Deserialize, Serialize};
 
 /// Why a processor refuses a request.
@@ -23,132 +23,24 @@ pub enum Refusal {
     /// There is no model in its flash.
     NoModel,
     /// The model in its flash is refused.
-    Model(ModelFault),
+    Model(ModelRefusal),
     /// The program is refused.
     Program(ProgramFault),
 }
 
-/// The kinds of [`ModelError`], without their numbers.
+/// Why a model file is refused: a reason of core's [catalogue](leastaction_core::model::CATALOGUE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ModelFault {
-    /// Fewer bytes than the smallest file has.
-    TooShort,
-    /// It does not begin with the magic letters.
-    Magic,
-    /// A format version that the image does not read.
-    Version,
-    /// The file was damaged.
-    Checksum,
-    /// The header is not a document of the format.
-    Malformed,
-    /// Bytes after the end of the document.
-    TrailingBytes,
-    /// The weights do not begin at a multiple of 4.
-    Unaligned,
-    /// The processor is big-endian.
-    BigEndian,
-    /// Another number of weights than the shape needs.
-    WeightCount,
-    /// A weight is infinite or not a number.
-    NotFinite,
-    /// A number of the header is out of range.
-    OutOfRange,
-    /// A tree of elements is none.
-    Tree,
-    /// A graph is none.
-    Graph,
-    /// Names are missing, empty or the same.
-    Names,
-    /// No tree of the name asked for.
-    NoSuchTree,
-    /// No graph of the name asked for.
-    NoSuchGraph,
-    /// A model of another family.
-    OtherFamily,
-    /// Another shape than the image was compiled for.
-    Shape,
-    /// None that this version knows.
-    Other,
-    /// Weights of another precision than the image was compiled for.
-    Precision,
+pub struct ModelRefusal {
+    /// Its number there.
+    pub code: u8,
+    /// Its numbers, as of the error; those beyond 32 bits are cut to `u32::MAX`.
+    pub numbers: [u32; 3],
 }
 
-impl ModelFault {
-    /// All of them; the place of each is its code.
-    pub const ALL: [Self; 20] = [
-        Self::TooShort,
-        Self::Magic,
-        Self::Version,
-        Self::Checksum,
-        Self::Malformed,
-        Self::TrailingBytes,
-        Self::Unaligned,
-        Self::BigEndian,
-        Self::WeightCount,
-        Self::NotFinite,
-        Self::OutOfRange,
-        Self::Tree,
-        Self::Graph,
-        Self::Names,
-        Self::NoSuchTree,
-        Self::NoSuchGraph,
-        Self::OtherFamily,
-        Self::Shape,
-        Self::Other,
-        Self::Precision,
-    ];
-
-    /// In a word.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::TooShort => "too_short",
-            Self::Magic => "magic",
-            Self::Version => "version",
-            Self::Checksum => "checksum",
-            Self::Malformed => "malformed",
-            Self::TrailingBytes => "trailing_bytes",
-            Self::Unaligned => "unaligned",
-            Self::BigEndian => "big_endian",
-            Self::WeightCount => "weight_count",
-            Self::NotFinite => "not_finite",
-            Self::OutOfRange => "out_of_range",
-            Self::Tree => "tree",
-            Self::Graph => "graph",
-            Self::Names => "names",
-            Self::NoSuchTree => "no_such_tree",
-            Self::NoSuchGraph => "no_such_graph",
-            Self::OtherFamily => "other_family",
-            Self::Shape => "shape",
-            Self::Other => "other",
-            Self::Precision => "precision",
-        }
-    }
-}
-
-impl From<ModelError> for ModelFault {
+impl From<ModelError> for ModelRefusal {
     fn from(error: ModelError) -> Self {
-        match error {
-            ModelError::TooShort { .. } => Self::TooShort,
-            ModelError::Magic => Self::Magic,
-            ModelError::Version { .. } => Self::Version,
-            ModelError::Checksum { .. } => Self::Checksum,
-            ModelError::Malformed => Self::Malformed,
-            ModelError::TrailingBytes { .. } => Self::TrailingBytes,
-            ModelError::Unaligned { .. } => Self::Unaligned,
-            ModelError::BigEndian => Self::BigEndian,
-            ModelError::WeightCount { .. } => Self::WeightCount,
-            ModelError::NotFinite { .. } => Self::NotFinite,
-            ModelError::OutOfRange { .. } => Self::OutOfRange,
-            ModelError::Tree(_) => Self::Tree,
-            ModelError::Graph(_) => Self::Graph,
-            ModelError::Names { .. } => Self::Names,
-            ModelError::NoSuchTree { .. } => Self::NoSuchTree,
-            ModelError::NoSuchGraph { .. } => Self::NoSuchGraph,
-            ModelError::OtherFamily { .. } => Self::OtherFamily,
-            ModelError::Shape { .. } => Self::Shape,
-            ModelError::Precision { .. } => Self::Precision,
-            _ => Self::Other,
-        }
+        let Coded { code, numbers, .. } = error.coded();
+        Self { code, numbers: numbers.map(|number| u32::try_from(number).unwrap_or(u32::MAX)) }
     }
 }
 
@@ -197,37 +89,17 @@ impl fmt::Display for Refusal {
             }
             Self::NotBegun => write!(f, "no program was begun"),
             Self::NoModel => write!(f, "there is no model in its flash"),
-            Self::Model(fault) => write!(f, "the model in its flash: {fault}"),
+            Self::Model(refusal) => write!(f, "the model in its flash: {refusal}"),
             Self::Program(fault) => write!(f, "the program: {fault}"),
         }
     }
 }
 
-impl fmt::Display for ModelFault {
+impl fmt::Display for ModelRefusal {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let words = match self {
-            Self::TooShort => "not a whole file",
-            Self::Magic => "not a leastaction model file",
-            Self::Version => "a format version that it does not read",
-            Self::Checksum => "damaged",
-            Self::Malformed => "the header is malformed",
-            Self::TrailingBytes => "bytes after its end",
-            Self::Unaligned => "not at a multiple of 4",
-            Self::BigEndian => "little-endian weights cannot be read in place there",
-            Self::WeightCount => "another number of weights than its shape needs",
-            Self::NotFinite => "a weight is infinite or not a number",
-            Self::OutOfRange => "a number of the header is out of range",
-            Self::Tree => "a tree of elements is none",
-            Self::Graph => "a graph is none",
-            Self::Names => "names are missing, empty or the same",
-            Self::NoSuchTree => "no tree of that name",
-            Self::NoSuchGraph => "no graph of that name",
-            Self::OtherFamily => "a model of another family than rigid",
-            Self::Shape => "another shape than its image was compiled for",
-            Self::Other => "of an unknown kind",
-            Self::Precision => "weights of another precision than its image was compiled for",
-        };
-        write!(f, "{words} (code {})", *self as u8)
+        let message = entry_of(self.code).and_then(|entry| entry.message.to_str().ok());
+        let [a, b, c] = self.numbers;
+        write!(f, "{} (code {}: {a}, {b}, {c})", message.unwrap_or("refused"), self.code)
     }
 }
 

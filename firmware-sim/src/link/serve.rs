@@ -1,10 +1,10 @@
 use super::frame::{Frame, Receiver};
-use super::message::{Answer, Done, Request, Samples, answer, requested};
+use super::message::{Answer, Done, Request, Samples, answer, parse_request};
 use super::refusal::Refusal;
-use crate::Mechanism;
 use crate::control::Controller;
 use crate::error::SetupError;
 use crate::firmware::Firmware;
+use crate::{Mechanism, Trained};
 use leastaction_core::model::{ModelError, RigidModel};
 
 /// A board's end of a link.
@@ -41,15 +41,19 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
     let mut link = Link { port, receiver: Receiver::default(), processor };
     let mut next = link.receive()?;
     loop {
-        next = match (requested::<1>(&next), requested::<2>(&next)) {
+        next = match (parse_request::<1>(&next), parse_request::<2>(&next)) {
             (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
             (Ok(Request::Begin(program)), _) => {
                 let model = load(model, RigidModel::<1, H, D>::load);
-                link.program(model.as_ref().map(|model| &model.system), |model| program.start(model))?
+                let model = model.as_ref().map_err(|refusal| *refusal);
+                let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
+                link.program(model.as_ref(), |model| program.start(model))?
             }
             (_, Ok(Request::Begin(program))) => {
                 let model = load(model, RigidModel::<2, H, D>::load);
-                link.program(model.as_ref().map(|model| &model.system), |model| program.start(model))?
+                let model = model.as_ref().map_err(|refusal| *refusal);
+                let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
+                link.program(model.as_ref(), |model| program.start(model))?
             }
             (Ok(Request::Tick(_)), _) | (_, Ok(Request::Tick(_))) => link.refuse(Refusal::NotBegun)?,
             (Err(Refusal::Coordinates { .. }), Err(refusal)) | (Err(refusal), Err(_)) => {
@@ -89,8 +93,11 @@ impl<P: Port> Link<'_, P> {
     fn send<const N: usize>(&mut self, message: &Answer<'_, N>) -> Result<(), P::Error> {
         match answer(message) {
             Ok(frame) => frame.send(|byte| self.port.send(byte)),
-            // No answer is longer than a frame; if one were, the other end would hear nothing, and say so.
-            Err(_) => Ok(()),
+            // The other end would hear nothing, and say so.
+            Err(_) => {
+                debug_assert!(false, "no answer is longer than a frame");
+                Ok(())
+            }
         }
     }
 
@@ -99,7 +106,7 @@ impl<P: Port> Link<'_, P> {
         self.receive()
     }
 
-    /// Starts a program, and runs its ticks up to the first frame that is none.
+    /// Starts a program, and runs its ticks up to the first frame that is no tick.
     fn program<'m, M: Mechanism<N>, C: Controller<M, N>, const N: usize>(
         &mut self,
         model: Result<&'m M, &Refusal>,
@@ -123,7 +130,7 @@ impl<P: Port> Link<'_, P> {
         self.send(&ready)?;
         loop {
             let frame = self.receive()?;
-            let Ok(Request::Tick(samples)) = requested::<N>(&frame) else { return Ok(frame) };
+            let Ok(Request::Tick(samples)) = parse_request::<N>(&frame) else { return Ok(frame) };
             let Samples { sequence, time, elapsed, measured } = samples;
             let (instructions, outcome) = self.port.count(|| firmware.run(time, elapsed, &measured));
             self.send(&Answer::Done(Done { sequence, outcome, instructions }))?;

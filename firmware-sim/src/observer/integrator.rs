@@ -1,26 +1,5 @@
 use crate::Mechanism;
-use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Report, State, StepError};
-use serde::{Deserialize, Serialize};
-
-/// Order of a discrete Euler–Lagrange step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Order {
-    /// Midpoint.
-    Two,
-    /// Galerkin, two Gauss points.
-    Four,
-}
-
-impl Order {
-    /// The order that a model file's number stands for: 2 or 4.
-    pub const fn from_number(order: u8) -> Option<Self> {
-        match order {
-            2 => Some(Self::Two),
-            4 => Some(Self::Four),
-            _ => None,
-        }
-    }
-}
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Newton, Order, Report, State, StepError};
 
 /// A variational integrator whose order is chosen at run time.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::Mechanism;
 use crate::angle::difference;
 use crate::devices::{Devices, EncoderConfig};
 use crate::error::{SetupError, require};
+use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::{Integrator, ObserverConfig, Order};
 use crate::plant::Plant;
 use crate::summary::{Goal, Recorder, Summary};
@@ -47,7 +47,7 @@ pub struct Predict<const N: usize> {
 
 impl<const N: usize> Predict<N> {
     /// 5 s of 10 ms at order 4, errors within 0.01 rad or m throughout.
-    fn new(
+    const fn new(
         encoders: [EncoderConfig; N],
         limit: [f32; N],
         start: Start<N>,
@@ -60,7 +60,7 @@ impl<const N: usize> Predict<N> {
             substeps: 8,
             start,
             devices: Devices::new(encoders, limit),
-            observer: ObserverConfig { order: Order::Four, ..ObserverConfig::default() },
+            observer: ObserverConfig { order: Order::Four, ..ObserverConfig::new() },
             goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
         };
         Self { setup, excitation }
@@ -74,7 +74,7 @@ impl<const N: usize> Predict<N> {
 
 impl Predict<1> {
     /// The pendulum from anywhere, excited by 2 N m at 0.5 Hz.
-    pub fn pendulum() -> Self {
+    pub const fn pendulum() -> Self {
         let start = Start { q: [PI], q_spread: [2.0], v_spread: [1.0] };
         Self::new([EncoderConfig::rotary()], [2.0], start, Excitation { amplitude: [2.0], frequency: [0.5] })
     }
@@ -82,14 +82,14 @@ impl Predict<1> {
 
 impl Predict<2> {
     /// The cart-pole with the pole anywhere below the horizontal, excited by 2 N on the cart at 0.5 Hz.
-    pub fn cartpole() -> Self {
+    pub const fn cartpole() -> Self {
         let start = Start { q: [0.0, PI], q_spread: [0.5, 1.5], v_spread: [0.05, 1.0] };
         let excitation = Excitation { amplitude: [2.0, 0.0], frequency: [0.5; 2] };
         Self::new(CART_AND_POLE, [10.0, 0.0], start, excitation)
     }
 
     /// The acrobot from hanging, where it is not chaotic, excited by 2 N m on the second joint at 0.5 Hz.
-    pub fn acrobot() -> Self {
+    pub const fn acrobot() -> Self {
         let start = Start { q: [0.0; 2], q_spread: [1.0; 2], v_spread: [0.5; 2] };
         let excitation = Excitation { amplitude: [0.0, 2.0], frequency: [0.5; 2] };
         Self::new([EncoderConfig::rotary(); 2], [0.0, 2.0], start, excitation)
@@ -167,6 +167,9 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
 ///
 /// The error of a tick is the plant's position minus the model's; as measured it shows the true position. Where a step is
 /// refused the model stays where it was.
+///
+/// # Errors
+/// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
 pub fn predict<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     plant: &P,
     model: &M,
@@ -175,6 +178,8 @@ pub fn predict<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
 ) -> Result<Summary<N>, SetupError> {
     config.validate()?;
     let setup = &config.setup;
+    setup.observer.check_step(setup.tick, model.trained_step())?;
+    require_quadratic(model, &setup.start.q)?;
     let angle = setup.devices.angles();
     let mut plant = Plant::new(plant, setup.start.draw(setup.seed), setup.substeps);
     let mut forecast = Forecast::new(model, setup, plant.state().q);

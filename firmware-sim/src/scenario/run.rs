@@ -8,6 +8,7 @@ use crate::summary::{Recorder, Summary};
 use crate::tick::Tick;
 use crate::{Mechanism, Processor};
 use core::convert::Infallible;
+use core::fmt;
 
 /// The world as the firmware meets it.
 struct World<'a, P, const N: usize> {
@@ -112,7 +113,18 @@ pub enum RunError<E> {
     },
 }
 
-/// Of a firmware in place, which always runs.
+impl<E: fmt::Display> fmt::Display for RunError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Setup(error) => error.fmt(f),
+            Self::Processor { tick, error } => write!(f, "tick {tick} was not run: {error}"),
+        }
+    }
+}
+
+impl<E: core::error::Error> core::error::Error for RunError<E> {}
+
+/// A firmware in place always runs, so that only its setup can fail.
 impl From<RunError<Infallible>> for SetupError {
     fn from(error: RunError<Infallible>) -> Self {
         match error {

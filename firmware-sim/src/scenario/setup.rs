@@ -25,7 +25,7 @@ impl<const N: usize> Start<N> {
         Self { q, q_spread: [0.0; N], v_spread: [0.0; N] }
     }
 
-    /// The state that a seed begins with.
+    /// The initial state that belongs to a seed.
     pub fn draw(&self, seed: u64) -> ContinuousState<f32, N> {
         let mut stream = Stream::new(seed, Device::Start);
         let q = core::array::from_fn(|i| self.q[i] + self.q_spread[i] * stream.symmetric());
@@ -43,7 +43,7 @@ impl<const N: usize> Start<N> {
 /// What all scenarios share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup<const N: usize> {
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// The tick h > 0, s.
     pub tick: f32,

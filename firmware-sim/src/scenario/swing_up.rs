@@ -31,7 +31,7 @@ impl SwingUpConfig<1> {
     /// The pendulum from about hanging, 10 s of 10 ms, with at most 2 N m (lifting [`PENDULUM`] takes 4.9 N m).
     ///
     /// [`PENDULUM`]: leastaction_core::energy::trigonometric::PENDULUM
-    pub fn pendulum() -> Self {
+    pub const fn pendulum() -> Self {
         let setup = Setup {
             seed: 0,
             tick: 0.01,
@@ -39,7 +39,7 @@ impl SwingUpConfig<1> {
             substeps: 8,
             start: Start { q: [PI], q_spread: [0.5], v_spread: [0.5] },
             devices: Devices::new([EncoderConfig::rotary()], [2.0]),
-            observer: ObserverConfig::default(),
+            observer: ObserverConfig::new(),
             goal: Goal { tolerance: [UPRIGHT], hold: HOLD, bounds: [f32::INFINITY] },
         };
         Self {
@@ -53,7 +53,7 @@ impl SwingUpConfig<1> {
 
 impl SwingUpConfig<2> {
     /// The cart-pole from about hanging, 10 s of 10 ms, with at most 10 N on the cart, on a track of ±2.4 m.
-    pub fn cartpole() -> Self {
+    pub const fn cartpole() -> Self {
         let setup = Setup {
             seed: 0,
             tick: 0.01,
@@ -61,7 +61,7 @@ impl SwingUpConfig<2> {
             substeps: 8,
             start: Start { q: [0.0, PI], q_spread: [0.2, 0.5], v_spread: [0.05, 0.5] },
             devices: Devices::new(CART_AND_POLE, [10.0, 0.0]),
-            observer: ObserverConfig::default(),
+            observer: ObserverConfig::new(),
             goal: Goal { tolerance: [f32::INFINITY, UPRIGHT], hold: HOLD, bounds: [2.4, f32::INFINITY] },
         };
         Self {
@@ -81,6 +81,9 @@ impl<const N: usize> SwingUpConfig<N> {
 }
 
 /// Swings a pendulum up by its joint and holds it, by energies and derivatives of the model alone. q = θ, upright at 0.
+///
+/// # Errors
+/// As [`Program::start`], and a setup out of range.
 pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
     plant: &P,
     model: &M,
@@ -93,6 +96,9 @@ pub fn swing_up_pendulum<P: Mechanism<1>, M: Mechanism<1>>(
 
 /// Swings a pole up by the cart that carries it and holds it, by energies and derivatives of the model alone.
 /// q = (x, θ), upright at 0.
+///
+/// # Errors
+/// As [`Program::start`], and a setup out of range.
 pub fn swing_up_cartpole<P: Mechanism<2>, M: Mechanism<2>>(
     plant: &P,
     model: &M,

@@ -26,7 +26,7 @@ pub struct TrackConfig<const N: usize> {
 
 impl<const N: usize> TrackConfig<N> {
     /// A motion from rest, 10 s of 10 ms, errors within 0.05 rad or m throughout.
-    fn new(encoders: [EncoderConfig; N], limit: [f32; N], reference: Reference<N>) -> Self {
+    const fn new(encoders: [EncoderConfig; N], limit: [f32; N], reference: Reference<N>) -> Self {
         let setup = Setup {
             seed: 0,
             tick: 0.01,
@@ -34,7 +34,7 @@ impl<const N: usize> TrackConfig<N> {
             substeps: 8,
             start: Start::at_rest(reference.from),
             devices: Devices::new(encoders, limit),
-            observer: ObserverConfig::default(),
+            observer: ObserverConfig::new(),
             goal: Goal { tolerance: [0.05; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
         };
         Self { setup, reference, gains: Gains { frequency: 8.0, damping: 1.0 } }
@@ -48,7 +48,7 @@ impl<const N: usize> TrackConfig<N> {
 
 impl TrackConfig<1> {
     /// The pendulum from hanging to upright and back every 4 s, at most 10 N m.
-    pub fn pendulum() -> Self {
+    pub const fn pendulum() -> Self {
         let reference = Reference { begin: BEGIN, from: [PI], to: [0.0], frequency: [0.25] };
         Self::new([EncoderConfig::rotary()], [10.0], reference)
     }
@@ -56,19 +56,22 @@ impl TrackConfig<1> {
 
 impl TrackConfig<2> {
     /// The cart-pole, cart and pole both actuated: the cart 1 m to and fro, the pole from hanging to upright and back.
-    pub fn cartpole() -> Self {
+    pub const fn cartpole() -> Self {
         let reference = Reference { begin: BEGIN, from: [-0.5, PI], to: [0.5, 0.0], frequency: [0.4, 0.25] };
         Self::new(CART_AND_POLE, [15.0, 2.0], reference)
     }
 
     /// The acrobot, both joints actuated, from hanging at most 40 N m.
-    pub fn acrobot() -> Self {
+    pub const fn acrobot() -> Self {
         let reference = Reference { begin: BEGIN, from: [0.0, 0.0], to: [2.0, -1.5], frequency: [0.25, 0.4] };
         Self::new([EncoderConfig::rotary(); 2], [40.0, 40.0], reference)
     }
 }
 
 /// Follows a reference by the model's inverse dynamics and PD feedback.
+///
+/// # Errors
+/// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
 pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     plant: &P,
     model: &M,
@@ -77,7 +80,7 @@ pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
 ) -> Result<Summary<N>, SetupError> {
     let program = config.program();
     config.setup.validate()?;
-    program.validate()?;
+    program.check(model)?;
     let controller = program.track(config.reference, config.gains);
     run_in_place(plant, program.firmware(model, controller), &config.setup, sink)
 }

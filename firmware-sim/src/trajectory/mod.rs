@@ -1,4 +1,4 @@
-//! Free runs of a model from a fixed start under a fixed force, whose positions have one fingerprint on every target.
+//! SystemMotion runs of a model from a fixed start under a fixed force, whose positions have one fingerprint on every target.
 //!
 //! A square wave pushes the first coordinate (of particles: the last node along the first axis), 8 steps one way and 8
 //! the other.
@@ -37,13 +37,13 @@ pub trait Motion {
 
 /// A system in N generalised coordinates, stepped by the discrete Euler–Lagrange equation.
 #[derive(Clone, Debug)]
-pub struct Free<'a, L, F, P, const N: usize> {
+pub struct SystemMotion<'a, L, F, P, const N: usize> {
     system: &'a System<L, F>,
     del: Del<f32, P>,
     state: State<f32, N>,
 }
 
-impl<'a, L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> Free<'a, L, F, P, N> {
+impl<'a, L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> SystemMotion<'a, L, F, P, N> {
     /// A system at q_i = 0.1 + 0.6 i, v_i = 0.2 − 0.6 i (rad or m, rad/s or m/s).
     ///
     /// # Errors
@@ -55,7 +55,9 @@ impl<'a, L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> Free
     }
 }
 
-impl<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> Motion for Free<'_, L, F, P, N> {
+impl<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> Motion
+    for SystemMotion<'_, L, F, P, N>
+{
     type Error = StepError<f32>;
 
     fn step(&mut self, index: u32) -> Result<Report<f32>, StepError<f32>> {
@@ -71,30 +73,30 @@ impl<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize> Motion f
     }
 }
 
-/// Particles in D dimensions under constraints, stepped by RATTLE in the caller's room.
+/// Particles in D dimensions under constraints, stepped by RATTLE in the caller's workspace.
 #[derive(Debug)]
-pub struct Hanging<'a, S, C: ?Sized, const D: usize> {
+pub struct ParticleMotion<'a, S, C: ?Sized, const D: usize> {
     mechanism: &'a Constrained<'a, f32, S, C, D>,
     rattle: Rattle<f32>,
     state: ParticleState<'a, f32, D>,
     force: &'a mut [[f32; D]],
-    room: &'a mut [f32],
+    workspace: &'a mut [f32],
 }
 
-impl<'a, S: Particles<f32, D>, C: Constraints<f32, D> + ?Sized, const D: usize> Hanging<'a, S, C, D> {
-    /// Particles in a state, with room for a force on each and for [`Rattle::room`] numbers.
+impl<'a, S: Particles<f32, D>, C: Constraints<f32, D> + ?Sized, const D: usize> ParticleMotion<'a, S, C, D> {
+    /// Particles in a state, with workspace for a force on each and for [`Rattle::workspace`] numbers.
     pub fn new(
         mechanism: &'a Constrained<'a, f32, S, C, D>,
         rattle: Rattle<f32>,
         state: ParticleState<'a, f32, D>,
         force: &'a mut [[f32; D]],
-        room: &'a mut [f32],
+        workspace: &'a mut [f32],
     ) -> Self {
-        Self { mechanism, rattle, state, force, room }
+        Self { mechanism, rattle, state, force, workspace }
     }
 }
 
-impl<S, C, const D: usize> Motion for Hanging<'_, S, C, D>
+impl<S, C, const D: usize> Motion for ParticleMotion<'_, S, C, D>
 where
     S: Particles<f32, D>,
     C: Constraints<f32, D> + ?Sized,
@@ -105,7 +107,7 @@ where
         if let Some(x) = self.force.last_mut().and_then(|force| force.first_mut()) {
             *x = push(index);
         }
-        self.rattle.step(self.mechanism, &mut self.state, Some(self.force), self.room)
+        self.rattle.step(self.mechanism, &mut self.state, Some(self.force), self.workspace)
     }
 
     fn positions(&self, visit: impl FnMut(f32)) {

@@ -29,9 +29,9 @@ pub const GRAPH: &str = "three";
 /// Bobs of the graph.
 pub const BOBS: usize = 3;
 
-/// Newton's method with two updates by one Jacobian in every step, for a short and constant running time.
+/// Newton's method with two updates in every step, for a short and constant running time.
 pub fn newton() -> Newton<f32> {
-    Newton { max_iterations: 2, max_jacobians: 1, stop: 0.0, ..Newton::default() }
+    Newton { max_iterations: 2, stop: 0.0, ..Newton::default() }
 }
 
 /// Rods of 1 m from the origin to the first bob and from each to the next.

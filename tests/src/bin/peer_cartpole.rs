@@ -3,7 +3,7 @@
 
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Interval, Linearised, Midpoint};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, Shape};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::{Activation, Dense};
 use std::error::Error;
@@ -82,12 +82,10 @@ fn panels(mut numbers: &[f32]) -> Option<Vec<f32>> {
 }
 
 fn system(mut block: &[f32]) -> Option<CartPole<'_>> {
-    let shape = Shape {
-        coordinates: [Coordinate::Translation, Coordinate::Angle],
-        widths: &SIZES[1..3],
-        activation: Activation::Tanh,
-        inertia: Inertia::Cholesky { epsilon: 1e-9 },
-    };
+    let coordinates = [Coordinate::Translation, Coordinate::Angle];
+    let widths = [SIZES[1] as u16, SIZES[2] as u16];
+    let inertia = Inertia::Cholesky { epsilon: 1e-9 };
+    let shape = RigidShape::new(coordinates, &widths, Activation::Tanh, inertia)?;
     Rigid::take(&mut block, &shape).map(System::conservative)
 }
 

@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for file in &files {
         println!(
             "flash {}",
-            refused_cartpole(&std::fs::read(file)?).map_or("accepted", |fault| fault.name())
+            refused_cartpole(&std::fs::read(file)?).map_or("accepted", |reason| reason.name)
         );
     }
     if files.is_empty() {

@@ -37,7 +37,6 @@ pub fn model_file(config: Config, log: &Dataset) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Run::begin(Plan::new(config, log).unwrap(), folder.path(), false).unwrap();
     run.train(&mut Strict, &AtomicBool::new(false)).unwrap();
-    let Trained { architecture, discretisation, best, provenance, .. } =
-        Trained::read(folder.path()).unwrap();
-    encode(&architecture, &best.weights, discretisation, &provenance).unwrap()
+    let Trained { architecture, trained_step, best, provenance, .. } = Trained::read(folder.path()).unwrap();
+    encode(&architecture, &best.weights, trained_step, &provenance).unwrap()
 }

@@ -2,6 +2,7 @@
 
 use leastaction_core::energy::LearnableForces;
 use leastaction_core::forces::{Forces, Viscous};
+use leastaction_core::linear::Matrix;
 use leastaction_core::scalar::Scalar;
 
 /// Viscous damping of every coordinate, its coefficients in the weight block where a family has them there.
@@ -19,12 +20,16 @@ impl<S, const N: usize> Damping<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Forces<S, N> for Damping<S, N> {
-    fn force(&self, q: &[S; N], v: &[S; N]) -> [S; N] {
-        self.viscous.force(q, v)
+    fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        self.viscous.force(q, v, tau)
     }
 
-    fn derivatives(&self, q: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]) {
-        self.viscous.derivatives(q, v)
+    fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
+        self.viscous.derivatives(q, v, tau)
+    }
+
+    fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
+        self.viscous.load_derivative(q, v, tau)
     }
 }
 

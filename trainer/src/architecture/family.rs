@@ -3,7 +3,7 @@
 use super::Constraint;
 use leastaction_core::energy::{Learnable, LearnableForces};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::{Lanes, Scalar};
 
@@ -31,7 +31,7 @@ impl HostScalar for Lanes {
 /// A shape whose sizes are types.
 pub trait Family<const N: usize>: Sync {
     /// Its energies over host weights.
-    type Lagrangian<'w, S: HostScalar>: Lagrangian<S, N, Mass = DenseMass<S, N>> + Learnable<S, N> + Sync + 'w
+    type Lagrangian<'w, S: HostScalar>: Lagrangian<S, N> + Learnable<S, N> + Sync + 'w
     where
         Self: 'w;
     /// Its forces over host weights.

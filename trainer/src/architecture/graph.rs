@@ -6,7 +6,7 @@ use super::{
 };
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, Fixed, Graph, Kinetic, MAX_NETWORKS, NodeShape, Potential, Shape, Types,
+    Drag, EDGE_NUMBERS, Edge, Fixed, Graph, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Types,
 };
 use leastaction_core::forces::System;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
@@ -73,7 +73,7 @@ impl NamedGraph {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraphArchitecture {
     /// Networks and types.
-    pub shape: Shape,
+    pub shape: GraphShape,
     /// The names and numbers of the node types.
     pub node_types: Vec<GraphType>,
     /// The names and numbers of the edge types.
@@ -103,7 +103,9 @@ impl GraphArchitecture {
         let names =
             |types: &[GraphType]| types.iter().map(|kind| kind.name.as_str()).collect::<Vec<_>>().join(",");
         let edges = |graph: &NamedGraph| graph.edges.iter().flat_map(|edge| edge.to_bytes()).collect();
-        let rods = |graph: &NamedGraph| graph.rods.iter().flat_map(|rod| rod.to_bytes()).collect();
+        // No graph that is read or configured has a rod from node 65,535.
+        let rods =
+            |graph: &NamedGraph| graph.rods.iter().filter_map(|rod| rod.to_bytes()).flatten().collect();
         let bytes: Vec<[Vec<u8>; 2]> = self.graphs.iter().map(|graph| [edges(graph), rods(graph)]).collect();
         let mut graphs = [GraphLayout::default(); MAX_GRAPHS];
         for ((slot, graph), [edges, rods]) in graphs.iter_mut().zip(&self.graphs).zip(&bytes) {
@@ -118,7 +120,7 @@ impl GraphArchitecture {
     pub fn from_header(header: &GraphHeader, weights: &[f64]) -> Self {
         let shape = header.shape;
         let numbers = weights.get(weights.len().saturating_sub(shape.all_numbers())..).unwrap_or_default();
-        let (nodes, edges) = numbers.split_at(numbers.len().min(shape.numbers() * shape.nodes().count()));
+        let (nodes, edges) = numbers.split_at(numbers.len().min(shape.numbers() * shape.nodes.len()));
         Self {
             shape,
             node_types: GraphType::known(header.node_names, nodes, shape.numbers()),
@@ -161,7 +163,7 @@ impl GraphArchitecture {
 
     /// Random networks, the numbers as given.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut weights = random_layers(self.shape.networks().flat_map(layers), seed);
+        let mut weights = random_layers(self.shape.networks.iter().flat_map(layers), seed);
         weights.extend(self.numbers().map(|number| number.value));
         weights
     }
@@ -179,7 +181,7 @@ impl GraphArchitecture {
     }
 
     fn numbers_start(&self) -> usize {
-        self.shape.networks().filter_map(|network| network.parameters()).sum()
+        self.shape.networks.iter().filter_map(|network| network.parameters()).sum()
     }
 
     /// The positions of the known numbers.
@@ -190,7 +192,7 @@ impl GraphArchitecture {
     /// Masses above 0, viscous drag not below.
     pub fn project(&self, weights: &mut [f64]) {
         let numbers = weights.get_mut(self.numbers_start()..).unwrap_or_default();
-        for (numbers, node) in numbers.chunks_exact_mut(self.shape.numbers()).zip(self.shape.nodes()) {
+        for (numbers, node) in numbers.chunks_exact_mut(self.shape.numbers()).zip(self.shape.nodes.iter()) {
             if let [mass, drag, ..] = numbers {
                 *mass = if node.kinetic == Kinetic::Mass { mass.max(LEAST_MASS) } else { *mass };
                 *drag = drag.max(0.0);
@@ -206,8 +208,8 @@ impl GraphArchitecture {
             let drag = if let Drag::Network(n) = kind.drag { Some(n) } else { None };
             [potential, drag]
         };
-        let nodes = self.shape.nodes().flat_map(node).flatten();
-        nodes.chain(self.shape.edges().filter_map(|kind| kind.potential))
+        let nodes = self.shape.nodes.iter().flat_map(node).flatten();
+        nodes.chain(self.shape.edges.iter().filter_map(|kind| kind.potential))
     }
 
     /// The weights with the networks that stand beside a simpler law multiplied by `c`.
@@ -215,7 +217,7 @@ impl GraphArchitecture {
     pub fn with_corrections_scaled(&self, mut weights: Vec<f64>, c: f64) -> Vec<f64> {
         let corrections: Vec<usize> = self.corrections().map(usize::from).collect();
         let mut end = 0;
-        for (k, network) in self.shape.networks().enumerate() {
+        for (k, network) in self.shape.networks.iter().enumerate() {
             end += network.parameters().unwrap_or(0);
             let last = layers(network).last().map_or(0, |(inputs, outputs)| (inputs + 1) * outputs);
             if corrections.contains(&k) {
@@ -229,12 +231,12 @@ impl GraphArchitecture {
     #[must_use]
     fn without_corrections(&self) -> Self {
         let mut simple = self.clone();
-        for kind in simple.shape.nodes.iter_mut().flatten() {
+        for kind in simple.shape.nodes.iter_mut() {
             let uniform = kind.potential != Potential::None;
             kind.potential = if uniform { Potential::Uniform } else { Potential::None };
             kind.drag = if kind.drag == Drag::None { Drag::None } else { Drag::Viscous };
         }
-        simple.shape.edges.iter_mut().flatten().for_each(|kind| kind.potential = None);
+        simple.shape.edges.iter_mut().for_each(|kind| kind.potential = None);
         simple
     }
 
@@ -258,7 +260,7 @@ impl GraphArchitecture {
         let acts = |number: &Number| !number.learned && number.value != 0.0;
         let node = |kind: &u8| {
             let kind = usize::from(*kind);
-            let (shape, named) = (self.shape.nodes().nth(kind)?, self.node_types.get(kind)?);
+            let (shape, named) = (self.shape.nodes.get(kind)?, self.node_types.get(kind)?);
             let (mass, drag) = (named.numbers.first()?, named.numbers.get(1)?);
             let mut field = named.numbers.iter().skip(2).take(self.dimension());
             Some(
@@ -269,7 +271,7 @@ impl GraphArchitecture {
         };
         let edge = |edge: &Edge| {
             let kind = usize::from(edge.kind);
-            let (shape, named) = (self.shape.edges().nth(kind)?, self.edge_types.get(kind)?);
+            let (shape, named) = (self.shape.edges.get(kind)?, self.edge_types.get(kind)?);
             Some(shape.potential.is_none() && named.numbers.iter().any(acts))
         };
         graph.nodes.iter().any(|kind| node(kind).unwrap_or(false))
@@ -284,7 +286,7 @@ impl GraphArchitecture {
         &self,
         weights: &'w [W],
     ) -> Result<HostTypes<'w, W, D>, ModelError> {
-        if let Some(what) = self.shape.misfit() {
+        if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
         self.with_header(|header| header.types(weights))

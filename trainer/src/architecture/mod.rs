@@ -15,12 +15,13 @@ pub use graph::{
     GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, SIZES as GRAPH_SIZES,
 };
 pub use modular::{
-    MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES,
+    MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number,
+    SIZES as MODULAR_SIZES, TYPE_NUMBERS,
 };
 pub use rigid::{HostSystem, RigidArchitecture};
 
 use leastaction_core::energy::NetworkShape;
-use leastaction_core::model::{Family as FamilyHeader, ModelError};
+use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use leastaction_core::network::Dense;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -76,9 +77,9 @@ impl Architecture {
     ///
     /// # Errors
     /// [`ModelError::OtherFamily`] for a family that this program does not know.
-    pub fn from_header(header: &FamilyHeader, weights: &[f64]) -> Result<Self, ModelError> {
+    pub fn from_header(header: &FamilyHeader, laws: Laws, weights: &[f64]) -> Result<Self, ModelError> {
         match header {
-            FamilyHeader::Rigid(rigid) => Ok(RigidArchitecture::from_header(rigid).into()),
+            FamilyHeader::Rigid(rigid) => Ok(RigidArchitecture::from_header(rigid, laws).into()),
             FamilyHeader::Modular(modular) => Ok(ModularArchitecture::from_header(modular, weights).into()),
             FamilyHeader::Graph(graph) => Ok(GraphArchitecture::from_header(graph, weights).into()),
             other => Err(ModelError::OtherFamily { found: other.name() }),
@@ -152,6 +153,19 @@ impl Architecture {
         }
     }
 
+    /// The unit of every coordinate, as a model file has them; of graphs, all of whose coordinates are lengths, one.
+    pub fn units(&self) -> String {
+        if self.graph().is_some() {
+            return "m".to_owned();
+        }
+        let unit = |letter| match letter {
+            't' => "m",
+            'a' => "rad",
+            _ => "",
+        };
+        self.coordinates().chars().map(unit).collect::<Vec<_>>().join(",")
+    }
+
     /// What the family is called.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -174,8 +188,8 @@ impl Architecture {
     pub fn widths(&self) -> Vec<usize> {
         match self {
             Self::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
-            Self::Modular(modular) => modular.shape.networks().flat_map(hidden).collect(),
-            Self::Graph(graph) => graph.shape.networks().flat_map(hidden).collect(),
+            Self::Modular(modular) => modular.shape.networks.iter().flat_map(hidden).collect(),
+            Self::Graph(graph) => graph.shape.networks.iter().flat_map(hidden).collect(),
         }
     }
 
@@ -183,8 +197,8 @@ impl Architecture {
     pub fn depth(&self) -> usize {
         match self {
             Self::Rigid(rigid) => rigid.widths.len(),
-            Self::Modular(modular) => modular.shape.networks().map(|n| n.widths().1).max().unwrap_or(0),
-            Self::Graph(graph) => graph.shape.networks().map(|n| n.widths().1).max().unwrap_or(0),
+            Self::Modular(modular) => modular.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
+            Self::Graph(graph) => graph.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
         }
     }
 
@@ -202,7 +216,16 @@ impl Architecture {
     /// # Errors
     /// Where the shape is out of the format's range.
     pub fn parameters(&self) -> Result<usize, ModelError> {
-        self.with_header(|header| header.parameters())
+        self.with_header(|family| Header { laws: self.laws(), ..Header::new(family) }.parameters())
+    }
+
+    /// The laws of force beside the energies, whose numbers end the weight block.
+    pub fn laws(&self) -> Laws<'static> {
+        match self {
+            Self::Rigid(rigid) => rigid.laws(),
+            Self::Modular(_) => Laws::VISCOUS,
+            Self::Graph(_) => Laws::NONE,
+        }
     }
 
     /// Numbers in the weight block that training changes.

@@ -5,16 +5,21 @@ use super::{
     too_many,
 };
 use leastaction_core::energy::modular::{
-    Input, MAX_TYPES, Modular, NUMBERS, NetworkShape, Shape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, MAX_TYPES, Modular, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
 use leastaction_core::forces::System;
-use leastaction_core::model::{MAX_TREES, ModelError, ModularHeader, TreeHeader};
+use leastaction_core::model::{Laws, MAX_TREES, ModelError, ModularHeader, TreeHeader};
 use serde::{Deserialize, Serialize};
 
 /// Units of a hidden layer of a network of an element at most.
 pub const MAX_WIDTH: usize = 64;
 /// The smallest mass, kg, that training may reach.
 const LEAST_MASS: f64 = 1e-6;
+
+/// Numbers of an element type: its parameters, and its damping.
+pub const TYPE_NUMBERS: usize = ELEMENT_PARAMETERS + 1;
+/// c₁ and c₂.
+const COEFFICIENTS: usize = 2;
 
 /// A number of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,7 +48,7 @@ pub struct NamedType {
     /// What it is called.
     pub name: String,
     /// Mass, moment of inertia, centre, length, damping.
-    pub numbers: [Number; NUMBERS],
+    pub numbers: [Number; TYPE_NUMBERS],
 }
 
 /// A tree by its name.
@@ -76,7 +81,7 @@ impl NamedTree {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModularArchitecture {
     /// Networks and types.
-    pub shape: Shape,
+    pub shape: ModularShape,
     /// The names and numbers of the types.
     pub types: Vec<NamedType>,
     /// Names of the types as the file has them.
@@ -92,7 +97,7 @@ pub struct ModularArchitecture {
 impl ModularArchitecture {
     /// A model of these types and trees, of which the first tree is meant.
     pub fn new(
-        shape: Shape,
+        shape: ModularShape,
         types: Vec<NamedType>,
         coefficients: [Number; 2],
         trees: Vec<NamedTree>,
@@ -112,21 +117,17 @@ impl ModularArchitecture {
 
     /// The shape that a model file has; all numbers are known, as in the file.
     pub fn from_header(header: &ModularHeader, weights: &[f64]) -> Self {
-        let kinds = header.shape.types().count();
-        let (rest, coefficients) = weights.split_at(weights.len().saturating_sub(2));
-        let numbers = rest.get(rest.len().saturating_sub(NUMBERS * kinds)..).unwrap_or_default();
-        let named = |(name, numbers): (&str, &[f64; NUMBERS])| NamedType {
-            name: name.to_owned(),
-            numbers: numbers.map(Number::known),
-        };
+        let named =
+            |name: &str| NamedType { name: name.to_owned(), numbers: [Number::known(0.0); TYPE_NUMBERS] };
         let named_tree =
             |tree: &TreeHeader| NamedTree { name: tree.name.to_owned(), elements: tree.elements.to_vec() };
         Self::new(
             header.shape,
-            header.names.split(',').zip(numbers.as_chunks().0).map(named).collect(),
-            [0, 1].map(|i| Number::known(coefficients.get(i).copied().unwrap_or(1.0))),
+            header.names.split(',').map(named).collect(),
+            [Number::known(1.0); COEFFICIENTS],
             header.trees().map(named_tree).collect(),
         )
+        .with_numbers(weights)
     }
 
     /// The same with another tree in place of all others.
@@ -154,7 +155,7 @@ impl ModularArchitecture {
             TransformShape::Slide | TransformShape::Network { input: Input::Translation, .. } => "t",
             TransformShape::Rod | TransformShape::Network { .. } => "a",
         };
-        self.kinds().filter_map(|kind| self.shape.types().nth(kind)).map(letters).collect()
+        self.kinds().filter_map(|kind| self.shape.types.get(kind)).map(letters).collect()
     }
 
     /// What the tree is called.
@@ -169,18 +170,25 @@ impl ModularArchitecture {
 
     /// Random networks, the numbers as given.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut weights = random_layers(self.shape.networks().flat_map(layers), seed);
+        let mut weights = random_layers(self.shape.networks.iter().flat_map(layers), seed);
         weights.extend(self.numbers().map(|number| number.value));
         weights
     }
 
     /// The numbers after the networks, in the order of the weight block.
-    fn numbers(&self) -> impl Iterator<Item = Number> {
-        self.types.iter().flat_map(|kind| kind.numbers).chain(self.coefficients)
+    pub fn numbers(&self) -> impl Iterator<Item = Number> {
+        let parameters = self.types.iter().flat_map(|kind| kind.numbers.into_iter().take(ELEMENT_PARAMETERS));
+        let damping = self.types.iter().flat_map(|kind| kind.numbers.into_iter().skip(ELEMENT_PARAMETERS));
+        parameters.chain(self.coefficients).chain(damping)
+    }
+
+    /// Numbers after the networks of a model of so many element types.
+    pub const fn numbers_of(types: usize) -> usize {
+        TYPE_NUMBERS * types + COEFFICIENTS
     }
 
     fn numbers_start(&self) -> usize {
-        self.shape.networks().filter_map(NetworkShape::parameters).sum()
+        self.shape.networks.iter().filter_map(NetworkShape::parameters).sum()
     }
 
     /// The positions of the known numbers.
@@ -195,32 +203,36 @@ impl ModularArchitecture {
 
     /// Where each coordinate of the tree has its damping.
     pub fn damping_positions(&self) -> Vec<usize> {
-        let start = self.numbers_start();
-        let of = |kind: usize| (kind, self.shape.types().nth(kind).map_or(0, |t| t.coordinates()));
-        self.kinds()
-            .map(of)
-            .flat_map(|(kind, n)| std::iter::repeat_n(start + NUMBERS * kind + NUMBERS - 1, n))
-            .collect()
+        let start = self.numbers_start() + ELEMENT_PARAMETERS * self.types.len() + COEFFICIENTS;
+        let of = |kind: usize| (kind, self.shape.types.get(kind).map_or(0, |t| t.coordinates()));
+        self.kinds().map(of).flat_map(|(kind, n)| std::iter::repeat_n(start + kind, n)).collect()
     }
 
     /// Masses above 0, moments of inertia and damping not below.
     pub fn project(&self, weights: &mut [f64]) {
-        let end = weights.len().saturating_sub(2);
-        let numbers = weights.get_mut(self.numbers_start()..end).unwrap_or_default();
-        for [mass, inertia, _, _, damping] in numbers.as_chunks_mut::<NUMBERS>().0 {
+        let numbers = weights.get_mut(self.numbers_start()..).unwrap_or_default();
+        let (parameters, rest) =
+            numbers.split_at_mut(numbers.len().min(ELEMENT_PARAMETERS * self.types.len()));
+        for [mass, inertia, ..] in parameters.as_chunks_mut::<ELEMENT_PARAMETERS>().0 {
             *mass = mass.max(LEAST_MASS);
             *inertia = inertia.max(0.0);
-            *damping = damping.max(0.0);
         }
+        rest.iter_mut().skip(COEFFICIENTS).for_each(|damping| *damping = damping.max(0.0));
     }
 
     /// The same with the numbers (masses and so on) that a weight block has.
     #[must_use]
     pub fn with_numbers(mut self, weights: &[f64]) -> Self {
         let start = self.numbers_start();
-        let slots = self.types.iter_mut().flat_map(|kind| &mut kind.numbers).chain(&mut self.coefficients);
-        for (number, value) in slots.zip(weights.get(start..).unwrap_or_default()) {
-            number.value = *value;
+        let values = weights.get(start..).unwrap_or_default();
+        let (parameters, rest) = values.split_at(values.len().min(ELEMENT_PARAMETERS * self.types.len()));
+        let (coefficients, damping) = rest.split_at(rest.len().min(COEFFICIENTS));
+        for (kind, values) in self.types.iter_mut().zip(parameters.as_chunks::<ELEMENT_PARAMETERS>().0) {
+            kind.numbers.iter_mut().zip(values).for_each(|(number, value)| number.value = *value);
+        }
+        self.coefficients.iter_mut().zip(coefficients).for_each(|(number, value)| number.value = *value);
+        for (kind, damping) in self.types.iter_mut().zip(damping) {
+            kind.numbers[TYPE_NUMBERS - 1].value = *damping;
         }
         self
     }
@@ -229,7 +241,7 @@ impl ModularArchitecture {
     /// inertia.
     pub fn shows_scale(&self) -> bool {
         let known = |kind: usize| {
-            let (shape, named) = (self.shape.types().nth(kind)?, self.types.get(kind)?);
+            let (shape, named) = (self.shape.types.get(kind)?, self.types.get(kind)?);
             let [mass, inertia, centre, length, _] = named.numbers;
             let moves = match shape.transform {
                 TransformShape::Free | TransformShape::Slide => true,
@@ -281,9 +293,8 @@ impl<const N: usize> Family<N> for Compiled<N> {
         &'w self,
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        let System { lagrangian, forces } = self.0.header().system(&self.0.tree_header(), weights)?;
-        let lagrangian: Self::Lagrangian<'w, S> = lagrangian;
-        let positions = lagrangian.damping_positions();
-        Ok(System { lagrangian, forces: Damping::new(forces, &positions) })
+        let (header, tree) = (self.0.header(), self.0.tree_header());
+        let System { lagrangian, forces } = header.system(&tree, Laws::VISCOUS, weights)?;
+        Ok(System { lagrangian, forces: Damping::new(forces, &self.0.damping_positions()) })
     }
 }

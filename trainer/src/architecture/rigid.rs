@@ -6,7 +6,7 @@ use super::{
 };
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::model::{MAX_HIDDEN, ModelError, RigidHeader};
+use leastaction_core::model::{Law, Laws, MAX_HIDDEN, ModelError, RigidHeader};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Scalar;
 use serde::{Deserialize, Serialize};
@@ -56,19 +56,17 @@ impl RigidArchitecture {
             widths,
             activation: self.activation,
             inertia: self.inertia,
-            damped: self.damped,
         }
     }
 
     /// The shape that a model file has.
-    pub fn from_header(header: &RigidHeader) -> Self {
-        let (_, depth) = header.widths();
+    pub fn from_header(header: &RigidHeader, laws: Laws) -> Self {
         Self {
             coordinates: header.coordinates.to_owned(),
-            widths: header.widths.iter().copied().take(depth).collect(),
+            widths: header.widths.into_iter().take_while(|width| *width != 0).collect(),
             activation: header.activation,
             inertia: header.inertia,
-            damped: header.damped,
+            damped: laws.contains(Law::Viscous),
         }
     }
 
@@ -82,7 +80,13 @@ impl RigidArchitecture {
     /// # Errors
     /// Where the shape is out of the format's range.
     pub fn parameters(&self) -> Result<usize, ModelError> {
-        self.header().parameters()
+        let damping = if self.damped { self.n() } else { 0 };
+        Ok(self.header().parameters()? + damping)
+    }
+
+    /// The laws of force that are learned beside the energies.
+    pub fn laws(&self) -> Laws<'static> {
+        if self.damped { Laws::VISCOUS } else { Laws::NONE }
     }
 
     /// Inputs and outputs of every layer, first to last.
@@ -115,7 +119,7 @@ impl RigidArchitecture {
         &self,
         weights: &'w [S::Weight],
     ) -> Result<HostSystem<'w, S, N, H>, ModelError> {
-        self.header().system(weights)
+        self.header().system(self.laws(), weights)
     }
 
     pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {

@@ -2,7 +2,7 @@
 
 use crate::architecture::NamedGraph;
 use leastaction_core::model::ModelError;
-use leastaction_core::network::{Activation, Bends, Dense, Jet, Mlp, Tape};
+use leastaction_core::network::{Activation, Dense, Jet, Mlp, SecondOrderTape, Tape};
 use leastaction_core::scalar::Scalar;
 use std::iter::repeat_n;
 
@@ -165,7 +165,7 @@ pub(super) struct InputsBar<S, const T: usize> {
 
 /// A network with the end of its weights in the block.
 pub(super) struct Placed<'w> {
-    mlp: Mlp<'w, f64, DEPTH>,
+    mlp: Mlp<'w, f64, MAX_WIDTH, DEPTH>,
     end: usize,
 }
 
@@ -207,8 +207,8 @@ impl Placed<'_> {
         sum: &mut [[S; T]; T],
     ) -> Values<S, 0> {
         let (mut x_bar, mut y) = (vec![Jet::zero(); used.x.len()], used.y.clone());
-        let mut bends = Bends::<S, T, MAX_WIDTH, DEPTH>::default();
-        self.mlp.forward_bent(&used.x, &mut bends, &mut y);
+        let mut bends = SecondOrderTape::<S, T, MAX_WIDTH, DEPTH>::default();
+        self.mlp.forward_second_order(&used.x, &mut bends, &mut y);
         let bent = self.mlp.second_order(&bends, y_bar, &mut x_bar);
         sum.as_flattened_mut().iter_mut().zip(bent.as_flattened()).for_each(|(sum, bent)| *sum += *bent);
         x_bar

@@ -83,7 +83,7 @@ impl Mlp {
         inputs(&self.coordinates, &fixed(&state))
     }
 
-    fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w, f64, DEPTH>> {
+    fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w, f64, MAX_WIDTH, DEPTH>> {
         let [inputs, hidden @ .., outputs] = self.units();
         Network::take(&mut weights, inputs, &hidden, outputs, Activation::Tanh)
     }
@@ -115,7 +115,7 @@ impl AccelerationModel for Mlp {
         let network = self.network(weights).ok_or(short)?;
         Ok(follow.compare(truth, |q, v, out| {
             let mut outputs = vec![Jet::zero(); self.n()];
-            network.evaluate::<_, 0, MAX_WIDTH>(&self.inputs(q, v), &mut outputs);
+            network.evaluate::<_, 0>(&self.inputs(q, v), &mut outputs);
             let scaled = outputs.iter().map(|y| self.acceleration * y.value);
             out.iter_mut().zip(scaled).for_each(|(out, y)| *out = y);
             Some(())

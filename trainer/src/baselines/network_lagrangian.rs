@@ -5,7 +5,7 @@ use crate::architecture::HostScalar;
 use crate::dual::Dual;
 use leastaction_core::constraints::{Constraints, Holonomic, Positions};
 use leastaction_core::energy::Learnable;
-use leastaction_core::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::dot;
 use leastaction_core::network::Jet;
 use leastaction_core::scalar::Scalar;
@@ -58,8 +58,6 @@ fn unit_vectors<S: Scalar, const N: usize>() -> [[S; N]; N] {
 }
 
 impl<S: Scalar<Weight = f64>, L: ScalarNetwork, const N: usize> Lagrangian<S, N> for NetworkLagrangian<L> {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let (l, [_, l_v]) = self.differentiate([q, v], [[]; 2]);
         let kinetic = dot(&l_v.map(|p: Jet<S, 0>| p.value), v).half();
@@ -72,10 +70,10 @@ impl<S: Scalar<Weight = f64>, L: ScalarNetwork, const N: usize> Lagrangian<S, N>
     }
 
     /// One tangent along the motion with its adjoint, and one pass with N tangents for L_vv.
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         let (_, [l_q, l_v]) = self.differentiate([q, v], [[*v], [[S::zero(); N]]]);
         Dynamics {
-            mass: DenseMass(self.mass_matrix([q, v])),
+            mass: self.mass_matrix([q, v]),
             l_q: l_q.map(|l| l.value),
             l_v: l_v.map(|p| p.value),
             l_vq_v: l_v.map(|Jet { tangent: [along_v], .. }| along_v),

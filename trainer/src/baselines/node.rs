@@ -119,7 +119,7 @@ impl Node {
         let network = self.network(weights).ok()?;
         let inputs = self.inputs(q, v, *u.get(self.actuated)?);
         let mut outputs: Jets<f64> = vec![Jet::zero(); self.n()];
-        network.evaluate::<_, 0, MAX_WIDTH>(&inputs, &mut outputs);
+        network.evaluate::<_, 0>(&inputs, &mut outputs);
         for (i, output) in outputs.iter().enumerate() {
             *out.get_mut(i)? = self.acceleration * output.value;
         }
@@ -132,7 +132,7 @@ impl Node {
         std::iter::once(inputs).chain(self.widths.iter().copied()).chain([self.n()]).collect()
     }
 
-    fn network<'w>(&self, mut weights: &'w [f64]) -> Result<Network<'w, f64, DEPTH>, Failed> {
+    fn network<'w>(&self, mut weights: &'w [f64]) -> Result<Network<'w, f64, MAX_WIDTH, DEPTH>, Failed> {
         let inputs = self.layers()[0];
         Network::take(&mut weights, inputs, &self.widths, self.n(), Activation::Tanh).ok_or(Failed)
     }
@@ -178,18 +178,22 @@ impl<const N: usize> NextState<N> {
         std::array::from_fn(|i| scale * outputs[i].value)
     }
 
-    fn errors(&self, network: &Network<f64, DEPTH>, steps: &Steps<N>) -> State<Lanes, N> {
+    fn errors(&self, network: &Network<f64, MAX_WIDTH, DEPTH>, steps: &Steps<N>) -> State<Lanes, N> {
         let u = steps.control[self.node.actuated];
         let mut outputs = [Jet::zero(); N];
         let Ok(stages) = self.method.stages(self.samples.h, &steps.start, |q, v| {
-            network.evaluate::<_, 0, MAX_WIDTH>(&self.node.inputs(q, v, u), &mut outputs);
+            network.evaluate::<_, 0>(&self.node.inputs(q, v, u), &mut outputs);
             Ok::<_, std::convert::Infallible>(self.outputs(&outputs))
         });
         steps.errors(&self.method.end(self.samples.h, &steps.start, &stages))
     }
 
     /// The stages of eight steps, and what leads back through them.
-    fn traced(&self, network: &Network<f64, DEPTH>, steps: &Steps<N>) -> (Vec<Stage<Lanes, N>>, Vec<Trace>) {
+    fn traced(
+        &self,
+        network: &Network<f64, MAX_WIDTH, DEPTH>,
+        steps: &Steps<N>,
+    ) -> (Vec<Stage<Lanes, N>>, Vec<Trace>) {
         let u = steps.control[self.node.actuated];
         let mut traces = Vec::new();
         let Ok(stages) = self.method.stages(self.samples.h, &steps.start, |q, v| {
@@ -205,7 +209,7 @@ impl<const N: usize> NextState<N> {
     /// (y·∂v̇/∂q, y·∂v̇/∂v) of a stage; adds y·∂v̇/∂θ.
     fn pull(
         &self,
-        network: &Network<f64, DEPTH>,
+        network: &Network<f64, MAX_WIDTH, DEPTH>,
         (stage, trace): (&Stage<Lanes, N>, &Trace),
         y: &[Lanes; N],
         gradient: &mut [Lanes],

@@ -7,8 +7,10 @@ use clap::{Args, Subcommand, ValueEnum};
 use leastaction::ground_truth::{ManyBody, Mechanism};
 use leastaction::import::{self, Imported};
 use leastaction::{atomic, model_file};
+use leastaction_core::discrete::Order;
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::model::Discretisation;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::TrainedStep;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -143,8 +145,8 @@ impl Symo {
         let imported =
             import::symo(&bytes, &coordinates).map_err(|error| Failure::input(&self.file, error))?;
         let step = self.h.or(self.system.map(|system| system.step() as f32)).filter(|_| imported.discrete);
-        let discretisation = step.map(|h| Discretisation { order: 2, h });
-        Files { from: &self.file, to: self.output }.write(&imported, discretisation, "SyMo", output)
+        let trained_step = step.map(|h| TrainedStep { order: Order::Two, h, control: ControlKind::Linear });
+        Files { from: &self.file, to: self.output }.write(&imported, trained_step, "SyMo", output)
     }
 
     fn coordinates(&self) -> Result<Vec<Coordinate>, Failure> {
@@ -194,22 +196,21 @@ impl Files<'_> {
     fn write(
         self,
         imported: &Imported,
-        discretisation: Option<Discretisation>,
+        trained_step: Option<TrainedStep>,
         program: &str,
         output: Output,
     ) -> Done {
         let name = self.from.file_name().unwrap_or_default().to_string_lossy();
         let provenance = format!("imported from {name} ({program})");
-        let model =
-            model_file::encode(&imported.architecture, &imported.weights, discretisation, &provenance)
-                .map_err(|error| Failure::input(self.from, error))?;
+        let model = model_file::encode(&imported.architecture, &imported.weights, trained_step, &provenance)
+            .map_err(|error| Failure::input(self.from, error))?;
         atomic::write(&self.to, &model).map_err(|error| Failure::file(&self.to, error))?;
         output.report(&Report {
             model: self.to,
             bytes: model.len(),
             parameters: imported.weights.len(),
             coordinates: imported.architecture.coordinates(),
-            h: discretisation.map(|discretisation| discretisation.h),
+            h: trained_step.map(|trained_step| trained_step.h),
         })
     }
 }

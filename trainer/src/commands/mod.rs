@@ -1,6 +1,7 @@
 //! The command line: one file and one variant of [`Command`] each.
 
 mod arguments;
+mod convert;
 mod demo;
 mod evaluate;
 mod export;
@@ -40,6 +41,7 @@ enum Command {
     Train(train::Train),
     Export(export::Export),
     Inspect(inspect::Inspect),
+    Convert(convert::Convert),
     Simulate(simulate::Simulate),
     Demo(demo::Demo),
     Evaluate(evaluate::Evaluate),
@@ -56,6 +58,7 @@ pub fn main() -> ExitCode {
         Command::Train(command) => command.run(output),
         Command::Export(command) => command.run(output),
         Command::Inspect(command) => command.run(output),
+        Command::Convert(command) => command.run(output),
         Command::Simulate(command) => command.run(output),
         Command::Demo(command) => command.run(output),
         Command::Evaluate(command) => command.run(output),

@@ -40,7 +40,7 @@ pub fn read(path: impl AsRef<Path>, h: f64, actuated: usize) -> Result<SymoSet, 
         let bytes = fs::read(path).map_err(|error| (Place::File, error.into()))?;
         let archive = Archive::open(&bytes)?;
         let [train, test, integration] = PARTS;
-        let part = |keys| Part::find(&archive, keys)?.into_dataset(h, actuated);
+        let part = |keys| PlacedNetwork::find(&archive, keys)?.into_dataset(h, actuated);
         let set = SymoSet { train: part(train)?, test: part(test)?, integration: part(integration)? };
         for (key, part) in [("test_x", &set.test), ("int_x", &set.integration)] {
             same_width(key, part.n, set.train.n)?;
@@ -73,14 +73,14 @@ pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(
 }
 
 /// The arrays of a part, their shapes checked.
-struct Part<'a> {
+struct PlacedNetwork<'a> {
     states: Array<'a>,
     controls: Array<'a>,
     samples: usize,
     n: usize,
 }
 
-impl<'a> Part<'a> {
+impl<'a> PlacedNetwork<'a> {
     fn find(archive: &'a Archive, (states, controls): (&'static str, &'static str)) -> Result<Self, Fault> {
         let (states, controls) = (archive.require(states)?, archive.require(controls)?);
         let [trajectories, samples, width] = *states.shape.as_slice() else {

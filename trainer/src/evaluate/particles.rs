@@ -1,7 +1,7 @@
 //! Learned particles of any number on known rods, as plain functions on slices.
 
 use leastaction_core::constraints::{Constrained, ConstraintError, Constraints, Holonomic};
-use leastaction_core::continuous::{Drive, constrained_acceleration, constrained_room};
+use leastaction_core::continuous::{Drive, constrained_acceleration, constrained_workspace};
 use leastaction_core::particles::Particles;
 
 /// The rods of a system in D dimensions.
@@ -35,10 +35,10 @@ impl<'a, P: Particles<f64, D>, const D: usize> Driven<'a, P, D> {
 
     fn solve(&self, q: &[f64], v: &[f64], u: &[f64], out: &mut [f64]) -> Option<Vec<f64>> {
         let drive = Drive { force: (!u.is_empty()).then_some(u.as_chunks().0), ..Drive::none() };
-        let mut room = vec![0.0; constrained_room(&self.mechanism)];
+        let mut workspace = vec![0.0; constrained_workspace(&self.mechanism)];
         let mut lambda = vec![0.0; self.mechanism.constraints().equations()];
         let (q, v, out) = (q.as_chunks().0, v.as_chunks().0, out.as_chunks_mut().0);
-        constrained_acceleration(&self.mechanism, (q, v), &drive, &mut room, (out, &mut lambda)).ok()?;
+        constrained_acceleration(&self.mechanism, (q, v), &drive, &mut workspace, (out, &mut lambda)).ok()?;
         Some(lambda)
     }
 }

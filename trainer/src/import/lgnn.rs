@@ -6,7 +6,7 @@ use crate::ground_truth::LgnnSystem;
 use crate::reproduce::lgnn::graph;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, EdgeShape, Kinetic, MessageShape, NodeShape, Potential, Separation, Shape,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
 use leastaction_core::model::MAX_HIDDEN;
 use leastaction_core::network::Activation;
@@ -44,7 +44,7 @@ pub fn lgnn(bytes: &[u8], count: usize, drag: bool) -> Result<Imported, ImportEr
     tensors.refuse_others(|name| is_known(name, &networks))?;
     let dimension = usize::from(networks[1].inputs).saturating_sub(own.len());
     let shape = shape(&networks, [kinetic.len(), own.len(), dimension], drag).ok_or("number of parts");
-    let fitting = shape.and_then(|shape| shape.misfit().map_or(Ok(shape), Err));
+    let fitting = shape.and_then(|shape| shape.invalid_part().map_or(Ok(shape), Err));
     let shape = fitting.map_err(|part| ImportError::Misfit { part })?;
     // Mass, drag and field.
     let mut numbers = vec![Number::known(0.0); 2 + dimension];
@@ -109,16 +109,16 @@ fn is_known(name: &str, networks: &[NetworkShape]) -> bool {
         .any(|known| known == name)
 }
 
-fn shape(networks: &[NetworkShape], [kinetic, own, dimension]: [usize; 3], drag: bool) -> Option<Shape> {
+fn shape(networks: &[NetworkShape], [kinetic, own, dimension]: [usize; 3], drag: bool) -> Option<GraphShape> {
     let drag = if drag { Drag::Network(DRAG) } else { Drag::None };
     let node = NodeShape { kinetic: Kinetic::Network(0), potential: Potential::Network(1), drag };
     let edge = EdgeShape { separation: Separation::Distance, potential: None, embedding: Some(3) };
     let messages = MessageShape { message: 4, update: 5, edge_potential: Some(6), node_potential: Some(7) };
-    Some(Shape {
+    Some(GraphShape {
         kinetic_embedding: byte(kinetic),
         embedding: byte(own),
         messages: Some(messages),
-        ..Shape::new(byte(dimension), networks, &[node], &[edge])?
+        ..GraphShape::new(byte(dimension), networks, &[node], &[edge])?
     })
 }
 

@@ -3,8 +3,9 @@
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
 use crate::architecture::{ModularArchitecture, NamedTree, NamedType, Number};
 use crate::ground_truth::ManyBody;
+use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
-    Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    Input, MAX_NETWORKS, ModularShape, NetworkShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::network::Activation;
 use safetensors::SafeTensors;
@@ -78,8 +79,8 @@ pub fn modlanet(bytes: &[u8], system: ManyBody, mass: Option<f64>) -> Result<Imp
     let tensors = Tensors { file: &file, option: "--system" };
     tensors.require_any("ModLaNet (Potential1.mlp.…)", |name| name.starts_with("Potential1."))?;
     tensors.refuse_others(is_known)?;
-    let (mut networks, mut weights) = ([None; MAX_NETWORKS], Vec::new());
-    for (slot, network) in networks.iter_mut().zip(networks_of(system)) {
+    let (mut networks, mut weights) = (List::default(), Vec::new());
+    for (slot, network) in networks.slots.iter_mut().zip(networks_of(system)) {
         *slot = Some(network.read(&tensors, &mut weights)?);
     }
     let mass = mass.map_or_else(|| mass_of(&tensors), Ok)?;
@@ -87,10 +88,10 @@ pub fn modlanet(bytes: &[u8], system: ManyBody, mass: Option<f64>) -> Result<Imp
     let coefficients = [Number::learned(c1?), Number::learned(c2? / mass)];
     let [inertia, centre, length, damping] = [0.0, 1.0, 1.0, 0.0].map(Number::known);
     let numbers = [Number::learned(mass), inertia, centre, length, damping];
-    weights.extend(numbers.iter().chain(&coefficients).map(|number| number.value));
     let types = vec![NamedType { name: element_name(system).to_owned(), numbers }];
     let architecture =
         ModularArchitecture::new(shape(system, networks), types, coefficients, vec![tree(system)]);
+    weights.extend(architecture.numbers().map(|number| number.value));
     Ok(Imported { architecture: architecture.into(), weights, discrete: false })
 }
 
@@ -126,7 +127,7 @@ fn element_name(system: ManyBody) -> &'static str {
     }
 }
 
-fn shape(system: ManyBody, networks: [Option<NetworkShape>; MAX_NETWORKS]) -> Shape {
+fn shape(system: ManyBody, networks: List<NetworkShape, MAX_NETWORKS>) -> ModularShape {
     let (transform, potential, pair) = match system {
         ManyBody::Pendulum(_) => {
             let input = Input::WrappedAngle;
@@ -134,9 +135,9 @@ fn shape(system: ManyBody, networks: [Option<NetworkShape>; MAX_NETWORKS]) -> Sh
         }
         ManyBody::Bodies(_) => (TransformShape::Free, 0, 1),
     };
-    let mut types = [None; MAX_TYPES];
-    types[0] = Some(TypeShape { transform, potential: Some(potential) });
-    Shape { networks, types, pair: Some(PairShape { network: pair, input: PairInput::Concat }) }
+    let mut types = List::default();
+    types.slots[0] = Some(TypeShape { transform, potential: Some(potential) });
+    ModularShape { networks, types, pair: Some(PairShape { network: pair, input: PairInput::Concat }) }
 }
 
 fn tree(system: ManyBody) -> NamedTree {

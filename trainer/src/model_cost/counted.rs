@@ -116,7 +116,7 @@ impl<R: Real> Scalar for Counted<R> {
     type Weight = R::Weight;
 
     /// As on a controller.
-    const APART: bool = true;
+    const COMPONENTWISE: bool = true;
 
     fn component(index: usize) {
         OUTPUTS_END.set(0);

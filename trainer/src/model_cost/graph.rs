@@ -3,34 +3,34 @@
 use super::{Cost, LAYER, WORD, Work, network_weights, tape};
 use crate::architecture::GraphArchitecture;
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
-use leastaction_core::energy::graph::{Edge, Kinetic, NodeShape, Potential, Shape};
+use leastaction_core::energy::graph::{Edge, GraphShape, Kinetic, NodeShape, Potential};
 use leastaction_core::model::{ModelError, Rod};
 
 /// Steps of order 2 that one of order 4 is composed of.
 pub(super) const COMPOSED: usize = 5;
 
-/// A step is RATTLE's: forces once, momenta and velocities of every node; state and room are the caller's.
+/// A step is RATTLE's: forces once, momenta and velocities of every node; state and workspace are the caller's.
 pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError> {
     let graph = architecture.graph()?;
     let shape = &architecture.shape;
-    let networks = || shape.networks().map(|network| network.widths());
+    let networks = || shape.networks.iter().map(|network| network.widths());
     let widest = networks().flat_map(|(widths, _)| widths).max().unwrap_or(0);
     let depth = networks().map(|(_, depth)| depth).max().unwrap_or(0);
     let stack_bytes = tape::<1, 1>(widest, depth);
     let (nodes, rods) = (graph.nodes.len(), graph.rods.len());
     let numbers = if architecture.dimension() == 3 {
-        ParticleState::<f32, 3>::room(nodes, rods)
-            + Rattle::<f32>::room_of::<3>(nodes, rods, band(&graph.rods), 0)
+        ParticleState::<f32, 3>::workspace(nodes, rods)
+            + Rattle::<f32>::workspace_of::<3>(nodes, rods, band(&graph.rods), 0)
     } else {
-        ParticleState::<f32, 2>::room(nodes, rods)
-            + Rattle::<f32>::room_of::<2>(nodes, rods, band(&graph.rods), 0)
+        ParticleState::<f32, 2>::workspace(nodes, rods)
+            + Rattle::<f32>::workspace_of::<2>(nodes, rods, band(&graph.rods), 0)
     };
     let forces = Forces::of(shape, &graph.nodes, &graph.edges).multiply_adds();
     Ok(Cost {
         state_bytes: size_of::<f32>() * numbers,
         // The shape, the networks' layers, and the edges, which are read into RAM.
-        handle_bytes: size_of::<Shape>()
-            + shape.networks().count() * (depth + 1) * LAYER
+        handle_bytes: size_of::<GraphShape>()
+            + shape.networks.len() * (depth + 1) * LAYER
             + size_of::<Edge>() * graph.edges.len()
             + 8 * WORD,
         acceleration: Work { multiply_adds: forces, stack_bytes },
@@ -60,9 +60,9 @@ struct Forces {
 }
 
 impl Forces {
-    fn of(shape: &Shape, nodes: &[u8], edges: &[Edge]) -> Self {
-        let weights = |network: u8| shape.networks().nth(network.into()).map_or(0, network_weights);
-        let kinds = || nodes.iter().filter_map(|kind| shape.nodes().nth((*kind).into()));
+    fn of(shape: &GraphShape, nodes: &[u8], edges: &[Edge]) -> Self {
+        let weights = |network: u8| shape.networks.get(network).map_or(0, network_weights);
+        let kinds = || nodes.iter().filter_map(|kind| shape.nodes.get(*kind));
         let potential = |kind: &NodeShape| match kind.potential {
             Potential::Network(network) => weights(network),
             Potential::None | Potential::Uniform => 0,
@@ -71,7 +71,7 @@ impl Forces {
             Kinetic::Network(network) => weights(network),
             Kinetic::Mass => 0,
         };
-        let joined = || edges.iter().filter_map(|edge| shape.edges().nth(edge.kind.into()));
+        let joined = || edges.iter().filter_map(|edge| shape.edges.get(edge.kind));
         let pairs = joined().flat_map(|kind| [kind.potential, kind.embedding]).flatten();
         let messages = shape.messages.map_or(0, |messages| {
             let an_edge = 2 * weights(messages.message)

@@ -3,9 +3,12 @@
 use super::counted::{Counted, Operations, count};
 use crate::architecture::{Architecture, Family, GraphArchitecture, HostScalar, Visitor};
 use leastaction_core::constraints::{Constrained, Holonomic};
-use leastaction_core::continuous::{Drive, acceleration, constrained_acceleration, constrained_room};
-use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+use leastaction_core::continuous::{Drive, acceleration, constrained_acceleration, constrained_workspace};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
+use leastaction_core::discrete::{
+    Order,
+    rattle::{ParticleState, Rattle},
+};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
@@ -42,7 +45,7 @@ pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evalua
 const H: f64 = 0.01;
 
 fn newton() -> Newton<Real> {
-    Newton { max_iterations: 2, max_jacobians: 1, stop: Counted(0.0), accept: Counted(f64::INFINITY) }
+    Newton { max_iterations: 2, stop: Counted(0.0), accept: Counted(f64::INFINITY) }
 }
 
 impl HostScalar for Real {
@@ -111,17 +114,18 @@ fn particles<const D: usize>(architecture: &GraphArchitecture, weights: &[f64]) 
     let place = |i: usize| std::array::from_fn(|k| Counted(slope[k.min(2)] * (i + 1) as f64));
     let q: Vec<[Real; D]> = (0..layout.nodes.len()).map(place).collect();
     let v = vec![[Counted(0.0); D]; q.len()];
-    let mut room = vec![Counted(0.0); Rattle::room(&mechanism).max(constrained_room(&mechanism))];
+    let mut workspace =
+        vec![Counted(0.0); Rattle::workspace(&mechanism).max(constrained_workspace(&mechanism))];
     let (mut a, mut lambda) = (v.clone(), vec![Counted(0.0); rods.len()]);
     let (outcome, acceleration) = count(|| {
-        constrained_acceleration(&mechanism, (&q, &v), &Drive::none(), &mut room, (&mut a, &mut lambda))
+        constrained_acceleration(&mechanism, (&q, &v), &Drive::none(), &mut workspace, (&mut a, &mut lambda))
     });
     outcome.ok()?;
     let mut step = |order| {
-        let mut numbers = vec![Counted(0.0); ParticleState::<Real, D>::room(q.len(), rods.len())];
-        let mut state = ParticleState::new(&mechanism, &q, &v, &mut numbers, &mut room).ok()?;
+        let mut numbers = vec![Counted(0.0); ParticleState::<Real, D>::workspace(q.len(), rods.len())];
+        let mut state = ParticleState::new(&mechanism, &q, &v, &mut numbers, &mut workspace).ok()?;
         let rattle = Rattle::with_newton(Counted(H), order, newton());
-        let (outcome, done) = count(|| rattle.step(&mechanism, &mut state, None, &mut room));
+        let (outcome, done) = count(|| rattle.step(&mechanism, &mut state, None, &mut workspace));
         outcome.ok().map(|_| done)
     };
     Some(Evaluations { acceleration, step_order_2: step(Order::Two)?, step_order_4: step(Order::Four)? })

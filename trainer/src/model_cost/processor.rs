@@ -246,7 +246,7 @@ impl Shape {
 
 fn moved_by_network(architecture: &Architecture) -> bool {
     let Architecture::Modular(modular) = architecture else { return false };
-    modular.shape.types().any(|of| matches!(of.transform, TransformShape::Network { .. }))
+    modular.shape.types.iter().any(|of| matches!(of.transform, TransformShape::Network { .. }))
 }
 
 const GRAPH: &str = "graph";

@@ -1,20 +1,17 @@
 //! Model files on the host: written from weights in double precision, read back into them, and as Rust source.
 
 mod rust_source;
+mod version_1;
 
 pub use rust_source::rust_source;
 
 use crate::architecture::Architecture;
 use leastaction_core::model::{
-    Discretisation, Document, FORMAT_VERSION, Header, MAGIC, ModelError, checksum, parse,
+    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Header, ModelError, Parsed, TrainedStep, TrainingRange,
+    WriteError, parse, write,
 };
 use leastaction_core::scalar::{Weights, f16};
 use thiserror::Error;
-
-/// Bytes of the checksum that closes a file.
-const CHECKSUM: usize = 4;
-/// What the weights' offset is a multiple of.
-const ALIGNMENT: usize = 4;
 
 /// A model that cannot be written.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -34,9 +31,9 @@ pub enum EncodeError {
     /// The format does not allow the shape or a number.
     #[error("the model does not fit the file format: {0}")]
     Model(ModelError),
-    /// The header cannot be serialised.
-    #[error("the header cannot be written: {0}")]
-    Header(postcard::Error),
+    /// It cannot be written.
+    #[error("the model cannot be written: {0}")]
+    Write(WriteError),
 }
 
 /// How a file stores its weights.
@@ -90,10 +87,30 @@ pub struct HostModel {
     pub weights: Vec<f64>,
     /// That the file stores its weights in.
     pub precision: Precision,
-    /// The step and order it was trained with, where it was.
-    pub discretisation: Option<Discretisation>,
+    /// What the file says beside them.
+    pub facts: Facts,
+    /// The version of the format that it was read from.
+    pub version: u8,
+}
+
+/// What a model file says of a model beside its shape and weights.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// The step that it was trained with, where it was.
+    pub trained_step: Option<TrainedStep>,
+    /// What the training data covered of every coordinate; empty where that is not known.
+    pub range: Vec<CoordinateRange>,
+    /// The bytes of its actuator; empty where the command is the force.
+    pub actuator: Vec<u8>,
     /// Where it comes from.
     pub provenance: String,
+}
+
+impl Facts {
+    /// A step and a text.
+    pub fn new(trained_step: Option<TrainedStep>, provenance: &str) -> Self {
+        Self { trained_step, provenance: provenance.to_owned(), ..Self::default() }
+    }
 }
 
 impl HostModel {
@@ -103,17 +120,17 @@ impl HostModel {
     }
 }
 
-/// The bytes of the model file with weights in single precision: see [`encode_in`].
+/// The bytes of the model file with weights in single precision, a step and a text: see [`encode_in`].
 ///
 /// # Errors
 /// As there.
 pub fn encode(
     architecture: &Architecture,
     weights: &[f64],
-    discretisation: Option<Discretisation>,
+    trained_step: Option<TrainedStep>,
     provenance: &str,
 ) -> Result<Vec<u8>, EncodeError> {
-    encode_in(Precision::Single, architecture, weights, discretisation, provenance)
+    encode_in(Precision::Single, architecture, weights, &Facts::new(trained_step, provenance))
 }
 
 /// The bytes of the model file: weights rounded to a precision, aligned, checksummed, and read back once.
@@ -124,37 +141,60 @@ pub fn encode_in(
     precision: Precision,
     architecture: &Architecture,
     weights: &[f64],
-    discretisation: Option<Discretisation>,
-    provenance: &str,
+    facts: &Facts,
 ) -> Result<Vec<u8>, EncodeError> {
     let block = rounded(weights, precision)?;
-    let assembled =
-        architecture.with_header(|family| assemble(Header { family, discretisation, provenance }, &block));
-    let bytes = assembled.map_err(EncodeError::Header)?;
+    let range: Vec<u8> = facts.range.iter().flat_map(|range| range.to_bytes()).collect();
+    let present = |bytes: &[u8]| !bytes.is_empty();
+    let range = Some(range.as_slice()).filter(|range| present(range)).map(TrainingRange::new).transpose();
+    let actuator = Some(facts.actuator.as_slice()).filter(|actuator| present(actuator));
+    let actuator = actuator.map(ActuatorBytes::new).transpose().map_err(EncodeError::Model)?;
+    let (range, units) = (range.map_err(EncodeError::Model)?, architecture.units());
+    let written = architecture.with_header(|family| {
+        let header = Header {
+            laws: architecture.laws(),
+            actuator,
+            trained_step: facts.trained_step,
+            units: &units,
+            range,
+            provenance: &facts.provenance,
+            ..Header::new(family)
+        };
+        assemble(&header, &block)
+    });
+    let bytes = written.map_err(EncodeError::Write)?;
     decode(&bytes).map_err(EncodeError::Model)?;
     Ok(bytes)
 }
 
-/// Reads a model file.
+/// Reads a model file, of version 1 too.
 ///
 /// # Errors
 /// [`ModelError`]: what is wrong with the bytes.
 pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
+    if version_1::is(bytes) {
+        return Ok(HostModel { version: 1, ..decode_current(&version_1::converted(bytes)?)? });
+    }
+    decode_current(bytes)
+}
+
+fn decode_current(bytes: &[u8]) -> Result<HostModel, ModelError> {
     let aligned = Aligned::new(bytes);
-    let parsed = parse(aligned.bytes())?;
-    let Header { family, discretisation, provenance } = parsed.header;
-    let weights: Vec<f64> = parsed.weights.iter().map(f64::from).collect();
-    let precision = match parsed.weights {
+    let Parsed { header, weights } = parse(aligned.bytes())?;
+    let precision = match weights {
         Weights::Half(_) => Precision::Half,
         Weights::Single(_) => Precision::Single,
     };
-    Ok(HostModel {
-        precision,
-        architecture: Architecture::from_header(&family, &weights)?,
-        weights,
-        discretisation,
-        provenance: provenance.to_owned(),
-    })
+    let weights: Vec<f64> = weights.iter().map(f64::from).collect();
+    let range = header.range.iter().flat_map(|range| range.coordinates());
+    let facts = Facts {
+        trained_step: header.trained_step,
+        range: range.collect::<Result<_, _>>()?,
+        actuator: header.actuator.map_or(Vec::new(), |actuator| actuator.bytes().to_vec()),
+        provenance: header.provenance.to_owned(),
+    };
+    let architecture = Architecture::from_header(&header.family, header.laws, &weights)?;
+    Ok(HostModel { precision, architecture, weights, facts, version: FORMAT_VERSION })
 }
 
 /// The weight block, little-endian.
@@ -167,30 +207,19 @@ fn rounded(weights: &[f64], precision: Precision) -> Result<Vec<u8>, EncodeError
     Ok(block)
 }
 
-fn assemble(header: Header, weights: &[u8]) -> postcard::Result<Vec<u8>> {
-    let unpadded = document(header, &[], weights)?;
-    let offset = unpadded.len() - CHECKSUM - weights.len();
-    let padding = [0; ALIGNMENT];
-    let padding = padding.get(..offset.next_multiple_of(ALIGNMENT) - offset).unwrap_or_default();
-    let mut bytes = document(header, padding, weights)?;
-    let body = bytes.len() - CHECKSUM;
-    let sum = checksum(bytes.get(..body).unwrap_or_default());
-    bytes.truncate(body);
-    bytes.extend(sum.to_le_bytes());
-    Ok(bytes)
-}
-
-/// The file but for its checksum.
-fn document(header: Header, padding: &[u8], weights: &[u8]) -> postcard::Result<Vec<u8>> {
-    let checksum = [0; CHECKSUM];
-    postcard::to_stdvec(&Document {
-        magic: MAGIC,
-        version: FORMAT_VERSION,
-        header,
-        padding,
-        weights,
-        checksum,
-    })
+/// The file, in as much memory as it takes.
+fn assemble(header: &Header, weights: &[u8]) -> Result<Vec<u8>, WriteError> {
+    let mut memory = vec![0; 4096 + weights.len()];
+    loop {
+        match write(header, weights, &mut memory).map(<[u8]>::len) {
+            Err(WriteError::TooShort) => memory.resize(2 * memory.len(), 0),
+            Err(error) => return Err(error),
+            Ok(length) => {
+                memory.truncate(length);
+                return Ok(memory);
+            }
+        }
+    }
 }
 
 /// A copy of some bytes that begins at a multiple of 4.
@@ -202,8 +231,8 @@ struct Aligned {
 impl Aligned {
     fn new(bytes: &[u8]) -> Self {
         let mut words = vec![0_u32; bytes.len().div_ceil(size_of::<u32>())];
-        let room = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
-        room.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+        let workspace = bytemuck::cast_slice_mut::<u32, u8>(&mut words);
+        workspace.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
         Self { words, length: bytes.len() }
     }
 

@@ -1,5 +1,7 @@
 use super::{Line, LinkError};
-use leastaction_firmware_sim::link::{Answer, Done, Frame, Receiver, Request, Samples, answered, request};
+use leastaction_firmware_sim::link::{
+    Answer, Done, Frame, Receiver, Request, Samples, parse_answer, request,
+};
 use leastaction_firmware_sim::{Outcome, Processor, Program, Task};
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
@@ -79,7 +81,7 @@ impl<L: Line, const N: usize> Processor<N> for &mut Remote<L, N> {
 
 /// The answer in a frame; a refusal is an error.
 fn answer<const N: usize>(frame: &Frame) -> Result<Answer<'_, N>, LinkError> {
-    match answered(frame).map_err(|_| LinkError::Broken)? {
+    match parse_answer(frame).map_err(|_| LinkError::Broken)? {
         Answer::Refused(refusal) => Err(LinkError::Refused(refusal)),
         answer => Ok(answer),
     }

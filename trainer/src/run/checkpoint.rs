@@ -3,15 +3,16 @@
 use super::plan::Plan;
 use super::state::{Best, State};
 use crate::architecture::Architecture;
+use crate::model_file::Facts;
 use crate::sealed;
-use leastaction_core::model::Discretisation;
+use leastaction_core::model::{CoordinateRange, TrainedStep};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use thiserror::Error;
 
 /// The first bytes of the file: what it is, and the version of its layout.
-const MAGIC: &[u8] = b"LARUN\x03";
+const MAGIC: &[u8] = b"LARUN\x04";
 
 /// Everything in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +24,9 @@ pub(super) struct Checkpoint {
     /// Of the model.
     pub architecture: Architecture,
     /// Of the model.
-    pub discretisation: Option<Discretisation>,
+    pub trained_step: Option<TrainedStep>,
+    /// What the data covered.
+    pub range: Vec<CoordinateRange>,
     /// Where the run is.
     pub state: State,
 }
@@ -67,7 +70,8 @@ impl Checkpoint {
             identity: plan.config.identity().to_toml(),
             data: plan.data_fingerprint,
             architecture: plan.architecture.clone(),
-            discretisation: plan.discretisation,
+            trained_step: plan.trained_step,
+            range: plan.range.clone(),
             state: state.clone(),
         }
     }
@@ -117,8 +121,10 @@ fn differences(then: &str, now: &str) -> String {
 pub struct Trained {
     /// Its shape.
     pub architecture: Architecture,
-    /// The step and order it was trained with, where the loss has any.
-    pub discretisation: Option<Discretisation>,
+    /// The step that it was trained with, where the loss has one.
+    pub trained_step: Option<TrainedStep>,
+    /// What the training data covered of every coordinate.
+    pub range: Vec<CoordinateRange>,
     /// The best weights and their losses.
     pub best: Best,
     /// Iterations of the run so far.
@@ -128,6 +134,12 @@ pub struct Trained {
 }
 
 impl Trained {
+    /// What a model file says of it beside its shape and weights.
+    pub fn facts(&self) -> Facts {
+        let Self { trained_step, range, provenance, .. } = self.clone();
+        Facts { range, ..Facts::new(trained_step, &provenance) }
+    }
+
     /// The best model of the run in a folder.
     ///
     /// # Errors
@@ -135,8 +147,15 @@ impl Trained {
     pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
         let checkpoint = Checkpoint::read(&folder.join(super::folder::CHECKPOINT))?;
         let provenance = checkpoint.provenance();
-        let Checkpoint { architecture, discretisation, state, .. } = checkpoint;
-        Ok(Self { architecture, discretisation, best: state.best, iterations: state.iteration, provenance })
+        let Checkpoint { architecture, trained_step, range, state, .. } = checkpoint;
+        Ok(Self {
+            architecture,
+            trained_step,
+            range,
+            best: state.best,
+            iterations: state.iteration,
+            provenance,
+        })
     }
 }
 

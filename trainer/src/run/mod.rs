@@ -13,6 +13,7 @@ mod checkpoint;
 mod fingerprint;
 mod folder;
 mod plan;
+mod range;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,14 @@
 //! What a run does, from a configuration and data: the stages, each with its losses.
 
 use super::fingerprint;
+use super::range;
 use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
-use leastaction_core::model::{Discretisation, ModelError};
+use leastaction_core::discrete::Order;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
 use thiserror::Error;
 
 /// A run that cannot begin.
@@ -126,7 +129,9 @@ pub struct Plan {
     pub(super) architecture: Architecture,
     /// What training begins with.
     pub(super) initial: Vec<f64>,
-    pub(super) discretisation: Option<Discretisation>,
+    pub(super) trained_step: Option<TrainedStep>,
+    /// What the data covered, training and validation.
+    pub(super) range: Vec<CoordinateRange>,
     pub(super) data_fingerprint: u64,
     pub(super) stages: Vec<Stage>,
     notices: Vec<Notice>,
@@ -163,15 +168,18 @@ impl Plan {
             })
             .collect::<Result<_, _>>()?;
         let TrainingConfig { loss, order, .. } = config.training;
-        let discretisation = Discretisation { order, h: data.h as f32 };
+        // Losses take a control that is linear between samples.
+        let control = ControlKind::Linear;
+        let step = |order| TrainedStep { order, h: data.h as f32, control };
         Ok(Self {
-            architecture,
             initial,
-            discretisation: loss.is_discrete().then_some(discretisation),
+            trained_step: Order::from_number(order).filter(|_| loss.is_discrete()).map(step),
+            range: range::of(&architecture, &data),
             data_fingerprint: fingerprint::of_data(&data, loss),
             stages,
             notices,
             config,
+            architecture,
         })
     }
 

@@ -4,10 +4,12 @@ use super::Failed;
 use super::loss::{SampleLoss, Systems, Term, TermKind, identity};
 use super::samples::Sample;
 use crate::architecture::Family;
-use leastaction_core::discrete::{Control, Del, Interval, Linearised, Newton, Node, Path, Solved, Variation};
+use leastaction_core::discrete::{
+    Control, Del, GaussPoint, Interval, Linearised, Newton, Path, Solved, Variation,
+};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::{Singular, add_scaled, multiply, solve_many, transpose};
+use leastaction_core::linear::{SolveError, add_scaled, multiply, solve_many, transpose};
 
 /// A loss of three consecutive positions under the discrete dynamics of path P, without constraints.
 pub(super) struct DelLoss<P> {
@@ -93,14 +95,14 @@ impl<P: Path + Sync, F: Family<N>, const N: usize> SampleLoss<F, N> for DelLoss<
 fn next_position_rows<P: Path, const N: usize>(
     ahead: &Linearised<f64, N>,
     h: f64,
-) -> Result<[[f64; N]; N], Singular> {
+) -> Result<[[f64; N]; N], SolveError> {
     let k = if P::BUBBLE { ahead.reduced()?.1 } else { ahead.momentum_w };
     let rows = solve_many(transpose(&k), identity())?;
     Ok(rows.map(|row| row.map(|x| -h * x)))
 }
 
 /// (A B⁻¹)ᵀ: applied to y it gives the weight of the bubble's equation.
-fn slaved<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> Result<[[f64; N]; N], Singular> {
+fn slaved<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> Result<[[f64; N]; N], SolveError> {
     // Rows of A B⁻¹ solve Bᵀx = (row of A).
     Ok(transpose(&solve_many(transpose(b), *a)?))
 }
@@ -110,11 +112,11 @@ fn push_terms<P: Path, const N: usize>(
     interval: &Interval<f64, P, N>,
     y: &[f64; N],
     z: &[f64; N],
-    end: fn(&Node<f64>, f64) -> Variation<f64>,
+    end: fn(&GaussPoint<f64>, f64) -> Variation<f64>,
     h: f64,
     terms: &mut Vec<Term<N>>,
 ) {
-    for node in P::nodes().as_ref() {
+    for node in P::points().as_ref() {
         let (q, v) = interval.point(node);
         let (end, bubble) = (end(node, h), Variation::bubble(node, h));
         let weigh = |end: f64, bubble: f64| -> [f64; N] {

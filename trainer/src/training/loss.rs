@@ -12,8 +12,8 @@ use crate::architecture::{Family, FamilySystem};
 use crate::dual::Dual;
 use leastaction_core::discrete::StepError;
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
-use leastaction_core::linear::{Matrix, Singular, add_scaled, dot, multiply, solve, solve_many, transpose};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear::{Matrix, SolveError, add_scaled, dot, multiply, solve, solve_many, transpose};
 use leastaction_core::scalar::{LANES, Lanes, Scalar};
 use serde::{Deserialize, Serialize};
 
@@ -66,8 +66,8 @@ impl From<StepError<f64>> for Failed {
     }
 }
 
-impl From<Singular> for Failed {
-    fn from(_: Singular) -> Self {
+impl From<SolveError> for Failed {
+    fn from(_: SolveError) -> Self {
         Self
     }
 }
@@ -234,11 +234,11 @@ pub(super) fn equation<L, Q, S: Scalar, const N: usize>(
     u: &[S; N],
 ) -> (Matrix<S, N>, [S; N])
 where
-    L: Lagrangian<S, N, Mass = DenseMass<S, N>>,
+    L: Lagrangian<S, N>,
     Q: Forces<S, N>,
 {
-    let (d, drag) = (lagrangian.dynamics(q, v), forces.force(q, v));
-    (d.mass.0, std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + drag[i] + u[i]))
+    let (d, drag) = (lagrangian.dynamics(q, v), forces.force(q, v, u));
+    (d.mass, std::array::from_fn(|i| d.l_q[i] - d.l_vq_v[i] + drag[i] + u[i]))
 }
 
 /// The equations of motion of eight samples.

@@ -121,7 +121,7 @@ impl Visitor for Accelerations {
 }
 
 fn del_loss<P: Path>(h: f64, kind: LossKind) -> OneByOne<DelLoss<P>> {
-    let newton = Newton { max_iterations: 12, max_jacobians: 12, stop: 1e-14, accept: 1e-9 };
+    let newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-9 };
     let next_position = kind == LossKind::NextPosition;
     OneByOne(DelLoss { del: Del::with_newton(h, newton), newton, next_position })
 }

@@ -45,7 +45,7 @@ pub(crate) trait Residuals: Sync {
     fn project(&self, _weights: &mut [f64]) {}
 }
 
-/// Room for the rows of one chunk.
+/// Workspace for the rows of one chunk.
 pub(crate) struct ChunkRows {
     /// r.
     pub residual: Vec<f64>,
@@ -123,8 +123,8 @@ fn sum(
 ) -> Option<NormalEquations> {
     let parts = parts(samples);
     let sums: Vec<Option<NormalEquations>> = parallel::map(parts.len(), &|k| {
-        let (mut sum, mut room) = (zero(), ChunkRows::new());
-        parts[k].iter().try_for_each(|chunk| add(&mut sum, &mut room, chunk.clone())).ok()?;
+        let (mut sum, mut workspace) = (zero(), ChunkRows::new());
+        parts[k].iter().try_for_each(|chunk| add(&mut sum, &mut workspace, chunk.clone())).ok()?;
         Some(sum)
     });
     sums.into_iter().reduce(|total, part| {

@@ -4,10 +4,13 @@ use crate::support::Bench;
 use leastaction::architecture::{Architecture, RigidArchitecture};
 use leastaction::config::Config;
 use leastaction::model_file::{decode, encode, rust_source};
+use leastaction_core::constraints::Holonomic;
 use leastaction_core::continuous::acceleration;
+use leastaction_core::discrete::Order;
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::model::Discretisation;
+use leastaction_core::forces::{ControlKind, Viscous};
+use leastaction_core::model::{Laws, TrainedStep};
 use leastaction_core::particles::Particles;
 
 #[path = "../cli_golden/model.rs"]
@@ -32,13 +35,16 @@ fn exported_files_agree() {
     let bytes = bench.read("m.postcard");
     assert_eq!(report["bytes"].as_u64(), Some(bytes.len() as u64));
     let model = decode(&bytes).unwrap();
-    assert_eq!(model.discretisation, Some(Discretisation { order: 2, h: 0.1 }));
+    assert_eq!(
+        model.facts.trained_step,
+        Some(TrainedStep { order: Order::Two, h: 0.1, control: ControlKind::Linear })
+    );
     assert_eq!(report["parameters"].as_u64(), Some(model.weights.len() as u64));
-    assert_eq!(report["provenance"].as_str(), Some(model.provenance.as_str()));
+    assert_eq!(report["provenance"].as_str(), Some(model.facts.provenance.as_str()));
     assert!(
-        model.provenance.contains("next-position by levenberg-marquardt, seed 0"),
+        model.facts.provenance.contains("next-position by levenberg-marquardt, seed 0"),
         "{}",
-        model.provenance
+        model.facts.provenance
     );
     assert_eq!(bench.text("m.rs"), rust_source(&bytes).unwrap());
 }
@@ -60,7 +66,7 @@ fn half_the_flash_has_a_price_that_is_told() {
     };
     let found = evaluated("half.postcard").sqrt();
     assert!((found - error("shipped")).abs() <= 1e-12 * found, "{found} {}", error("shipped"));
-    assert!(bench.text("half.rs").contains("Model::load_half"));
+    assert!(bench.text("half.rs").contains("RigidModel<'static, N, H, L, f16>"));
     let text = bench.run("export run -o half.postcard --weights f16").good().stdout;
     assert!(text.contains("parameters of 16 bits") && text.contains("positions one step ahead"), "{text}");
     let text = bench.run("inspect half.postcard").good().stdout;
@@ -152,8 +158,13 @@ fn shape() -> RigidArchitecture {
 fn example() -> Vec<u8> {
     let architecture = Architecture::from(shape());
     let weights = architecture.initial_weights(1);
-    encode(&architecture, &weights, Some(Discretisation { order: 4, h: 0.05 }), "an example\nin two lines")
-        .unwrap()
+    encode(
+        &architecture,
+        &weights,
+        Some(TrainedStep { order: Order::Four, h: 0.05, control: ControlKind::Linear }),
+        "an example\nin two lines",
+    )
+    .unwrap()
 }
 
 /// Trees of two sizes over the same types.
@@ -198,22 +209,23 @@ fn rust_source_is_the_golden_file() {
 
 #[test]
 fn rust_source_of_graphs_compiles_and_is_the_same_model() {
-    use golden_graphs::{D, DIMENSION, EDGES, GRAPH, GRAPHS, H, K, N, load};
+    use golden_graphs::{DIMENSION, EDGES, GRAPH, GRAPHS, H, K, L, N, RODS, load};
     let (architecture, bytes) = example_of_graphs();
     let host = decode(&bytes).unwrap();
     assert_eq!(&host.architecture, &architecture);
     let weights = host.weights_f32();
     let named = architecture.graph().unwrap().graph().unwrap();
     let types =
-        architecture.graph().unwrap().with_header(|header| header.types::<f32, DIMENSION, K, H, D>(&weights));
+        architecture.graph().unwrap().with_header(|header| header.types::<f32, DIMENSION, K, H, L>(&weights));
     let here = Graph::new(types.unwrap(), &named.nodes, &named.edges).unwrap();
     let mut edges = [Edge::default(); EDGES];
-    let there = load(&mut edges).unwrap();
+    let mut rods = [Holonomic::default(); RODS];
+    let there = load(&mut edges, &mut rods).unwrap();
     let (q, v) = ([[0.3, -0.4], [0.9, 0.1]], [[-1.2, 0.2], [0.5, 0.7]]);
     let energies = |graph: &dyn Particles<f32, DIMENSION>| graph.energies(&q, &v, &mut []);
-    assert_eq!(energies(&there.graph), energies(&here));
+    assert_eq!(energies(&there.system.graph), energies(&here));
     assert!(energies(&here).potential != 0.0);
-    assert_eq!((N, H, D, K, EDGES, GRAPH), (4, 3, 1, 2, 1, "pair"));
+    assert_eq!((N, H, L, K, EDGES, RODS, GRAPH), (4, 3, 1, 2, 1, 0, "pair"));
     assert_eq!(GRAPHS, [("pair", 2, 1), ("three", 3, 2)]);
 }
 
@@ -226,7 +238,10 @@ fn rust_source_of_trees_compiles_and_is_the_same_model() {
     let modular = architecture.modular().unwrap();
     let (q, v, u) = ([0.3, -0.4], [-1.2, 0.2], [0.5, 0.0]);
     let tree = modular.tree_header();
-    let here = modular.header().system::<_, f32, 2, 2, 3, 1>(&tree, &weights).unwrap();
+    let here = modular
+        .header()
+        .system::<_, f32, Viscous<f32, 2>, 2, 2, 3, 1>(&tree, Laws::VISCOUS, &weights)
+        .unwrap();
     let there = golden_trees::load().unwrap();
     assert_eq!(acceleration(&there.system, &q, &v, &u).unwrap(), acceleration(&here, &q, &v, &u).unwrap());
     assert_eq!(golden_trees::TREES, [("double", 2), ("crane", 3)]);
@@ -235,7 +250,7 @@ fn rust_source_of_trees_compiles_and_is_the_same_model() {
     assert!(
         golden_trees::load_tree::<2>("crane").is_err() && golden_trees::load_tree::<3>("cranes").is_err()
     );
-    assert_eq!((golden_trees::N, golden_trees::H, golden_trees::D, golden_trees::K), (2, 3, 1, 2));
+    assert_eq!((golden_trees::N, golden_trees::H, golden_trees::L, golden_trees::E), (2, 3, 1, 2));
     assert_eq!(golden_trees::TREE, "double");
 }
 
@@ -248,6 +263,6 @@ fn rust_source_compiles_and_is_the_same_model() {
     let (q, v, u) = ([0.3], [-1.2], [0.5]);
     let there = acceleration(&model.system, &q, &v, &u).unwrap();
     assert_eq!(there, acceleration(&system, &q, &v, &u).unwrap());
-    assert_eq!((golden::N, golden::H, golden::D, golden::ORDER, golden::STEP), (1, 3, 2, 4, 0.05));
+    assert_eq!((golden::N, golden::H, golden::L, golden::ORDER, golden::STEP), (1, 3, 2, 4, 0.05));
     assert_eq!(golden::integrator().h(), 0.05);
 }

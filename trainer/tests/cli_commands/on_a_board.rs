@@ -3,7 +3,7 @@
 
 use crate::support::{Bench, Outcome};
 use leastaction_firmware_sim::Outcome as Tick;
-use leastaction_firmware_sim::link::{Answer, Done, Frame, ModelFault, Refusal, answer};
+use leastaction_firmware_sim::link::{Answer, Done, Frame, ModelRefusal, Refusal, answer};
 use std::convert::Infallible;
 use std::fs::{self, Permissions};
 use std::os::unix::fs::PermissionsExt;
@@ -107,8 +107,12 @@ fn noise_and_refusals_are_told_apart() {
     let bench = bench("cat said; exec sleep 600");
     fs::write(bench.at("said"), "Booting Linux\0").unwrap();
     run(&bench, ON).bad(1, &["damaged"]);
-    says(&bench, "said", &[frame(&Answer::Refused(Refusal::Model(ModelFault::Shape)))]);
-    run(&bench, ON).bad(1, &["refuses", "another shape", "code 17"]);
+    says(
+        &bench,
+        "said",
+        &[frame(&Answer::Refused(Refusal::Model(ModelRefusal { code: 35, numbers: [2, 1, 0] })))],
+    );
+    run(&bench, ON).bad(1, &["refuses", "shape is not the one", "code 35: 2, 1, 0"]);
     says(&bench, "said", &[frame(&Answer::Ready { processor: "cortex-m7" })]);
     run(&bench, ON).bad(1, &["the image on the cortex-m4f says that it is a cortex-m7"]);
 }

@@ -34,6 +34,16 @@ fn a_learned_model_predicts_tracks_and_swings_up() {
 }
 
 #[test]
+fn another_step_than_the_models_is_said_aloud() {
+    let bench = learned();
+    let said = |tick: &str| {
+        bench.run(&format!("simulate run.postcard --scenario predict --seconds 1{tick} --json")).stderr
+    };
+    assert!(said("").contains("tick is 0.01, but must be 0.05, which the model was trained for"));
+    assert!(!said(" --tick 0.05").contains("warning"));
+}
+
+#[test]
 fn a_seed_is_a_trace() {
     let bench = learned();
     let hash = |seed: u32| simulate(&bench, &format!("--scenario track --seed {seed}"))["trace_hash"].clone();

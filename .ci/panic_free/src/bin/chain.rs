@@ -4,7 +4,7 @@
 
 use core::hint::black_box;
 use leastaction_core::model::ModularModel;
-use panic_free::{Flash, everything, halt};
+use panic_free::{Flash, everything, halt, said};
 
 static FLASH: Flash = Flash::new();
 
@@ -12,6 +12,7 @@ static FLASH: Flash = Flash::new();
 extern "C" fn _start() -> ! {
     if let Ok(model) = ModularModel::<6, 3, 16, 3>::load(FLASH.bytes(), black_box("chain")) {
         everything(&model.system);
+        said::<_, 6>(&model);
     }
     halt()
 }

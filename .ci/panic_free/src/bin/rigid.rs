@@ -5,7 +5,7 @@
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::System;
 use leastaction_core::model::RigidModel;
-use panic_free::{Flash, everything, halt};
+use panic_free::{Flash, everything, halt, said};
 
 static FLASH: Flash = Flash::new();
 
@@ -13,6 +13,7 @@ static FLASH: Flash = Flash::new();
 extern "C" fn _start() -> ! {
     if let Ok(model) = RigidModel::<2, 32, 2>::load(FLASH.bytes()) {
         everything(&model.system);
+        said::<_, 2>(&model);
     }
     everything(&System::conservative(CARTPOLE));
     halt()

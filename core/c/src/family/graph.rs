@@ -6,48 +6,41 @@ use crate::config::{
 use crate::error::Error;
 use crate::status::Status;
 use core::ffi::{CStr, c_char};
-use leastaction_core::energy::graph::{Edge, Fixed};
+use leastaction_core::energy::graph::{Edge, Fixed, GraphError};
 use leastaction_core::forces::System;
-use leastaction_core::model::{Discretisation, GraphHeader, parse_as};
+use leastaction_core::model::{GraphModel, Model, ModelError};
 
 pub(crate) const FAMILY: &CStr = c"graph";
 pub(crate) const EDGES: usize = LEASTACTION_EDGES;
 
 /// Particles, coordinates node after node.
-pub(crate) struct Mechanism {
-    particles: Particles,
-    discretisation: Option<Discretisation>,
-}
+pub(crate) type Mechanism = Model<'static, Particles>;
 
 /// A Lagrangian that is its own drag.
 type Particles = Fixed<'static, Weight, D, K, H, L, N>;
 
-impl Mechanism {
-    /// # Safety
-    /// `name` is NULL, or bytes up to a zero.
-    pub unsafe fn load(
-        bytes: &'static [u8],
-        name: *const c_char,
-        edges: &'static mut [Edge],
-    ) -> Result<Self, Error> {
-        // SAFETY: this function's promise.
-        let name = unsafe { super::text(name) }?;
-        let parsed = parse_as::<GraphHeader, Weight>(bytes)?;
-        let header = parsed.shape;
-        let layout = header.layout(name)?;
-        // Particles that nothing holds together would be another mechanism than the one that was learned.
-        if layout.rods().next().is_some() {
-            return Err(Error::new(Status::Rods, [layout.rods().count()]));
-        }
-        let particles = Fixed::new(header.graph(layout, parsed.weights, edges)?)?;
-        Ok(Self { particles, discretisation: parsed.discretisation })
-    }
+/// # Safety
+/// `name` is NULL, or bytes up to a zero.
+pub(crate) unsafe fn load(
+    bytes: &'static [u8],
+    name: *const c_char,
+    edges: &'static mut [Edge],
+) -> Result<Mechanism, Error> {
+    // SAFETY: this function's promise.
+    let name = unsafe { super::text(name) }?;
+    // Particles that nothing holds together would be another mechanism than the one that was learned.
+    let model = GraphModel::<D, K, H, L, Weight>::load(bytes, name, edges, &mut []).map_err(without_rods)?;
+    model.try_map(|system| Ok(Fixed::new(system.graph)?))
+}
 
-    pub fn system(&self) -> System<&Particles, &Particles> {
-        System { lagrangian: &self.particles, forces: &self.particles }
+/// There is no place for rods at all here.
+fn without_rods(error: ModelError) -> Error {
+    match error {
+        ModelError::Graph(GraphError::TooManyRods { needed, .. }) => Error::new(Status::Rods, [needed]),
+        error => error.into(),
     }
+}
 
-    pub fn discretisation(&self) -> Option<Discretisation> {
-        self.discretisation
-    }
+pub(crate) fn system(mechanism: &Mechanism) -> System<&Particles, &Particles> {
+    System { lagrangian: &mechanism.system, forces: &mechanism.system }
 }

@@ -8,11 +8,11 @@ mod modular;
 mod rigid;
 
 #[cfg(feature = "graph")]
-pub(crate) use graph::{EDGES, FAMILY, Mechanism};
+pub(crate) use graph::{EDGES, FAMILY, Mechanism, load, system};
 #[cfg(feature = "modular")]
-pub(crate) use modular::{EDGES, FAMILY, Mechanism};
+pub(crate) use modular::{EDGES, FAMILY, Mechanism, load, system};
 #[cfg(feature = "rigid")]
-pub(crate) use rigid::{EDGES, FAMILY, Mechanism};
+pub(crate) use rigid::{EDGES, FAMILY, Mechanism, load, system};
 
 use crate::error::Error;
 use crate::status::Status;
@@ -35,7 +35,7 @@ const MAX_NAME: usize = 64;
 #[cfg_attr(feature = "rigid", allow(dead_code, reason = "this family has no names"))]
 unsafe fn text<'a>(name: *const c_char) -> Result<&'a str, Error> {
     if name.is_null() {
-        return Err(Error::new(Status::NullPointer, [5]));
+        return Err(Error::new(Status::NullPointer, [6]));
     }
     // SAFETY: bytes up to a zero, each read only if the one before it is none.
     let ends = (0..=MAX_NAME).any(|i| unsafe { name.add(i).read() } == 0);

@@ -11,7 +11,8 @@
  *     static leastaction_state state;
  *     extern const uint8_t file[];                           // in flash, at a multiple of 4
  *
- *     if (leastaction_load(&model, sizeof model, file, file_bytes, NULL, NULL) != LEASTACTION_STATUS_OK) ...
+ *     if (leastaction_load(&model, sizeof model, LEASTACTION_ABI, file, file_bytes, NULL, NULL)) ...
+ *     if (leastaction_check_step(&model, h, 4, NULL)) ...    // what the model was trained with
  *     leastaction_start(&model, &state, q, v, LEASTACTION_COORDINATES, NULL);
  *     leastaction_step4(&model, &state, h, u, u, LEASTACTION_COORDINATES, NULL, NULL, NULL);
  *     leastaction_state_q(&state, LEASTACTION_COORDINATES, q, NULL);

@@ -50,15 +50,16 @@ macro_rules! load {
 #[inline(always)]
 fn aligned<W: Copy, const P: usize>(rows: &[[W; P]], mut pass: impl FnMut(usize, &[[W; P]])) {
     #[repr(align(4))]
-    struct Room<R>([R; COPIED]);
+    struct Workspace<R>([R; COPIED]);
     if rows.as_ptr().cast::<u32>().is_aligned() {
         return pass(0, rows);
     }
     for (rows, first) in rows.chunks(COPIED).zip((0..).step_by(COPIED)) {
         let Some(row) = rows.first() else { continue };
-        let mut room = Room([*row; COPIED]);
-        room.0.iter_mut().zip(rows).for_each(|(copy, row)| *copy = *row);
-        pass(first, room.0.get(..rows.len()).unwrap_or(&room.0));
+        let mut workspace = Workspace([*row; COPIED]);
+        workspace.0.iter_mut().zip(rows).for_each(|(copy, row)| *copy = *row);
+        debug_assert!(rows.len() <= COPIED, "a chunk");
+        pass(first, workspace.0.get(..rows.len()).unwrap_or(&workspace.0));
     }
 }
 

@@ -25,35 +25,12 @@ mod stage;
 
 pub use points::ParticleState;
 
-use super::{Newton, Report};
+use super::{Newton, Order, Report};
 use crate::constraints::{Banded, Constrained, ConstraintError, Constraints};
 use crate::particles::Particles;
 use crate::scalar::Real;
 use points::Points;
 use solver::{Solver, coupled};
-
-/// The order of a [`Rattle`] step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// One step: order 2, one evaluation of L_q.
-    Two,
-    /// Suzuki's composition: order 4, five evaluations of L_q, the third step back in time.
-    Four,
-}
-
-impl Order {
-    /// The lengths, s, of the steps of order 2 that one step of length h is made of, in order; they add up to h.
-    pub fn substeps<R: Real>(self, h: R) -> impl Iterator<Item = R> {
-        // γ = 1/(4 − ∛4) and 1 − 4γ, which is exact as it is computed: the five add up to h.
-        let outer = h * R::constant(0.414_490_771_794_375_7);
-        let middle = h - R::constant(4.0) * outer;
-        let (lengths, count) = match self {
-            Self::Two => ([h; 5], 1),
-            Self::Four => ([outer, outer, middle, outer, outer], 5),
-        };
-        lengths.into_iter().take(count)
-    }
-}
 
 /// The integrator: the step h, the order, and the bounds of Newton's method.
 #[derive(Clone, Copy, Debug)]
@@ -68,44 +45,40 @@ impl<R: Real> Rattle<R> {
     /// quarter of ε): what it leaves of φ has one sign, and over 10⁶ steps in f32 that becomes a drift of the energy.
     pub fn new(h: R, order: Order) -> Self {
         let stop = R::EPSILON * R::constant(0.25);
-        Self::with_newton(
-            h,
-            order,
-            Newton { max_iterations: 12, max_jacobians: 12, stop, accept: R::EPSILON.sqrt() },
-        )
+        Self::with_newton(h, order, Newton { max_iterations: 12, stop, accept: R::EPSILON.sqrt() })
     }
 
-    /// An integrator with the caller's bounds of Newton's method; at least one update is taken. Residuals are relative: of
+    /// An integrator with the caller's bounds of Newton's method. Residuals are relative: of
     /// momenta to the terms they are sums of, of constraints, φ/h or A v, to the largest velocity.
-    pub fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
+    pub const fn with_newton(h: R, order: Order, newton: Newton<R>) -> Self {
         Self { h, order, newton }
     }
 
     /// h, s.
-    pub fn h(&self) -> R {
+    pub const fn h(&self) -> R {
         self.h
     }
 
-    /// Numbers of room that [`Rattle::step`] and [`ParticleState::new`] need beside the state.
-    pub fn room<S, C, const D: usize>(mechanism: &Constrained<R, S, C, D>) -> usize
+    /// Numbers of workspace that [`Rattle::step`] and [`ParticleState::new`] need beside the state.
+    pub fn workspace<S, C, const D: usize>(mechanism: &Constrained<R, S, C, D>) -> usize
     where
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
         let system = mechanism.system();
-        Self::room_of::<D>(system.nodes(), mechanism.equations(), mechanism.band(), system.room())
+        Self::workspace_of::<D>(system.nodes(), mechanism.equations(), mechanism.band(), system.workspace())
     }
 
-    /// [`Rattle::room`] from the numbers it depends on, for the length of an array: nodes, constraint equations, the band of
-    /// A M⁻¹ Aᵀ (1 for a chain in order), and the room of the system itself. Without constraints each node is solved on its
-    /// own, in no room.
-    pub const fn room_of<const D: usize>(
+    /// [`Rattle::workspace`] from the numbers it depends on, for the length of an array: nodes, constraint equations, the band of
+    /// A M⁻¹ Aᵀ (1 for a chain in order), and the workspace of the system itself. Without constraints each node is solved on its
+    /// own, in no workspace.
+    pub const fn workspace_of<const D: usize>(
         nodes: usize,
         equations: usize,
         band: usize,
         system: usize,
     ) -> usize {
-        system + coupled(nodes, equations) * D * (3 + D) + Banded::<R>::room(equations, band) + equations
+        system + coupled(nodes, equations) * D * (3 + D) + Banded::<R>::workspace(equations, band) + equations
     }
 
     /// Advances `state` by one step under an external force of each node, N, constant over the step.
@@ -116,7 +89,7 @@ impl<R: Real> Rattle<R> {
         mechanism: &Constrained<R, S, C, D>,
         state: &mut ParticleState<R, D>,
         force: Option<&[[R; D]]>,
-        room: &mut [R],
+        workspace: &mut [R],
     ) -> Result<Report<R>, ConstraintError<R>>
     where
         S: Particles<R, D>,
@@ -125,7 +98,7 @@ impl<R: Real> Rattle<R> {
         if let Some(force) = force {
             mechanism.check_nodes(force)?;
         }
-        let mut solver = Solver::new(mechanism, &self.newton, room)?;
+        let mut solver = Solver::new(mechanism, &self.newton, workspace)?;
         let next = state.copied(mechanism)?;
         let report = self.substeps(&mut solver, next, force)?;
         next.finish(self.h)?;
@@ -143,7 +116,7 @@ impl<R: Real> Rattle<R> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
-        let mut report = Report { iterations: 0, residual: R::zero() };
+        let mut report = Report::nothing();
         for h in self.order.substeps(self.h) {
             report = report.worse(solver.step(next, force, h)?);
         }
@@ -151,10 +124,16 @@ impl<R: Real> Rattle<R> {
     }
 }
 
-impl<R: Real> Report<R> {
-    /// The more iterations and the larger residual of two.
-    fn worse(self, other: Self) -> Self {
-        let residual = if other.residual > self.residual { other.residual } else { self.residual };
-        Self { iterations: self.iterations.max(other.iterations), residual }
+impl Order {
+    /// The lengths, s, of the steps of order 2 that one step of length h is made of, in order; they add up to h.
+    pub fn substeps<R: Real>(self, h: R) -> impl Iterator<Item = R> {
+        // γ = 1/(4 − ∛4) and 1 − 4γ, which is exact as it is computed: the five add up to h.
+        let outer = h * R::constant(0.414_490_771_794_375_7);
+        let middle = h - R::constant(4.0) * outer;
+        let (lengths, count) = match self {
+            Self::Two => ([h; 5], 1),
+            Self::Four => ([outer, outer, middle, outer, outer], 5),
+        };
+        lengths.into_iter().take(count)
     }
 }

@@ -1,6 +1,6 @@
 use super::Rattle;
 use super::solver::Solver;
-use crate::constraints::{Constrained, ConstraintError, Constraints, Positions, Room};
+use crate::constraints::{Constrained, ConstraintError, Constraints, Positions, Workspace};
 use crate::discrete::Newton;
 use crate::particles::Particles;
 use crate::scalar::{Compensated, Real, all_finite};
@@ -41,13 +41,13 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
         Positions::with_carry(self.q, self.q_carry)
     }
 
-    const fn room(nodes: usize, equations: usize) -> usize {
+    const fn workspace(nodes: usize, equations: usize) -> usize {
         6 * nodes * D + equations
     }
 
-    fn over(nodes: usize, equations: usize, room: &mut Room<'a, R>) -> Self {
-        let [q, q_carry, p, p_carry, v, internal] = core::array::from_fn(|_| room.vectors(nodes));
-        Self { q, q_carry, p, p_carry, v, internal, lambda: room.numbers(equations) }
+    fn over(nodes: usize, equations: usize, workspace: &mut Workspace<'a, R>) -> Self {
+        let [q, q_carry, p, p_carry, v, internal] = core::array::from_fn(|_| workspace.vectors(nodes));
+        Self { q, q_carry, p, p_carry, v, internal, lambda: workspace.numbers(equations) }
     }
 
     fn copy(&mut self, other: &Self) {
@@ -69,8 +69,8 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
     }
 }
 
-/// Where a constrained system is: over the caller's room, and of one system. On the chip the room is an array whose length
-/// is [`ParticleState::room`], on the host a vector.
+/// Where a constrained system is: over the caller's workspace, and of one system. On the chip the workspace is an array whose length
+/// is [`ParticleState::workspace`], on the host a vector.
 #[derive(Debug)]
 pub struct ParticleState<'a, R, const D: usize> {
     now: Points<'a, R, D>,
@@ -79,21 +79,21 @@ pub struct ParticleState<'a, R, const D: usize> {
 }
 
 impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
-    /// Numbers of room of a state.
-    pub const fn room(nodes: usize, equations: usize) -> usize {
-        2 * Points::<R, D>::room(nodes, equations)
+    /// Numbers of workspace of a state.
+    pub const fn workspace(nodes: usize, equations: usize) -> usize {
+        2 * Points::<R, D>::workspace(nodes, equations)
     }
 
     /// Positions q, m, that satisfy the constraints, and velocities v, m/s. The first step takes away what is left of φ, up
     /// to √ε of its length; velocities lose at once what violates A v = 0, by impulses of the constraints.
     ///
-    /// `state` keeps the state ([`ParticleState::room`]), `room` is only used meanwhile ([`Rattle::room`]).
+    /// `state` keeps the state ([`ParticleState::workspace`]), `workspace` is only used meanwhile ([`Rattle::workspace`]).
     pub fn new<S, C>(
         mechanism: &Constrained<R, S, C, D>,
         q: &[[R; D]],
         v: &[[R; D]],
         state: &'a mut [R],
-        room: &mut [R],
+        workspace: &mut [R],
     ) -> Result<Self, ConstraintError<R>>
     where
         S: Particles<R, D>,
@@ -103,11 +103,11 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         mechanism.check_nodes(v)?;
         check_start(mechanism.constraints(), Positions::new(q))?;
         let (nodes, equations) = (q.len(), mechanism.equations());
-        let mut pieces = Room::new(Self::room(nodes, equations), state)?;
+        let mut pieces = Workspace::new(Self::workspace(nodes, equations), state)?;
         let mut now = Points::over(nodes, equations, &mut pieces);
         let next = Points::over(nodes, equations, &mut pieces);
         let newton: Newton<R> = Rattle::new(R::one(), super::Order::Two).newton;
-        Solver::new(mechanism, &newton, room)?.start(&mut now, q, v)?;
+        Solver::new(mechanism, &newton, workspace)?.start(&mut now, q, v)?;
         now.finish(R::one())?;
         now.lambda.fill(R::zero());
         Ok(Self { now, next })
@@ -143,7 +143,7 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         self.now.lambda
     }
 
-    /// The room of the next step, as the state is now; an error where the state is of another system.
+    /// The workspace of the next step, as the state is now; an error where the state is of another system.
     pub(super) fn copied<S, C>(
         &mut self,
         mechanism: &Constrained<R, S, C, D>,

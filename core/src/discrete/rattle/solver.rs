@@ -1,15 +1,15 @@
 use super::Rattle;
 use super::points::{Points, add, copy};
-use super::stage::{BLOCK, Scale, Stage, largest, relative, size, worse};
+use super::stage::{BLOCK, Scale, Stage, largest, size, worse};
 use crate::constraints::{
-    Banded, Constrained, ConstraintError, Constraints, Positions, Room, Rows, at, inverse,
+    Banded, Constrained, ConstraintError, Constraints, Positions, Rows, Workspace, at, inverse,
 };
-use crate::discrete::{Newton, Report};
 use crate::linear::{Matrix, add_scaled, multiply, solve_definite};
+use crate::newton::{Equations, Newton, Report, relative};
 use crate::particles::Particles;
 use crate::scalar::Real;
 
-/// One step in the caller's room.
+/// One step in the caller's workspace.
 pub(super) struct Solver<'m, 'r, R, S, C: ?Sized, const D: usize> {
     mechanism: &'m Constrained<'m, R, S, C, D>,
     newton: &'m Newton<R>,
@@ -34,20 +34,20 @@ where
     pub fn new(
         mechanism: &'m Constrained<'m, R, S, C, D>,
         newton: &'m Newton<R>,
-        room: &'r mut [R],
+        workspace: &'r mut [R],
     ) -> Result<Self, ConstraintError<R>> {
-        let mut room = Room::new(Rattle::room(mechanism), room)?;
+        let mut workspace = Workspace::new(Rattle::workspace(mechanism), workspace)?;
         let nodes = coupled(mechanism.system().nodes(), mechanism.equations());
         Ok(Self {
             mechanism,
             newton,
-            scratch: room.numbers(mechanism.system().room()),
-            trial: room.vectors(nodes),
-            trial_carry: room.vectors(nodes),
-            update: room.vectors(nodes),
-            inverses: room.blocks(nodes),
-            matrix: Banded::new(mechanism.band(), room.numbers(mechanism.matrix_room())),
-            multipliers: room.numbers(mechanism.equations()),
+            scratch: workspace.numbers(mechanism.system().workspace()),
+            trial: workspace.vectors(nodes),
+            trial_carry: workspace.vectors(nodes),
+            update: workspace.vectors(nodes),
+            inverses: workspace.blocks(nodes),
+            matrix: Banded::new(mechanism.band(), workspace.numbers(mechanism.matrix_workspace())),
+            multipliers: workspace.numbers(mechanism.equations()),
         })
     }
 
@@ -125,87 +125,39 @@ where
     }
 
     /// Block by block, where nothing couples nodes.
+    #[inline(never)]
     fn solve_nodes(
         &self,
         points: &mut Points<R, D>,
         stage: Stage<R>,
     ) -> Result<Report<R>, ConstraintError<R>> {
-        let mut worst = Report { iterations: 0, residual: R::zero() };
+        let mut worst = Report::nothing();
         for (block, (v, p)) in points.v.chunks_mut(BLOCK).zip(points.p.chunks(BLOCK)).enumerate() {
-            worst = worst.worse(self.solve_block(block * BLOCK, v, p, stage)?);
+            let mut block = Block::new(self.mechanism.system(), stage, block * BLOCK, v, p);
+            worst = worst.worse(self.newton.solve(&mut block)?);
         }
         Ok(worst)
     }
 
-    /// Each node by Newton's method of its own; those that are done wait for the others.
-    #[inline]
-    fn solve_block(
-        &self,
-        first: usize,
-        v: &mut [[R; D]],
-        p: &[[R; D]],
-        stage: Stage<R>,
-    ) -> Result<Report<R>, ConstraintError<R>> {
-        let (system, mut block) = (self.mechanism.system(), Block::new());
-        stage.imbalances(system, first, (v, p), (&mut block.r, &mut block.terms));
-        let mut scale = block.terms;
-        scale.iter_mut().zip(&block.r).for_each(|(scale, r)| *scale += size(r));
-        let (mut worst, mut iterations) = (Report { iterations: 0, residual: R::zero() }, 0);
-        while block.done.iter().zip(&*v).any(|(done, _)| !done) {
-            stage.effective_masses(system, first, v, &mut block.masses);
-            block.update(first, v)?;
-            iterations += 1;
-            stage.imbalances(system, first, (v, p), (&mut block.r, &mut block.terms));
-            let lanes = block.r.iter().zip(&scale).zip(&mut block.before).zip(&mut block.done).zip(&*v);
-            for ((((r, scale), before), done), _) in lanes.filter(|((_, done), _)| !**done) {
-                let residual = relative(size(r), *scale);
-                *done = self.done(iterations, *before, residual);
-                *before = residual;
-                if *done {
-                    worst = worst.worse(self.judge(Report { iterations, residual })?);
-                }
-            }
-        }
-        Ok(worst)
-    }
-
-    /// Velocities and impulses together: residual → Newton → update.
-    ///
-    /// One matrix serves for all velocities as long as the residual falls: of quadratic energies they are linear. For
-    /// positions it is always the present one: what an old matrix leaves has one sign, and
-    /// in f32 the energy drifts ten times as far.
+    /// Velocities and impulses together.
+    #[inline(never)]
     fn solve_all(
         &mut self,
         points: &mut Points<R, D>,
         stage: Stage<R>,
     ) -> Result<Report<R>, ConstraintError<R>> {
-        let (mut iterations, mut before) = (0, R::one() / R::zero());
-        let mut scale = Scale { impulse: R::zero(), velocity: R::zero() };
-        if !self.residual(points, stage, scale).is_finite() {
-            return Err(ConstraintError::NotFinite);
-        }
-        scale.impulse = largest(self.update);
-        let mut linear = false;
-        loop {
-            if !linear {
-                self.linearise(points, stage)?;
-            }
-            self.changes();
-            if iterations == 0 {
-                scale.velocity = worse(largest(points.v), largest(self.update));
-            }
-            self.apply(points);
-            iterations += 1;
-            let residual = self.residual(points, stage, scale);
-            if self.done(iterations, before, residual) {
-                return self.judge(Report { iterations, residual });
-            }
-            linear = matches!(stage, Stage::Velocities { .. }) && R::constant(16.0) * residual < before;
-            before = residual;
-        }
+        let newton = self.newton;
+        newton.solve(&mut Coupled {
+            solver: self,
+            points,
+            stage,
+            scale: None,
+            keeps_matrix: false,
+            before: R::one(),
+        })
     }
 
-    /// Writes what is left of both equations; the largest relative to its terms.
+    /// Writes what is left of both equations; the largest relative to the size of its terms.
     fn residual(&mut self, points: &Points<R, D>, stage: Stage<R>, scale: Scale<R>) -> R {
         let (system, mut worst) = (self.mechanism.system(), R::zero());
         let mut terms = [R::zero(); BLOCK];
@@ -279,6 +231,7 @@ where
         let Points { q, q_carry, p, p_carry, v, lambda, .. } = points;
         let (constraints, x) = (self.mechanism.constraints(), Positions::with_carry(q, q_carry));
         Rows { constraints, x }.transposed_times(self.multipliers, |node, impulse| {
+            debug_assert!(node < p.len(), "node {node} of {}", p.len());
             if let (Some(p), Some(carry)) = (p.get_mut(node), p_carry.get_mut(node)) {
                 add(p, carry, &impulse);
             }
@@ -290,57 +243,108 @@ where
             *lambda += *change;
         }
     }
+}
 
-    fn done(&self, iterations: u8, before: R, residual: R) -> bool {
-        iterations >= self.newton.max_iterations
-            || !residual.is_finite()
-            || self.newton.settled(before, residual)
+/// The velocities and impulses of all nodes, coupled by constraints.
+struct Coupled<'e, 'm, 'r, 'p, R, S, C: ?Sized, const D: usize> {
+    solver: &'e mut Solver<'m, 'r, R, S, C, D>,
+    points: &'e mut Points<'p, R, D>,
+    stage: Stage<R>,
+    /// None before the first update.
+    scale: Option<Scale<R>>,
+    /// Whether the next update keeps the matrix: for velocities as long as the residual falls, for of quadratic energies they
+    /// are linear; never for positions, where what an old matrix leaves has one sign and in f32 the energy drifts ten times
+    /// as far.
+    keeps_matrix: bool,
+    /// The last residual.
+    before: R,
+}
+
+impl<R, S, C, const D: usize> Equations<R> for Coupled<'_, '_, '_, '_, R, S, C, D>
+where
+    R: Real,
+    S: Particles<R, D>,
+    C: Constraints<R, D> + ?Sized,
+{
+    type Error = ConstraintError<R>;
+
+    fn residual(&mut self) -> R {
+        let scale = self.scale.unwrap_or(Scale { impulse: R::one(), velocity: R::one() });
+        let residual = self.solver.residual(self.points, self.stage, scale);
+        if self.scale.is_none() {
+            return unmeasured(residual);
+        }
+        let velocities = matches!(self.stage, Stage::Velocities { .. });
+        self.keeps_matrix = velocities && R::constant(16.0) * residual < self.before;
+        self.before = residual;
+        residual
     }
 
-    fn judge(&self, report: Report<R>) -> Result<Report<R>, ConstraintError<R>> {
-        let Report { iterations, residual } = report;
-        if residual <= self.newton.accept {
-            Ok(report)
-        } else if residual.is_finite() {
-            Err(ConstraintError::NotConverged { iterations, residual })
-        } else {
-            Err(ConstraintError::NotFinite)
+    fn update(&mut self) -> Result<(), ConstraintError<R>> {
+        let impulse = if self.scale.is_none() { largest(self.solver.update) } else { R::zero() };
+        if !self.keeps_matrix {
+            self.solver.linearise(self.points, self.stage)?;
         }
+        self.solver.changes();
+        if self.scale.is_none() {
+            let velocity = worse(largest(self.points.v), largest(self.solver.update));
+            self.scale = Some(Scale { impulse, velocity });
+        }
+        self.solver.apply(self.points);
+        Ok(())
     }
 }
 
-/// Nodes that are evaluated side by side, and how far Newton's method is with each.
-struct Block<R, const D: usize> {
+/// 1, or not a number where a residual is not finite: before the first update there is no scale to measure it with.
+fn unmeasured<R: Real>(residual: R) -> R {
+    R::one() + residual * R::zero()
+}
+
+/// Nodes that are evaluated side by side.
+struct Block<'e, R, S, const D: usize> {
+    system: &'e S,
+    stage: Stage<R>,
+    /// Number of the first node.
+    first: usize,
+    v: &'e mut [[R; D]],
+    p: &'e [[R; D]],
     /// What is left of the momenta, and the size of its terms.
     r: [[R; D]; BLOCK],
     terms: [R; BLOCK],
-    masses: [Matrix<R, D>; BLOCK],
-    /// The residual before the last update.
-    before: [R; BLOCK],
-    done: [bool; BLOCK],
+    /// The largest size of terms so far, and of what was left.
+    scale: [R; BLOCK],
 }
 
-impl<R: Real, const D: usize> Block<R, D> {
-    fn new() -> Self {
-        let zero = R::zero();
-        Self {
-            r: [[zero; D]; BLOCK],
-            terms: [zero; BLOCK],
-            masses: [[[zero; D]; D]; BLOCK],
-            before: [R::one() / zero; BLOCK],
-            done: [false; BLOCK],
+impl<'e, R: Real, S, const D: usize> Block<'e, R, S, D> {
+    fn new(system: &'e S, stage: Stage<R>, first: usize, v: &'e mut [[R; D]], p: &'e [[R; D]]) -> Self {
+        let zero = [R::zero(); BLOCK];
+        Self { system, stage, first, v, p, r: [[R::zero(); D]; BLOCK], terms: zero, scale: zero }
+    }
+}
+
+impl<R: Real, S: Particles<R, D>, const D: usize> Equations<R> for Block<'_, R, S, D> {
+    type Error = ConstraintError<R>;
+
+    #[inline(always)]
+    fn residual(&mut self) -> R {
+        let Self { system, stage, first, v, p, r, terms, scale } = self;
+        stage.imbalances(*system, *first, (v, p), (&mut *r, &mut *terms));
+        let mut worst = R::zero();
+        for (((r, terms), scale), _) in r.iter().zip(&*terms).zip(scale).zip(&**v) {
+            *scale = worse(*scale, *terms + size(r));
+            worst = worse(worst, relative(size(r), *scale));
         }
+        worst
     }
 
-    /// v += M⁻¹r where it is not done.
+    /// v += M⁻¹r.
     #[inline(always)]
-    fn update(&self, first: usize, v: &mut [[R; D]]) -> Result<(), ConstraintError<R>> {
-        let equations = self.masses.iter().zip(&self.r).zip(&self.done);
-        for (node, (v, ((mass, r), done))) in (first..).zip(v.iter_mut().zip(equations)) {
-            if !done {
-                let [change] = solve_definite(*mass, [*r]).map_err(|_| ConstraintError::Mass { node })?;
-                *v = add_scaled(v, R::one(), &change);
-            }
+    fn update(&mut self) -> Result<(), ConstraintError<R>> {
+        let mut masses = [[[R::zero(); D]; D]; BLOCK];
+        self.stage.effective_masses(self.system, self.first, self.v, &mut masses);
+        for (node, (v, (mass, r))) in (self.first..).zip(self.v.iter_mut().zip(masses.iter().zip(&self.r))) {
+            let [change] = solve_definite(*mass, [*r]).map_err(|_| ConstraintError::Mass { node })?;
+            *v = add_scaled(v, R::one(), &change);
         }
         Ok(())
     }

@@ -16,7 +16,8 @@ pub(super) const BLOCK: usize = 8;
 
 impl<R: Real> Stage<R> {
     /// Writes p + ½h Q(v) − L_v(v) of a block of nodes, and the size of its terms.
-    #[inline]
+    // One copy for all solvers.
+    #[inline(never)]
     pub fn imbalances<S: Particles<R, D>, const D: usize>(
         self,
         system: &S,
@@ -79,12 +80,7 @@ pub(super) fn size<R: Real, const D: usize>(x: &[R; D]) -> R {
     x.iter().fold(R::zero(), |sum, x| sum + x.abs())
 }
 
+#[inline(never)]
 pub(super) fn largest<R: Real, const D: usize>(x: &[[R; D]]) -> R {
     x.iter().fold(R::zero(), |largest, x| worse(largest, size(x)))
-}
-
-/// a relative to the size of its terms; 0 where all vanish.
-#[inline(always)]
-pub(super) fn relative<R: Real>(a: R, size: R) -> R {
-    a / (size + R::EPSILON * R::EPSILON * R::EPSILON)
 }

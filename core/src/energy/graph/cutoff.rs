@@ -1,4 +1,4 @@
-//! Edges between all that are near.
+//! Edges between all pairs of nodes that are near each other.
 
 use super::radial::square;
 use super::{Edge, GraphError, MAX_NODES};
@@ -8,11 +8,11 @@ use crate::scalar::Real;
 /// returns how many there are. Pairs come in the order of their second node, and of their first where that is the same, so the
 /// list is the same on every target.
 ///
-/// Takes time in proportion to the square of the number of nodes: a comparison a pair, for systems that are rebuilt now and
-/// then, or of some hundred nodes.
+/// Compares every pair, so time grows with the square of the number of nodes: for graphs of some hundred nodes, or that are
+/// rebuilt seldom.
 ///
 /// # Errors
-/// [`GraphError::TooManyNodes`], and [`GraphError::TooManyEdges`] with the number of pairs where there is not room for all.
+/// [`GraphError::TooManyNodes`], and [`GraphError::TooManyEdges`] with the number of near pairs where `edges` is too short.
 pub fn cutoff_edges<R: Real, const D: usize>(
     q: &[[R; D]],
     cutoff: R,

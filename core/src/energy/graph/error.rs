@@ -74,7 +74,7 @@ pub enum GraphError {
         /// Nodes that it has.
         needed: usize,
     },
-    /// The nodes that a member of a union names do not grow, or one is not there.
+    /// The nodes that a member of a union names do not ascend, or one does not exist.
     MemberOrder {
         /// The member, from 0.
         member: usize,
@@ -86,11 +86,18 @@ pub enum GraphError {
         /// The node, from 0.
         node: usize,
     },
-    /// More edges than there is room for.
+    /// More edges than the caller's slice holds.
     TooManyEdges {
-        /// Edges that there is room for.
+        /// Edges that the slice holds.
         capacity: usize,
         /// Edges that there are.
+        needed: usize,
+    },
+    /// More rods than there is room for.
+    TooManyRods {
+        /// Rods that there is room for.
+        capacity: usize,
+        /// Rods that there are.
         needed: usize,
     },
 }
@@ -127,6 +134,9 @@ impl fmt::Display for GraphError {
             Self::Ownerless { node } => write!(f, "no member has node {node}"),
             Self::TooManyEdges { capacity, needed } => {
                 write!(f, "{needed} edges, but room for {capacity}")
+            }
+            Self::TooManyRods { capacity, needed } => {
+                write!(f, "{needed} rods, but room for {capacity}")
             }
         }
     }

@@ -1,9 +1,11 @@
-//! Graphs of a number of coordinates that is compiled in.
+//! Graphs whose number of coordinates is compiled in.
 
+use super::round::MovingNodes;
 use super::{Edge, Graph, GraphError, across, exchange};
-use crate::energy::part::Ignore;
+use crate::energy::placed_network::Ignore;
 use crate::forces::Forces;
-use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian, Linearization};
+use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
@@ -32,19 +34,19 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         &self.graph
     }
 
-    /// The nodes with what each of them has of x.
+    /// The type of every node, with its part of x.
     #[inline(always)]
     pub(super) fn nodes<'x, S>(&self, x: &'x [S; N]) -> impl Iterator<Item = (u8, &'x [S; D])> {
         self.graph.nodes.iter().copied().zip(vectors(x))
     }
 
-    /// The edges with what lies between their ends.
+    /// The edges, each with x_a − x_b of its ends.
     #[inline(always)]
     pub(super) fn edges<S: Scalar>(&self, q: &[S; N]) -> impl Iterator<Item = (&'a Edge, [S; D])> {
         self.graph.edges.iter().filter_map(|edge| Some((edge, across(vectors(q), edge)?)))
     }
 
-    /// `of` every node's part of x, node after node.
+    /// Applies `of` to the type of every node and its part of x, node after node.
     fn each<S: Scalar<Weight = W::Wide>>(&self, x: &[S; N], of: impl Fn(u8, &[S; D]) -> [S; D]) -> [S; N] {
         let mut y = [S::zero(); N];
         for (slot, (kind, x)) in y.as_chunks_mut::<D>().0.iter_mut().zip(self.nodes(x)) {
@@ -62,10 +64,11 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             let force = types.pair::<S, 1>(edge.kind, &d).gradient(&d).map(|force| -force);
             exchange(l_q.as_chunks_mut().0, edge, &force);
         }
-        let add = |edge: &Edge, gradient: [Jet<S, 0>; D]| {
-            exchange(l_q.as_chunks_mut().0, edge, &gradient.map(|gradient| -gradient.value));
+        let add = |edges: &[Edge], gradient: [Jet<S, 0>; D]| {
+            let force = gradient.map(|gradient| -gradient.value);
+            edges.iter().for_each(|edge| exchange(l_q.as_chunks_mut().0, edge, &force));
         };
-        self.messages::<S, 0>(&placed(q), &mut Ignore, add, |_, _, _| {});
+        self.messages::<S, 0>(&placed(q), add);
         l_q
     }
 
@@ -85,7 +88,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     fn l_qq<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
         let mut l_qq = [[S::zero(); N]; N];
         for (i, (kind, x)) in self.nodes(q).enumerate() {
-            let pull = self.graph.types.pull::<S, D>(kind, &varied(x), &mut Ignore, |_, _| {});
+            let pull = self.graph.types.pull::<S, D>(kind, &Jet::along_axes(x, 0), &mut Ignore, |_, _| {});
             add_block(&mut l_qq, [i, i], &pull.map(|pull| pull.tangent.map(|x| -x)));
         }
         for (edge, d) in self.edges(q) {
@@ -101,19 +104,30 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         l_qq
     }
 
-    /// Column by column of blocks: how the gradients of the messages change with the place of node j.
+    /// V of the messages; `gradient` gets ∂V/∂(x_a − x_b) of one edge at a time, in parts.
+    fn messages<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        x: &[[Jet<S, T>; D]; N],
+        gradient: impl FnMut(&[Edge], [Jet<S, T>; D]),
+    ) -> S {
+        self.graph.round(&mut MovingNodes::new(x), &mut Ignore, gradient, |_, _, _, _| {})
+    }
+
+    /// Adds the messages' part, one column of blocks after the other: the derivatives of their gradients in the position of node j.
     fn add_messages<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], l_qq: &mut [[S; N]; N]) {
         for j in 0..self.graph.nodes.len() {
             let mut x = placed::<S, D, D, N>(q);
             if let Some(x) = x.get_mut(j) {
-                *x = varied(&x.map(|x| x.value));
+                *x = Jet::along_axes(&x.map(|x| x.value), 0);
             }
-            let add = |edge: &Edge, gradient: [Jet<S, D>; D]| {
-                let ([a, b], block) = (edge.ends.map(usize::from), gradient.map(|gradient| gradient.tangent));
-                add_block(l_qq, [b, j], &block);
-                add_block(l_qq, [a, j], &block.map(|row| row.map(|x| -x)));
+            let add = |edges: &[Edge], gradient: [Jet<S, D>; D]| {
+                let block = gradient.map(|gradient| gradient.tangent);
+                for [a, b] in edges.iter().map(|edge| edge.ends.map(usize::from)) {
+                    add_block(l_qq, [b, j], &block);
+                    add_block(l_qq, [a, j], &block.map(|row| row.map(|x| -x)));
+                }
             };
-            self.messages::<S, D>(&x, &mut Ignore, add, |_, _, _| {});
+            self.messages::<S, D>(&x, add);
         }
     }
 }
@@ -128,15 +142,13 @@ impl<
     const N: usize,
 > Lagrangian<S, N> for Fixed<'_, W, D, K, H, L, N>
 {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let types = &self.graph.types;
         let (mut kinetic, mut potential) = (S::zero(), S::zero());
         self.nodes(v).for_each(|(kind, v)| kinetic += types.kinetic::<S, 0>(kind, v).value);
         self.nodes(q).for_each(|(kind, x)| potential += types.potential(kind, x));
         self.edges(q).for_each(|(edge, d)| potential += types.pair::<S, 0>(edge.kind, &d).value);
-        potential += self.messages::<S, 0>(&placed(q), &mut Ignore, |_, _| {}, |_, _, _| {}).value;
+        potential += self.messages::<S, 0>(&placed(q), |_, _| {});
         Energies { kinetic, potential }
     }
 
@@ -144,8 +156,8 @@ impl<
         Gradient { l_q: self.l_q(q), l_v: self.l_v(v) }
     }
 
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
-        Dynamics { mass: DenseMass(self.l_vv(v)), l_q: self.l_q(q), l_v: self.l_v(v), l_vq_v: [S::zero(); N] }
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        Linearization { l_q: self.l_q(q), l_v: self.l_v(v), l_vq: [[S::zero(); N]; N], l_vv: self.l_vv(v) }
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
@@ -169,11 +181,11 @@ impl<
     const N: usize,
 > Forces<S, N> for Fixed<'_, W, D, K, H, L, N>
 {
-    fn force(&self, _: &[S; N], v: &[S; N]) -> [S; N] {
+    fn force(&self, _: &[S; N], v: &[S; N], _: &[S; N]) -> [S; N] {
         self.each(v, |kind, v| self.graph.types.drags(kind, v)[0])
     }
 
-    fn derivatives(&self, _: &[S; N], v: &[S; N]) -> ([[S; N]; N], [[S; N]; N]) {
+    fn derivatives(&self, _: &[S; N], v: &[S; N], _: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
         let slopes = self.each(v, |kind, v| self.graph.types.drags(kind, v)[1]);
         let mut q_v = [[S::zero(); N]; N];
         for (i, (row, slope)) in q_v.iter_mut().zip(slopes).enumerate() {
@@ -181,15 +193,19 @@ impl<
         }
         ([[S::zero(); N]; N], q_v)
     }
+
+    fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {
+        [[S::zero(); N]; N]
+    }
 }
 
-/// x by nodes.
+/// x as one vector a node.
 #[inline(always)]
 pub(super) fn vectors<S, const D: usize, const N: usize>(x: &[S; N]) -> &[[S; D]] {
     x.as_chunks().0
 }
 
-/// The nodes where they are, at rest along all T directions; places beyond the last node are not used.
+/// Nodes at q that move along none of the T directions; what follows the last node is not used.
 fn placed<S: Scalar, const T: usize, const D: usize, const N: usize>(q: &[S; N]) -> [[Jet<S, T>; D]; N] {
     let mut placed = [[Jet::zero(); D]; N];
     for (slot, x) in placed.iter_mut().zip(vectors::<S, D, N>(q)) {
@@ -198,17 +214,7 @@ fn placed<S: Scalar, const T: usize, const D: usize, const N: usize>(q: &[S; N])
     placed
 }
 
-/// x moving along its own axes.
-#[inline(always)]
-fn varied<S: Scalar, const D: usize>(x: &[S; D]) -> [Jet<S, D>; D] {
-    let mut moving = x.map(Jet::constant);
-    for (i, x) in moving.iter_mut().enumerate() {
-        x.tangent[i] = S::one();
-    }
-    moving
-}
-
-/// Adds a block of two nodes.
+/// Adds to the block of rows of node i and columns of node j.
 #[inline(always)]
 fn add_block<S: Scalar, const D: usize, const N: usize>(
     matrix: &mut [[S; N]; N],

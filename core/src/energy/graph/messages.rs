@@ -1,9 +1,17 @@
-//! One round of messages (LGNN): every node sums what its edges send it, every edge is updated by both of its nodes, and both
-//! have a potential. What one edge, or a pack of edges, does in each of the four passes over a graph; see [`Kept`].
+//! Messages (LGNN): every node sums what its edges send it, every edge is updated by both of its nodes, and both have a
+//! potential.
+//!
+//! A round takes four passes: (1) [`Messaging::send`] sums n at every node; (2) [`Messaging::settle`] and (3)
+//! [`Messaging::update`] give the energies of nodes and edges and sum n̄ = ∂V/∂n; (4) [`Messaging::answer`] carries n̄ back to
+//! the distances. This file has what one batch of edges or nodes does in each; [`round`](super::round) has the passes.
 
-use super::shape::{MAX_EMBEDDING, MessageShape, Separation};
+use super::Edge;
+use super::round::{Batch, NodeQuantity, NodeStates};
+use super::shape::{MAX_EMBEDDING, MessageShape};
 use super::types::{Inputs, Types};
-use crate::energy::part::{Part, Visit};
+use crate::energy::distance::DistanceFeature;
+use crate::energy::placed_network::{PlacedNetwork, Visit};
+use crate::expected::expected;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
@@ -11,172 +19,145 @@ use heapless::Vec;
 /// The embedding of a node or edge.
 pub(super) type Embedding<S, const T: usize> = Vec<Jet<S, T>, MAX_EMBEDDING>;
 
-/// What is kept at every node between the passes over the edges: (1) [`Messaging::send`] sums n, (2) [`Messaging::settle`]
-/// and (3) [`Messaging::update`] give the energy and sum n̄, (4) [`Messaging::answer`] carries n̄ down to the distances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kept {
-    /// n.
-    Node,
-    /// n̄ = ∂V/∂n.
-    Bar,
-}
-
-/// How an edge reaches its two ends, or a node itself as its only end; a pack reaches all of its lanes.
-pub(super) trait Ends<S: Scalar, const T: usize> {
-    /// Number k of the embedding h of an end's type.
-    fn embedding(&self, end: usize, k: usize) -> S;
-    /// Number k of what is kept there.
-    fn get(&self, kept: Kept, end: usize, k: usize) -> Jet<S, T>;
-    /// Adds to what is kept at every end; edge after edge, each first at its first end.
-    fn add(&mut self, kept: Kept, x: &[Embedding<S, T>]);
-}
-
-/// The networks of the messages.
+/// The networks of the messages, and the type of every node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Messaging<'t, 'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     types: &'t Types<'a, W, D, K, H, L>,
     shape: MessageShape,
-}
-
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
-    /// The messages, where the model has any.
-    pub(super) fn messaging(&self) -> Option<Messaging<'_, 'a, W, D, K, H, L>> {
-        Some(Messaging { types: self, shape: self.shape().messages? })
-    }
+    nodes: &'a [u8],
 }
 
 impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>
     Messaging<'t, 'a, W, D, K, H, L>
 {
+    /// The messages between nodes of these types, where the model has any.
+    pub fn new(types: &'t Types<'a, W, D, K, H, L>, nodes: &'a [u8]) -> Option<Self> {
+        Some(Self { types, shape: types.shape().messages?, nodes })
+    }
+
     /// Numbers of a node's embedding.
     pub fn width(&self) -> usize {
         self.types.shape().embedding.into()
     }
 
-    /// Whether there is one node type, so that both ends of an edge are sent the same.
+    /// Whether there is one node type, so that an edge sends the same to both of its ends.
     fn alike(&self) -> bool {
-        self.types.node_type(1).is_none()
+        self.types.shape().nodes.len() == 1
     }
 
-    fn part(&self, network: u8) -> Option<&'t Part<'a, W, L>> {
+    fn part(&self, network: u8) -> Option<&'t PlacedNetwork<'a, W, H, L>> {
         self.types.network(network)
     }
 
-    /// f_b of an edge type, and the width of what it gives.
-    fn embed(&self, kind: u8) -> Option<(&'t Part<'a, W, L>, usize)> {
+    /// f_b of an edge type, and its number of outputs.
+    fn embed(&self, kind: u8) -> Option<(&'t PlacedNetwork<'a, W, H, L>, usize)> {
         let network = self.part(self.types.edge_type(kind)?.embedding?)?;
         Some((network, network.network.outputs()))
     }
 
-    /// What the networks of an edge type see of d, and what makes a gradient in d of a derivative in it.
+    /// The feature z of d that the networks of an edge type see, and (∂z/∂r)/r.
     pub fn feature<S: Scalar, const T: usize>(&self, kind: u8, d: &[Jet<S, T>; D]) -> [Jet<S, T>; 2] {
-        let square = d.iter().fold(Jet::zero(), |sum: Jet<S, T>, d| sum.plus(&d.times(d)));
-        match self.types.edge_type(kind).map(|edge| edge.separation) {
-            None | Some(Separation::Squared) => [square, Jet::constant(S::constant(2.0))],
-            Some(Separation::Distance) => {
-                let r = square.value.sqrt();
-                let inverse = S::one() / r;
-                let distance = square.chain(r, inverse.half());
-                [distance, distance.chain(inverse, -inverse * inverse)]
-            }
-        }
+        let feature = expected(
+            self.types.edge_type(kind).map(|edge| edge.separation.feature()),
+            DistanceFeature::Squared,
+        );
+        feature.of_difference(d)
     }
 
     /// n_i += f_v(h_j ‖ e) at both ends.
-    pub fn send<S: Scalar<Weight = W::Wide>, const T: usize>(
+    pub fn send<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         kind: u8,
         feature: Jet<S, T>,
-        ends: &mut impl Ends<S, T>,
+        edges: &[Edge],
+        states: &mut M,
     ) -> Option<()> {
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut e = zeros(width);
-        embed.network.evaluate::<S, T, H>(&[feature], &mut e);
+        embed.network.evaluate::<S, T>(&[feature], &mut e);
         let from = |from| {
             let mut sent = zeros(self.width());
-            message.network.evaluate::<S, T, H>(&self.message_inputs(ends, from, &e), &mut sent);
+            message.network.evaluate::<S, T>(&self.message_inputs::<S, T, M>(edges, from, &e), &mut sent);
             sent
         };
         let of_first = from(0);
         let sent = [if self.alike() { of_first.clone() } else { from(1) }, of_first];
-        ends.add(Kept::Node, &sent);
+        states.add(NodeQuantity::Sum, edges, &sent);
         Some(())
     }
 
-    /// f₂(n) of a node, and n̄ += its gradient.
+    /// f₂(n) of a node; adds its gradient to n̄.
     pub fn settle<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
-        node: &mut impl Ends<S, T>,
+        nodes: impl Batch,
+        states: &mut impl NodeStates<S, T, D>,
         visit: &mut impl Visit<W, S, T>,
     ) -> Option<Jet<S, T>> {
         let potential = self.part(self.shape.node_potential?)?;
-        let n = read(node, Kept::Node, 0, self.width());
+        let n = self.read(NodeQuantity::Sum, nodes, 0, states);
         let (mut bar, mut v) = (n.clone(), [Jet::zero(); 1]);
         let one = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::one())];
-        potential.pull_back::<S, T, H, _, _>((&n, &mut bar), &mut v, visit, one);
-        node.add(Kept::Bar, &[bar]);
+        potential.pull_back::<S, T, _, _>((&n, &mut bar), &mut v, visit, one);
+        states.add(NodeQuantity::Adjoint, nodes, &[bar]);
         let [v] = v;
         Some(v)
     }
 
-    /// 2f₁(e′) of an edge, its derivative in the feature while n is constant, and n̄ += its gradient.
+    /// 2f₁(e′) of an edge, and its derivative in the feature at constant n; adds its gradient in n to n̄.
     pub fn update<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
         feature: Jet<S, T>,
-        ends: &mut impl Ends<S, T>,
+        edges: &[Edge],
+        states: &mut impl NodeStates<S, T, D>,
         visit: &mut impl Visit<W, S, T>,
     ) -> Option<[Jet<S, T>; 2]> {
         let potential = self.part(self.shape.edge_potential?)?;
         let ((embed, width), update) = (self.embed(kind)?, self.part(self.shape.update)?);
-        let [a, b] = [0, 1].map(|end| read(ends, Kept::Node, end, self.width()));
+        let [a, b] = [0, 1].map(|end| self.read(NodeQuantity::Sum, edges, end, states));
         let product = times(&a, &b);
         let (mut product_bar, mut v, mut feature_bar) = (product.clone(), [Jet::zero(); 1], [Jet::zero(); 1]);
         let (e, change) = (&mut zeros(width), &mut zeros(width));
-        embed.pull_back::<S, T, H, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
             let mut bar = zeros(width);
-            update.pull_back::<S, T, H, _, _>(
-                (&product, &mut product_bar),
-                change,
-                visit,
-                |change, visit| {
-                    let updated = plus(e, change);
-                    let twice = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::constant(2.0))];
-                    potential.pull_back::<S, T, H, _, _>((&updated, &mut bar), &mut v, visit, twice);
-                    bar.clone()
-                },
-            );
+            update.pull_back::<S, T, _, _>((&product, &mut product_bar), change, visit, |change, visit| {
+                let updated = plus(e, change);
+                let twice = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::constant(2.0))];
+                potential.pull_back::<S, T, _, _>((&updated, &mut bar), &mut v, visit, twice);
+                bar.clone()
+            });
             bar
         });
-        ends.add(Kept::Bar, &[times(&product_bar, &b), times(&product_bar, &a)]);
+        states.add(NodeQuantity::Adjoint, edges, &[times(&product_bar, &b), times(&product_bar, &a)]);
         let ([v], [feature_bar]) = (v, feature_bar);
         Some([v.plus(&v), feature_bar])
     }
 
     /// The derivative in the feature through what an edge sends; `sender(end, k, ·)` gets that in number k of the embedding
     /// of an end's type.
-    pub fn answer<S: Scalar<Weight = W::Wide>, const T: usize>(
+    pub fn answer<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         kind: u8,
         feature: Jet<S, T>,
-        ends: &impl Ends<S, T>,
+        edges: &[Edge],
+        states: &M,
         visit: &mut impl Visit<W, S, T>,
         mut sender: impl FnMut(usize, usize, &Jet<S, T>),
     ) -> Option<Jet<S, T>> {
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut feature_bar = [Jet::zero(); 1];
         let e = &mut zeros(width);
-        embed.pull_back::<S, T, H, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
             let mut e_bar = zeros(width);
-            let [a, b] = [0, 1].map(|end| read(ends, Kept::Bar, end, self.width()));
+            let [a, b] = [0, 1].map(|end| self.read(NodeQuantity::Adjoint, edges, end, states));
             let received =
                 if self.alike() { [Some((0, plus(&a, &b))), None] } else { [Some((1, a)), Some((0, b))] };
             for (from, bar) in received.into_iter().flatten() {
-                let x = self.message_inputs(ends, from, e);
+                let x = self.message_inputs::<S, T, M>(edges, from, e);
                 let (mut x_bar, mut sent) = (x.clone(), zeros::<S, T>(self.width()));
                 let bar = |_: &[Jet<S, T>], _: &mut _| bar;
-                message.pull_back::<S, T, H, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
-                let (of_sender, of_edge) = x_bar.split_at_checked(self.width()).unwrap_or_default();
+                message.pull_back::<S, T, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
+                let (of_sender, of_edge) = expected(x_bar.split_at_checked(self.width()), (&[], &[]));
                 of_sender.iter().enumerate().for_each(|(k, bar)| sender(from, k, bar));
                 e_bar = plus(&e_bar, of_edge);
             }
@@ -186,25 +167,28 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         Some(feature_bar)
     }
 
-    /// h ‖ e.
-    fn message_inputs<S: Scalar, const T: usize>(
+    /// h ‖ e, h the embedding of the type of the node at end `from`.
+    fn message_inputs<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
-        ends: &impl Ends<S, T>,
+        edges: &[Edge],
         from: usize,
         e: &[Jet<S, T>],
     ) -> Inputs<S, T> {
-        let h = (0..self.width()).map(|k| Jet::constant(ends.embedding(from, k)));
-        collected(h.chain(e.iter().copied()))
+        let kind = |lane| expected(self.nodes.get(edges.node(from, lane)).copied(), 0);
+        let h = |k| Jet::constant(M::pack(|lane| self.types.embedding(kind(lane), k)));
+        collected((0..self.width()).map(h).chain(e.iter().copied()))
     }
-}
 
-fn read<S: Scalar, const T: usize>(
-    ends: &impl Ends<S, T>,
-    kept: Kept,
-    end: usize,
-    width: usize,
-) -> Embedding<S, T> {
-    collected((0..width).map(|k| ends.get(kept, end, k)))
+    /// All numbers of a quantity at one end.
+    fn read<S: Scalar, const T: usize>(
+        &self,
+        quantity: NodeQuantity,
+        batch: impl Batch,
+        end: usize,
+        states: &impl NodeStates<S, T, D>,
+    ) -> Embedding<S, T> {
+        collected((0..self.width()).map(|k| states.get(quantity, batch, end, k)))
+    }
 }
 
 fn zeros<S: Scalar, const T: usize>(width: usize) -> Embedding<S, T> {
@@ -219,14 +203,14 @@ fn times<S: Scalar, const T: usize>(a: &[Jet<S, T>], b: &[Jet<S, T>]) -> Embeddi
     collected(a.iter().zip(b).map(|(a, b)| a.times(b)))
 }
 
-/// As many as there is room for: widths are checked when types are taken.
+/// Collects at most N jets; no embedding and no input is longer.
 pub(super) fn collected<S: Scalar, const T: usize, const N: usize>(
     from: impl Iterator<Item = Jet<S, T>>,
 ) -> Vec<Jet<S, T>, N> {
     let mut to = Vec::new();
     for x in from {
-        // An error leaves it out.
-        let _: Result<(), _> = to.push(x);
+        let pushed = to.push(x);
+        debug_assert!(pushed.is_ok(), "more than {N} numbers");
     }
     to
 }

@@ -29,12 +29,13 @@ pub use cutoff::cutoff_edges;
 pub use error::GraphError;
 pub use fixed::Fixed;
 pub use shape::{
-    Drag, EDGE_NUMBERS, EdgeShape, Kinetic, MAX_EDGE_TYPES, MAX_EMBEDDING, MAX_NETWORKS, MAX_NODE_TYPES,
-    MessageShape, NodeShape, Potential, Separation, Shape,
+    Drag, EDGE_NUMBERS, EdgeShape, GraphShape, Kinetic, MAX_EDGE_TYPES, MAX_EMBEDDING, MAX_NETWORKS,
+    MAX_NODE_TYPES, MessageShape, NodeShape, Potential, Separation,
 };
 pub use types::Types;
 pub use union::{Member, Union};
 
+use crate::expected::expected;
 use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
@@ -92,11 +93,11 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
 
     #[inline(always)]
     fn kind(&self, node: usize) -> u8 {
-        self.nodes.get(node).copied().unwrap_or(0)
+        expected(self.nodes.get(node).copied(), 0)
     }
 }
 
-impl Shape {
+impl GraphShape {
     /// Checks a graph against the types.
     ///
     /// # Errors
@@ -108,7 +109,7 @@ impl Shape {
         if nodes.len() > MAX_NODES {
             return Err(GraphError::TooManyNodes { found: nodes.len(), most: MAX_NODES });
         }
-        let kinds = self.nodes().count();
+        let kinds = self.nodes.len();
         let unknown =
             nodes.iter().map(|kind| usize::from(*kind)).enumerate().find(|(_, kind)| *kind >= kinds);
         if let Some((node, kind)) = unknown {
@@ -118,7 +119,7 @@ impl Shape {
     }
 
     fn check_edge(&self, edge: usize, Edge { kind, ends }: &Edge, nodes: usize) -> Result<(), GraphError> {
-        let (kind, kinds, [a, b]) = (usize::from(*kind), self.edges().count(), ends.map(usize::from));
+        let (kind, kinds, [a, b]) = (usize::from(*kind), self.edges.len(), ends.map(usize::from));
         if kind >= kinds {
             return Err(GraphError::EdgeKind { edge, kind, kinds });
         }
@@ -129,15 +130,16 @@ impl Shape {
     }
 }
 
-/// x_a − x_b of an edge's ends; nothing where an end has no place.
+/// x_a − x_b of an edge's ends; `None` where q has no such node.
 #[inline(always)]
 fn across<S: Scalar, const D: usize>(q: &[[S; D]], edge: &Edge) -> Option<[S; D]> {
     let [a, b] = edge.ends.map(usize::from);
-    let (a, b) = (q.get(a)?, q.get(b)?);
-    Some(core::array::from_fn(|i| a[i] - b[i]))
+    let (mut d, b) = (*q.get(a)?, q.get(b)?);
+    d.iter_mut().zip(b).for_each(|(d, b)| *d -= *b);
+    Some(d)
 }
 
-/// Adds `x` to one place and takes it from another.
+/// Adds `x` at the first end of an edge, and subtracts it at the second.
 #[inline(always)]
 fn exchange<S: Scalar, const D: usize>(of: &mut [[S; D]], edge: &Edge, x: &[S; D]) {
     let [a, b] = edge.ends.map(usize::from);

@@ -1,12 +1,14 @@
 //! Derivatives in the weights, for training.
 
-use super::across;
 use super::fixed::{Fixed, vectors};
-use super::radial::{ramp, square};
+use super::radial::square;
+use super::round::{Batch, MovingNodes};
 use super::shape::{Drag, Kinetic, MAX_EMBEDDING, MAX_NODE_TYPES, Potential};
 use super::types::{Types, inputs, sign};
-use crate::energy::part::{Part, Rows};
+use super::{Edge, across};
+use crate::energy::placed_network::{PlacedNetwork, WeightTangents};
 use crate::energy::{Learnable, LearnableForces};
+use crate::expected::present;
 use crate::linear::dot;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
@@ -70,7 +72,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, 
             self.graph.types.potential_gradient(kind, x, dx, row);
         }
         for (edge, d) in self.edges(q) {
-            let Some(dd) = across(vectors(dq), edge) else { continue };
+            let Some(dd) = present(across(vectors(dq), edge)) else { continue };
             self.graph.types.pair_gradient(edge.kind, &d, S::constant(-2.0) * dot(&d, &dd), row);
         }
         self.message_part(q, dq, row);
@@ -82,23 +84,29 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, 
         dq: &[S; N],
         row: &mut impl FnMut(usize, S),
     ) {
-        if self.graph.types.messaging().is_none() {
+        if self.graph.messaging().is_none() {
             return;
         }
         let mut x = [[Jet::zero(); D]; N];
         for ((slot, x), dx) in x.iter_mut().zip(vectors(q)).zip(vectors(dq)) {
-            *slot = moving(x, dx);
+            *slot = Jet::moving(x, dx);
         }
         // The sums of what nodes of one type have.
         let mut rates = [[S::zero(); MAX_EMBEDDING]; MAX_NODE_TYPES];
-        let embedding = |node: usize, k: usize, Jet { tangent: [rate], .. }: &Jet<S, 1>| {
+        let mut embedding = |node: usize, k: usize, bar: &Jet<S, 1>| {
             let kind = usize::from(self.graph.kind(node));
             if let Some(slot) = rates.get_mut(kind).and_then(|rates| rates.get_mut(k)) {
-                *slot += *rate;
+                *slot += bar.rate();
             }
         };
-        self.messages::<S, 1>(&x, &mut Rows(&mut *row), |_, _| {}, embedding);
-        for (kind, rates) in (0..).zip(&rates) {
+        let mut states = MovingNodes::new(&x);
+        let sender =
+            |edges: &[Edge], end: usize, k: usize, bar: &Jet<S, 1>| embedding(edges.node(end, 0), k, bar);
+        self.graph.round(&mut states, &mut WeightTangents(|i, rate: S| row(i, -rate)), |_, _| {}, sender);
+        for (i, bar) in states.adjoints().enumerate().take(self.graph.nodes.len()) {
+            bar.iter().enumerate().for_each(|(k, bar)| embedding(i, k, bar));
+        }
+        for (kind, rates) in (0..).zip(rates.iter().take(self.graph.types.shape().nodes.len())) {
             let Some(numbers) = self.graph.types.numbers(kind) else { return };
             for (k, (rate, _)) in rates.iter().zip(numbers.embedding.1).enumerate() {
                 row(numbers.embedding.0 + k, -*rate);
@@ -122,10 +130,10 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
             Kinetic::Network(network) => {
                 let Some(network) = self.network(network) else { return };
                 let (start, embedding) = numbers.kinetic_embedding;
-                let x = inputs(embedding, &[ramp(square(v))]);
+                let x = inputs(embedding, &[Jet::parameter(square(v))]);
                 let mut x_bar = x.clone();
                 let y_bar = [Jet { value: S::zero(), tangent: c }];
-                network.series_gradient::<S, H>((&x, &mut x_bar), &y_bar, row);
+                network.series_gradient::<S>((&x, &mut x_bar), &y_bar, row);
                 for (k, (bar, _)) in x_bar.iter().zip(embedding).enumerate() {
                     row(start + k, bar.value);
                 }
@@ -146,9 +154,9 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
             dx.iter().enumerate().for_each(|(k, dx)| row(numbers.field.0 + k, -*dx));
         }
         let mut embedding = [S::zero(); MAX_EMBEDDING];
-        self.pull(kind, &moving(x, dx), &mut Rows(&mut *row), |k, Jet { tangent: [rate], .. }| {
+        self.pull(kind, &Jet::moving(x, dx), &mut WeightTangents(|i, rate: S| row(i, -rate)), |k, bar| {
             if let Some(slot) = embedding.get_mut(k) {
-                *slot = *rate;
+                *slot = bar.rate();
             }
         });
         for (k, (rate, _)) in embedding.iter().zip(numbers.embedding.1).enumerate() {
@@ -165,13 +173,13 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
         row: &mut impl FnMut(usize, S),
     ) {
         let (Some(edge), Some((start, _))) = (self.edge_type(kind), self.law(kind)) else { return };
-        let z: Jet<S, 2> = edge.separation.series(square(d));
+        let z: Jet<S, 2> = edge.separation.feature().of_square(square(d));
         let linear = c * z.tangent[0];
         row(start, linear);
         row(start + 1, (linear + linear) * z.value);
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return };
         let y_bar = [Jet { value: S::zero(), tangent: [c, S::zero()] }];
-        network.series_gradient::<S, H>((&[z], &mut []), &y_bar, row);
+        network.series_gradient::<S>((&[z], &mut []), &y_bar, row);
     }
 
     /// Visits y ∂Q/∂θ of a node along one axis.
@@ -189,26 +197,15 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
         if let Drag::Network(network) = node.drag
             && let Some(network) = self.network(network)
         {
-            network.size_gradient::<S, H>(v, -(y * v), row);
+            network.size_gradient::<S>(v, -(y * v), row);
         }
     }
 }
 
-impl<W: Stored, const L: usize> Part<'_, W, L> {
+impl<W: Stored, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
     /// Visits c ∂|net(x)|/∂θ.
-    fn size_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
-        &self,
-        x: S,
-        c: S,
-        row: &mut impl FnMut(usize, S),
-    ) {
-        let side = sign(self.energy::<S, H>(&[Jet::constant(x)]));
-        self.series_gradient::<S, H>((&[Jet::constant(x)], &mut []), &[Jet::constant(side * c)], row);
+    fn size_gradient<S: Scalar<Weight = W::Wide>>(&self, x: S, c: S, row: &mut impl FnMut(usize, S)) {
+        let side = sign(self.energy::<S>(&[Jet::constant(x)]));
+        self.series_gradient::<S>((&[Jet::constant(x)], &mut []), &[Jet::constant(side * c)], row);
     }
-}
-
-/// x moving with the velocity `dx`.
-#[inline(always)]
-fn moving<S: Scalar, const D: usize>(x: &[S; D], dx: &[S; D]) -> [Jet<S, 1>; D] {
-    core::array::from_fn(|i| Jet { value: x[i], tangent: [dx[i]] })
 }

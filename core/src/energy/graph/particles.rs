@@ -1,14 +1,14 @@
-//! Graphs of any size, their nodes and edges in packs.
+//! Graphs of any size, whose nodes and edges are evaluated several at a time in the lanes of a scalar.
 
-use super::messages::{Embedding, Ends, Kept, Messaging};
-use super::{Edge, Graph, across, exchange};
-use crate::energy::part::Ignore;
+use super::round::{NODE_QUANTITIES, NodesAtRest, difference_in_lanes, packs, runs};
+use super::{Edge, Graph, exchange};
+use crate::energy::placed_network::Ignore;
+use crate::expected::{expected, present};
 use crate::lagrangian::Energies;
 use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::particles::Particles;
-use crate::scalar::{Packed, Scalar, Stored};
-use core::iter;
+use crate::scalar::{Packed, Stored};
 
 impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, const H: usize, const L: usize>
     Particles<R, D> for Graph<'_, W, D, K, H, L>
@@ -17,16 +17,16 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
         self.nodes.len()
     }
 
-    fn room(&self) -> usize {
-        self.types.messaging().map_or(0, |messaging| KEPT * messaging.width() * self.nodes.len())
+    fn workspace(&self) -> usize {
+        self.messaging().map_or(0, |messaging| NODE_QUANTITIES * messaging.width() * self.nodes.len())
     }
 
-    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R> {
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R> {
         let kinetic = self.sum_nodes(v, |kind, v| self.types.kinetic::<R::Pack, 0>(kind, v).value);
-        Energies { kinetic, potential: self.potential(q, room) }
+        Energies { kinetic, potential: self.potential(q, workspace) }
     }
 
-    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
+    fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]) {
         let pull = |kind, x: &[R::Pack; D]| {
             let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {});
             pull.map(|pull| -pull.value)
@@ -35,7 +35,7 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
         self.for_edges(q, |run, kind, d| {
             add_forces::<R, D>(l_q, run, &self.types.pair::<R::Pack, 1>(kind, &d).gradient(&d));
         });
-        self.messages(q, room, |run, gradient| add_forces::<R, D>(l_q, run, &gradient));
+        self.messages(q, workspace, |run, gradient| add_forces::<R, D>(l_q, run, &gradient));
     }
 
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D] {
@@ -90,7 +90,7 @@ fn lane<R: Packed, const D: usize>(x: &[R::Pack; D], lane: usize) -> [R; D] {
 }
 
 impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
-    /// Visits neighbouring nodes of one type, from `first` on, with their type and what `x` says of them.
+    /// Visits neighbouring nodes of one type, from `first` on, with their type and vectors of `x`.
     #[inline(always)]
     fn for_nodes<R: Packed<Weight = W::Wide>>(
         &self,
@@ -98,17 +98,17 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         mut x: &[[R; D]],
         mut visit: impl FnMut(&[u8], u8, [R::Pack; D]),
     ) {
-        let nodes = self.nodes.get(first..).unwrap_or_default();
-        let nodes = nodes.get(..x.len()).unwrap_or(nodes);
-        for run in runs(nodes, |kind| *kind, R::WIDTH) {
-            let Some((own, rest)) = x.split_at_checked(run.len()) else { return };
+        let nodes = expected(self.nodes.get(first..), &[]);
+        let nodes = expected(nodes.get(..x.len()), nodes);
+        for (kind, run) in runs(nodes, |kind| *kind, R::WIDTH) {
+            let Some((own, rest)) = present(x.split_at_checked(run.len())) else { return };
             x = rest;
-            let (Some(kind), Some(first)) = (run.first(), own.first()) else { return };
-            visit(run, *kind, packs(|l| *own.get(l).unwrap_or(first)));
+            let Some(first) = own.first() else { return };
+            visit(run, kind, packs(|l| *own.get(l).unwrap_or(first)));
         }
     }
 
-    /// Writes `of` every node's type and what `x` says of it, from node `first` on; `lane` takes what is written from a pack.
+    /// Applies `of` to types and vectors of neighbouring nodes, from node `first` on, and writes one `lane` of the result a node.
     #[inline(always)]
     fn write_nodes<R: Packed<Weight = W::Wide>, P, T>(
         &self,
@@ -124,98 +124,39 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         });
     }
 
-    /// Visits neighbouring edges of one type with their type and what lies between their ends.
+    /// Visits neighbouring edges of one type with their type and x_a − x_b of their ends.
     #[inline(always)]
     fn for_edges<R: Packed<Weight = W::Wide>>(
         &self,
         q: &[[R; D]],
         mut visit: impl FnMut(&[Edge], u8, [R::Pack; D]),
     ) {
-        for run in runs(self.edges, |edge| edge.kind, R::WIDTH) {
-            let Some(first) = run.first() else { return };
-            let d = packs(|l| across(q, run.get(l).unwrap_or(first)).unwrap_or([R::zero(); D]));
-            visit(run, first.kind, d);
+        for (kind, run) in self.edge_runs(R::WIDTH) {
+            visit(run, kind, difference_in_lanes(q, run));
         }
     }
 
     /// V(q).
-    pub(super) fn potential<R: Packed<Weight = W::Wide>>(&self, q: &[[R; D]], room: &mut [R]) -> R {
+    pub(super) fn potential<R: Packed<Weight = W::Wide>>(&self, q: &[[R; D]], workspace: &mut [R]) -> R {
         let mut potential = self.sum_nodes(q, |kind, q| self.types.potential(kind, q));
         self.for_edges(q, |run, kind, d| {
             let pairs = self.types.pair::<R::Pack, 0>(kind, &d).value;
             (0..run.len()).for_each(|l| potential += R::lane(&pairs, l));
         });
-        potential += self.messages(q, room, |_, _| {});
+        potential += self.messages(q, workspace, |_, _| {});
         potential
     }
 
-    /// n = h and n̄ = 0 at every node.
-    fn begin<R: Packed<Weight = W::Wide>>(&self, room: &mut [R]) {
-        let width = usize::from(self.types.shape().embedding);
-        let mut slots = room.iter_mut();
-        for kind in self.nodes {
-            for (k, slot) in slots.by_ref().take(KEPT * width).enumerate() {
-                *slot = if k < width { self.types.embedding(*kind, k) } else { R::zero() };
-            }
-        }
-    }
-
-    /// The ends of a pack of edges.
-    #[allow(clippy::type_complexity, reason = "a pack and how it finds its nodes")]
-    fn ends<'t, R: Packed<Weight = W::Wide>>(
-        &'t self,
-        room: &'t mut [R],
-        run: &'t [Edge],
-    ) -> PackEnds<'t, 'a, W, R, impl Fn(usize, usize) -> usize, D, K, H, L> {
-        let node = move |end: usize, lane: usize| run.get(lane).and_then(|edge| edge.ends.get(end)).copied();
-        let node = move |end, lane| usize::from(node(end, lane).unwrap_or(0));
-        PackEnds { graph: self, room, lanes: run.len(), node }
-    }
-
-    /// V of the messages; `add` gets its gradient in the differences of a pack of edges.
+    /// V of the messages; `gradient` gets ∂V/∂(x_a − x_b) of edges in lanes, in parts.
     fn messages<R: Packed<Weight = W::Wide>>(
         &self,
         q: &[[R; D]],
-        room: &mut [R],
-        mut add: impl FnMut(&[Edge], [R::Pack; D]),
+        workspace: &mut [R],
+        mut gradient: impl FnMut(&[Edge], [R::Pack; D]),
     ) -> R {
-        let (mut sum, constant) = (R::zero(), |d: [R::Pack; D]| d.map(Jet::constant));
-        let Some(messaging) = self.types.messaging() else { return sum };
-        self.begin(room);
-        self.for_edges(q, |run, kind, d| {
-            let [feature, _] = messaging.feature::<_, 0>(kind, &constant(d));
-            messaging.send(kind, feature, &mut self.ends(room, run));
-        });
-        sum += self.settle(&messaging, room);
-        self.for_edges(q, |run, kind, d| {
-            let [feature, rate] = messaging.feature(kind, &constant(d));
-            let Some([v, bar]) = messaging.update(kind, feature, &mut self.ends(room, run), &mut Ignore)
-            else {
-                return;
-            };
-            (0..run.len()).for_each(|l| sum += R::lane(&v.value, l));
-            add(run, d.map(|d| bar.times(&rate).value * d));
-        });
-        self.for_edges(q, |run, kind, d| {
-            let [feature, rate] = messaging.feature(kind, &constant(d));
-            let bar = messaging.answer(kind, feature, &self.ends(room, run), &mut Ignore, |_, _, _| {});
-            let Some(bar) = bar else { return };
-            add(run, d.map(|d| bar.times(&rate).value * d));
-        });
-        sum
-    }
-
-    /// The nodes' part of V of the messages, and n̄ of it.
-    fn settle<R: Packed<Weight = W::Wide>>(&self, messaging: &Messaging<W, D, K, H, L>, room: &mut [R]) -> R {
-        let mut sum = R::zero();
-        for first in (0..self.nodes.len()).step_by(R::WIDTH) {
-            let lanes = R::WIDTH.min(self.nodes.len() - first);
-            let mut ends = PackEnds { graph: self, room: &mut *room, lanes, node: |_, l| first + l };
-            if let Some(v) = messaging.settle(&mut ends, &mut Ignore) {
-                (0..lanes).for_each(|l| sum += R::lane(&v.value, l));
-            }
-        }
-        sum
+        let mut states = NodesAtRest { q, workspace, width: self.types.shape().embedding.into() };
+        let gradient = |edges: &[Edge], of: [Jet<R::Pack, 0>; D]| gradient(edges, of.map(|of| of.value));
+        self.round(&mut states, &mut Ignore, gradient, |_, _, _, _| {})
     }
 
     #[inline(always)]
@@ -233,96 +174,10 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 }
 
-/// What the messages keep at every node: n, then n̄.
-const KEPT: usize = 2;
-
-/// A pack of edges or of nodes among what is kept, node after node: lane l ends at `node(end, l)`.
-struct PackEnds<'t, 'a, W, R, F, const D: usize, const K: usize, const H: usize, const L: usize> {
-    graph: &'t Graph<'a, W, D, K, H, L>,
-    room: &'t mut [R],
-    lanes: usize,
-    node: F,
-}
-
-impl<
-    W: Stored,
-    R: Packed<Weight = W::Wide>,
-    F: Fn(usize, usize) -> usize,
-    const D: usize,
-    const K: usize,
-    const H: usize,
-    const L: usize,
-> PackEnds<'_, '_, W, R, F, D, K, H, L>
-{
-    /// The place of number k of what is kept at a node; lanes that are not there stand for the first.
-    fn place(&self, kept: Kept, end: usize, lane: usize, k: usize) -> usize {
-        let lane = if lane < self.lanes { lane } else { 0 };
-        let width = usize::from(self.graph.types.shape().embedding);
-        let start = KEPT * (self.node)(end, lane) + usize::from(kept == Kept::Bar);
-        start * width + k
-    }
-}
-
-impl<
-    W: Stored,
-    R: Packed<Weight = W::Wide>,
-    F: Fn(usize, usize) -> usize,
-    const D: usize,
-    const K: usize,
-    const H: usize,
-    const L: usize,
-> Ends<R::Pack, 0> for PackEnds<'_, '_, W, R, F, D, K, H, L>
-{
-    fn embedding(&self, end: usize, k: usize) -> R::Pack {
-        R::pack(|l| {
-            let kind = self.graph.kind((self.node)(end, if l < self.lanes { l } else { 0 }));
-            self.graph.types.embedding(kind, k)
-        })
-    }
-
-    fn get(&self, kept: Kept, end: usize, k: usize) -> Jet<R::Pack, 0> {
-        let at = |l| self.room.get(self.place(kept, end, l, k)).copied();
-        Jet::constant(R::pack(|l| at(l).unwrap_or(R::zero())))
-    }
-
-    fn add(&mut self, kept: Kept, x: &[Embedding<R::Pack, 0>]) {
-        for lane in 0..self.lanes {
-            for (end, x) in x.iter().enumerate() {
-                for (k, x) in x.iter().enumerate() {
-                    let place = self.place(kept, end, lane, k);
-                    if let Some(slot) = self.room.get_mut(place) {
-                        *slot += R::lane(&x.value, lane);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Takes the gradients in the differences of a pack of edges from l_q of their first ends and adds them to that of the others.
+/// Subtracts ∂V/∂(x_a − x_b) of edges from l_q of their first ends, and adds it to l_q of their second ends.
 #[inline(always)]
 fn add_forces<R: Packed, const D: usize>(l_q: &mut [[R; D]], run: &[Edge], gradient: &[R::Pack; D]) {
     for (l, edge) in run.iter().enumerate() {
         exchange(l_q, edge, &lane(gradient, l).map(|gradient: R| -gradient));
     }
-}
-
-/// The vectors of every lane, component by component.
-#[inline(always)]
-fn packs<R: Packed, const D: usize>(lane: impl Fn(usize) -> [R; D]) -> [R::Pack; D] {
-    let mut packs = [R::Pack::zero(); D];
-    packs.iter_mut().enumerate().for_each(|(i, pack)| *pack = R::pack(|l| lane(l)[i]));
-    packs
-}
-
-/// Parts of a list whose items are of one kind, each as long as it may be and at most `width`.
-#[inline(always)]
-fn runs<T>(mut rest: &[T], kind: impl Fn(&T) -> u8, width: usize) -> impl Iterator<Item = &[T]> {
-    iter::from_fn(move || {
-        let first = kind(rest.first()?);
-        let length = rest.iter().take(width).take_while(|item| kind(item) == first).count();
-        let (run, after) = rest.split_at_checked(length)?;
-        rest = after;
-        Some(run)
-    })
 }

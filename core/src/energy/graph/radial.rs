@@ -1,6 +1,5 @@
 //! Functions of a vector's length alone: kinetic energies of a velocity, pair potentials of a difference.
 
-use super::shape::Separation;
 use crate::linear::dot;
 use crate::network::Jet;
 use crate::scalar::Scalar;
@@ -14,7 +13,7 @@ pub(super) struct Radial<S> {
 }
 
 impl<S: Scalar> Radial<S> {
-    /// φ and as many of its derivatives as are carried.
+    /// φ and its derivatives; those that the series does not carry are 0.
     #[inline(always)]
     pub fn of<const O: usize>(series: &Jet<S, O>) -> Self {
         let at = |k: usize| series.tangent.get(k).copied().unwrap_or(S::zero());
@@ -64,35 +63,6 @@ impl<S: Scalar> Radial<S> {
         }
         hessian
     }
-}
-
-impl Separation {
-    /// What a network sees, with its derivatives in s = r².
-    #[inline(always)]
-    pub(super) fn series<S: Scalar, const O: usize>(self, s: S) -> Jet<S, O> {
-        match self {
-            Self::Squared => ramp(s),
-            Self::Distance => {
-                let r = s.sqrt();
-                let first = S::one().half() / r;
-                let mut series = Jet::constant(r);
-                for (slot, x) in series.tangent.iter_mut().zip([first, -first.half() / s]) {
-                    *slot = x;
-                }
-                series
-            }
-        }
-    }
-}
-
-/// A quantity that grows by 1 per unit of the parameter.
-#[inline(always)]
-pub(super) fn ramp<S: Scalar, const O: usize>(value: S) -> Jet<S, O> {
-    let mut series = Jet::constant(value);
-    if let Some(slot) = series.tangent.first_mut() {
-        *slot = S::one();
-    }
-    series
 }
 
 /// |w|².

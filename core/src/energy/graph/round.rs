@@ -1,125 +1,300 @@
-//! The round of messages in a graph of a number of coordinates that is compiled in, with tangents.
+//! One round of messages over a whole graph: the four passes over its nodes and edges, for nodes that stand still and are
+//! evaluated side by side, and for nodes that move.
 
-use super::fixed::Fixed;
-use super::messages::{Embedding, Ends, Kept};
+use super::messages::{Embedding, Messaging};
 use super::shape::MAX_EMBEDDING;
-use super::{Edge, Graph};
-use crate::energy::part::Visit;
+use super::{Edge, Graph, across};
+use crate::energy::placed_network::Visit;
+use crate::expected::{expected, present};
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Packed, Scalar, Stored};
+use core::iter;
 
-/// n and n̄ of every node; there are at most N of them.
-type Table<S, const T: usize, const N: usize> = [[[Jet<S, T>; MAX_EMBEDDING]; 2]; N];
-
-/// An edge, or a node alone, among what is kept.
-struct Lone<'t, 'a, W, S, const T: usize, const D: usize, const K: usize, const H: usize, const L: usize> {
-    graph: &'t Graph<'a, W, D, K, H, L>,
-    table: &'t mut [[[Jet<S, T>; MAX_EMBEDDING]; 2]],
-    nodes: [usize; 2],
+/// A quantity of which every node has as many numbers as an embedding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NodeQuantity {
+    /// n, the sum of the node's embedding and of the messages to it.
+    Sum,
+    /// n̄ = ∂V/∂n.
+    Adjoint,
 }
 
-impl<
-    W: Stored,
-    S: Scalar<Weight = W::Wide>,
-    const T: usize,
-    const D: usize,
-    const K: usize,
-    const H: usize,
-    const L: usize,
-> Ends<S, T> for Lone<'_, '_, W, S, T, D, K, H, L>
-{
-    fn embedding(&self, end: usize, k: usize) -> S {
-        self.nodes.get(end).map_or(S::zero(), |node| self.graph.types.embedding(self.graph.kind(*node), k))
+/// Number of node quantities.
+pub(super) const NODE_QUANTITIES: usize = 2;
+
+/// Edges of one type or nodes, one in each lane of a scalar.
+pub(super) trait Batch: Copy {
+    /// Number of lanes that are used, at least 1.
+    fn lanes(self) -> usize;
+    /// The node at an end of the edge in a lane; a node is its own only end. Lanes that are not used repeat the first.
+    fn node(self, end: usize, lane: usize) -> usize;
+}
+
+impl Batch for &[Edge] {
+    #[inline(always)]
+    fn lanes(self) -> usize {
+        self.len()
     }
 
-    fn get(&self, kept: Kept, end: usize, k: usize) -> Jet<S, T> {
-        let node = self.nodes.get(end).and_then(|node| self.table.get(*node));
-        node.and_then(|node| node[kept as usize].get(k)).copied().unwrap_or(Jet::zero())
-    }
-
-    fn add(&mut self, kept: Kept, x: &[Embedding<S, T>]) {
-        for (node, x) in self.nodes.iter().zip(x) {
-            let Some(node) = self.table.get_mut(*node) else { continue };
-            for (slot, x) in node[kept as usize].iter_mut().zip(x) {
-                *slot = slot.plus(x);
-            }
-        }
+    #[inline(always)]
+    fn node(self, end: usize, lane: usize) -> usize {
+        let edge = self.get(if lane < self.len() { lane } else { 0 });
+        usize::from(expected(edge.and_then(|edge| edge.ends.get(end)).copied(), 0))
     }
 }
 
-impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
-    Fixed<'_, W, D, K, H, L, N>
-{
-    /// V of the messages where every node moves; `add` gets its gradient in the differences of edges, and `embedding(i, k, ·)`
-    /// that in number k of the embedding of node i's type, in parts.
-    pub(super) fn messages<S: Scalar<Weight = W::Wide>, const T: usize>(
+/// Neighbouring nodes.
+#[derive(Clone, Copy, Debug)]
+struct Neighbours {
+    first: usize,
+    count: usize,
+}
+
+impl Batch for Neighbours {
+    #[inline(always)]
+    fn lanes(self) -> usize {
+        self.count
+    }
+
+    #[inline(always)]
+    fn node(self, _: usize, lane: usize) -> usize {
+        self.first + if lane < self.count { lane } else { 0 }
+    }
+}
+
+/// Where the nodes of a graph are, and the quantities of every node during a round of messages.
+pub(super) trait NodeStates<S: Scalar, const T: usize, const D: usize> {
+    /// What one lane of `S` holds.
+    type Lane: Scalar<Weight = S::Weight>;
+    /// Lanes of `S`.
+    const WIDTH: usize;
+
+    /// The scalar whose lane l is `lane(l)`.
+    fn pack(lane: impl FnMut(usize) -> Self::Lane) -> S;
+    /// One lane of a scalar.
+    fn lane(x: &S, lane: usize) -> Self::Lane;
+    /// Begins with n_i = h(i) and n̄_i = 0 at every node, the numbers of h given one by one.
+    fn begin(&mut self, nodes: usize, width: usize, h: impl Fn(usize, usize) -> Self::Lane);
+    /// x_a − x_b of the edges' ends.
+    fn difference(&self, edges: &[Edge]) -> [Jet<S, T>; D];
+    /// Number k of a quantity at one end.
+    fn get(&self, quantity: NodeQuantity, batch: impl Batch, end: usize, k: usize) -> Jet<S, T>;
+    /// Adds to a quantity at every end: edge after edge, each first at its first end.
+    fn add(&mut self, quantity: NodeQuantity, batch: impl Batch, x: &[Embedding<S, T>]);
+}
+
+impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
+    /// The networks of the messages, where the model has any.
+    pub(super) fn messaging(&self) -> Option<Messaging<'_, 'a, W, D, K, H, L>> {
+        Messaging::new(&self.types, self.nodes)
+    }
+
+    /// V of the messages. `gradient` gets ∂V/∂(x_a − x_b) of edges in parts, and `sender(edges, end, k, ·)` the derivative in
+    /// number k of the embedding at an end of the edges, as far as it goes through what that end sends.
+    pub(super) fn round<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
-        x: &[[Jet<S, T>; D]; N],
+        states: &mut M,
         visit: &mut impl Visit<W, S, T>,
-        mut add: impl FnMut(&Edge, [Jet<S, T>; D]),
-        mut embedding: impl FnMut(usize, usize, &Jet<S, T>),
-    ) -> Jet<S, T> {
-        let (mut sum, graph) = (Jet::zero(), &self.graph);
-        let Some(messaging) = graph.types.messaging() else { return sum };
-        let mut table = self.begin::<S, T>();
-        for (edge, d) in self.moving(x) {
-            let [feature, _] = messaging.feature(edge.kind, &d);
-            messaging.send(edge.kind, feature, &mut lone(graph, &mut table, edge));
+        mut gradient: impl FnMut(&[Edge], [Jet<S, T>; D]),
+        mut sender: impl FnMut(&[Edge], usize, usize, &Jet<S, T>),
+    ) -> M::Lane {
+        let mut sum = M::Lane::zero();
+        let Some(messaging) = self.messaging() else { return sum };
+        states.begin(self.nodes.len(), messaging.width(), |i, k| self.types.embedding(self.kind(i), k));
+        for (kind, edges) in self.edge_runs(M::WIDTH) {
+            let [feature, _] = messaging.feature(kind, &states.difference(edges));
+            messaging.send(kind, feature, edges, states);
         }
-        for i in 0..graph.nodes.len() {
-            let mut node = Lone { graph, table: &mut table, nodes: [i; 2] };
-            sum = messaging.settle(&mut node, visit).map_or(sum, |v| sum.plus(&v));
+        for first in (0..self.nodes.len()).step_by(M::WIDTH) {
+            let batch = Neighbours { first, count: M::WIDTH.min(self.nodes.len() - first) };
+            let Some(v) = messaging.settle(batch, states, visit) else { break };
+            (0..batch.count).for_each(|l| sum += M::lane(&v.value, l));
         }
-        for (edge, d) in self.moving(x) {
-            let ([feature, rate], ends) =
-                (messaging.feature(edge.kind, &d), &mut lone(graph, &mut table, edge));
-            let Some([v, bar]) = messaging.update(edge.kind, feature, ends, visit) else { continue };
-            sum = sum.plus(&v);
-            add(edge, d.map(|d| bar.times(&rate).times(&d)));
+        for (kind, edges) in self.edge_runs(M::WIDTH) {
+            let d = states.difference(edges);
+            let [feature, rate] = messaging.feature(kind, &d);
+            let Some([v, bar]) = messaging.update(kind, feature, edges, states, visit) else { break };
+            (0..edges.len()).for_each(|l| sum += M::lane(&v.value, l));
+            gradient(edges, d.map(|d| bar.times(&rate).times(&d)));
         }
-        for (edge, d) in self.moving(x) {
-            let ([feature, rate], ends) = (messaging.feature(edge.kind, &d), lone(graph, &mut table, edge));
-            let sender = |end: usize, k: usize, bar: &Jet<S, T>| {
-                embedding(ends.nodes.get(end).copied().unwrap_or(0), k, bar);
-            };
-            let Some(bar) = messaging.answer(edge.kind, feature, &ends, visit, sender) else { continue };
-            add(edge, d.map(|d| bar.times(&rate).times(&d)));
-        }
-        for (i, [_, bar]) in table.iter().take(graph.nodes.len()).enumerate() {
-            bar.iter().take(messaging.width()).enumerate().for_each(|(k, bar)| embedding(i, k, bar));
+        for (kind, edges) in self.edge_runs(M::WIDTH) {
+            let d = states.difference(edges);
+            let [feature, rate] = messaging.feature(kind, &d);
+            let sender = |end: usize, k: usize, bar: &Jet<S, T>| sender(edges, end, k, bar);
+            let Some(bar) = messaging.answer(kind, feature, edges, states, visit, sender) else { break };
+            gradient(edges, d.map(|d| bar.times(&rate).times(&d)));
         }
         sum
     }
 
-    /// n = h and n̄ = 0 at every node.
-    fn begin<S: Scalar<Weight = W::Wide>, const T: usize>(&self) -> Table<S, T, N> {
-        let mut table = [[[Jet::zero(); MAX_EMBEDDING]; 2]; N];
-        for ([n, _], kind) in table.iter_mut().zip(self.graph.nodes) {
-            for (k, n) in n.iter_mut().enumerate() {
-                *n = Jet::constant(self.graph.types.embedding(*kind, k));
-            }
-        }
-        table
-    }
-
-    /// The edges with what lies between their ends.
-    fn moving<S: Scalar, const T: usize>(
+    /// Neighbouring edges of one type with that type, at most `width` at a time.
+    #[inline(always)]
+    pub(super) fn edge_runs(
         &self,
-        x: &[[Jet<S, T>; D]; N],
-    ) -> impl Iterator<Item = (&Edge, [Jet<S, T>; D])> {
-        let minus = -S::one();
-        self.graph.edges.iter().filter_map(move |edge| {
-            let [a, b] = edge.ends.map(usize::from);
-            let (a, b) = (x.get(a)?, x.get(b)?);
-            Some((edge, core::array::from_fn(|i| a[i].plus(&b[i].scaled(minus)))))
-        })
+        width: usize,
+    ) -> impl Iterator<Item = (u8, &'a [Edge])> + use<'a, W, D, K, H, L> {
+        runs(self.edges, |edge| edge.kind, width)
     }
 }
 
-fn lone<'t, 'a, W, S, const T: usize, const D: usize, const K: usize, const H: usize, const L: usize>(
-    graph: &'t Graph<'a, W, D, K, H, L>,
-    table: &'t mut [[[Jet<S, T>; MAX_EMBEDDING]; 2]],
-    edge: &Edge,
-) -> Lone<'t, 'a, W, S, T, D, K, H, L> {
-    Lone { graph, table, nodes: edge.ends.map(usize::from) }
+/// Parts of a list whose items are of one kind, each as long as it may be and at most `width`, with the kind.
+#[inline(always)]
+pub(super) fn runs<T>(
+    mut rest: &[T],
+    kind: impl Fn(&T) -> u8,
+    width: usize,
+) -> impl Iterator<Item = (u8, &[T])> {
+    iter::from_fn(move || {
+        let first = kind(rest.first()?);
+        let length = rest.iter().take(width).take_while(|item| kind(item) == first).count();
+        let (run, after) = rest.split_at_checked(length)?;
+        rest = after;
+        Some((first, run))
+    })
+}
+
+/// Nodes at positions `q`, in lanes.
+pub(super) struct NodesAtRest<'x, R, const D: usize> {
+    /// The position of every node.
+    pub q: &'x [[R; D]],
+    /// All quantities of a node, node after node.
+    pub workspace: &'x mut [R],
+    /// Numbers of a quantity.
+    pub width: usize,
+}
+
+impl<R: Packed, const D: usize> NodesAtRest<'_, R, D> {
+    /// Where number k of a quantity of a node is.
+    fn place(&self, quantity: NodeQuantity, node: usize, k: usize) -> usize {
+        (NODE_QUANTITIES * node + quantity as usize) * self.width + k
+    }
+}
+
+impl<R: Packed, const D: usize> NodeStates<R::Pack, 0, D> for NodesAtRest<'_, R, D> {
+    type Lane = R;
+    const WIDTH: usize = R::WIDTH;
+
+    #[inline(always)]
+    fn pack(lane: impl FnMut(usize) -> R) -> R::Pack {
+        R::pack(lane)
+    }
+
+    #[inline(always)]
+    fn lane(x: &R::Pack, lane: usize) -> R {
+        R::lane(x, lane)
+    }
+
+    fn begin(&mut self, nodes: usize, width: usize, h: impl Fn(usize, usize) -> R) {
+        let mut slots = self.workspace.iter_mut();
+        for node in 0..nodes {
+            for (k, slot) in slots.by_ref().take(NODE_QUANTITIES * width).enumerate() {
+                *slot = if k < width { h(node, k) } else { R::zero() };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn difference(&self, edges: &[Edge]) -> [Jet<R::Pack, 0>; D] {
+        difference_in_lanes(self.q, edges).map(Jet::constant)
+    }
+
+    fn get(&self, quantity: NodeQuantity, batch: impl Batch, end: usize, k: usize) -> Jet<R::Pack, 0> {
+        let at = |lane| self.workspace.get(self.place(quantity, batch.node(end, lane), k)).copied();
+        Jet::constant(R::pack(|lane| expected(at(lane), R::zero())))
+    }
+
+    fn add(&mut self, quantity: NodeQuantity, batch: impl Batch, x: &[Embedding<R::Pack, 0>]) {
+        for lane in 0..batch.lanes() {
+            for (end, x) in x.iter().enumerate() {
+                let start = self.place(quantity, batch.node(end, lane), 0);
+                for (k, x) in x.iter().enumerate() {
+                    if let Some(slot) = present(self.workspace.get_mut(start + k)) {
+                        *slot += R::lane(&x.value, lane);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// x_a − x_b of edges, one in each lane; lanes that are not used repeat the first.
+#[inline(always)]
+pub(super) fn difference_in_lanes<R: Packed, const D: usize>(q: &[[R; D]], edges: &[Edge]) -> [R::Pack; D] {
+    let zero = [R::zero(); D];
+    let edge = |lane: usize| edges.get(if lane < edges.len() { lane } else { 0 });
+    packs(|lane| expected(edge(lane).and_then(|edge| across(q, edge)), zero))
+}
+
+/// The vectors of every lane, component by component.
+#[inline(always)]
+pub(super) fn packs<R: Packed, const D: usize>(lane: impl Fn(usize) -> [R; D]) -> [R::Pack; D] {
+    let mut packs = [R::Pack::zero(); D];
+    packs
+        .iter_mut()
+        .enumerate()
+        .for_each(|(i, pack)| *pack = R::pack(|l| expected(lane(l).get(i).copied(), R::zero())));
+    packs
+}
+
+/// At most N nodes that move along T directions, one after the other.
+pub(super) struct MovingNodes<'x, S, const T: usize, const D: usize, const N: usize> {
+    x: &'x [[Jet<S, T>; D]; N],
+    quantities: [[[Jet<S, T>; MAX_EMBEDDING]; NODE_QUANTITIES]; N],
+}
+
+impl<'x, S: Scalar, const T: usize, const D: usize, const N: usize> MovingNodes<'x, S, T, D, N> {
+    /// Nodes at x.
+    pub fn new(x: &'x [[Jet<S, T>; D]; N]) -> Self {
+        Self { x, quantities: [[[Jet::zero(); MAX_EMBEDDING]; NODE_QUANTITIES]; N] }
+    }
+
+    /// n̄ of every node.
+    pub fn adjoints(&self) -> impl Iterator<Item = &[Jet<S, T>; MAX_EMBEDDING]> {
+        self.quantities.iter().map(|[_, adjoint]| adjoint)
+    }
+}
+
+impl<S: Scalar, const T: usize, const D: usize, const N: usize> NodeStates<S, T, D>
+    for MovingNodes<'_, S, T, D, N>
+{
+    type Lane = S;
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn pack(mut lane: impl FnMut(usize) -> S) -> S {
+        lane(0)
+    }
+
+    #[inline(always)]
+    fn lane(x: &S, _: usize) -> S {
+        *x
+    }
+
+    fn begin(&mut self, nodes: usize, width: usize, h: impl Fn(usize, usize) -> S) {
+        for (node, [sum, _]) in self.quantities.iter_mut().enumerate().take(nodes) {
+            for (k, sum) in sum.iter_mut().enumerate().take(width) {
+                *sum = Jet::constant(h(node, k));
+            }
+        }
+    }
+
+    fn difference(&self, edges: &[Edge]) -> [Jet<S, T>; D] {
+        let [a, b] = [0, 1].map(|end| edges.node(end, 0));
+        let [a, b] = [a, b].map(|node| expected(self.x.get(node).copied(), [Jet::zero(); D]));
+        core::array::from_fn(|i| a[i].plus(&b[i].scaled(-S::one())))
+    }
+
+    fn get(&self, quantity: NodeQuantity, batch: impl Batch, end: usize, k: usize) -> Jet<S, T> {
+        let node = self.quantities.get(batch.node(end, 0));
+        expected(node.and_then(|node| node[quantity as usize].get(k)).copied(), Jet::zero())
+    }
+
+    fn add(&mut self, quantity: NodeQuantity, batch: impl Batch, x: &[Embedding<S, T>]) {
+        for (end, x) in x.iter().enumerate() {
+            let Some(node) = present(self.quantities.get_mut(batch.node(end, 0))) else { continue };
+            for (slot, x) in node[quantity as usize].iter_mut().zip(x) {
+                *slot = slot.plus(x);
+            }
+        }
+    }
 }

@@ -1,7 +1,9 @@
 //! The shape of a graph model, apart from its numbers and its graphs.
 
 use super::GraphError;
-use crate::energy::part::NetworkShape;
+use crate::energy::distance::DistanceFeature;
+use crate::energy::network_shape::first_invalid;
+use crate::energy::{List, NetworkShape, SizeError};
 use crate::scalar::{Real, Scalar, Stored};
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +36,7 @@ pub enum Potential {
     Uniform,
     /// g·x + net(h ‖ x), h the type's embedding; without g LGNN's V_i.
     ///
-    /// What is linear in x, as gravity is, a network alone has only over its data.
+    /// A network alone represents a uniform field, as gravity is, only within the range of its data.
     Network(u8),
 }
 
@@ -45,17 +47,28 @@ pub enum Drag {
     None,
     /// −cv, c ≥ 0.
     Viscous,
-    /// −(c + |net(v_c)|)v_c, without c LGNN's; its slope jumps where the network is 0.
+    /// −(c + |net(v_i)|)v_i for each component i; LGNN's for c = 0. Its slope jumps where the network is 0.
     Network(u8),
 }
 
-/// What an edge sees of its ends: only how far they are apart, so linear and angular momentum are conserved.
+/// What the networks of an edge see: a function of the distance of its ends alone, so linear and angular momentum are conserved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Separation {
-    /// r = |x_a − x_b|, m (LGNN); not differentiable where the two meet.
+    /// r = |x_a − x_b|, m (LGNN); not differentiable at 0.
     Distance,
     /// r², m²: smooth everywhere, and without a square root.
     Squared,
+}
+
+impl Separation {
+    /// The feature of the distance that the networks see.
+    #[inline(always)]
+    pub(super) fn feature(self) -> DistanceFeature {
+        match self {
+            Self::Distance => DistanceFeature::Distance,
+            Self::Squared => DistanceFeature::Squared,
+        }
+    }
 }
 
 /// The shape of a node type.
@@ -69,15 +82,15 @@ pub struct NodeShape {
     pub drag: Drag,
 }
 
-/// The shape of an edge type: U = c₁z + c₂z² + net(z) of what it sees, z. Of the distance, c₁ and c₂ alone are a linear spring,
-/// ½k(r − ℓ)² but for a constant; what is so simple a network alone has only over its data.
+/// The shape of an edge type: U = c₁z + c₂z² + net(z), z what its [`Separation`] gives. With z = r, c₁ and c₂ alone are a
+/// linear spring, ½k(r − ℓ)² up to a constant, which a network alone represents only within the range of its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EdgeShape {
-    /// What its networks see.
+    /// z.
     pub separation: Separation,
-    /// The network of the pair potential, once an edge.
+    /// The network of the pair potential; counted once for every edge.
     pub potential: Option<u8>,
-    /// The network f_b of its embedding; all edge types of a model with messages have one, and none without.
+    /// The network f_b of its embedding: present in all edge types of a model with messages, and in none of a model without.
     pub embedding: Option<u8>,
 }
 
@@ -98,28 +111,28 @@ pub struct MessageShape {
 }
 
 /// The shape of a graph model. Its weight block: the networks in order, then of each node type its numbers: mass (kg), viscous
-/// drag c (N s/m), field (N, as many as dimensions), kinetic embedding, embedding; then of each edge type c₁ and c₂. What a type does
-/// not use has no meaning.
+/// drag c (N s/m), field (N, as many as dimensions), kinetic embedding, embedding; then of each edge type c₁ and c₂. Numbers
+/// that a type does not use have no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shape {
+pub struct GraphShape {
     /// Dimensions of space, 2 or 3.
     pub dimension: u8,
     /// Numbers of a node type's kinetic embedding.
     pub kinetic_embedding: u8,
     /// Numbers of a node type's embedding, which potentials and messages see.
     pub embedding: u8,
-    /// The networks; the first `None` ends the list. Types may share one.
-    pub networks: [Option<NetworkShape>; MAX_NETWORKS],
-    /// The node types; the first `None` ends the list.
-    pub nodes: [Option<NodeShape>; MAX_NODE_TYPES],
-    /// The edge types; the first `None` ends the list.
-    pub edges: [Option<EdgeShape>; MAX_EDGE_TYPES],
+    /// The networks. Types may share one.
+    pub networks: List<NetworkShape, MAX_NETWORKS>,
+    /// The node types.
+    pub nodes: List<NodeShape, MAX_NODE_TYPES>,
+    /// The edge types.
+    pub edges: List<EdgeShape, MAX_EDGE_TYPES>,
     /// Messages.
     pub messages: Option<MessageShape>,
 }
 
-impl Shape {
-    /// Of these networks and types, without embeddings and messages; `None` for more than the lists hold.
+impl GraphShape {
+    /// The shape with these networks and types, without embeddings and messages; `None` for more than the lists hold.
     pub fn new(
         dimension: u8,
         networks: &[NetworkShape],
@@ -130,29 +143,14 @@ impl Shape {
             dimension,
             kinetic_embedding: 0,
             embedding: 0,
-            networks: list(networks)?,
-            nodes: list(nodes)?,
-            edges: list(edges)?,
+            networks: List::new(networks)?,
+            nodes: List::new(nodes)?,
+            edges: List::new(edges)?,
             messages: None,
         })
     }
 
-    /// The networks in order.
-    pub fn networks(&self) -> impl Iterator<Item = &NetworkShape> {
-        self.networks.iter().map_while(Option::as_ref)
-    }
-
-    /// The node types in order.
-    pub fn nodes(&self) -> impl Iterator<Item = &NodeShape> {
-        self.nodes.iter().map_while(Option::as_ref)
-    }
-
-    /// The edge types in order.
-    pub fn edges(&self) -> impl Iterator<Item = &EdgeShape> {
-        self.edges.iter().map_while(Option::as_ref)
-    }
-
-    /// Numbers of a node type beside its networks.
+    /// Numbers of a node type apart from its networks.
     #[inline(always)]
     pub fn numbers(&self) -> usize {
         let field_and_embeddings = [self.dimension, self.kinetic_embedding, self.embedding].map(usize::from);
@@ -161,14 +159,12 @@ impl Shape {
 
     /// Numbers of all node types, then of all edge types: what follows the networks in the weight block.
     pub fn all_numbers(&self) -> usize {
-        self.numbers() * self.nodes().count() + EDGE_NUMBERS * self.edges().count()
+        self.numbers() * self.nodes.len() + EDGE_NUMBERS * self.edges.len()
     }
 
     /// Numbers in the weight block; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
-        let networks =
-            self.networks().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))?;
-        networks.checked_add(self.all_numbers())
+        self.networks.parameters()?.checked_add(self.all_numbers())
     }
 
     /// Checks the numbers of all node types that must be positive: masses that are used, and coefficients of viscous drag.
@@ -176,7 +172,7 @@ impl Shape {
     /// # Errors
     /// [`GraphError::Mass`] and [`GraphError::Drag`].
     pub fn check_numbers<W: Stored<Wide: Real>>(&self, numbers: &[W]) -> Result<(), GraphError> {
-        for (kind, node) in self.nodes().enumerate() {
+        for (kind, node) in self.nodes.iter().enumerate() {
             let own = numbers.get(kind * self.numbers()..).and_then(|rest| rest.first_chunk::<2>());
             let Some([mass, drag]) = own.map(|own| own.map(W::wide)) else { return Ok(()) };
             let zero = W::Wide::zero();
@@ -190,65 +186,77 @@ impl Shape {
         Ok(())
     }
 
-    /// Numbers of an edge's embedding: what the networks of all edge types give, 0 without messages.
+    /// Length of an edge's embedding, the same for all edge types; 0 without messages.
     pub(super) fn edge_embedding(&self) -> usize {
-        let network = self.edges().next().and_then(|edge| self.networks().nth(edge.embedding?.into()));
+        let network = self.edges.iter().next().and_then(|edge| self.networks.get(edge.embedding?));
         network.map_or(0, |network| network.outputs.into())
     }
 
-    /// What of the shape is out of range, if anything is.
-    pub fn misfit(&self) -> Option<&'static str> {
-        let [kinetic, h] = [self.kinetic_embedding, self.embedding].map(usize::from);
-        let few = |n: usize| n <= MAX_EMBEDDING;
-        let fits = [
-            (matches!(self.dimension, 2 | 3), "number of dimensions"),
-            (few(kinetic) && few(h) && few(self.edge_embedding()), "length of an embedding"),
-            (self.nodes().next().is_some(), "number of node types"),
-            (self.networks.iter().flatten().count() == self.networks().count(), "list of networks"),
-            (self.nodes.iter().flatten().count() == self.nodes().count(), "list of node types"),
-            (self.edges.iter().flatten().count() == self.edges().count(), "list of edge types"),
-            (self.networks().all(NetworkShape::is_valid), "hidden width"),
-            (self.nodes().all(|node| self.fits_node(node)), "network of a node type"),
-            (self.edges().all(|edge| self.fits_edge(edge)), "network of an edge type"),
-            (self.messages.is_none_or(|messages| self.fits_messages(&messages)), "network of the messages"),
+    /// The name of the first part that is invalid; `None` where the shape is valid.
+    pub fn invalid_part(&self) -> Option<&'static str> {
+        let e = self.edge_embedding();
+        let embeddings = [self.kinetic_embedding.into(), self.embedding.into(), e];
+        let invalid = [
+            (!matches!(self.dimension, 2 | 3), "number of dimensions"),
+            (embeddings.into_iter().any(|length| length > MAX_EMBEDDING), "length of an embedding"),
+            (self.nodes.is_empty(), "number of node types"),
+            (self.nodes.has_gap(), "list of node types"),
+            (self.edges.has_gap(), "list of edge types"),
+            (!self.nodes.iter().all(|node| self.serves_node(node)), "network of a node type"),
+            (!self.edges.iter().all(|edge| self.serves_edge(edge, e)), "network of an edge type"),
+            (!self.messages.is_none_or(|of| self.serves_messages(&of, e)), "network of the messages"),
         ];
-        fits.into_iter().find(|(fits, _)| !fits).map(|(_, what)| what)
+        self.networks.invalid_part().or_else(|| first_invalid(&invalid))
+    }
+
+    /// Checks that space has `D` dimensions, and that there are at most `K` networks of at most `L` hidden layers of at most `H`
+    /// units.
+    ///
+    /// # Errors
+    /// [`SizeError`] with the first size that was not compiled in.
+    pub fn check_size<const D: usize, const K: usize, const H: usize, const L: usize>(
+        &self,
+    ) -> Result<(), SizeError> {
+        let dimension = usize::from(self.dimension);
+        if dimension != D {
+            return Err(SizeError { what: "dimensions", found: dimension, compiled: D });
+        }
+        self.networks.check_size::<K, H, L>()
     }
 
     fn serves(&self, network: u8, inputs: usize, outputs: usize) -> bool {
-        self.networks().nth(network.into()).is_some_and(|network| network.serves(inputs, outputs))
+        self.networks.serves(network, inputs, outputs)
     }
 
-    fn fits_node(&self, node: &NodeShape) -> bool {
+    fn serves_node(&self, node: &NodeShape) -> bool {
         let [d, kinetic, h] = [self.dimension, self.kinetic_embedding, self.embedding].map(usize::from);
-        let misfits = [
-            matches!(node.kinetic, Kinetic::Network(n) if !self.serves(n, kinetic + 1, 1)),
-            matches!(node.potential, Potential::Network(n) if !self.serves(n, h + d, 1)),
-            matches!(node.drag, Drag::Network(n) if !self.serves(n, 1, 1)),
-        ];
-        misfits.iter().all(|misfit| !misfit)
+        let kinetic = match node.kinetic {
+            Kinetic::Mass => true,
+            Kinetic::Network(network) => self.serves(network, kinetic + 1, 1),
+        };
+        let potential = match node.potential {
+            Potential::None | Potential::Uniform => true,
+            Potential::Network(network) => self.serves(network, h + d, 1),
+        };
+        let drag = match node.drag {
+            Drag::None | Drag::Viscous => true,
+            Drag::Network(network) => self.serves(network, 1, 1),
+        };
+        kinetic && potential && drag
     }
 
-    fn fits_edge(&self, edge: &EdgeShape) -> bool {
+    fn serves_edge(&self, edge: &EdgeShape, e: usize) -> bool {
         edge.embedding.is_some() == self.messages.is_some()
             && edge.potential.is_none_or(|n| self.serves(n, 1, 1))
-            && edge.embedding.is_none_or(|n| self.serves(n, 1, self.edge_embedding()))
+            && edge.embedding.is_none_or(|n| self.serves(n, 1, e))
     }
 
-    fn fits_messages(&self, messages: &MessageShape) -> bool {
-        let (h, e) = (usize::from(self.embedding), self.edge_embedding());
+    fn serves_messages(&self, messages: &MessageShape, e: usize) -> bool {
+        let h = usize::from(self.embedding);
         h > 0
             && self.serves(messages.message, h + e, h)
             && self.serves(messages.update, h, e)
             && messages.edge_potential.is_none_or(|n| self.serves(n, e, 1))
             && messages.node_potential.is_none_or(|n| self.serves(n, h, 1))
     }
-}
-
-fn list<T: Copy, const N: usize>(of: &[T]) -> Option<[Option<T>; N]> {
-    let mut list = [None; N];
-    for (slot, item) in list.get_mut(..of.len())?.iter_mut().zip(of) {
-        *slot = Some(*item);
-    }
-    Some(list)
 }

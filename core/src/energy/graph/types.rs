@@ -1,10 +1,12 @@
-//! What is learned: node types and edge types over borrowed weights, and their energies at one node or edge.
+//! Node types and edge types over borrowed weights, and their energies at one node or edge.
 
 use super::GraphError;
 use super::messages::collected;
-use super::radial::{Radial, ramp, square};
-use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential, Shape};
-use crate::energy::part::{Part, Visit};
+use super::radial::{Radial, square};
+use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, GraphShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential};
+use crate::energy::placed_network::Visit;
+use crate::energy::{List, PlacedNetwork};
+use crate::expected::{expected, present};
 use crate::network::Jet;
 use crate::scalar::{Real, Scalar, Stored};
 use heapless::Vec;
@@ -18,15 +20,15 @@ pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
 /// The types of a graph model in `D` dimensions: at most `K` networks of at most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
 pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
-    shape: Shape,
-    networks: [Option<Part<'a, W, L>>; K],
-    /// Those of all node types and of all edge types, from `start` of the weight block on.
+    shape: GraphShape,
+    networks: List<PlacedNetwork<'a, W, H, L>, K>,
+    /// The numbers of all node types and then of all edge types, which begin at `start` of the weight block.
     numbers: &'a [W],
     start: usize,
 }
 
 /// The numbers of one node type, and the place of each in the weight block.
-pub(super) struct Numbers<'a, W> {
+pub(super) struct NodeParameters<'a, W> {
     pub mass: (usize, W),
     pub drag: (usize, W),
     pub field: (usize, &'a [W]),
@@ -36,52 +38,49 @@ pub(super) struct Numbers<'a, W> {
 
 impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
     /// Takes the types of this shape from the front of `block` and leaves the rest there. `None` where the block is too short,
-    /// the shape does not fit in itself (see [`Shape::misfit`]), or it has not `D` dimensions or more than `K` networks, `L`
+    /// the shape does not fit in itself (see [`GraphShape::invalid_part`]), or it has not `D` dimensions or more than `K` networks, `L`
     /// hidden layers or `H` units in one.
-    pub fn take(block: &mut &'a [W], shape: &Shape) -> Option<Self> {
-        let fits = shape.misfit().is_none() && usize::from(shape.dimension) == D;
-        if !fits || shape.networks().count() > K {
+    pub fn take(block: &mut &'a [W], shape: &GraphShape) -> Option<Self> {
+        if shape.invalid_part().is_some() || shape.check_size::<D, K, H, L>().is_err() {
             return None;
         }
-        let (mut networks, mut start) = ([None; K], 0);
-        for (slot, network) in networks.iter_mut().zip(shape.networks()) {
-            *slot = Some(Part::take::<H>(block, &mut start, network)?);
-        }
+        let mut start = 0;
+        let networks = shape.networks.take::<W, K, H, L>(block, &mut start)?;
         let (numbers, rest) = block.split_at_checked(shape.all_numbers())?;
         *block = rest;
         Some(Self { shape: *shape, networks, numbers, start })
     }
 
     /// The shape.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &GraphShape {
         &self.shape
     }
 
     #[inline(always)]
     pub(super) fn node_type(&self, kind: u8) -> Option<&NodeShape> {
-        self.shape.nodes.get(usize::from(kind))?.as_ref()
+        present(self.shape.nodes.get(kind))
     }
 
     #[inline(always)]
     pub(super) fn edge_type(&self, kind: u8) -> Option<&EdgeShape> {
-        self.shape.edges.get(usize::from(kind))?.as_ref()
+        present(self.shape.edges.get(kind))
     }
 
     #[inline(always)]
-    pub(super) fn network(&self, network: u8) -> Option<&Part<'a, W, L>> {
-        self.networks.get(usize::from(network))?.as_ref()
+    pub(super) fn network(&self, network: u8) -> Option<&PlacedNetwork<'a, W, H, L>> {
+        present(self.networks.get(network))
     }
 
     #[inline(always)]
-    pub(super) fn numbers(&self, kind: u8) -> Option<Numbers<'a, W>> {
+    pub(super) fn numbers(&self, kind: u8) -> Option<NodeParameters<'a, W>> {
         let [kinetic, h] = [self.shape.kinetic_embedding, self.shape.embedding].map(usize::from);
         let stride = self.shape.numbers();
         let start = usize::from(kind) * stride;
-        let ([mass, drag], rest) = self.numbers.get(start..)?.split_first_chunk::<2>()?;
+        let ([mass, drag], rest) = present(self.numbers.get(start..))?.split_first_chunk::<2>()?;
         let (field, rest) = rest.split_at_checked(D)?;
         let (kinetic_embedding, rest) = rest.split_at_checked(kinetic)?;
         let at = self.start + start;
-        Some(Numbers {
+        Some(NodeParameters {
             mass: (at, *mass),
             drag: (at + 1, *drag),
             field: (at + 2, field),
@@ -93,14 +92,14 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     /// Number k of the embedding of a node type.
     pub(super) fn embedding<S: Scalar<Weight = W::Wide>>(&self, kind: u8, k: usize) -> S {
         let number = self.numbers(kind).and_then(|numbers| numbers.embedding.1.get(k).copied());
-        number.map_or(S::zero(), W::scalar)
+        expected(number.map(W::scalar), S::zero())
     }
 
     /// c₁ and c₂ of an edge type, and the place of c₁ in the weight block.
     #[inline(always)]
     pub(super) fn law(&self, kind: u8) -> Option<(usize, [W; EDGE_NUMBERS])> {
-        let at = self.shape.numbers() * self.shape.nodes().count() + EDGE_NUMBERS * usize::from(kind);
-        Some((self.start + at, *self.numbers.get(at..)?.first_chunk()?))
+        let at = self.shape.numbers() * self.shape.nodes.len() + EDGE_NUMBERS * usize::from(kind);
+        Some((self.start + at, *present(self.numbers.get(at..)?.first_chunk())?))
     }
 
     /// T of a node, with `O` derivatives in |v|².
@@ -117,8 +116,8 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             Kinetic::Mass => Radial::linear(numbers.mass.1.scalar::<S>().half(), s),
             Kinetic::Network(network) => self.network(network).map_or(at_rest, |network| {
                 let mut y = [Jet::zero(); 1];
-                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[ramp(s)]);
-                network.network.series::<S, O, H>(&x, &mut y);
+                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[Jet::parameter(s)]);
+                network.network.series::<S, O>(&x, &mut y);
                 Radial::of(&y[0])
             }),
         }
@@ -135,7 +134,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             Potential::None => S::zero(),
             Potential::Uniform => uniform(),
             Potential::Network(network) => self.network(network).map_or(S::zero(), |network| {
-                uniform() + network.energy::<S, H>(&inputs(numbers.embedding.1, &x.map(Jet::constant)))
+                uniform() + network.energy::<S>(&inputs(numbers.embedding.1, &x.map(Jet::constant)))
             }),
         }
     }
@@ -158,11 +157,11 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
                 let x = inputs(numbers.embedding.1, x);
                 let mut x_bar = x.clone();
                 let mut y = [Jet::zero(); 1];
-                network.pull_back::<S, T, H, _, _>((&x, &mut x_bar), &mut y, visit, |_, _| {
+                network.pull_back::<S, T, _, _>((&x, &mut x_bar), &mut y, visit, |_, _| {
                     [Jet::constant(S::one())]
                 });
                 let (of_embedding, of_x) =
-                    x_bar.split_at_checked(numbers.embedding.1.len()).unwrap_or_default();
+                    expected(x_bar.split_at_checked(numbers.embedding.1.len()), (&[], &[]));
                 of_embedding.iter().enumerate().for_each(|(k, bar)| embedding(k, bar));
                 for (pull, of_x) in pull.iter_mut().zip(of_x) {
                     *pull = *of_x;
@@ -185,11 +184,11 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         let s = square(d);
         let none = Radial::linear(S::zero(), s);
         let (Some(edge), Some((_, law))) = (self.edge_type(kind), self.law(kind)) else { return none };
-        let z = edge.separation.series::<S, O>(s);
+        let z = edge.separation.feature().of_square::<S, O>(s);
         let law = Radial::of(&z).quadratic(law.map(W::scalar));
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return law };
         let mut y = [Jet::zero(); 1];
-        network.network.series::<S, O, H>(&[z], &mut y);
+        network.network.series::<S, O>(&[z], &mut y);
         law.plus(&Radial::of(&y[0]))
     }
 
@@ -218,7 +217,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
             Drag::Viscous => viscous,
             Drag::Network(network) => self.network(network).map_or(viscous, |network| {
                 let mut y = [Jet::<S, 1>::zero(); 1];
-                network.network.series::<S, 1, H>(&[ramp(v)], &mut y);
+                network.network.series::<S, 1>(&[Jet::parameter(v)], &mut y);
                 let [Jet { value, tangent: [slope] }] = y;
                 let size = -value.neg_abs();
                 [viscous[0] - size * v, viscous[1] - (size + sign(value) * slope * v)]
@@ -230,7 +229,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
 impl<W: Stored<Wide: Real>, const D: usize, const K: usize, const H: usize, const L: usize>
     Types<'_, W, D, K, H, L>
 {
-    /// Checks the numbers that must be positive, see [`Shape::check_numbers`].
+    /// Checks the numbers that must be positive, see [`GraphShape::check_numbers`].
     ///
     /// # Errors
     /// [`GraphError::Mass`] and [`GraphError::Drag`].

@@ -1,6 +1,7 @@
 //! Several trained graphs on one set of nodes.
 
 use super::{Graph, GraphError};
+use crate::expected::{expected, first_mut, present};
 use crate::lagrangian::Energies;
 use crate::particles::Particles;
 use crate::scalar::{Packed, Stored};
@@ -10,14 +11,14 @@ use crate::scalar::{Packed, Stored};
 pub struct Member<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     /// The graph, with nodes of its own.
     pub graph: Graph<'a, W, D, K, H, L>,
-    /// Which node of the union each of its nodes is, upwards.
+    /// For each of its nodes, the number of that node in the union, in ascending order.
     pub nodes: &'a [u16],
 }
 
-/// Graphs of different models on one set of nodes (LGNN's hybrid systems): their potentials and drags add; a node has the
-/// kinetic energy that the first member gives it, which would count more than once else.
+/// Graphs of different models on one set of nodes (LGNN's hybrid systems). Their potentials and drags add up; the kinetic energy
+/// of a node counts once, as the first member that has the node gives it.
 ///
-/// Models that are joined must have been trained on one scale of energy: accelerations do not tell it.
+/// Models that are joined must have been trained with one scale of energy, which accelerations alone do not determine.
 #[derive(Clone, Copy, Debug)]
 pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     members: &'a [Member<'a, W, D, K, H, L>],
@@ -25,10 +26,10 @@ pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L:
 }
 
 impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'a, W, D, K, H, L> {
-    /// Members on `nodes` nodes in all.
+    /// A union of `nodes` nodes.
     ///
     /// # Errors
-    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] where a member does not name its nodes upwards,
+    /// [`GraphError::MemberNodes`] and [`GraphError::MemberOrder`] where a member does not name its nodes in ascending order,
     /// [`GraphError::Ownerless`] for a node that no member has, [`GraphError::Empty`].
     pub fn new(members: &'a [Member<'a, W, D, K, H, L>], nodes: usize) -> Result<Self, GraphError> {
         let union = Self { members, nodes };
@@ -73,12 +74,12 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
         self.graph.nodes.get(own).copied()
     }
 
-    /// Copies what the union's nodes have to the front of `own`, and returns that part.
+    /// Copies the vectors of the member's nodes to the front of `own`, and returns that part.
     fn gather<'o, R: Packed>(&self, x: &[[R; D]], own: &'o mut [[R; D]]) -> &'o mut [[R; D]] {
         for (slot, node) in own.iter_mut().zip(self.nodes) {
-            *slot = x.get(usize::from(*node)).copied().unwrap_or([R::zero(); D]);
+            *slot = expected(x.get(usize::from(*node)).copied(), [R::zero(); D]);
         }
-        own.get_mut(..self.nodes.len()).unwrap_or_default()
+        first_mut(own, self.nodes.len())
     }
 }
 
@@ -89,76 +90,81 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
         self.nodes
     }
 
-    fn room(&self) -> usize {
-        let room = |member: &Member<_, D, K, H, L>| {
-            2 * D * member.nodes.len() + Particles::<R, D>::room(&member.graph)
+    fn workspace(&self) -> usize {
+        let workspace = |member: &Member<_, D, K, H, L>| {
+            2 * D * member.nodes.len() + Particles::<R, D>::workspace(&member.graph)
         };
-        self.members.iter().map(room).max().unwrap_or(0)
+        self.members.iter().map(workspace).max().unwrap_or(0)
     }
 
-    fn energies(&self, q: &[[R; D]], v: &[[R; D]], room: &mut [R]) -> Energies<R> {
+    fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R> {
         let (mut kinetic, mut potential) = (R::zero(), R::zero());
         for (node, v) in v.iter().enumerate().take(self.nodes) {
-            let owner = self.holders(node).next();
+            let owner = present(self.holders(node).next());
             kinetic +=
                 owner.map_or(R::zero(), |(owner, kind)| owner.graph.types.kinetic::<R, 0>(kind, v).value);
         }
         for member in self.members {
-            let (own, room) = split::<R, D>(room, member.nodes.len());
-            potential += member.graph.potential(member.gather(q, own), room);
+            let (own, workspace) = split::<R, D>(workspace, member.nodes.len());
+            potential += member.graph.potential(member.gather(q, own), workspace);
         }
         Energies { kinetic, potential }
     }
 
-    fn l_q(&self, q: &[[R; D]], room: &mut [R], l_q: &mut [[R; D]]) {
+    fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]) {
         l_q.fill([R::zero(); D]);
         for member in self.members {
-            let (own, room) = split::<R, D>(room, member.nodes.len());
-            let (forces, room) = split::<R, D>(room, member.nodes.len());
-            member.graph.l_q(member.gather(q, own), room, forces);
+            let (own, workspace) = split::<R, D>(workspace, member.nodes.len());
+            let (forces, workspace) = split::<R, D>(workspace, member.nodes.len());
+            member.graph.l_q(member.gather(q, own), workspace, forces);
             for (node, force) in member.nodes.iter().zip(forces) {
-                let Some(sum) = l_q.get_mut(usize::from(*node)) else { continue };
+                let Some(sum) = present(l_q.get_mut(usize::from(*node))) else { continue };
                 sum.iter_mut().zip(force).for_each(|(sum, force)| *sum += *force);
             }
         }
     }
 
     fn l_v(&self, node: usize, v: &[R; D]) -> [R; D] {
-        let owner = self.holders(node).next();
+        let owner = present(self.holders(node).next());
         owner.map_or([R::zero(); D], |(owner, kind)| owner.graph.types.kinetic::<R, 1>(kind, v).gradient(v))
     }
 
     fn mass(&self, node: usize, v: &[R; D]) -> [[R; D]; D] {
-        let owner = self.holders(node).next();
+        let owner = present(self.holders(node).next());
         owner.map_or([[R::zero(); D]; D], |(owner, kind)| {
             owner.graph.types.kinetic::<R, 2>(kind, v).hessian(v)
         })
     }
 
     fn drag(&self, node: usize, v: &[R; D]) -> [R; D] {
-        self.sum(node, v, 0)
+        self.sum(node, v, |[drag, _]| drag)
     }
 
     fn drag_slope(&self, node: usize, v: &[R; D]) -> [R; D] {
-        self.sum(node, v, 1)
+        self.sum(node, v, |[_, slope]| slope)
     }
 }
 
 impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'_, W, D, K, H, L> {
-    /// The drag of all members (0) or its slope (1).
-    fn sum<R: Packed<Weight = W::Wide>>(&self, node: usize, v: &[R; D], of: usize) -> [R; D] {
+    /// The sum of what `part` takes of every member's drag and its slope, axis by axis.
+    fn sum<R: Packed<Weight = W::Wide>>(
+        &self,
+        node: usize,
+        v: &[R; D],
+        part: impl Fn([R; 2]) -> R,
+    ) -> [R; D] {
         let mut sum = [R::zero(); D];
         for (member, kind) in self.holders(node) {
             for (sum, v) in sum.iter_mut().zip(v) {
-                *sum += member.graph.types.drag(kind, *v).get(of).copied().unwrap_or(R::zero());
+                *sum += part(member.graph.types.drag(kind, *v));
             }
         }
         sum
     }
 }
 
-/// Room for so many vectors, and the rest; none where the room is too small.
-fn split<R: Packed, const D: usize>(room: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
-    let (own, rest) = room.split_at_mut_checked(vectors * D).unwrap_or_default();
+/// Workspace for this number of vectors, and the rest.
+fn split<R: Packed, const D: usize>(workspace: &mut [R], vectors: usize) -> (&mut [[R; D]], &mut [R]) {
+    let (own, rest) = expected(workspace.split_at_mut_checked(vectors * D), (&mut [], &mut []));
     (own.as_chunks_mut().0, rest)
 }

@@ -3,17 +3,17 @@
 use super::potential::Moving;
 use super::tree::{SPACE, Vector, add};
 use super::{Configuration, Modular, dot};
-use crate::energy::part::Ignore;
+use crate::energy::placed_network::Ignore;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
 /// V_xx, by pairs of elements.
 pub(super) type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
-    /// Jᵀ V_xx J of what coordinate k alone adds.
+    /// JᵀV_xxJ times the displacement that coordinate k alone adds.
     pub(super) fn pulled<S: Scalar>(
         &self,
         c: &Configuration<S, N>,
@@ -48,31 +48,19 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
             let (Some(x), Some(m)) = (x.get(e), c.mass.get(e)) else { return };
             let Some(potential) = &kind.potential else { return };
             let (_, x_bar) =
-                potential.differentiate::<S, SPACE, SPACE, H>(&varied(x, 0), c1 * *m, &mut Ignore);
+                potential.differentiate::<S, SPACE, SPACE>(&Jet::along_axes(x, 0), c1 * *m, &mut Ignore);
             scatter(&mut gradient, &mut curvature, e, &[e], &x_bar);
         });
         self.for_pairs(|a, b, pair| {
             let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
             let (Some(ma), Some(mb)) = (c.mass.get(a), c.mass.get(b)) else { return };
-            let at = [&varied::<S, 4>(xa, 0), &varied(xb, SPACE)];
-            let (_, [on_a, on_b]) = pair.differentiate::<S, 4, H>(at, c2 * *ma * *mb, &mut Ignore);
+            let at = [&Jet::<_, 4>::along_axes(xa, 0), &Jet::along_axes(xb, SPACE)];
+            let (_, [on_a, on_b]) = pair.differentiate::<S, 4>(at, c2 * *ma * *mb, &mut Ignore);
             scatter(&mut gradient, &mut curvature, a, &[a, b], &on_a);
             scatter(&mut gradient, &mut curvature, b, &[a, b], &on_b);
         });
         (gradient, curvature)
     }
-}
-
-/// x moving along its own axes, which are directions `first` and `first` + 1 of T.
-#[inline(always)]
-fn varied<S: Scalar, const T: usize>(x: &Vector<S>, first: usize) -> Moving<S, T> {
-    let mut moving = x.map(Jet::constant);
-    for (i, x) in moving.iter_mut().enumerate() {
-        if let Some(slot) = x.tangent.get_mut(first + i) {
-            *slot = S::one();
-        }
-    }
-    moving
 }
 
 /// Adds a force on element e, and its derivatives along the axes of the elements `along`.

@@ -1,7 +1,8 @@
-//! What an element is, apart from its place in a tree: how its coordinates move it, what it weighs, and its potential.
+//! Element types: how the coordinates of an element move it, its mass and other parameters, and its potential.
 
 use super::tree::{SPACE, Vector};
-use crate::energy::part::Part;
+use crate::energy::placed_network::PlacedNetwork;
+use crate::expected::first;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
@@ -18,7 +19,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// Numbers that it gives the network.
+    /// Number of features that it gives the network.
     pub const fn features(self) -> usize {
         match self {
             Self::Translation | Self::WrappedAngle => 1,
@@ -26,43 +27,28 @@ impl Input {
         }
     }
 
-    /// The features and their first K derivatives in q.
-    fn series<S: Scalar, const K: usize>(self, q: S) -> [Jet<S, K>; 2] {
+    /// The features and their first E derivatives in q.
+    fn series<S: Scalar, const E: usize>(self, q: S) -> [Jet<S, E>; 2] {
         match self {
-            Self::Translation => [ramp(q), Jet::zero()],
-            Self::WrappedAngle => [ramp(q.wrapped()), Jet::zero()],
+            Self::Translation => [Jet::parameter(q), Jet::zero()],
+            Self::WrappedAngle => [Jet::parameter(q.wrapped()), Jet::zero()],
             Self::Angle => {
                 let (sin, cos) = q.sin_cos();
-                [turning(cos, [-sin, -cos, sin]), turning(sin, [cos, -sin, -cos])]
+                [Jet::series(cos, [-sin, -cos, sin]), Jet::series(sin, [cos, -sin, -cos])]
             }
         }
     }
 }
 
-/// A quantity that grows by 1 per unit of q.
-#[inline(always)]
-fn ramp<S: Scalar, const K: usize>(value: S) -> Jet<S, K> {
-    turning(value, [S::one(), S::zero(), S::zero()])
-}
-
-#[inline(always)]
-fn turning<S: Scalar, const K: usize>(value: S, derivatives: [S; 3]) -> Jet<S, K> {
-    let mut series = Jet::constant(value);
-    for (slot, derivative) in series.tangent.iter_mut().zip(derivatives) {
-        *slot = derivative;
-    }
-    series
-}
-
 /// How the coordinates of an element move it and everything that it carries.
 #[derive(Clone, Copy, Debug)]
-pub enum Transform<'a, W, const D: usize> {
+pub enum Transform<'a, W, const H: usize, const L: usize> {
     /// x = T(q), learned (ModLaNet, section 4.1); one coordinate.
     Network {
         /// T.
-        position: Part<'a, W, D>,
+        position: PlacedNetwork<'a, W, H, L>,
         /// ModLaNet's separate velocity network, ẋ = T_v(q)q̇; without it ẋ is the exact derivative of T.
-        velocity: Option<Part<'a, W, D>>,
+        velocity: Option<PlacedNetwork<'a, W, H, L>>,
         /// How q enters.
         input: Input,
     },
@@ -74,7 +60,7 @@ pub enum Transform<'a, W, const D: usize> {
     Free,
 }
 
-impl<W, const D: usize> Transform<'_, W, D> {
+impl<W, const H: usize, const L: usize> Transform<'_, W, H, L> {
     /// Coordinates of such an element.
     pub const fn coordinates(&self) -> usize {
         match self {
@@ -104,7 +90,7 @@ impl<S: Scalar> Motion<S> {
 
     /// s with its derivatives; g = s′.
     #[inline(always)]
-    fn exact<const K: usize>(s: &[Jet<S, K>; SPACE]) -> Self {
+    fn exact<const E: usize>(s: &[Jet<S, E>; SPACE]) -> Self {
         let at = |k: usize| s.each_ref().map(|s| s.tangent.get(k).copied().unwrap_or(S::zero()));
         let (first, second, third) = (at(0), at(1), at(2));
         Self { s: s.map(|s| s.value), s_q: first, s_qq: second, g: first, g_q: second, g_qq: third }
@@ -112,7 +98,7 @@ impl<S: Scalar> Motion<S> {
 
     /// With a velocity map of its own, g with its derivatives.
     #[inline(always)]
-    fn with_velocity<const K: usize>(self, g: &[Jet<S, K>; SPACE]) -> Self {
+    fn with_velocity<const E: usize>(self, g: &[Jet<S, E>; SPACE]) -> Self {
         let Self { s: value, s_q: first, s_qq: second, .. } = Motion::exact(g);
         Self { g: value, g_q: first, g_qq: second, ..self }
     }
@@ -120,76 +106,70 @@ impl<S: Scalar> Motion<S> {
 
 /// An element type over borrowed weights.
 #[derive(Clone, Copy, Debug)]
-pub struct ElementType<'a, W, const D: usize> {
+pub struct ElementType<'a, W, const H: usize, const L: usize> {
     /// How it moves.
-    pub transform: Transform<'a, W, D>,
+    pub transform: Transform<'a, W, H, L>,
     /// U₁(x) of its centre, per unit of mass; `None`: no potential of its own.
-    pub potential: Option<Part<'a, W, D>>,
+    pub potential: Option<PlacedNetwork<'a, W, H, L>>,
     /// Its numbers, at `start` of the weight block.
-    pub numbers: Numbers<W>,
+    pub numbers: ElementParameters<W>,
     /// The place of `numbers` in the weight block.
     pub start: usize,
 }
 
 /// The numbers of an element type, in the order of the weight block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Numbers<W> {
+pub struct ElementParameters<W> {
     /// m > 0, kg.
     pub mass: W,
     /// Moment of inertia about the centre per coordinate (rad), I ≥ 0, kg m²; 0 for a point.
     pub inertia: W,
     /// Where the centre lies between what the element hangs from (0) and what it carries (1): 1 for a point at the end.
     pub centre: W,
-    /// ℓ of a [`Transform::Rod`], m; without meaning for others.
+    /// ℓ of a [`Transform::Rod`], m; not used by others.
     pub length: W,
-    /// Viscous damping of its coordinates, c ≥ 0, N s/m or N m s/rad.
-    pub damping: W,
 }
 
-/// Numbers in [`Numbers`].
-pub const NUMBERS: usize = 5;
+/// Number of [`ElementParameters`].
+pub const ELEMENT_PARAMETERS: usize = 4;
 
-impl<W: Stored> Numbers<W> {
+impl<W: Stored> ElementParameters<W> {
     /// From the weight block.
     pub(super) fn take(block: &mut &[W]) -> Option<Self> {
-        let (numbers, rest) = block.split_first_chunk::<NUMBERS>()?;
+        let (numbers, rest) = block.split_first_chunk::<ELEMENT_PARAMETERS>()?;
         *block = rest;
-        let [mass, inertia, centre, length, damping] = *numbers;
-        Some(Self { mass, inertia, centre, length, damping })
+        let [mass, inertia, centre, length] = *numbers;
+        Some(Self { mass, inertia, centre, length })
     }
 }
 
-impl<'a, W: Stored, const D: usize> ElementType<'a, W, D> {
-    /// s(q) of the element's coordinate `axis` (from 0), with K derivatives of it.
-    pub(super) fn motion<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
-        &self,
-        axis: usize,
-        q: S,
-    ) -> Motion<S> {
+impl<'a, W: Stored, const H: usize, const L: usize> ElementType<'a, W, H, L> {
+    /// s(q) of the element's coordinate `axis` (from 0), with E derivatives of it.
+    pub(super) fn motion<S: Scalar<Weight = W::Wide>, const E: usize>(&self, axis: usize, q: S) -> Motion<S> {
         match &self.transform {
             Transform::Network { position, velocity, input } => {
-                let features = input.series::<S, K>(q);
-                let x = features.get(..input.features()).unwrap_or(&[]);
-                let motion = Motion::exact(&position.series::<S, K, H>(x));
+                let features = input.series::<S, E>(q);
+                let x = first(&features, input.features());
+                let motion = Motion::exact(&position.series::<S, E>(x));
                 match velocity {
                     None => motion,
-                    Some(velocity) => motion.with_velocity(&velocity.series::<S, K, H>(x)),
+                    Some(velocity) => motion.with_velocity(&velocity.series::<S, E>(x)),
                 }
             }
             Transform::Rod => {
                 let (sin, cos) = q.sin_cos();
                 let unit: [Jet<S, 3>; SPACE] =
-                    [turning(sin, [cos, -sin, -cos]), turning(-cos, [sin, cos, -sin])];
+                    [Jet::series(sin, [cos, -sin, -cos]), Jet::series(-cos, [sin, cos, -sin])];
                 Motion::exact(&unit.map(|u| u.scaled(self.numbers.length.scalar())))
             }
-            Transform::Slide => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
-            Transform::Free if axis == 0 => Motion::exact::<3>(&[ramp(q), Jet::zero()]),
-            Transform::Free => Motion::exact::<3>(&[Jet::zero(), ramp(q)]),
+            Transform::Slide => Motion::exact::<3>(&[Jet::parameter(q), Jet::zero()]),
+            Transform::Free if axis == 0 => Motion::exact::<3>(&[Jet::parameter(q), Jet::zero()]),
+            Transform::Free => Motion::exact::<3>(&[Jet::zero(), Jet::parameter(q)]),
         }
     }
 
     /// Visits the derivatives in the weights of the transform, `bar` the adjoints of s, s′ (and s″, g, g′).
-    pub(super) fn transform_gradient<S: Scalar<Weight = W::Wide>, const H: usize>(
+    pub(super) fn transform_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
         q: S,
         bar: &Motion<S>,
@@ -198,21 +178,19 @@ impl<'a, W: Stored, const D: usize> ElementType<'a, W, D> {
         match &self.transform {
             Transform::Network { position, velocity, input } => {
                 let features = input.series::<S, 2>(q);
-                let x = features.get(..input.features()).unwrap_or(&[]);
+                let x = first(&features, input.features());
                 let series =
                     |value: &Vector<S>, first: &Vector<S>, second: &Vector<S>| -> [Jet<S, 2>; SPACE] {
                         core::array::from_fn(|i| Jet { value: value[i], tangent: [first[i], second[i]] })
                     };
                 match velocity {
-                    None => position.series_gradient::<S, H>(
-                        (x, &mut []),
-                        &series(&bar.s, &bar.s_q, &bar.s_qq),
-                        row,
-                    ),
+                    None => {
+                        position.series_gradient::<S>((x, &mut []), &series(&bar.s, &bar.s_q, &bar.s_qq), row)
+                    }
                     Some(velocity) => {
                         let zero = [S::zero(); SPACE];
-                        position.series_gradient::<S, H>((x, &mut []), &series(&bar.s, &bar.s_q, &zero), row);
-                        velocity.series_gradient::<S, H>((x, &mut []), &series(&bar.g, &bar.g_q, &zero), row);
+                        position.series_gradient::<S>((x, &mut []), &series(&bar.s, &bar.s_q, &zero), row);
+                        velocity.series_gradient::<S>((x, &mut []), &series(&bar.g, &bar.g_q, &zero), row);
                     }
                 }
             }
@@ -234,13 +212,10 @@ impl<'a, W: Stored, const D: usize> ElementType<'a, W, D> {
     }
 }
 
-impl<W: Stored, const D: usize> Part<'_, W, D> {
-    fn series<S: Scalar<Weight = W::Wide>, const K: usize, const H: usize>(
-        &self,
-        x: &[Jet<S, K>],
-    ) -> [Jet<S, K>; SPACE] {
+impl<W: Stored, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
+    fn series<S: Scalar<Weight = W::Wide>, const E: usize>(&self, x: &[Jet<S, E>]) -> [Jet<S, E>; SPACE] {
         let mut y = [Jet::zero(); SPACE];
-        self.network.series::<S, K, H>(x, &mut y);
+        self.network.series::<S, E>(x, &mut y);
         y
     }
 }

@@ -20,28 +20,30 @@ mod potential;
 mod shape;
 mod tree;
 
-pub use super::part::{NetworkShape, Part};
-pub use element::{ElementType, Input, NUMBERS, Numbers, Transform};
+pub use super::{NetworkShape, PlacedNetwork};
+pub use element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
 pub use potential::{Pair, PairInput};
-pub use shape::{MAX_NETWORKS, MAX_TYPES, PairShape, Shape, TransformShape, TypeShape};
-pub use tree::{Node, SPACE, Tree, TreeError, Vector};
+pub use shape::{MAX_NETWORKS, MAX_TYPES, ModularShape, PairShape, TransformShape, TypeShape};
+pub use tree::{SPACE, Tree, TreeElement, TreeError, Vector};
 
-use crate::energy::part::{Ignore, Visit};
-use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::energy::List;
+use crate::energy::placed_network::{Ignore, Visit};
+use crate::expected::present;
+use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use element::Motion;
 use potential::Moving;
 use tree::scale;
 
-/// A tree of elements in N coordinates over borrowed weights: at most `K` element types, networks of at most `D` hidden
+/// A tree of elements in N coordinates over borrowed weights: at most `E` element types, networks of at most `L` hidden
 /// layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
-pub struct Modular<'a, W, const N: usize, const K: usize, const H: usize, const D: usize> {
+pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const L: usize> {
     /// The element types.
-    pub types: [Option<ElementType<'a, W, D>>; K],
+    pub types: List<ElementType<'a, W, H, L>, E>,
     /// What every pair of elements adds.
-    pub pair: Option<Pair<'a, W, D>>,
+    pub pair: Option<Pair<'a, W, H, L>>,
     /// c₁ and c₂.
     pub coefficients: [W; 2],
     /// The place of `coefficients` in the weight block.
@@ -50,12 +52,12 @@ pub struct Modular<'a, W, const N: usize, const K: usize, const H: usize, const 
     pub tree: Tree<N>,
 }
 
-/// What each coordinate and each element is at a state.
+/// The motion of every coordinate, and the parameters of every element, at a configuration q.
 struct Configuration<S, const N: usize> {
     motion: [Motion<S>; N],
     mass: [S; N],
     centre: [S; N],
-    /// Of the element that a coordinate belongs to.
+    /// The moment of inertia of the element that a coordinate belongs to.
     inertia: [S; N],
 }
 
@@ -66,42 +68,18 @@ impl<S: Scalar, const N: usize> Configuration<S, N> {
     }
 }
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
     #[inline(always)]
-    fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, D>> {
-        self.types.get(kind)?.as_ref()
+    fn element_type(&self, kind: usize) -> Option<&ElementType<'a, W, H, L>> {
+        present(self.types.get(kind))
     }
 
     /// c₁ and c₂.
     #[inline(always)]
     fn c<S: Scalar<Weight = W::Wide>>(&self) -> [S; 2] {
         self.coefficients.map(W::scalar)
-    }
-
-    /// The damping of every coordinate, N s/m or N m s/rad.
-    pub fn damping<S: Scalar<Weight = W::Wide>>(&self) -> [S; N] {
-        let mut damping = [S::zero(); N];
-        for (_, element) in self.tree.elements() {
-            let Some(kind) = self.element_type(element.kind) else { continue };
-            for slot in damping.iter_mut().skip(element.first).take(element.count) {
-                *slot = kind.numbers.damping.scalar();
-            }
-        }
-        damping
-    }
-
-    /// Where in the weight block the damping of every coordinate is.
-    pub fn damping_positions(&self) -> [usize; N] {
-        let mut positions = [0; N];
-        for (_, element) in self.tree.elements() {
-            let Some(kind) = self.element_type(element.kind) else { continue };
-            for slot in positions.iter_mut().skip(element.first).take(element.count) {
-                *slot = kind.start + 4;
-            }
-        }
-        positions
     }
 
     /// Every coordinate's motion with `O` derivatives of s, and every element's numbers.
@@ -116,21 +94,21 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
             }
             let own = c.motion.iter_mut().zip(&mut c.inertia).zip(q).skip(element.first).take(element.count);
             for (axis, ((motion, inertia), q)) in own.enumerate() {
-                *motion = kind.motion::<S, O, H>(axis, *q);
+                *motion = kind.motion::<S, O>(axis, *q);
                 *inertia = kind.numbers.inertia.scalar();
             }
         }
         c
     }
 
-    /// JᵀmJ of what each coordinate adds.
+    /// JᵀmJ times the displacements that the coordinates add.
     fn inertial<S: Scalar>(&self, c: &Configuration<S, N>, moved: &[Vector<S>; N]) -> [Vector<S>; N] {
         let centres = self.tree.centres(&c.centre, moved);
         let momenta = core::array::from_fn(|e| scale(c.mass[e], &centres[e]));
         self.tree.joints(&c.centre, &momenta)
     }
 
-    /// JᵀmJ of what coordinate k alone adds.
+    /// JᵀmJ times the displacement that coordinate k alone adds.
     fn inertial_of<S: Scalar>(&self, c: &Configuration<S, N>, k: usize, moved: Vector<S>) -> [Vector<S>; N] {
         let mut alone = [[S::zero(); SPACE]; N];
         if let Some(slot) = alone.get_mut(k) {
@@ -148,30 +126,58 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
         })
     }
 
-    /// V with its tangents, and V_x with its tangents, at centres that move; `weighed` gets the sums that c₁, c₂ and the
-    /// masses multiply.
+    /// All derivatives but L_qq from JᵀmJ(g v) and JᵀV_x; calls `visit` with JᵀmJ of what v_k g′_k alone adds, for each k.
+    #[inline(always)]
+    fn linearized<S: Scalar>(
+        &self,
+        c: &Configuration<S, N>,
+        v: &[S; N],
+        momentum: &[Vector<S>; N],
+        force: &[Vector<S>; N],
+        mut visit: impl FnMut(usize, &[Vector<S>; N]),
+    ) -> Linearization<S, N> {
+        let mut l_vq = [[S::zero(); N]; N];
+        for k in 0..N {
+            let turned = self.inertial_of(c, k, scale(v[k], &c.motion[k].g_q));
+            for i in 0..N {
+                l_vq[i][k] = dot(&c.motion[i].g, &turned[i]);
+            }
+            l_vq[k][k] += dot(&c.motion[k].g_q, &momentum[k]);
+            visit(k, &turned);
+        }
+        let l_q = |j: usize| v[j] * dot(&c.motion[j].g_q, &momentum[j]) - dot(&c.motion[j].s_q, &force[j]);
+        let l_v = |j: usize| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j];
+        Linearization {
+            l_q: core::array::from_fn(l_q),
+            l_v: core::array::from_fn(l_v),
+            l_vq,
+            l_vv: self.mass_matrix(c),
+        }
+    }
+
+    /// V_x with its tangents at centres that move; `term` gets every U₁ and U₂, not yet multiplied by c₁, c₂ and masses.
     fn potential<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         mass: &[S; N],
         x: &[Moving<S, T>; N],
         visit: &mut impl Visit<W, S, T>,
-        mut weighed: impl FnMut(Weighed<S, T>),
+        mut term: impl FnMut(PotentialTerm<S, T>),
     ) -> [Moving<S, T>; N] {
         let mut gradient = [[Jet::zero(); SPACE]; N];
         self.for_elements(|e, kind| {
             let (Some(x), Some(sum), Some(m)) = (x.get(e), gradient.get_mut(e), mass.get(e)) else { return };
             let Some(potential) = &kind.potential else { return };
             let [c1, _] = self.c::<S>();
-            let (u, x_bar) = potential.differentiate::<S, T, SPACE, H>(x, c1 * *m, visit);
-            weighed(Weighed::Element(e, u));
+            let (u, x_bar) = potential.differentiate::<S, T, SPACE>(x, c1 * *m, visit);
+            term(PotentialTerm::Element(e, u));
             accumulate(sum, &x_bar);
         });
         self.for_pairs(|a, b, pair| {
             let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
             let (Some(ma), Some(mb)) = (mass.get(a), mass.get(b)) else { return };
             let [_, c2] = self.c::<S>();
-            let (u, [on_a, on_b]) = pair.differentiate::<S, T, H>([xa, xb], c2 * *ma * *mb, visit);
-            weighed(Weighed::Pair(a, b, u));
+            let (u, [on_a, on_b]) = pair.differentiate::<S, T>([xa, xb], c2 * *ma * *mb, visit);
+            term(PotentialTerm::Pair(a, b, u));
             for (e, force) in [(a, &on_a), (b, &on_b)] {
                 if let Some(sum) = gradient.get_mut(e) {
                     accumulate(sum, force);
@@ -188,7 +194,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 
     #[inline(always)]
-    fn for_elements(&self, mut visit: impl FnMut(usize, &ElementType<'a, W, D>)) {
+    fn for_elements(&self, mut visit: impl FnMut(usize, &ElementType<'a, W, H, L>)) {
         for (e, element) in self.tree.elements() {
             if let Some(kind) = self.element_type(element.kind) {
                 visit(e, kind);
@@ -197,7 +203,7 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 
     #[inline(always)]
-    fn for_pairs(&self, mut visit: impl FnMut(usize, usize, &Pair<'a, W, D>)) {
+    fn for_pairs(&self, mut visit: impl FnMut(usize, usize, &Pair<'a, W, H, L>)) {
         let Some(pair) = &self.pair else { return };
         for (b, _) in self.tree.elements() {
             for a in 0..b {
@@ -207,8 +213,8 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 }
 
-/// A term of the potential without what it is multiplied by.
-enum Weighed<S, const T: usize> {
+/// A term of the potential without its factors.
+enum PotentialTerm<S, const T: usize> {
     /// U₁ of element e, multiplied by c₁m_e.
     Element(usize, Jet<S, T>),
     /// U₂ of two elements, multiplied by c₂m_e m_f.
@@ -228,11 +234,9 @@ fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>) -> S {
     a[0] * b[0] + a[1] * b[1]
 }
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const K: usize, const H: usize, const D: usize>
-    Lagrangian<S, N> for Modular<'_, W, N, K, H, D>
+impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const E: usize, const H: usize, const L: usize>
+    Lagrangian<S, N> for Modular<'_, W, N, E, H, L>
 {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let c = self.configuration::<S, 1>(q);
         let velocity = core::array::from_fn(|j| scale(v[j], &c.motion[j].g));
@@ -245,14 +249,14 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const K: usize, con
         let [c1, c2] = self.c::<S>();
         self.for_elements(|e, kind| {
             if let (Some(x), Some(m), Some(u)) = (x.get(e), c.mass.get(e), &kind.potential) {
-                potential += c1 * *m * u.energy::<S, H>(&x.map(Jet::constant));
+                potential += c1 * *m * u.energy::<S>(&x.map(Jet::constant));
             }
         });
         self.for_pairs(|a, b, pair| {
             if let (Some(xa), Some(xb), Some(ma), Some(mb)) =
                 (x.get(a), x.get(b), c.mass.get(a), c.mass.get(b))
             {
-                potential += c2 * *ma * *mb * pair.energy::<S, H>(xa, xb);
+                potential += c2 * *ma * *mb * pair.energy::<S>(xa, xb);
             }
         });
         Energies { kinetic: twice_kinetic.half(), potential }
@@ -267,18 +271,25 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const K: usize, con
         Gradient { l_q: core::array::from_fn(l_q), l_v: core::array::from_fn(l_v) }
     }
 
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         let c = self.configuration::<S, 2>(q);
         let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
         let turning = self.inertial(&c, &core::array::from_fn(|j| scale(v[j] * v[j], &c.motion[j].g_q)));
         let force = self.tree.joints(&c.centre, &self.potential_gradient(&c));
-        let bent: [S; N] = core::array::from_fn(|j| v[j] * dot(&c.motion[j].g_q, &momentum[j]));
+        let kinetic_q: [S; N] = core::array::from_fn(|j| v[j] * dot(&c.motion[j].g_q, &momentum[j]));
         Dynamics {
-            mass: DenseMass(self.mass_matrix(&c)),
-            l_q: core::array::from_fn(|j| bent[j] - dot(&c.motion[j].s_q, &force[j])),
+            mass: self.mass_matrix(&c),
+            l_q: core::array::from_fn(|j| kinetic_q[j] - dot(&c.motion[j].s_q, &force[j])),
             l_v: core::array::from_fn(|j| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j]),
-            l_vq_v: core::array::from_fn(|j| bent[j] + dot(&c.motion[j].g, &turning[j])),
+            l_vq_v: core::array::from_fn(|j| kinetic_q[j] + dot(&c.motion[j].g, &turning[j])),
         }
+    }
+
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        let c = self.configuration::<S, 2>(q);
+        let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
+        let force = self.tree.joints(&c.centre, &self.potential_gradient(&c));
+        self.linearized(&c, v, &momentum, &force, |_, _| {})
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
@@ -286,26 +297,16 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const K: usize, con
         let momentum = self.inertial(&c, &core::array::from_fn(|j| scale(v[j], &c.motion[j].g)));
         let (gradient, curvature) = self.potential_hessian(&c);
         let force = self.tree.joints(&c.centre, &gradient);
-        let (mut l_qq, mut l_vq) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);
-        for k in 0..N {
-            let (motion, p) = (&c.motion[k], &momentum[k]);
-            let turned = self.inertial_of(&c, k, scale(v[k], &motion.g_q));
-            let pulled = self.pulled(&c, &curvature, k);
-            for i in 0..N {
-                l_qq[i][k] = v[i] * dot(&c.motion[i].g_q, &turned[i]) - dot(&c.motion[i].s_q, &pulled[i]);
-                l_vq[i][k] = dot(&c.motion[i].g, &turned[i]);
-            }
-            l_qq[k][k] += v[k] * dot(&motion.g_qq, p) - dot(&motion.s_qq, &force[k]);
-            l_vq[k][k] += dot(&motion.g_q, p);
-        }
-        Hessian {
-            l_q: core::array::from_fn(|j| {
-                v[j] * dot(&c.motion[j].g_q, &momentum[j]) - dot(&c.motion[j].s_q, &force[j])
-            }),
-            l_v: core::array::from_fn(|j| dot(&c.motion[j].g, &momentum[j]) + c.inertia[j] * v[j]),
-            l_qq,
-            l_vq,
-            l_vv: self.mass_matrix(&c),
-        }
+        let mut l_qq = [[S::zero(); N]; N];
+        let Linearization { l_q, l_v, l_vq, l_vv } =
+            self.linearized(&c, v, &momentum, &force, |k, turned| {
+                let (motion, p) = (&c.motion[k], &momentum[k]);
+                let pulled = self.pulled(&c, &curvature, k);
+                for i in 0..N {
+                    l_qq[i][k] = v[i] * dot(&c.motion[i].g_q, &turned[i]) - dot(&c.motion[i].s_q, &pulled[i]);
+                }
+                l_qq[k][k] += v[k] * dot(&motion.g_qq, p) - dot(&motion.s_qq, &force[k]);
+            });
+        Hessian { l_q, l_v, l_qq, l_vq, l_vv }
     }
 }

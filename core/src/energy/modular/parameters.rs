@@ -3,20 +3,21 @@
 use super::element::Motion;
 use super::potential::Moving;
 use super::tree::{Vector, add, scale};
-use super::{Configuration, ElementType, Modular, Weighed, dot};
+use super::{Configuration, ElementType, Modular, PotentialTerm, dot};
 use crate::energy::Learnable;
-use crate::energy::part::Rows;
+use crate::energy::placed_network::WeightTangents;
+use crate::expected::expected;
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
-/// Σ α·(JᵀmJ)β, one term of a derivative of the kinetic energy: what two displacements of the coordinates give together.
+/// Two displacements of the coordinates in Σ α·(JᵀmJ)β, one term of a derivative of the kinetic energy.
 struct Bilinear<'m, S, const N: usize> {
     alpha: &'m [Vector<S>; N],
     beta: &'m [Vector<S>; N],
 }
 
-impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> Learnable<S, N>
-    for Modular<'_, S::Weight, N, K, H, D>
+impl<S: Scalar, const N: usize, const E: usize, const H: usize, const L: usize> Learnable<S, N>
+    for Modular<'_, S::Weight, N, E, H, L>
 {
     /// With a = δq v g′ + δv g and b = g v the kinetic part is Σ a·JᵀmJ b + δv I v; the potential part is −V_x·J(s′δq).
     fn directional_gradient(
@@ -75,8 +76,8 @@ impl<S: Scalar, const N: usize, const K: usize, const H: usize, const D: usize> 
     }
 }
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
     /// −∂/∂θ of V_x·J(s′δq) in potentials, coefficients, masses and centres; returns its adjoints of s and s′.
     fn potential_part<S: Scalar<Weight = W::Wide>>(
@@ -88,19 +89,18 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
         let moved = core::array::from_fn(|j| scale(dq[j], &c.motion[j].s_q));
         let (s, rate) = (c.of(|m| m.s), self.tree.centres(&c.centre, &moved));
         let centres = self.tree.centres(&c.centre, &s);
-        let x: [Moving<S, 1>; N] = core::array::from_fn(|e| {
-            core::array::from_fn(|i| Jet { value: centres[e][i], tangent: [rate[e][i]] })
-        });
+        let x: [Moving<S, 1>; N] = core::array::from_fn(|e| Jet::moving(&centres[e], &rate[e]));
         let mut rates = Rates::new();
-        let gradient = self
-            .potential(&c.mass, &x, &mut Rows(&mut *row), |term| rates.add(&term, &c.mass, self.c::<S>()));
+        let gradient = self.potential(&c.mass, &x, &mut WeightTangents(|i, rate: S| row(i, -rate)), |term| {
+            rates.add(&term, &c.mass, self.c::<S>())
+        });
         let force = gradient.map(|g| g.map(|g| g.value));
-        let force_rate = gradient.map(|g| g.map(|Jet { tangent: [rate], .. }| rate));
+        let force_rate = gradient.map(|g| g.map(|g| g.rate()));
         row(self.start, -rates.elements);
         row(self.start + 1, -rates.pairs);
         self.for_own(|e, element, kind| {
             let (Some(force), Some(force_rate)) = (force.get(e), force_rate.get(e)) else { return };
-            row(kind.start, -rates.masses.get(e).copied().unwrap_or(S::zero()));
+            row(kind.start, -expected(rates.masses.get(e).copied(), S::zero()));
             row(kind.start + 2, -(dot(force_rate, &element.own(&s)) + dot(force, &element.own(&moved))));
         });
         let (of_s, of_moved) =
@@ -145,13 +145,13 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
                     bar.s_q = add(&bar.s_q, &bar.g);
                     bar.s_qq = bar.g_q;
                 }
-                kind.transform_gradient::<S, H>(*q, &bar, row);
+                kind.transform_gradient::<S>(*q, &bar, row);
             }
         });
     }
 
     #[inline(always)]
-    fn for_own(&self, mut visit: impl FnMut(usize, &super::tree::Element, &ElementType<'a, W, D>)) {
+    fn for_own(&self, mut visit: impl FnMut(usize, &super::tree::Element, &ElementType<'a, W, H, L>)) {
         for (e, element) in self.tree.elements() {
             if let Some(kind) = self.element_type(element.kind) {
                 visit(e, element, kind);
@@ -160,11 +160,11 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 }
 
-/// The rate of V, divided by each of the numbers that multiply it.
+/// Derivatives of the rate of V in the numbers that multiply its terms.
 struct Rates<S, const N: usize> {
-    /// By c₁.
+    /// In c₁.
     elements: S,
-    /// By c₂.
+    /// In c₂.
     pairs: S,
     /// In each mass.
     masses: [S; N],
@@ -175,16 +175,16 @@ impl<S: Scalar, const N: usize> Rates<S, N> {
         Self { elements: S::zero(), pairs: S::zero(), masses: [S::zero(); N] }
     }
 
-    fn add(&mut self, term: &Weighed<S, 1>, mass: &[S; N], [c1, c2]: [S; 2]) {
-        let m = |e: usize| mass.get(e).copied().unwrap_or(S::zero());
+    fn add(&mut self, term: &PotentialTerm<S, 1>, mass: &[S; N], [c1, c2]: [S; 2]) {
+        let m = |e: usize| expected(mass.get(e).copied(), S::zero());
         match term {
-            Weighed::Element(e, u) => {
-                let [rate] = u.tangent;
+            PotentialTerm::Element(e, u) => {
+                let rate = u.rate();
                 self.elements += m(*e) * rate;
                 self.of_mass(*e, c1 * rate);
             }
-            Weighed::Pair(a, b, u) => {
-                let [rate] = u.tangent;
+            PotentialTerm::Pair(a, b, u) => {
+                let rate = u.rate();
                 self.pairs += m(*a) * m(*b) * rate;
                 self.of_mass(*a, c2 * m(*b) * rate);
                 self.of_mass(*b, c2 * m(*a) * rate);

@@ -1,7 +1,9 @@
 //! Potentials of elements and of pairs of elements, with their derivatives in positions and in weights.
 
+use super::dot;
 use super::tree::{SPACE, Vector, add, scale};
-use crate::energy::part::{Part, Visit};
+use crate::energy::distance::DistanceFeature;
+use crate::energy::placed_network::{PlacedNetwork, Visit};
 use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 use serde::{Deserialize, Serialize};
@@ -35,34 +37,33 @@ pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
 
 /// The pair potential of a model.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<'a, W, const D: usize> {
+pub struct Pair<'a, W, const H: usize, const L: usize> {
     /// U₂.
-    pub potential: Part<'a, W, D>,
+    pub potential: PlacedNetwork<'a, W, H, L>,
     /// What it sees.
     pub input: PairInput,
 }
 
-impl<W: Stored, const D: usize> Pair<'_, W, D> {
+impl<W: Stored, const H: usize, const L: usize> Pair<'_, W, H, L> {
     /// U₂ of two positions.
-    pub(super) fn energy<S: Scalar<Weight = W::Wide>, const H: usize>(
-        &self,
-        a: &Vector<S>,
-        b: &Vector<S>,
-    ) -> S {
+    pub(super) fn energy<S: Scalar<Weight = W::Wide>>(&self, a: &Vector<S>, b: &Vector<S>) -> S {
         let [ax, ay] = a.map(Jet::constant);
         let [bx, by] = b.map(Jet::constant);
         let d = add(a, &scale(-S::one(), b));
-        let u = |x: &[Jet<S, 0>]| self.potential.energy::<S, H>(x);
-        match self.input {
-            PairInput::Concat => (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])).half(),
-            PairInput::Difference => (u(&d.map(Jet::constant)) + u(&d.map(|d| Jet::constant(-d)))).half(),
-            PairInput::Distance => u(&[Jet::constant((d[0] * d[0] + d[1] * d[1]).sqrt())]),
-            PairInput::InverseDistance => u(&[Jet::constant(S::one() / (d[0] * d[0] + d[1] * d[1]).sqrt())]),
-        }
+        let u = |x: &[Jet<S, 0>]| self.potential.energy::<S>(x);
+        let feature = match self.input {
+            PairInput::Concat => return (u(&[ax, ay, bx, by]) + u(&[bx, by, ax, ay])).half(),
+            PairInput::Difference => {
+                return (u(&d.map(Jet::constant)) + u(&d.map(|d| Jet::constant(-d)))).half();
+            }
+            PairInput::Distance => DistanceFeature::Distance,
+            PairInput::InverseDistance => DistanceFeature::Inverse,
+        };
+        u(&[feature.of_square(dot(&d, &d))])
     }
 
     /// U₂, and `weight` times its gradients in a and in b, all with tangents.
-    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         [a, b]: [&Moving<S, T>; 2],
         weight: S,
@@ -70,47 +71,31 @@ impl<W: Stored, const D: usize> Pair<'_, W, D> {
     ) -> (Jet<S, T>, [Moving<S, T>; 2]) {
         let potential = &self.potential;
         let half = S::one().half();
-        match self.input {
+        let feature = match self.input {
             PairInput::Concat => {
                 let (u, [ax, ay, bx, by]) =
-                    potential.differentiate::<S, T, 4, H>(&[a[0], a[1], b[0], b[1]], weight * half, visit);
+                    potential.differentiate::<S, T, 4>(&[a[0], a[1], b[0], b[1]], weight * half, visit);
                 let (w, [cx, cy, dx, dy]) =
-                    potential.differentiate::<S, T, 4, H>(&[b[0], b[1], a[0], a[1]], weight * half, visit);
-                (u.plus(&w).scaled(half), [[ax.plus(&dx), ay.plus(&dy)], [bx.plus(&cx), by.plus(&cy)]])
+                    potential.differentiate::<S, T, 4>(&[b[0], b[1], a[0], a[1]], weight * half, visit);
+                let gradients = [[ax.plus(&dx), ay.plus(&dy)], [bx.plus(&cx), by.plus(&cy)]];
+                return (u.plus(&w).scaled(half), gradients);
             }
             PairInput::Difference => {
                 let d = difference(a, b);
-                let (u, forth) = potential.differentiate::<S, T, 2, H>(&d, weight * half, visit);
-                let (w, back) = potential.differentiate::<S, T, 2, H>(&negative(&d), weight * half, visit);
+                let (u, forth) = potential.differentiate::<S, T, 2>(&d, weight * half, visit);
+                let (w, back) = potential.differentiate::<S, T, 2>(&negative(&d), weight * half, visit);
                 let on_a = difference(&forth, &back);
-                (u.plus(&w).scaled(half), [on_a, negative(&on_a)])
+                return (u.plus(&w).scaled(half), [on_a, negative(&on_a)]);
             }
-            PairInput::Distance | PairInput::InverseDistance => {
-                let d = difference(a, b);
-                let [feature, rate] = self.of_distance(&d);
-                let (u, [slope]) = potential.differentiate::<S, T, 1, H>(&[feature], weight, visit);
-                let along = slope.times(&rate);
-                let on_a = d.map(|d| d.times(&along));
-                (u, [on_a, negative(&on_a)])
-            }
-        }
-    }
-}
-
-impl<W: Stored, const D: usize> Pair<'_, W, D> {
-    /// The feature f(r) of the distance r = |d|, and f′(r)/r, which makes a gradient of d.
-    #[inline(always)]
-    fn of_distance<S: Scalar, const T: usize>(&self, d: &Moving<S, T>) -> [Jet<S, T>; 2] {
-        let square = d[0].times(&d[0]).plus(&d[1].times(&d[1]));
-        let r = square.value.sqrt();
-        let inverse = S::one() / r;
-        let distance = square.chain(r, inverse.half());
-        let reciprocal = distance.chain(inverse, -inverse * inverse);
-        if self.input == PairInput::Distance {
-            return [distance, reciprocal];
-        }
-        let cube = reciprocal.times(&reciprocal).times(&reciprocal);
-        [reciprocal, cube.scaled(-S::one())]
+            PairInput::Distance => DistanceFeature::Distance,
+            PairInput::InverseDistance => DistanceFeature::Inverse,
+        };
+        let d = difference(a, b);
+        let [z, rate] = feature.of_difference(&d);
+        let (u, [slope]) = potential.differentiate::<S, T, 1>(&[z], weight, visit);
+        let along = slope.times(&rate);
+        let on_a = d.map(|d| d.times(&along));
+        (u, [on_a, negative(&on_a)])
     }
 }
 

@@ -1,10 +1,11 @@
 //! The shape of a modular model, apart from its numbers and its trees.
 
 use super::Modular;
-use super::element::{ElementType, Input, NUMBERS, Numbers, Transform};
+use super::element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
 use super::potential::{Pair, PairInput};
-use super::tree::{Node, SPACE, Tree, TreeError};
-use crate::energy::part::{NetworkShape, Part};
+use super::tree::{SPACE, Tree, TreeElement, TreeError};
+use crate::energy::network_shape::first_invalid;
+use crate::energy::{List, NetworkShape, PlacedNetwork, SizeError};
 use crate::scalar::Stored;
 use serde::{Deserialize, Serialize};
 
@@ -61,62 +62,43 @@ pub struct PairShape {
     pub input: PairInput,
 }
 
-/// The shape of a modular model. Its weight block: the networks in order, then the [`Numbers`] of each type, then c₁ and c₂.
+/// The shape of a modular model. Its weight block: the networks in order, then the [`ElementParameters`] of each type, then c₁ and c₂.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shape {
-    /// The networks; the first `None` ends the list. Types may share one.
-    pub networks: [Option<NetworkShape>; MAX_NETWORKS],
-    /// The element types; the first `None` ends the list.
-    pub types: [Option<TypeShape>; MAX_TYPES],
+pub struct ModularShape {
+    /// The networks. Types may share one.
+    pub networks: List<NetworkShape, MAX_NETWORKS>,
+    /// The element types.
+    pub types: List<TypeShape, MAX_TYPES>,
     /// The pair potential.
     pub pair: Option<PairShape>,
 }
 
-impl Shape {
-    /// Of these networks, types and pair potential; `None` for more than the lists hold.
+impl ModularShape {
+    /// The shape with these networks, types and pair potential; `None` for more than the lists hold.
     pub fn new(networks: &[NetworkShape], types: &[TypeShape], pair: Option<PairShape>) -> Option<Self> {
-        let mut shape = Self { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair };
-        for (slot, network) in shape.networks.get_mut(..networks.len())?.iter_mut().zip(networks) {
-            *slot = Some(*network);
-        }
-        for (slot, kind) in shape.types.get_mut(..types.len())?.iter_mut().zip(types) {
-            *slot = Some(*kind);
-        }
-        Some(shape)
-    }
-
-    /// The networks in order.
-    pub fn networks(&self) -> impl Iterator<Item = &NetworkShape> {
-        self.networks.iter().map_while(Option::as_ref)
-    }
-
-    /// The element types in order.
-    pub fn types(&self) -> impl Iterator<Item = &TypeShape> {
-        self.types.iter().map_while(Option::as_ref)
+        Some(Self { networks: List::new(networks)?, types: List::new(types)?, pair })
     }
 
     /// Numbers in the weight block; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
-        let networks =
-            self.networks().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))?;
-        networks.checked_add(NUMBERS * self.types().count() + 2)
+        self.networks.parameters()?.checked_add(ELEMENT_PARAMETERS * self.types.len() + 2)
     }
 
     /// Checks a tree against the types.
     ///
     /// # Errors
     /// See [`TreeError`].
-    pub fn tree<const N: usize>(&self, nodes: impl IntoIterator<Item = Node>) -> Result<Tree<N>, TreeError> {
-        let coordinates = |kind| self.types().nth(kind).map(TypeShape::coordinates);
-        Tree::new(nodes, self.types().count(), coordinates)
+    pub fn tree<const N: usize>(
+        &self,
+        nodes: impl IntoIterator<Item = TreeElement>,
+    ) -> Result<Tree<N>, TreeError> {
+        let coordinates = |kind: usize| self.types.get(kind).map(TypeShape::coordinates);
+        Tree::new(nodes, self.types.len(), coordinates)
     }
 
-    /// What of the shape is out of range, if anything is.
-    pub fn misfit(&self) -> Option<&'static str> {
-        let serves = |network: u8, inputs: usize, outputs: usize| {
-            let network = self.networks().nth(network.into());
-            network.is_some_and(|n| n.serves(inputs, outputs))
-        };
+    /// The name of the first part that is invalid; `None` where the shape is valid.
+    pub fn invalid_part(&self) -> Option<&'static str> {
+        let serves = |network, inputs, outputs| self.networks.serves(network, inputs, outputs);
         let moves = |kind: &TypeShape| match kind.transform {
             TransformShape::Network { position, velocity, input } => {
                 let serves = |network| serves(network, input.features(), SPACE);
@@ -124,42 +106,42 @@ impl Shape {
             }
             TransformShape::Rod | TransformShape::Slide | TransformShape::Free => true,
         };
-        let fits = [
-            (self.types().next().is_some(), "number of element types"),
-            (self.networks.iter().flatten().count() == self.networks().count(), "list of networks"),
-            (self.types.iter().flatten().count() == self.types().count(), "list of element types"),
-            (self.networks().all(NetworkShape::is_valid), "hidden width"),
-            (self.types().all(moves), "network of a transform"),
-            (self.types().filter_map(|t| t.potential).all(|n| serves(n, SPACE, 1)), "network of a potential"),
-            (
-                self.pair.is_none_or(|p| serves(p.network, p.input.features(), 1)),
-                "network of the pair potential",
-            ),
+        let has_potential = |kind: &TypeShape| kind.potential.is_none_or(|n| serves(n, SPACE, 1));
+        let has_pair = self.pair.is_none_or(|pair| serves(pair.network, pair.input.features(), 1));
+        let invalid = [
+            (self.types.is_empty(), "number of element types"),
+            (self.types.has_gap(), "list of element types"),
+            (!self.types.iter().all(moves), "network of a transform"),
+            (!self.types.iter().all(has_potential), "network of a potential"),
+            (!has_pair, "network of the pair potential"),
         ];
-        fits.into_iter().find(|(fits, _)| !fits).map(|(_, what)| what)
+        self.networks.invalid_part().or_else(|| first_invalid(&invalid))
+    }
+
+    /// Checks that there are at most `E` element types, and that networks have at most `L` hidden layers of at most `H` units.
+    ///
+    /// # Errors
+    /// [`SizeError`] with the first limit that is exceeded.
+    pub fn check_size<const E: usize, const H: usize, const L: usize>(&self) -> Result<(), SizeError> {
+        SizeError::check("element types", self.types.len(), E)?;
+        self.networks.check_size::<MAX_NETWORKS, H, L>()
     }
 }
 
-impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usize>
-    Modular<'a, W, N, K, H, D>
+impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+    Modular<'a, W, N, E, H, L>
 {
     /// Builds a tree of this shape's elements on the front of `block` and leaves the rest there. `None` where the block is too
-    /// short, the shape does not fit in itself (see [`Shape::misfit`]), or it has more than `K` types, `D` hidden layers or `H`
+    /// short, the shape does not fit in itself (see [`ModularShape::invalid_part`]), or it has more than `E` types, `L` hidden layers or `H`
     /// units in one.
-    pub fn take(block: &mut &'a [W], shape: &Shape, tree: Tree<N>) -> Option<Self> {
-        if shape.misfit().is_some() || shape.types().count() > K {
+    pub fn take(block: &mut &'a [W], shape: &ModularShape, tree: Tree<N>) -> Option<Self> {
+        if shape.invalid_part().is_some() {
             return None;
         }
         let mut start = 0;
-        let mut networks = [None; MAX_NETWORKS];
-        for (slot, network) in networks.iter_mut().zip(shape.networks()) {
-            *slot = Some(Part::take::<H>(block, &mut start, network)?);
-        }
-        let network = |i: u8| networks.get(usize::from(i)).copied().flatten();
-        let mut types = [None; K];
-        for (slot, kind) in types.iter_mut().zip(shape.types()) {
-            *slot = Some(take_type(block, &mut start, kind, network)?);
-        }
+        let networks = shape.networks.take::<W, MAX_NETWORKS, H, L>(block, &mut start)?;
+        let network = |i: u8| networks.get(i).copied();
+        let types = shape.types.try_map(|kind| take_type(block, &mut start, kind, network))?;
         let pair = match shape.pair {
             None => None,
             Some(pair) => Some(Pair { potential: network(pair.network)?, input: pair.input }),
@@ -170,12 +152,12 @@ impl<'a, W: Stored, const N: usize, const K: usize, const H: usize, const D: usi
     }
 }
 
-fn take_type<'a, W: Stored, const D: usize>(
+fn take_type<'a, W: Stored, const H: usize, const L: usize>(
     block: &mut &'a [W],
     start: &mut usize,
     shape: &TypeShape,
-    network: impl Fn(u8) -> Option<Part<'a, W, D>>,
-) -> Option<ElementType<'a, W, D>> {
+    network: impl Fn(u8) -> Option<PlacedNetwork<'a, W, H, L>>,
+) -> Option<ElementType<'a, W, H, L>> {
     let transform = match shape.transform {
         TransformShape::Network { position, velocity, input } => {
             let velocity = match velocity {
@@ -192,8 +174,8 @@ fn take_type<'a, W: Stored, const D: usize>(
         None => None,
         Some(potential) => Some(network(potential)?),
     };
-    let numbers = Numbers::take(block)?;
+    let numbers = ElementParameters::take(block)?;
     let element = ElementType { transform, potential, numbers, start: *start };
-    *start += NUMBERS;
+    *start += ELEMENT_PARAMETERS;
     Some(element)
 }

@@ -3,6 +3,7 @@
 
 use core::fmt;
 
+use crate::expected::expected;
 use crate::scalar::Scalar;
 
 /// Dimensions of the space that elements lie in.
@@ -12,7 +13,7 @@ pub type Vector<S> = [S; SPACE];
 
 /// One element of a tree, as it is described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Node {
+pub struct TreeElement {
     /// Which type the element is of.
     pub kind: u8,
     /// The element that it hangs from, described before it; `None`: the ground.
@@ -94,7 +95,7 @@ impl<const N: usize> Tree<N> {
     /// # Errors
     /// See [`TreeError`].
     pub fn new(
-        nodes: impl IntoIterator<Item = Node>,
+        nodes: impl IntoIterator<Item = TreeElement>,
         kinds: usize,
         coordinates: impl Fn(usize) -> Option<usize>,
     ) -> Result<Self, TreeError> {
@@ -124,6 +125,17 @@ impl<const N: usize> Tree<N> {
         self.elements().count()
     }
 
+    /// The element type of every coordinate.
+    pub fn kinds(&self) -> [u8; N] {
+        let mut kinds = [0; N];
+        for (_, element) in self.elements() {
+            for slot in kinds.iter_mut().skip(element.first).take(element.count) {
+                *slot = element.kind as u8;
+            }
+        }
+        kinds
+    }
+
     /// Always false: a tree has an element.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -142,8 +154,8 @@ impl<const N: usize> Tree<N> {
         let mut tips = [[S::zero(); SPACE]; N];
         let mut centres = tips;
         for (e, element) in self.elements() {
-            let base = element.parent.and_then(|parent| tips.get(parent).copied());
-            let base = base.unwrap_or([S::zero(); SPACE]);
+            let ground = [S::zero(); SPACE];
+            let base = element.parent.map_or(ground, |parent| expected(tips.get(parent).copied(), ground));
             let own = element.own(moved);
             if let (Some(tip), Some(slot), Some(centre)) =
                 (tips.get_mut(e), centres.get_mut(e), centre.get(e))

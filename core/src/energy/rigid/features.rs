@@ -1,8 +1,9 @@
+use crate::expected::{expected, present};
 use crate::network::Jet;
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
-/// What a coordinate is, and so how the network sees it.
+/// The kind of a coordinate, which decides the features that the network sees.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Coordinate {
@@ -14,7 +15,7 @@ pub enum Coordinate {
     Cyclic,
 }
 
-/// Features that coordinates of these kinds give.
+/// Number of features of coordinates of these kinds.
 pub fn count(coordinates: &[Coordinate]) -> usize {
     coordinates
         .iter()
@@ -26,7 +27,7 @@ pub fn count(coordinates: &[Coordinate]) -> usize {
         .sum()
 }
 
-/// One feature s(q_i) with s′ and s″, and which coordinate it is of.
+/// One feature s(q_i) with s′ and s″, and the number i of its coordinate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Feature<S> {
     pub coordinate: usize,
@@ -78,6 +79,12 @@ impl<S: Scalar, const N: usize> Features<S, N> {
         }
     }
 
+    /// Number of features.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     #[inline(always)]
     fn iter(&self) -> impl Iterator<Item = &Feature<S>> {
         self.slots.as_flattened().iter().take(self.count)
@@ -102,7 +109,7 @@ impl<S: Scalar, const N: usize> Features<S, N> {
     pub fn adjoint<const A: usize>(&self, bar: &[Jet<S, A>], directions: &[[S; N]; A]) -> [Jet<S, A>; N] {
         let mut q_bar = [Jet::zero(); N];
         for (bar, f) in bar.iter().zip(self.iter()) {
-            let Some(q) = q_bar.get_mut(f.coordinate) else { continue };
+            let Some(q) = present(q_bar.get_mut(f.coordinate)) else { continue };
             q.value += bar.value * f.slope;
             for ((q, bar_k), direction) in q.tangent.iter_mut().zip(&bar.tangent).zip(directions) {
                 *q += *bar_k * f.slope + bar.value * f.curvature * component(direction, f.coordinate);
@@ -114,5 +121,5 @@ impl<S: Scalar, const N: usize> Features<S, N> {
 
 #[inline(always)]
 fn component<S: Scalar, const N: usize>(direction: &[S; N], i: usize) -> S {
-    direction.get(i).copied().unwrap_or(S::zero())
+    expected(direction.get(i).copied(), S::zero())
 }

@@ -1,5 +1,6 @@
 //! From the network's outputs o to energies, L = ½vᵀH(o)v − V(o), with derivatives in o and v.
 
+use crate::expected::expected;
 use crate::network::{Activation, Jet};
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
@@ -52,7 +53,7 @@ pub(super) struct Outputs<S, const T: usize, const N: usize> {
     pub potential: Jet<S, T>,
 }
 
-/// Room for the adjoint of the outputs: 2N² ≥ N(N + 1)/2 + 1.
+/// Workspace for the adjoint of the outputs: 2N² ≥ N(N + 1)/2 + 1.
 pub(super) type OutputBar<S, const T: usize, const N: usize> = [[Jets<S, T, N>; N]; 2];
 
 impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
@@ -70,14 +71,14 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
             for (i, (row, d)) in factor.iter_mut().zip(&diagonal).enumerate() {
                 // Down to the diagonal: outputs, and then softplus of the first ones.
                 for l in row.iter_mut().take(i) {
-                    *l = o.next().unwrap_or(Jet::zero());
+                    *l = expected(o.next(), Jet::zero());
                 }
                 if let Some(l) = row.get_mut(i) {
                     *l = *d;
                 }
             }
         }
-        Self { inertia, diagonal, slopes, factor, potential: o.next().unwrap_or(Jet::zero()) }
+        Self { inertia, diagonal, slopes, factor, potential: expected(o.next(), Jet::zero()) }
     }
 
     /// The same without tangents.

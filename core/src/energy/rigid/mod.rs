@@ -10,52 +10,90 @@ mod parameters;
 pub use features::{Coordinate, count as feature_count};
 pub use inertia::Inertia;
 
-use crate::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use crate::energy::network_shape::first_invalid;
+use crate::energy::{NetworkShape, PlacedNetwork, SizeError};
+use crate::expected::{first, first_mut};
+use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear::{add_scaled, dot, multiply, transpose};
-use crate::network::{Activation, Bends, Jet, Mlp, Tape};
+use crate::network::{Activation, Jet, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, Stored};
 use features::Features;
 use inertia::{Jets, OutputBar, Outputs, without_tangents};
 
 /// The shape of a rigid model, apart from its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape<'a, const N: usize> {
+pub struct RigidShape<const N: usize> {
     /// What each coordinate is.
     pub coordinates: [Coordinate; N],
-    /// Units of every hidden layer, first to last.
-    pub widths: &'a [usize],
-    /// Of the hidden layers.
-    pub activation: Activation,
-    /// Of H.
+    /// The network from the features of the coordinates to the outputs that `inertia` reads.
+    pub network: NetworkShape,
+    /// How the outputs give the inertia matrix.
     pub inertia: Inertia,
 }
 
-impl<const N: usize> Shape<'_, N> {
+impl<const N: usize> RigidShape<N> {
+    /// The shape of a model whose network has hidden layers of these widths, the first 0 or the end of the slice ending the list.
+    /// `None` for more than [`MAX_HIDDEN`](crate::energy::MAX_HIDDEN) widths, or more than 255 inputs or outputs.
+    pub fn new(
+        coordinates: [Coordinate; N],
+        widths: &[u16],
+        activation: Activation,
+        inertia: Inertia,
+    ) -> Option<Self> {
+        let network = network_shape(feature_count(&coordinates), widths, (inertia, N), activation)?;
+        Some(Self { coordinates, network, inertia })
+    }
+
     /// Numbers in the network's weight block; `None` on overflow.
     pub fn parameters(&self) -> Option<usize> {
-        let inputs = feature_count(&self.coordinates);
-        Mlp::<f32, 0>::parameters(inputs, self.widths, self.inertia.outputs(N))
+        self.network.parameters()
+    }
+
+    /// The name of the first part that is invalid; `None` where the shape is valid.
+    pub fn invalid_part(&self) -> Option<&'static str> {
+        let serves = self.network.serves(feature_count(&self.coordinates), self.inertia.outputs(N));
+        first_invalid(&[
+            (!self.network.is_valid(), "hidden width"),
+            (!serves, "network of the inertia matrix"),
+        ])
+    }
+
+    /// Checks that the network has at most `L` hidden layers of at most `H` units.
+    ///
+    /// # Errors
+    /// [`SizeError`] with the first limit that is exceeded.
+    pub fn check_size<const H: usize, const L: usize>(&self) -> Result<(), SizeError> {
+        self.network.check_size::<H, L>()
     }
 }
 
-/// A rigid mechanism in N coordinates over borrowed weights: at most `D` hidden layers of at most `H` units.
-#[derive(Clone, Copy, Debug)]
-pub struct Rigid<'a, W, const N: usize, const H: usize, const D: usize> {
-    coordinates: [Coordinate; N],
-    inertia: Inertia,
-    network: Mlp<'a, W, D>,
+/// The network of a model in `n` coordinates with `features` features in all; `None` as of [`RigidShape::new`].
+pub fn network_shape(
+    features: usize,
+    widths: &[u16],
+    (inertia, n): (Inertia, usize),
+    activation: Activation,
+) -> Option<NetworkShape> {
+    let (inputs, outputs) = (features.try_into().ok()?, inertia.outputs(n).try_into().ok()?);
+    NetworkShape::new(inputs, widths, outputs, activation)
 }
 
-impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W, N, H, D> {
-    /// Builds the mechanism on the front of `block` and leaves the rest there. `None` where the block is too short, there
-    /// are more than `D` hidden layers, or one is wider than `H`.
-    pub fn take(block: &mut &'a [W], shape: &Shape<N>) -> Option<Self> {
-        if shape.widths.iter().any(|width| *width > H) {
+/// A rigid mechanism in N coordinates over borrowed weights: at most `L` hidden layers of at most `H` units.
+#[derive(Clone, Copy, Debug)]
+pub struct Rigid<'a, W, const N: usize, const H: usize, const L: usize> {
+    coordinates: [Coordinate; N],
+    inertia: Inertia,
+    network: PlacedNetwork<'a, W, H, L>,
+}
+
+impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
+    /// Builds the mechanism on the front of `block` and leaves the rest there. `None` where the block is too short, the shape
+    /// is invalid (see [`RigidShape::invalid_part`]), or it has more than `L` hidden layers or `H` units in one.
+    pub fn take(block: &mut &'a [W], shape: &RigidShape<N>) -> Option<Self> {
+        if shape.invalid_part().is_some() {
             return None;
         }
-        let inputs = feature_count(&shape.coordinates);
-        let outputs = shape.inertia.outputs(N);
-        let network = Mlp::take(block, inputs, shape.widths, outputs, shape.activation)?;
+        let network = PlacedNetwork::take(block, &mut 0, &shape.network)?;
         Some(Self { coordinates: shape.coordinates, inertia: shape.inertia, network })
     }
 
@@ -69,9 +107,9 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
         &self,
         q: &[S; N],
         directions: &[[S; N]; T],
-        tape: &mut Tape<S, T, H, D>,
+        tape: &mut Tape<S, T, H, L>,
     ) -> Evaluation<S, T, N> {
-        self.evaluate(q, directions, |x, y| self.network.forward(x, tape, y))
+        self.evaluate(q, directions, |x, y| self.network.network.forward(x, tape, y))
     }
 
     /// Features → network → energies, the network run by `pass(inputs, outputs)`.
@@ -85,9 +123,8 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
         let features = Features::new(&self.coordinates, q);
         let (inputs, count) = features.jets(directions);
         let mut raw: OutputBar<S, T, N> = [[[Jet::zero(); N]; N]; 2];
-        let slots = raw.as_flattened_mut().as_flattened_mut();
-        let slots = slots.get_mut(..self.network.outputs()).unwrap_or_default();
-        pass(inputs.as_flattened().get(..count).unwrap_or(&[]), slots);
+        let slots = first_mut(raw.as_flattened_mut().as_flattened_mut(), self.inertia.outputs(N));
+        pass(first(inputs.as_flattened(), count), slots);
         let outputs = Outputs::new(self.inertia, slots);
         Evaluation { features, raw, outputs }
     }
@@ -97,15 +134,14 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
     fn adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         features: &Features<S, N>,
-        tape: &Tape<S, T, H, D>,
+        tape: &Tape<S, T, H, L>,
         bar: &OutputBar<S, A, N>,
         directions: &[[S; N]; A],
     ) -> Jets<S, A, N> {
         let mut feature_bar = [[Jet::zero(); N]; 2];
-        let bar = bar.as_flattened().as_flattened().get(..self.network.outputs()).unwrap_or(&[]);
-        let count = feature_count(&self.coordinates);
-        let feature_slots = feature_bar.as_flattened_mut().get_mut(..count).unwrap_or_default();
-        self.network.adjoint(tape, bar, feature_slots);
+        let bar = first(bar.as_flattened().as_flattened(), self.inertia.outputs(N));
+        let feature_slots = first_mut(feature_bar.as_flattened_mut(), features.count());
+        self.network.network.adjoint(tape, bar, feature_slots);
         features.adjoint(feature_slots, directions)
     }
 
@@ -114,53 +150,29 @@ impl<'a, W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'a, W,
     fn adjoint_second_order<S: Scalar<Weight = W::Wide>>(
         &self,
         features: &Features<S, N>,
-        bends: &Bends<S, N, H, D>,
+        tape: &SecondOrderTape<S, N, H, L>,
         bar: &OutputBar<S, N, N>,
     ) -> (Jets<S, N, N>, [[S; N]; N]) {
         let plain = bar.each_ref().map(|rows| rows.each_ref().map(without_tangents));
-        let plain = plain.as_flattened().as_flattened().get(..self.network.outputs()).unwrap_or(&[]);
+        let plain = first(plain.as_flattened().as_flattened(), self.inertia.outputs(N));
         let mut feature_bar = [[Jet::zero(); N]; 2];
-        let count = feature_count(&self.coordinates);
-        let slots = feature_bar.as_flattened_mut().get_mut(..count).unwrap_or_default();
-        let bent = self.network.second_order(bends, plain, slots);
+        let slots = first_mut(feature_bar.as_flattened_mut(), features.count());
+        let l_qq = self.network.network.second_order(tape, plain, slots);
         let feature_bar = feature_bar.map(|row| row.map(|x| Jet::constant(x.value)));
-        (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), bent)
+        (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), l_qq)
     }
 }
 
-impl<W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, H, D> {
-    /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
-    #[inline]
-    fn dynamics_by_tangents<S: Scalar<Weight = W::Wide>>(
-        &self,
-        q: &[S; N],
-        v: &[S; N],
-    ) -> Dynamics<S, DenseMass<S, N>, N> {
-        let Evaluation { outputs, .. } =
-            self.evaluate(q, &unit_vectors(), |x, y| self.network.evaluate::<S, N, H>(x, y));
-        let p = outputs.momentum(&held(v));
-        let twice_kinetic_q = multiply(&transpose(&p.map(|p| p.tangent)), v);
-        Dynamics {
-            mass: DenseMass(outputs.mass_matrix()),
-            l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - outputs.potential.tangent[k]),
-            l_v: p.map(|p| p.value),
-            l_vq_v: multiply(&p.map(|p| p.tangent), v),
-        }
-    }
-
+impl<W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, H, L> {
     /// One forward pass with the tangent along v, and one adjoint: three passes' work.
     #[inline]
-    fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(
-        &self,
-        q: &[S; N],
-        v: &[S; N],
-    ) -> Dynamics<S, DenseMass<S, N>, N> {
-        let mut tape = Tape::<S, 1, H, D>::default();
+    fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
+        let mut tape = Tape::<S, 1, H, L>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[*v], &mut tape);
         let p = outputs.momentum(&held(v));
         let bar = outputs.without_tangents().lagrangian_bar(&held(v));
         Dynamics {
-            mass: DenseMass(outputs.mass_matrix()),
+            mass: outputs.mass_matrix(),
             l_q: self.adjoint(&features, &tape, &bar, &[]).map(|l| l.value),
             l_v: p.map(|p| p.value),
             l_vq_v: p.map(|Jet { tangent: [along_v], .. }| along_v),
@@ -168,7 +180,7 @@ impl<W: Stored, const N: usize, const H: usize, const D: usize> Rigid<'_, W, N, 
     }
 }
 
-/// What one pass through the network gives.
+/// The results of one pass through the network.
 struct Evaluation<S, const T: usize, const N: usize> {
     features: Features<S, N>,
     /// The network's outputs o.
@@ -177,7 +189,7 @@ struct Evaluation<S, const T: usize, const N: usize> {
     outputs: Outputs<S, T, N>,
 }
 
-/// v with all tangents zero.
+/// v at rest along all directions: all tangents are zero.
 #[inline(always)]
 fn held<S: Scalar, const T: usize, const N: usize>(v: &[S; N]) -> Jets<S, T, N> {
     v.map(Jet::constant)
@@ -189,13 +201,11 @@ fn unit_vectors<S: Scalar, const N: usize>() -> [[S; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| if i == j { S::one() } else { S::zero() }))
 }
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const D: usize> Lagrangian<S, N>
-    for Rigid<'_, W, N, H, D>
+impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const L: usize> Lagrangian<S, N>
+    for Rigid<'_, W, N, H, L>
 {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
-        let Evaluation { outputs, .. } = self.forward(q, &[], &mut Tape::<S, 0, H, D>::default());
+        let Evaluation { outputs, .. } = self.forward(q, &[], &mut Tape::<S, 0, H, L>::default());
         let p = outputs.momentum(&held(v)).map(|p| p.value);
         Energies { kinetic: dot(&p, v).half(), potential: outputs.potential.value }
     }
@@ -203,49 +213,65 @@ impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, con
     // Functions of their own: on a controller neither's tape lies on the stack beside the other's.
     #[inline(never)]
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
-        let mut tape = Tape::<S, 0, H, D>::default();
+        let mut tape = Tape::<S, 0, H, L>::default();
         let Evaluation { features, outputs, .. } = self.forward(q, &[], &mut tape);
         let v = held(v);
         let l_q = self.adjoint(&features, &tape, &outputs.lagrangian_bar(&v), &[]);
         Gradient { l_q: l_q.map(|l| l.value), l_v: outputs.momentum(&v).map(|p| p.value) }
     }
 
-    /// By whichever takes fewer passes through the network for N; no dense ∂H/∂q is ever formed.
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
-        if N <= 2 { self.dynamics_by_tangents(q, v) } else { self.dynamics_by_adjoint(q, v) }
+    /// Takes the way that needs fewer passes through the network for N; no dense ∂H/∂q is formed.
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
+        if N <= 2 { self.linearization(q, v).dynamics(v) } else { self.dynamics_by_adjoint(q, v) }
+    }
+
+    /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
+    #[inline]
+    fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
+        let Evaluation { outputs, .. } =
+            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N>(x, y));
+        let p = outputs.momentum(&held(v));
+        let l_vq = p.map(|p| p.tangent);
+        let twice_kinetic_q = multiply(&transpose(&l_vq), v);
+        Linearization {
+            l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - outputs.potential.tangent[k]),
+            l_v: p.map(|p| p.value),
+            l_vq,
+            l_vv: outputs.mass_matrix(),
+        }
     }
 
     /// One forward pass with N tangents and one plain adjoint: L_qq is Σ_o ∂o/∂q_i ∂ō/∂q_j with ō = ∂L/∂o, plus the
     /// second derivatives of the network weighed by ō, plus those of the features.
     #[inline(never)]
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
-        let mut bends = Bends::<S, N, H, D>::default();
-        let Evaluation { features, raw, outputs } =
-            self.evaluate(q, &unit_vectors(), |x, y| self.network.forward_bent(x, &mut bends, y));
+        let mut tape = SecondOrderTape::<S, N, H, L>::default();
+        let Evaluation { features, raw, outputs } = self
+            .evaluate(q, &unit_vectors(), |x, y| self.network.network.forward_second_order(x, &mut tape, y));
         let v = held(v);
         let bar = outputs.lagrangian_bar(&v);
-        let (l_q, bent) = self.adjoint_second_order(&features, &bends, &bar);
+        let (l_q, of_network) = self.adjoint_second_order(&features, &tape, &bar);
         let p = outputs.momentum(&v);
         Hessian {
             l_q: l_q.map(|l| l.value),
             l_v: p.map(|p| p.value),
-            l_qq: assembled(&l_q, &bent, &raw, &bar),
+            l_qq: assembled(&l_q, &of_network, &raw, &bar),
             l_vq: p.map(|p| p.tangent),
             l_vv: outputs.mass_matrix(),
         }
     }
 }
 
-/// L_qq, the sum of three parts: the features' (tangents of `l_q`), the network's (`bent`), and Σ_o ∂o/∂q_i ∂ō/∂q_j.
+/// L_qq, the sum of three parts: the features' (tangents of `l_q`), the network's (`of_network`), and Σ_o ∂o/∂q_i ∂ō/∂q_j.
 #[inline]
 fn assembled<S: Scalar, const N: usize>(
     l_q: &Jets<S, N, N>,
-    bent: &[[S; N]; N],
+    of_network: &[[S; N]; N],
     raw: &OutputBar<S, N, N>,
     bar: &OutputBar<S, N, N>,
 ) -> [[S; N]; N] {
     let mut sum: [[S; N]; N] =
-        core::array::from_fn(|i| core::array::from_fn(|j| l_q[i].tangent[j] + bent[i][j]));
+        core::array::from_fn(|i| core::array::from_fn(|j| l_q[i].tangent[j] + of_network[i][j]));
     let pairs = raw.as_flattened().as_flattened().iter().zip(bar.as_flattened().as_flattened());
     for (o, bar) in pairs {
         for (row, o) in sum.iter_mut().zip(&o.tangent) {

@@ -1,12 +1,14 @@
 //! Derivatives in the weights, for training: the tangent forward, then the adjoint, layer by layer.
 
-use super::{Evaluation, Features, Jets, OutputBar, Outputs, Rigid, held};
+use super::{Features, OutputBar, Outputs, Rigid, held};
 use crate::energy::Learnable;
-use crate::network::{Dense, Jet, Tape};
+use crate::energy::placed_network::WeightTangents;
+use crate::expected::{first, first_mut};
+use crate::network::Jet;
 use crate::scalar::{Scalar, Stored};
 
-impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
-    for Rigid<'_, S::Weight, N, H, D>
+impl<S: Scalar, const N: usize, const H: usize, const L: usize> Learnable<S, N>
+    for Rigid<'_, S::Weight, N, H, L>
 {
     fn directional_gradient(
         &self,
@@ -14,7 +16,7 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
         (dq, dv): (&[S; N], &[S; N]),
         row: impl FnMut(usize, S),
     ) {
-        self.gradient_along(q, dq, |outputs| outputs.lagrangian_bar(&moving(v, dv)), row);
+        self.gradient_along(q, dq, |outputs| outputs.lagrangian_bar(&Jet::moving(v, dv)), row);
     }
 
     fn residual_gradient(
@@ -25,18 +27,19 @@ impl<S: Scalar, const N: usize, const H: usize, const D: usize> Learnable<S, N>
         mut row: impl FnMut(usize, S),
     ) {
         self.gradient_along(q, y, |outputs| outputs.lagrangian_bar(&held(v)), &mut row);
-        let rate = |outputs: &Outputs<S, 1, N>| outputs.bilinear_bar(&held(y), &moving(v, a));
+        let rate = |outputs: &Outputs<S, 1, N>| outputs.bilinear_bar(&held(y), &Jet::moving(v, a));
         self.gradient_along(q, v, rate, |i, rate| row(i, -rate));
     }
 }
 
-impl<const N: usize, const H: usize, const D: usize, W: Stored> Rigid<'_, W, N, H, D> {
+impl<const N: usize, const H: usize, const L: usize, W: Stored> Rigid<'_, W, N, H, L> {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
-        self.network.layers().map(Dense::len).sum()
+        self.network.network.len()
     }
 
-    /// Of what the network's outputs and their tangents along `direction` have the adjoint `bar`.
+    /// Visits the derivatives in the weights where `bar` gives the adjoint of the network's outputs and of their tangents along
+    /// `direction`.
     fn gradient_along<S: Scalar<Weight = W::Wide>>(
         &self,
         q: &[S; N],
@@ -44,32 +47,24 @@ impl<const N: usize, const H: usize, const D: usize, W: Stored> Rigid<'_, W, N, 
         bar: impl FnOnce(&Outputs<S, 1, N>) -> OutputBar<S, 1, N>,
         row: impl FnMut(usize, S),
     ) {
-        let mut tape = Tape::<S, 1, H, D>::default();
-        let Evaluation { features, outputs, .. } = self.forward(q, &[*direction], &mut tape);
-        self.weight_gradient(&features, &tape, direction, &bar(&outputs), row);
-    }
-
-    fn weight_gradient<S: Scalar<Weight = W::Wide>>(
-        &self,
-        features: &Features<S, N>,
-        tape: &Tape<S, 1, H, D>,
-        direction: &[S; N],
-        bar: &OutputBar<S, 1, N>,
-        mut row: impl FnMut(usize, S),
-    ) {
-        let (inputs, count) = features.jets(&[*direction]);
-        let inputs = inputs.as_flattened().get(..count).unwrap_or(&[]);
-        let bar = bar.as_flattened().as_flattened().get(..self.network.outputs()).unwrap_or(&[]);
-        let mut end = self.parameters();
-        self.network.layer_adjoints(tape, inputs, bar, |layer, x, y_bar| {
-            let start = end - layer.len();
-            layer.tangent_gradient(x, y_bar, |i, value| row(start + i, value));
-            end = start;
+        let (inputs, count) = Features::new(&self.coordinates, q).jets(&[*direction]);
+        let mut raw: OutputBar<S, 1, N> = [[[Jet::zero(); N]; N]; 2];
+        let outputs = first_mut(raw.as_flattened_mut().as_flattened_mut(), self.inertia.outputs(N));
+        let x = first(inputs.as_flattened(), count);
+        self.network.pull_back::<S, 1, _, _>((x, &mut []), outputs, &mut WeightTangents(row), |o, _| {
+            Adjoint { bar: bar(&Outputs::new(self.inertia, o)), outputs: o.len() }
         });
     }
 }
 
-/// v moving along δv.
-fn moving<S: Scalar, const N: usize>(v: &[S; N], dv: &[S; N]) -> Jets<S, 1, N> {
-    core::array::from_fn(|i| Jet { value: v[i], tangent: [dv[i]] })
+/// The adjoint of the network's outputs.
+struct Adjoint<S, const N: usize> {
+    bar: OutputBar<S, 1, N>,
+    outputs: usize,
+}
+
+impl<S, const N: usize> AsRef<[Jet<S, 1>]> for Adjoint<S, N> {
+    fn as_ref(&self) -> &[Jet<S, 1>] {
+        first(self.bar.as_flattened().as_flattened(), self.outputs)
+    }
 }

@@ -3,7 +3,7 @@
 #![no_main]
 
 use leastaction_chip::{Aligned, image, models};
-use leastaction_core::discrete::rattle::Order;
+use leastaction_core::discrete::Order;
 
 static MODEL: &Aligned<{ include_bytes!("../../models/pendulums.postcard").len() }> =
     &Aligned(*include_bytes!("../../models/pendulums.postcard"));

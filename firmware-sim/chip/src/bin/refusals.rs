@@ -4,10 +4,9 @@
 #![no_main]
 
 use leastaction_chip::{Aligned, board, image, print};
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{ModelError, entry_of};
 use leastaction_firmware_sim::damage::Damage;
-use leastaction_firmware_sim::link::ModelFault;
-use leastaction_firmware_sim::trajectory::reference::{Bobs, Cartpole, Double, GRAPH, TREE};
+use leastaction_firmware_sim::trajectory::reference::{Bobs, Cartpole, Double, GRAPH, TREE, chain};
 
 static DOUBLE: &Aligned<{ include_bytes!("../../models/double.postcard").len() }> =
     &Aligned(*include_bytes!("../../models/double.postcard"));
@@ -24,7 +23,7 @@ fn damaged<const N: usize>(
     for damage in Damage::ALL {
         let refusals = damage.refusals(&mut copy.0, &mut load);
         print::line(name, damage.name().as_bytes());
-        refusals.occurred().for_each(|(fault, count)| print::number(fault.name().as_bytes(), count));
+        refusals.occurred().for_each(|(reason, count)| print::number(reason.name.as_bytes(), count));
         print::number(b"accepted", refusals.accepted);
         if refusals.accepted > 0 && damage != Damage::BitUnderChecksum {
             return Err(b"a damaged file is accepted");
@@ -35,13 +34,15 @@ fn damaged<const N: usize>(
 
 fn run() -> Result<(), &'static [u8]> {
     if let Some(file) = board::model() {
-        let outcome =
-            Cartpole::load(file).map_or_else(|error| ModelFault::from(error).name(), |_| "accepted");
+        let name = |error: ModelError| entry_of(error.coded().code).map_or("refused", |reason| reason.name);
+        let outcome = Cartpole::load(file).map_or_else(name, |_| "accepted");
         print::line(b"flash", outcome.as_bytes());
         return Ok(());
     }
     damaged(b"double", Aligned(DOUBLE.0), |file| Double::load(file, TREE).map(drop))?;
-    damaged(b"pendulums", Aligned(PENDULUMS.0), |file| Bobs::load(file, GRAPH, &mut []).map(drop))
+    damaged(b"pendulums", Aligned(PENDULUMS.0), |file| {
+        Bobs::load(file, GRAPH, &mut [], &mut chain()).map(drop)
+    })
 }
 
 image!(run);

@@ -10,11 +10,6 @@ use leastaction_firmware_sim::trajectory::reference;
 #[allow(dead_code, reason = "an image uses a part of it")]
 mod model {
     include!(concat!(env!("OUT_DIR"), "/shape.rs"));
-
-    #[cfg(graph)]
-    pub fn file() -> &'static [u8] {
-        &FILE.0
-    }
 }
 
 /// As the other images', but whatever is left of the residual will do: random weights need not be a mechanism.
@@ -36,24 +31,26 @@ fn run() -> Result<(), &'static [u8]> {
 #[cfg(graph)]
 fn run() -> Result<(), &'static [u8]> {
     use leastaction_core::constraints::Holonomic;
-    use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+    use leastaction_core::discrete::{
+        Order,
+        rattle::{ParticleState, Rattle},
+    };
     use leastaction_core::energy::graph::Edge;
-    use leastaction_core::model::{GraphHeader, parse_as};
 
     const NODES: usize = model::N / model::DIMENSION;
     const ORDER: Order = if cfg!(order_4) { Order::Four } else { Order::Two };
-    let refused = |_| b"the model is refused".as_slice();
-    let header = parse_as::<GraphHeader, f32>(model::file()).map_err(refused)?.shape;
-    let mut rods = [Holonomic::Held { node: 0, axis: 0, at: 0.0 }; NODES];
-    let layout = header.layout(model::GRAPH).map_err(refused)?;
-    let written = rods.iter_mut().zip(layout.rods()).map(|(slot, rod)| *slot = rod.constraint()).count();
+    let mut rods = [Holonomic::Held { node: 0, axis: 0, at: 0.0 }; model::RODS];
     let mut edges = [Edge::default(); model::EDGES];
-    let model = models::load(|| model::load(&mut edges))?;
-    let mut room = [0.0; Rattle::<f32>::room_of::<2>(NODES, NODES, 1, 0)];
-    let mut numbers = [0.0; ParticleState::<f32, 2>::room(NODES, NODES)];
+    let model = models::load(|| model::load(&mut edges, &mut rods))?;
+    let mut workspace = [0.0; Rattle::<f32>::workspace_of::<2>(NODES, NODES, 1, 0)];
+    let mut numbers = [0.0; ParticleState::<f32, 2>::workspace(NODES, NODES)];
     let q: [[f32; 2]; NODES] = core::array::from_fn(|i| [0.6 * (i + 1) as f32, -0.8 * (i + 1) as f32]);
-    let rods = rods.get(..written).unwrap_or(&[]);
-    models::hanging(&model.graph, (rods, &q), (ORDER, newton()), (&mut numbers, &mut room))
+    models::hanging(
+        &model.system.graph,
+        (model.system.rods, &q),
+        (ORDER, newton()),
+        (&mut numbers, &mut workspace),
+    )
 }
 
 image!(run);

@@ -28,14 +28,14 @@ pub fn argument() -> Option<u32> {
 }
 
 /// Bytes of the slot behind its two words.
-const ROOM: usize = (64 << 10) - 2 * size_of::<u32>();
+const WORKSPACE: usize = (64 << 10) - 2 * size_of::<u32>();
 
 /// The model file that the emulator was told to put into flash, where it lies; `None` where there is none.
 pub fn model() -> Option<&'static [u8]> {
     let slot = (&raw const _slot).cast::<u32>();
     // SAFETY: as above, within the slot's 64 KB, which nobody writes while the program runs.
     let length = unsafe { slot.add(1).read_volatile() } as usize;
-    let fits = length != 0 && length <= ROOM;
+    let fits = length != 0 && length <= WORKSPACE;
     // SAFETY: as above.
     fits.then(|| unsafe { core::slice::from_raw_parts(slot.add(2).cast(), length) })
 }

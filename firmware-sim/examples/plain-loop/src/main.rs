@@ -7,7 +7,7 @@ use cortex_m::asm::wfi;
 use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
 use cortex_m_rt::{entry, exception};
 use cortex_m_semihosting::{debug, hprintln};
-use leastaction_core::discrete::{Control, Del, Galerkin, State};
+use leastaction_core::discrete::{Control, Galerkin, State};
 use leastaction_core::model::{ModelError, RigidModel};
 use panic_halt as _;
 
@@ -51,13 +51,13 @@ fn control(tick: u32) -> [f32; 2] {
 }
 
 fn run(model: &Model) -> Result<(), ()> {
-    let (Some(trained), Some(mut peripherals)) = (model.discretisation, Peripherals::take()) else {
+    // Step and order of the file; an error where it was trained with another order.
+    let (Ok(del), Some(mut peripherals)) = (model.del::<f32, Galerkin>(), Peripherals::take()) else {
         return Err(());
     };
-    let del = Del::<f32, Galerkin>::new(trained.h);
     let mut state = State::new(&model.system.lagrangian, [0.0, 0.1], [0.0, 0.0]).map_err(|_| ())?;
     let (mut late, mut refused) = (0, 0);
-    start(&mut peripherals.SYST, trained.h);
+    start(&mut peripherals.SYST, del.h());
     for tick in 0..TICKS {
         late += u32::from(NOW.load(Ordering::Relaxed) > tick);
         wait_for(tick + 1);

@@ -26,11 +26,11 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
-    /// None where the file is no such model or does not say its step.
+    /// None where the file is no such model, does not say its step or was trained with another order.
     fn load() -> Option<Self> {
-        let model = RigidModel::load(&FILE.0).ok()?;
+        let model = RigidModel::<2, 7, 2>::load(&FILE.0).ok()?;
         let state = State::new(&model.system.lagrangian, [0.0, 0.1], [0.0, 0.0]).ok()?;
-        Some(Self { model, del: Del::new(model.discretisation?.h), state, refused: 0 })
+        Some(Self { model, del: model.del().ok()?, state, refused: 0 })
     }
 
     /// On error the state is what it was: hold it, count, and command no force.

@@ -2,7 +2,7 @@
 
 use crate::baselines::features::moving;
 use leastaction_core::energy::Learnable;
-use leastaction_core::lagrangian::{DenseMass, Dynamics, Energies, Gradient, Hessian, Lagrangian};
+use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian};
 use leastaction_core::network::{Activation, Jet, Mlp, Tape};
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::Scalar;
@@ -18,7 +18,7 @@ pub(super) const MAX_WIDTH: usize = 256;
 pub struct Cartesian<'w> {
     /// k of every node, kg.
     k: &'w [f64],
-    potential: Mlp<'w, f64, DEPTH>,
+    potential: Mlp<'w, f64, MAX_WIDTH, DEPTH>,
 }
 
 impl<'w> Cartesian<'w> {
@@ -76,8 +76,6 @@ impl<'w> Cartesian<'w> {
 }
 
 impl<S: Scalar<Weight = f64>, const N: usize> Lagrangian<S, N> for Cartesian<'_> {
-    type Mass = DenseMass<S, N>;
-
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let (potential, _) = self.slope(&q.map(Jet::<S, 0>::constant));
         Energies { kinetic: self.kinetic(v.iter().copied()), potential }
@@ -87,8 +85,8 @@ impl<S: Scalar<Weight = f64>, const N: usize> Lagrangian<S, N> for Cartesian<'_>
         Gradient { l_q: self.pull(q), l_v: self.momenta(v) }
     }
 
-    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, Self::Mass, N> {
-        let mass = DenseMass(self.mass_matrix());
+    fn dynamics(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
+        let mass = self.mass_matrix();
         Dynamics { mass, l_q: self.pull(q), l_v: self.momenta(v), l_vq_v: [S::zero(); N] }
     }
 
@@ -138,7 +136,7 @@ impl Particles<f64, 2> for Cartesian<'_> {
         self.k.len()
     }
 
-    fn room(&self) -> usize {
+    fn workspace(&self) -> usize {
         0
     }
 

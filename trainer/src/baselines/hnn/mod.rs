@@ -34,7 +34,7 @@ pub struct Hnn {
     momenta: Momenta,
 }
 
-type Network<'w> = Mlp<'w, f64, DEPTH>;
+type Network<'w> = Mlp<'w, f64, MAX_WIDTH, DEPTH>;
 
 impl Hnn {
     /// With so many units in each hidden layer; `coordinates` has a letter each, `a` for angles, any other for translations.

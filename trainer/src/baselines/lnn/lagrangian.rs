@@ -2,7 +2,7 @@
 
 use crate::baselines::features::{adjoint, count, inputs};
 use crate::baselines::network_lagrangian::ScalarNetwork;
-use leastaction_core::network::{Activation, Bends, Jet, Mlp, Tape};
+use leastaction_core::network::{Activation, Jet, Mlp, SecondOrderTape, Tape};
 use leastaction_core::scalar::Scalar;
 
 /// Hidden layers, as Cranmer et al. have them.
@@ -12,7 +12,7 @@ pub(super) const DEPTH: usize = 2;
 #[derive(Clone, Copy, Debug)]
 pub struct LnnNetwork<'w, const H: usize> {
     coordinates: &'w str,
-    network: Mlp<'w, f64, DEPTH>,
+    network: Mlp<'w, f64, H, DEPTH>,
 }
 
 impl<'w, const H: usize> LnnNetwork<'w, H> {
@@ -39,8 +39,8 @@ impl<const H: usize> ScalarNetwork for LnnNetwork<'_, H> {
     fn bend<S: Scalar<Weight = f64>, const T: usize>(&self, x: &[Jet<S, T>]) -> [[S; T]; T] {
         let x = inputs(self.coordinates, x);
         let (mut l, mut x_bar) = ([Jet::zero()], vec![Jet::zero(); x.len()]);
-        let mut bends = Bends::<S, T, H, DEPTH>::default();
-        self.network.forward_bent(&x, &mut bends, &mut l);
+        let mut bends = SecondOrderTape::<S, T, H, DEPTH>::default();
+        self.network.forward_second_order(&x, &mut bends, &mut l);
         self.network.second_order(&bends, &[Jet::constant(S::one())], &mut x_bar)
     }
 

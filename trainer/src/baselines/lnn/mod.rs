@@ -54,7 +54,7 @@ impl Lnn {
 
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
-        Mlp::<f64, 0>::parameters(count(&self.coordinates), &[self.width; DEPTH], 1).unwrap_or(0)
+        Mlp::<f64, 0, 0>::parameters(count(&self.coordinates), &[self.width; DEPTH], 1).unwrap_or(0)
     }
 }
 

@@ -39,7 +39,7 @@ pub fn forecast(
     let unseen = seed.wrapping_add(1);
     let settings = Settings { samples, control: false, ..Settings::symo(mechanism, TRAJECTORIES, unseen) };
     let truth = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
-    let order = model.discretisation.map_or(4, |d| d.order);
+    let order = model.facts.trained_step.map_or(4, |step| step.order.number());
     let learned = rollout(&model.architecture, &model.weights, order, &truth)
         .map_err(|error| Failure::Work(error.to_string()))?;
     let errors = integration_errors(&learned, &truth);

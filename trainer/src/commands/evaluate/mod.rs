@@ -113,7 +113,8 @@ impl Evaluate {
             };
             return Err(Failure::input(&self.data, message));
         }
-        if let Some(trained) = model.discretisation.filter(|d| (f64::from(d.h) - log.h).abs() > 1e-6 * log.h)
+        if let Some(trained) =
+            model.facts.trained_step.filter(|d| (f64::from(d.h) - log.h).abs() > 1e-6 * log.h)
         {
             output.note(&format!(
                 "note: the model was trained for a step of {} s and is evaluated at {} s, where it is less accurate",
@@ -182,7 +183,7 @@ impl Evaluate {
         system: Option<Mechanism>,
     ) -> Result<Report, ModelError> {
         let (architecture, weights) = (&model.architecture, &model.weights);
-        let order = self.order.or(model.discretisation.map(|d| d.order)).unwrap_or(4);
+        let order = self.order.or(model.facts.trained_step.map(|step| step.order.number())).unwrap_or(4);
         let steps = architecture.has_steps();
         let runs = steps.then(|| rollout(architecture, weights, order, log)).transpose()?;
         let errors = runs.as_ref().map(|runs| integration_errors(runs, log));

@@ -112,7 +112,7 @@ impl Export {
         let shipped = model_file::decode(bytes).map_err(|error| Failure::input(&self.output, error))?;
         let compared = Compared {
             architecture: &trained.architecture,
-            order: trained.discretisation.map_or(4, |discretisation| discretisation.order),
+            order: trained.trained_step.map_or(4, |step| step.order.number()),
             trained: &trained.best.weights,
             shipped: &shipped.weights,
         };
@@ -123,8 +123,8 @@ impl Export {
 /// The model of a run, and its file.
 pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), Failure> {
     let trained = Trained::read(run).map_err(|error| Failure::Input(error.to_string()))?;
-    let Trained { architecture, discretisation, best, provenance, .. } = &trained;
-    let bytes = model_file::encode_in(precision, architecture, &best.weights, *discretisation, provenance)
+    let Trained { architecture, best, .. } = &trained;
+    let bytes = model_file::encode_in(precision, architecture, &best.weights, &trained.facts())
         .map_err(|error| Failure::file(run, error))?;
     Ok((trained, bytes))
 }

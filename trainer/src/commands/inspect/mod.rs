@@ -9,6 +9,8 @@ use clap::Args;
 use leastaction::architecture::MODULAR_SIZES;
 use leastaction::model_cost::{Cost, cost};
 use leastaction::model_file::{HostModel, Precision, decode};
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
 use serde::Serialize;
 use shape::Shape;
 use std::fmt;
@@ -44,6 +46,11 @@ struct Report {
     weight_bits: u8,
     order: Option<u8>,
     h: Option<f64>,
+    /// What happened to the control between samples.
+    control: Option<&'static str>,
+    /// What the training data covered; empty where the file does not say.
+    range: Vec<RangeReport>,
+    format_version: u8,
     provenance: String,
     flash_bytes: usize,
     /// None for a tree of a size that this program was not compiled for.
@@ -113,11 +120,36 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         damping: (!damping.is_empty() && damped).then_some(damping),
         parameters: model.weights.len(),
         weight_bits: model.precision.bits(),
-        order: model.discretisation.map(|d| d.order),
-        h: model.discretisation.map(|d| shortest(d.h)),
-        provenance: model.provenance,
+        order: model.facts.trained_step.map(|step| step.order.number()),
+        h: model.facts.trained_step.map(|step| shortest(step.h)),
+        control: model.facts.trained_step.map(|step| control(step.control)),
+        range: model.facts.range.iter().map(RangeReport::from).collect(),
+        format_version: model.version,
+        provenance: model.facts.provenance,
         flash_bytes,
         model: file,
+    }
+}
+
+/// What the training data covered of one coordinate: smallest and largest values.
+#[derive(Serialize)]
+struct RangeReport {
+    q: [f64; 2],
+    v: [f64; 2],
+    u: [f64; 2],
+}
+
+impl From<&CoordinateRange> for RangeReport {
+    fn from(range: &CoordinateRange) -> Self {
+        let ends = |interval: Interval| [interval.least, interval.most].map(shortest);
+        Self { q: ends(range.q), v: ends(range.v), u: ends(range.u) }
+    }
+}
+
+const fn control(kind: ControlKind) -> &'static str {
+    match kind {
+        ControlKind::Held => "held",
+        ControlKind::Linear => "linear",
     }
 }
 
@@ -145,10 +177,26 @@ impl fmt::Display for Report {
         }
         line(f, "parameters", &format!("{} of {} bits", self.parameters, self.weight_bits))?;
         match (self.order, self.h) {
-            (Some(order), Some(h)) => line(f, "trained for", &format!("order {order}, step {h} s"))?,
+            (Some(order), Some(h)) => {
+                let control = self.control.unwrap_or("unknown");
+                line(
+                    f,
+                    "trained for",
+                    &format!("order {order}, step {h} s, control {control} between samples"),
+                )?;
+            }
             _ => line(f, "trained for", "accelerations: any order and step")?,
         }
+        self.ranges(f)?;
         line(f, "from", &self.provenance)?;
+        if self.format_version != FORMAT_VERSION {
+            let version = self.format_version;
+            line(
+                f,
+                "format",
+                &format!("version {version}, which controllers refuse: `leastaction convert`"),
+            )?;
+        }
         writeln!(f)?;
         self.costs(f)?;
         self.target.iter().try_for_each(|target| write!(f, "{target}"))
@@ -156,6 +204,16 @@ impl fmt::Display for Report {
 }
 
 impl Report {
+    /// A line for every coordinate, where the file says what the training data covered.
+    fn ranges(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        for (i, RangeReport { q, v, u }) in self.range.iter().enumerate() {
+            let name = if i == 0 { "training data" } else { "" };
+            let ends = |[least, most]: [f64; 2]| format!("{least:.4} … {most:.4}");
+            writeln!(f, "{name:<22} q{}: {}, v: {}, u: {}", i + 1, ends(*q), ends(*v), ends(*u))?;
+        }
+        Ok(())
+    }
+
     fn costs(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Some(cost) = self.cost else {
             let n = self.coordinates.len();

@@ -3,7 +3,7 @@
 use leastaction::architecture::{Architecture, GraphArchitecture, ModularArchitecture, RigidArchitecture};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
-use leastaction_core::energy::modular::{Node, TransformShape, TypeShape};
+use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
 use serde::Serialize;
@@ -101,11 +101,10 @@ impl Shape {
     fn modular(modular: &ModularArchitecture) -> Self {
         let header = modular.header();
         let trees = header.trees().map(|tree| Tree::new(tree, modular)).collect();
-        let types = modular.shape.types().zip(&modular.types).map(|(shape, named)| {
+        let types = modular.shape.types.iter().zip(&modular.types).map(|(shape, named)| {
             let [mass, inertia, centre, length, damping] = named.numbers.map(|number| number.value);
             let transform = transform(shape, modular);
-            let potential =
-                shape.potential.map(|network| layers(modular.shape.networks().nth(network.into())));
+            let potential = shape.potential.map(|network| layers(modular.shape.networks.get(network)));
             ElementType {
                 name: named.name.clone(),
                 transform,
@@ -121,7 +120,7 @@ impl Shape {
             format!(
                 "of the {} {}",
                 format!("{:?}", pair.input).to_lowercase(),
-                layers(modular.shape.networks().nth(pair.network.into()))
+                layers(modular.shape.networks.get(pair.network))
             )
         });
         Self::Modular { types: types.collect(), pair, trees, tree: modular.tree_name().to_owned() }
@@ -129,8 +128,8 @@ impl Shape {
 
     fn graph(graph: &GraphArchitecture) -> Self {
         let shape = &graph.shape;
-        let network = |network: u8| layers(shape.networks().nth(network.into()));
-        let named = shape.nodes().zip(&graph.node_types).map(|(kind, named)| {
+        let network = |network: u8| layers(shape.networks.get(network));
+        let named = shape.nodes.iter().zip(&graph.node_types).map(|(kind, named)| {
             let number = |k: usize| named.numbers.get(k).map_or(f64::NAN, |number| number.value);
             let kinetic = match kind.kinetic {
                 Kinetic::Mass => format!("mass {:.4} kg", number(0)),
@@ -150,7 +149,7 @@ impl Shape {
             };
             format!("{}: {kinetic}, {potential}{drag}", named.name)
         });
-        let joined = shape.edges().zip(&graph.edge_types).map(|(kind, named)| {
+        let joined = shape.edges.iter().zip(&graph.edge_types).map(|(kind, named)| {
             let name = &named.name;
             let law: Vec<_> = named.numbers.iter().map(|number| format!("{:.4}", number.value)).collect();
             let seen = match kind.separation {
@@ -233,7 +232,7 @@ const ROD: &str = "rod";
 
 impl Tree {
     fn new(tree: &TreeHeader, modular: &ModularArchitecture) -> Self {
-        let element = |(i, node): (usize, Node)| {
+        let element = |(i, node): (usize, TreeElement)| {
             let name = modular.types.get(usize::from(node.kind)).map_or("?", |kind| kind.name.as_str());
             match node.parent {
                 None => format!("{i} {name}"),
@@ -257,7 +256,7 @@ impl Tree {
 fn transform(shape: &TypeShape, modular: &ModularArchitecture) -> String {
     match shape.transform {
         TransformShape::Network { position, velocity, .. } => {
-            let network = |network: u8| layers(modular.shape.networks().nth(network.into()));
+            let network = |network: u8| layers(modular.shape.networks.get(network));
             let own = velocity.map_or(String::new(), |v| format!(" with velocity {}", network(v)));
             format!("position {}{own}", network(position))
         }

@@ -2,7 +2,7 @@
 
 use super::remote::Target;
 use super::{Report, Trace};
-use crate::commands::output::Failure;
+use crate::commands::output::{Failure, Output};
 use clap::ValueEnum;
 use leastaction::architecture::{MAX_WIDTH, RigidArchitecture};
 use leastaction::ground_truth::Mechanism;
@@ -10,7 +10,7 @@ use leastaction::model_file::HostModel;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_core::model::ModelError;
-use leastaction_firmware_sim::observer::Order;
+use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on};
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary};
 use serde::Serialize;
@@ -59,13 +59,19 @@ pub struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// The scenario's setup as asked for; the firmware steps the model by the order it was trained with.
+    /// The scenario's setup as asked for; the firmware steps the model by the order it was trained with, and a warning says where
+    /// the tick is not its step.
     fn adapt<const N: usize>(&self, setup: &mut Setup<N>) {
         setup.seed = self.seed;
         setup.seconds = self.seconds.unwrap_or(setup.seconds);
         setup.tick = self.tick.unwrap_or(setup.tick);
-        let order = self.model.discretisation.and_then(|d| Order::from_number(d.order));
+        let order = self.model.facts.trained_step.map(|step| step.order);
         setup.observer.order = order.unwrap_or(setup.observer.order);
+        setup.observer.other_step = OtherStep::Accepted;
+        if let Err(other) = setup.observer.require_step(setup.tick, self.model.facts.trained_step) {
+            Output { json: false }
+                .note(&format!("warning: the model is less accurate than it could be: {other}"));
+        }
     }
 }
 

@@ -5,8 +5,8 @@ use crate::architecture::{GRAPH_SIZES, GraphArchitecture, GraphType, NamedGraph,
 use crate::config::parts::{Networks, NumberConfig, Range};
 use crate::config::problem::{Problem, ShapeError, check_count, check_name, list};
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, EdgeShape, Kinetic, MAX_EDGE_TYPES, MAX_NETWORKS, MAX_NODE_TYPES, NodeShape,
-    Potential, Shape,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, MAX_EDGE_TYPES, MAX_NETWORKS, MAX_NODE_TYPES,
+    NodeShape, Potential,
 };
 use leastaction_core::model::{MAX_GRAPHS, ORIGIN, Rod};
 use leastaction_core::network::Activation;
@@ -31,7 +31,7 @@ impl GraphConfig {
         check_count("node types", NODE_TYPES, node_types.len(), MAX_NODE_TYPES)?;
         check_count("edge types", EDGE_TYPES, edge_types.len(), MAX_EDGE_TYPES)?;
         check_count("networks of node and edge types", NODE_TYPES, networks.0.len(), MAX_NETWORKS)?;
-        let shape = Shape::new(self.dimension, &networks.0, &node_shapes, &edge_shapes);
+        let shape = GraphShape::new(self.dimension, &networks.0, &node_shapes, &edge_shapes);
         // The counts are in range.
         let shape = shape.filter(|_| !node_types.is_empty()).ok_or_else(|| Problem::NoNodeTypes.at([]))?;
         let graphs = self.named_graphs()?;

@@ -6,9 +6,10 @@ use super::{ElementConfig, ModularConfig, PairConfig, Problem, ShapeError, Trans
 use crate::architecture::{MODULAR_SIZES, ModularArchitecture, NamedTree, NamedType, Number};
 use crate::config::parts::Networks;
 use crate::config::problem::{check_count, check_name, list};
+use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
-    Input, MAX_NETWORKS, MAX_TYPES, NUMBERS, NetworkShape, PairInput, PairShape, SPACE, Shape,
-    TransformShape, TypeShape,
+    Input, MAX_NETWORKS, MAX_TYPES, ModularShape, NetworkShape, PairInput, PairShape, SPACE, TransformShape,
+    TypeShape,
 };
 use leastaction_core::model::MAX_TREES;
 use leastaction_core::network::Activation;
@@ -47,7 +48,8 @@ impl Assembled {
         let shape = &self.architecture.shape;
         let mut start = 0;
         let networks: Vec<_> = shape
-            .networks()
+            .networks
+            .iter()
             .map(|network| {
                 let from = start;
                 start += network.parameters().unwrap_or(0);
@@ -58,7 +60,7 @@ impl Assembled {
             TransformShape::Network { position, .. } => networks.get(usize::from(position)),
             TransformShape::Rod | TransformShape::Slide | TransformShape::Free => None,
         };
-        let positions: Vec<_> = shape.types().filter_map(position).collect();
+        let positions: Vec<_> = shape.types.iter().filter_map(position).collect();
         let first = |(shape, place): &&(&NetworkShape, Range<usize>)| {
             let (_, from) = positions.iter().find(|(other, _)| other == shape)?;
             Some((from.clone(), place.clone()))
@@ -130,14 +132,14 @@ impl Assembly {
     fn of(source: &Source) -> Self {
         let Source { architecture, weights } = source;
         let shape = &architecture.shape;
-        let types: Vec<_> = shape.types().copied().zip(architecture.types.iter().cloned()).collect();
-        let numbers = NUMBERS * types.len() + 2;
+        let types: Vec<_> = shape.types.iter().copied().zip(architecture.types.iter().cloned()).collect();
+        let numbers = ModularArchitecture::numbers_of(types.len());
         let mut trees = architecture.trees.clone();
         if architecture.tree < trees.len() {
             trees.swap(0, architecture.tree);
         }
         Self {
-            networks: Networks(shape.networks().copied().collect()),
+            networks: Networks(shape.networks.iter().copied().collect()),
             old: types.len(),
             types,
             pair: shape.pair,
@@ -278,9 +280,11 @@ impl Assembly {
     }
 
     fn finish(self) -> Assembled {
-        let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: self.pair };
-        shape.networks.iter_mut().zip(&self.networks.0).for_each(|(slot, network)| *slot = Some(*network));
-        shape.types.iter_mut().zip(&self.types).for_each(|(slot, (kind, _))| *slot = Some(*kind));
+        let mut shape = ModularShape { networks: List::default(), types: List::default(), pair: self.pair };
+        let networks = shape.networks.slots.iter_mut().zip(&self.networks.0);
+        networks.for_each(|(slot, network)| *slot = Some(*network));
+        let types = shape.types.slots.iter_mut().zip(&self.types);
+        types.for_each(|(slot, (kind, _))| *slot = Some(*kind));
         let types = self.types.into_iter().map(|(_, named)| named).collect();
         let coefficients = self.coefficients.unwrap_or([Number::known(1.0); 2]);
         let architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);

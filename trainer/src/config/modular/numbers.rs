@@ -1,12 +1,11 @@
 //! The numbers of element types.
 
 use super::{Problem, TransformKind, TypeConfig};
-use crate::architecture::Number;
+use crate::architecture::{Number, TYPE_NUMBERS};
 use crate::config::parts::{NumberConfig, Range};
-use leastaction_core::energy::modular::NUMBERS;
 
 /// A point of 1 kg at the end of whatever carries it.
-pub(super) const DEFAULTS: [Number; NUMBERS] =
+pub(super) const DEFAULTS: [Number; TYPE_NUMBERS] =
     [Number::known(1.0), Number::known(0.0), Number::known(1.0), Number::known(1.0), Number::known(0.0)];
 
 impl TypeConfig {
@@ -26,9 +25,9 @@ impl TypeConfig {
     pub(super) fn numbers(
         &self,
         transform: TransformKind,
-        defaults: [Number; NUMBERS],
-    ) -> Result<[Number; NUMBERS], (&'static str, Problem)> {
-        let rules: [(&'static str, bool, Range); NUMBERS] = [
+        defaults: [Number; TYPE_NUMBERS],
+    ) -> Result<[Number; TYPE_NUMBERS], (&'static str, Problem)> {
+        let rules: [(&'static str, bool, Range); TYPE_NUMBERS] = [
             ("mass", true, Range::ABOVE),
             ("inertia", transform.turns(), Range::NOT_BELOW),
             ("centre", true, Range::ANY),

@@ -3,7 +3,7 @@
 use crate::architecture::{GraphArchitecture, GraphType, NamedGraph, Number};
 use crate::ground_truth::Truss;
 use leastaction_core::energy::NetworkShape;
-use leastaction_core::energy::graph::{Drag, Kinetic, NodeShape, Potential, Shape};
+use leastaction_core::energy::graph::{Drag, GraphShape, Kinetic, NodeShape, Potential};
 use leastaction_core::model::{ModelError, Rod};
 use leastaction_core::network::Activation;
 
@@ -25,7 +25,7 @@ pub fn architecture(truss: &Truss) -> Result<GraphArchitecture, ModelError> {
         drag: Drag::None,
     };
     let nodes: Vec<NodeShape> = (0..count).map(node).collect();
-    let shape = Shape::new(2, &vec![network; count], &nodes, &[])
+    let shape = GraphShape::new(2, &vec![network; count], &nodes, &[])
         .ok_or(ModelError::OutOfRange { what: "number of types" })?;
     let numbers = |k: usize| {
         let mass = if k == 0 { Number::known(1.0) } else { Number::learned(1.0) };

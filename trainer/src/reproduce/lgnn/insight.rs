@@ -55,8 +55,8 @@ fn spring(model: &Model, samples: &Samples) -> Result<Compared, ReproduceError> 
     let types: HostTypes<'_, f64, 2> = model.architecture.host_types(&model.weights)?;
     let edges = [Edge { kind: 0, ends: [0, 1] }];
     let pair = Graph::new(types, &[0, 0], &edges)?;
-    let mut room = vec![0.0; Particles::<f64, 2>::room(&pair)];
-    let mut learned = |r: f64| pair.energies(&[[0.0; 2], [r, 0.0]], &[[0.0; 2]; 2], &mut room).potential;
+    let mut workspace = vec![0.0; Particles::<f64, 2>::workspace(&pair)];
+    let mut learned = |r: f64| pair.energies(&[[0.0; 2], [r, 0.0]], &[[0.0; 2]; 2], &mut workspace).potential;
     let (zero, longest) = (learned(1.0), longest(model, samples)?);
     let row = |k: usize| {
         let r = longest * (k + 1) as f64 / POINTS as f64;

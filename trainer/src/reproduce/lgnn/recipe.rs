@@ -6,7 +6,7 @@ use crate::ground_truth::LgnnSystem;
 use crate::training::{Levenberg, Samples};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, EdgeShape, Kinetic, NodeShape, Potential, Separation, Shape,
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, NodeShape, Potential, Separation,
 };
 use leastaction_core::model::{ModelError, Rod};
 use leastaction_core::network::Activation;
@@ -66,8 +66,8 @@ pub fn architecture(
     };
     let spring = EdgeShape { separation: Separation::Squared, potential: Some(0), embedding: None };
     let (networks, edges) = (&networks[..1 + usize::from(drag)], &[spring][..usize::from(springs)]);
-    let shape =
-        Shape::new(2, networks, &[node], edges).ok_or(ModelError::OutOfRange { what: "number of types" })?;
+    let shape = GraphShape::new(2, networks, &[node], edges)
+        .ok_or(ModelError::OutOfRange { what: "number of types" })?;
     let numbers = vec![Number::known(1.0), law(drag), law(!springs), law(!springs)];
     let name = if springs { "node" } else { "bob" }.to_owned();
     let spring = |_| GraphType { name: "spring".to_owned(), numbers: vec![law(true); EDGE_NUMBERS] };

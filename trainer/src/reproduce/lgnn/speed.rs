@@ -4,7 +4,10 @@ use super::{LgnnSettings, LgnnSystem, Model, ReproduceError};
 use crate::architecture::HostTypes;
 use crate::ground_truth::lgnn_starts;
 use leastaction_core::constraints::Constrained;
-use leastaction_core::discrete::rattle::{Order, ParticleState, Rattle};
+use leastaction_core::discrete::{
+    Order,
+    rattle::{ParticleState, Rattle},
+};
 use leastaction_core::energy::graph::Graph;
 use std::time::Instant;
 
@@ -32,15 +35,15 @@ pub fn step_microseconds(model: &Model) -> Result<f64, ReproduceError> {
     let rods = graph.constraints();
     let mechanism = Constrained::new(&particles, rods.as_slice())?;
     let (integrator, equations) = (Rattle::new(STEP, Order::Two), mechanism.equations());
-    let mut room = vec![0.0; Rattle::room(&mechanism)];
-    let mut storage = vec![0.0; ParticleState::<f64, 2>::room(nodes, equations)];
-    let mut state = ParticleState::new(&mechanism, q, v, &mut storage, &mut room)?;
+    let mut workspace = vec![0.0; Rattle::workspace(&mechanism)];
+    let mut storage = vec![0.0; ParticleState::<f64, 2>::workspace(nodes, equations)];
+    let mut state = ParticleState::new(&mechanism, q, v, &mut storage, &mut workspace)?;
     let steps = (STRETCH / nodes).max(1);
     let mut fastest = f64::INFINITY;
     for _ in 0..STRETCHES {
         let clock = Instant::now();
         for _ in 0..steps {
-            integrator.step(&mechanism, &mut state, None, &mut room)?;
+            integrator.step(&mechanism, &mut state, None, &mut workspace)?;
         }
         fastest = fastest.min(clock.elapsed().as_secs_f64() / steps as f64);
     }

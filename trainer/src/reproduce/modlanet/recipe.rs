@@ -6,8 +6,9 @@ use crate::data::modlanet::ModlanetRows;
 use crate::evaluate::learned::with_accelerations;
 use crate::ground_truth::ManyBody;
 use crate::training::{Levenberg, Samples};
+use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
-    Input, MAX_NETWORKS, MAX_TYPES, NetworkShape, PairInput, PairShape, Shape, TransformShape, TypeShape,
+    Input, ModularShape, NetworkShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
@@ -46,28 +47,28 @@ pub fn tree(system: ManyBody) -> NamedTree {
 }
 
 fn pendulum() -> ModularArchitecture {
-    let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: None };
+    let mut shape = ModularShape { networks: List::default(), types: List::default(), pair: None };
     let activation = Activation::Tanh;
-    shape.networks[0] = Some(NetworkShape { inputs: 2, widths: POSITION, outputs: 2, activation });
-    shape.networks[1] = Some(NetworkShape { inputs: 2, widths: [0; 4], outputs: 1, activation });
+    shape.networks.slots[0] = Some(NetworkShape { inputs: 2, widths: POSITION, outputs: 2, activation });
+    shape.networks.slots[1] = Some(NetworkShape { inputs: 2, widths: [0; 4], outputs: 1, activation });
     let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
-    shape.types[0] = Some(TypeShape { transform, potential: Some(1) });
+    shape.types.slots[0] = Some(TypeShape { transform, potential: Some(1) });
     one_type(shape, "bob")
 }
 
 fn bodies(input: PairInput) -> ModularArchitecture {
-    let mut shape = Shape { networks: [None; MAX_NETWORKS], types: [None; MAX_TYPES], pair: None };
+    let mut shape = ModularShape { networks: List::default(), types: List::default(), pair: None };
     let widths = pair_widths(input);
     let inputs = input.features() as u8;
-    shape.networks[0] = Some(NetworkShape { inputs, widths, outputs: 1, activation: Activation::Tanh });
-    shape.types[0] = Some(TypeShape { transform: TransformShape::Free, potential: None });
+    shape.networks.slots[0] = Some(NetworkShape { inputs, widths, outputs: 1, activation: Activation::Tanh });
+    shape.types.slots[0] = Some(TypeShape { transform: TransformShape::Free, potential: None });
     shape.pair = Some(PairShape { network: 0, input });
     one_type(shape, "body")
 }
 
 /// All numbers known: a point of mass 1 without damping, c₁ = c₂ = 1. The networks bear the scales, and a known mass fixes
 /// the scale of L, which accelerations do not show.
-fn one_type(shape: Shape, name: &str) -> ModularArchitecture {
+fn one_type(shape: ModularShape, name: &str) -> ModularArchitecture {
     let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
     let types = vec![NamedType { name: name.to_owned(), numbers }];
     ModularArchitecture::new(shape, types, [Number::known(1.0); 2], Vec::new())

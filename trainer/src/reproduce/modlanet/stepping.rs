@@ -6,8 +6,9 @@ use leastaction_core::continuous::{ContinuousState, energy, rk4_step};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State, StepError};
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::lagrangian::{Lagrangian, MassMatrix};
-use leastaction_core::linear::Singular;
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear::{SolveError, solve};
+use leastaction_core::model::Laws;
 use leastaction_core::scalar::Scalar;
 use serde::Serialize;
 use thiserror::Error;
@@ -77,8 +78,8 @@ impl From<StepError<f32>> for SteppingError {
     }
 }
 
-impl From<Singular> for SteppingError {
-    fn from(_: Singular) -> Self {
+impl From<SolveError> for SteppingError {
+    fn from(_: SolveError) -> Self {
         Self::Singular
     }
 }
@@ -92,8 +93,8 @@ pub fn long_run(model: &Model, steps: usize, h: f32) -> Result<LongRun, Reproduc
     let exact: Vec<f64> = rounded.iter().map(|w| f64::from(*w)).collect();
     let header = model.architecture.header();
     let tree = model.architecture.tree_header();
-    let system: Tree<f32> = header.system(&tree, &rounded)?;
-    let judge: Tree<f64> = header.system(&tree, &exact)?;
+    let system: Tree<f32> = header.system(&tree, Laws::VISCOUS, &rounded)?;
+    let judge: Tree<f64> = header.system(&tree, Laws::VISCOUS, &exact)?;
     let run = Run { system, judge, steps, h, every: steps.div_ceil(KEPT).max(1) };
     Ok(LongRun { steps, h, del_2: run.del::<Midpoint>()?, del_4: run.del::<Galerkin>()?, rk4: run.rk4()? })
 }
@@ -117,7 +118,7 @@ impl Run<'_> {
             del.step(&self.system, &mut state, &Control::held([0.0; N]))?;
             let q = state.q().map(f64::from);
             let mass = self.judge.lagrangian.dynamics(&q, &[0.0; N]).mass;
-            Ok((q, mass.solve(&state.p().map(f64::from))?))
+            Ok((q, solve(mass, state.p().map(f64::from))?))
         })
     }
 

@@ -17,7 +17,7 @@ use blocks::{column, finite, set};
 use chain::{Chain, Linearised, product};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
-use leastaction_core::discrete::rattle::Order;
+use leastaction_core::discrete::Order;
 use leastaction_core::linear::{Matrix, add_scaled, multiply, transpose};
 
 /// Newton updates at most.

@@ -6,7 +6,7 @@ use crate::architecture::Constraint;
 use faer::Mat;
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
+use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::{Matrix, add_scaled, add_scaled_matrix, dot, multiply};
 use leastaction_core::scalar::max_abs;
 
@@ -41,25 +41,26 @@ impl<const N: usize> Arrival<'_, N> {
     /// Newton's method for v and μ together.
     pub fn velocity<L, F>(&self, system: &System<L, F>) -> Result<Velocity<N>, Failed>
     where
-        L: Lagrangian<f64, N, Mass = DenseMass<f64, N>>,
+        L: Lagrangian<f64, N>,
         F: Forces<f64, N>,
     {
         let (mut v, mut mu) = (self.guess, vec![0.0; self.constraints.len()]);
         let mut scale = max_abs(&self.momentum);
         for _ in 0..MAX_ITERATIONS {
             let d = system.lagrangian.dynamics(self.q, &v);
-            let slope = system.forces.derivatives(self.q, &v).1;
-            let drag = system.forces.force(self.q, &v);
+            // The drag of graphs does not see the control force.
+            let slope = system.forces.derivatives(self.q, &v, &[0.0; N]).1;
+            let drag = system.forces.force(self.q, &v, &[0.0; N]);
             scale = scale.max(max_abs(&d.l_v));
-            let matrix = self.matrix(&add_scaled_matrix(&d.mass.0, -self.half, &slope)).partial_piv_lu();
+            let matrix = self.matrix(&add_scaled_matrix(&d.mass, -self.half, &slope)).partial_piv_lu();
             let change = finite(matrix.solve(self.owed(&d.l_v, &drag, &v, &mu)))?;
             let dv = column(&change, (0, 0));
             v = add_scaled(&v, 1.0, &dv);
             mu.iter_mut().enumerate().for_each(|(k, mu)| *mu -= change[(N + k, 0)]);
-            if max_abs(&multiply(&d.mass.0, &dv)) <= SETTLED * scale {
+            if max_abs(&multiply(&d.mass, &dv)) <= SETTLED * scale {
                 let inverse = finite(matrix.inverse())?;
                 let (v_p, v_q) = (block(&inverse, (0, 0)), self.v_q(&inverse, &v, &mu));
-                return Ok(Velocity { v, drag: system.forces.force(self.q, &v), slope, v_p, v_q });
+                return Ok(Velocity { v, drag: system.forces.force(self.q, &v, &[0.0; N]), slope, v_p, v_q });
             }
         }
         Err(Failed)

@@ -1,4 +1,5 @@
-//! Writes the header of the library, for the family and sizes that this program is built for, to standard output.
+//! Writes the header of the library, for the family, sizes and prefix of names that this program is built for, to standard
+//! output.
 
 #[path = "../../../src/config.rs"]
 mod config;
@@ -7,24 +8,26 @@ use cbindgen::{
     Braces, Builder, Config, DocumentationStyle, EnumConfig, ItemType, Language, RenameRule, SortKey, Style,
 };
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What the header says before anything else.
 const INTRODUCTION: &str = include_str!("../introduction.h");
 
 /// C names of the types.
-const NAMES: [(&str, &str); 6] = [
+const NAMES: [(&str, &str); 7] = [
     ("Model", "leastaction_model"),
     ("State", "leastaction_state"),
     ("Status", "leastaction_status"),
     ("Error", "leastaction_error"),
     ("Newton", "leastaction_newton"),
     ("Report", "leastaction_report"),
+    ("Outside", "leastaction_outside"),
 ];
 
 /// The sizes that this program was built for.
 fn sizes() -> Vec<(&'static str, usize)> {
     let mut sizes = vec![
+        ("LEASTACTION_ABI", config::LEASTACTION_ABI as usize),
         ("LEASTACTION_COORDINATES", config::LEASTACTION_COORDINATES),
         ("LEASTACTION_HIDDEN", config::LEASTACTION_HIDDEN),
         ("LEASTACTION_LAYERS", config::LEASTACTION_LAYERS),
@@ -86,13 +89,38 @@ fn settings() -> Config {
     settings
 }
 
+/// The names of this library's source as the functions are called, a prefix apart: a generator of headers knows only names
+/// that are written out.
+fn written_out(file: &Path) -> Result<String, Box<dyn Error>> {
+    let source = std::fs::read_to_string(file)?;
+    let line = |line: &str| match line.contains("export_name") {
+        true => "#[unsafe(no_mangle)]\n".into(),
+        false => format!("{line}\n"),
+    };
+    Ok(source.lines().map(line).collect())
+}
+
+/// Every name with another prefix, in capitals too.
+fn renamed(header: &str, prefix: &str) -> String {
+    let guard = format!("{}H", prefix.to_uppercase());
+    let header = header.replace("leastaction_", prefix).replace("LEASTACTION_H", &guard);
+    header.replace("LEASTACTION_", &prefix.to_uppercase())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src");
-    let files = ["status", "error", "storage", "messages", "load", "evaluate", "start", "step"];
+    let copies: PathBuf = std::env::temp_dir().join(format!("leastaction-header-{}", std::process::id()));
+    std::fs::create_dir_all(&copies)?;
     let mut builder = Builder::new().with_config(settings());
-    for file in files {
-        builder = builder.with_src(sources.join(file).with_extension("rs"));
+    for file in ["status", "error", "storage", "messages", "load", "said", "evaluate", "start", "step"] {
+        let copy = copies.join(file).with_extension("rs");
+        std::fs::write(&copy, written_out(&sources.join(file).with_extension("rs"))?)?;
+        builder = builder.with_src(copy);
     }
-    builder.generate()?.write(std::io::stdout());
+    let mut header = Vec::new();
+    builder.generate()?.write(&mut header);
+    std::fs::remove_dir_all(copies)?;
+    let prefix = std::env::var("LEASTACTION_PREFIX").unwrap_or_else(|_| "leastaction_".into());
+    print!("{}", renamed(&String::from_utf8(header)?, &prefix));
     Ok(())
 }

@@ -10,8 +10,14 @@ use config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_
 use leastaction_core::continuous::{acceleration, inverse_dynamics, momentum};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
 use leastaction_core::forces::{Forces, System};
-use leastaction_core::lagrangian::{DenseMass, Lagrangian};
-use leastaction_core::model::Discretisation;
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::model::TrainedStep;
+
+/// How the model file stores its weights.
+#[cfg(not(feature = "half"))]
+type Weight = f32;
+#[cfg(feature = "half")]
+type Weight = leastaction_core::scalar::f16;
 
 const STEPS: usize = 200;
 
@@ -33,12 +39,12 @@ fn words(error: impl std::fmt::Debug) -> String {
 
 fn evaluate<L, F>(system: &System<L, F>, hash: &mut Hash, [q, v, u]: [[f32; N]; 3]) -> Result<(), String>
 where
-    L: Lagrangian<f32, N, Mass = DenseMass<f32, N>>,
+    L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
     let a = acceleration(system, &q, &v, &u).map_err(words)?;
     hash.add(&a);
-    hash.add(&inverse_dynamics(system, &q, &v, &a));
+    hash.add(&inverse_dynamics(system, &q, &v, &a).expect("a mass"));
     hash.add(&momentum(&system.lagrangian, &q, &v));
     let energies = system.lagrangian.energies(&q, &v);
     hash.add(&[energies.kinetic, energies.potential]);
@@ -77,7 +83,7 @@ where
     L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
-    let bounded = Newton { max_iterations: 2, max_jacobians: 1, stop: 0.0, ..Newton::default() };
+    let bounded = Newton { max_iterations: 2, stop: 0.0, ..Newton::default() };
     let start = State::new(&system.lagrangian, q, v).map_err(words)?;
     run(system, &Del::<f32, P>::with_newton(h, bounded), start, hash)?;
     let del = Del::<f32, P>::new(h);
@@ -86,13 +92,13 @@ where
     run(system, &del, start, hash)
 }
 
-fn trace<L, F>(system: &System<L, F>, discretisation: Option<Discretisation>) -> Result<u64, String>
+fn trace<L, F>(system: &System<L, F>, trained_step: Option<TrainedStep>) -> Result<u64, String>
 where
-    L: Lagrangian<f32, N, Mass = DenseMass<f32, N>>,
+    L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
 {
     let mut hash = Hash(0xcbf2_9ce4_8422_2325);
-    let h = discretisation.ok_or("no step in the file")?.h / 8.0;
+    let h = trained_step.ok_or("no step in the file")?.h / 8.0;
     let q = core::array::from_fn(|i| (i as f32 + 1.0) / 8.0);
     let v = core::array::from_fn(|i| (i as f32 - 1.0) / 4.0);
     let at = [q, v, [0.0; N]];
@@ -104,18 +110,16 @@ where
 
 #[cfg(not(any(feature = "modular", feature = "graph")))]
 fn trace_file(file: &[u8], _: &str) -> Result<u64, String> {
-    #[cfg(feature = "half")]
-    let model = leastaction_core::model::RigidModel::<N, H, L, _>::load_half(file).map_err(words)?;
-    #[cfg(not(feature = "half"))]
-    let model = leastaction_core::model::RigidModel::<N, H, L>::load(file).map_err(words)?;
-    trace(&model.system, model.discretisation)
+    let model = leastaction_core::model::RigidModel::<N, H, L, Weight>::load(file).map_err(words)?;
+    trace(&model.system, model.trained_step)
 }
 
 #[cfg(feature = "modular")]
 fn trace_file(file: &[u8], name: &str) -> Result<u64, String> {
     use config::LEASTACTION_TYPES as K;
-    let model = leastaction_core::model::ModularModel::<N, K, H, L>::load(file, name).map_err(words)?;
-    trace(&model.system, model.discretisation)
+    let model =
+        leastaction_core::model::ModularModel::<N, K, H, L, Weight>::load(file, name).map_err(words)?;
+    trace(&model.system, model.trained_step)
 }
 
 #[cfg(feature = "graph")]
@@ -124,9 +128,10 @@ fn trace_file(file: &[u8], name: &str) -> Result<u64, String> {
     use leastaction_core::energy::graph::{Edge, Fixed};
     let mut edges = [Edge::default(); EDGES];
     let model =
-        leastaction_core::model::GraphModel::<D, K, H, L>::load(file, name, &mut edges).map_err(words)?;
-    let fixed = Fixed::<_, D, K, H, L, N>::new(model.graph).map_err(words)?;
-    trace(&System { lagrangian: fixed, forces: fixed }, model.discretisation)
+        leastaction_core::model::GraphModel::<D, K, H, L, Weight>::load(file, name, &mut edges, &mut [])
+            .map_err(words)?;
+    let fixed = Fixed::<_, D, K, H, L, N>::new(model.system.graph).map_err(words)?;
+    trace(&System { lagrangian: fixed, forces: fixed }, model.trained_step)
 }
 
 /// The bytes at a multiple of 4.

@@ -1,58 +1,65 @@
-//! Layers with their tangents one after the other, for scalars whose loops take plain vectors ([`Scalar::APART`]): a
-//! controller has registers for the sums of one vector, and one copy of the code serves any number of tangents.
+//! Layers that take their tangents one after the other, for scalars whose loops take plain vectors
+//! ([`Scalar::COMPONENTWISE`]): a controller has registers for the sums of one vector, and one copy of the code serves any
+//! number of tangents.
 
 use super::{Dense, Jet};
+use crate::expected::{expected, first_mut, present};
 use crate::scalar::{Scalar, Stored};
 
-/// Numbers gathered at a time; a multiple of the widest panel.
+/// Jets of which a component is gathered at a time; a multiple of the widest panel.
 const GATHERED: usize = 32;
 
-/// Room for one component of so many jets.
-type Room<S> = [S; GATHERED];
+/// Workspace for one component of [`GATHERED`] jets.
+type Workspace<S> = [S; GATHERED];
 
-/// Component k of at most as many jets as there is room for: the value (0), or tangent k − 1.
+/// Copies component k of at most [`GATHERED`] jets into the workspace: the value for k = 0, else tangent k − 1.
 #[inline(never)]
-fn gather<'r, S: Scalar, const T: usize>(room: &'r mut Room<S>, jets: &[Jet<S, T>], k: usize) -> &'r [S] {
+fn gather<'r, S: Scalar, const T: usize>(
+    workspace: &'r mut Workspace<S>,
+    jets: &[Jet<S, T>],
+    k: usize,
+) -> &'r [S] {
     match k.checked_sub(1) {
-        None => room.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
-        Some(k) => room.iter_mut().zip(jets).for_each(|(x, jet)| {
-            *x = jet.tangent.get(k).copied().unwrap_or(S::zero());
+        None => workspace.iter_mut().zip(jets).for_each(|(x, jet)| *x = jet.value),
+        Some(k) => workspace.iter_mut().zip(jets).for_each(|(x, jet)| {
+            *x = expected(jet.tangent.get(k).copied(), S::zero());
         }),
     }
-    room.get(..jets.len()).unwrap_or(room)
+    expected(workspace.get(..jets.len()), workspace)
 }
 
+/// Writes component k of the jets, the inverse of [`gather`].
 #[inline(never)]
 fn scatter<S: Scalar, const T: usize>(sums: &[S], jets: &mut [Jet<S, T>], k: usize) {
     match k.checked_sub(1) {
         None => jets.iter_mut().zip(sums).for_each(|(jet, x)| jet.value = *x),
         Some(k) => jets.iter_mut().zip(sums).for_each(|(jet, x)| {
-            if let Some(slot) = jet.tangent.get_mut(k) {
+            if let Some(slot) = present(jet.tangent.get_mut(k)) {
                 *slot = *x;
             }
         }),
     }
 }
 
-/// The part of a layer between some of its outputs and some of its inputs, as panels.
-struct Part<'w, W> {
-    /// From the first of these outputs on.
+/// The weights between some of a layer's outputs and some of its inputs, in panels.
+struct Panels<'w, W> {
+    /// The weights from the first of these outputs on.
     weights: &'w [W],
-    /// Of the layer.
+    /// Number of inputs of the layer.
     inputs: usize,
-    /// Inputs before these.
+    /// Number of inputs before these.
     first: usize,
 }
 
-impl<'w, W: Stored> Part<'w, W> {
-    /// The rows of the next panel that belong to these inputs.
+impl<'w, W: Stored> Panels<'w, W> {
+    /// Takes the next panel, and returns its rows of these inputs.
     fn rows<const P: usize>(&mut self, count: usize) -> &'w [[W; P]] {
-        let (panel, rest) = self.weights.split_at_checked(self.inputs * P).unwrap_or((&[], &[]));
+        let (panel, rest) = expected(self.weights.split_at_checked(self.inputs * P), (&[], &[]));
         self.weights = rest;
-        panel.as_chunks().0.get(self.first..self.first + count).unwrap_or(&[])
+        expected(panel.as_chunks().0.get(self.first..self.first + count), &[])
     }
 
-    /// Adds what the inputs give to the outputs' sums.
+    /// y += Wx.
     #[inline(never)]
     fn forward<S: Scalar<Weight = W::Wide>>(mut self, x: &[S], y: &mut [S]) {
         let (eights, rest) = y.as_chunks_mut::<8>();
@@ -62,7 +69,7 @@ impl<'w, W: Stored> Part<'w, W> {
         ones.as_chunks_mut::<1>().0.iter_mut().for_each(|y| S::accumulate(self.rows::<1>(x.len()), x, y));
     }
 
-    /// Adds what the outputs give to the inputs' sums.
+    /// x̄ += Wᵀȳ.
     #[inline(never)]
     fn adjoint<S: Scalar<Weight = W::Wide>>(mut self, y_bar: &[S], x_bar: &mut [S]) {
         let (eights, rest) = y_bar.as_chunks::<8>();
@@ -74,22 +81,22 @@ impl<'w, W: Stored> Part<'w, W> {
 }
 
 impl<'a, W: Stored> Dense<'a, W> {
-    fn part(&self, output: usize, first: usize) -> Part<'a, W> {
-        let weights = self.weights.get(output * self.inputs..).unwrap_or(&[]);
-        Part { weights, inputs: self.inputs, first }
+    fn part(&self, output: usize, first: usize) -> Panels<'a, W> {
+        let weights = expected(self.weights.get(output * self.inputs..), &[]);
+        Panels { weights, inputs: self.inputs, first }
     }
 
-    /// What the outputs' sums begin with: the biases, and nothing in their tangents.
+    /// Starts the sums of outputs from `output` on: with their biases for the values (k = 0), with 0 for a tangent.
     #[inline(never)]
     fn begin<S: Scalar<Weight = W::Wide>>(&self, k: usize, output: usize, sums: &mut [S]) {
         sums.fill(S::zero());
         if k == 0 {
-            let bias = self.bias.get(output..).unwrap_or(&[]);
+            let bias = expected(self.bias.get(output..), &[]);
             sums.iter_mut().zip(bias).for_each(|(sum, bias)| *sum = bias.scalar());
         }
     }
 
-    pub(super) fn forward_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
+    pub(super) fn forward_componentwise<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
@@ -104,20 +111,24 @@ impl<'a, W: Stored> Dense<'a, W> {
         k: usize,
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
-        (inputs, sums): (&mut Room<S>, &mut Room<S>),
+        (inputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
     ) {
         S::component(k);
-        for (y, output) in y.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
-            let sums = sums.get_mut(..y.len()).unwrap_or_default();
+        let mut output = 0;
+        for y in y.chunks_mut(GATHERED) {
+            let sums = first_mut(sums, y.len());
             self.begin(k, output, sums);
-            for (x, first) in x.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
+            let mut first = 0;
+            for x in x.chunks(GATHERED) {
                 self.part(output, first).forward(gather(inputs, x, k), sums);
+                first += GATHERED;
             }
             scatter(sums, y, k);
+            output += GATHERED;
         }
     }
 
-    pub(super) fn adjoint_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
+    pub(super) fn adjoint_componentwise<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
@@ -132,16 +143,20 @@ impl<'a, W: Stored> Dense<'a, W> {
         k: usize,
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
-        (outputs, sums): (&mut Room<S>, &mut Room<S>),
+        (outputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
     ) {
         S::component(k);
-        for (x_bar, first) in x_bar.chunks_mut(GATHERED).zip((0..).step_by(GATHERED)) {
-            let sums = sums.get_mut(..x_bar.len()).unwrap_or_default();
+        let mut first = 0;
+        for x_bar in x_bar.chunks_mut(GATHERED) {
+            let sums = first_mut(sums, x_bar.len());
             sums.fill(S::zero());
-            for (y_bar, output) in y_bar.chunks(GATHERED).zip((0..).step_by(GATHERED)) {
+            let mut output = 0;
+            for y_bar in y_bar.chunks(GATHERED) {
                 self.part(output, first).adjoint(gather(outputs, y_bar, k), sums);
+                output += GATHERED;
             }
             scatter(sums, x_bar, k);
+            first += GATHERED;
         }
     }
 }

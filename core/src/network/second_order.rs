@@ -1,21 +1,20 @@
-//! How a network bends: first and second derivatives in its inputs from one pass forward with tangents and one plain pass
-//! back.
+//! First and second derivatives of a network in its inputs, from one forward pass with tangents and one adjoint pass without.
 
 use super::{Jet, Mlp, sized};
 use crate::scalar::{Scalar, Stored};
 use heapless::Vec;
 
-/// What a pass forward leaves of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
-/// up to `H`. Half of what a [`Tape`](super::Tape) with tangents takes.
+/// What the forward pass records of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
+/// up to `H`. It takes half the memory of a [`Tape`](super::Tape) with tangents.
 #[derive(Clone, Debug)]
-pub struct Bends<S, const T: usize, const H: usize, const D: usize> {
+pub struct SecondOrderTape<S, const T: usize, const H: usize, const L: usize> {
     /// σ′ with ż.
-    slopes: [Vec<Jet<S, T>, H>; D],
+    slopes: [Vec<Jet<S, T>, H>; L],
     /// σ″.
-    curvatures: [Vec<S, H>; D],
+    curvatures: [Vec<S, H>; L],
 }
 
-impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Bends<S, T, H, D> {
+impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for SecondOrderTape<S, T, H, L> {
     fn default() -> Self {
         Self {
             slopes: core::array::from_fn(|_| Vec::new()),
@@ -24,24 +23,24 @@ impl<S: Scalar, const T: usize, const H: usize, const D: usize> Default for Bend
     }
 }
 
-impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
+impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y(x) and its tangents along those of x; records what [`Mlp::second_order`] needs.
     #[inline]
-    pub fn forward_bent<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn forward_second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         x: &[Jet<S, T>],
-        bends: &mut Bends<S, T, H, D>,
+        tape: &mut SecondOrderTape<S, T, H, L>,
         y: &mut [Jet<S, T>],
     ) {
-        let mut room = Vec::<_, H>::new();
+        let mut workspace = Vec::<_, H>::new();
         let mut input = x;
-        let records = bends.slopes.iter_mut().zip(&mut bends.curvatures);
+        let records = tape.slopes.iter_mut().zip(&mut tape.curvatures);
         for (layer, (slopes, curvatures)) in self.hidden().zip(records) {
             let width = layer.outputs();
             let z = sized(slopes, width, Jet::zero());
             layer.forward_of::<S, T, H>(input, z);
-            // The layer has read its input: the room may take its output.
-            let units = sized(&mut room, width, Jet::zero());
+            // The layer has read its input, which the workspace held: its output may replace it.
+            let units = sized(&mut workspace, width, Jet::zero());
             let mut places = units.iter_mut().zip(sized(curvatures, width, S::zero()));
             self.activation().visit(z, |z, c| {
                 if let Some((unit, curvature)) = places.next() {
@@ -57,20 +56,20 @@ impl<'a, W: Stored, const D: usize> Mlp<'a, W, D> {
     /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
     /// along straight lines: Σ āσ″(z)ż_iż_j over all hidden units, ā the adjoint of a unit.
     #[inline]
-    pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub fn second_order<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
-        bends: &Bends<S, T, H, D>,
+        tape: &SecondOrderTape<S, T, H, L>,
         y_bar: &[Jet<S, 0>],
         x_bar: &mut [Jet<S, 0>],
     ) -> [[S; T]; T] {
         let mut sum = [[S::zero(); T]; T];
-        let (mut unit_room, mut z_room) = (Vec::<_, H>::new(), Vec::<_, H>::new());
+        let (mut unit_workspace, mut z_workspace) = (Vec::<_, H>::new(), Vec::<_, H>::new());
         let (mut layer, mut bar) = (self.output(), y_bar);
-        let records = bends.slopes.iter().zip(&bends.curvatures).take(self.depth());
+        let records = tape.slopes.iter().zip(&tape.curvatures).take(self.depth());
         for (below, (slopes, curvatures)) in self.hidden().rev().zip(records.rev()) {
-            let unit_bar = sized(&mut unit_room, layer.inputs(), Jet::zero());
+            let unit_bar = sized(&mut unit_workspace, layer.inputs(), Jet::zero());
             layer.adjoint_of::<S, 0, H>(bar, unit_bar);
-            let z_bar = sized(&mut z_room, layer.inputs(), Jet::zero());
+            let z_bar = sized(&mut z_workspace, layer.inputs(), Jet::zero());
             let units = unit_bar.iter().zip(slopes).zip(curvatures);
             for (z, ((a, slope), curvature)) in z_bar.iter_mut().zip(units) {
                 for (row, rate) in sum.iter_mut().zip(&slope.tangent) {

@@ -1,15 +1,16 @@
-use super::{GraphHeader, ModelError, ShapeHeader};
-use crate::energy::MAX_HIDDEN;
-use crate::energy::modular::{self, Node, TreeError};
-use crate::energy::rigid::{Coordinate, Inertia, feature_count};
-use crate::network::{Activation, Mlp};
+use super::{ActuatorBytes, GraphHeader, Laws, ModelError, ShapeHeader, TrainedStep, TrainingRange};
+use crate::energy::modular::{self, TreeElement, TreeError};
+use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
+use crate::energy::{MAX_HIDDEN, NetworkShape};
+use crate::expected::expected;
+use crate::network::Activation;
 use crate::scalar::Shipped;
 use serde::{Deserialize, Serialize};
 
 /// The first four bytes of every model file.
 pub const MAGIC: [u8; 4] = *b"LACT";
 /// The format this build reads and writes.
-pub const FORMAT_VERSION: u8 = 1;
+pub const FORMAT_VERSION: u8 = 2;
 /// Coordinates at most.
 const MAX_COORDINATES: usize = 16;
 /// Coordinates of a tree at most.
@@ -17,54 +18,61 @@ const MAX_TREE_COORDINATES: usize = 64;
 /// Trees in one file at most.
 pub const MAX_TREES: usize = 8;
 
-/// The whole file as postcard sees it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Document<'a> {
-    /// [`MAGIC`].
-    pub magic: [u8; 4],
-    /// [`FORMAT_VERSION`].
-    pub version: u8,
-    /// What the model is.
-    #[serde(borrow)]
-    pub header: Header<'a>,
-    /// 0 to 3 zero bytes that bring the weights to a multiple of 4 from the start of the file.
-    pub padding: &'a [u8],
-    /// The weights, little-endian: f32, or f16 where the block has two bytes a weight.
-    pub weights: &'a [u8],
-    /// CRC-32/ISO-HDLC of everything before, little-endian.
-    pub checksum: [u8; 4],
-}
-
 /// What a model is, apart from its weights.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header<'a> {
-    /// The family and its shape.
-    #[serde(borrow)]
+    /// The family of the energies and its shape.
     pub family: Family<'a>,
-    /// The step and order the model was trained for, where it was.
-    pub discretisation: Option<Discretisation>,
+    /// The laws of force beside them.
+    pub laws: Laws<'a>,
+    /// Between command and force; `None`: the command is the force.
+    pub actuator: Option<ActuatorBytes<'a>>,
+    /// The step that the model was trained with, where it was.
+    pub trained_step: Option<TrainedStep>,
+    /// The unit of every coordinate, `m` or `rad`, separated by commas; one alone is that of all, empty: not stated.
+    pub units: &'a str,
+    /// What the training data covered; of several trees the first one's.
+    pub range: Option<TrainingRange<'a>>,
     /// Where the model comes from: free text for people.
     pub provenance: &'a str,
 }
 
-/// The step that a model was trained with; with another it is less accurate, for a model of a discrete Lagrangian absorbs
-/// the integrator's error.
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Discretisation {
-    /// 2 or 4.
-    pub order: u8,
-    /// h > 0, s.
-    pub h: f32,
+impl<'a> Header<'a> {
+    /// A family alone: no laws, an ideal actuator, no step, no range, no text.
+    pub const fn new(family: Family<'a>) -> Self {
+        Self {
+            family,
+            laws: Laws::NONE,
+            actuator: None,
+            trained_step: None,
+            units: "",
+            range: None,
+            provenance: "",
+        }
+    }
+
+    /// Numbers in the weight block: those of the energies, then those of the laws.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for a shape that the format does not allow.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        let (energies, laws) = (self.family.parameters()?, self.laws.parameters(self.family.groups()));
+        sum(energies, laws)
+    }
+}
+
+/// Numbers of energies and of laws.
+pub(super) fn sum(energies: usize, laws: Option<usize>) -> Result<usize, ModelError> {
+    laws.and_then(|laws| energies.checked_add(laws))
+        .ok_or(ModelError::OutOfRange { what: "number of weights" })
 }
 
 /// A family of energies and its shape.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[allow(clippy::large_enum_variant, reason = "read once, and there is no heap to box it on")]
 pub enum Family<'a> {
     /// Inertia matrix and potential from one network.
-    #[serde(borrow)]
     Rigid(RigidHeader<'a>),
     /// Trees of reusable elements.
     Modular(ModularHeader<'a>),
@@ -76,7 +84,7 @@ pub enum Family<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModularHeader<'a> {
     /// Networks and element types.
-    pub shape: modular::Shape,
+    pub shape: modular::ModularShape,
     /// What the types are called, separated by commas.
     pub names: &'a str,
     /// The trees, by name; the first without elements ends the list.
@@ -105,8 +113,6 @@ pub struct RigidHeader<'a> {
     pub activation: Activation,
     /// Of the inertia matrix.
     pub inertia: Inertia,
-    /// Whether n damping coefficients follow the network in the weight block.
-    pub damped: bool,
 }
 
 impl Coordinate {
@@ -130,15 +136,6 @@ impl Coordinate {
     }
 }
 
-impl Discretisation {
-    /// Checks that order and step are ones.
-    pub(super) fn validate(self) -> Result<(), ModelError> {
-        let Self { order, h } = self;
-        require(order == 2 || order == 4, "order")?;
-        require(h.is_finite() && h > 0.0, "step h")
-    }
-}
-
 impl Family<'_> {
     /// What the family is called.
     pub const fn name(&self) -> &'static str {
@@ -146,6 +143,16 @@ impl Family<'_> {
             Self::Rigid(_) => RigidHeader::FAMILY.1,
             Self::Modular(_) => ModularHeader::FAMILY.1,
             Self::Graph(_) => GraphHeader::FAMILY.1,
+        }
+    }
+
+    /// Groups of coordinates that laws have numbers of their own for: coordinates of the rigid family, element types of the
+    /// modular one, node types of graphs.
+    pub fn groups(&self) -> usize {
+        match self {
+            Self::Rigid(rigid) => rigid.groups(),
+            Self::Modular(modular) => modular.groups(),
+            Self::Graph(graph) => graph.groups(),
         }
     }
 
@@ -174,20 +181,25 @@ impl<'a> ModularHeader<'a> {
         self.trees().find(|tree| tree.name == name).ok_or_else(none)
     }
 
+    /// Groups of coordinates: one an element type.
+    pub(super) fn groups(&self) -> usize {
+        self.shape.types.len()
+    }
+
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
     pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
-        if let Some(what) = self.shape.misfit() {
+        if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
-        let kinds = self.shape.types().count();
+        let kinds = self.shape.types.len();
         check_names(self.names, kinds, "element types")?;
         self.check_trees()?;
-        let start = weights.len().saturating_sub(modular::NUMBERS * kinds + 2);
-        let numbers = weights.get(start..).unwrap_or(&[]).as_chunks().0;
+        let start = weights.len().saturating_sub(modular::ELEMENT_PARAMETERS * kinds + 2);
+        let numbers = expected(weights.get(start..), &[]).as_chunks().0;
         numbers.iter().take(kinds).try_for_each(|numbers| check_numbers(&numbers.map(W::wide)))
     }
 
@@ -216,14 +228,14 @@ impl<'a> ModularHeader<'a> {
 
 impl TreeHeader<'_> {
     /// The elements in order.
-    pub fn nodes(&self) -> impl Iterator<Item = Node> {
+    pub fn nodes(&self) -> impl Iterator<Item = TreeElement> {
         let (pairs, _) = self.elements.as_chunks::<2>();
-        pairs.iter().map(|[kind, parent]| Node { kind: *kind, parent: parent.checked_sub(1) })
+        pairs.iter().map(|[kind, parent]| TreeElement { kind: *kind, parent: parent.checked_sub(1) })
     }
 
     /// Coordinates of the tree, with the types of `shape`; `None` where a type does not exist.
-    pub fn coordinates(&self, shape: &modular::Shape) -> Option<usize> {
-        let of = |node: Node| Some(shape.types().nth(node.kind.into())?.coordinates());
+    pub fn coordinates(&self, shape: &modular::ModularShape) -> Option<usize> {
+        let of = |node: TreeElement| Some(shape.types.get(node.kind)?.coordinates());
         self.nodes().try_fold(0, |sum, node| Some(sum + of(node)?))
     }
 }
@@ -234,51 +246,54 @@ impl<'a> RigidHeader<'a> {
         self.coordinates.len()
     }
 
+    /// Groups of coordinates: one each.
+    pub(super) fn groups(&self) -> usize {
+        self.n()
+    }
+
     /// The kinds of coordinates, which must be N.
     pub fn kinds<const N: usize>(&self) -> Result<[Coordinate; N], ModelError> {
         let mut kinds = [Coordinate::Cyclic; N];
         if self.n() != N {
             return Err(ModelError::Shape { what: "coordinates", found: self.n(), compiled: N });
         }
-        for (kind, letter) in kinds.iter_mut().zip(self.coordinates.chars()) {
-            *kind =
-                Coordinate::from_letter(letter).ok_or(ModelError::OutOfRange { what: "coordinate kind" })?;
+        for (slot, kind) in kinds.iter_mut().zip(self.letters()) {
+            *slot = kind.ok_or(ModelError::OutOfRange { what: "coordinate kind" })?;
         }
         Ok(kinds)
     }
 
-    /// Units of each hidden layer, and how many layers there are.
-    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
-        let depth = self.widths.iter().position(|w| *w == 0).unwrap_or(MAX_HIDDEN);
-        (self.widths.map(usize::from), depth)
-    }
-
     /// Inputs of the network: one a translation, two an angle.
     pub fn features(&self) -> usize {
-        self.coordinates.chars().filter_map(Coordinate::from_letter).map(|c| feature_count(&[c])).sum()
+        self.letters().flatten().map(|kind| feature_count(&[kind])).sum()
     }
 
-    /// Numbers in the weight block: the network, then the damping.
+    /// The kind of every coordinate, `None` for a letter that stands for none. Bytes: to decode characters takes code.
+    fn letters(&self) -> impl Iterator<Item = Option<Coordinate>> {
+        self.coordinates.as_bytes().iter().map(|letter| Coordinate::from_letter(char::from(*letter)))
+    }
+
+    /// The shape of the network.
+    pub fn network(&self) -> Result<NetworkShape, ModelError> {
+        let shape = network_shape(self.features(), &self.widths, (self.inertia, self.n()), self.activation);
+        shape.ok_or(ModelError::OutOfRange { what: "number of coordinates" })
+    }
+
+    /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require((1..=MAX_COORDINATES).contains(&self.n()), "number of coordinates")?;
-        let (widths, depth) = self.widths();
-        let widths = widths.get(..depth).unwrap_or(&[]);
-        let network = Mlp::<f32, 0>::parameters(self.features(), widths, self.inertia.outputs(self.n()));
-        let damping = if self.damped { self.n() } else { 0 };
-        network
-            .and_then(|p| p.checked_add(damping))
-            .ok_or(ModelError::OutOfRange { what: "number of weights" })
+        self.network()?.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
-        require(self.coordinates.chars().all(|c| Coordinate::from_letter(c).is_some()), "coordinate kind")?;
-        let (_, depth) = self.widths();
-        require(self.widths.iter().skip(depth).all(|w| *w == 0), "hidden width")?;
-        if let Inertia::Cholesky { epsilon } = self.inertia {
-            require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")?;
+    pub(super) fn validate<W: Shipped>(&self, _: &[W]) -> Result<(), ModelError> {
+        require(self.letters().all(|kind| kind.is_some()), "coordinate kind")?;
+        require(self.network()?.is_valid(), "hidden width")?;
+        match self.inertia {
+            Inertia::Cholesky { epsilon } => {
+                require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")
+            }
+            Inertia::Diagonal => Ok(()),
         }
-        let damping = if self.damped { weights.len().saturating_sub(self.n()) } else { weights.len() };
-        require(weights.iter().skip(damping).all(|c| c.wide() >= 0.0), "damping coefficient")
     }
 }
 
@@ -300,11 +315,10 @@ pub(super) fn check_names(names: &str, count: usize, of: &'static str) -> Result
 }
 
 /// Checks the numbers of an element type.
-fn check_numbers(numbers: &[f32; modular::NUMBERS]) -> Result<(), ModelError> {
-    let [mass, inertia, _, _, damping] = *numbers;
+fn check_numbers(numbers: &[f32; modular::ELEMENT_PARAMETERS]) -> Result<(), ModelError> {
+    let [mass, inertia, _, _] = *numbers;
     require(mass > 0.0, "mass of an element type")?;
-    require(inertia >= 0.0, "moment of inertia of an element type")?;
-    require(damping >= 0.0, "damping coefficient")
+    require(inertia >= 0.0, "moment of inertia of an element type")
 }
 
 pub(super) fn require(condition: bool, what: &'static str) -> Result<(), ModelError> {

@@ -1,0 +1,145 @@
+//! Shapes of networks, one by one and in lists, and the sizes that a program is compiled for.
+
+use super::List;
+use super::placed_network::PlacedNetwork;
+use crate::network::{Activation, Mlp};
+use crate::scalar::Stored;
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+/// Hidden layers of a network at most.
+pub const MAX_HIDDEN: usize = 4;
+
+/// The shape of one network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NetworkShape {
+    /// Number of inputs.
+    pub inputs: u8,
+    /// Units of the hidden layers; the first 0 ends the list.
+    pub widths: [u16; MAX_HIDDEN],
+    /// Number of outputs.
+    pub outputs: u8,
+    /// Activation of the hidden layers.
+    pub activation: Activation,
+}
+
+impl NetworkShape {
+    /// A network with hidden layers of these widths; `None` for more than `MAX_HIDDEN` of them.
+    pub fn new(inputs: u8, widths: &[u16], outputs: u8, activation: Activation) -> Option<Self> {
+        let mut all = [0; MAX_HIDDEN];
+        all.get_mut(..widths.len())?.copy_from_slice(widths);
+        Some(Self { inputs, widths: all, outputs, activation })
+    }
+
+    /// Units of each hidden layer, and how many layers there are.
+    pub fn widths(&self) -> ([usize; MAX_HIDDEN], usize) {
+        let depth = self.widths.iter().take_while(|width| **width != 0).count();
+        (self.widths.map(usize::from), depth)
+    }
+
+    /// Numbers in the weight block; `None` on overflow.
+    pub fn parameters(&self) -> Option<usize> {
+        let (widths, depth) = self.widths();
+        Mlp::<f32, 0, 0>::parameters(self.inputs.into(), widths.get(..depth)?, self.outputs.into())
+    }
+
+    /// Whether only zeros follow the first 0 of the widths.
+    pub fn is_valid(&self) -> bool {
+        let (_, depth) = self.widths();
+        self.widths.iter().skip(depth).all(|width| *width == 0)
+    }
+
+    /// Whether the network has this number of inputs and of outputs.
+    pub fn serves(&self, inputs: usize, outputs: usize) -> bool {
+        usize::from(self.inputs) == inputs && usize::from(self.outputs) == outputs
+    }
+
+    /// Checks that the network has at most `L` hidden layers, each of at most `H` units.
+    ///
+    /// # Errors
+    /// [`SizeError`] with the first limit that is exceeded.
+    pub fn check_size<const H: usize, const L: usize>(&self) -> Result<(), SizeError> {
+        let (widths, depth) = self.widths();
+        SizeError::check("hidden layers", depth, L)?;
+        widths.into_iter().try_for_each(|width| SizeError::check("units in a hidden layer", width, H))
+    }
+}
+
+/// The networks of a model: operations on all of them.
+impl<const MAX: usize> List<NetworkShape, MAX> {
+    /// Numbers of all networks in the weight block; `None` on overflow.
+    pub fn parameters(&self) -> Option<usize> {
+        self.iter().try_fold(0usize, |sum, network| sum.checked_add(network.parameters()?))
+    }
+
+    /// Whether the network with this number exists, and has this number of inputs and of outputs.
+    // One copy of the code: it is called for every use of a network.
+    #[inline(never)]
+    pub fn serves(&self, network: u8, inputs: usize, outputs: usize) -> bool {
+        self.get(network).is_some_and(|network| network.serves(inputs, outputs))
+    }
+
+    /// The name of what is invalid, whatever the networks are used for; `None` where all is valid.
+    pub fn invalid_part(&self) -> Option<&'static str> {
+        let invalid = [
+            (self.has_gap(), "list of networks"),
+            (!self.iter().all(NetworkShape::is_valid), "hidden width"),
+        ];
+        first_invalid(&invalid)
+    }
+
+    /// Checks that there are at most `K` networks, each of at most `L` hidden layers of at most `H` units.
+    ///
+    /// # Errors
+    /// [`SizeError`] with the first limit that is exceeded.
+    pub fn check_size<const K: usize, const H: usize, const L: usize>(&self) -> Result<(), SizeError> {
+        SizeError::check("networks", self.len(), K)?;
+        self.iter().try_for_each(NetworkShape::check_size::<H, L>)
+    }
+
+    /// Takes all networks from the front of `block`, `start` numbers of which were taken before, and counts `start` on. `None`
+    /// where the block is too short, there are more than `K` networks, or one has more than `L` hidden layers or `H` units in one.
+    pub(super) fn take<'a, W: Stored, const K: usize, const H: usize, const L: usize>(
+        &self,
+        block: &mut &'a [W],
+        start: &mut usize,
+    ) -> Option<List<PlacedNetwork<'a, W, H, L>, K>> {
+        self.try_map(|network| PlacedNetwork::take(block, start, network))
+    }
+}
+
+/// The name of the first part that is invalid; `None` where none is.
+pub(super) fn first_invalid(parts: &[(bool, &'static str)]) -> Option<&'static str> {
+    parts.iter().find(|(invalid, _)| *invalid).map(|(_, name)| *name)
+}
+
+/// A size of a model that the program was not compiled for.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SizeError {
+    /// What was counted: coordinates, dimensions of space, types, networks, hidden layers, or units in one.
+    pub what: &'static str,
+    /// The model's number of them.
+    pub found: usize,
+    /// The number compiled in: exact for coordinates and dimensions of space, at most for the others.
+    pub compiled: usize,
+}
+
+impl SizeError {
+    /// Checks a number that may be at most `compiled`.
+    ///
+    /// # Errors
+    /// The error, for a larger number.
+    pub fn check(what: &'static str, found: usize, compiled: usize) -> Result<(), Self> {
+        if found <= compiled { Ok(()) } else { Err(Self { what, found, compiled }) }
+    }
+}
+
+impl fmt::Display for SizeError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { what, found, compiled } = self;
+        write!(f, "{found} {what}, but this program was compiled for {compiled}")
+    }
+}
+
+impl core::error::Error for SizeError {}

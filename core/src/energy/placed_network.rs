@@ -1,0 +1,110 @@
+//! Networks with their places in the weight block of a model, and the energies that they give.
+
+use super::NetworkShape;
+use crate::network::{Dense, Jet, Mlp, Tape};
+use crate::scalar::{Scalar, Stored};
+
+/// A network with the place of its first number in the weight block.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedNetwork<'a, W, const H: usize, const L: usize> {
+    /// The network.
+    pub network: Mlp<'a, W, H, L>,
+    /// Its first number in the weight block.
+    pub start: usize,
+}
+
+/// Visitor of the layers in an adjoint pass, last to first: gets the place of the layer in the weight block, the layer, its
+/// inputs, and the adjoint of its outputs.
+pub(super) trait Visit<W, S, const T: usize> {
+    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, T>], y_bar: &[Jet<S, T>]);
+}
+
+/// Visitor that leaves the derivatives in the weights out.
+pub(super) struct Ignore;
+
+impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
+    #[inline(always)]
+    fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
+}
+
+/// Visitor that gives its closure, for every weight, the position and the derivative in it of ȳ·y's tangent.
+pub(super) struct WeightTangents<R>(pub R);
+
+impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
+    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
+        layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, value));
+    }
+}
+
+impl<'a, W: Stored, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
+    /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before, and counts `start` on.
+    /// `None` where the block is too short, or the network has more than `L` hidden layers or `H` units in one.
+    pub(super) fn take(block: &mut &'a [W], start: &mut usize, shape: &NetworkShape) -> Option<Self> {
+        shape.check_size::<H, L>().ok()?;
+        let (widths, depth) = shape.widths();
+        let widths = widths.get(..depth)?;
+        let network = Mlp::take(block, shape.inputs.into(), widths, shape.outputs.into(), shape.activation)?;
+        let placed = Self { network, start: *start };
+        *start += network.len();
+        Some(placed)
+    }
+
+    /// U(x) alone, of a network with one output.
+    pub(super) fn energy<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 0>]) -> S {
+        let mut y = [Jet::zero(); 1];
+        self.network.evaluate::<S, 0>(x, &mut y);
+        y[0].value
+    }
+
+    /// U(x) with its tangents, and `weight` times its gradient with the gradient's tangents, of a network with one output.
+    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize, const I: usize>(
+        &self,
+        x: &[Jet<S, T>; I],
+        weight: S,
+        visit: &mut impl Visit<W, S, T>,
+    ) -> (Jet<S, T>, [Jet<S, T>; I]) {
+        let (mut y, mut x_bar) = ([Jet::zero(); 1], [Jet::zero(); I]);
+        self.pull_back::<S, T, _, _>((x, &mut x_bar), &mut y, visit, |_, _| [Jet::constant(weight)]);
+        (y[0], x_bar)
+    }
+
+    /// y(x) and x̄ = (∂y/∂x)ᵀȳ with their tangents, where ȳ = `bar(y, visit)`; `x_bar` may be empty.
+    pub(super) fn pull_back<S, const T: usize, V, B>(
+        &self,
+        (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),
+        y: &mut [Jet<S, T>],
+        visit: &mut V,
+        bar: impl FnOnce(&[Jet<S, T>], &mut V) -> B,
+    ) where
+        S: Scalar<Weight = W::Wide>,
+        V: Visit<W, S, T>,
+        B: AsRef<[Jet<S, T>]>,
+    {
+        let mut tape = Tape::<S, T, H, L>::default();
+        self.network.forward(x, &mut tape, y);
+        let y_bar = bar(y, visit);
+        let mut end = self.start + self.network.len();
+        self.network.adjoint_with_layers(&tape, (x, x_bar), y_bar.as_ref(), |layer, x, y_bar| {
+            end -= layer.len();
+            visit.layer(end, layer, x, y_bar);
+        });
+    }
+
+    /// Visits the derivatives in the weights of Σ_k ȳ⁽ᵏ⁾y⁽ᵏ⁾, k = 0 … 2, along a curve of inputs; `x_bar` gets the adjoint
+    /// of its inputs, or is empty.
+    pub(super) fn series_gradient<S: Scalar<Weight = W::Wide>>(
+        &self,
+        (x, x_bar): (&[Jet<S, 2>], &mut [Jet<S, 2>]),
+        y_bar: &[Jet<S, 2>],
+        row: &mut impl FnMut(usize, S),
+    ) {
+        let mut end = self.start + self.network.len();
+        self.network.series_adjoints::<S>(x, y_bar, |layer, x, bar| {
+            end -= layer.len();
+            layer.series_gradient(x, bar, |i, value| row(end + i, value));
+            if end == self.start {
+                layer.adjoint(bar, x_bar);
+            }
+        });
+    }
+}

@@ -1,0 +1,21 @@
+use super::Forces;
+use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
+use crate::scalar::Scalar;
+
+/// Two laws that act together.
+impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> for (A, B) {
+    fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        let (a, b) = self;
+        add_scaled(&a.force(q, v, tau), S::one(), &b.force(q, v, tau))
+    }
+
+    fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
+        let ((a_q, a_v), (b_q, b_v)) = (self.0.derivatives(q, v, tau), self.1.derivatives(q, v, tau));
+        (add_scaled_matrix(&a_q, S::one(), &b_q), add_scaled_matrix(&a_v, S::one(), &b_v))
+    }
+
+    fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
+        let (a, b) = self;
+        add_scaled_matrix(&a.load_derivative(q, v, tau), S::one(), &b.load_derivative(q, v, tau))
+    }
+}

@@ -1,0 +1,76 @@
+use super::ModelError;
+use super::header::require;
+use super::section::take_f32;
+use crate::expected::expected;
+use crate::forces::Actuator;
+
+/// The actuator of a model as the file has it: the delay (s), then gain and offset of every coordinate, each four bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ActuatorBytes<'a>(&'a [u8]);
+
+impl<'a> ActuatorBytes<'a> {
+    /// From a model file.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`]: gains are finite and not 0, offsets finite, the delay finite and not negative.
+    pub fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        let mut rest = bytes;
+        let delay = take_f32(&mut rest)?;
+        require(delay.is_finite() && delay >= 0.0, "delay of the actuator")?;
+        let (pairs, end) = rest.as_chunks::<8>();
+        require(end.is_empty(), "length of the actuator")?;
+        for pair in pairs {
+            let [gain, offset] = numbers(pair)?;
+            require(gain.is_finite() && gain != 0.0, "gain of the actuator")?;
+            require(offset.is_finite(), "offset of the actuator")?;
+        }
+        Ok(Self(bytes))
+    }
+
+    /// As the file has it.
+    pub const fn bytes(&self) -> &'a [u8] {
+        self.0
+    }
+
+    /// Coordinates that it is for.
+    pub fn n(&self) -> usize {
+        self.0.len().saturating_sub(4) / 8
+    }
+
+    /// d, s.
+    pub fn delay(&self) -> f32 {
+        let mut bytes = self.0;
+        expected(take_f32(&mut bytes).ok(), 0.0)
+    }
+
+    /// For steps of h seconds: the number of whole steps that a command is late, and the actuator with the rest of the delay.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where it is for another number of coordinates, [`ModelError::OutOfRange`] for a delay of more than
+    /// 65,535 steps.
+    pub fn at_step<const N: usize>(&self, h: f32) -> Result<(u16, Actuator<f32, N>), ModelError> {
+        let mut actuator = Actuator::ideal();
+        if self.n() != N {
+            return Err(ModelError::Shape {
+                what: "coordinates of the actuator",
+                found: self.n(),
+                compiled: N,
+            });
+        }
+        let steps = self.delay() / h;
+        // h must be positive; not a number is in no range.
+        require((0.0..=f32::from(u16::MAX)).contains(&steps) && h > 0.0, "delay of the actuator")?;
+        // Not negative: to truncate it is to take the whole steps.
+        let whole = steps as u16;
+        actuator.delay = steps - f32::from(whole);
+        let (pairs, _) = expected(self.0.get(4..), &[]).as_chunks::<8>();
+        for ((gain, offset), pair) in actuator.gain.iter_mut().zip(&mut actuator.offset).zip(pairs) {
+            [*gain, *offset] = numbers(pair)?;
+        }
+        Ok((whole, actuator))
+    }
+}
+
+fn numbers(mut pair: &[u8]) -> Result<[f32; 2], ModelError> {
+    Ok([take_f32(&mut pair)?, take_f32(&mut pair)?])
+}

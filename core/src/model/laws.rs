@@ -1,0 +1,176 @@
+//! The section of forces: laws beside the Lagrangian, their numbers in the weight block behind those of the energies.
+
+use super::ModelError;
+use super::header::require;
+use crate::expected::expected;
+use crate::forces::{Forces, Viscous};
+use crate::scalar::{Scalar, Shipped, Stored};
+
+/// Laws that a model file can have; each has numbers for every *group* of coordinates: a coordinate of the rigid family, an
+/// element type of the modular one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Law {
+    /// [`Viscous`]: c ≥ 0 of each group.
+    Viscous = 0,
+}
+
+impl Law {
+    /// All laws, in the order of a file.
+    pub const ALL: [Self; 1] = [Self::Viscous];
+
+    /// What it is called.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Viscous => "viscous",
+        }
+    }
+
+    /// Numbers in the weight block.
+    const fn parameters(self, groups: usize) -> usize {
+        match self {
+            Self::Viscous => groups,
+        }
+    }
+
+    /// Checks its numbers.
+    fn validate<W: Shipped>(self, numbers: &[W]) -> Result<(), ModelError> {
+        match self {
+            Self::Viscous => require(numbers.iter().all(|c| c.wide() >= 0.0), "damping coefficient"),
+        }
+    }
+}
+
+/// The laws of a model, by their numbers in the file, each at most once and rising.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Laws<'a>(&'a [u8]);
+
+impl<'a> Laws<'a> {
+    /// None.
+    pub const NONE: Self = Self(&[]);
+    /// Viscous damping alone.
+    pub const VISCOUS: Laws<'static> = Laws(&[Law::Viscous as u8]);
+
+    /// From a model file: one byte a law.
+    ///
+    /// # Errors
+    /// [`ModelError::Law`] for a number that is no law, [`ModelError::Malformed`] where they do not rise.
+    pub fn new(numbers: &'a [u8]) -> Result<Self, ModelError> {
+        for number in numbers {
+            let known = Law::ALL.iter().any(|law| *law as u8 == *number);
+            if !known {
+                return Err(ModelError::Law { number: *number });
+            }
+        }
+        if numbers.is_sorted_by(|a, b| a < b) { Ok(Self(numbers)) } else { Err(ModelError::Malformed) }
+    }
+
+    /// As a model file has them.
+    pub const fn numbers(&self) -> &'a [u8] {
+        self.0
+    }
+
+    /// The laws in order.
+    pub fn iter(&self) -> impl Iterator<Item = Law> + use<'a> {
+        self.0.iter().filter_map(|number| Law::ALL.into_iter().find(|law| *law as u8 == *number))
+    }
+
+    /// Whether it is among them.
+    pub fn contains(&self, law: Law) -> bool {
+        self.0.contains(&(law as u8))
+    }
+
+    /// Numbers in the weight block, of so many groups; `None` on overflow.
+    pub fn parameters(&self, groups: usize) -> Option<usize> {
+        self.iter().try_fold(0usize, |sum, law| sum.checked_add(law.parameters(groups)))
+    }
+
+    /// Checks their numbers, which end the weight block.
+    pub(super) fn validate<W: Shipped>(&self, groups: usize, mut numbers: &[W]) -> Result<(), ModelError> {
+        for law in self.iter() {
+            let own = numbers.split_at_checked(law.parameters(groups));
+            let (own, rest) = expected(own, (numbers, &[]));
+            law.validate(own)?;
+            numbers = rest;
+        }
+        Ok(())
+    }
+}
+
+/// The laws of a file with their numbers, of which a program takes one after another.
+#[derive(Clone, Copy, Debug)]
+pub struct LawNumbers<'l, 'w, W> {
+    laws: Laws<'l>,
+    numbers: &'w [W],
+    groups: usize,
+}
+
+impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
+    /// Laws whose numbers are in front of `numbers`.
+    pub const fn new(laws: Laws<'l>, numbers: &'w [W], groups: usize) -> Self {
+        Self { laws, numbers, groups }
+    }
+
+    /// The numbers of a law, where it comes next.
+    pub fn take(&mut self, law: Law) -> Option<&'w [W]> {
+        let (next, rest) = self.laws.0.split_first()?;
+        if *next != law as u8 {
+            return None;
+        }
+        let (own, numbers) = self.numbers.split_at_checked(law.parameters(self.groups))?;
+        (self.laws, self.numbers) = (Laws(rest), numbers);
+        Some(own)
+    }
+
+    /// An error where a law is left, which the program was not compiled for.
+    pub(super) fn finish(self) -> Result<(), ModelError> {
+        self.laws.0.first().map_or(Ok(()), |number| Err(ModelError::Law { number: *number }))
+    }
+}
+
+/// Forces that a program is compiled for: they take the laws of a model file that they know, in the order of the file.
+///
+/// A pair `(A, B)` takes those of A, then those of B. A law that the file does not have is absent; a law that the program does
+/// not have is an error of loading.
+pub trait LoadForces<S: Scalar, const N: usize>: Forces<S, N> + Sized {
+    /// Takes its laws; coordinate i is of group `groups[i]`.
+    fn take<W: Stored<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self;
+}
+
+/// The forces of a file's laws, all of them.
+///
+/// # Errors
+/// [`ModelError::Law`] for a law that `F` does not take.
+pub(super) fn load_forces<S: Scalar, W: Stored<Wide = S::Weight>, F: LoadForces<S, N>, const N: usize>(
+    mut laws: LawNumbers<'_, '_, W>,
+    groups: &[u8; N],
+) -> Result<F, ModelError> {
+    let forces = F::take(&mut laws, groups);
+    laws.finish()?;
+    Ok(forces)
+}
+
+/// The number of every coordinate's group.
+fn of_groups<S: Scalar, W: Stored<Wide = S::Weight>, const N: usize>(
+    numbers: &[W],
+    groups: &[u8; N],
+) -> [S; N] {
+    groups.map(|group| expected(numbers.get(usize::from(group)).map(|number| number.scalar()), S::zero()))
+}
+
+impl<S: Scalar, const N: usize> LoadForces<S, N> for Viscous<S, N> {
+    fn take<W: Stored<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
+        let mut forces = Self::none();
+        if let Some(numbers) = laws.take(Law::Viscous) {
+            forces.coefficients = of_groups(numbers, groups);
+        }
+        forces
+    }
+}
+
+impl<S: Scalar, A: LoadForces<S, N>, B: LoadForces<S, N>, const N: usize> LoadForces<S, N> for (A, B) {
+    fn take<W: Stored<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
+        let first = A::take(laws, groups);
+        (first, B::take(laws, groups))
+    }
+}

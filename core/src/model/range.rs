@@ -1,0 +1,153 @@
+use super::ModelError;
+use super::header::require;
+use super::section::take_f32;
+use serde::{Deserialize, Serialize};
+
+/// Smallest and largest value of a quantity in the training data.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// Smallest.
+    pub least: f32,
+    /// Largest, at least as large.
+    pub most: f32,
+}
+
+impl Interval {
+    fn contains(&self, x: f32) -> bool {
+        self.least <= x && x <= self.most
+    }
+}
+
+/// What the training data covered of one coordinate.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoordinateRange {
+    /// q, m or rad.
+    pub q: Interval,
+    /// v, m/s or rad/s.
+    pub v: Interval,
+    /// u, N or N m.
+    pub u: Interval,
+    /// What q may be changed by without any effect: 2π of an angle, 0 of a length.
+    pub period: f32,
+}
+
+/// A quantity that lies outside of the training data.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outside {
+    /// The coordinate, from 0.
+    pub coordinate: usize,
+    /// `q`, `v` or `u`.
+    pub quantity: char,
+}
+
+impl CoordinateRange {
+    /// Bytes in a model file: least and most of q, v and u, then the period, four bytes each.
+    pub const BYTES: usize = 28;
+
+    /// As a model file has it.
+    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+        let Self { q, v, u, period } = self;
+        let numbers = [q.least, q.most, v.least, v.most, u.least, u.most, period];
+        let mut bytes = [0; Self::BYTES];
+        for (slot, number) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
+            *slot = number.to_le_bytes();
+        }
+        bytes
+    }
+
+    fn from_bytes(mut bytes: &[u8]) -> Result<Self, ModelError> {
+        let mut interval = || -> Result<_, ModelError> {
+            Ok(Interval { least: take_f32(&mut bytes)?, most: take_f32(&mut bytes)? })
+        };
+        let (q, v, u) = (interval()?, interval()?, interval()?);
+        Ok(Self { q, v, u, period: take_f32(&mut bytes)? })
+    }
+
+    fn validate(&self) -> Result<(), ModelError> {
+        let rises = |x: &Interval| x.least.is_finite() && x.most.is_finite() && x.least <= x.most;
+        require([self.q, self.v, self.u].iter().all(rises), "range of the training data")?;
+        require(self.period.is_finite() && self.period >= 0.0, "period of a coordinate")
+    }
+
+    /// The first of q, v and u that lies outside.
+    fn outside(&self, q: f32, v: f32, u: f32) -> Option<char> {
+        if !self.contains_position(q) {
+            return Some('q');
+        }
+        if !self.v.contains(v) {
+            return Some('v');
+        }
+        if self.u.contains(u) { None } else { Some('u') }
+    }
+
+    /// Whether q, or a q that differs from it by whole periods, lies inside.
+    fn contains_position(&self, q: f32) -> bool {
+        if self.period > 0.0 && q.is_finite() {
+            let turns = (q - self.q.least) / self.period;
+            return self.q.least + (turns - libm::floorf(turns)) * self.period <= self.q.most;
+        }
+        self.q.contains(q)
+    }
+}
+
+/// The range of the training data of one mechanism, as the file has it: coordinate after coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TrainingRange<'a>(&'a [u8]);
+
+impl<'a> TrainingRange<'a> {
+    /// From a model file.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] where a number is not finite or a range falls.
+    pub fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        let range = Self(bytes);
+        require(bytes.len().is_multiple_of(CoordinateRange::BYTES), "length of the training range")?;
+        range.coordinates().try_for_each(|coordinate| coordinate?.validate())?;
+        Ok(range)
+    }
+
+    /// As the file has it.
+    pub const fn bytes(&self) -> &'a [u8] {
+        self.0
+    }
+
+    /// Coordinates that it is of.
+    pub fn n(&self) -> usize {
+        self.0.len() / CoordinateRange::BYTES
+    }
+
+    /// The range of every coordinate.
+    pub fn coordinates(&self) -> impl Iterator<Item = Result<CoordinateRange, ModelError>> + use<'a> {
+        let (coordinates, _) = self.0.as_chunks::<{ CoordinateRange::BYTES }>();
+        coordinates.iter().map(|bytes| CoordinateRange::from_bytes(bytes))
+    }
+
+    /// What of a state and control lies outside of the training data, if anything: there the model extrapolates, and a
+    /// controller should not trust it. Not a number lies outside.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where the range is of another number of coordinates.
+    pub fn outside<const N: usize>(
+        &self,
+        q: &[f32; N],
+        v: &[f32; N],
+        u: &[f32; N],
+    ) -> Result<Option<Outside>, ModelError> {
+        if self.n() != N {
+            return Err(ModelError::Shape {
+                what: "coordinates of the training range",
+                found: self.n(),
+                compiled: N,
+            });
+        }
+        for (coordinate, (((range, q), v), u)) in self.coordinates().zip(q).zip(v).zip(u).enumerate() {
+            if let Some(quantity) = range?.outside(*q, *v, *u) {
+                return Ok(Some(Outside { coordinate, quantity }));
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,117 @@
+//! A file as sections: what each is about, how long it is, and its bytes.
+
+use super::ModelError;
+
+/// What a section is about; its number stands before it in the file.
+///
+/// A reader refuses a section below [`Section::OPTIONAL`] that it does not know, for it may change the physics; it skips one
+/// above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Section {
+    /// The family of the Lagrangian and its shape.
+    Energies = 1,
+    /// The laws of force beside it.
+    Forces = 2,
+    /// Gain, offset and delay between command and force.
+    Actuator = 3,
+    /// Step, order and kind of control that the model was trained with.
+    Step = 4,
+    /// The weight block.
+    Weights = 5,
+    /// Units of the coordinates.
+    Units = 128,
+    /// The range of the training data.
+    Range = 129,
+    /// Where the model comes from.
+    Provenance = 130,
+}
+
+impl Section {
+    /// Sections from this number on may be skipped by a reader that does not know them.
+    pub const OPTIONAL: u8 = 128;
+    /// All that this version knows, in the order of a file.
+    pub const ALL: [Self; 8] = [
+        Self::Energies,
+        Self::Forces,
+        Self::Actuator,
+        Self::Step,
+        Self::Weights,
+        Self::Units,
+        Self::Range,
+        Self::Provenance,
+    ];
+
+    /// What it is called.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Energies => "energies",
+            Self::Forces => "forces",
+            Self::Actuator => "actuator",
+            Self::Step => "step",
+            Self::Weights => "weights",
+            Self::Units => "units",
+            Self::Range => "range",
+            Self::Provenance => "provenance",
+        }
+    }
+}
+
+/// The sections of a file, checked: numbers rise, lengths fit, none is unknown that must be known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sections<'a>(&'a [u8]);
+
+/// Bytes before the content of a section: its number, and its length as four bytes, little-endian.
+pub(super) const SECTION_HEAD: usize = 5;
+
+impl<'a> Sections<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        let (mut rest, mut before) = (bytes, 0);
+        while !rest.is_empty() {
+            let (number, _, after) = split(rest).ok_or(ModelError::Malformed)?;
+            if number <= before {
+                return Err(ModelError::Malformed);
+            }
+            let known = Section::ALL.iter().any(|section| *section as u8 == number);
+            if number < Section::OPTIONAL && !known {
+                return Err(ModelError::Section { number });
+            }
+            (rest, before) = (after, number);
+        }
+        Ok(Self(bytes))
+    }
+
+    /// The content of a section, where the file has it.
+    // One copy: a loader asks for every section.
+    #[inline(never)]
+    pub fn get(&self, section: Section) -> Option<&'a [u8]> {
+        let mut rest = self.0;
+        while let Some((number, content, after)) = split(rest) {
+            if number == section as u8 {
+                return Some(content);
+            }
+            rest = after;
+        }
+        None
+    }
+
+    /// The content of a section that every file has.
+    pub(super) fn required(&self, section: Section) -> Result<&'a [u8], ModelError> {
+        self.get(section).ok_or(ModelError::MissingSection { what: section.name() })
+    }
+}
+
+/// The number and the content of the first section, and what follows it.
+fn split(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
+    let ([number, length @ ..], rest) = bytes.split_first_chunk::<SECTION_HEAD>()?;
+    let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
+    let (content, rest) = rest.split_at_checked(length)?;
+    Some((*number, content, rest))
+}
+
+/// Takes a number in four bytes, little-endian, from the front.
+pub(super) fn take_f32(bytes: &mut &[u8]) -> Result<f32, ModelError> {
+    let (number, rest) = bytes.split_first_chunk().ok_or(ModelError::Malformed)?;
+    *bytes = rest;
+    Ok(f32::from_le_bytes(*number))
+}

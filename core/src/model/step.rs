@@ -1,0 +1,72 @@
+use super::ModelError;
+use super::header::require;
+use super::section::take_f32;
+use crate::discrete::{Del, Order, Path};
+use crate::forces::ControlKind;
+use crate::scalar::Real;
+use serde::{Deserialize, Serialize};
+
+/// The step that a model was trained with. With another it is less accurate: a model of a discrete Lagrangian absorbs the
+/// error of the integrator.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrainedStep {
+    /// Order of the integrator.
+    pub order: Order,
+    /// h > 0, s.
+    pub h: f32,
+    /// What happened to the command between two samples.
+    pub control: ControlKind,
+}
+
+impl TrainedStep {
+    /// Bytes in a model file: the order, h, the kind of control.
+    pub const BYTES: usize = 6;
+
+    /// As a model file has it.
+    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+        let [a, b, c, d] = self.h.to_le_bytes();
+        [self.order.number(), a, b, c, d, self.control as u8]
+    }
+
+    /// From a model file.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for an order other than 2 and 4, a step that is not positive and finite, or an unknown kind
+    /// of control.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
+        let [order, h @ .., control] =
+            *<&[u8; Self::BYTES]>::try_from(bytes).map_err(|_| ModelError::Malformed)?;
+        let order = Order::from_number(order).ok_or(ModelError::OutOfRange { what: "order" })?;
+        let h = take_f32(&mut h.as_slice())?;
+        require(h.is_finite() && h > 0.0, "step h")?;
+        let control = match control {
+            0 => ControlKind::Held,
+            1 => ControlKind::Linear,
+            _ => return Err(ModelError::OutOfRange { what: "kind of control" }),
+        };
+        Ok(Self { order, h, control })
+    }
+
+    /// The integrator that the model was trained with, along paths of type `P`.
+    ///
+    /// # Errors
+    /// [`ModelError::Order`] where it was trained with another order than `P` has.
+    pub fn del<R: Real, P: Path>(&self) -> Result<Del<R, P>, ModelError> {
+        self.check_order(P::ORDER)?;
+        Ok(Del::new(R::constant(self.h.into())))
+    }
+
+    /// Checks the order of an integrator against that of the model.
+    ///
+    /// # Errors
+    /// [`ModelError::Order`].
+    pub fn check_order(&self, compiled: Order) -> Result<(), ModelError> {
+        let found = self.order;
+        if found == compiled {
+            Ok(())
+        } else {
+            Err(ModelError::Order { found: found.number(), compiled: compiled.number() })
+        }
+    }
+}

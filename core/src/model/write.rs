@@ -1,0 +1,119 @@
+//! Writing a file, on the host: into the caller's memory, so that this needs no allocator either.
+
+use super::section::{SECTION_HEAD, Section};
+use super::{CRC_BYTES, FORMAT_VERSION, Family, Header, MAGIC, PREFIX_BYTES, ShapeHeader, checksum};
+use core::fmt;
+use serde::Serialize;
+
+/// A file that does not fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteError {
+    /// The memory is too short for the file.
+    TooShort,
+    /// A section is longer than its length can say.
+    TooLong,
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::TooShort => "the memory is too short for the model file",
+            Self::TooLong => "a section of the model file has more than 4,294,967,295 bytes",
+        })
+    }
+}
+
+impl core::error::Error for WriteError {}
+
+/// Writes a model file to the front of `memory` and returns it: the header, and the weight block as bytes, little-endian. Nothing
+/// is validated; [`parse`](super::parse) does that.
+///
+/// # Errors
+/// See [`WriteError`].
+pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Result<&'m [u8], WriteError> {
+    let mut file = File { memory, length: 0 };
+    file.append(&MAGIC)?;
+    file.append(&[FORMAT_VERSION])?;
+    match header.family {
+        Family::Rigid(shape) => file.energies(&shape)?,
+        Family::Modular(shape) => file.energies(&shape)?,
+        Family::Graph(shape) => file.energies(&shape)?,
+    }
+    file.optional(Section::Forces, header.laws.numbers())?;
+    file.optional(Section::Actuator, header.actuator.map_or(&[], |actuator| actuator.bytes()))?;
+    if let Some(step) = header.trained_step {
+        file.section(Section::Step, |file| file.append(&step.to_bytes()))?;
+    }
+    file.section(Section::Weights, |file| file.weights(weights))?;
+    file.optional(Section::Units, header.units.as_bytes())?;
+    file.optional(Section::Range, header.range.map_or(&[], |range| range.bytes()))?;
+    file.optional(Section::Provenance, header.provenance.as_bytes())?;
+    file.close()
+}
+
+/// Bytes of a weight block that a file is aligned to.
+const ALIGNMENT: usize = 4;
+
+/// A file as far as it is written.
+struct File<'m> {
+    memory: &'m mut [u8],
+    length: usize,
+}
+
+impl<'m> File<'m> {
+    fn append(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
+        let end = self.length + bytes.len();
+        self.memory.get_mut(self.length..end).ok_or(WriteError::TooShort)?.copy_from_slice(bytes);
+        self.length = end;
+        Ok(())
+    }
+
+    /// A section: its number, its length and what `content` appends.
+    fn section(
+        &mut self,
+        section: Section,
+        content: impl FnOnce(&mut Self) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        let start = self.length;
+        self.append(&[section as u8, 0, 0, 0, 0])?;
+        content(self)?;
+        let length = u32::try_from(self.length - start - SECTION_HEAD).map_err(|_| WriteError::TooLong)?;
+        let slot = self.memory.get_mut(start + 1..start + SECTION_HEAD).ok_or(WriteError::TooShort)?;
+        slot.copy_from_slice(&length.to_le_bytes());
+        Ok(())
+    }
+
+    /// A section that is left out where it says nothing.
+    fn optional(&mut self, section: Section, content: &[u8]) -> Result<(), WriteError> {
+        if content.is_empty() { Ok(()) } else { self.section(section, |file| file.append(content)) }
+    }
+
+    /// The number of the family and its shape.
+    fn energies<'a, H: ShapeHeader<'a> + Serialize>(&mut self, shape: &H) -> Result<(), WriteError> {
+        self.section(Section::Energies, |file| {
+            let rest = file.memory.get_mut(file.length..).ok_or(WriteError::TooShort)?;
+            let written =
+                postcard::to_slice(&(H::FAMILY.0, shape), rest).map_err(|_| WriteError::TooShort)?;
+            file.length += written.len();
+            Ok(())
+        })
+    }
+
+    /// The weights behind as many zeros as bring them to a multiple of 4 from the start of the file, and their number.
+    fn weights(&mut self, weights: &[u8]) -> Result<(), WriteError> {
+        let first = self.length + 1;
+        let padding = first.next_multiple_of(ALIGNMENT) - first;
+        self.append(&[padding as u8])?;
+        (0..padding).try_for_each(|_| self.append(&[0]))?;
+        self.append(weights)
+    }
+
+    fn close(mut self) -> Result<&'m [u8], WriteError> {
+        debug_assert!(self.length >= PREFIX_BYTES, "a file begins with magic and version");
+        let sum = checksum(self.memory.get(..self.length).unwrap_or_default());
+        self.append(&sum.to_le_bytes())?;
+        let Self { memory, length } = self;
+        debug_assert!(length >= PREFIX_BYTES + CRC_BYTES, "a file ends with its checksum");
+        memory.get(..length).ok_or(WriteError::TooShort)
+    }
+}

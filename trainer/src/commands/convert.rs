@@ -1,0 +1,66 @@
+//! `leastaction convert`.
+
+use super::Done;
+use super::output::{Failure, Output};
+use clap::Args;
+use leastaction::atomic;
+use leastaction::model_file::{self, decode};
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+
+/// Write a model file of an older format version anew, in the present one.
+///
+/// Shape, weights (to the last bit), step and text stay. What version 1 did not say is not there afterwards either: the range of
+/// the training data, and an actuator. Its control counts as linear between samples, as training then took it.
+///
+/// Example: leastaction convert old.postcard -o new.postcard
+#[derive(Args)]
+pub struct Convert {
+    /// The model file to read.
+    model: PathBuf,
+    /// The model file to write; it may be the same.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Report {
+    model: PathBuf,
+    /// Of the file that was read.
+    from_version: u8,
+    format_version: u8,
+    parameters: usize,
+    bytes: usize,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { model, from_version, format_version, parameters, bytes } = self;
+        writeln!(
+            f,
+            "{}: {bytes} bytes, {parameters} parameters, format version {format_version} (from {from_version})",
+            model.display()
+        )
+    }
+}
+
+impl Convert {
+    /// Reads and writes.
+    pub fn run(self, output: Output) -> Done {
+        let bytes = std::fs::read(&self.model).map_err(|error| Failure::input(&self.model, error))?;
+        let model = decode(&bytes).map_err(|error| Failure::input(&self.model, error))?;
+        let encoded =
+            model_file::encode_in(model.precision, &model.architecture, &model.weights, &model.facts);
+        let written = encoded.map_err(|error| Failure::file(&self.model, error))?;
+        atomic::write(&self.output, &written).map_err(|error| Failure::file(&self.output, error))?;
+        output.report(&Report {
+            from_version: model.version,
+            format_version: leastaction_core::model::FORMAT_VERSION,
+            parameters: model.weights.len(),
+            bytes: written.len(),
+            model: self.output,
+        })
+    }
+}
