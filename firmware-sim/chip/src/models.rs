@@ -70,12 +70,7 @@ pub fn bobs(file: &'static [u8], order: Order) -> Result<(), &'static [u8]> {
     let bobs = load(|| Bobs::load(black_box(file), GRAPH, &mut [], &mut rods))?;
     let mut workspace = [0.0; Rattle::<f32>::workspace_of::<2>(BOBS, BOBS, 1, 0)];
     let mut numbers = [0.0; ParticleState::<f32, 2>::workspace(BOBS, BOBS)];
-    hanging(
-        &bobs.system.graph,
-        (&chain(), &aslant()),
-        (order, newton()),
-        (&mut numbers, &mut workspace),
-    )
+    hanging(&bobs.system.graph, (&chain(), &aslant()), (order, newton()), (&mut numbers, &mut workspace))
 }
 
 /// Measures particles on rods with steps of an order.
