@@ -3,7 +3,7 @@
 # example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
 # the same steps have in Rust, and refuse every damaged file. Links two shapes into one image, and runs both. The committed
 # header must be what the sources give.
-# Families may be named: `check.sh rigid`; without a name all three are checked.
+# Families may be named: `check.sh rigid`; without a name all three are checked, each with the features that it has beside it.
 set -euo pipefail
 families=" ${*:-rigid modular graph} "
 cd "$(dirname "$0")"
@@ -12,7 +12,8 @@ out=${CARGO_TARGET_DIR:-$PWD/target}
 work=$out/example
 mkdir -p "$work"
 
-if ! { command -v arm-none-eabi-gcc && command -v qemu-system-arm && command -v gcc; } >/dev/null; then
+# The compiler is of no use without a C library's headers, which are a package of their own.
+if ! { command -v qemu-system-arm && command -v gcc && arm-none-eabi-gcc -E - <<<'#include <string.h>'; } >/dev/null 2>&1; then
     apt-get update -qq
     apt-get install -y -qq --no-install-recommends gcc gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 fi
@@ -68,24 +69,26 @@ check_chip() {
         -monitor none -serial none -chardev stdio,id=out -semihosting-config enable=on,target=native,chardev=out -kernel "$image"
 }
 
-# A family: its golden file, the name in it, and its sizes.
+# A family: its golden file, the name in it, where it starts, and its sizes.
 check() {
-    local family=$1 golden=$2 name=$3 hash
-    [[ $families == *" ${family%,half} "* ]] || return 0
-    shift 3
+    local family=$1 golden=$2 name=$3 start=$4 hash
+    [[ $families == *" ${family%%,*} "* ]] || return 0
+    shift 4
     features=(--no-default-features --features "$family")
     export "$@"
     tool bytes "${features[@]}" <"../tests/golden/$golden.hex" >"$work/$golden.bin"
     mkdir -p "$work/$family-include"
     tool header "${features[@]}" >"$work/$family-include/leastaction.h"
-    hash=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name")
+    # shellcheck disable=SC2086
+    hash=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name" $start)
     local expected=$hash$'\n''errors as they should be'
-    local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"")
+    local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=${start// /,}")
     if [ "$golden" = cartpole ]; then
         tool bytes "${features[@]}" <../tests/golden/cartpole-whole.hex >"$work/cartpole-whole.bin"
         defines+=("-DWHOLE_FILE=\"$work/cartpole-whole.bin\"")
     fi
     [ -z "$name" ] || defines+=("-DMODEL_NAME=\"$name\"")
+    [ "$name" != ring ] || defines+=(-DRING)
     "${host[@]}" build --quiet --release --lib "${features[@]}"
     check_host "$family" "$expected" "${defines[@]}"
     for level in 3 '"s"'; do
@@ -94,21 +97,23 @@ check() {
     unset "${@%%=*}"
 }
 
-# One of two libraries in one image: the prefix of its names, its family, golden file, name in it and sizes; prints its hash.
+# One of two libraries in one image: the prefix of its names, its family, golden file, name in it, start and sizes; prints its
+# hash.
 part() {
-    local prefix=$1 family=$2 golden=$3 name=$4
-    shift 4
+    local prefix=$1 family=$2 golden=$3 name=$4 start=$5
+    shift 5
     local features=(--no-default-features --features "$family") parts=$work/$prefix
     export "$@" LEASTACTION_PREFIX=${prefix}_
     mkdir -p "$parts"
     tool bytes "${features[@]}" <"../tests/golden/$golden.hex" >"$work/$golden.bin"
     tool header "${features[@]}" >"$parts/leastaction.h"
-    tool trace "${features[@]}" -- "$work/$golden.bin" "$name"
+    # shellcheck disable=SC2086
+    tool trace "${features[@]}" -- "$work/$golden.bin" "$name" $start
     for file in trace.c model.S example.h; do
         sed "s/leastaction_/${prefix}_/g; s/LEASTACTION_/${prefix^^}_/g" "example/$file" >"$parts/$file"
     done
     local own=("-Dtrace=${prefix}_trace" "-Dmodel_file=${prefix}_model_file" "-Dmodel_file_end=${prefix}_model_file_end"
-        "-DMODEL_FILE=\"$work/$golden.bin\"" -I "$parts")
+        "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=${start// /,}" -I "$parts")
     [ -z "$name" ] || own+=("-DMODEL_NAME=\"$name\"")
     "${host[@]}" build --quiet --release --lib "${features[@]}"
     cp "$out/release/libleastaction.a" "$parts/host.a"
@@ -126,14 +131,14 @@ part() {
 check_two() {
     local expected
     {
-        part cart rigid cartpole "" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-        part arm modular arm arm LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
+        part cart rigid cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+        part arm modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
     } >"$work/two"
     expected=$(<"$work/two")
     # What both share is compiled with either header.
     mkdir -p "$work/both"
     sed '/^int main/,$d' example/main.c >"$work/both/put.c"
-    local shared=(-I "$work/cart" -I example "$work/both/put.c" example/two.c)
+    local shared=(-I "$work/cart" -I example "-DMODEL_Q=${cart// /,}" "$work/both/put.c" example/two.c)
     gcc "${strict[@]}" "${shared[@]}" example/host.c "$work"/{cart,arm}/host-*.o "$work"/{cart,arm}/host.a -o "$work/both/host"
     expect "two shapes on the host" "$expected" "$work/both/host"
     arm-none-eabi-gcc "${m4[@]}" "${strict[@]}" -nostdlib -Wl,-z,noexecstack -T example/chip.ld "${shared[@]}" example/chip.c \
@@ -149,22 +154,28 @@ tool header | diff include/leastaction.h - ||
 if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax-only -x c++ include/leastaction.h; fi
 "${host[@]}" fmt --check
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
-"${host[@]}" test --quiet --lib
-if "${host[@]}" clippy --version >/dev/null 2>&1; then
-    for family in $families; do
-        features=(--no-default-features --features "$family")
-        "${host[@]}" clippy --quiet "${features[@]}" -- -D warnings
-        "${host[@]}" clippy --quiet --manifest-path tools/Cargo.toml "${features[@]}" -- -D warnings
-    done
-fi
+for family in ${families/ graph / graph graph,rods }; do
+    features=(--no-default-features --features "$family")
+    "${host[@]}" test --quiet --lib "${features[@]}"
+    "${host[@]}" clippy --version >/dev/null 2>&1 || continue
+    "${host[@]}" clippy --quiet "${features[@]}" -- -D warnings
+    "${host[@]}" clippy --quiet --manifest-path tools/Cargo.toml "${features[@]}" -- -D warnings
+done
 
 # A size that is none is a clear error.
 wrong=$(LEASTACTION_HIDDEN=many "${host[@]}" check --quiet --lib 2>&1) && fail "a wrong size was accepted"
 [[ $wrong == *"LEASTACTION_HIDDEN must be a whole number from 1 to 1024"* ]] || fail "$wrong"
 
-check rigid cartpole "" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-check rigid,half cartpole-f16 "" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-check modular arm arm LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
-check graph web pair LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 LEASTACTION_NETWORKS=6
+cart='0.125 0.25' arm='0.125 0.25 0.375'
+check rigid cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check rigid,half cartpole-f16 "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
+for with in graph graph,rods; do
+    check $with web pair '0.125 0.25 0.375 0.5' LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
+        LEASTACTION_NETWORKS=6
+done
+# On rods of 0.5 m and 2 m, with room for another.
+check graph,rods web ring '0.3 -0.4 1 1 1.5 -2' LEASTACTION_COORDINATES=6 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
+    LEASTACTION_NETWORKS=6 LEASTACTION_EDGES=3 LEASTACTION_RODS=3
 [[ $families != *" rigid "* || $families != *" modular "* ]] || check_two
 printf 'the C interface is well\n'

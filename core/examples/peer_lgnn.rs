@@ -153,7 +153,7 @@ impl Model {
         Ok(Self { shape, weights })
     }
 
-    /// What `leastaction reproduce lgnn` trains for springs: a network beside c₁ and c₂, mass 1.
+    /// What `leastaction-papers lgnn` trains for springs: a network beside c₁ and c₂, mass 1.
     fn springs(mut numbers: &[f64]) -> Outcome<Self> {
         let node = NodeShape { kinetic: Kinetic::Mass, potential: Potential::None, drag: Drag::None };
         let edge = EdgeShape { separation: Separation::Squared, potential: Some(0), embedding: None };

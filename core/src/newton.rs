@@ -82,9 +82,11 @@ pub(crate) trait Equations<R> {
 /// A residual relative to the size of its terms: 0 where all vanish, not a number where any is not finite.
 #[inline(always)]
 pub(crate) fn relative<R: Real>(residual: R, size: R) -> R {
-    // Smaller than any size in any unit. And an infinite size must not make a residual look like 0.
+    // Smaller than any size in any unit.
     let tiny = R::constant(1e-37);
-    (residual + size * R::zero()) / (size + tiny)
+    let size = size + tiny;
+    // An infinite size must not make a residual look like 0.
+    if size.is_finite() { residual / size } else { size * R::zero() }
 }
 
 /// How Newton's method went.

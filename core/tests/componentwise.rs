@@ -7,7 +7,7 @@ use common::shapes::{self, Model};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
-use leastaction_core::scalar::{Scalar, Stored, f16};
+use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use proptest::prelude::*;
 
 /// f32 as a controller evaluates it: the same operations, its layers taken apart.
@@ -52,12 +52,16 @@ impl Scalar for Controller {
     type Weight = f32;
     const COMPONENTWISE: bool = true;
 
-    fn accumulate<W: Stored<Wide = f32>, const P: usize>(rows: &[[W; P]], x: &[Self], sum: &mut [Self; P]) {
+    fn accumulate<W: WeightFormat<Wide = f32>, const P: usize>(
+        rows: &[[W; P]],
+        x: &[Self],
+        sum: &mut [Self; P],
+    ) {
         let mut sums = sum.map(|x| x.0);
         f32::accumulate(rows, &plain(x), &mut sums);
         *sum = sums.map(Self);
     }
-    fn transposed<W: Stored<Wide = f32>, const P: usize>(
+    fn transposed<W: WeightFormat<Wide = f32>, const P: usize>(
         rows: &[[W; P]],
         y_bar: &[Self; P],
         x_bar: &mut [Self],
@@ -134,7 +138,7 @@ fn weights<W>(random: &mut Random, count: usize, stored: fn(f32) -> W) -> Vec<W>
 }
 
 /// A layer with T tangents, forward and back, on both.
-fn layer<W: Stored<Wide = f32>, const T: usize>(inputs: usize, outputs: usize, stored: fn(f32) -> W) {
+fn layer<W: WeightFormat<Wide = f32>, const T: usize>(inputs: usize, outputs: usize, stored: fn(f32) -> W) {
     let random = &mut Random((inputs * 1_000 + outputs) as u64);
     let weights = weights(random, Dense::<W>::parameters(inputs, outputs).unwrap(), stored);
     let dense = Dense::take(&mut &weights[..], inputs, outputs).unwrap();
@@ -151,7 +155,7 @@ fn layer<W: Stored<Wide = f32>, const T: usize>(inputs: usize, outputs: usize, s
     assert_eq!(bits(&found_x_bar), bits(&x_bar), "{inputs} → {outputs}, {T} tangents, adjoint");
 }
 
-fn layer_of_any_tangents<W: Stored<Wide = f32>>(inputs: usize, outputs: usize, stored: fn(f32) -> W) {
+fn layer_of_any_tangents<W: WeightFormat<Wide = f32>>(inputs: usize, outputs: usize, stored: fn(f32) -> W) {
     layer::<W, 0>(inputs, outputs, stored);
     layer::<W, 1>(inputs, outputs, stored);
     layer::<W, 2>(inputs, outputs, stored);
@@ -254,7 +258,5 @@ fn whole_models() {
             assert_eq!(evaluated(model, q.map(Controller), v.map(Controller)), evaluated(model, q, v));
         }
     }
-    shapes::of_one().iter().for_each(check);
-    shapes::of_two().iter().for_each(check);
-    shapes::of_three().iter().for_each(check);
+    shapes::for_each_shape!(check);
 }

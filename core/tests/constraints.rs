@@ -5,7 +5,9 @@ mod common;
 use common::particles::{Exact, Spring, hanging, rods, solve_dense};
 use common::{Random, assert_close, assert_vectors_close};
 use leastaction_core::constraints::{Constrained, ConstraintError, Constraints, Holonomic, Positions};
-use leastaction_core::continuous::{Baumgarte, Drive, constrained_acceleration, constrained_workspace};
+use leastaction_core::continuous::{
+    Baumgarte, Drive, constrained_acceleration, constrained_inverse_dynamics, constrained_workspace,
+};
 use leastaction_core::linear::{SolveError, dot, multiply, solve_definite};
 use leastaction_core::particles::Particles;
 use proptest::prelude::*;
@@ -332,4 +334,34 @@ fn a_long_chain_takes_room_in_proportion() {
         constrained_workspace(&mechanism)
     };
     assert_eq!(workspace(2_000), 2 * workspace(1_000));
+}
+
+/// The force that inverse dynamics finds gives the same acceleration, and the constraints carry nothing.
+#[test]
+fn inverse_dynamics_unloads_the_constraints() {
+    let lengths = [1.0, 0.7, 1.3];
+    let system = Exact::under_gravity(&[1.0, 0.6, 1.7], 10.0).hard();
+    let constraints: Vec<Holonomic<f64, 2>> = rods(&lengths, true);
+    let mechanism = Constrained::new(&system, &constraints[..]).unwrap();
+    let (q, v) = hanging(&lengths, &[0.4, 2.0, -0.9], &[2.0, -1.5, 0.8]);
+    let push = [[1.0, -2.0], [0.5, 0.3], [-4.0, 1.0]];
+    let under = |force: &[[f64; 2]]| {
+        accelerate(&mechanism, &q, &v, &Drive { force: Some(force), ..Drive::none() }).unwrap()
+    };
+    let (a, loaded) = under(&push);
+    assert!(loaded.iter().all(|lambda| lambda.abs() > 0.1), "{loaded:?}");
+    let (mut work, mut force) = (vec![0.0; constrained_workspace(&mechanism)], [[0.0; 2]; 3]);
+    constrained_inverse_dynamics(&mechanism, [&q, &v, &a], &mut work, &mut force).unwrap();
+    let (found, unloaded) = under(&force);
+    for (found, a) in found.iter().zip(&a) {
+        assert_vectors_close("acceleration", found, a, 1e-13);
+    }
+    assert!(unloaded.iter().all(|lambda| lambda.abs() < 1e-12), "{unloaded:?}");
+    let refused = |a: &[[f64; 2]], work: &mut [f64]| {
+        constrained_inverse_dynamics(&mechanism, [&q, &v, a], work, &mut [[0.0; 2]; 3])
+    };
+    assert_eq!(refused(&a[1..], &mut work), Err(ConstraintError::Shape { expected: 3, given: 2 }));
+    assert_eq!(refused(&[[f64::NAN; 2]; 3], &mut work), Err(ConstraintError::NotFinite));
+    let (needed, given) = (work.len(), work.len() - 1);
+    assert_eq!(refused(&a, &mut work[1..]), Err(ConstraintError::Workspace { needed, given }));
 }

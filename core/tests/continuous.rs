@@ -9,7 +9,7 @@ use leastaction_core::continuous::{
 };
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::discrete::{Del, Galerkin, State, StepError};
-use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
+use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::SolveError;
@@ -31,12 +31,7 @@ where
 
 #[test]
 fn inverse_dynamics_inverts_acceleration() {
-    check_inverse(PENDULUM);
-    check_inverse(CARTPOLE);
-    check_inverse(ACROBOT);
-    shapes::of_one().iter().for_each(|model| check_inverse(model.in_f64()));
-    shapes::of_two().iter().for_each(|model| check_inverse(model.in_f64()));
-    shapes::of_three().iter().for_each(|model| check_inverse(model.in_f64()));
+    shapes::for_each_model!(check_inverse);
 }
 
 /// The Euler–Lagrange equation itself: d/dt L_v = L_q + Q + u along the motion that the acceleration gives.

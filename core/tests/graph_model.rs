@@ -5,6 +5,7 @@ mod common;
 use common::file::{self, Aligned, WEB_NUMBERS, web, web_header, web_weights};
 use common::graphs::{Model, edge};
 use common::particles::rod_error;
+use common::sections::out_of_range;
 use common::trees::network;
 use common::{assert_close, assert_vectors_close};
 use leastaction_core::constraints::Holonomic;
@@ -57,10 +58,6 @@ fn with_rods(rods: &[u8]) -> GraphHeader<'_> {
     let mut header = web();
     header.graphs[1].rods = rods;
     header
-}
-
-fn out_of_range(what: &'static str) -> ModelError {
-    ModelError::OutOfRange { what }
 }
 
 #[test]
@@ -372,19 +369,19 @@ proptest! {
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         let energies = file::section_of(Section::Energies, &[&[2], &bytes[..]].concat());
-        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION], &energies[..]].concat());
+        let file = file::with_checksum(&[&b"LACT"[..], &[FORMAT_VERSION], &energies[..]].concat());
         let _ = parse(Aligned::new(&file).bytes());
     }
 
     /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
     #[test]
-    fn sealed_changes_never_panic(changes in prop::collection::vec((5usize..190, 0u8..12), 1..4)) {
+    fn changes_under_a_right_checksum_never_panic(changes in prop::collection::vec((5usize..190, 0u8..12), 1..4)) {
         let file = file::golden_web();
         let mut body = file[..file.len() - 4].to_vec();
         for (position, value) in changes {
             body[position] = value;
         }
-        let file = Aligned::new(&file::sealed(&body));
+        let file = Aligned::new(&file::with_checksum(&body));
         evaluate(&file, "pair");
         evaluate(&file, "ring");
     }

@@ -13,7 +13,7 @@ use leastaction_core::energy::graph::{Edge, Fixed, Graph};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{GraphModel, Header, ModelError, ModularModel, RigidModel, parse};
-use leastaction_core::scalar::{Stored, Weights, f16};
+use leastaction_core::scalar::{WeightFormat, Weights, f16};
 use proptest::prelude::*;
 
 /// Both files of the same numbers.
@@ -60,7 +60,7 @@ fn a_tree_has_the_bits_of_its_numbers() {
 
 #[test]
 fn a_graph_has_the_bits_of_its_numbers() {
-    fn system<W: Stored<Wide = f32>>(graph: Graph<W, 2, 6, 5, 1>) -> Vec<u32> {
+    fn system<W: WeightFormat<Wide = f32>>(graph: Graph<W, 2, 6, 5, 1>) -> Vec<u32> {
         let fixed = Fixed::<_, 2, 6, 5, 1, 6>::new(graph).unwrap();
         motion(&System { lagrangian: fixed, forces: fixed })
     }

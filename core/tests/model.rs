@@ -10,7 +10,8 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    FORMAT_VERSION, Family, Header, Laws, ModelError, RigidHeader, RigidModel, Section, parse, parse_as,
+    CATALOGUE, FORMAT_VERSION, Family, Header, Laws, ModelError, RigidHeader, RigidModel, Section, parse,
+    parse_as,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
@@ -102,7 +103,7 @@ fn additional_bytes_are_an_error() {
     let file = file::golden();
     assert!(matches!(load_error(&[&file[..], &[0]].concat()), ModelError::Checksum { .. }));
     // Closed with a checksum of its own: what follows the last section is none.
-    let longer = file::sealed(&[&file[..file.len() - 4], &[200, 1, 0]].concat());
+    let longer = file::with_checksum(&[&file[..file.len() - 4], &[200, 1, 0]].concat());
     assert_eq!(load_error(&longer), ModelError::Malformed);
     // Behind the shape, within its section.
     let [start, end] = file::place(&file, Section::Energies);
@@ -219,7 +220,7 @@ fn impossible_encodings_are_malformed() {
     for (position, value) in [(10, 3), (12, 0xff), (18, 5), (19, 2)] {
         let mut changed = body.to_vec();
         changed[position] = value;
-        assert_eq!(load_error(&file::sealed(&changed)), ModelError::Malformed, "byte {position}");
+        assert_eq!(load_error(&file::with_checksum(&changed)), ModelError::Malformed, "byte {position}");
     }
 }
 
@@ -229,7 +230,7 @@ fn other_families_are_refused_before_their_shape_is_decoded() {
     let file = file::golden();
     let mut changed = file[..file.len() - 4].to_vec();
     changed[10] = 1;
-    let changed = file::sealed(&changed);
+    let changed = file::with_checksum(&changed);
     assert_eq!(load_error(&changed), ModelError::OtherFamily { found: "modular" });
     assert_eq!(parse(Aligned::new(&changed).bytes()), Err(ModelError::Malformed));
 }
@@ -263,6 +264,14 @@ fn coordinate_letters_are_their_own_inverse() {
     assert_eq!(Coordinate::from_letter('A'), None);
 }
 
+#[test]
+fn codes_are_their_own_and_rise() {
+    assert!(CATALOGUE.is_sorted_by(|a, b| a.code < b.code));
+    let names: std::collections::BTreeSet<_> = CATALOGUE.iter().map(|entry| entry.name).collect();
+    assert_eq!(names.len(), CATALOGUE.len());
+    assert!(CATALOGUE.iter().all(|entry| entry.message.to_str().is_ok_and(|text| !text.is_empty())));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
 
@@ -274,13 +283,13 @@ proptest! {
     /// Behind a valid beginning and before a valid checksum, so that they reach the decoder.
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..120)) {
-        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION], &bytes[..]].concat());
+        let file = file::with_checksum(&[&b"LACT"[..], &[FORMAT_VERSION], &bytes[..]].concat());
         let _ = parse(Aligned::new(&file).bytes());
     }
 
     /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
     #[test]
-    fn sealed_changes_never_panic(changes in prop::collection::vec((0usize..110, any::<u8>()), 1..4)) {
+    fn changes_under_a_right_checksum_never_panic(changes in prop::collection::vec((0usize..110, any::<u8>()), 1..4)) {
         let file = file::golden();
         let mut body = file[..file.len() - 4].to_vec();
         for (position, value) in changes {
@@ -288,7 +297,7 @@ proptest! {
             let end = body.len();
             body[if position < 60 { position } else { end - (position - 59) }] = value;
         }
-        let file = Aligned::new(&file::sealed(&body));
+        let file = Aligned::new(&file::with_checksum(&body));
         let _ = parse(file.bytes());
         if let Ok(model) = RigidModel::<2, 8, 3>::load(file.bytes()) {
             let _ = acceleration(&model.system, &[0.1, 0.2], &[0.3, 0.4], &[0.5, 0.6]);

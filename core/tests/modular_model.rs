@@ -295,7 +295,7 @@ fn impossible_encodings_are_malformed() {
     for (position, value) in [(10, 3), (11, 2), (18, 5), (41, 4), (47, 3), (59, 4), (61, 0xff)] {
         let mut changed = body.to_vec();
         changed[position] = value;
-        assert_eq!(refusal(&file::sealed(&changed)), ModelError::Malformed, "byte {position}");
+        assert_eq!(refusal(&file::with_checksum(&changed)), ModelError::Malformed, "byte {position}");
     }
 }
 
@@ -315,19 +315,19 @@ proptest! {
     #[test]
     fn random_headers_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..160)) {
         let energies = file::section_of(Section::Energies, &[&[1], &bytes[..]].concat());
-        let file = file::sealed(&[&b"LACT"[..], &[FORMAT_VERSION], &energies[..]].concat());
+        let file = file::with_checksum(&[&b"LACT"[..], &[FORMAT_VERSION], &energies[..]].concat());
         let _ = parse(Aligned::new(&file).bytes());
     }
 
     /// Several bytes of a valid file changed and the checksum made right: whatever loads can be evaluated.
     #[test]
-    fn sealed_changes_never_panic(changes in prop::collection::vec((5usize..170, 0u8..12), 1..4)) {
+    fn changes_under_a_right_checksum_never_panic(changes in prop::collection::vec((5usize..170, 0u8..12), 1..4)) {
         let file = file::golden_arm();
         let mut body = file[..file.len() - 4].to_vec();
         for (position, value) in changes {
             body[position] = value;
         }
-        let file = Aligned::new(&file::sealed(&body));
+        let file = Aligned::new(&file::with_checksum(&body));
         for name in ["arm", "link"] {
             evaluate::<1>(&file, name);
             evaluate::<2>(&file, name);

@@ -6,7 +6,7 @@ use common::dual::Dual;
 use common::shapes::{naive_activation, naive_layer, naive_network};
 use common::{Random, assert_close};
 use leastaction_core::network::{Activation, Dense, Jet, Mlp, Tape};
-use leastaction_core::scalar::Stored;
+use leastaction_core::scalar::WeightFormat;
 use proptest::prelude::*;
 
 #[test]
@@ -109,7 +109,7 @@ impl Net {
         self.sizes[self.sizes.len() - 1]
     }
 
-    fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Mlp<'a, W, WIDTH, DEPTH> {
+    fn over<'a, W: WeightFormat>(&self, mut weights: &'a [W]) -> Mlp<'a, W, WIDTH, DEPTH> {
         let hidden = &self.sizes[1..self.sizes.len() - 1];
         let mlp = Mlp::take(&mut weights, self.inputs(), hidden, self.outputs(), self.activation).unwrap();
         assert!(weights.is_empty());

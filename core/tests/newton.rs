@@ -7,7 +7,7 @@ use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path,
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
-use leastaction_core::scalar::{Real, Stored};
+use leastaction_core::scalar::{Real, WeightFormat};
 
 /// Steps that took 0, 1, 2, … updates.
 type Histogram = [usize; 51];
@@ -63,7 +63,10 @@ fn few_iterations_up_to_50_ms() {
 }
 
 /// A double pendulum of 1 m that falls from upright turns by half a radian in 50 ms: a few steps take longer.
-fn check_tree_iterations<R: Real<Weight = R> + Stored<Wide = R>, P: Path>(scalar: &str, most: [usize; 4]) {
+fn check_tree_iterations<R: Real<Weight = R> + WeightFormat<Wide = R>, P: Path>(
+    scalar: &str,
+    most: [usize; 4],
+) {
     for (links, learned) in [("rods", false), ("learned links", true)] {
         let tree = trees::double_pendulum(learned);
         let weights: Vec<R> = tree.weights.iter().map(|w| R::constant(*w)).collect();

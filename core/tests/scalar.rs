@@ -245,9 +245,7 @@ fn lanes_are_bit_equal_to_scalars() {
             assert_eq!(lane, alone, "lane {l}");
         }
     }
-    shapes::of_one().iter().for_each(check);
-    shapes::of_two().iter().for_each(check);
-    shapes::of_three().iter().for_each(check);
+    shapes::for_each_shape!(check);
 }
 
 #[test]

@@ -6,10 +6,10 @@ use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
-use leastaction_core::scalar::{Real, Scalar, Stored};
+use leastaction_core::scalar::{Real, Scalar, WeightFormat};
 
 /// f32 and f64: scalars that are their own weights.
-pub trait Plain: Real<Weight = Self> + Stored<Wide = Self> {}
+pub trait Plain: Real<Weight = Self> + WeightFormat<Wide = Self> {}
 impl Plain for f32 {}
 impl Plain for f64 {}
 

@@ -12,8 +12,7 @@ static _Alignas(4) uint8_t file[FILE_MOST + 4];
 static size_t bytes;
 static int failures;
 static const float zero[N];
-/* Where no two particles meet. */
-static float apart[N];
+static const float q[N] = {MODEL_Q};
 
 static void require(int line, int holds, const char *what) {
     if (holds) return;
@@ -91,7 +90,7 @@ static void misplaced(void) {
     static const char endless[] = "0123456789012345678901234567890123456789012345678901234567890123456789";
     EXPECT(BAD_NAME, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, endless, &error));
 #endif
-#ifdef LEASTACTION_GRAPH
+#if defined LEASTACTION_GRAPH && !defined LEASTACTION_RODS
     EXPECT(RODS, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, "ring", &error));
     REQUIRE(error.numbers[0] == 2);
 #endif
@@ -189,7 +188,7 @@ static void starts(void) {
     EXPECT(NOT_STARTED, leastaction_state_q(&before, N, x, &error));
     EXPECT(NOT_FINITE, leastaction_start(&model, &before, nan, zero, N, &error));
     EXPECT(NOT_STARTED, leastaction_state_p(&before, N, x, &error));
-    EXPECT(OK, leastaction_start(&model, &state, apart, zero, N, &error));
+    EXPECT(OK, leastaction_start(&model, &state, q, zero, N, &error));
     EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, NULL, &error));
 }
 
@@ -240,13 +239,40 @@ static void refused_steps(void) {
     EXPECT(OK, leastaction_step4(&model, &state, h, zero, zero, N, NULL, NULL, &error));
 }
 
+#ifdef RING
+/* The ring's rods: from the origin to node 0, and from node 0 to node 2. */
+static void rods(void) {
+    float h = 0.01f, off[N], x[N], lambda[LEASTACTION_RODS];
+    memcpy(off, q, sizeof off);
+    off[4] += 0.01f;
+    before = state;
+    EXPECT(ROD_VIOLATED, leastaction_start(&model, &state, off, zero, N, &error));
+    REQUIRE(error.numbers[0] == 1 && error.residual > 0.001f && error.residual < 0.01f);
+    EXPECT(ROD_VIOLATED, leastaction_start_from_positions2(&model, &state, h, q, off, zero, zero, N, &error));
+    EXPECT(ROD_VIOLATED, leastaction_start_from_positions4(&model, &state, h, off, q, zero, zero, N, &error));
+    /* At the origin the first rod has no direction. */
+    memcpy(off, q, sizeof off);
+    off[0] = off[1] = 0;
+    EXPECT(ROD_REDUNDANT, leastaction_acceleration(&model, off, zero, zero, N, x, &error));
+    REQUIRE(error.numbers[0] == 0 && memcmp(&before, &state, sizeof state) == 0);
+    EXPECT(NULL_POINTER, leastaction_state_lambda(&state, LEASTACTION_RODS, NULL, &error));
+    REQUIRE(error.numbers[0] == 3);
+    EXPECT(WRONG_LENGTH, leastaction_state_lambda(&state, LEASTACTION_RODS + 1, lambda, &error));
+    EXPECT(OK, leastaction_start(&model, &state, q, zero, N, &error));
+    EXPECT(OK, leastaction_state_lambda(&state, LEASTACTION_RODS, lambda, &error));
+    REQUIRE(lambda[0] == 0 && lambda[1] == 0);
+    EXPECT(OK, leastaction_step2(&model, &state, h, zero, zero, N, NULL, NULL, &error));
+    EXPECT(OK, leastaction_state_lambda(&state, LEASTACTION_RODS, lambda, &error));
+    REQUIRE(lambda[0] != 0 && lambda[1] != 0 && lambda[LEASTACTION_RODS - 1] == 0);
+    EXPECT(GRAPH_COORDINATES, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, "pair", &error));
+    REQUIRE(error.numbers[0] == 4 && error.numbers[1] == N);
+}
+#endif
+
 int errors(void) {
     bytes = (size_t)(model_file_end - model_file);
     REQUIRE(bytes <= FILE_MOST);
     REQUIRE(leastaction_family()[0] != '\0' && leastaction_message(-1)[0] == 'u');
-    for (int i = 0; i < N; i++) {
-        apart[i] = (float)i / 2;
-    }
     memcpy(file, model_file, bytes);
     EXPECT(OK, load(bytes));
     damaged();
@@ -259,6 +285,9 @@ int errors(void) {
     starts();
     refused_bounds();
     refused_steps();
+#ifdef RING
+    rods();
+#endif
     put(failures == 0 ? "errors as they should be\n" : "errors not as they should be\n");
     return failures != 0;
 }

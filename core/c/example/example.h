@@ -14,6 +14,11 @@ extern const uint8_t model_file[], model_file_end[];
 #define MODEL_NAME NULL
 #endif
 
+/* Where the mechanism starts: N numbers, with commas between. */
+#ifndef MODEL_Q
+#error "define MODEL_Q"
+#endif
+
 /* What a platform offers: chip.c or host.c. */
 void put(const char *text);
 

@@ -7,6 +7,7 @@
 static leastaction_model model;
 static leastaction_state state;
 static uint64_t hash = 0xcbf29ce484222325u;
+static const float q[N] = {MODEL_Q};
 
 /* FNV-1a over the bits of some numbers. */
 static void add(const float *x, size_t count) {
@@ -27,7 +28,7 @@ static int refused(const char *what, const leastaction_error *error) {
     return 1;
 }
 
-static int evaluate(const float *q, const float *v, const float *u) {
+static int evaluate(const float *v, const float *u) {
     leastaction_error error;
     float a[N], force[N], p[N], energies[2];
     if (leastaction_acceleration(&model, q, v, u, N, a, &error)
@@ -54,16 +55,21 @@ static leastaction_newton bounded(void) {
 static int step(float h, int order, int k, const leastaction_newton *newton) {
     leastaction_error error;
     leastaction_report report;
-    float q[N], p[N], w[N], u[N] = {k / 32 % 2 == 0 ? 0.25f : -0.25f};
+    float at[N], p[N], w[N], u[N] = {k / 32 % 2 == 0 ? 0.25f : -0.25f};
     leastaction_status status = order == 2 ? leastaction_step2(&model, &state, h, u, u, N, newton, &report, &error)
                                            : leastaction_step4(&model, &state, h, u, u, N, newton, &report, &error);
-    if (status || leastaction_state_q(&state, N, q, &error) || leastaction_state_p(&state, N, p, &error)
+    if (status || leastaction_state_q(&state, N, at, &error) || leastaction_state_p(&state, N, p, &error)
         || leastaction_state_w(&state, N, w, &error)) {
         return refused("step", &error);
     }
-    add(q, N);
+    add(at, N);
     add(p, N);
     add(w, N);
+#ifdef LEASTACTION_RODS
+    float lambda[LEASTACTION_RODS];
+    if (leastaction_state_lambda(&state, LEASTACTION_RODS, lambda, &error)) return refused("rods", &error);
+    add(lambda, LEASTACTION_RODS);
+#endif
     add(&report.residual, 1);
     add(&(float){(float)report.iterations}, 1);
     return 0;
@@ -77,13 +83,32 @@ static int run(float h, int order, const leastaction_newton *newton) {
     return failed;
 }
 
+/* From a velocity in a bounded time a step, and from where a step leads without bounds. */
+static int both_starts(float h, int order, const float *v, const float *u) {
+    const leastaction_newton newton = bounded();
+    leastaction_error error;
+    float q1[N];
+    if (leastaction_start(&model, &state, q, v, N, &error)) return refused("start", &error);
+    if (run(h, order, &newton)) return 1;
+    leastaction_status status = leastaction_start(&model, &state, q, v, N, &error);
+    if (!status) {
+        status = order == 2 ? leastaction_step2(&model, &state, h, u, u, N, NULL, NULL, &error)
+                            : leastaction_step4(&model, &state, h, u, u, N, NULL, NULL, &error);
+    }
+    if (!status) status = leastaction_state_q(&state, N, q1, &error);
+    if (!status) {
+        status = order == 2 ? leastaction_start_from_positions2(&model, &state, h, q, q1, u, u, N, &error)
+                            : leastaction_start_from_positions4(&model, &state, h, q, q1, u, u, N, &error);
+    }
+    if (status) return refused("start from positions", &error);
+    return run(h, order, NULL);
+}
+
 int trace(void) {
     leastaction_error error;
-    float h, q[N], q1[N], v[N], u[N] = {0};
-    const leastaction_newton newton = bounded();
+    float h, v[N], u[N] = {0};
     uint8_t order, control;
     for (int i = 0; i < N; i++) {
-        q[i] = (float)(i + 1) / 8;
         v[i] = (float)(i - 1) / 4;
     }
     size_t bytes = (size_t)(model_file_end - model_file);
@@ -93,19 +118,7 @@ int trace(void) {
         return refused("load", &error);
     }
     h /= 8;
-    if (evaluate(q, v, u)) return 1;
-    for (order = 2; order <= 4; order += 2) {
-        if (leastaction_start(&model, &state, q, v, N, &error)) return refused("start", &error);
-        if (run(h, order, &newton)) return 1;
-        for (int i = 0; i < N; i++) {
-            q1[i] = q[i] + h * v[i];
-        }
-        leastaction_status status = order == 2
-            ? leastaction_start_from_positions2(&model, &state, h, q, q1, u, u, N, &error)
-            : leastaction_start_from_positions4(&model, &state, h, q, q1, u, u, N, &error);
-        if (status) return refused("start", &error);
-        if (run(h, order, NULL)) return 1;
-    }
+    if (evaluate(v, u) || both_starts(h, 2, v, u) || both_starts(h, 4, v, u)) return 1;
     put("trace ");
     put_number(hash, 16);
     put("\n");

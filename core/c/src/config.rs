@@ -33,6 +33,12 @@ pub const LEASTACTION_NETWORKS: usize = size!("LEASTACTION_NETWORKS", 6, 1..=11)
 /// Edges of the graph at most.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_EDGES: usize = size!("LEASTACTION_EDGES", 8, 1..=4096);
+/// Rods of the graph at most.
+#[cfg(feature = "rods")]
+pub const LEASTACTION_RODS: usize = size!("LEASTACTION_RODS", 4, 1..=64);
+/// Rods of the graph at most.
+#[cfg(all(feature = "graph", not(feature = "rods")))]
+pub const LEASTACTION_RODS: usize = 0;
 
 /// Words of a network: its weights, its biases and how many they are, layer by layer.
 const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
@@ -51,10 +57,19 @@ pub const LEASTACTION_MODEL_WORDS: usize =
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + 71;
+    LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + LIST_OF_RODS + 71;
+
+/// Words, as wide as a pointer, of a list of rods, where there may be one.
+#[cfg(feature = "graph")]
+const LIST_OF_RODS: usize =
+    if LEASTACTION_RODS == 0 { 0 } else { LEASTACTION_RODS * (LEASTACTION_DIMENSIONS + 3) + 2 };
 
 /// Words of 32 bits of a state: 12 numbers a coordinate, and 2.
+#[cfg(not(feature = "rods"))]
 pub const LEASTACTION_STATE_WORDS: usize = 12 * LEASTACTION_COORDINATES + 2;
+/// Words of 32 bits of a state: 7 numbers a coordinate, one a rod, and 1.
+#[cfg(feature = "rods")]
+pub const LEASTACTION_STATE_WORDS: usize = 7 * LEASTACTION_COORDINATES + LEASTACTION_RODS + 1;
 
 #[cfg(feature = "graph")]
 const _: () = assert!(

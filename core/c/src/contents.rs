@@ -1,17 +1,15 @@
 //! What lies in the caller's storage, and how it is known whether anything does.
 
-use crate::config::LEASTACTION_COORDINATES;
-use crate::family::{EDGES, Mechanism};
+use crate::family::{Lists, Mechanism};
+use crate::motion::CoreState;
 use crate::storage::{Model, State};
-use leastaction_core::discrete;
-use leastaction_core::energy::graph::Edge;
 
 /// What a [`Model`] holds.
 #[repr(C)]
 pub(crate) struct Loaded {
     pub tag: usize,
-    /// What the mechanism's list of edges refers to.
-    pub edges: [Edge; EDGES],
+    /// What the mechanism refers to beside the file.
+    pub lists: Lists,
     pub mechanism: Mechanism,
 }
 
@@ -22,9 +20,6 @@ pub(crate) struct Started {
     pub tag: u32,
     pub state: CoreState,
 }
-
-/// A state as core knows it.
-pub(crate) type CoreState = discrete::State<f32, LEASTACTION_COORDINATES>;
 
 /// Says that storage holds a state.
 pub(crate) const STARTED: u32 = 0x5354_4154;

@@ -1,5 +1,9 @@
+#[cfg(feature = "rods")]
+use crate::config::LEASTACTION_DIMENSIONS;
 use crate::status::Status;
 use core::ffi::c_char;
+#[cfg(feature = "rods")]
+use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::StepError;
 use leastaction_core::energy::graph::GraphError;
 use leastaction_core::linear::SolveError;
@@ -14,7 +18,7 @@ pub struct Error {
     pub status: Status,
     /// What the status says they are; the others 0. Numbers beyond 32 bits are cut to UINT32_MAX.
     pub numbers: [u32; 3],
-    /// The largest relative residual, of LEASTACTION_STATUS_NOT_CONVERGED; else 0.
+    /// A relative residual, where the status says so; else 0.
     pub residual: f32,
     /// What it is about, in words, where the status says so; else NULL. Not ended by a zero: print it with "%.*s".
     pub what: *const c_char,
@@ -87,6 +91,26 @@ impl From<StepError<f32>> for Error {
     }
 }
 
+#[cfg(feature = "rods")]
+impl From<ConstraintError<f32>> for Error {
+    fn from(error: ConstraintError<f32>) -> Self {
+        match error {
+            ConstraintError::Redundant { constraint } => Self::new(Status::RodRedundant, [constraint]),
+            ConstraintError::Off { constraint, residual } => {
+                Self { residual, ..Self::new(Status::RodViolated, [constraint]) }
+            }
+            ConstraintError::Mass { node } => Self::new(Status::Singular, [node * LEASTACTION_DIMENSIONS]),
+            ConstraintError::NotFinite => Status::NotFinite.into(),
+            ConstraintError::NotConverged(report) => StepError::NotConverged(report).into(),
+            // None of these is of a graph that was loaded, in workspaces of the size that it needs.
+            ConstraintError::Node { .. }
+            | ConstraintError::Length { .. }
+            | ConstraintError::Shape { .. }
+            | ConstraintError::Workspace { .. } => Status::OtherGraphError.into(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,5 +165,23 @@ mod tests {
         let singular = Error::from(StepError::Singular { column: 1 });
         assert_eq!((singular.status, singular.numbers), (Status::Singular, [1, 0, 0]));
         assert_eq!(Error::from(StepError::NotFinite), Error::from(Status::NotFinite));
+    }
+
+    #[cfg(feature = "rods")]
+    #[test]
+    fn every_error_of_rods_has_its_status_and_numbers() {
+        let report = Report { iterations: 8, residual: 0.5 };
+        let column = 3 * LEASTACTION_DIMENSIONS as u32;
+        let table = [
+            (ConstraintError::Redundant { constraint: 1 }, Status::RodRedundant, [1, 0, 0], 0.0),
+            (ConstraintError::Off { constraint: 2, residual: 0.25 }, Status::RodViolated, [2, 0, 0], 0.25),
+            (ConstraintError::Mass { node: 3 }, Status::Singular, [column, 0, 0], 0.0),
+            (ConstraintError::NotFinite, Status::NotFinite, [0; 3], 0.0),
+            (ConstraintError::NotConverged(report), Status::NotConverged, [8, 0, 0], 0.5),
+        ];
+        for (error, status, numbers, residual) in table {
+            let found = Error::from(error);
+            assert_eq!((found.status, found.numbers, found.residual), (status, numbers, residual), "{error}");
+        }
     }
 }

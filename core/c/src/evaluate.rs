@@ -1,19 +1,18 @@
 use crate::arguments::{Given, call, finite, loaded, output, vectors};
 use crate::error::Error;
-use crate::family::system;
+use crate::motion;
 use crate::status::Status;
 use crate::storage::Model;
-use leastaction_core::continuous::{acceleration, inverse_dynamics, momentum};
-use leastaction_core::lagrangian::Lagrangian;
 
-/// Writes the acceleration a = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², that the control force u gives.
+/// Writes the acceleration a = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², that the control force u gives. To u
+/// rods add the forces Aᵀλ by which they keep their lengths.
 ///
 /// - `q` (m or rad), `v` (m/s or rad/s), `u` (N or N m; zeros for none): `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
 /// - `a`: `n` numbers, written on success alone; may be one of the arrays before it.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 4, 70 and 71.
+/// Fails with statuses 1 to 4, 70 and 71; with rods also 73.
 ///
 /// # Safety
 /// Pointers are NULL or point to so many numbers.
@@ -31,7 +30,7 @@ pub unsafe extern "C" fn leastaction_acceleration(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v, u]) = unsafe { (loaded(model)?, vectors([q, v, u], 2, n)?) };
         let out = output(a, 6)?;
-        let a = finite(acceleration(&system(mechanism), &q, &v, &u)?)?;
+        let a = finite(motion::acceleration(mechanism, [&q, &v, &u])?)?;
         // SAFETY: the caller's promise.
         unsafe { out.write(a) };
         Ok(())
@@ -41,7 +40,8 @@ pub unsafe extern "C" fn leastaction_acceleration(
 }
 
 /// Writes the control force u = M a − L_q + L_vq v − Q, N or N m, that gives the acceleration a: inverse dynamics.
-/// Arguments as those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
+/// Where a keeps rods it is the force that loads none of them. Arguments as those of leastaction_acceleration. Fails with
+/// statuses 1 to 4 and 71.
 ///
 /// # Safety
 /// Pointers are NULL or point to so many numbers.
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn leastaction_inverse_dynamics(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v, a]) = unsafe { (loaded(model)?, vectors([q, v, a], 2, n)?) };
         let out = output(u, 6)?;
-        let u = finite(inverse_dynamics(&system(mechanism), &q, &v, &a)?)?;
+        let u = finite(motion::inverse_dynamics(mechanism, [&q, &v, &a])?)?;
         // SAFETY: the caller's promise.
         unsafe { out.write(u) };
         Ok(())
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn leastaction_energies(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v]) = unsafe { (loaded(model)?, vectors([q, v], 2, n)?) };
         let out = Given::new(energies.cast::<[f32; 2]>(), 5)?;
-        let energies = system(mechanism).lagrangian.energies(&q, &v);
+        let energies = motion::energies(mechanism, [&q, &v])?;
         // SAFETY: the caller's promise.
         unsafe { out.write(finite([energies.kinetic, energies.potential])?) };
         Ok(())
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn leastaction_momentum(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v]) = unsafe { (loaded(model)?, vectors([q, v], 2, n)?) };
         let out = output(p, 5)?;
-        let p = finite(momentum(system(mechanism).lagrangian, &q, &v))?;
+        let p = finite(motion::momentum(mechanism, [&q, &v])?)?;
         // SAFETY: the caller's promise.
         unsafe { out.write(p) };
         Ok(())

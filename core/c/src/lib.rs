@@ -16,6 +16,8 @@ compile_error!("choose the family of models by a feature: rigid, modular or grap
     all(feature = "modular", feature = "graph")
 ))]
 compile_error!("choose one family: --no-default-features --features rigid, modular or graph");
+#[cfg(all(feature = "rods", not(feature = "graph")))]
+compile_error!("rods are of graphs: --no-default-features --features graph,rods");
 
 mod arguments;
 mod config;
@@ -25,6 +27,9 @@ mod evaluate;
 mod family;
 mod load;
 mod messages;
+mod motion;
+#[cfg(feature = "rods")]
+mod rods;
 mod said;
 mod start;
 mod status;

@@ -2,11 +2,10 @@ use crate::arguments::{Given, call, check_length};
 use crate::config::LEASTACTION_ABI;
 use crate::contents::{Loaded, loaded_tag};
 use crate::error::Error;
-use crate::family::{self, EDGES, FAMILY};
+use crate::family::{self, FAMILY, Lists};
 use crate::status::Status;
 use crate::storage::Model;
 use core::ffi::{CStr, c_char};
-use leastaction_core::energy::graph::Edge;
 
 /// Reads and validates a model file, and prepares it in `model`. Weights stay where they are, in flash.
 ///
@@ -35,12 +34,12 @@ pub unsafe extern "C" fn leastaction_load(
         check_length(size_of::<Model>(), model_bytes)?;
         check_abi(abi)?;
         // SAFETY: the caller's storage, which is larger than what it holds and as aligned.
-        let edges = unsafe { cleared(place) };
+        let lists = unsafe { cleared(place) };
         // SAFETY: the caller's promise.
         let bytes = unsafe { whole(file, file_bytes) }?;
         // SAFETY: the caller's promise.
-        let mechanism = unsafe { family::load(bytes, name, edges) }?;
-        // SAFETY: as above; the edges, to which the mechanism refers, are another part of it.
+        let mechanism = unsafe { family::load(bytes, name, lists) }?;
+        // SAFETY: as above; the lists, to which the mechanism refers, are another part of it.
         unsafe {
             (&raw mut (*place).mechanism).write(mechanism);
             (&raw mut (*place).tag).write(loaded_tag(place));
@@ -56,17 +55,17 @@ fn check_abi(given: u32) -> Result<(), Error> {
     if given == right { Ok(()) } else { Err(Error::of(Status::OtherAbi, [right, given, 0])) }
 }
 
-/// Says that nothing is loaded, and hands out the workspace for edges.
+/// Says that nothing is loaded, and hands out the workspace for lists.
 ///
 /// # Safety
 /// `place` can be written to, and what is handed out is used before it is cleared again.
-unsafe fn cleared(place: *mut Loaded) -> &'static mut [Edge] {
-    // SAFETY: this function's promise; edges are written before they are referred to.
+unsafe fn cleared(place: *mut Loaded) -> &'static mut Lists {
+    // SAFETY: this function's promise; lists are written before they are referred to.
     unsafe {
         (&raw mut (*place).tag).write(0);
-        let edges = &raw mut (*place).edges;
-        edges.write([Edge::default(); EDGES]);
-        &mut *edges
+        let lists = &raw mut (*place).lists;
+        lists.write(Lists::empty());
+        &mut *lists
     }
 }
 

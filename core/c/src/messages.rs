@@ -3,7 +3,7 @@ use core::ffi::{CStr, c_char, c_int};
 use leastaction_core::model::entry_of;
 
 /// What the statuses of this library say; those of files are in core's catalogue.
-const MESSAGES: [(Status, &CStr); 16] = [
+const MESSAGES: [(Status, &CStr); 18] = [
     (Status::Ok, c"ok"),
     (Status::NullPointer, c"a pointer is NULL"),
     (Status::Misaligned, c"a pointer is not aligned as its type asks"),
@@ -12,7 +12,7 @@ const MESSAGES: [(Status, &CStr); 16] = [
     (Status::NotStarted, c"the storage holds no state: none was started there"),
     (Status::BadStep, c"the step h is not positive and finite"),
     (Status::BadName, c"the name is not UTF-8, or longer than 64 bytes"),
-    (Status::Rods, c"the graph has rods, which this library does not keep"),
+    (Status::Rods, c"the graph has rods: build the library with the feature rods"),
     (Status::BadNewton, c"a bound of Newton's method is out of range"),
     (Status::OtherAbi, c"the program was compiled with the header of another library"),
     (Status::OtherStep, c"the step h is not the one that the model was trained with"),
@@ -20,6 +20,8 @@ const MESSAGES: [(Status, &CStr); 16] = [
     (Status::Singular, c"the matrix of the equations has no usable pivot"),
     (Status::NotFinite, c"a number is infinite or not a number"),
     (Status::NotConverged, c"the step was not solved: h is too long for this motion"),
+    (Status::RodRedundant, c"a rod follows from those before it, or contradicts them"),
+    (Status::RodViolated, c"a position at the start violates a rod"),
 ];
 
 /// What a status says, in English: a string that is never freed. Of a number that is no status: "unknown status".
@@ -52,7 +54,7 @@ mod tests {
         assert_eq!(text(0), "ok");
         assert_eq!(text(72), "the step was not solved: h is too long for this motion");
         assert_eq!(text(23), "the file is damaged: another checksum");
-        assert_eq!(text(73), "unknown status");
+        assert_eq!(text(75), "unknown status");
         assert_eq!(text(256 + 23), "unknown status");
         assert_eq!(text(-1), "unknown status");
     }

@@ -1,14 +1,15 @@
 use crate::arguments::{call, check_length, check_step, loaded, output, place, started, vectors};
 use crate::config::LEASTACTION_COORDINATES;
-use crate::contents::{CoreState, STARTED, Started};
+use crate::contents::{STARTED, Started};
 use crate::error::Error;
-use crate::family::system;
+use crate::motion::{self, CoreState};
 use crate::status::Status;
 use crate::storage::{Model, State};
-use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path};
+use leastaction_core::discrete::{Control, Galerkin, Midpoint, Path};
 
 /// Starts a state at position q (m or rad) and velocity v (m/s or rad/s), `n` = LEASTACTION_COORDINATES numbers each.
-/// `error` is filled in; it may be NULL. Fails with statuses 1 to 4 and 71, and the state is as it was.
+/// Rods must have their lengths to 3e-4 of them; v loses at once what would change them. `error` is filled in; it may be NULL.
+/// Fails with statuses 1 to 4 and 71, with rods also 70 and 72 to 74, and the state is as it was.
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
@@ -25,7 +26,7 @@ pub unsafe extern "C" fn leastaction_start(
         // SAFETY: the caller's promise.
         let (mechanism, [q, v]) = unsafe { (loaded(model)?, vectors([q, v], 3, n)?) };
         let place = place(state, 2)?;
-        let state = CoreState::new(system(mechanism).lagrangian, q, v)?;
+        let state = motion::start(mechanism, q, v)?;
         // SAFETY: the caller's promise.
         unsafe { place.write(Started { tag: STARTED, state }) };
         Ok(())
@@ -41,7 +42,7 @@ pub unsafe extern "C" fn leastaction_start(
 /// - `n`: LEASTACTION_COORDINATES.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 4, 6 and 70 to 72, and the state is as it was.
+/// Fails with statuses 1 to 4, 6 and 70 to 72, with rods also 73 and 74, and the state is as it was.
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
@@ -95,7 +96,7 @@ unsafe fn between<P: Path>(
     let place = place(state, 2)?;
     check_step(h)?;
     let control = Control { start: u0, end: u1 };
-    let state = Del::<f32, P>::new(h).start(&system(mechanism), &q0, &q1, &control)?;
+    let state = motion::between::<P>(mechanism, h, [&q0, &q1], &control)?;
     // SAFETY: this function's promise.
     unsafe { place.write(Started { tag: STARTED, state }) };
     Ok(())

@@ -26,7 +26,7 @@ pub enum Status {
     BadName = 7,
     /// The file does not say a step and an order: the model was not trained for one.
     NoStep = 8,
-    /// The graph has rods, which this library does not keep. How many.
+    /// The graph has rods, and the library was not built for any. How many.
     Rods = 9,
     /// A bound of Newton's method is out of range. Which, from 1: `max_iterations` is at least 1, `stop` is not negative,
     /// `accept` positive and finite.
@@ -132,6 +132,10 @@ pub enum Status {
     /// The equations of a step were not solved: h is too long for this motion. Newton updates taken; `residual`: what is
     /// left.
     NotConverged = 72,
+    /// A rod follows from those before it, or contradicts them. Which, from 0.
+    RodRedundant = 73,
+    /// A position at the start violates a rod. The rod that is furthest off, from 0; `residual`: by how much of its length.
+    RodViolated = 74,
 }
 
 /// The reasons for which a file is refused, as core's catalogue has them.

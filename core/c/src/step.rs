@@ -1,10 +1,10 @@
 use crate::arguments::{Given, call, check_step, loaded, place, started, vectors};
 use crate::contents::Started;
 use crate::error::Error;
-use crate::family::system;
+use crate::motion;
 use crate::status::Status;
 use crate::storage::{Model, State};
-use leastaction_core::discrete::{self, Control, Del, Galerkin, Midpoint, Path};
+use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path};
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,10 +30,11 @@ pub struct Newton {
     pub accept: f32,
 }
 
-/// The bounds where none are given: at most 50 updates, down to rounding. Up to a step of 50 ms five suffice.
+/// The bounds where none are given: at most 50 updates (12 where the library was built for rods), down to rounding. Up to a
+/// step of 50 ms five suffice.
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "default_newton"))]
 pub extern "C" fn leastaction_default_newton() -> Newton {
-    let discrete::Newton { max_iterations, stop, accept } = discrete::Newton::default();
+    let discrete::Newton { max_iterations, stop, accept } = motion::default_newton();
     Newton { max_iterations, stop, accept }
 }
 
@@ -49,7 +50,8 @@ impl Newton {
 }
 
 /// Steps a state by h (s) with the discrete Euler-Lagrange equation of order 2, under control forces u0 at the start and u1
-/// at the end of the step, linear between.
+/// at the end of the step, linear between. A library that was built for rods steps every graph by RATTLE, under the mean of u0
+/// and u1 as in training.
 ///
 /// - `u0`, `u1` (N or N m; zeros for none, twice the same for one that is held): `n` numbers each.
 /// - `n`: LEASTACTION_COORDINATES.
@@ -57,7 +59,7 @@ impl Newton {
 /// - `report`: how it went, written on success alone; may be NULL.
 /// - `error`: filled in; may be NULL.
 ///
-/// Fails with statuses 1 to 6, 10 and 70 to 72, and the state is as it was.
+/// Fails with statuses 1 to 6, 10 and 70 to 72, with rods also 73, and the state is as it was.
 ///
 /// # Safety
 /// Pointers are NULL or point to what their type says, and to so many numbers.
@@ -116,8 +118,8 @@ unsafe fn step<P: Path>(
     check_step(h)?;
     // SAFETY: this function's promise.
     let newton = newton.map_or(leastaction_default_newton(), |newton| unsafe { newton.read() });
-    let del = Del::<f32, P>::with_newton(h, newton.checked()?);
-    let how = del.step(&system(mechanism), &mut next.state, &Control { start, end })?;
+    let step = motion::Step { h, newton: newton.checked()? };
+    let how = motion::step::<P>(mechanism, &mut next.state, step, &Control { start, end })?;
     // SAFETY: this function's promise.
     unsafe { finish(&place, next, report, how) };
     Ok(())

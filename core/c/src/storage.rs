@@ -9,8 +9,8 @@ pub struct Model {
     opaque: [usize; LEASTACTION_MODEL_WORDS],
 }
 
-/// Storage of a state: position and momentum, both summed with compensation, and the last increments. It must start as
-/// zeros, as static storage does. A started one may be copied by assignment, to come back to it.
+/// Storage of a state: position and momentum, both summed with compensation, and what the next step begins with. It must
+/// start as zeros, as static storage does. A started one may be copied by assignment, to come back to it.
 #[repr(C)]
 pub struct State {
     opaque: [u32; LEASTACTION_STATE_WORDS],

@@ -65,11 +65,14 @@ where
     }
 }
 
-fn check_length<R, T>(slice: &[T], expected: usize) -> Result<(), ConstraintError<R>> {
+/// An error unless a slice has the right length.
+pub(crate) fn check_length<R, T>(slice: &[T], expected: usize) -> Result<(), ConstraintError<R>> {
     let given = slice.len();
     if given == expected { Ok(()) } else { Err(ConstraintError::Shape { expected, given }) }
 }
 
+// Once a start: small rather than fast.
+#[inline(never)]
 fn check<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
     constraints: &C,
     constraint: usize,
@@ -83,6 +86,7 @@ fn check<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
     if positive { Ok(()) } else { Err(ConstraintError::Length { constraint, length }) }
 }
 
+#[inline(never)]
 fn band<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(constraints: &C) -> usize {
     let equations = constraints.equations();
     let share =

@@ -16,6 +16,7 @@ pub use constrained::Constrained;
 pub use holonomic::Holonomic;
 
 pub(crate) use banded::Banded;
+pub(crate) use constrained::check_length;
 pub(crate) use multipliers::{Rows, inverse};
 pub(crate) use workspace::Workspace;
 
@@ -116,7 +117,7 @@ pub enum ConstraintError<R> {
         /// Its length, m.
         length: R,
     },
-    /// A slice of nodes or of multipliers is not as long as it should be.
+    /// A slice of nodes, of multipliers or of a saved state is not as long as it should be.
     Shape {
         /// The length it should have.
         expected: usize,
@@ -173,7 +174,7 @@ impl<R: fmt::Display> fmt::Display for ConstraintError<R> {
                 write!(f, "the length of constraint {constraint}, {length} m, is not positive and finite")
             }
             Self::Shape { expected, given } => {
-                write!(f, "a slice holds {given} nodes or multipliers instead of {expected}")
+                write!(f, "a slice holds {given} nodes, multipliers or saved numbers instead of {expected}")
             }
             Self::Workspace { needed, given } => {
                 write!(f, "the workspace holds {given} numbers, but {needed} are needed")

@@ -94,6 +94,37 @@ where
     check_finite(acceleration, lambda)
 }
 
+/// Writes the external force u = M a − L_q − Q of each node, N, that gives the acceleration a, m/s², without help of the
+/// constraints: inverse dynamics. Where a keeps them they carry nothing then; what else has the same effect differs from u
+/// by some Aᵀλ.
+///
+/// The workspace is that of [`constrained_acceleration`]. On error what is written has no meaning.
+pub fn constrained_inverse_dynamics<R, S, C, const D: usize>(
+    mechanism: &Constrained<R, S, C, D>,
+    [q, v, a]: [&[[R; D]]; 3],
+    workspace: &mut [R],
+    force: &mut [[R; D]],
+) -> Result<(), ConstraintError<R>>
+where
+    R: Real,
+    S: Particles<R, D>,
+    C: Constraints<R, D> + ?Sized,
+{
+    for slice in [q, v, a, force] {
+        mechanism.check_nodes(slice)?;
+    }
+    let system = mechanism.system();
+    let mut workspace = Workspace::new(constrained_workspace(mechanism), workspace)?;
+    system.l_q(q, workspace.numbers(system.workspace()), force);
+    let masses = workspace.blocks(system.nodes());
+    system.masses(0, v, masses);
+    for (node, (((force, v), a), mass)) in force.iter_mut().zip(v).zip(a).zip(masses).enumerate() {
+        let r = add_scaled(force, R::one(), &system.drag(node, v));
+        *force = add_scaled(&multiply(mass, a), -R::one(), &r);
+    }
+    check_finite(force, &[])
+}
+
 fn check_finite<R: Real, const D: usize>(
     acceleration: &[[R; D]],
     lambda: &[R],

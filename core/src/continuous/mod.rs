@@ -5,7 +5,9 @@
 mod constrained;
 mod integrators;
 
-pub use constrained::{Baumgarte, Drive, constrained_acceleration, constrained_workspace};
+pub use constrained::{
+    Baumgarte, Drive, constrained_acceleration, constrained_inverse_dynamics, constrained_workspace,
+};
 pub use integrators::{ContinuousState, midpoint_step, rk4_step};
 
 use crate::forces::{Forces, System};

@@ -3,7 +3,7 @@
 use super::List;
 use super::placed_network::PlacedNetwork;
 use crate::network::{Activation, Mlp};
-use crate::scalar::Stored;
+use crate::scalar::WeightFormat;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -99,7 +99,7 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
 
     /// Takes all networks from the front of `block`, `start` numbers of which were taken before, and counts `start` on. `None`
     /// where the block is too short, there are more than `K` networks, or one has more than `L` hidden layers or `H` units in one.
-    pub(super) fn take<'a, W: Stored, const K: usize, const H: usize, const L: usize>(
+    pub(super) fn take<'a, W: WeightFormat, const K: usize, const H: usize, const L: usize>(
         &self,
         block: &mut &'a [W],
         start: &mut usize,

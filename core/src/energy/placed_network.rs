@@ -2,7 +2,7 @@
 
 use super::NetworkShape;
 use crate::network::{Dense, Jet, Mlp, Tape};
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 
 /// A network with the place of its first number in the weight block.
 #[derive(Clone, Copy, Debug)]
@@ -30,13 +30,13 @@ impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
 /// Visitor that gives its closure, for every weight, the position and the derivative in it of ȳ·y's tangent.
 pub(super) struct WeightTangents<R>(pub R);
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
+impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
     fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
         layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, value));
     }
 }
 
-impl<'a, W: Stored, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
+impl<'a, W: WeightFormat, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
     /// Takes a network of this shape from the front of `block`, `start` numbers of which were taken before, and counts `start` on.
     /// `None` where the block is too short, or the network has more than `L` hidden layers or `H` units in one.
     pub(super) fn take(block: &mut &'a [W], start: &mut usize, shape: &NetworkShape) -> Option<Self> {
@@ -83,8 +83,51 @@ impl<'a, W: Stored, const H: usize, const L: usize> PlacedNetwork<'a, W, H, L> {
         let mut tape = Tape::<S, T, H, L>::default();
         self.network.forward(x, &mut tape, y);
         let y_bar = bar(y, visit);
+        self.descend(&tape, (x, x_bar), y_bar.as_ref(), visit);
+    }
+
+    /// [`PlacedNetwork::pull_back`] by an adjoint pass that is compiled once for all its callers: less code where a program has
+    /// several.
+    #[inline(always)]
+    pub(super) fn pull_back_apart<S, const T: usize, V, B>(
+        &self,
+        (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),
+        y: &mut [Jet<S, T>],
+        visit: &mut V,
+        bar: impl FnOnce(&[Jet<S, T>], &mut V) -> B,
+    ) where
+        S: Scalar<Weight = W::Wide>,
+        V: Visit<W, S, T>,
+        B: AsRef<[Jet<S, T>]>,
+    {
+        let mut tape = Tape::<S, T, H, L>::default();
+        self.network.forward(x, &mut tape, y);
+        let y_bar = bar(y, visit);
+        self.descend_apart(&tape, (x, x_bar), y_bar.as_ref(), visit);
+    }
+
+    #[inline(never)]
+    fn descend_apart<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        tape: &Tape<S, T, H, L>,
+        (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),
+        y_bar: &[Jet<S, T>],
+        visit: &mut impl Visit<W, S, T>,
+    ) {
+        self.descend(tape, (x, x_bar), y_bar, visit);
+    }
+
+    /// x̄ = (∂y/∂x)ᵀȳ with its tangents, from what the forward pass left.
+    #[inline]
+    fn descend<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        tape: &Tape<S, T, H, L>,
+        (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, T>]),
+        y_bar: &[Jet<S, T>],
+        visit: &mut impl Visit<W, S, T>,
+    ) {
         let mut end = self.start + self.network.len();
-        self.network.adjoint_with_layers(&tape, (x, x_bar), y_bar.as_ref(), |layer, x, y_bar| {
+        self.network.adjoint_with_layers(tape, (x, x_bar), y_bar, |layer, x, y_bar| {
             end -= layer.len();
             visit.layer(end, layer, x, y_bar);
         });

@@ -3,7 +3,7 @@ use super::header::{are_names, check_names, require};
 use crate::constraints::{Constrained, ConstraintError, Holonomic};
 use crate::energy::graph::{Edge, Graph, GraphError, GraphShape, Types};
 use crate::expected::expected;
-use crate::scalar::{Real, Shipped, Stored};
+use crate::scalar::{FileWeightFormat, Real, WeightFormat};
 use serde::{Deserialize, Serialize};
 
 /// Graphs in one file at most.
@@ -145,7 +145,7 @@ pub struct GraphSystem<'a, const D: usize, const K: usize, const H: usize, const
     pub rods: &'a [Holonomic<f32, D>],
 }
 
-impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: Stored<Wide = f32>>
+impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: WeightFormat<Wide = f32>>
     GraphSystem<'a, D, K, H, L, W>
 {
     /// What the solvers step: the graph under its rods.
@@ -190,7 +190,7 @@ impl<'a> GraphHeader<'a> {
     ///
     /// # Errors
     /// [`ModelError::Shape`] where they are not of the compiled sizes.
-    pub fn types<'w, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>(
+    pub fn types<'w, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
         weights: &'w [W],
     ) -> Result<Types<'w, W, D, K, H, L>, ModelError> {
@@ -204,7 +204,7 @@ impl<'a> GraphHeader<'a> {
     ///
     /// # Errors
     /// As [`GraphHeader::types`]; [`ModelError::Graph`] where it is none, or `edges` is too short.
-    pub fn graph<'w, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>(
+    pub fn graph<'w, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>(
         &self,
         layout: &GraphLayout<'w>,
         weights: &'w [W],
@@ -219,7 +219,7 @@ impl<'a> GraphHeader<'a> {
         Graph::new(types, layout.nodes, edges).map_err(ModelError::Graph)
     }
 
-    pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
+    pub(super) fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
         if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }

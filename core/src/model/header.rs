@@ -4,7 +4,7 @@ use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
 use crate::energy::{MAX_HIDDEN, NetworkShape};
 use crate::expected::expected;
 use crate::network::Activation;
-use crate::scalar::Shipped;
+use crate::scalar::FileWeightFormat;
 use serde::{Deserialize, Serialize};
 
 /// The first four bytes of every model file.
@@ -191,7 +191,7 @@ impl<'a> ModularHeader<'a> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    pub(super) fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
+    pub(super) fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
         if let Some(what) = self.shape.invalid_part() {
             return Err(ModelError::OutOfRange { what });
         }
@@ -285,7 +285,7 @@ impl<'a> RigidHeader<'a> {
         self.network()?.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
-    pub(super) fn validate<W: Shipped>(&self, _: &[W]) -> Result<(), ModelError> {
+    pub(super) fn validate<W: FileWeightFormat>(&self, _: &[W]) -> Result<(), ModelError> {
         require(self.letters().all(|kind| kind.is_some()), "coordinate kind")?;
         require(self.network()?.is_valid(), "hidden width")?;
         match self.inertia {

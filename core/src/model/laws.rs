@@ -4,7 +4,7 @@ use super::ModelError;
 use super::header::require;
 use crate::expected::expected;
 use crate::forces::{Forces, Viscous};
-use crate::scalar::{Scalar, Shipped, Stored};
+use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 
 /// Laws that a model file can have; each has numbers for every *group* of coordinates: a coordinate of the rigid family, an
 /// element type of the modular one.
@@ -34,7 +34,7 @@ impl Law {
     }
 
     /// Checks its numbers.
-    fn validate<W: Shipped>(self, numbers: &[W]) -> Result<(), ModelError> {
+    fn validate<W: FileWeightFormat>(self, numbers: &[W]) -> Result<(), ModelError> {
         match self {
             Self::Viscous => require(numbers.iter().all(|c| c.wide() >= 0.0), "damping coefficient"),
         }
@@ -86,7 +86,11 @@ impl<'a> Laws<'a> {
     }
 
     /// Checks their numbers, which end the weight block.
-    pub(super) fn validate<W: Shipped>(&self, groups: usize, mut numbers: &[W]) -> Result<(), ModelError> {
+    pub(super) fn validate<W: FileWeightFormat>(
+        &self,
+        groups: usize,
+        mut numbers: &[W],
+    ) -> Result<(), ModelError> {
         for law in self.iter() {
             let own = numbers.split_at_checked(law.parameters(groups));
             let (own, rest) = expected(own, (numbers, &[]));
@@ -134,14 +138,19 @@ impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
 /// not have is an error of loading.
 pub trait LoadForces<S: Scalar, const N: usize>: Forces<S, N> + Sized {
     /// Takes its laws; coordinate i is of group `groups[i]`.
-    fn take<W: Stored<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self;
+    fn take<W: WeightFormat<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self;
 }
 
 /// The forces of a file's laws, all of them.
 ///
 /// # Errors
 /// [`ModelError::Law`] for a law that `F` does not take.
-pub(super) fn load_forces<S: Scalar, W: Stored<Wide = S::Weight>, F: LoadForces<S, N>, const N: usize>(
+pub(super) fn load_forces<
+    S: Scalar,
+    W: WeightFormat<Wide = S::Weight>,
+    F: LoadForces<S, N>,
+    const N: usize,
+>(
     mut laws: LawNumbers<'_, '_, W>,
     groups: &[u8; N],
 ) -> Result<F, ModelError> {
@@ -151,7 +160,7 @@ pub(super) fn load_forces<S: Scalar, W: Stored<Wide = S::Weight>, F: LoadForces<
 }
 
 /// The number of every coordinate's group.
-fn of_groups<S: Scalar, W: Stored<Wide = S::Weight>, const N: usize>(
+fn of_groups<S: Scalar, W: WeightFormat<Wide = S::Weight>, const N: usize>(
     numbers: &[W],
     groups: &[u8; N],
 ) -> [S; N] {
@@ -159,7 +168,7 @@ fn of_groups<S: Scalar, W: Stored<Wide = S::Weight>, const N: usize>(
 }
 
 impl<S: Scalar, const N: usize> LoadForces<S, N> for Viscous<S, N> {
-    fn take<W: Stored<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
+    fn take<W: WeightFormat<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
         let mut forces = Self::none();
         if let Some(numbers) = laws.take(Law::Viscous) {
             forces.coefficients = of_groups(numbers, groups);
@@ -169,7 +178,7 @@ impl<S: Scalar, const N: usize> LoadForces<S, N> for Viscous<S, N> {
 }
 
 impl<S: Scalar, A: LoadForces<S, N>, B: LoadForces<S, N>, const N: usize> LoadForces<S, N> for (A, B) {
-    fn take<W: Stored<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
+    fn take<W: WeightFormat<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
         let first = A::take(laws, groups);
         (first, B::take(laws, groups))
     }

@@ -12,7 +12,7 @@ use crate::energy::graph::Edge;
 use crate::energy::modular::Modular;
 use crate::energy::rigid::{Rigid, RigidShape};
 use crate::forces::{System, Viscous};
-use crate::scalar::{Real, Scalar, Shipped, Stored};
+use crate::scalar::{FileWeightFormat, Real, Scalar, WeightFormat};
 
 /// A loaded model: the system, and what the file says of its use.
 ///
@@ -57,7 +57,7 @@ pub type GraphModel<'a, const D: usize, const K: usize, const H: usize, const L:
 
 impl<'a, M> Model<'a, M> {
     /// The one way to load: the file, then the system that a family makes of it, and whether that is the first of the file.
-    fn read<H: ShapeHeader<'a>, W: Shipped>(
+    fn read<H: ShapeHeader<'a>, W: FileWeightFormat>(
         bytes: &'a [u8],
         system: impl FnOnce(&ParsedAs<'a, H, W>) -> Result<(M, bool), ModelError>,
     ) -> Result<Self, ModelError> {
@@ -109,7 +109,7 @@ impl<'a, M> Model<'a, M> {
     }
 }
 
-impl<'a, const N: usize, const H: usize, const L: usize, W: Shipped, F: LoadForces<f32, N>>
+impl<'a, const N: usize, const H: usize, const L: usize, W: FileWeightFormat, F: LoadForces<f32, N>>
     RigidModel<'a, N, H, L, W, F>
 {
     /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
@@ -123,8 +123,15 @@ impl<'a, const N: usize, const H: usize, const L: usize, W: Shipped, F: LoadForc
     }
 }
 
-impl<'a, const N: usize, const E: usize, const H: usize, const L: usize, W: Shipped, F: LoadForces<f32, N>>
-    ModularModel<'a, N, E, H, L, W, F>
+impl<
+    'a,
+    const N: usize,
+    const E: usize,
+    const H: usize,
+    const L: usize,
+    W: FileWeightFormat,
+    F: LoadForces<f32, N>,
+> ModularModel<'a, N, E, H, L, W, F>
 {
     /// Reads, validates and borrows a model file, and takes the tree called `name`; `bytes` must be 4-aligned.
     ///
@@ -139,7 +146,7 @@ impl<'a, const N: usize, const E: usize, const H: usize, const L: usize, W: Ship
     }
 }
 
-impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: Shipped>
+impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: FileWeightFormat>
     GraphModel<'a, D, K, H, L, W>
 {
     /// Reads, validates and borrows a model file, and takes the graph called `name`, whose edges and rods are read into `edges`
@@ -187,7 +194,7 @@ impl RigidHeader<'_> {
         weights: &'w [W],
     ) -> Result<System<Rigid<'w, W, N, H, L>, F>, ModelError>
     where
-        W: Stored,
+        W: WeightFormat,
         S: Scalar<Weight = W::Wide>,
         F: LoadForces<S, N>,
     {
@@ -218,7 +225,7 @@ impl ModularHeader<'_> {
         weights: &'w [W],
     ) -> Result<System<Modular<'w, W, N, E, H, L>, F>, ModelError>
     where
-        W: Stored,
+        W: WeightFormat,
         S: Scalar<Weight = W::Wide>,
         F: LoadForces<S, N>,
     {

@@ -8,7 +8,7 @@ use super::{
     checksum,
 };
 use crate::expected::expected;
-use crate::scalar::{Shipped, Weights, f16};
+use crate::scalar::{FileWeightFormat, Weights, f16};
 use serde::Deserialize;
 
 /// The shape of one family, as it stands in a file: [`RigidHeader`], [`ModularHeader`] or [`GraphHeader`].
@@ -21,7 +21,7 @@ pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// Groups of coordinates that laws have numbers of their own for.
     fn groups(&self) -> usize;
     /// Checks what the lengths do not say.
-    fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError>;
+    fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError>;
 }
 
 macro_rules! shape_header {
@@ -37,7 +37,7 @@ macro_rules! shape_header {
                 self.groups()
             }
 
-            fn validate<W: Shipped>(&self, weights: &[W]) -> Result<(), ModelError> {
+            fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
                 self.validate(weights)
             }
         }
@@ -71,7 +71,7 @@ pub struct ParsedAs<'a, H, W> {
     pub sections: Sections<'a>,
 }
 
-impl<'a, H: ShapeHeader<'a>, W: Shipped> ParsedAs<'a, H, W> {
+impl<'a, H: ShapeHeader<'a>, W: FileWeightFormat> ParsedAs<'a, H, W> {
     /// With everything that a program may leave unread.
     fn whole(self, family: impl Fn(H) -> Family<'a>) -> Result<Parsed<'a>, ModelError> {
         let Self { shape, laws, trained_step, weights, sections } = self;
@@ -148,7 +148,7 @@ fn either<'a, H: ShapeHeader<'a>>(
 /// # Errors
 /// [`ModelError::OtherFamily`] where it is a file of another one, of which no more is checked; [`ModelError::Precision`] where
 /// its weights are of the other type.
-pub fn parse_as<'a, H: ShapeHeader<'a>, W: Shipped>(
+pub fn parse_as<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     bytes: &'a [u8],
 ) -> Result<ParsedAs<'a, H, W>, ModelError> {
     let begun = begin(bytes)?;
@@ -172,7 +172,9 @@ fn take<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<(T, &'a [u8]), ModelE
     postcard::take_from_bytes(bytes).map_err(|_| ModelError::Malformed)
 }
 
-fn finish<'a, H: ShapeHeader<'a>, W: Shipped>(begun: &Begun<'a>) -> Result<ParsedAs<'a, H, W>, ModelError> {
+fn finish<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
+    begun: &Begun<'a>,
+) -> Result<ParsedAs<'a, H, W>, ModelError> {
     let Begun { sections, shape, .. } = *begun;
     let (shape, rest) = take::<H>(shape)?;
     if !rest.is_empty() {
@@ -201,7 +203,7 @@ fn unpadded(section: &[u8]) -> Result<&[u8], ModelError> {
 const ALIGNMENT: usize = 4;
 
 /// The weight block in place: as many numbers as are needed, all finite.
-fn numbers<W: Shipped>(block: &[u8], needed: usize) -> Result<&[W], ModelError> {
+fn numbers<W: FileWeightFormat>(block: &[u8], needed: usize) -> Result<&[W], ModelError> {
     let offset = (block.as_ptr() as usize % ALIGNMENT) as u8;
     if offset != 0 {
         return Err(ModelError::Unaligned { offset });

@@ -4,7 +4,7 @@
 
 use super::{Dense, Jet};
 use crate::expected::{expected, first_mut, present};
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 
 /// Jets of which a component is gathered at a time; a multiple of the widest panel.
 const GATHERED: usize = 32;
@@ -51,7 +51,7 @@ struct Panels<'w, W> {
     first: usize,
 }
 
-impl<'w, W: Stored> Panels<'w, W> {
+impl<'w, W: WeightFormat> Panels<'w, W> {
     /// Takes the next panel, and returns its rows of these inputs.
     fn rows<const P: usize>(&mut self, count: usize) -> &'w [[W; P]] {
         let (panel, rest) = expected(self.weights.split_at_checked(self.inputs * P), (&[], &[]));
@@ -80,7 +80,7 @@ impl<'w, W: Stored> Panels<'w, W> {
     }
 }
 
-impl<'a, W: Stored> Dense<'a, W> {
+impl<'a, W: WeightFormat> Dense<'a, W> {
     fn part(&self, output: usize, first: usize) -> Panels<'a, W> {
         let weights = expected(self.weights.get(output * self.inputs..), &[]);
         Panels { weights, inputs: self.inputs, first }
@@ -96,67 +96,46 @@ impl<'a, W: Stored> Dense<'a, W> {
         }
     }
 
-    pub(super) fn forward_componentwise<S: Scalar<Weight = W::Wide>, const T: usize>(
+    /// Writes y = Wx + b, from x to y; with `ADJOINT` x̄ = Wᵀȳ, from ȳ to x̄.
+    pub(super) fn componentwise<S: Scalar<Weight = W::Wide>, const T: usize, const ADJOINT: bool>(
         &self,
-        x: &[Jet<S, T>],
-        y: &mut [Jet<S, T>],
+        from: &[Jet<S, T>],
+        to: &mut [Jet<S, T>],
     ) {
-        let (mut inputs, mut sums) = ([S::zero(); GATHERED], [S::zero(); GATHERED]);
-        (0..=T).for_each(|k| self.forward_component(k, x, y, (&mut inputs, &mut sums)));
+        let (mut numbers, mut sums) = ([S::zero(); GATHERED], [S::zero(); GATHERED]);
+        (0..=T).for_each(|k| self.component::<S, T, ADJOINT>(k, from, to, (&mut numbers, &mut sums)));
     }
 
+    /// Component k of it. Rows are numbers of `to`, columns of `from`.
     #[inline(never)]
-    fn forward_component<S: Scalar<Weight = W::Wide>, const T: usize>(
+    fn component<S: Scalar<Weight = W::Wide>, const T: usize, const ADJOINT: bool>(
         &self,
         k: usize,
-        x: &[Jet<S, T>],
-        y: &mut [Jet<S, T>],
-        (inputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
+        from: &[Jet<S, T>],
+        to: &mut [Jet<S, T>],
+        (numbers, sums): (&mut Workspace<S>, &mut Workspace<S>),
     ) {
         S::component(k);
-        let mut output = 0;
-        for y in y.chunks_mut(GATHERED) {
-            let sums = first_mut(sums, y.len());
-            self.begin(k, output, sums);
-            let mut first = 0;
-            for x in x.chunks(GATHERED) {
-                self.part(output, first).forward(gather(inputs, x, k), sums);
-                first += GATHERED;
+        let mut row = 0;
+        for to in to.chunks_mut(GATHERED) {
+            let sums = first_mut(sums, to.len());
+            if ADJOINT {
+                sums.fill(S::zero());
+            } else {
+                self.begin(k, row, sums);
             }
-            scatter(sums, y, k);
-            output += GATHERED;
-        }
-    }
-
-    pub(super) fn adjoint_componentwise<S: Scalar<Weight = W::Wide>, const T: usize>(
-        &self,
-        y_bar: &[Jet<S, T>],
-        x_bar: &mut [Jet<S, T>],
-    ) {
-        let (mut outputs, mut sums) = ([S::zero(); GATHERED], [S::zero(); GATHERED]);
-        (0..=T).for_each(|k| self.adjoint_component(k, y_bar, x_bar, (&mut outputs, &mut sums)));
-    }
-
-    #[inline(never)]
-    fn adjoint_component<S: Scalar<Weight = W::Wide>, const T: usize>(
-        &self,
-        k: usize,
-        y_bar: &[Jet<S, T>],
-        x_bar: &mut [Jet<S, T>],
-        (outputs, sums): (&mut Workspace<S>, &mut Workspace<S>),
-    ) {
-        S::component(k);
-        let mut first = 0;
-        for x_bar in x_bar.chunks_mut(GATHERED) {
-            let sums = first_mut(sums, x_bar.len());
-            sums.fill(S::zero());
-            let mut output = 0;
-            for y_bar in y_bar.chunks(GATHERED) {
-                self.part(output, first).adjoint(gather(outputs, y_bar, k), sums);
-                output += GATHERED;
+            let mut column = 0;
+            for from in from.chunks(GATHERED) {
+                let numbers = gather(numbers, from, k);
+                if ADJOINT {
+                    self.part(column, row).adjoint(numbers, sums);
+                } else {
+                    self.part(row, column).forward(numbers, sums);
+                }
+                column += GATHERED;
             }
-            scatter(sums, x_bar, k);
-            first += GATHERED;
+            scatter(sums, to, k);
+            row += GATHERED;
         }
     }
 }

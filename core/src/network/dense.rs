@@ -1,6 +1,6 @@
 use super::Jet;
 use crate::expected::expected;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use leastaction_fpu::portable::dot;
 
 /// A fully connected layer y = Wx + b over borrowed weights.
@@ -19,7 +19,7 @@ pub struct Dense<'a, W> {
 /// after the other there: gathering each vector then costs less than it saves.
 pub const NARROW: usize = 8;
 
-impl<'a, W: Stored> Dense<'a, W> {
+impl<'a, W: WeightFormat> Dense<'a, W> {
     /// Numbers that a layer of this shape takes from the weight block.
     pub const fn parameters(inputs: usize, outputs: usize) -> Option<usize> {
         match inputs.checked_add(1) {
@@ -83,7 +83,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         y: &mut [Jet<S, T>],
     ) {
         if S::COMPONENTWISE && H > NARROW {
-            return self.forward_componentwise(x, y);
+            return self.componentwise::<S, T, false>(x, y);
         }
         let (weights, bias, y) = forward_panels::<W, S, T, 8>(self.weights, self.bias, x, y);
         let (weights, bias, y) = forward_panels::<W, S, T, 4>(weights, bias, x, y);
@@ -108,7 +108,7 @@ impl<'a, W: Stored> Dense<'a, W> {
         x_bar: &mut [Jet<S, T>],
     ) {
         if S::COMPONENTWISE && H > NARROW {
-            return self.adjoint_componentwise(y_bar, x_bar);
+            return self.componentwise::<S, T, true>(y_bar, x_bar);
         }
         x_bar.fill(Jet::zero());
         let (weights, y_bar) = adjoint_panels::<W, S, T, 8>(self.weights, y_bar, x_bar);
@@ -202,7 +202,7 @@ impl<S: Scalar, const T: usize, const P: usize> Panel<S, T, P> {
 
 /// Evaluates all full panels of P outputs.
 #[inline(always)]
-fn forward_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+fn forward_panels<'w, 'y, W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
     weights: &'w [W],
     bias: &'w [W],
     x: &[Jet<S, T>],
@@ -231,7 +231,7 @@ fn split_off<'w, X>(rows: &mut &'w [X], n: usize) -> &'w [X] {
 
 /// A function of its own, so that the sums stay in vectors and are not interleaved before the last is added.
 #[inline(never)]
-fn forward_panel<W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+fn forward_panel<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
     rows: &[[W; P]],
     bias: &[W; P],
     x: &[Jet<S, T>],
@@ -256,7 +256,7 @@ fn accumulate<S: Scalar, const P: usize>(sum: &mut [S; P], row: &[S; P], x: S) {
 }
 
 #[inline(always)]
-fn adjoint_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+fn adjoint_panels<'w, 'y, W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
     weights: &'w [W],
     y_bar: &'y [Jet<S, T>],
     x_bar: &mut [Jet<S, T>],
@@ -271,7 +271,7 @@ fn adjoint_panels<'w, 'y, W: Stored, S: Scalar<Weight = W::Wide>, const T: usize
 }
 
 #[inline(always)]
-fn adjoint_panel<W: Stored, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
+fn adjoint_panel<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
     rows: &[[W; P]],
     y_bar: &[Jet<S, T>; P],
     x_bar: &mut [Jet<S, T>],

@@ -1,5 +1,5 @@
 use super::{Activation, Dense, Jet, sized};
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
 /// A multilayer perceptron over borrowed weights: up to `L` hidden layers of up to `H` units, each followed by the activation,
@@ -25,7 +25,7 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape
     }
 }
 
-impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
+impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` where the
     /// block is too short, there are more than `L` hidden layers, or one has more than `H` units.
     pub fn take(

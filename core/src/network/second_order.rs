@@ -1,7 +1,7 @@
 //! First and second derivatives of a network in its inputs, from one forward pass with tangents and one adjoint pass without.
 
 use super::{Jet, Mlp, sized};
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
 /// What the forward pass records of every hidden unit for the second derivatives: σ′(z), σ″(z) and the tangents ż, for widths
@@ -23,7 +23,7 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Seco
     }
 }
 
-impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
+impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y(x) and its tangents along those of x; records what [`Mlp::second_order`] needs.
     #[inline]
     pub fn forward_second_order<S: Scalar<Weight = W::Wide>, const T: usize>(

@@ -5,10 +5,10 @@
 //! linear and treat both alike, only the activations differ (Faà di Bruno's formula).
 
 use super::{Activation, Curve, Dense, Jet, Mlp, sized};
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
-impl<'a, W: Stored, const H: usize, const L: usize> Mlp<'a, W, H, L> {
+impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
     pub fn series<S: Scalar<Weight = W::Wide>, const K: usize>(&self, x: &[Jet<S, K>], y: &mut [Jet<S, K>]) {
         let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());

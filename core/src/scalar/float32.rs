@@ -1,4 +1,4 @@
-use super::{Real, Scalar, Stored, Weights, tanh};
+use super::{Real, Scalar, WeightFormat, Weights, tanh};
 use leastaction_fpu::{half, portable, sin_cos, single, sqrt};
 
 /// 2π, and the next smaller number.
@@ -12,8 +12,12 @@ impl Scalar for f32 {
     const COMPONENTWISE: bool = cfg!(target_pointer_width = "32");
 
     #[inline]
-    fn accumulate<W: Stored<Wide = f32>, const P: usize>(rows: &[[W; P]], x: &[f32], sum: &mut [f32; P]) {
-        let (weights, sums) = (W::shipped(rows.as_flattened()), sum.as_mut_slice());
+    fn accumulate<W: WeightFormat<Wide = f32>, const P: usize>(
+        rows: &[[W; P]],
+        x: &[f32],
+        sum: &mut [f32; P],
+    ) {
+        let (weights, sums) = (W::in_file(rows.as_flattened()), sum.as_mut_slice());
         match (P, weights) {
             (8, Some(Weights::Single(w))) => {
                 sums.as_chunks_mut().0.iter_mut().for_each(|s| single::accumulate_8(w.as_chunks().0, x, s))
@@ -31,13 +35,13 @@ impl Scalar for f32 {
         }
     }
     #[inline]
-    fn transposed<W: Stored<Wide = f32>, const P: usize>(
+    fn transposed<W: WeightFormat<Wide = f32>, const P: usize>(
         rows: &[[W; P]],
         y_bar: &[f32; P],
         x_bar: &mut [f32],
     ) {
         let y = y_bar.as_slice();
-        match (P, W::shipped(rows.as_flattened())) {
+        match (P, W::in_file(rows.as_flattened())) {
             (8, Some(Weights::Single(w))) => {
                 y.as_chunks().0.iter().for_each(|y| single::transposed_8(w.as_chunks().0, y, x_bar))
             }

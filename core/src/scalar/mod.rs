@@ -8,14 +8,14 @@ mod float32;
 mod float64;
 mod lanes;
 mod packed;
-mod stored;
 mod tanh;
+mod weight_format;
 
 pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};
 pub use leastaction_fpu::f16;
 pub use packed::Packed;
-pub use stored::{Shipped, Stored, Weights};
+pub use weight_format::{FileWeightFormat, WeightFormat, Weights};
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -33,8 +33,8 @@ pub trait Scalar:
     + AddAssign
     + SubAssign
 {
-    /// The type in which network weights are read: `f32` on the chip, `f64` in training. See [`Stored`].
-    type Weight: Stored<Wide = Self::Weight>;
+    /// The type in which network weights are read: `f32` on the chip, `f64` in training. See [`WeightFormat`].
+    type Weight: WeightFormat<Wide = Self::Weight>;
 
     /// The weight as a scalar (broadcast to every lane).
     fn weight(w: Self::Weight) -> Self;
@@ -69,7 +69,7 @@ pub trait Scalar:
 
     /// s_l ← ((s_l + w₀ₗx₀) + w₁ₗx₁) + … with `rows[j][l]` = w_jl.
     #[inline(always)]
-    fn accumulate<W: Stored<Wide = Self::Weight>, const P: usize>(
+    fn accumulate<W: WeightFormat<Wide = Self::Weight>, const P: usize>(
         rows: &[[W; P]],
         x: &[Self],
         sum: &mut [Self; P],
@@ -79,7 +79,7 @@ pub trait Scalar:
 
     /// x̄_j ← x̄_j + Σ_l w_jl ȳ_l, products added in halves: lane l to lane l + P/2, and so on.
     #[inline(always)]
-    fn transposed<W: Stored<Wide = Self::Weight>, const P: usize>(
+    fn transposed<W: WeightFormat<Wide = Self::Weight>, const P: usize>(
         rows: &[[W; P]],
         y_bar: &[Self; P],
         x_bar: &mut [Self],

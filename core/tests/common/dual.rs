@@ -2,7 +2,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::scalar::{Scalar, Stored};
+use leastaction_core::scalar::{Scalar, WeightFormat};
 use num_dual::{DualNum, HyperHyperDual64};
 
 /// x + ε₁x₁ + ε₂x₂ + ε₃x₃ + … + ε₁ε₂ε₃x₁₂₃.
@@ -67,7 +67,7 @@ impl SubAssign for Dual {
     }
 }
 
-impl Stored for Dual {
+impl WeightFormat for Dual {
     type Wide = Dual;
 
     fn wide(self) -> Dual {

@@ -196,7 +196,7 @@ pub fn write_raw(header: Header, padding: Option<&[u8]>, weights: &[u8]) -> Vec<
     for (section, content) in after_weights(&header) {
         file.extend(section_of(section, &content));
     }
-    sealed(&file)
+    with_checksum(&file)
 }
 
 /// A section: its number, its length, its content.
@@ -220,7 +220,7 @@ pub fn place(file: &[u8], section: Section) -> [usize; 2] {
 pub fn with_section(file: &[u8], section: Section, content: &[u8]) -> Vec<u8> {
     let [start, end] = place(file, section);
     let rest = &file[end..file.len() - 4];
-    sealed(&[&file[..start - 5], &section_of(section, content), rest].concat())
+    with_checksum(&[&file[..start - 5], &section_of(section, content), rest].concat())
 }
 
 fn before_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
@@ -254,7 +254,7 @@ pub fn energies(family: &Family) -> Vec<u8> {
 }
 
 /// A file body closed with its checksum.
-pub fn sealed(body: &[u8]) -> Vec<u8> {
+pub fn with_checksum(body: &[u8]) -> Vec<u8> {
     [body, &checksum(body).to_le_bytes()].concat()
 }
 

@@ -10,7 +10,7 @@ use leastaction_core::energy::graph::{
     Potential, Separation, Types,
 };
 use leastaction_core::network::Activation;
-use leastaction_core::scalar::{Scalar, Stored};
+use leastaction_core::scalar::{Scalar, WeightFormat};
 
 pub const NETWORKS: usize = 11;
 pub const WIDTH: usize = 11;
@@ -47,13 +47,13 @@ impl<const D: usize> Model<D> {
     }
 
     /// The types over a weight block of any scalar, of this shape.
-    pub fn types<'w, W: Stored>(&self, mut weights: &'w [W]) -> LearnedTypes<'w, W, D> {
+    pub fn types<'w, W: WeightFormat>(&self, mut weights: &'w [W]) -> LearnedTypes<'w, W, D> {
         let types = Types::take(&mut weights, &self.shape).expect("weights of this shape");
         assert!(weights.is_empty(), "{} weights too many", weights.len());
         types
     }
 
-    pub fn graph<'a, W: Stored>(&'a self, weights: &'a [W]) -> LearnedGraph<'a, W, D> {
+    pub fn graph<'a, W: WeightFormat>(&'a self, weights: &'a [W]) -> LearnedGraph<'a, W, D> {
         Graph::new(self.types(weights), &self.nodes, &self.edges).expect("a graph")
     }
 

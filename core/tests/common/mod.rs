@@ -1,11 +1,14 @@
 //! What the tests share: an exact oracle of derivatives, seeded numbers, models of every shape, and comparisons.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub mod cases;
 pub mod dual;
 pub mod file;
+pub mod forces;
 pub mod graphs;
 pub mod oracle;
 pub mod particles;
+pub mod sections;
 pub mod shapes;
 pub mod trees;
 

@@ -4,7 +4,7 @@ use super::Random;
 use super::oracle::Learned;
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape, feature_count};
 use leastaction_core::network::{Activation, Dense};
-use leastaction_core::scalar::{Scalar, Stored};
+use leastaction_core::scalar::{Scalar, WeightFormat};
 
 pub use Coordinate::{Angle, Cyclic, Translation};
 
@@ -41,7 +41,7 @@ impl<const N: usize> Model<N> {
     }
 
     /// The model over a weight block of any type, of this shape.
-    pub fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Rigid<'a, W, N, WIDTH, DEPTH> {
+    pub fn over<'a, W: WeightFormat>(&self, mut weights: &'a [W]) -> Rigid<'a, W, N, WIDTH, DEPTH> {
         let rigid = Rigid::take(&mut weights, &self.shape()).expect("weights of this shape");
         assert!(weights.is_empty(), "{} weights too many", weights.len());
         rigid
@@ -160,6 +160,31 @@ pub fn of_three() -> Vec<Model<3>> {
         Model::new([Cyclic, Angle, Translation], &[6, 11], Activation::Squareplus, CHOLESKY, 10),
     ]
 }
+
+/// One check of all rigid models, generic in their number of coordinates.
+#[allow(unused_macros, reason = "only some tests use it")]
+macro_rules! for_each_shape {
+    ($check:expr) => {
+        $crate::common::shapes::of_one().iter().for_each($check);
+        $crate::common::shapes::of_two().iter().for_each($check);
+        $crate::common::shapes::of_three().iter().for_each($check);
+    };
+}
+#[allow(unused_imports, reason = "only some tests use it")]
+pub(crate) use for_each_shape;
+
+/// One check of the pendulums and of all rigid models in f64, generic in their number of coordinates.
+#[allow(unused_macros, reason = "only some tests use it")]
+macro_rules! for_each_model {
+    ($check:path) => {
+        $check(leastaction_core::energy::trigonometric::PENDULUM);
+        $check(leastaction_core::energy::trigonometric::CARTPOLE);
+        $check(leastaction_core::energy::trigonometric::ACROBOT);
+        $crate::common::shapes::for_each_shape!(|model| $check(model.in_f64()));
+    };
+}
+#[allow(unused_imports, reason = "only some tests use it")]
+pub(crate) use for_each_model;
 
 /// Features of a shape, for tests of sizes.
 pub fn features<const N: usize>(coordinates: &[Coordinate; N]) -> usize {

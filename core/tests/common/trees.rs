@@ -9,7 +9,7 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::Activation;
-use leastaction_core::scalar::{Scalar, Stored};
+use leastaction_core::scalar::{Scalar, WeightFormat};
 
 pub const KINDS: usize = 3;
 pub const WIDTH: usize = 11;
@@ -52,7 +52,7 @@ impl<const N: usize> Tree<N> {
     }
 
     /// The tree over a weight block of any type, of this shape.
-    pub fn over<'a, W: Stored>(&self, mut weights: &'a [W]) -> Modular<'a, W, N, KINDS, WIDTH, DEPTH> {
+    pub fn over<'a, W: WeightFormat>(&self, mut weights: &'a [W]) -> Modular<'a, W, N, KINDS, WIDTH, DEPTH> {
         let tree = self.shape.tree(self.nodes.iter().copied()).expect("a tree");
         let modular = Modular::take(&mut weights, &self.shape, tree).expect("weights of this shape");
         assert!(weights.is_empty(), "{} weights too many", weights.len());

@@ -1,4 +1,5 @@
-//! The one family that the library is built for: its [`Mechanism`], how one is loaded, and how many edges it has at most.
+//! The one family that the library is built for: its [`Mechanism`], how one is loaded, and the lists
+//! that loading fills.
 
 #[cfg(feature = "graph")]
 mod graph;
@@ -7,12 +8,16 @@ mod modular;
 #[cfg(feature = "rigid")]
 mod rigid;
 
+#[cfg(all(feature = "graph", not(feature = "rods")))]
+pub(crate) use graph::system;
+#[cfg(feature = "rods")]
+pub(crate) use graph::{AnyGraph, constrained};
 #[cfg(feature = "graph")]
-pub(crate) use graph::{EDGES, FAMILY, Mechanism, load, system};
+pub(crate) use graph::{FAMILY, Lists, Mechanism, load};
 #[cfg(feature = "modular")]
-pub(crate) use modular::{EDGES, FAMILY, Mechanism, load, system};
+pub(crate) use modular::{FAMILY, Lists, Mechanism, load, system};
 #[cfg(feature = "rigid")]
-pub(crate) use rigid::{EDGES, FAMILY, Mechanism, load, system};
+pub(crate) use rigid::{FAMILY, Lists, Mechanism, load, system};
 
 use crate::error::Error;
 use crate::status::Status;

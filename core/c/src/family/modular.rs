@@ -4,13 +4,20 @@ use crate::config::{
 };
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
-use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::Modular;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::ModularModel;
 
 pub(crate) const FAMILY: &CStr = c"modular";
-pub(crate) const EDGES: usize = 0;
+
+/// Nothing beside the file.
+pub(crate) struct Lists;
+
+impl Lists {
+    pub fn empty() -> Self {
+        Self
+    }
+}
 
 /// A tree of elements.
 pub(crate) type Mechanism = ModularModel<'static, N, E, H, L, Weight>;
@@ -22,7 +29,7 @@ type Parts<'a> = System<&'a Modular<'static, Weight, N, E, H, L>, &'a Viscous<f3
 pub(crate) unsafe fn load(
     bytes: &'static [u8],
     name: *const c_char,
-    _: &'static mut [Edge],
+    _: &'static mut Lists,
 ) -> Result<Mechanism, Error> {
     // SAFETY: this function's promise.
     let name = unsafe { super::text(name) }?;

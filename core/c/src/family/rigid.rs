@@ -2,13 +2,20 @@ use super::Weight;
 use crate::config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
-use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::rigid::Rigid;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::RigidModel;
 
 pub(crate) const FAMILY: &CStr = c"rigid";
-pub(crate) const EDGES: usize = 0;
+
+/// Nothing beside the file.
+pub(crate) struct Lists;
+
+impl Lists {
+    pub fn empty() -> Self {
+        Self
+    }
+}
 
 /// A rigid mechanism.
 pub(crate) type Mechanism = RigidModel<'static, N, H, L, Weight>;
@@ -20,7 +27,7 @@ type Parts<'a> = System<&'a Rigid<'static, Weight, N, H, L>, &'a Viscous<f32, N>
 pub(crate) unsafe fn load(
     bytes: &'static [u8],
     _: *const c_char,
-    _: &'static mut [Edge],
+    _: &'static mut Lists,
 ) -> Result<Mechanism, Error> {
     Ok(Mechanism::load(bytes)?)
 }

@@ -20,6 +20,7 @@
 //! Wanner, "Geometric Numerical Integration", sections VII.1.4 and V.3.2.
 
 mod points;
+mod shot;
 mod solver;
 mod stage;
 
@@ -29,7 +30,8 @@ use super::{Newton, Order, Report};
 use crate::constraints::{Banded, Constrained, ConstraintError, Constraints};
 use crate::particles::Particles;
 use crate::scalar::Real;
-use points::Points;
+use points::{Points, check_start};
+use shot::Shot;
 use solver::{Solver, coupled};
 
 /// The integrator: the step h, the order, and the bounds of Newton's method.
@@ -41,11 +43,16 @@ pub struct Rattle<R> {
 }
 
 impl<R: Real> Rattle<R> {
-    /// An integrator of step h > 0, s. Newton's method takes at most 12 updates, and stops where rounding allows no more (a
-    /// quarter of ε): what it leaves of φ has one sign, and over 10⁶ steps in f32 that becomes a drift of the energy.
+    /// An integrator of step h > 0, s, with [`Rattle::default_newton`].
     pub fn new(h: R, order: Order) -> Self {
+        Self::with_newton(h, order, Self::default_newton())
+    }
+
+    /// Newton's method takes at most 12 updates, and stops where rounding allows no more (a quarter of ε): what it leaves of φ
+    /// has one sign, and over 10⁶ steps in f32 that becomes a drift of the energy.
+    pub fn default_newton() -> Newton<R> {
         let stop = R::EPSILON * R::constant(0.25);
-        Self::with_newton(h, order, Newton { max_iterations: 12, stop, accept: R::EPSILON.sqrt() })
+        Newton { max_iterations: 12, stop, accept: R::EPSILON.sqrt() }
     }
 
     /// An integrator with the caller's bounds of Newton's method. Residuals are relative: of
@@ -104,6 +111,35 @@ impl<R: Real> Rattle<R> {
         next.finish(self.h)?;
         state.swap();
         Ok(report)
+    }
+
+    /// The state at q₁, m, that two positions h apart, both satisfying the constraints, and the external force between them, N,
+    /// determine: it is one step away from a state at q₀. No velocity is needed. `state` keeps the state
+    /// ([`ParticleState::workspace`]), `workspace` is only used meanwhile.
+    ///
+    /// # Errors
+    /// See [`ConstraintError`]; `NotConverged` where no velocity is found, because h is too long for this motion.
+    pub fn start<'a, S, C, const D: usize>(
+        &self,
+        mechanism: &Constrained<R, S, C, D>,
+        [q0, q1]: [&[[R; D]]; 2],
+        force: Option<&[[R; D]]>,
+        state: &'a mut [R],
+        workspace: &mut [R],
+    ) -> Result<ParticleState<'a, R, D>, ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
+        check_start(mechanism, q0)?;
+        check_start(mechanism, q1)?;
+        force.map_or(Ok(()), |force| mechanism.check_nodes(force))?;
+        let mut all = ParticleState::over(mechanism, state)?;
+        let solver = Solver::new(mechanism, &self.newton, workspace)?;
+        Shot::new(self, solver, &mut all, [q0, q1], force).hit()?;
+        all.next.finish(self.h)?;
+        all.swap();
+        Ok(all)
     }
 
     fn substeps<S, C, const D: usize>(

@@ -1,7 +1,6 @@
 use super::Rattle;
 use super::solver::Solver;
-use crate::constraints::{Constrained, ConstraintError, Constraints, Positions, Workspace};
-use crate::discrete::Newton;
+use crate::constraints::{Constrained, ConstraintError, Constraints, Positions, Workspace, check_length};
 use crate::particles::Particles;
 use crate::scalar::{Compensated, Real, all_finite};
 
@@ -50,7 +49,7 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
         Self { q, q_carry, p, p_carry, v, internal, lambda: workspace.numbers(equations) }
     }
 
-    fn copy(&mut self, other: &Self) {
+    pub fn copy(&mut self, other: &Self) {
         let from = [&*other.q, other.q_carry, other.p, other.p_carry, other.v, other.internal];
         let to = [&mut *self.q, self.q_carry, self.p, self.p_carry, self.v, self.internal];
         for (to, from) in to.into_iter().zip(from) {
@@ -73,9 +72,9 @@ impl<'a, R: Real, const D: usize> Points<'a, R, D> {
 /// is [`ParticleState::workspace`], on the host a vector.
 #[derive(Debug)]
 pub struct ParticleState<'a, R, const D: usize> {
-    now: Points<'a, R, D>,
+    pub(super) now: Points<'a, R, D>,
     /// Where the next step is made.
-    next: Points<'a, R, D>,
+    pub(super) next: Points<'a, R, D>,
 }
 
 impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
@@ -99,18 +98,74 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
-        mechanism.check_nodes(q)?;
+        check_start(mechanism, q)?;
         mechanism.check_nodes(v)?;
-        check_start(mechanism.constraints(), Positions::new(q))?;
-        let (nodes, equations) = (q.len(), mechanism.equations());
+        let mut all = Self::over(mechanism, state)?;
+        copy(all.now.q, q);
+        copy(all.now.v, v);
+        Solver::new(mechanism, &Rattle::default_newton(), workspace)?.start(&mut all.now)?;
+        all.now.finish(R::one())?;
+        all.now.lambda.fill(R::zero());
+        Ok(all)
+    }
+
+    /// What is not yet filled, over `state`.
+    pub(super) fn over<S, C>(
+        mechanism: &Constrained<R, S, C, D>,
+        state: &'a mut [R],
+    ) -> Result<Self, ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
+        let (nodes, equations) = (mechanism.system().nodes(), mechanism.equations());
         let mut pieces = Workspace::new(Self::workspace(nodes, equations), state)?;
-        let mut now = Points::over(nodes, equations, &mut pieces);
-        let next = Points::over(nodes, equations, &mut pieces);
-        let newton: Newton<R> = Rattle::new(R::one(), super::Order::Two).newton;
-        Solver::new(mechanism, &newton, workspace)?.start(&mut now, q, v)?;
-        now.finish(R::one())?;
-        now.lambda.fill(R::zero());
-        Ok(Self { now, next })
+        let now = Points::over(nodes, equations, &mut pieces);
+        Ok(Self { now, next: Points::over(nodes, equations, &mut pieces) })
+    }
+
+    /// Numbers of a saved state.
+    pub const fn saved(nodes: usize, equations: usize) -> usize {
+        Points::<R, D>::workspace(nodes, equations)
+    }
+
+    /// Writes the present state as numbers from which [`ParticleState::resume`] goes on with the same bits: q (m) and what
+    /// rounding took from it, p (kg m/s) and what rounding took from it, v (m/s), L_q(q) + Q(v) (N), each node after node,
+    /// then λ (N).
+    ///
+    /// # Errors
+    /// [`ConstraintError::Shape`] unless there are as many `numbers` as [`ParticleState::saved`] says.
+    pub fn save(&self, numbers: &mut [R]) -> Result<(), ConstraintError<R>> {
+        let now = &self.now;
+        check_length(numbers, Self::saved(now.q.len(), now.lambda.len()))?;
+        let vectors = [&*now.q, now.q_carry, now.p, now.p_carry, now.v, now.internal];
+        let all = vectors.into_iter().flat_map(|x| x.as_flattened()).chain(now.lambda.iter());
+        numbers.iter_mut().zip(all).for_each(|(to, from)| *to = *from);
+        Ok(())
+    }
+
+    /// The state of this system that [`ParticleState::save`] wrote; `state` keeps it ([`ParticleState::workspace`]). That
+    /// positions satisfy the constraints is not checked again.
+    ///
+    /// # Errors
+    /// [`ConstraintError::Shape`] where the numbers are not as many as the system's, [`ConstraintError::NotFinite`] where one
+    /// is infinite or not a number, [`ConstraintError::Workspace`] where `state` is too short.
+    pub fn resume<S, C>(
+        mechanism: &Constrained<R, S, C, D>,
+        numbers: &[R],
+        state: &'a mut [R],
+    ) -> Result<Self, ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
+        check_length(numbers, Self::saved(mechanism.system().nodes(), mechanism.equations()))?;
+        if !numbers.iter().all(|x| x.is_finite()) {
+            return Err(ConstraintError::NotFinite);
+        }
+        // The present state lies at the front, in the order of the numbers.
+        state.iter_mut().zip(numbers).for_each(|(to, from)| *to = *from);
+        Self::over(mechanism, state)
     }
 
     /// q, m.
@@ -166,10 +221,17 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
 }
 
 /// An error where |φ| is more than √ε of its length, or not a number.
-fn check_start<R: Real, C: Constraints<R, D> + ?Sized, const D: usize>(
-    constraints: &C,
-    x: Positions<R, D>,
-) -> Result<(), ConstraintError<R>> {
+pub(super) fn check_start<R, S, C, const D: usize>(
+    mechanism: &Constrained<R, S, C, D>,
+    q: &[[R; D]],
+) -> Result<(), ConstraintError<R>>
+where
+    R: Real,
+    S: Particles<R, D>,
+    C: Constraints<R, D> + ?Sized,
+{
+    mechanism.check_nodes(q)?;
+    let (constraints, x) = (mechanism.constraints(), Positions::new(q));
     let (mut constraint, mut residual) = (0, R::zero());
     for k in 0..constraints.equations() {
         let off = constraints.value(k, x).abs() / constraints.size(k);

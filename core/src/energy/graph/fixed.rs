@@ -7,7 +7,7 @@ use crate::forces::Forces;
 use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear::Matrix;
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 
 /// A graph in N coordinates, node after node: N is the number of nodes times `D`.
 ///
@@ -17,7 +17,7 @@ pub struct Fixed<'a, W, const D: usize, const K: usize, const H: usize, const L:
     pub(super) graph: Graph<'a, W, D, K, H, L>,
 }
 
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Fixed<'a, W, D, K, H, L, N>
 {
     /// The graph, which must have N coordinates.
@@ -133,7 +133,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
 }
 
 impl<
-    W: Stored,
+    W: WeightFormat,
     S: Scalar<Weight = W::Wide>,
     const D: usize,
     const K: usize,
@@ -172,7 +172,7 @@ impl<
 }
 
 impl<
-    W: Stored,
+    W: WeightFormat,
     S: Scalar<Weight = W::Wide>,
     const D: usize,
     const K: usize,

@@ -13,7 +13,7 @@ use crate::energy::distance::DistanceFeature;
 use crate::energy::placed_network::{PlacedNetwork, Visit};
 use crate::expected::expected;
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
 /// The embedding of a node or edge.
@@ -27,7 +27,7 @@ pub(super) struct Messaging<'t, 'a, W, const D: usize, const K: usize, const H: 
     nodes: &'a [u8],
 }
 
-impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>
+impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Messaging<'t, 'a, W, D, K, H, L>
 {
     /// The messages between nodes of these types, where the model has any.
@@ -97,7 +97,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         let n = self.read(NodeQuantity::Sum, nodes, 0, states);
         let (mut bar, mut v) = (n.clone(), [Jet::zero(); 1]);
         let one = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::one())];
-        potential.pull_back::<S, T, _, _>((&n, &mut bar), &mut v, visit, one);
+        potential.pull_back_apart::<S, T, _, _>((&n, &mut bar), &mut v, visit, one);
         states.add(NodeQuantity::Adjoint, nodes, &[bar]);
         let [v] = v;
         Some(v)
@@ -118,14 +118,19 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         let product = times(&a, &b);
         let (mut product_bar, mut v, mut feature_bar) = (product.clone(), [Jet::zero(); 1], [Jet::zero(); 1]);
         let (e, change) = (&mut zeros(width), &mut zeros(width));
-        embed.pull_back::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back_apart::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
             let mut bar = zeros(width);
-            update.pull_back::<S, T, _, _>((&product, &mut product_bar), change, visit, |change, visit| {
-                let updated = plus(e, change);
-                let twice = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::constant(2.0))];
-                potential.pull_back::<S, T, _, _>((&updated, &mut bar), &mut v, visit, twice);
-                bar.clone()
-            });
+            update.pull_back_apart::<S, T, _, _>(
+                (&product, &mut product_bar),
+                change,
+                visit,
+                |change, visit| {
+                    let updated = plus(e, change);
+                    let twice = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::constant(2.0))];
+                    potential.pull_back_apart::<S, T, _, _>((&updated, &mut bar), &mut v, visit, twice);
+                    bar.clone()
+                },
+            );
             bar
         });
         states.add(NodeQuantity::Adjoint, edges, &[times(&product_bar, &b), times(&product_bar, &a)]);
@@ -147,7 +152,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut feature_bar = [Jet::zero(); 1];
         let e = &mut zeros(width);
-        embed.pull_back::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back_apart::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
             let mut e_bar = zeros(width);
             let [a, b] = [0, 1].map(|end| self.read(NodeQuantity::Adjoint, edges, end, states));
             let received =
@@ -156,7 +161,7 @@ impl<'t, 'a, W: Stored, const D: usize, const K: usize, const H: usize, const L:
                 let x = self.message_inputs::<S, T, M>(edges, from, e);
                 let (mut x_bar, mut sent) = (x.clone(), zeros::<S, T>(self.width()));
                 let bar = |_: &[Jet<S, T>], _: &mut _| bar;
-                message.pull_back::<S, T, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
+                message.pull_back_apart::<S, T, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
                 let (of_sender, of_edge) = expected(x_bar.split_at_checked(self.width()), (&[], &[]));
                 of_sender.iter().enumerate().for_each(|(k, bar)| sender(from, k, bar));
                 e_bar = plus(&e_bar, of_edge);

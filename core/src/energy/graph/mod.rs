@@ -36,7 +36,7 @@ pub use types::Types;
 pub use union::{Member, Union};
 
 use crate::expected::expected;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
 /// Nodes of a graph at most: edges name them by 16 bits.
@@ -62,7 +62,9 @@ pub struct Graph<'a, W, const D: usize, const K: usize, const H: usize, const L:
     edges: &'a [Edge],
 }
 
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
+impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
+    Graph<'a, W, D, K, H, L>
+{
     /// A graph of these nodes, each by its type, and edges.
     ///
     /// # Errors

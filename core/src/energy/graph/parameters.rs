@@ -11,7 +11,7 @@ use crate::energy::{Learnable, LearnableForces};
 use crate::expected::present;
 use crate::linear::dot;
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 
 impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Learnable<S, N> for Fixed<'_, S::Weight, D, K, H, L, N>
@@ -58,7 +58,7 @@ impl<S: Scalar, const D: usize, const K: usize, const H: usize, const L: usize, 
     }
 }
 
-impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
+impl<W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
     Fixed<'_, W, D, K, H, L, N>
 {
     /// −∂/∂θ of V_q·δq.
@@ -115,7 +115,9 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize, 
     }
 }
 
-impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'_, W, D, K, H, L> {
+impl<W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
+    Types<'_, W, D, K, H, L>
+{
     /// Visits c₁ ∂T′/∂θ + c₂ ∂T″/∂θ, derivatives of T in |v|².
     fn kinetic_gradient<S: Scalar<Weight = W::Wide>>(
         &self,
@@ -202,7 +204,7 @@ impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> 
     }
 }
 
-impl<W: Stored, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
+impl<W: WeightFormat, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
     /// Visits c ∂|net(x)|/∂θ.
     fn size_gradient<S: Scalar<Weight = W::Wide>>(&self, x: S, c: S, row: &mut impl FnMut(usize, S)) {
         let side = sign(self.energy::<S>(&[Jet::constant(x)]));

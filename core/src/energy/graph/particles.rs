@@ -8,10 +8,16 @@ use crate::lagrangian::Energies;
 use crate::linear::Matrix;
 use crate::network::Jet;
 use crate::particles::Particles;
-use crate::scalar::{Packed, Stored};
+use crate::scalar::{Packed, WeightFormat};
 
-impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, const H: usize, const L: usize>
-    Particles<R, D> for Graph<'_, W, D, K, H, L>
+impl<
+    W: WeightFormat,
+    R: Packed<Weight = W::Wide>,
+    const D: usize,
+    const K: usize,
+    const H: usize,
+    const L: usize,
+> Particles<R, D> for Graph<'_, W, D, K, H, L>
 {
     fn nodes(&self) -> usize {
         self.nodes.len()
@@ -89,7 +95,9 @@ fn lane<R: Packed, const D: usize>(x: &[R::Pack; D], lane: usize) -> [R; D] {
     one
 }
 
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
+impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
+    Graph<'a, W, D, K, H, L>
+{
     /// Visits neighbouring nodes of one type, from `first` on, with their type and vectors of `x`.
     #[inline(always)]
     fn for_nodes<R: Packed<Weight = W::Wide>>(

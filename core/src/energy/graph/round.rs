@@ -7,7 +7,7 @@ use super::{Edge, Graph, across};
 use crate::energy::placed_network::Visit;
 use crate::expected::{expected, present};
 use crate::network::Jet;
-use crate::scalar::{Packed, Scalar, Stored};
+use crate::scalar::{Packed, Scalar, WeightFormat};
 use core::iter;
 
 /// A quantity of which every node has as many numbers as an embedding.
@@ -83,7 +83,15 @@ pub(super) trait NodeStates<S: Scalar, const T: usize, const D: usize> {
     fn add(&mut self, quantity: NodeQuantity, batch: impl Batch, x: &[Embedding<S, T>]);
 }
 
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Graph<'a, W, D, K, H, L> {
+impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
+    Graph<'a, W, D, K, H, L>
+{
+    /// Length of the workspace of any graph of so many nodes at most, for the length of an array: that of a graph is
+    /// [`Particles::workspace`](crate::particles::Particles::workspace).
+    pub const fn most_workspace(nodes: usize) -> usize {
+        NODE_QUANTITIES * MAX_EMBEDDING * nodes
+    }
+
     /// The networks of the messages, where the model has any.
     pub(super) fn messaging(&self) -> Option<Messaging<'_, 'a, W, D, K, H, L>> {
         Messaging::new(&self.types, self.nodes)

@@ -4,7 +4,7 @@ use super::GraphError;
 use crate::energy::distance::DistanceFeature;
 use crate::energy::network_shape::first_invalid;
 use crate::energy::{List, NetworkShape, SizeError};
-use crate::scalar::{Real, Scalar, Stored};
+use crate::scalar::{Real, Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
 /// Networks of a model at most.
@@ -171,7 +171,7 @@ impl GraphShape {
     ///
     /// # Errors
     /// [`GraphError::Mass`] and [`GraphError::Drag`].
-    pub fn check_numbers<W: Stored<Wide: Real>>(&self, numbers: &[W]) -> Result<(), GraphError> {
+    pub fn check_numbers<W: WeightFormat<Wide: Real>>(&self, numbers: &[W]) -> Result<(), GraphError> {
         for (kind, node) in self.nodes.iter().enumerate() {
             let own = numbers.get(kind * self.numbers()..).and_then(|rest| rest.first_chunk::<2>());
             let Some([mass, drag]) = own.map(|own| own.map(W::wide)) else { return Ok(()) };

@@ -8,7 +8,7 @@ use crate::energy::placed_network::Visit;
 use crate::energy::{List, PlacedNetwork};
 use crate::expected::{expected, present};
 use crate::network::Jet;
-use crate::scalar::{Real, Scalar, Stored};
+use crate::scalar::{Real, Scalar, WeightFormat};
 use heapless::Vec;
 
 /// Inputs of a network at most: two embeddings.
@@ -36,7 +36,9 @@ pub(super) struct NodeParameters<'a, W> {
     pub embedding: (usize, &'a [W]),
 }
 
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Types<'a, W, D, K, H, L> {
+impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
+    Types<'a, W, D, K, H, L>
+{
     /// Takes the types of this shape from the front of `block` and leaves the rest there. `None` where the block is too short,
     /// the shape does not fit in itself (see [`GraphShape::invalid_part`]), or it has not `D` dimensions or more than `K` networks, `L`
     /// hidden layers or `H` units in one.
@@ -226,7 +228,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 }
 
-impl<W: Stored<Wide: Real>, const D: usize, const K: usize, const H: usize, const L: usize>
+impl<W: WeightFormat<Wide: Real>, const D: usize, const K: usize, const H: usize, const L: usize>
     Types<'_, W, D, K, H, L>
 {
     /// Checks the numbers that must be positive, see [`GraphShape::check_numbers`].
@@ -239,7 +241,7 @@ impl<W: Stored<Wide: Real>, const D: usize, const K: usize, const H: usize, cons
 }
 
 /// The inputs of a network: an embedding, which does not move, and then `x`.
-pub(super) fn inputs<W: Stored, S: Scalar<Weight = W::Wide>, const T: usize>(
+pub(super) fn inputs<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize>(
     embedding: &[W],
     x: &[Jet<S, T>],
 ) -> Inputs<S, T> {

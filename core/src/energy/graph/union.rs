@@ -4,7 +4,7 @@ use super::{Graph, GraphError};
 use crate::expected::{expected, first_mut, present};
 use crate::lagrangian::Energies;
 use crate::particles::Particles;
-use crate::scalar::{Packed, Stored};
+use crate::scalar::{Packed, WeightFormat};
 
 /// A graph of one model on some of the nodes of a union.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,9 @@ pub struct Union<'a, W, const D: usize, const K: usize, const H: usize, const L:
     nodes: usize,
 }
 
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'a, W, D, K, H, L> {
+impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
+    Union<'a, W, D, K, H, L>
+{
     /// A union of `nodes` nodes.
     ///
     /// # Errors
@@ -50,7 +52,7 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 }
 
-impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usize>
+impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
     Member<'a, W, D, K, H, L>
 {
     fn check(&self, member: usize, nodes: usize) -> Result<(), GraphError> {
@@ -83,8 +85,14 @@ impl<'a, W: Stored, const D: usize, const K: usize, const H: usize, const L: usi
     }
 }
 
-impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, const H: usize, const L: usize>
-    Particles<R, D> for Union<'_, W, D, K, H, L>
+impl<
+    W: WeightFormat,
+    R: Packed<Weight = W::Wide>,
+    const D: usize,
+    const K: usize,
+    const H: usize,
+    const L: usize,
+> Particles<R, D> for Union<'_, W, D, K, H, L>
 {
     fn nodes(&self) -> usize {
         self.nodes
@@ -145,7 +153,9 @@ impl<W: Stored, R: Packed<Weight = W::Wide>, const D: usize, const K: usize, con
     }
 }
 
-impl<W: Stored, const D: usize, const K: usize, const H: usize, const L: usize> Union<'_, W, D, K, H, L> {
+impl<W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
+    Union<'_, W, D, K, H, L>
+{
     /// The sum of what `part` takes of every member's drag and its slope, axis by axis.
     fn sum<R: Packed<Weight = W::Wide>>(
         &self,

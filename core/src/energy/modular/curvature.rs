@@ -5,12 +5,12 @@ use super::tree::{SPACE, Vector, add};
 use super::{Configuration, Modular, dot};
 use crate::energy::placed_network::Ignore;
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 
 /// V_xx, by pairs of elements.
 pub(super) type Curvature<S, const N: usize> = [[[Vector<S>; SPACE]; N]; N];
 
-impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const L: usize>
     Modular<'a, W, N, E, H, L>
 {
     /// JᵀV_xxJ times the displacement that coordinate k alone adds.

@@ -4,7 +4,7 @@ use super::tree::{SPACE, Vector};
 use crate::energy::placed_network::PlacedNetwork;
 use crate::expected::first;
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
 /// How a coordinate enters a position network.
@@ -133,7 +133,7 @@ pub struct ElementParameters<W> {
 /// Number of [`ElementParameters`].
 pub const ELEMENT_PARAMETERS: usize = 4;
 
-impl<W: Stored> ElementParameters<W> {
+impl<W: WeightFormat> ElementParameters<W> {
     /// From the weight block.
     pub(super) fn take(block: &mut &[W]) -> Option<Self> {
         let (numbers, rest) = block.split_first_chunk::<ELEMENT_PARAMETERS>()?;
@@ -143,7 +143,7 @@ impl<W: Stored> ElementParameters<W> {
     }
 }
 
-impl<'a, W: Stored, const H: usize, const L: usize> ElementType<'a, W, H, L> {
+impl<'a, W: WeightFormat, const H: usize, const L: usize> ElementType<'a, W, H, L> {
     /// s(q) of the element's coordinate `axis` (from 0), with E derivatives of it.
     pub(super) fn motion<S: Scalar<Weight = W::Wide>, const E: usize>(&self, axis: usize, q: S) -> Motion<S> {
         match &self.transform {
@@ -212,7 +212,7 @@ impl<'a, W: Stored, const H: usize, const L: usize> ElementType<'a, W, H, L> {
     }
 }
 
-impl<W: Stored, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
+impl<W: WeightFormat, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
     fn series<S: Scalar<Weight = W::Wide>, const E: usize>(&self, x: &[Jet<S, E>]) -> [Jet<S, E>; SPACE] {
         let mut y = [Jet::zero(); SPACE];
         self.network.series::<S, E>(x, &mut y);

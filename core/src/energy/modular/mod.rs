@@ -31,7 +31,7 @@ use crate::energy::placed_network::{Ignore, Visit};
 use crate::expected::present;
 use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use element::Motion;
 use potential::Moving;
 use tree::scale;
@@ -68,7 +68,7 @@ impl<S: Scalar, const N: usize> Configuration<S, N> {
     }
 }
 
-impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const L: usize>
     Modular<'a, W, N, E, H, L>
 {
     #[inline(always)]
@@ -234,8 +234,14 @@ fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>) -> S {
     a[0] * b[0] + a[1] * b[1]
 }
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const E: usize, const H: usize, const L: usize>
-    Lagrangian<S, N> for Modular<'_, W, N, E, H, L>
+impl<
+    W: WeightFormat,
+    S: Scalar<Weight = W::Wide>,
+    const N: usize,
+    const E: usize,
+    const H: usize,
+    const L: usize,
+> Lagrangian<S, N> for Modular<'_, W, N, E, H, L>
 {
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let c = self.configuration::<S, 1>(q);

@@ -8,7 +8,7 @@ use crate::energy::Learnable;
 use crate::energy::placed_network::WeightTangents;
 use crate::expected::expected;
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 
 /// Two displacements of the coordinates in Σ α·(JᵀmJ)β, one term of a derivative of the kinetic energy.
 struct Bilinear<'m, S, const N: usize> {
@@ -76,7 +76,7 @@ impl<S: Scalar, const N: usize, const E: usize, const H: usize, const L: usize> 
     }
 }
 
-impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const L: usize>
     Modular<'a, W, N, E, H, L>
 {
     /// −∂/∂θ of V_x·J(s′δq) in potentials, coefficients, masses and centres; returns its adjoints of s and s′.

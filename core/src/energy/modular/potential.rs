@@ -5,7 +5,7 @@ use super::tree::{SPACE, Vector, add, scale};
 use crate::energy::distance::DistanceFeature;
 use crate::energy::placed_network::{PlacedNetwork, Visit};
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
 /// What a pair potential sees of two positions a and b.
@@ -44,7 +44,7 @@ pub struct Pair<'a, W, const H: usize, const L: usize> {
     pub input: PairInput,
 }
 
-impl<W: Stored, const H: usize, const L: usize> Pair<'_, W, H, L> {
+impl<W: WeightFormat, const H: usize, const L: usize> Pair<'_, W, H, L> {
     /// U₂ of two positions.
     pub(super) fn energy<S: Scalar<Weight = W::Wide>>(&self, a: &Vector<S>, b: &Vector<S>) -> S {
         let [ax, ay] = a.map(Jet::constant);

@@ -6,7 +6,7 @@ use super::potential::{Pair, PairInput};
 use super::tree::{SPACE, Tree, TreeElement, TreeError};
 use crate::energy::network_shape::first_invalid;
 use crate::energy::{List, NetworkShape, PlacedNetwork, SizeError};
-use crate::scalar::Stored;
+use crate::scalar::WeightFormat;
 use serde::{Deserialize, Serialize};
 
 /// Networks of a model at most.
@@ -128,7 +128,7 @@ impl ModularShape {
     }
 }
 
-impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usize>
+impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const L: usize>
     Modular<'a, W, N, E, H, L>
 {
     /// Builds a tree of this shape's elements on the front of `block` and leaves the rest there. `None` where the block is too
@@ -152,7 +152,7 @@ impl<'a, W: Stored, const N: usize, const E: usize, const H: usize, const L: usi
     }
 }
 
-fn take_type<'a, W: Stored, const H: usize, const L: usize>(
+fn take_type<'a, W: WeightFormat, const H: usize, const L: usize>(
     block: &mut &'a [W],
     start: &mut usize,
     shape: &TypeShape,

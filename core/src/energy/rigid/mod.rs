@@ -16,7 +16,7 @@ use crate::expected::{first, first_mut};
 use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear::{add_scaled, dot, multiply, transpose};
 use crate::network::{Activation, Jet, SecondOrderTape, Tape};
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 use features::Features;
 use inertia::{Jets, OutputBar, Outputs, without_tangents};
 
@@ -86,7 +86,7 @@ pub struct Rigid<'a, W, const N: usize, const H: usize, const L: usize> {
     network: PlacedNetwork<'a, W, H, L>,
 }
 
-impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
+impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
     /// Builds the mechanism on the front of `block` and leaves the rest there. `None` where the block is too short, the shape
     /// is invalid (see [`RigidShape::invalid_part`]), or it has more than `L` hidden layers or `H` units in one.
     pub fn take(block: &mut &'a [W], shape: &RigidShape<N>) -> Option<Self> {
@@ -163,7 +163,7 @@ impl<'a, W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'a, W,
     }
 }
 
-impl<W: Stored, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, H, L> {
+impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, H, L> {
     /// One forward pass with the tangent along v, and one adjoint: three passes' work.
     #[inline]
     fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
@@ -201,8 +201,8 @@ fn unit_vectors<S: Scalar, const N: usize>() -> [[S; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| if i == j { S::one() } else { S::zero() }))
 }
 
-impl<W: Stored, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const L: usize> Lagrangian<S, N>
-    for Rigid<'_, W, N, H, L>
+impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const L: usize>
+    Lagrangian<S, N> for Rigid<'_, W, N, H, L>
 {
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let Evaluation { outputs, .. } = self.forward(q, &[], &mut Tape::<S, 0, H, L>::default());

@@ -5,7 +5,7 @@ use crate::energy::Learnable;
 use crate::energy::placed_network::WeightTangents;
 use crate::expected::{first, first_mut};
 use crate::network::Jet;
-use crate::scalar::{Scalar, Stored};
+use crate::scalar::{Scalar, WeightFormat};
 
 impl<S: Scalar, const N: usize, const H: usize, const L: usize> Learnable<S, N>
     for Rigid<'_, S::Weight, N, H, L>
@@ -32,7 +32,7 @@ impl<S: Scalar, const N: usize, const H: usize, const L: usize> Learnable<S, N>
     }
 }
 
-impl<const N: usize, const H: usize, const L: usize, W: Stored> Rigid<'_, W, N, H, L> {
+impl<const N: usize, const H: usize, const L: usize, W: WeightFormat> Rigid<'_, W, N, H, L> {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
         self.network.network.len()

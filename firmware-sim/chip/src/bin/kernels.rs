@@ -6,7 +6,7 @@ use core::hint::black_box;
 use leastaction_chip::instructions::mean;
 use leastaction_chip::{image, print};
 use leastaction_core::network::{Activation, Dense, Jet};
-use leastaction_core::scalar::{Scalar, Stored, f16};
+use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use leastaction_fpu as fpu;
 use micromath::F32Ext;
 
@@ -15,7 +15,7 @@ const UNITS: usize = 32;
 const CALLS: u32 = 200;
 
 /// Prints the instructions of a layer of 32 × 32 with T tangents, forward and back.
-fn layer<W: Stored<Wide = f32>, const T: usize>(names: [&[u8]; 2], dense: &Dense<'_, W>) {
+fn layer<W: WeightFormat<Wide = f32>, const T: usize>(names: [&[u8]; 2], dense: &Dense<'_, W>) {
     let x = black_box([Jet { value: 0.3_f32, tangent: [0.1; T] }; UNITS]);
     let mut y = [Jet::zero(); UNITS];
     let forward = mean(CALLS, || {

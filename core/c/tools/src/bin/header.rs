@@ -40,6 +40,8 @@ fn sizes() -> Vec<(&'static str, usize)> {
         ("LEASTACTION_NETWORKS", config::LEASTACTION_NETWORKS),
         ("LEASTACTION_EDGES", config::LEASTACTION_EDGES),
     ]);
+    #[cfg(feature = "rods")]
+    sizes.push(("LEASTACTION_RODS", config::LEASTACTION_RODS));
     sizes.push(("LEASTACTION_MODEL_WORDS", config::LEASTACTION_MODEL_WORDS));
     sizes.push(("LEASTACTION_STATE_WORDS", config::LEASTACTION_STATE_WORDS));
     sizes
@@ -112,7 +114,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let copies: PathBuf = std::env::temp_dir().join(format!("leastaction-header-{}", std::process::id()));
     std::fs::create_dir_all(&copies)?;
     let mut builder = Builder::new().with_config(settings());
-    for file in ["status", "error", "storage", "messages", "load", "said", "evaluate", "start", "step"] {
+    let files = ["status", "error", "storage", "messages", "load", "said", "evaluate", "start", "step"];
+    for file in files.into_iter().chain(cfg!(feature = "rods").then_some("rods")) {
         let copy = copies.join(file).with_extension("rs");
         std::fs::write(&copy, written_out(&sources.join(file).with_extension("rs"))?)?;
         builder = builder.with_src(copy);

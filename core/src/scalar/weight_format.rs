@@ -5,7 +5,7 @@ use leastaction_fpu::f16;
 
 /// How a model's numbers are stored: `f32` in flash, [`struct@f16`] in half of it, `f64` in training. They are read as the wider type
 /// that scalars know.
-pub trait Stored: Copy + Debug + Default + PartialEq {
+pub trait WeightFormat: Copy + Debug + Default + PartialEq {
     /// The type that holds each of them exactly.
     type Wide: Copy + Debug;
 
@@ -14,7 +14,7 @@ pub trait Stored: Copy + Debug + Default + PartialEq {
 
     /// The numbers as [`Weights`], where their type is one that a model file has.
     #[inline(always)]
-    fn shipped(_: &[Self]) -> Option<Weights<'_>> {
+    fn in_file(_: &[Self]) -> Option<Weights<'_>> {
         None
     }
 
@@ -35,7 +35,7 @@ pub enum Weights<'a> {
 }
 
 /// A type in which a model file stores its weights.
-pub trait Shipped: Stored<Wide = f32> + AnyBitPattern {
+pub trait FileWeightFormat: WeightFormat<Wide = f32> + AnyBitPattern {
     /// Bits of a number.
     const BITS: u8;
     /// Bits of a number of the other type.
@@ -45,7 +45,7 @@ pub trait Shipped: Stored<Wide = f32> + AnyBitPattern {
     fn weights(numbers: &[Self]) -> Weights<'_>;
 }
 
-impl Shipped for f16 {
+impl FileWeightFormat for f16 {
     const BITS: u8 = 16;
     const OTHER_BITS: u8 = 32;
 
@@ -55,7 +55,7 @@ impl Shipped for f16 {
     }
 }
 
-impl Shipped for f32 {
+impl FileWeightFormat for f32 {
     const BITS: u8 = 32;
     const OTHER_BITS: u8 = 16;
 
@@ -65,7 +65,7 @@ impl Shipped for f32 {
     }
 }
 
-impl Stored for f16 {
+impl WeightFormat for f16 {
     type Wide = f32;
 
     #[inline(always)]
@@ -73,12 +73,12 @@ impl Stored for f16 {
         leastaction_fpu::widened(self)
     }
     #[inline(always)]
-    fn shipped(numbers: &[Self]) -> Option<Weights<'_>> {
+    fn in_file(numbers: &[Self]) -> Option<Weights<'_>> {
         Some(Self::weights(numbers))
     }
 }
 
-impl Stored for f32 {
+impl WeightFormat for f32 {
     type Wide = Self;
 
     #[inline(always)]
@@ -86,12 +86,12 @@ impl Stored for f32 {
         self
     }
     #[inline(always)]
-    fn shipped(numbers: &[Self]) -> Option<Weights<'_>> {
+    fn in_file(numbers: &[Self]) -> Option<Weights<'_>> {
         Some(Self::weights(numbers))
     }
 }
 
-impl Stored for f64 {
+impl WeightFormat for f64 {
     type Wide = Self;
 
     #[inline(always)]
@@ -104,8 +104,8 @@ impl Weights<'_> {
     /// Bits of a number.
     pub fn bits(&self) -> u8 {
         match self {
-            Self::Half(_) => <f16 as Shipped>::BITS,
-            Self::Single(_) => <f32 as Shipped>::BITS,
+            Self::Half(_) => <f16 as FileWeightFormat>::BITS,
+            Self::Single(_) => <f32 as FileWeightFormat>::BITS,
         }
     }
 

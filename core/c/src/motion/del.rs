@@ -1,0 +1,55 @@
+use super::Step;
+use crate::arguments::Vector;
+use crate::config::LEASTACTION_COORDINATES as N;
+use crate::error::Error;
+use crate::family::{Mechanism, system};
+use leastaction_core::continuous;
+use leastaction_core::discrete::{Control, Del, Newton, Path, Report, State};
+use leastaction_core::lagrangian::{Energies, Lagrangian};
+
+/// A state as core knows it.
+pub(crate) type CoreState = State<f32, N>;
+
+pub(crate) fn acceleration(mechanism: &Mechanism, [q, v, u]: [&Vector; 3]) -> Result<Vector, Error> {
+    Ok(continuous::acceleration(&system(mechanism), q, v, u)?)
+}
+
+pub(crate) fn inverse_dynamics(mechanism: &Mechanism, [q, v, a]: [&Vector; 3]) -> Result<Vector, Error> {
+    Ok(continuous::inverse_dynamics(&system(mechanism), q, v, a)?)
+}
+
+pub(crate) fn momentum(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Vector, Error> {
+    Ok(continuous::momentum(system(mechanism).lagrangian, q, v))
+}
+
+pub(crate) fn energies(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Energies<f32>, Error> {
+    Ok(system(mechanism).lagrangian.energies(q, v))
+}
+
+/// The state at position q and velocity v.
+pub(crate) fn start(mechanism: &Mechanism, q: Vector, v: Vector) -> Result<CoreState, Error> {
+    Ok(CoreState::new(system(mechanism).lagrangian, q, v)?)
+}
+
+/// The state that two positions and the control between them determine.
+pub(crate) fn between<P: Path>(
+    mechanism: &Mechanism,
+    h: f32,
+    [q0, q1]: [&Vector; 2],
+    control: &Control<f32, N>,
+) -> Result<CoreState, Error> {
+    Ok(Del::<f32, P>::new(h).start(&system(mechanism), q0, q1, control)?)
+}
+
+pub(crate) fn step<P: Path>(
+    mechanism: &Mechanism,
+    state: &mut CoreState,
+    Step { h, newton }: Step,
+    control: &Control<f32, N>,
+) -> Result<Report<f32>, Error> {
+    Ok(Del::<f32, P>::with_newton(h, newton).step(&system(mechanism), state, control)?)
+}
+
+pub(crate) fn default_newton() -> Newton<f32> {
+    Newton::default()
+}

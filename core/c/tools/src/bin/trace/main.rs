@@ -1,0 +1,170 @@
+//! What `example/trace.c` does, by leastaction-core alone: both must print the same hash.
+//!
+//! `cargo run --bin trace FILE NAME POSITION …`, with the features and sizes of the library; NAME may be empty.
+
+#[allow(dead_code, reason = "sizes of the storage")]
+#[path = "../../../../src/config.rs"]
+mod config;
+#[cfg(not(feature = "rods"))]
+mod del;
+#[cfg(feature = "rods")]
+mod rattle;
+
+use config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
+use leastaction_core::discrete::{Newton, Order, Report};
+use leastaction_core::lagrangian::Energies;
+use leastaction_core::model::TrainedStep;
+
+/// How the model file stores its weights.
+#[cfg(not(feature = "half"))]
+type Weight = f32;
+#[cfg(feature = "half")]
+type Weight = leastaction_core::scalar::f16;
+
+type Vector = [f32; N];
+
+const STEPS: usize = 200;
+
+/// A mechanism whose motion is traced.
+trait Mechanism {
+    type State;
+
+    fn default_newton(&self) -> Newton<f32>;
+    fn acceleration(&self, at: [&Vector; 3]) -> Result<Vector, String>;
+    fn inverse_dynamics(&self, at: [&Vector; 3]) -> Result<Vector, String>;
+    fn momentum(&self, at: [&Vector; 2]) -> Vector;
+    fn energies(&self, at: [&Vector; 2]) -> Energies<f32>;
+    fn start(&self, q: Vector, v: Vector) -> Result<Self::State, String>;
+    /// The state that two positions determine, without control.
+    fn between(&self, h: f32, order: Order, q: [&Vector; 2]) -> Result<Self::State, String>;
+    /// A step under a force that is held.
+    fn step(&self, state: &mut Self::State, step: &Step, u: Vector) -> Result<Report<f32>, String>;
+    /// q, p, the last increment, and what else a state says.
+    fn numbers(&self, state: &Self::State) -> Vec<f32>;
+}
+
+/// A step h, s, of an order, and how far Newton's method goes in it.
+struct Step {
+    h: f32,
+    order: Order,
+    newton: Newton<f32>,
+}
+
+/// FNV-1a over the bits of some numbers.
+struct Hash(u64);
+
+impl Hash {
+    fn add(&mut self, x: &[f32]) {
+        for byte in x.iter().flat_map(|x| x.to_le_bytes()) {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+/// An error of core, in its own words.
+fn words(error: impl std::fmt::Debug) -> String {
+    format!("{error:?}")
+}
+
+fn evaluate(mechanism: &impl Mechanism, hash: &mut Hash, [q, v, u]: [&Vector; 3]) -> Result<(), String> {
+    let a = mechanism.acceleration([q, v, u])?;
+    hash.add(&a);
+    hash.add(&mechanism.inverse_dynamics([q, v, &a])?);
+    hash.add(&mechanism.momentum([q, v]));
+    let energies = mechanism.energies([q, v]);
+    hash.add(&[energies.kinetic, energies.potential]);
+    Ok(())
+}
+
+fn run<M: Mechanism>(mechanism: &M, step: &Step, mut state: M::State, hash: &mut Hash) -> Result<(), String> {
+    for k in 0..STEPS {
+        let mut u = [0.0; N];
+        u[0] = if k / 32 % 2 == 0 { 0.25 } else { -0.25 };
+        let report = mechanism.step(&mut state, step, u)?;
+        hash.add(&mechanism.numbers(&state));
+        hash.add(&[report.residual, report.iterations.into()]);
+    }
+    Ok(())
+}
+
+/// From a velocity in a bounded time a step, and from where a step leads without bounds.
+fn both_starts(
+    mechanism: &impl Mechanism,
+    (h, order): (f32, Order),
+    [q, v, u]: [&Vector; 3],
+    hash: &mut Hash,
+) -> Result<(), String> {
+    let newton = mechanism.default_newton();
+    let bounded = Step { h, order, newton: Newton { max_iterations: 2, stop: 0.0, ..newton } };
+    run(mechanism, &bounded, mechanism.start(*q, *v)?, hash)?;
+    let (step, mut state) = (Step { h, order, newton }, mechanism.start(*q, *v)?);
+    mechanism.step(&mut state, &step, *u)?;
+    let numbers = mechanism.numbers(&state);
+    let q1 = numbers.first_chunk().ok_or("no position")?;
+    run(mechanism, &step, mechanism.between(h, order, [q, q1])?, hash)
+}
+
+fn trace(mechanism: &impl Mechanism, trained_step: Option<TrainedStep>, q: &Vector) -> Result<u64, String> {
+    let mut hash = Hash(0xcbf2_9ce4_8422_2325);
+    let h = trained_step.ok_or("no step in the file")?.h / 8.0;
+    let v = core::array::from_fn(|i| (i as f32 - 1.0) / 4.0);
+    let at = [q, &v, &[0.0; N]];
+    evaluate(mechanism, &mut hash, at)?;
+    both_starts(mechanism, (h, Order::Two), at, &mut hash)?;
+    both_starts(mechanism, (h, Order::Four), at, &mut hash)?;
+    Ok(hash.0)
+}
+
+#[cfg(not(any(feature = "modular", feature = "graph")))]
+fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
+    let model = leastaction_core::model::RigidModel::<N, H, L, Weight>::load(file).map_err(words)?;
+    trace(&model.system, model.trained_step, q)
+}
+
+#[cfg(feature = "modular")]
+fn trace_file(file: &[u8], name: &str, q: &Vector) -> Result<u64, String> {
+    use config::LEASTACTION_TYPES as K;
+    let model =
+        leastaction_core::model::ModularModel::<N, K, H, L, Weight>::load(file, name).map_err(words)?;
+    trace(&model.system, model.trained_step, q)
+}
+
+#[cfg(feature = "graph")]
+fn trace_file(file: &[u8], name: &str, q: &Vector) -> Result<u64, String> {
+    use config::{LEASTACTION_DIMENSIONS as D, LEASTACTION_EDGES as EDGES};
+    use config::{LEASTACTION_NETWORKS as K, LEASTACTION_RODS as RODS};
+    use leastaction_core::constraints::Holonomic;
+    use leastaction_core::energy::graph::Edge;
+    let (mut edges, mut rods) = ([Edge::default(); EDGES], [Holonomic::default(); RODS]);
+    let model =
+        leastaction_core::model::GraphModel::<D, K, H, L, Weight>::load(file, name, &mut edges, &mut rods)
+            .map_err(words)?;
+    #[cfg(feature = "rods")]
+    let system = rattle::OnRods { mechanism: model.system.constrained().map_err(words)? };
+    #[cfg(not(feature = "rods"))]
+    let system = del::graph::<D, K>(model.system.graph)?;
+    trace(&system, model.trained_step, q)
+}
+
+/// The bytes at a multiple of 4.
+fn aligned(bytes: &[u8]) -> Vec<u32> {
+    let word = |chunk: &[u8]| {
+        let mut word = [0; 4];
+        word.iter_mut().zip(chunk).for_each(|(to, from)| *to = *from);
+        u32::from_ne_bytes(word)
+    };
+    bytes.chunks(4).map(word).collect()
+}
+
+fn main() -> Result<(), String> {
+    let mut arguments = std::env::args().skip(1);
+    let (path, name) = arguments.next().zip(arguments.next()).ok_or("trace FILE NAME POSITION …")?;
+    let position: Result<Vec<f32>, _> = arguments.map(|number| number.parse()).collect();
+    let q = Vector::try_from(position.map_err(words)?).map_err(|_| format!("not {N} coordinates"))?;
+    let bytes = std::fs::read(&path).map_err(|error| format!("{path}: {error}"))?;
+    let aligned = aligned(&bytes);
+    // SAFETY: as many bytes as there were, in words that hold at least as many.
+    let file = unsafe { core::slice::from_raw_parts(aligned.as_ptr().cast::<u8>(), bytes.len()) };
+    println!("trace {:x}", trace_file(file, &name, &q)?);
+    Ok(())
+}

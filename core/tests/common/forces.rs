@@ -1,0 +1,106 @@
+//! Laws of force that see positions, velocities and the load, and an actuator.
+
+use leastaction_core::forces::{Actuator, Forces, Viscous};
+use leastaction_core::linear::Matrix;
+use leastaction_core::scalar::Scalar;
+
+/// Friction that grows with the load and changes with the neighbour's position:
+/// Q_i = −c_i (√(τ_i² + s²) − s) tanh(v_i/ε) (1 + k sin q_j), j the next coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadFriction<const N: usize> {
+    pub c: [f64; N],
+}
+
+const SMOOTHING: f64 = 0.3;
+const WIDTH: f64 = 0.6;
+const RIPPLE: f64 = 0.4;
+
+impl<const N: usize> LoadFriction<N> {
+    /// A coefficient for every coordinate, no two the same.
+    pub fn some() -> Self {
+        Self { c: core::array::from_fn(|i| 0.2 + 0.15 * i as f64) }
+    }
+
+    /// c_i, √(τ_i² + s²), tanh(v_i/ε), and the factor of q_j with its derivative.
+    fn terms<S: Scalar>(&self, i: usize, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; 5] {
+        let (sin, cos) = q[(i + 1) % N].sin_cos();
+        let (s, k) = (S::constant(SMOOTHING), S::constant(RIPPLE));
+        let root = (tau[i] * tau[i] + s * s).sqrt();
+        [S::constant(self.c[i]), root, (v[i] / S::constant(WIDTH)).tanh(), S::one() + k * sin, k * cos]
+    }
+}
+
+impl<S: Scalar, const N: usize> Forces<S, N> for LoadFriction<N> {
+    fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        core::array::from_fn(|i| {
+            let [c, root, direction, ripple, _] = self.terms(i, q, v, tau);
+            -(c * (root - S::constant(SMOOTHING)) * direction * ripple)
+        })
+    }
+
+    fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
+        let (mut in_q, mut in_v) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);
+        for i in 0..N {
+            let [c, root, direction, ripple, ripple_rate] = self.terms(i, q, v, tau);
+            let load = c * (root - S::constant(SMOOTHING));
+            in_q[i][(i + 1) % N] -= load * direction * ripple_rate;
+            in_v[i][i] -= load * (S::one() - direction * direction) / S::constant(WIDTH) * ripple;
+        }
+        (in_q, in_v)
+    }
+
+    fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
+        let mut in_tau = [[S::zero(); N]; N];
+        for i in 0..N {
+            let [c, root, direction, ripple, _] = self.terms(i, q, v, tau);
+            in_tau[i][i] = -(c * tau[i] / root * direction * ripple);
+        }
+        in_tau
+    }
+}
+
+/// A coupling that is no friction: Q_i = a q_i v_j² sin τ_j, j the next coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct Coupling(pub f64);
+
+impl<S: Scalar, const N: usize> Forces<S, N> for Coupling {
+    fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        core::array::from_fn(|i| {
+            let j = (i + 1) % N;
+            S::constant(self.0) * q[i] * v[j] * v[j] * tau[j].sin_cos().0
+        })
+    }
+
+    fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
+        let (mut in_q, mut in_v) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);
+        for i in 0..N {
+            let j = (i + 1) % N;
+            let factor = S::constant(self.0) * tau[j].sin_cos().0;
+            in_q[i][i] += factor * v[j] * v[j];
+            in_v[i][j] += factor * q[i] * (v[j] + v[j]);
+        }
+        (in_q, in_v)
+    }
+
+    fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
+        let mut in_tau = [[S::zero(); N]; N];
+        for i in 0..N {
+            let j = (i + 1) % N;
+            in_tau[i][j] += S::constant(self.0) * q[i] * v[j] * v[j] * tau[j].sin_cos().1;
+        }
+        in_tau
+    }
+}
+
+pub type All<S, const N: usize> = (Viscous<S, N>, (LoadFriction<N>, Coupling));
+
+/// Damping, friction and a coupling together.
+pub fn all<S: Scalar, const N: usize>() -> All<S, N> {
+    let coefficients = core::array::from_fn(|i| S::constant(0.1 + 0.25 * i as f64));
+    (Viscous { coefficients }, (LoadFriction::some(), Coupling(0.03)))
+}
+
+/// One that scales, shifts and turns round; its delay in steps.
+pub fn actuator(delay: f64) -> Actuator<f64, 2> {
+    Actuator { gain: [1.5, -0.4], offset: [0.3, -0.7], delay }
+}
