@@ -3,13 +3,13 @@
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
-use leastaction::model_cost::processor::{Evaluation, Fit, Numbers, Processor, Shape};
+use leastaction::model_cost::processor::{Coefficients, CostFactors, Evaluation, Fit, Processor};
 use leastaction::model_file::decode;
 use std::collections::BTreeMap;
 use std::error::Error;
 
 /// A measured number, and what it is a sum over.
-type Equation = (Numbers, f64);
+type Equation = (Coefficients, f64);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let measured = shapes::measured()?;
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for processor in Processor::ALL {
         let mut families = BTreeMap::<_, Equations>::new();
         for shape in shapes::all()?.iter().filter(|shape| shape.fitted) {
-            let known = Shape::of(&decode(&shape.file)?).ok_or(shape.name.as_str())?;
+            let known = CostFactors::of(&decode(&shape.file)?).ok_or(shape.name.as_str())?;
             let equations = families.entry(known.family).or_default();
             for line in measured.iter().filter(|line| line.is(processor.name(), &shape.name)) {
                 equations.add(&known, line);
@@ -39,7 +39,7 @@ struct Equations {
 }
 
 impl Equations {
-    fn add(&mut self, shape: &Shape, line: &shapes::Measured) {
+    fn add(&mut self, shape: &CostFactors, line: &shapes::Measured) {
         let step = Evaluation::Step(line.order);
         if line.order == 2 {
             let acceleration = Evaluation::Acceleration;
@@ -99,7 +99,7 @@ const SWEEPS: usize = 200_000;
 
 /// The numbers, none negative, whose sums are relatively nearest to what was measured, each pulled to what is `known` of it (else 1) with the
 /// weight of one more measurement of relative error 1/`pull`.
-fn solved(equations: &[Equation], known: &[(&str, f64)], pull: f64) -> Numbers {
+fn solved(equations: &[Equation], known: &[(&str, f64)], pull: f64) -> Coefficients {
     let mut names: Vec<&String> = equations.iter().flat_map(|(terms, _)| terms.keys()).collect();
     names.sort();
     names.dedup();

@@ -7,7 +7,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// A model of random weights.
-pub struct Shape {
+pub struct RandomModel {
     /// What it is called.
     pub name: String,
     /// Whether predictions are fitted to it.
@@ -18,12 +18,12 @@ pub struct Shape {
 }
 
 /// All of them.
-pub fn all() -> Result<Vec<Shape>, Box<dyn Error>> {
+pub fn all() -> Result<Vec<RandomModel>, Box<dyn Error>> {
     let text = include_str!("../../firmware-sim/chip/shapes.toml");
     let mut shapes = Vec::new();
     for (set, models) in text.parse::<Table>()? {
         for (name, model) in models.as_table().ok_or("a list of models")? {
-            shapes.push(Shape { name: name.clone(), fitted: set == "fitted", file: file(model)? });
+            shapes.push(RandomModel { name: name.clone(), fitted: set == "fitted", file: file(model)? });
         }
     }
     Ok(shapes)

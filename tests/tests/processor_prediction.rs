@@ -5,7 +5,7 @@ mod shapes;
 
 use leastaction::model_cost::processor::{Prediction, Processor};
 use leastaction::model_file::decode;
-use shapes::{Measured, Shape};
+use shapes::{Measured, RandomModel};
 
 /// How far a prediction may be off, of models that nothing was fitted to.
 const TOLERANCE: f64 = 0.1;
@@ -27,7 +27,7 @@ fn compared(prediction: &Prediction, line: &Measured) -> Vec<(&'static str, f64,
     ]
 }
 
-fn check(processor: Processor, shape: &Shape, lines: &[Measured]) -> (usize, Vec<String>) {
+fn check(processor: Processor, shape: &RandomModel, lines: &[Measured]) -> (usize, Vec<String>) {
     let model = decode(&shape.file).expect("a model file");
     let prediction = processor.predict(&model).expect("a shape that is compiled");
     let (mut count, mut off) = (0, Vec::new());

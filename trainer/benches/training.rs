@@ -5,11 +5,16 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
+use leastaction::architecture::{Architecture, RigidArchitecture};
 use leastaction::ground_truth::{Mechanism, symo_set};
-use leastaction::reproduce::symo::{Case, Model};
 use leastaction::training::{Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective};
+use leastaction_core::energy::rigid::Coordinate;
 use std::time::{Duration, Instant};
 
+/// Training trajectories.
+const TRAJECTORIES: usize = 32;
+/// Of the initial weights and of the data.
+const SEED: u64 = 0;
 /// Iterations of Levenberg–Marquardt, and the seconds that Adam gets beside its own share.
 const ITERATIONS: usize = 60;
 /// How much longer than Levenberg–Marquardt Adam may go on to reach the same error.
@@ -22,23 +27,15 @@ struct Reached {
 }
 
 fn main() {
-    let case = Case {
-        mechanism: Mechanism::Cartpole,
-        model: Model::E2eSymo,
-        order: 4,
-        trajectories: 32,
-        seed: 0,
-        noise: 0.0,
-        most_iterations: usize::MAX,
-    };
-    let set = symo_set(case.mechanism, 0, 0.0).expect("the motion can be followed");
-    let recipe = case.recipe();
-    let samples = Samples::triples(&set.train.truncated(case.trajectories)).shuffled(case.seed);
-    let build = |kind, order| {
-        objective(&recipe.architecture, samples.clone(), kind, order).expect("the shape is compiled")
-    };
-    let (residual, loss) = (build(LossKind::DelResidual, 2), build(LossKind::NextPosition, case.order));
-    let weights = recipe.architecture.initial_weights(case.seed);
+    let set = symo_set(Mechanism::Cartpole, SEED, 0.0).expect("the motion can be followed");
+    let coordinates = [Coordinate::Cyclic, Coordinate::Angle];
+    let architecture: Architecture =
+        RigidArchitecture { widths: vec![100], ..RigidArchitecture::new(&coordinates, 0) }.into();
+    let samples = Samples::triples(&set.train.truncated(TRAJECTORIES)).shuffled(SEED);
+    let build =
+        |kind, order| objective(&architecture, samples.clone(), kind, order).expect("the shape is compiled");
+    let (residual, loss) = (build(LossKind::DelResidual, 2), build(LossKind::NextPosition, 4));
+    let weights = architecture.initial_weights(SEED);
     let (p, rows) = (weights.len(), loss.samples() * 2);
     println!("cart-pole, order 4, next position: {p} weights, {rows} residuals");
 
@@ -53,7 +50,7 @@ fn main() {
         multiply_adds as f64 * 1e-9,
         100.0 * rate / peak
     );
-    let settings = AdamSettings::symo(case.trajectories, case.seed);
+    let settings = AdamSettings::symo(TRAJECTORIES, SEED);
     let equal = adam(&*loss, weights.clone(), settings, |reached| reached.time >= ours.time);
     let longer = adam(&*loss, weights, settings, |reached| {
         reached.loss <= ours.loss || reached.time >= PATIENCE * ours.time

@@ -5,7 +5,9 @@ use leastaction::architecture::{Architecture, ModularArchitecture, NamedTree, Na
 use leastaction::data::modlanet;
 use leastaction::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
 use leastaction::training::{LossKind, NormalEquations, Samples, objective};
-use leastaction_core::energy::modular::{Input, ModularShape, NetworkShape, TransformShape, TypeShape};
+use leastaction_core::energy::modular::{
+    ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
+};
 use leastaction_core::network::{Activation, Dense};
 use std::error::Error;
 use std::process::ExitCode;
@@ -118,8 +120,8 @@ fn places() -> Vec<usize> {
         places.extend(start..start + outputs);
         start += outputs;
     }
-    // c₁ comes after the five numbers of the type.
-    places.push(start + 5);
+    // c₁ comes after the numbers of the type.
+    places.push(start + ELEMENT_PARAMETERS);
     places
 }
 

@@ -7,7 +7,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// x and its derivative along a direction: one, for more would make what a wide network keeps too large for a thread's stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Dual<S>(Jet<S, 1>);
+pub struct Dual<S>(Jet<S, 1>);
 
 impl<S: HostScalar> Dual<S> {
     /// x that does not move.

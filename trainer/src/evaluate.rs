@@ -6,10 +6,11 @@ pub mod particles;
 pub mod prediction;
 pub mod rollouts;
 pub mod states;
+mod systems;
 
-use crate::architecture::{
-    Architecture, Family, GraphArchitecture, MAX_DISCRETE, Visitor, too_large_for_steps,
-};
+pub use systems::{FreeAccelerations, rollout};
+
+use crate::architecture::{Architecture, GraphArchitecture};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
 use crate::parallel;
@@ -23,39 +24,6 @@ use leastaction_core::model::ModelError;
 
 /// Steps of the first part of a long integration.
 const EARLY: usize = 100;
-
-/// Positions that free or forced steps from the first two of each trajectory give, all \[samples\]\[n\], flat.
-///
-/// Where a step fails the rest of the trajectory is NaN.
-///
-/// # Errors
-/// Where the shape is beyond what is compiled.
-pub fn rollout(
-    architecture: &Architecture,
-    weights: &[f64],
-    order: u8,
-    data: &Dataset,
-) -> Result<Vec<Vec<f64>>, ModelError> {
-    architecture.dispatch(Rollout { weights, order, data })?
-}
-
-struct Rollout<'a> {
-    weights: &'a [f64],
-    order: u8,
-    data: &'a Dataset,
-}
-
-impl Visitor for Rollout<'_> {
-    type Output = Result<Vec<Vec<f64>>, ModelError>;
-
-    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
-        if const { N > MAX_DISCRETE } {
-            return too_large_for_steps(N);
-        }
-        let system = family.system::<f64>(self.weights)?;
-        Ok(rollout_system(&system, self.order, self.data))
-    }
-}
 
 /// [`rollout`] of any system, exact or learned.
 pub fn rollout_system<L, F, const N: usize>(system: &System<L, F>, order: u8, data: &Dataset) -> Vec<Vec<f64>>
@@ -195,29 +163,13 @@ pub fn inertia_mse(
     mechanism: Mechanism,
     data: &Dataset,
 ) -> Result<f64, ModelError> {
-    architecture.dispatch(InertiaError { weights, mechanism, data })?
-}
-
-struct InertiaError<'a> {
-    weights: &'a [f64],
-    mechanism: Mechanism,
-    data: &'a Dataset,
-}
-
-impl Visitor for InertiaError<'_> {
-    type Output = Result<f64, ModelError>;
-
-    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
-        let system = family.system::<f64>(self.weights)?;
-        let mut squares = Vec::new();
-        for q in self.data.trajectories.iter().flat_map(|t| t.q.iter()) {
-            let learned =
-                system.lagrangian.dynamics(&std::array::from_fn::<f64, N, _>(|i| q[i]), &[0.0; N]).mass;
-            let exact = exact_mass(self.mechanism, q);
-            squares.extend(learned.as_flattened().iter().zip(&exact).map(|(a, b)| (a - b) * (a - b)));
-        }
-        Ok(mean(&squares))
-    }
+    let positions = data.trajectories.iter().flat_map(|t| t.q.iter());
+    let pairs = systems::masses(architecture, weights, data)?.into_iter().zip(positions);
+    let squares = pairs.flat_map(|(learned, q)| {
+        let exact = exact_mass(mechanism, q);
+        learned.into_iter().zip(exact).map(|(a, b)| (a - b) * (a - b))
+    });
+    Ok(mean(&squares.collect::<Vec<_>>()))
 }
 
 fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {

@@ -1,14 +1,12 @@
 //! Learn the energies of a mechanical system from logged motion, on the host.
 //!
 //! Data flows one way: [`ground_truth`] or a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`model_file`], and
-//! from there to the chip; [`evaluate`] and [`reproduce`] measure, [`plot`] shows.
+//! from there to the chip; [`evaluate`] measures, [`plot`] shows.
 
 pub mod architecture;
-pub mod atomic;
-pub mod baselines;
+pub mod cli;
 pub mod config;
-pub mod data;
-mod dual;
+pub mod dual;
 pub mod evaluate;
 pub mod ground_truth;
 pub mod import;
@@ -17,8 +15,9 @@ pub mod model_file;
 pub mod parallel;
 pub mod plot;
 pub mod processor;
-pub mod reproduce;
 pub mod run;
 pub mod runge_kutta;
-mod sealed;
 pub mod training;
+
+pub use leastaction_data as data;
+pub use leastaction_data::{atomic, checksummed};

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 /// Bytes of a thread's stack: what passes through a wide network leave for each other lies there.
 const STACK: usize = 16 << 20;
@@ -27,5 +27,28 @@ pub fn map<T: Send>(count: usize, work: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> 
     match (rayon::current_thread_index(), THREADS.as_ref()) {
         (None, Some(threads)) => threads.install(all),
         _ => all(),
+    }
+}
+
+/// Workspaces that threads take turns with: as many are made as are in use at once.
+pub struct Pool<T> {
+    make: Box<dyn Fn() -> T + Send + Sync>,
+    free: Mutex<Vec<T>>,
+}
+
+impl<T> Pool<T> {
+    /// Of what `make` makes.
+    pub fn new(make: impl Fn() -> T + Send + Sync + 'static) -> Self {
+        Self { make: Box::new(make), free: Mutex::new(Vec::new()) }
+    }
+
+    /// What `work` makes of a workspace that nobody else has meanwhile. Its content must not matter.
+    pub fn with<U>(&self, work: impl FnOnce(&mut T) -> U) -> U {
+        let free = || self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let taken = free().pop();
+        let mut own = taken.unwrap_or_else(&self.make);
+        let result = work(&mut own);
+        free().push(own);
+        result
     }
 }

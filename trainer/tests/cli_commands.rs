@@ -1,7 +1,7 @@
 //! The command as people use it: exit codes, files, messages, interruption.
 
-#[path = "cli_commands/baselines.rs"]
-mod baselines;
+#[path = "cli_commands/doubtful_logs.rs"]
+mod doubtful_logs;
 #[path = "cli_commands/files.rs"]
 mod files;
 #[path = "cli_commands/generate.rs"]
@@ -12,10 +12,10 @@ mod graphs;
 mod import;
 #[path = "cli_commands/interrupt.rs"]
 mod interrupt;
+#[path = "cli_commands/logs.rs"]
+mod logs;
 #[path = "cli_commands/on_a_board.rs"]
 mod on_a_board;
-#[path = "cli_commands/reproduce.rs"]
-mod reproduce;
 #[path = "cli_commands/resume.rs"]
 mod resume;
 #[path = "cli_commands/simulate.rs"]
@@ -26,3 +26,17 @@ mod support;
 mod train;
 #[path = "cli_commands/trees.rs"]
 mod trees;
+
+/// What is run.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_leastaction");
+
+#[test]
+fn reproduce_names_the_command_of_the_papers() {
+    let bench = support::Bench::new();
+    for words in ["symo --quick", "--help"] {
+        let named = format!("leastaction-papers {words}");
+        bench.run(&format!("reproduce {words}")).bad(2, &[&named]);
+    }
+    let help = bench.run("--help").good();
+    assert!(!help.stdout.contains("reproduce"), "{}", help.stdout);
+}

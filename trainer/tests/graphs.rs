@@ -1,10 +1,9 @@
-//! Graphs of particles: losses on rods, training by laws and networks, rollouts, model files.
+//! Graphs of particles: losses on rods, model files.
 
-use leastaction::architecture::{Architecture, GraphArchitecture, HostTypes};
+use leastaction::architecture::{Architecture, GraphArchitecture, HostTypes, NamedGraph};
 use leastaction::evaluate::learned::with_accelerations;
 use leastaction::ground_truth::{LgnnSettings, LgnnSystem, Motion, lgnn_set, lgnn_starts};
 use leastaction::model_file::{decode, encode};
-use leastaction::reproduce::lgnn::{Case, Options, architecture, graph, run, train};
 use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::lagrangian::Energies;
@@ -17,7 +16,7 @@ fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {
 }
 
 fn shape(system: LgnnSystem, drag: bool) -> GraphArchitecture {
-    architecture(system, drag, false).expect("a shape")
+    GraphArchitecture::of_system(system, drag, false).expect("a shape")
 }
 
 fn loss(shape: &GraphArchitecture, samples: Samples, kind: LossKind) -> Box<dyn Objective> {
@@ -79,49 +78,9 @@ fn the_exact_numbers_have_no_error_on_rods() {
 }
 
 #[test]
-fn laws_are_learned_to_rounding() {
-    for (system, drag) in [(LgnnSystem::Pendulum(2), 0.1), (LgnnSystem::Spring(3), 0.0)] {
-        let (_, [train_mse, validation_mse]) =
-            train(shape(system, drag > 0.0), &samples(system, drag, 5), 20, 0, |_, _| ()).expect("learns");
-        assert!(train_mse < 1e-20 && validation_mse < 1e-20, "{system:?}: {train_mse} {validation_mse}");
-    }
-}
-
-#[test]
-fn networks_learn_what_they_are_not_told() {
-    let system = LgnnSystem::Spring(3);
-    let alone = architecture(system, false, true).expect("a shape");
-    let samples = samples(system, 0.0, 10);
-    let (model, [train_mse, _]) = train(alone, &samples, 40, 0, |_, _| ()).expect("learns");
-    assert!(train_mse < 1e-4 * samples.mean_square(), "{train_mse}");
-    let fixed = model.architecture.fixed_positions();
-    let learned = fixed.iter().map(|k| model.weights[*k]).filter(|number| *number != 0.0 && *number != 1.0);
-    assert_eq!(learned.count(), 0, "known numbers stay");
-}
-
-#[test]
-fn a_model_runs_on_graphs_that_it_was_not_trained_on() {
-    let options = Options { iterations: 20, starts: 2, ..Options::new(1) };
-    for case in [Case::Pendulum, Case::Hybrid, Case::HybridForce] {
-        let rows = run(case, &options, &|_| ()).expect("runs");
-        for row in rows {
-            let rolled_out = row.rolled_out.expect("rolled out");
-            assert_eq!(rolled_out.failed, 0);
-            assert!(rolled_out.rollout_error < 1e-5, "{case:?} {}: {rolled_out:?}", row.count);
-            assert!(rolled_out.energy_violation < 1e-8, "{case:?} {}: {rolled_out:?}", row.count);
-            let pulls = row.insight.rods.iter().flat_map(|rod| &rod.rows);
-            assert!(pulls.clone().count() > 0);
-            for [_, learned, exact] in pulls {
-                assert!((learned - exact).abs() < 1e-6 * (1.0 + exact.abs()), "{learned} {exact}");
-            }
-        }
-    }
-}
-
-#[test]
 fn a_model_file_keeps_shape_rods_and_accelerations() {
     let mut shape = shape(LgnnSystem::Pendulum(3), true);
-    shape.graphs.push(graph(LgnnSystem::Pendulum(5)));
+    shape.graphs.push(NamedGraph::of_system(LgnnSystem::Pendulum(5)));
     shape.graphs[1].name = "five".to_owned();
     let weights: Vec<f64> = shape.initial_weights(4).iter().map(|w| f64::from((w + 0.5) as f32)).collect();
     let bytes = encode(&shape.clone().into(), &weights, None, "test").expect("fits the format");

@@ -1,18 +1,12 @@
-//! Data by ModLaNet's protocol: its distribution, its file, and the authors' own file where `LEASTACTION_REFERENCE` points to it.
+//! Data by ModLaNet's protocol: its distribution, and the authors' own file where `LEASTACTION_REFERENCE` points to it.
 
-use leastaction::data::modlanet::{self, ModlanetRows, ModlanetSet};
-use leastaction::data::{Place, Rows};
+use leastaction::data::modlanet::{self, ModlanetRows};
 use leastaction::ground_truth::{
     GenerationError, ManyBody, ModlanetSettings, Motion, circular_speed, generate_many, modlanet_set_of,
     starts,
 };
-use ndarray::ArrayD;
-use ndarray_npy::WriteNpyExt;
 use std::f64::consts::TAU;
-use std::fs::File;
 use std::path::PathBuf;
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
 
 fn reference(name: &str) -> PathBuf {
     let folder =
@@ -185,74 +179,4 @@ fn impossible_sets_are_errors() {
     assert!(none.to_string().contains("no element"), "{none}");
     let one = ModlanetSettings { trajectories: 1, ..small(ManyBody::Bodies(3)) };
     assert_eq!(modlanet_set_of(&one), Err(GenerationError::TooFew(1)));
-}
-
-#[test]
-fn written_and_read_it_is_the_same() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("set.npz");
-    let mut set = modlanet_set_of(&small(ManyBody::Bodies(3))).unwrap();
-    modlanet::write(&path, &set).unwrap();
-    assert_eq!(modlanet::read(&path).unwrap(), set);
-    (set.train.t, set.test.energy) = (None, None);
-    modlanet::write(&path, &set).unwrap();
-    assert_eq!(modlanet::read(&path).unwrap(), set);
-}
-
-/// The error of reading or writing a small set after a change.
-fn refused(change: impl FnOnce(&mut ModlanetSet)) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    let mut set = modlanet_set_of(&small(ManyBody::Pendulum(2))).unwrap();
-    change(&mut set);
-    modlanet::write(folder.path().join("set.npz"), &set).unwrap_err().to_string()
-}
-
-#[test]
-fn sets_that_could_not_be_read_are_not_written() {
-    let table = |rows: usize, n: usize| Rows::from_flat(n, vec![0.5; rows * n]).unwrap();
-    let width = refused(|set| {
-        set.test = ModlanetRows { q: table(2, 3), v: table(2, 3), a: table(2, 3), t: None, energy: None }
-    });
-    assert!(width.contains("key test_x: q has 3 columns where 2 are needed"), "{width}");
-    let rows = refused(|set| set.train.v = table(5, 2));
-    assert!(rows.contains("key v: v has 5 samples where 77 are needed"), "{rows}");
-    let nan = refused(|set| set.test.energy.as_mut().unwrap()[2] = f64::NAN);
-    assert!(nan.contains("key test_E: NaN is not finite"), "{nan}");
-}
-
-/// The error of reading these arrays.
-fn unreadable(arrays: &[(&str, &[usize], Vec<f64>)]) -> (Place, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("set.npz");
-    let mut zip = ZipWriter::new(File::create(&path).unwrap());
-    for (key, shape, values) in arrays {
-        zip.start_file(format!("{key}.npy"), SimpleFileOptions::default()).unwrap();
-        ArrayD::from_shape_vec(*shape, values.clone()).unwrap().write_npy(&mut zip).unwrap();
-    }
-    zip.finish().unwrap();
-    let error = modlanet::read(path).unwrap_err();
-    (error.place.clone(), error.to_string())
-}
-
-#[test]
-fn errors_name_the_key_and_the_row() {
-    let three = || vec![0.5; 6];
-    let (place, text) = unreadable(&[("x", &[3, 2], three()), ("v", &[3, 2], three())]);
-    assert!(place == Place::File && text.ends_with("ac is missing"), "{text}");
-    let (place, text) = unreadable(&[("x", &[6], three())]);
-    assert!(place == Place::Key("x".to_owned()) && text.contains("[6] where [rows, n]"), "{text}");
-    let (place, text) = unreadable(&[("x", &[3, 2], three()), ("v", &[2, 3], three())]);
-    assert!(place == Place::Key("v".to_owned()) && text.contains("[2, 3] where [3, 2] as of x"), "{text}");
-    let mut broken = three();
-    broken[3] = f64::NAN;
-    let (place, _) = unreadable(&[("x", &[3, 2], three()), ("v", &[3, 2], broken)]);
-    assert_eq!(place, Place::Row { key: "v".to_owned(), row: 1 });
-    let part = |t: &'static [usize]| {
-        let times = vec![0.0; t.iter().product()];
-        [("x", &[3usize, 2][..], three()), ("v", &[3, 2], three()), ("ac", &[3, 2], three()), ("t", t, times)]
-    };
-    let (place, text) = unreadable(&part(&[2, 1]));
-    assert!(place == Place::Key("t".to_owned()) && text.contains("[3, 1]"), "{text}");
-    let (_, text) = unreadable(&part(&[3]));
-    assert!(text.ends_with("test_x is missing"), "{text}");
 }

@@ -2,7 +2,6 @@
 
 use leastaction::architecture::{Architecture, GraphArchitecture, RigidArchitecture};
 use leastaction::ground_truth::{LgnnSystem, Mechanism, Settings, generate};
-use leastaction::reproduce::lgnn;
 use leastaction::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step};
 use leastaction_core::energy::rigid::Coordinate;
@@ -206,7 +205,7 @@ fn rods_are_refused_and_springs_are_not() {
         objective(&Architecture::from(graph), samples, LossKind::NextState, 4)
             .map(|objective| objective.samples())
     };
-    let graph = |system| lgnn::architecture(system, false, false).expect("a shape");
+    let graph = |system| GraphArchitecture::of_system(system, false, false).expect("a shape");
     let refused = objective(graph(LgnnSystem::Pendulum(3))).expect_err("rods");
     assert!(refused.to_string().contains("rods under the next-state loss"), "{refused}");
     assert!(matches!(refused, ModelError::Shape { .. }));

@@ -2,7 +2,6 @@
 
 use leastaction::architecture::{GraphArchitecture, GraphType, HostTypes, NamedGraph, Number};
 use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::reproduce::lgnn::architecture;
 use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::constraints::Constrained;
 use leastaction_core::discrete::{
@@ -196,7 +195,7 @@ fn normal_matrices_are_the_curvature_of_the_losses() {
 #[test]
 fn losses_of_exact_motion_have_their_order() {
     let system = LgnnSystem::Pendulum(2);
-    let shape = architecture(system, false, false).expect("a shape");
+    let shape = GraphArchitecture::of_system(system, false, false).expect("a shape");
     let mut weights = shape.with_corrections_scaled(shape.initial_weights(0), 0.0);
     let numbers = weights.len() - 4;
     weights[numbers..].copy_from_slice(&[1.0, 0.0, 0.0, 10.0]);

@@ -223,11 +223,6 @@ fn more_than_a_model_holds_is_refused() {
         (format!("{twelve}{CHAIN}"), 5, &["12 networks", "at most 8"]),
         (format!("tree = \"t0\"\n{BOB}[model.trees]\n{nine}"), 9, &["9 trees", "at most 8"]),
         (format!("{BOB}[model.trees]\n{long}"), 9, &["65 coordinates", "at most 64"]),
-        (
-            format!("{BOB}[model.trees]\n{}", long.replace(&"\"bob\", ".repeat(52), "")),
-            9,
-            &["13 coordinates", "compiled for 1, 2, 3"],
-        ),
     ]);
 }
 

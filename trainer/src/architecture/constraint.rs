@@ -22,7 +22,7 @@ impl<const N: usize> Constraint<N> {
     }
 
     /// A rod's φ = (|d|² − ℓ²)/(2ℓ) as core has it: its gradient is ±d/ℓ at the two ends, and ∂²φ/∂q² ±1/ℓ.
-    pub(crate) fn of_rod<const D: usize>(rod: &Rod, q: &[[f64; D]]) -> Self {
+    pub fn of_rod<const D: usize>(rod: &Rod, q: &[[f64; D]]) -> Self {
         let (rods, x) = ([rod.constraint::<f64, D>()], Positions::new(q));
         let value = rods.value(0, x);
         let (mut gradient, mut hessian) = ([0.0; N], [[0.0; N]; N]);

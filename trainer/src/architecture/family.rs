@@ -48,10 +48,6 @@ pub trait Family<const N: usize>: Sync {
         weights: &'w [f64],
     ) -> Result<FamilySystem<'w, Self, S, N>, ModelError>;
 
-    /// Whether shapes of this family can have holonomic constraints that the discrete losses know; then L = T(v) − V(q), and drag
-    /// depends on v alone.
-    const CONSTRAINED: bool = false;
-
     /// Whether L_vv is positive definite wherever the weights are in their range: on constraints there is no acceleration elsewhere.
     const DEFINITE: bool = true;
 

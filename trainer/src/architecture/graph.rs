@@ -10,7 +10,7 @@ use leastaction_core::energy::graph::{
 };
 use leastaction_core::forces::System;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
-use leastaction_core::scalar::Stored;
+use leastaction_core::scalar::WeightFormat;
 use serde::{Deserialize, Serialize};
 
 /// Units of a hidden layer of a network of a graph at most.
@@ -282,7 +282,7 @@ impl GraphArchitecture {
     ///
     /// # Errors
     /// Where the block or the compiled sizes do not fit.
-    pub fn host_types<'w, W: Stored, const D: usize>(
+    pub fn host_types<'w, W: WeightFormat, const D: usize>(
         &self,
         weights: &'w [W],
     ) -> Result<HostTypes<'w, W, D>, ModelError> {
@@ -331,8 +331,6 @@ impl<const D: usize, const N: usize> Family<N> for Compiled<D, N> {
         let fixed = graph.and_then(Fixed::new).map_err(ModelError::Graph)?;
         Ok(System { lagrangian: fixed, forces: fixed })
     }
-
-    const CONSTRAINED: bool = true;
 
     fn constraints(&self, q: &[f64; N]) -> Vec<Constraint<N>> {
         let rods = self.0.graph().map_or(&[][..], |graph| &graph.rods);

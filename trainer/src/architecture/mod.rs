@@ -5,43 +5,45 @@ mod constraint;
 mod damping;
 mod family;
 mod graph;
+mod lgnn;
 mod modular;
 mod rigid;
 
 pub use constraint::Constraint;
 pub use damping::Damping;
 pub use family::{Family, FamilySystem, HostScalar, Visitor};
-pub use graph::{
-    GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph, SIZES as GRAPH_SIZES,
-};
-pub use modular::{
-    MAX_WIDTH as MAX_MODULAR_WIDTH, ModularArchitecture, NamedTree, NamedType, Number,
-    SIZES as MODULAR_SIZES, TYPE_NUMBERS,
-};
+pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
+pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES, TYPE_NUMBERS};
 pub use rigid::{HostSystem, RigidArchitecture};
 
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use leastaction_core::network::Dense;
+use leastaction_programs::dynamics::Rods;
+use leastaction_programs::energies::{Energies, GraphEnergies, ModularEnergies};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-/// Hidden layers at most on the host.
+/// Coordinates of a rigid model at most, as in a model file.
+pub const MAX_COORDINATES: usize = 16;
+/// Units of a hidden layer at most.
+pub const MAX_UNITS: usize = 1024;
+/// Units of a hidden layer of a network of an element, a node or an edge at most.
+pub const MAX_ELEMENT_UNITS: usize = MAX_GRAPH_WIDTH;
+/// Coordinates of a tree at most, as in a model file.
+pub const MAX_TREE_COORDINATES: usize = 64;
+/// Coordinates at most of a graph to train: the mass matrix of a sample is dense, and takes a pass over the graph for each of them.
+pub const MAX_GRAPH_COORDINATES: usize = 192;
+/// Hidden layers at most, as in a model file.
+pub use leastaction_core::energy::MAX_HIDDEN;
+
+/// Hidden layers at most of what is compiled for its sizes: the firmware loop of this machine, and the counting of operations.
 pub const DEPTH: usize = 3;
-/// Coordinates of a rigid model at most on the host.
-pub const MAX_COORDINATES: usize = 4;
-/// Units of a hidden layer of a rigid model at most on the host.
+/// Coordinates of a rigid model at most that operations are counted of.
+const COMPILED_COORDINATES: usize = 4;
+/// Units of a hidden layer of a rigid model at most that is compiled for its sizes.
 pub const MAX_WIDTH: usize = 256;
-
-/// Coordinates at most on the host of what is stepped by the discrete Euler–Lagrange equation; larger systems are learned
-/// and predicted by their accelerations. (core has no such limit.)
-pub const MAX_DISCRETE: usize = 6;
-
-/// The error of a system of `found` coordinates, more than [`MAX_DISCRETE`].
-pub(crate) fn too_large_for_steps<T>(found: usize) -> Result<T, ModelError> {
-    too_many("coordinates for discrete steps", found, MAX_DISCRETE)
-}
 
 /// The shape of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -138,10 +140,9 @@ impl Architecture {
         }
     }
 
-    /// Whether the host steps it by the discrete Euler–Lagrange equation: it has at most [`MAX_DISCRETE`] coordinates, and no
-    /// rods.
+    /// Whether evaluation steps it by the discrete Euler–Lagrange equation: it has no rods.
     pub fn has_steps(&self) -> bool {
-        self.n() <= MAX_DISCRETE && !self.graph().is_some_and(GraphArchitecture::has_rods)
+        !self.graph().is_some_and(GraphArchitecture::has_rods)
     }
 
     /// Calls `read` with the shape in the words of the model file.
@@ -277,6 +278,33 @@ impl Architecture {
         }
     }
 
+    /// Its energies and forces, written down for the tree or graph that is meant.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the shape does not fit in itself.
+    pub fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
+        match self {
+            Self::Rigid(rigid) => Ok(Box::new(rigid.energies()?)),
+            Self::Modular(modular) => {
+                let elements: Vec<_> = modular.tree_header().nodes().collect();
+                Ok(Box::new(ModularEnergies::new(&modular.shape, &elements, true)?))
+            }
+            Self::Graph(graph) => {
+                let NamedGraph { nodes, edges, .. } = graph.graph()?;
+                Ok(Box::new(GraphEnergies::new(&graph.shape, nodes, edges, 0)?))
+            }
+        }
+    }
+
+    /// The rods of the graph that is meant; none of another family.
+    ///
+    /// # Errors
+    /// Where there is no such graph.
+    pub fn rods(&self) -> Result<Rods, ModelError> {
+        let Some(graph) = self.graph() else { return Ok(Rods::default()) };
+        Ok(Rods::new(graph.dimension(), &graph.graph()?.rods))
+    }
+
     /// Calls the visitor with this shape as a type.
     ///
     /// # Errors
@@ -294,8 +322,8 @@ fn too_many<T>(what: &'static str, found: usize, compiled: usize) -> Result<T, M
     Err(ModelError::Shape { what, found, compiled })
 }
 
-/// Layers of these inputs and outputs, as [`uniform_layer`] has them.
-pub(crate) fn random_layers(layers: impl IntoIterator<Item = (usize, usize)>, seed: u64) -> Vec<f64> {
+/// Random weights of layers of these inputs and outputs: uniform with Glorot's variance, biases zero.
+pub fn random_layers(layers: impl IntoIterator<Item = (usize, usize)>, seed: u64) -> Vec<f64> {
     let (mut stream, mut weights) = (Pcg64::seed_from_u64(seed), Vec::new());
     for (inputs, outputs) in layers {
         uniform_layer(&mut weights, inputs, outputs, &mut stream);

@@ -1,14 +1,15 @@
 //! The shape of a rigid model on the host.
 
 use super::{
-    DEPTH, Damping, Family, FamilySystem, HostScalar, MAX_COORDINATES, MAX_WIDTH, Visitor, random_layers,
-    too_many,
+    COMPILED_COORDINATES, DEPTH, Damping, Family, FamilySystem, HostScalar, MAX_WIDTH, Visitor,
+    random_layers, too_many,
 };
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{Law, Laws, MAX_HIDDEN, ModelError, RigidHeader};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Scalar;
+use leastaction_programs::energies::RigidEnergies;
 use serde::{Deserialize, Serialize};
 
 /// A rigid system over host weights: its type has the compiled sizes.
@@ -89,6 +90,18 @@ impl RigidArchitecture {
         if self.damped { Laws::VISCOUS } else { Laws::NONE }
     }
 
+    /// Its energies and damping, written down.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] where a coordinate is of no kind, or the network has a width of 0.
+    pub fn energies(&self) -> Result<RigidEnergies, ModelError> {
+        self.header().parameters()?;
+        let kinds = self.coordinates.chars().map(Coordinate::from_letter).collect::<Option<Vec<_>>>();
+        let kinds = kinds.ok_or(ModelError::OutOfRange { what: "coordinates" })?;
+        let widths: Vec<usize> = self.widths.iter().map(|width| usize::from(*width)).collect();
+        Ok(RigidEnergies::new(kinds, (&widths, self.activation), self.inertia, self.damped))
+    }
+
     /// Inputs and outputs of every layer, first to last.
     pub fn layers(&self) -> Vec<(usize, usize)> {
         let header = self.header();
@@ -136,7 +149,7 @@ impl RigidArchitecture {
             (2, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<2, MAX_WIDTH>(self.clone()))),
             (3, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<3, MAX_WIDTH>(self.clone()))),
             (4, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<4, MAX_WIDTH>(self.clone()))),
-            (n, 0..=MAX_WIDTH) => too_many("coordinates", n, MAX_COORDINATES),
+            (n, 0..=MAX_WIDTH) => too_many("coordinates", n, COMPILED_COORDINATES),
             (_, width) => too_many("units in a hidden layer", width, MAX_WIDTH),
         }
     }

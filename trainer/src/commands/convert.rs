@@ -1,9 +1,8 @@
 //! `leastaction convert`.
 
-use super::Done;
-use super::output::{Failure, Output};
 use clap::Args;
 use leastaction::atomic;
+use leastaction::cli::{Done, Failure, Output};
 use leastaction::model_file::{self, decode};
 use serde::Serialize;
 use std::fmt;

@@ -1,10 +1,9 @@
 //! `leastaction generate`.
 
-use super::Done;
-use super::arguments::{finite, not_negative, positive, seed};
-use super::output::{Failure, Output, refuse, written};
 use super::system::{Kind, System};
 use clap::Args;
+use leastaction::cli::arguments::{finite, not_negative, positive, seed};
+use leastaction::cli::{Done, Failure, Output, refuse, written};
 use leastaction::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
 use leastaction::ground_truth::{
     GenerationError, LgnnSettings, LgnnSystem, ManyBody, Mechanism, ModlanetSettings, Settings, generate,
@@ -36,7 +35,7 @@ pub struct Generate {
     /// How many pendulums, bodies or nodes [default: 2 of n-pendulum, 3 bodies, 3 of rod-pendulum, 5 of n-spring].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_ELEMENTS))]
     count: Option<u32>,
-    /// How many trajectories [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts of those; 100 of LGNN's].
+    /// How many trajectories; with all samples at most 2^27 numbers [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts of those; 100 of LGNN's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     trajectories: Option<u32>,
     /// States in each [default: 34; 101 of n-pendulum and n-body; 100 of LGNN's].
@@ -73,6 +72,9 @@ pub struct Generate {
 
 /// Elements of the largest system.
 const MOST_ELEMENTS: i64 = 1000;
+
+/// Numbers in the largest log: a gigabyte, which is in memory before it is written.
+const MOST_NUMBERS: usize = 1 << 27;
 
 /// What was written.
 #[derive(Serialize)]
@@ -140,6 +142,7 @@ impl Generate {
             control: !self.no_control,
             seed: self.seed,
         };
+        fits(settings.trajectories, settings.samples, mechanism.coordinates().len())?;
         self.log(&generate(&settings).map_err(failed)?)
     }
 
@@ -166,6 +169,7 @@ impl Generate {
         ];
         refuse(system.name(), &foreign)?;
         let settings = self.modlanet_settings(system);
+        fits(settings.trajectories, settings.samples, system.coordinates())?;
         if !self.modlanet_layout {
             return self.log(&generate_many(&settings).map_err(failed)?);
         }
@@ -196,6 +200,7 @@ impl Generate {
             noise: self.noise,
             ..published
         };
+        fits(settings.trajectories, settings.samples, 2 * system.nodes())?;
         self.log(&lgnn_set(&settings).map_err(|error| match error {
             GenerationError::Mechanism(error) => Failure::Input(format!("{}: {error}", system.name())),
             other => failed(other),
@@ -213,6 +218,19 @@ impl Generate {
             ..published
         }
     }
+}
+
+/// Refuses what would fill the memory: q, v, a and u of every sample, its time and the number of its trajectory.
+fn fits(trajectories: usize, samples: usize, coordinates: usize) -> Result<(), Failure> {
+    let numbers = trajectories.saturating_mul(samples).saturating_mul(4 * coordinates + 2);
+    if numbers <= MOST_NUMBERS {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "{trajectories} trajectories of {samples} samples are {:.1e} numbers, and a log holds at most {MOST_NUMBERS}; lower \
+         --trajectories or --samples, or write several logs with different seeds",
+        numbers as f64
+    )))
 }
 
 fn failed(error: impl fmt::Display) -> Failure {

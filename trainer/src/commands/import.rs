@@ -1,9 +1,9 @@
 //! `leastaction import`.
 
-use super::Done;
-use super::arguments::{positive, positive_f32};
-use super::output::{Failure, Output};
+use super::system::SymoSystem;
 use clap::{Args, Subcommand, ValueEnum};
+use leastaction::cli::arguments::{positive, positive_f32};
+use leastaction::cli::{Done, Failure, Output};
 use leastaction::ground_truth::{ManyBody, Mechanism};
 use leastaction::import::{self, Imported};
 use leastaction::{atomic, model_file};
@@ -40,7 +40,7 @@ struct Symo {
     file: PathBuf,
     /// Takes coordinates and step from this mechanism of the paper.
     #[arg(long, required_unless_present = "coordinates")]
-    system: Option<Mechanism>,
+    system: Option<SymoSystem>,
     /// One letter a coordinate, in the order of q: t translation, a angle.
     #[arg(long, value_name = "LETTERS", conflicts_with = "system")]
     coordinates: Option<String>,
@@ -144,14 +144,19 @@ impl Symo {
         let coordinates = self.coordinates()?;
         let imported =
             import::symo(&bytes, &coordinates).map_err(|error| Failure::input(&self.file, error))?;
-        let step = self.h.or(self.system.map(|system| system.step() as f32)).filter(|_| imported.discrete);
+        let step =
+            self.h.or(self.mechanism().map(|system| system.step() as f32)).filter(|_| imported.discrete);
         let trained_step = step.map(|h| TrainedStep { order: Order::Two, h, control: ControlKind::Linear });
         Files { from: &self.file, to: self.output }.write(&imported, trained_step, "SyMo", output)
     }
 
+    fn mechanism(&self) -> Option<Mechanism> {
+        self.system.map(Mechanism::from)
+    }
+
     fn coordinates(&self) -> Result<Vec<Coordinate>, Failure> {
         let Some(letters) = &self.coordinates else {
-            return Ok(self.system.map(|system| system.coordinates().to_vec()).unwrap_or_default());
+            return Ok(self.mechanism().map(|system| system.coordinates().to_vec()).unwrap_or_default());
         };
         let wrong = || Failure::Input(format!("--coordinates {letters}: one letter a coordinate, t or a"));
         let kinds: Option<Vec<_>> = letters.chars().map(Coordinate::from_letter).collect();

@@ -1,6 +1,6 @@
 //! Ctrl-C: the first asks to stop, the second stops at once.
 
-use super::output::Failure;
+use leastaction::cli::Failure;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static STOP: AtomicBool = AtomicBool::new(false);

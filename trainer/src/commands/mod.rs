@@ -1,6 +1,5 @@
 //! The command line: one file and one variant of [`Command`] each.
 
-mod arguments;
 mod convert;
 mod demo;
 mod evaluate;
@@ -9,7 +8,6 @@ mod generate;
 mod import;
 mod inspect;
 mod interrupt;
-mod output;
 mod progress;
 mod reproduce;
 mod simulate;
@@ -17,7 +15,7 @@ mod system;
 mod train;
 
 use clap::{Parser, Subcommand};
-use output::{Failure, Output};
+use leastaction::cli::Output;
 use std::process::ExitCode;
 
 /// Learn the energies of a mechanical system from logged motion, ship them as a few kilobytes of weights, and step the
@@ -46,6 +44,7 @@ enum Command {
     Demo(demo::Demo),
     Evaluate(evaluate::Evaluate),
     Import(import::Import),
+    #[command(hide = true, disable_help_flag = true)]
     Reproduce(reproduce::Reproduce),
 }
 
@@ -63,10 +62,7 @@ pub fn main() -> ExitCode {
         Command::Demo(command) => command.run(output),
         Command::Evaluate(command) => command.run(output),
         Command::Import(command) => command.run(output),
-        Command::Reproduce(command) => command.run(output),
+        Command::Reproduce(command) => command.run(),
     };
     done.map_or_else(|failure| output.fail(&failure), |()| ExitCode::SUCCESS)
 }
-
-/// What every command gives back.
-type Done = Result<(), Failure>;

@@ -1,7 +1,7 @@
 //! How training goes, on stderr: a bar on a terminal, lines elsewhere.
 
-use super::output::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use leastaction::cli::Output;
 use leastaction::run::{Monitor, Row, Run};
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};

@@ -24,6 +24,27 @@ pub enum System {
     Hybrid,
 }
 
+/// SyMo's alone.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum SymoSystem {
+    /// A rod on a pivot, θ = 0 upright, torque u: θ̈ = 1.5 g sin θ + 3u.
+    Pendulum,
+    /// A pole on a cart, θ = 0 upright, force u on the cart.
+    Cartpole,
+    /// Two links hanging at 0, torque u at the second joint.
+    Acrobot,
+}
+
+impl From<SymoSystem> for Mechanism {
+    fn from(system: SymoSystem) -> Self {
+        match system {
+            SymoSystem::Pendulum => Self::Pendulum,
+            SymoSystem::Cartpole => Self::Cartpole,
+            SymoSystem::Acrobot => Self::Acrobot,
+        }
+    }
+}
+
 /// Whose systems.
 pub enum Kind {
     /// Of SyMo's.

@@ -1,12 +1,12 @@
 //! `leastaction train`.
 
-use super::output::{Failure, Output, print};
+use super::interrupt;
 use super::progress::Progress;
-use super::{Done, interrupt};
 use clap::{Args, ValueEnum};
+use leastaction::cli::{Done, Failure, Output, print};
 use leastaction::config::{Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
 use leastaction::data;
-use leastaction::run::{Ending, Plan, Run};
+use leastaction::run::{Ending, Plan, PlanError, Run};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -132,7 +132,11 @@ impl Train {
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
     let (data, notes) = data::read(&config.data.file)?;
     notes.iter().for_each(|note| output.note(&format!("note: {note}")));
-    let plan = Plan::new(config, &data).map_err(|error| Failure::input(file, error))?;
+    let log = config.data.file.clone();
+    let plan = Plan::new(config, &data).map_err(|error| match error {
+        PlanError::Data(_) => Failure::input(&log, error),
+        _ => Failure::input(file, error),
+    })?;
     plan.notices().iter().for_each(|notice| output.note(&format!("note: {notice}")));
     Ok(plan)
 }

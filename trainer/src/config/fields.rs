@@ -1,6 +1,6 @@
 //! Fields whose range is checked while they are read, so that the error knows the line.
 
-use crate::architecture::{DEPTH, MAX_COORDINATES, MAX_MODULAR_WIDTH, MAX_WIDTH};
+use crate::architecture::{DEPTH, MAX_COORDINATES, MAX_ELEMENT_UNITS, MAX_HIDDEN, MAX_UNITS};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::network::Activation;
 use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
@@ -169,24 +169,24 @@ pub(super) fn dimension<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Err
 
 pub(super) fn widths<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u16>, D::Error> {
     let widths = Vec::<u16>::deserialize(from)?;
-    let sensible = |width: &u16| (1..=MAX_WIDTH).contains(&usize::from(*width));
-    if (1..=DEPTH).contains(&widths.len()) && widths.iter().all(sensible) {
+    let sensible = |width: &u16| (1..=MAX_UNITS).contains(&usize::from(*width));
+    if (1..=MAX_HIDDEN).contains(&widths.len()) && widths.iter().all(sensible) {
         return Ok(widths);
     }
     Err(Error::custom(format_args!(
-        "invalid value: {widths:?}, expected 1 to {DEPTH} layers of 1 to {MAX_WIDTH} units"
+        "invalid value: {widths:?}, expected 1 to {MAX_HIDDEN} layers of 1 to {MAX_UNITS} units"
     )))
 }
 
 /// The hidden layers of a network of an element: none makes it linear.
 pub(super) fn some_widths<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<u16>>, D::Error> {
     let widths = Vec::<u16>::deserialize(from)?;
-    let sensible = |width: &u16| (1..=MAX_MODULAR_WIDTH).contains(&usize::from(*width));
+    let sensible = |width: &u16| (1..=MAX_ELEMENT_UNITS).contains(&usize::from(*width));
     if widths.len() <= DEPTH && widths.iter().all(sensible) {
         return Ok(Some(widths));
     }
     Err(Error::custom(format_args!(
-        "invalid value: {widths:?}, expected at most {DEPTH} layers of 1 to {MAX_MODULAR_WIDTH} units, or [] for none"
+        "invalid value: {widths:?}, expected at most {DEPTH} layers of 1 to {MAX_ELEMENT_UNITS} units, or [] for none"
     )))
 }
 

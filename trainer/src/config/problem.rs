@@ -245,11 +245,11 @@ pub enum Problem {
         node: u16,
     },
     /// A tree or a graph of a size that this program cannot train.
-    #[error("{found} coordinates to train, but this program was compiled for {compiled}")]
+    #[error("{found} coordinates to train; this program takes {compiled}")]
     Size {
         /// Of the tree or graph.
         found: usize,
-        /// What can be trained.
+        /// How many can be trained.
         compiled: String,
     },
 }

@@ -1,5 +1,6 @@
 //! A learned model as a plain function on slices, whatever its family and size.
 
+use super::FreeAccelerations;
 use super::particles::Driven;
 use crate::architecture::{Architecture, Family, GraphArchitecture, HostTypes, Visitor};
 use leastaction_core::continuous::acceleration;
@@ -34,7 +35,10 @@ pub fn with_forced<T>(
 ) -> Result<T, ModelError> {
     match architecture {
         Architecture::Graph(graph) => with_forced_graph(graph, weights, then),
-        Architecture::Rigid(_) | Architecture::Modular(_) => architecture.dispatch(Free { weights, then })?,
+        Architecture::Rigid(_) | Architecture::Modular(_) => {
+            let free = FreeAccelerations::new(architecture, weights)?;
+            Ok(then(&|q, v, u, out| free.write(q, v, u, out)))
+        }
     }
 }
 
@@ -64,7 +68,7 @@ fn forced_in<const D: usize, T>(
 }
 
 /// Calls `then` with the accelerations of a family without rods under forces.
-pub(crate) struct Free<'w, C> {
+pub struct Free<'w, C> {
     /// Its weight block.
     pub weights: &'w [f64],
     /// What is done.

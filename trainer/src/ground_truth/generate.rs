@@ -122,7 +122,8 @@ fn initial_state<const N: usize>(spread: &[Spread], stream: &mut Pcg64) -> [[f64
     [draw(|s| s.q), draw(|s| s.v)]
 }
 
-pub(crate) fn noisy<const N: usize>(x: [f64; N], sigma: f64, stream: &mut Pcg64) -> [f64; N] {
+/// Numbers with normal noise of this standard deviation; without any, nothing is drawn.
+pub fn noisy<const N: usize>(x: [f64; N], sigma: f64, stream: &mut Pcg64) -> [f64; N] {
     if sigma == 0.0 {
         return x;
     }

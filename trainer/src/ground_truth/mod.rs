@@ -13,8 +13,7 @@ mod truss;
 
 pub use bodies::Bodies;
 pub use chain::{Chain, Link};
-pub(crate) use generate::noisy;
-pub use generate::{Settings, generate, symo_set};
+pub use generate::{Settings, generate, noisy, symo_set};
 pub use integrate::{Extrapolation, IntegrationError, second_order};
 pub use lgnn::{LgnnSettings, LgnnSystem, lgnn_set, lgnn_starts};
 pub use logged::{GenerationError, Horizon, Start, follow, follow_flow, logged};
@@ -28,7 +27,7 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 
 /// A mechanism by its name on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mechanism {
     /// A rod on a pivot, θ = 0 upright, torque u: θ̈ = 1.5 g sin θ + 3u.

@@ -3,7 +3,6 @@
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
 use crate::architecture::{GraphArchitecture, GraphType, NamedGraph, Number};
 use crate::ground_truth::LgnnSystem;
-use crate::reproduce::lgnn::graph;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
@@ -125,5 +124,5 @@ fn shape(networks: &[NetworkShape], [kinetic, own, dimension]: [usize; 3], drag:
 /// Bobs on rods, with an edge beside every rod between two of them.
 fn chain(count: usize) -> NamedGraph {
     let edges = (1..count as u16).map(|to| Edge { kind: 0, ends: [to - 1, to] }).collect();
-    NamedGraph { edges, ..graph(LgnnSystem::Pendulum(count)) }
+    NamedGraph { edges, ..NamedGraph::of_system(LgnnSystem::Pendulum(count)) }
 }

@@ -1,6 +1,6 @@
 //! A scalar that counts the operations done in it. The benchmarks of core count with it as well.
 
-use leastaction_core::scalar::{Real, Scalar, Stored};
+use leastaction_core::scalar::{Real, Scalar, WeightFormat};
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -125,7 +125,7 @@ impl<R: Real> Scalar for Counted<R> {
             done.layers += u64::from(index == 0);
         });
     }
-    fn accumulate<W: Stored<Wide = R::Weight>, const P: usize>(
+    fn accumulate<W: WeightFormat<Wide = R::Weight>, const P: usize>(
         rows: &[[W; P]],
         x: &[Self],
         sum: &mut [Self; P],
@@ -137,7 +137,7 @@ impl<R: Real> Scalar for Counted<R> {
             }
         }
     }
-    fn transposed<W: Stored<Wide = R::Weight>, const P: usize>(
+    fn transposed<W: WeightFormat<Wide = R::Weight>, const P: usize>(
         rows: &[[W; P]],
         y_bar: &[Self; P],
         x_bar: &mut [Self],

@@ -98,14 +98,15 @@ impl Forces {
 mod tests {
     use super::*;
     use crate::ground_truth::LgnnSystem;
-    use crate::reproduce::lgnn::architecture;
 
     #[test]
     fn three_pendulums_and_five_springs_by_hand() {
-        let pendulums = cost(&architecture(LgnnSystem::Pendulum(3), false, false).unwrap()).unwrap();
+        let pendulums =
+            cost(&GraphArchitecture::of_system(LgnnSystem::Pendulum(3), false, false).unwrap()).unwrap();
         assert_eq!(pendulums.step_order_2.multiply_adds, 2 * 3 * (2 * 8 + 8));
         assert_eq!(pendulums.step_order_4.multiply_adds, 5 * 2 * 3 * (2 * 8 + 8));
-        let springs = cost(&architecture(LgnnSystem::Spring(5), false, false).unwrap()).unwrap();
+        let springs =
+            cost(&GraphArchitecture::of_system(LgnnSystem::Spring(5), false, false).unwrap()).unwrap();
         assert_eq!(springs.acceleration.multiply_adds, 2 * 5 * (16 + 16));
         // Two states of six vectors a node; without rods there is no room to solve in.
         assert_eq!(springs.state_bytes, 4 * 2 * 6 * 5 * 2);

@@ -39,7 +39,7 @@ impl Processor {
     /// What a model takes; `None` where its shape is beyond what was measured or this program was compiled for, or its precision was not
     /// measured.
     pub fn predict(self, model: &HostModel) -> Option<Prediction> {
-        let shape = Shape::of(model)?;
+        let shape = CostFactors::of(model)?;
         let mut fits: BTreeMap<String, BTreeMap<String, Fit>> = serde_json::from_str(FITS).ok()?;
         let fit = fits.remove(self.name())?.remove(shape.family)?;
         let of = |evaluation| Taken {
@@ -63,15 +63,15 @@ const FITS: &str = include_str!("processors.json");
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Fit {
     /// Instructions of an operation.
-    pub instructions: Numbers,
+    pub instructions: Coefficients,
     /// Bytes of stack.
-    pub stack: Numbers,
+    pub stack: Coefficients,
     /// Bytes of code.
-    pub code: Numbers,
+    pub code: Coefficients,
 }
 
-/// Numbers by name.
-pub type Numbers = BTreeMap<String, f64>;
+/// Coefficients by name.
+pub type Coefficients = BTreeMap<String, f64>;
 
 /// What an evaluation takes.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -123,7 +123,7 @@ impl Evaluation {
 }
 
 /// What of a model its cost depends on.
-pub struct Shape {
+pub struct CostFactors {
     /// rigid, modular or graph.
     pub family: &'static str,
     evaluations: Evaluations,
@@ -134,7 +134,7 @@ pub struct Shape {
     moved_by_network: bool,
 }
 
-impl Shape {
+impl CostFactors {
     /// Of a model.
     pub fn of(model: &HostModel) -> Option<Self> {
         let architecture = &model.architecture;
@@ -171,7 +171,7 @@ impl Shape {
     }
 
     /// What instructions are a sum over.
-    pub fn work(&self, evaluation: Evaluation) -> Numbers {
+    pub fn work(&self, evaluation: Evaluation) -> Coefficients {
         let done = self.operations(evaluation);
         let beside = if self.narrow { "narrow" } else { "wide" };
         let [eights, fours, ones] = done.multiply_adds;
@@ -200,7 +200,7 @@ impl Shape {
     }
 
     /// What stack is a sum over.
-    pub fn stack(&self, evaluation: Evaluation) -> Numbers {
+    pub fn stack(&self, evaluation: Evaluation) -> Coefficients {
         let Cost { acceleration, step_order_2, step_order_4, .. } = self.cost;
         let arrays = match evaluation {
             Evaluation::Acceleration => acceleration,
@@ -227,7 +227,7 @@ impl Shape {
     }
 
     /// What code is a sum over.
-    pub fn code(&self, order: u8) -> Numbers {
+    pub fn code(&self, order: u8) -> Coefficients {
         let from = |n: usize| f64::from(self.family != GRAPH && self.coordinates >= n);
         let width = if self.narrow { "narrow" } else { "wide" };
         [
@@ -251,6 +251,6 @@ fn moved_by_network(architecture: &Architecture) -> bool {
 
 const GRAPH: &str = "graph";
 
-fn product(fitted: &Numbers, found: &Numbers) -> f64 {
+fn product(fitted: &Coefficients, found: &Coefficients) -> f64 {
     found.iter().map(|(name, x)| x * fitted.get(name).copied().unwrap_or(0.0)).sum()
 }

@@ -1,11 +1,10 @@
-use clap::ValueEnum;
 use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// An emulated board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Board {
     /// Cortex-M4 with a floating-point unit (Arm MPS2, AN386).
     CortexM4,

@@ -3,8 +3,8 @@
 use super::plan::Plan;
 use super::state::{Best, State};
 use crate::architecture::Architecture;
+use crate::checksummed;
 use crate::model_file::Facts;
-use crate::sealed;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -95,12 +95,12 @@ impl Checkpoint {
     }
 
     pub fn write(&self, file: &Path) -> io::Result<()> {
-        sealed::write(file, MAGIC, self)
+        checksummed::write(file, MAGIC, self)
     }
 
     pub fn read(file: &Path) -> Result<Self, CheckpointError> {
         let bytes = fs::read(file).map_err(|error| CheckpointError::Read { file: file.to_owned(), error })?;
-        sealed::decode(&bytes, MAGIC).ok_or_else(|| CheckpointError::Damaged { file: file.to_owned() })
+        checksummed::decode(&bytes, MAGIC).ok_or_else(|| CheckpointError::Damaged { file: file.to_owned() })
     }
 }
 

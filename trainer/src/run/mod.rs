@@ -12,6 +12,7 @@
 mod checkpoint;
 mod fingerprint;
 mod folder;
+mod notice;
 mod plan;
 mod range;
 mod state;
@@ -19,12 +20,14 @@ mod state;
 mod tests;
 
 pub use checkpoint::{CheckpointError, Trained};
-pub use plan::{Notice, Plan, PlanError};
+pub use notice::Notice;
+pub use plan::{Plan, PlanError};
 pub use state::{Best, Row};
 
+use crate::atomic::remedy;
 use crate::config::TrainingConfig;
 use crate::parallel;
-use crate::training::Progress;
+use crate::training::{Objective, Progress};
 use checkpoint::Checkpoint;
 use folder::{Folder, History};
 use plan::Stage;
@@ -87,7 +90,7 @@ pub enum RunError {
     #[error("cannot resume: {0}")]
     Checkpoint(#[from] CheckpointError),
     /// The folder cannot be written to.
-    #[error("{}: {error}; free some space or choose another folder", folder.display())]
+    #[error("{}: {error}; {}, or choose another folder", folder.display(), remedy(error))]
     Folder {
         /// The folder.
         folder: PathBuf,
@@ -96,8 +99,8 @@ pub enum RunError {
     },
     /// The last state could not be saved.
     #[error(
-        "{}: cannot save iteration {iteration}: {error}; the checkpoint of iteration {saved} is intact: free some space and go on \
-         from there with --resume", folder.display()
+        "{}: cannot save iteration {iteration}: {error}; the checkpoint of iteration {saved} is intact: {} and go on from there \
+         with --resume", folder.display(), remedy(error)
     )]
     Save {
         /// The folder.
@@ -111,14 +114,15 @@ pub enum RunError {
     },
     /// The loss cannot be evaluated.
     #[error(
-        "the {stage} loss cannot be evaluated at the weights of iteration {iteration}: the step cannot be solved there; \
-         raise [training] warm_up, or change the seed"
+        "the {stage} loss cannot be evaluated at the weights of iteration {iteration}: the step cannot be solved there; {advice}"
     )]
     Stuck {
         /// Name of the stage.
         stage: &'static str,
         /// Where.
         iteration: u64,
+        /// What to look at.
+        advice: String,
     },
     /// The threads could not be started.
     #[error("[training] threads: {0}")]
@@ -149,8 +153,7 @@ impl Run {
         let failed = |error| RunError::Folder { folder: path.to_owned(), error };
         folder.clear().map_err(failed)?;
         let pool = pool(plan.config.training.threads)?;
-        let state = within(pool.as_ref(), || State::new(&plan))
-            .ok_or(RunError::Stuck { stage: "first", iteration: 0 })?;
+        let state = within(pool.as_ref(), || State::new(&plan)).ok_or_else(|| stuck(&plan, "first", 0))?;
         Checkpoint::new(&plan, &state).write(&folder.checkpoint()).map_err(failed)?;
         Self::open(plan, folder, state, pool).map_err(failed)
     }
@@ -220,10 +223,45 @@ impl Run {
             }
         };
         self.save()?;
+        let unsolved = self.unsolved();
+        if self.plan.stages.last().is_some_and(|stage| unsolved == stage.objective.samples()) {
+            return Err(self.stuck());
+        }
+        self.say_what_was_not_learned(unsolved, monitor);
         if let Err(error) = self.folder.draw(&self.history.rows) {
             monitor.warning(&error.to_string());
         }
         ending
+    }
+
+    /// Training samples that count as predicted by a constant velocity with the best weights.
+    fn unsolved(&self) -> usize {
+        self.plan.stages.last().map_or(0, |stage| self.unsolved_of(&*stage.objective))
+    }
+
+    fn unsolved_of(&self, objective: &dyn Objective) -> usize {
+        within(self.pool.as_ref(), || objective.unsolved(&self.state.best.weights))
+    }
+
+    /// What went wrong without an error.
+    fn say_what_was_not_learned(&self, unsolved: usize, monitor: &mut dyn Monitor) {
+        if self.state.iteration > 0 && self.state.best.iteration == 0 {
+            monitor.warning("nothing was learned: no iteration was better than the initial weights");
+        }
+        let Some(stage) = self.plan.stages.last() else { return };
+        let mut say = |unsolved: usize, name: &str, objective: &dyn Objective| {
+            if unsolved > 0 {
+                monitor.warning(&format!(
+                    "{unsolved} of {} {name} samples cannot be solved with the best weights: they count as predicted by a constant \
+                     velocity",
+                    objective.samples()
+                ));
+            }
+        };
+        say(unsolved, "training", &*stage.objective);
+        if let Some(validation) = &stage.validation {
+            say(self.unsolved_of(&**validation), "held-back", &**validation);
+        }
     }
 
     fn stage(&self) -> Option<&Stage> {
@@ -231,10 +269,7 @@ impl Run {
     }
 
     fn stuck(&self) -> RunError {
-        RunError::Stuck {
-            stage: self.stage().map_or("", |stage| stage.name),
-            iteration: self.state.iteration,
-        }
+        stuck(&self.plan, self.stage().map_or("", |stage| stage.name), self.state.iteration)
     }
 
     /// Why no further iteration should be done; moves on to the next stage where this one is over.
@@ -303,6 +338,10 @@ impl Run {
         self.saved = (iteration, Instant::now());
         Ok(())
     }
+}
+
+fn stuck(plan: &Plan, stage: &'static str, iteration: u64) -> RunError {
+    RunError::Stuck { stage, iteration, advice: notice::advice(plan.notices()) }
 }
 
 /// Threads of our own; `None` for as many as there are processors.

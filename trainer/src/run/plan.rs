@@ -1,10 +1,11 @@
 //! What a run does, from a configuration and data: the stages, each with its losses.
 
 use super::fingerprint;
+use super::notice::{Notice, prepared};
 use super::range;
 use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
-use crate::data::Dataset;
+use crate::data::{Dataset, Doubt};
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
@@ -77,33 +78,12 @@ pub enum PlanError {
     /// The data lacks what the loss needs.
     #[error("{0}; add it to the data, or set loss = \"next-position\", which needs positions alone")]
     Samples(#[from] SampleError),
+    /// The data holds a number that cannot be one.
+    #[error("{0}")]
+    Data(Doubt),
     /// The shape is beyond what is compiled.
     #[error("[model]: {0}")]
     Model(#[from] ModelError),
-}
-
-/// Something the user should know before training begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Notice {
-    /// No sample is forced: the energies come out up to a common factor.
-    UnknownScale,
-    /// The warm-up was left out because no sample is forced.
-    NoWarmUp,
-    /// Validation was asked for, but there is only one trajectory.
-    NoValidation,
-}
-
-impl std::fmt::Display for Notice {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::UnknownScale => {
-                "no sample is forced (u is zero or missing): the motion does not show the scale of L, so energies, \
-                 momenta and forces of this model are known up to one common factor; it predicts free motion only"
-            }
-            Self::NoWarmUp => "no warm-up: without a force the DEL residual is least for L = 0",
-            Self::NoValidation => "no validation: the data is one trajectory, and trajectories are held back whole",
-        })
-    }
 }
 
 /// One part of a run.
@@ -145,8 +125,7 @@ impl Plan {
     pub fn new(config: Config, data: &Dataset) -> Result<Self, PlanError> {
         let (architecture, initial) = config.beginning()?;
         check_coordinates(&architecture, data)?;
-        let data = config.data.trajectories.map_or_else(|| data.clone(), |count| data.truncated(count));
-        let mut notices = Vec::new();
+        let (data, mut notices) = prepared(data, &config, &architecture)?;
         let parts = split(&data, config.data.validation, &mut notices);
         let forced = parts.0.is_forced();
         check_gauge(&architecture, forced)?;

@@ -19,6 +19,23 @@ impl Monitor for Silent {
     }
 }
 
+/// What is said of a run that is not well.
+#[derive(Default)]
+struct Warned {
+    rows: Vec<Row>,
+    warnings: Vec<String>,
+}
+
+impl Monitor for Warned {
+    fn row(&mut self, row: &Row) {
+        self.rows.push(row.clone());
+    }
+
+    fn warning(&mut self, message: &str) {
+        self.warnings.push(message.to_owned());
+    }
+}
+
 fn data(trajectories: usize, control: bool) -> Dataset {
     noisy(trajectories, control, 0.0)
 }
@@ -127,8 +144,12 @@ fn of_the_residual_the_weights_that_predict_best_are_kept() {
     let mut config = config();
     (config.training.loss, config.training.iterations) = (crate::training::LossKind::DelResidual, 20);
     let mut run = Run::begin(Plan::new(config, &log).unwrap(), folder.path(), false).unwrap();
-    let mut monitor = Silent::default();
+    let mut monitor = Warned::default();
     run.train(&mut monitor, &AtomicBool::new(false)).unwrap();
+    if run.best().iteration == 0 {
+        let nothing = "nothing was learned: no iteration was better than the initial weights";
+        assert!(monitor.warnings.iter().any(|warning| warning == nothing), "{:?}", monitor.warnings);
+    }
     // The least residual is that of a Lagrangian far too small.
     let (best, last) = (run.best(), monitor.rows.last().unwrap());
     assert!(best.iteration < last.iteration && best.train > last.train, "{best:?} {last:?}");
@@ -147,15 +168,116 @@ fn a_stop_before_the_first_iteration_saves_the_initial_weights() {
     assert_eq!(Trained::read(folder.path()).unwrap().best.weights, initial);
 }
 
+/// Positions so many times as large.
+fn scaled(factor: f64) -> Dataset {
+    let mut data = data(3, true);
+    for trajectory in &mut data.trajectories {
+        trajectory.q = trajectory.q.map(|q| q * factor);
+    }
+    data
+}
+
 #[test]
 fn a_step_that_cannot_be_solved_is_an_error_that_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    let mut absurd = data(3, true);
-    for trajectory in &mut absurd.trajectories {
-        let far: Vec<f64> = trajectory.q.as_flat().iter().map(|q| q * 1e300).collect();
-        trajectory.q = crate::data::Rows::from_flat(1, far).unwrap();
-    }
-    let mut run = Run::begin(Plan::new(config(), &absurd).unwrap(), folder.path(), false).unwrap();
+    let plan = Plan::new(config(), &scaled(1e11)).unwrap();
+    assert!(matches!(plan.notices(), [Notice::Doubtful(crate::data::Doubt::Leap { .. }), ..]));
+    let mut run = Run::begin(plan, folder.path(), false).unwrap();
     let error = run.train(&mut Silent::default(), &AtomicBool::new(false)).unwrap_err();
-    assert!(matches!(error, RunError::Stuck { iteration: 0, .. }), "{error}");
+    assert!(matches!(error, RunError::Stuck { .. }), "{error}");
+    let message = error.to_string();
+    assert!(
+        message.contains("look at the data first: q0 leaps") && !message.contains("warm_up"),
+        "{message}"
+    );
+}
+
+/// One step that no model could make leaves the rest to be learned from, and is said.
+#[test]
+fn what_cannot_be_solved_is_counted_and_said() {
+    let (mut log, folder) = (data(8, true), tempfile::tempdir().unwrap());
+    let mut at = 0;
+    log.trajectories[0].q = log.trajectories[0].q.map(|q| {
+        at += 1;
+        if at == 9 { q + 1e11 } else { q }
+    });
+    let mut run = Run::begin(Plan::new(config(), &log).unwrap(), folder.path(), false).unwrap();
+    let mut monitor = Warned::default();
+    run.train(&mut monitor, &AtomicBool::new(false)).unwrap();
+    assert!(run.best().train.is_finite() && run.best().iteration > 0, "{:?}", run.best());
+    let said = |warning: &String| warning.contains("1 of 49 training samples cannot be solved");
+    assert!(monitor.warnings.iter().any(said), "{:?}", monitor.warnings);
+}
+
+#[test]
+fn numbers_that_stand_for_none_are_refused() {
+    let error = Plan::new(config(), &scaled(1e300)).err().unwrap().to_string();
+    assert!(
+        error.contains("look for a sensor that failed there, or for a number that stands for none"),
+        "{error}"
+    );
+}
+
+#[test]
+fn numbers_that_the_loss_does_not_read_are_only_told_of() {
+    let mut data = data(3, true);
+    for trajectory in &mut data.trajectories {
+        trajectory.v = trajectory.v.as_ref().map(|v| v.map(|_| -1e300));
+    }
+    let plan = Plan::new(config(), &data).unwrap();
+    assert!(matches!(plan.notices(), [Notice::Doubtful(crate::data::Doubt::Value { field: "v", .. })]));
+    let mut next_state = config();
+    next_state.training.loss = crate::training::LossKind::NextState;
+    assert!(matches!(Plan::new(next_state, &data).err(), Some(PlanError::Data(_))));
+}
+
+/// The same motion, angles in [−π, π).
+fn wrapped(data: &Dataset) -> Dataset {
+    use std::f64::consts::{PI, TAU};
+    let mut data = data.clone();
+    for trajectory in &mut data.trajectories {
+        trajectory.q = trajectory.q.map(|q| (q + PI).rem_euclid(TAU) - PI);
+    }
+    data
+}
+
+#[test]
+fn wrapped_angles_are_learned_from_as_straight_ones() {
+    let mut straight = data(8, true);
+    for trajectory in &mut straight.trajectories {
+        // About the upper rest, where the seam is.
+        trajectory.q = trajectory.q.map(|q| q + std::f64::consts::PI);
+    }
+    let loss = |data: &Dataset| {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = Plan::new(config(), data).unwrap();
+        let notices = plan.notices().to_vec();
+        let mut run = Run::begin(plan, folder.path(), false).unwrap();
+        run.train(&mut Silent::default(), &AtomicBool::new(false)).unwrap();
+        (run.best().train, notices)
+    };
+    let ((expected, none), (found, notices)) = (loss(&straight), loss(&wrapped(&straight)));
+    assert!(none.is_empty() && matches!(notices[..], [Notice::Changed(_)]), "{notices:?}");
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found:e} {expected:e}");
+}
+
+#[test]
+fn errors_of_writing_say_what_is_wrong() {
+    let folder = || std::path::PathBuf::from("run");
+    let both = |kind: io::ErrorKind| {
+        let begun = RunError::Folder { folder: folder(), error: kind.into() };
+        let saved = RunError::Save { folder: folder(), iteration: 5, saved: 4, error: kind.into() };
+        [begun.to_string(), saved.to_string()]
+    };
+    for (kind, words) in [
+        (io::ErrorKind::StorageFull, "free some space"),
+        (io::ErrorKind::PermissionDenied, "have the permissions of the folder and its files changed"),
+        (io::ErrorKind::ReadOnlyFilesystem, "have the disk made writable"),
+        (io::ErrorKind::NotADirectory, "remove what stands in its place"),
+    ] {
+        for message in both(kind) {
+            assert!(message.contains(words), "{kind}: {message}");
+            assert_eq!(message.contains("space"), kind == io::ErrorKind::StorageFull, "{kind}: {message}");
+        }
+    }
 }

@@ -9,7 +9,6 @@
 use super::residuals::Failed;
 use super::samples::Sample;
 use crate::architecture::{Family, FamilySystem};
-use crate::dual::Dual;
 use leastaction_core::discrete::StepError;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
@@ -18,7 +17,7 @@ use leastaction_core::scalar::{LANES, Lanes, Scalar};
 use serde::{Deserialize, Serialize};
 
 /// What is minimised. The discrete losses are those of the DEL integrator, and on rods those of RATTLE.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LossKind {
     /// The residual of the three-point DEL equation at logged positions (SyMo), in units of momentum.
@@ -38,26 +37,17 @@ impl LossKind {
     }
 }
 
-/// One term of a residual's derivative in the weights.
+/// A residual component's derivative in the weights: ∂/∂θ [(F − d/dt L_v)·y] at an acceleration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Term<const N: usize> {
-    /// Where.
+    /// Position.
     pub q: [f64; N],
-    /// Where.
+    /// Velocity.
     pub v: [f64; N],
-    /// Weight of F = L_q + Q.
-    pub dq: [f64; N],
-    /// Weight of L_v; for [`Residual`](TermKind::Residual) the acceleration.
-    pub dv: [f64; N],
-}
-
-/// Which derivative a term stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TermKind {
-    /// ∂/∂θ [F·dq + L_v·dv].
-    Along,
-    /// ∂/∂θ [(F − d/dt L_v)·dq] at the acceleration dv.
-    Residual,
+    /// Weight of F − d/dt L_v.
+    pub y: [f64; N],
+    /// The acceleration.
+    pub a: [f64; N],
 }
 
 impl From<StepError<f64>> for Failed {
@@ -79,23 +69,14 @@ pub(super) type Group<const N: usize> = [Sample<N>; LANES];
 pub(super) struct Systems<'w, F: Family<N>, const N: usize> {
     /// The shape.
     pub family: &'w F,
-    /// One.
-    pub one: FamilySystem<'w, F, f64, N>,
     /// Eight side by side.
     pub eight: FamilySystem<'w, F, Lanes, N>,
-    weights: &'w [f64],
 }
 
 impl<'w, F: Family<N>, const N: usize> Systems<'w, F, N> {
     /// Reads the shape; once for many samples.
     pub fn new(family: &'w F, weights: &'w [f64]) -> Result<Self, Failed> {
-        let one = family.system::<f64>(weights).map_err(|_| Failed)?;
-        Ok(Self { family, one, eight: family.system::<Lanes>(weights).map_err(|_| Failed)?, weights })
-    }
-
-    /// Eight side by side with their derivatives along a direction.
-    pub fn moving(&self) -> Result<FamilySystem<'w, F, Dual<Lanes>, N>, Failed> {
-        self.family.system::<Dual<Lanes>>(self.weights).map_err(|_| Failed)
+        Ok(Self { family, eight: family.system::<Lanes>(weights).map_err(|_| Failed)? })
     }
 }
 
@@ -115,77 +96,20 @@ impl<const N: usize> Components for [f64; N] {
     }
 }
 
-impl<const N: usize, const M: usize> Components for [[f64; N]; M] {
-    const COUNT: usize = N * M;
-
-    fn as_slice(&self) -> &[f64] {
-        self.as_flattened()
-    }
-}
-
 /// A loss over eight samples side by side, with the bits that each has alone.
 pub(super) trait GroupLoss<F: Family<N>, const N: usize>: Sync {
     /// Of a sample.
     type Residual: Components;
-    /// The kinds of the terms that each component has, in order.
-    fn kinds(&self) -> &'static [TermKind];
     /// The residuals.
     fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>)
     -> Result<[Self::Residual; LANES], Failed>;
-    /// The residuals, and for every sample and component its terms: `terms[sample][component * kinds + k]`.
+    /// The residuals, and for every sample and component its term: `terms[sample][component]`.
     fn linearise_group(
         &self,
         systems: &Systems<F, N>,
         group: &Group<N>,
         terms: &mut [Vec<Term<N>>; LANES],
     ) -> Result<[Self::Residual; LANES], Failed>;
-}
-
-/// A loss of one sample at a time: the steps of each take as many iterations as it needs.
-pub(super) trait SampleLoss<F: Family<N>, const N: usize>: Sync {
-    /// As [`GroupLoss::kinds`].
-    fn kinds(&self) -> &'static [TermKind];
-    /// The residual.
-    fn residual(&self, systems: &Systems<F, N>, sample: &Sample<N>) -> Result<[f64; N], Failed>;
-    /// The residual, and for every component its terms.
-    fn linearise(
-        &self,
-        systems: &Systems<F, N>,
-        sample: &Sample<N>,
-        terms: &mut Vec<Term<N>>,
-    ) -> Result<[f64; N], Failed>;
-}
-
-/// One sample of a group after the other.
-pub(super) struct OneByOne<T>(pub T);
-
-impl<T: SampleLoss<F, N>, F: Family<N>, const N: usize> GroupLoss<F, N> for OneByOne<T> {
-    type Residual = [f64; N];
-
-    fn kinds(&self) -> &'static [TermKind] {
-        self.0.kinds()
-    }
-
-    fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for (residual, sample) in residuals.iter_mut().zip(group) {
-            *residual = self.0.residual(systems, sample)?;
-        }
-        Ok(residuals)
-    }
-
-    fn linearise_group(
-        &self,
-        systems: &Systems<F, N>,
-        group: &Group<N>,
-        terms: &mut [Vec<Term<N>>; LANES],
-    ) -> Result<[[f64; N]; LANES], Failed> {
-        let mut residuals = [[0.0; N]; LANES];
-        for ((residual, sample), terms) in residuals.iter_mut().zip(group).zip(terms) {
-            *residual = self.0.linearise(systems, sample, terms)?;
-        }
-        Ok(residuals)
-    }
 }
 
 /// v̇(q, v, u) − a.
@@ -227,7 +151,7 @@ impl<const N: usize> Equation<N> {
 }
 
 /// M and f = L_q − L_vq v + Q + u.
-pub(super) fn equation<L, Q, S: Scalar, const N: usize>(
+fn equation<L, Q, S: Scalar, const N: usize>(
     System { lagrangian, forces }: &System<L, Q>,
     q: &[S; N],
     v: &[S; N],
@@ -265,10 +189,6 @@ fn equations<F: Family<N>, const N: usize>(
 impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
     type Residual = [f64; N];
 
-    fn kinds(&self) -> &'static [TermKind] {
-        &[TermKind::Residual]
-    }
-
     fn residuals(&self, systems: &Systems<F, N>, group: &Group<N>) -> Result<[[f64; N]; LANES], Failed> {
         let mut residuals = [[0.0; N]; LANES];
         for ((residual, equation), sample) in residuals.iter_mut().zip(equations(systems, group)).zip(group) {
@@ -289,7 +209,7 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
         for (lane, (equation, sample)) in equations(systems, group).into_iter().zip(group).enumerate() {
             let [q, v, a] = &sample.states;
             let Solution { acceleration, compliance } = equation.solution(F::DEFINITE)?;
-            terms[lane].extend(compliance.map(|y| Term { q: *q, v: *v, dq: y, dv: acceleration }));
+            terms[lane].extend(compliance.map(|y| Term { q: *q, v: *v, y, a: acceleration }));
             residuals[lane] = add_scaled(&acceleration, -1.0, a);
         }
         Ok(residuals)
@@ -298,7 +218,7 @@ impl<F: Family<N>, const N: usize> GroupLoss<F, N> for AccelerationLoss {
 
 /// Takes the direction of a constraint out of a symmetric matrix: Π − Πa (a·Πa)⁻¹ (Πa)ᵀ; returns Πa/(a·Πa). `definite`: whether Π
 /// must be positive along it.
-pub(super) fn take_out<const N: usize>(
+fn take_out<const N: usize>(
     matrix: &mut [[f64; N]; N],
     row: &[f64; N],
     definite: bool,
@@ -316,6 +236,6 @@ pub(super) fn take_out<const N: usize>(
 }
 
 /// I.
-pub(super) fn identity<const N: usize>() -> [[f64; N]; N] {
+fn identity<const N: usize>() -> [[f64; N]; N] {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }

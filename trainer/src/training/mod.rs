@@ -1,22 +1,24 @@
 //! Learning the weights of a model from motion: the losses and the optimisers.
+//!
+//! A model of another kind is trained by the same optimisers where it is an [`Objective`]: by its [`Residuals`], or, where it is a
+//! [`Family`](crate::architecture::Family), by [`Accelerations`].
 
 mod adam;
-mod del;
+mod blocks;
 mod levenberg;
 mod loss;
-mod next_state;
 mod normal;
 mod objective;
 mod residuals;
-mod rods;
 mod samples;
+mod steps;
 
 pub use adam::{Adam, AdamSettings, Schedule};
 pub use levenberg::{Levenberg, Progress};
 pub use loss::LossKind;
-pub(crate) use next_state::Steps;
 pub use normal::NormalEquations;
-pub(crate) use objective::Accelerations;
-pub use objective::{Objective, objective};
-pub(crate) use residuals::{ChunkRows, Failed, Residuals};
+pub(crate) use objective::order_of;
+pub use objective::{Accelerations, Objective, objective};
+pub use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};
+pub use steps::Steps;

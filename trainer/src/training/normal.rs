@@ -1,6 +1,7 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par};
 use leastaction_core::scalar::Lanes;
+use leastaction_programs::Row;
 
 /// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (its lower triangle), Jᵀr and rᵀr.
 /// Memory is that of JᵀJ, whatever the number of samples.
@@ -48,11 +49,18 @@ impl NormalEquations {
     }
 
     /// Adds a gradient that was summed in lanes, of so many residual components.
-    pub(crate) fn add_lanes(&mut self, gradient: &[Lanes], rows: usize) {
+    pub fn add_lanes(&mut self, gradient: &[Lanes], rows: usize) {
         for (sum, lanes) in self.gradient.iter_mut().zip(gradient) {
             *sum += lanes.0.iter().sum::<f64>();
         }
         self.rows += rows;
+    }
+
+    /// Adds the first `count` samples' gradients of ½Σ r², side by side.
+    pub(super) fn add_row(&mut self, gradient: &[Row], count: usize) {
+        for (sum, row) in self.gradient.iter_mut().zip(gradient) {
+            *sum += row.0[..count].iter().sum::<f64>();
+        }
     }
 
     /// Adds the normal equations of the penalty λ|θ|² on the mean square.

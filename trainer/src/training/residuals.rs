@@ -5,20 +5,21 @@ use super::{NormalEquations, Objective};
 use crate::parallel;
 use faer::Mat;
 use leastaction_core::scalar::{LANES, Lanes};
+use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 
 /// Samples whose rows are multiplied at once; not a power of two, for columns of the Jacobian would then share cache lines.
-const CHUNK: usize = 248;
+const CHUNK: usize = 240;
 /// Parts whose sums are computed apart: as many threads as this can help.
 const PARTS: usize = 8;
 
 /// The residual of one sample could not be computed at these weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Failed;
+pub struct Failed;
 
 /// The residuals of samples and their derivatives in the weights, chunk by chunk: all that an [`Objective`] is made of,
 /// whatever the model.
-pub(crate) trait Residuals: Sync {
+pub trait Residuals: Sync {
     /// Numbers in the weight block.
     fn parameters(&self) -> usize;
     /// Samples.
@@ -26,10 +27,23 @@ pub(crate) trait Residuals: Sync {
     /// Residual components of a sample.
     fn components(&self) -> usize;
     /// The sum of squared residuals of a chunk.
+    ///
+    /// # Errors
+    /// Where one cannot be computed.
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed>;
+    /// Samples of a chunk that cannot be computed and count as predicted by a constant velocity.
+    fn unsolved(&self, _weights: &[f64], _samples: Range<usize>) -> usize {
+        0
+    }
     /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
+    ///
+    /// # Errors
+    /// Where one cannot be computed.
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed>;
     /// Adds Jᵀr and rᵀr of a chunk alone.
+    ///
+    /// # Errors
+    /// Where one cannot be computed.
     fn add_gradient(
         &self,
         weights: &[f64],
@@ -46,7 +60,7 @@ pub(crate) trait Residuals: Sync {
 }
 
 /// Workspace for the rows of one chunk.
-pub(crate) struct ChunkRows {
+pub struct ChunkRows {
     /// r.
     pub residual: Vec<f64>,
     /// The derivatives in the weights of one component of eight samples.
@@ -81,6 +95,9 @@ impl ChunkRows {
     }
 
     /// Fills rows from `row` on with the first `count` lanes of a residual component and of its derivatives, which `derive` adds up.
+    ///
+    /// # Errors
+    /// Where `derive` fails.
     pub fn fill(
         &mut self,
         (row, count): (usize, usize),
@@ -92,6 +109,15 @@ impl ChunkRows {
         derive(&mut self.buffer)?;
         self.store(row, count);
         Ok(())
+    }
+
+    /// Stores the first numbers of a residual component and of its derivatives in these rows.
+    pub(super) fn store_rows(&mut self, rows: Range<usize>, residual: &Row, derivatives: &[Row]) {
+        let count = rows.len();
+        self.residual[rows.clone()].copy_from_slice(&residual.0[..count]);
+        for (j, derivative) in derivatives.iter().enumerate() {
+            self.column(j, rows.clone()).copy_from_slice(&derivative.0[..count]);
+        }
     }
 
     /// Copies the first `count` lanes of the buffer to rows from `row` on.
@@ -108,7 +134,7 @@ impl ChunkRows {
 
 /// The chunks of each part.
 fn parts(samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
-    let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(LANES)).max(LANES);
+    let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(WIDTH)).max(WIDTH);
     let chunks: Vec<_> =
         samples.clone().step_by(chunk).map(|start| start..samples.end.min(start + chunk)).collect();
     let per_part = chunks.len().div_ceil(PARTS).max(1);
@@ -153,6 +179,14 @@ impl<R: Residuals> Objective for R {
             Ok(sum) if sum.is_finite() => sum / (samples * self.components()) as f64,
             _ => f64::INFINITY,
         }
+    }
+
+    fn unsolved(&self, weights: &[f64]) -> usize {
+        let parts = parts(0..Residuals::samples(self));
+        let counts = parallel::map(parts.len(), &|k| -> usize {
+            parts[k].iter().map(|chunk| Residuals::unsolved(self, weights, chunk.clone())).sum()
+        });
+        counts.into_iter().sum()
     }
 
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {

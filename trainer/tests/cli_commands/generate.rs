@@ -107,3 +107,18 @@ fn wrong_usage_is_2_and_failed_work_is_1() {
     bench.run("generate pendulum -o no/such/a.npz").bad(1, &["no/such/a.npz"]);
     assert_eq!(std::fs::read_dir(bench.folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn what_would_fill_the_memory_is_refused() {
+    let bench = Bench::new();
+    for system in ["pendulum", "n-body", "n-pendulum --modlanet-layout", "n-spring"] {
+        for size in
+            ["--trajectories 1000000000", "--samples 4000000000", "--trajectories 90000 --samples 90000"]
+        {
+            bench
+                .run(&format!("generate {system} -o a.npz {size}"))
+                .bad(2, &["numbers, and a log holds at most 134217728; lower --trajectories or --samples"]);
+        }
+    }
+    assert_eq!(std::fs::read_dir(bench.folder.path()).unwrap().count(), 0);
+}

@@ -104,5 +104,7 @@ fn a_folder_that_cannot_be_made_is_an_error() {
     bench.log("");
     bench.config("iterations = 1");
     bench.write("file", "");
-    bench.run("train c.toml -o file/run -q").bad(1, &["file/run", "another folder"]);
+    bench
+        .run("train c.toml -o file/run -q")
+        .bad(1, &["file/run", "remove what stands in its place, or choose another folder"]);
 }

@@ -1,4 +1,4 @@
-//! Runs the command in a folder of its own.
+//! Runs a command, `PROGRAM` of the crate, in a folder of its own.
 
 use serde_json::Value;
 use std::fs;
@@ -63,13 +63,9 @@ impl Bench {
         fs::read_to_string(self.at(name)).unwrap()
     }
 
-    pub fn write(&self, name: &str, text: &str) {
-        fs::write(self.at(name), text).unwrap();
-    }
-
     /// The command with these words, separated by spaces, to be run in the folder.
     pub fn command(&self, words: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_leastaction"));
+        let mut command = Command::new(crate::PROGRAM);
         command
             .args(words.split_whitespace())
             .current_dir(self.folder.path())
@@ -79,24 +75,5 @@ impl Bench {
 
     pub fn run(&self, words: &str) -> Outcome {
         Outcome::new(self.command(words).output().unwrap())
-    }
-
-    /// A small log of the pendulum.
-    pub fn log(&self, options: &str) {
-        self.run(&format!("generate pendulum -o data.npz --trajectories 4 --samples 12 {options}")).good();
-    }
-
-    /// A small network, and what `training` says.
-    pub fn config(&self, training: &str) {
-        self.write("c.toml", &format!("{}[training]\norder = 2\nwarm_up = 3\n{training}\n", Self::MODEL));
-    }
-
-    const MODEL: &str =
-        "[data]\nfile = \"data.npz\"\nvalidation = 0.25\n[model]\ncoordinates = [\"angle\"]\nhidden = [6]\n";
-
-    /// The model file of a run.
-    pub fn model(&self, run: &str) -> Vec<u8> {
-        self.run(&format!("export {run} -o {run}.postcard")).good();
-        self.read(&format!("{run}.postcard"))
     }
 }

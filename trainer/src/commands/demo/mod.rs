@@ -2,12 +2,12 @@
 
 mod portrait;
 
-use super::arguments::seed;
 use super::export::encoded;
-use super::output::{Failure, Output, folder};
 use super::simulate::{self, Request, Scenario, simulate};
-use super::{Done, interrupt, train};
+use super::{interrupt, train};
 use clap::Args;
+use leastaction::cli::arguments::seed;
+use leastaction::cli::{Done, Failure, Output, folder, written};
 use leastaction::config::{Config, Coordinates, RigidConfig};
 use leastaction::ground_truth::{Mechanism, Settings, generate};
 use leastaction::model_file::{HostModel, Precision, decode};
@@ -105,7 +105,7 @@ impl Demo {
     fn generate(&self, file: &Path) -> Result<usize, Failure> {
         let settings = Settings::symo(MECHANISM, TRAJECTORIES, self.seed);
         let data = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
-        data::write(file, &data).map_err(super::output::written)?;
+        data::write(file, &data).map_err(written)?;
         Ok(data.samples())
     }
 

@@ -1,7 +1,7 @@
 //! Predictions over many seconds by accelerations, in ModLaNet's measures, beside the floor of single precision.
 
-use super::super::output::{Failure, folder};
 use leastaction::atomic;
+use leastaction::cli::{Failure, folder};
 use leastaction::evaluate::learned::with_accelerations;
 use leastaction::evaluate::prediction::{Prediction, TOLERANCE, Truth};
 use leastaction::ground_truth::{

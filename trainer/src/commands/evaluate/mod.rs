@@ -3,13 +3,11 @@
 mod long_term;
 mod report;
 
-use super::Done;
-use super::arguments::{order, positive, seed};
 use super::inspect::load_part;
-use super::output::{Failure, Output, refuse};
 use super::system::{Kind, System};
 use clap::Args;
-use leastaction::architecture::MAX_DISCRETE;
+use leastaction::cli::arguments::{order, positive, seed};
+use leastaction::cli::{Done, Failure, Output, refuse};
 use leastaction::data::{self, Dataset};
 use leastaction::evaluate::{
     acceleration_mse, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout,
@@ -24,7 +22,7 @@ use std::path::PathBuf;
 /// Measure a model on logged motion.
 ///
 /// Accelerations, where the log has v and a; positions one step ahead, and over whole trajectories from their first two
-/// positions, under the logged control.
+/// positions, under the logged control. Angles of the log may be wrapped into one turn.
 ///
 /// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid also predictions from random starts by the learned
 /// accelerations (weights as shipped, else in double precision; on the rods, where there are some), in ModLaNet's measures and beside
@@ -68,9 +66,10 @@ impl Evaluate {
     /// Reads and measures.
     pub fn run(self, output: Output) -> Done {
         let (model, _) = load_part(&self.model, self.tree.as_deref())?;
-        let (log, notes) = data::read(&self.data).map_err(|error| Failure::Input(error.to_string()))?;
+        let (mut log, notes) = data::read(&self.data).map_err(|error| Failure::Input(error.to_string()))?;
         notes.iter().for_each(|note| output.note(&format!("note: {note}")));
         self.check(&model, &log, output)?;
+        prepare(&mut log, &model.architecture.coordinates(), output);
         let system = self.system.map(|system| self.exact(system, &model)).transpose()?;
         let symo = match system {
             Some(Exact::Symo(mechanism)) => Some(mechanism),
@@ -82,10 +81,8 @@ impl Evaluate {
         let failed = |error| Failure::input(&self.model, error);
         let mut report = self.measure(&model, &log, symo).map_err(failed)?;
         if report.one_step_mse.is_none() {
-            output.note(&format!(
-                "note: positions are not stepped: of what has rods, or more than {MAX_DISCRETE} coordinates, accelerations alone are \
-                 measured"
-            ));
+            output
+                .note("note: positions are not stepped: of what has rods, accelerations alone are measured");
         }
         if [report.one_step_mse, report.rollout_mse].contains(&Some(f64::INFINITY)) {
             output.note(&format!(
@@ -216,6 +213,13 @@ impl Evaluate {
             prediction: None,
         })
     }
+}
+
+/// Has angles go on across their seams, and tells of what is doubtful.
+fn prepare(log: &mut Dataset, letters: &str, output: Output) {
+    let note = |note: &dyn std::fmt::Display| output.note(&format!("note: {note}"));
+    log.unwrap_angles(letters).iter().for_each(|seams| note(seams));
+    log.doubts(letters).iter().for_each(|doubt| note(doubt));
 }
 
 /// An exact mechanism of the model's size.

@@ -1,8 +1,8 @@
 //! What rounding the weights costs, on the log that they were learned from.
 
 use super::Precision;
-use crate::commands::output::{Failure, Output};
 use leastaction::architecture::Architecture;
+use leastaction::cli::{Failure, Output};
 use leastaction::config::Config;
 use leastaction::data::{self, Dataset};
 use leastaction::evaluate::{acceleration_mse, integration_errors, one_step_mse, rollout};
@@ -59,7 +59,7 @@ impl Compared<'_> {
             Some(file) => file.to_owned(),
             None => Config::read(&run.join("config.toml"))?.data.file,
         };
-        let set = match data::read(&log) {
+        let mut set = match data::read(&log) {
             Ok((set, _)) => set,
             Err(error) if data.is_some() => return Err(Failure::Input(error.to_string())),
             Err(error) => {
@@ -73,6 +73,8 @@ impl Compared<'_> {
             let message = format!("q has {} coordinates, the model {}", set.n, self.architecture.n());
             return Err(Failure::input(&log, message));
         }
+        // Training told of the seams.
+        let _ = set.unwrap_angles(&self.architecture.coordinates());
         let failed = |error: ModelError| Failure::input(run, error);
         let trained = self.errors(self.trained, &set).map_err(failed)?;
         let shipped = self.errors(self.shipped, &set).map_err(failed)?;

@@ -2,11 +2,10 @@
 
 mod accuracy;
 
-use super::Done;
-use super::output::{Failure, Output};
 use accuracy::{Accuracy, Compared};
 use clap::{Args, ValueEnum};
 use leastaction::atomic;
+use leastaction::cli::{Done, Failure, Output};
 use leastaction::model_file::{self, Precision};
 use leastaction::run::Trained;
 use serde::Serialize;

@@ -3,16 +3,15 @@
 mod shape;
 mod target;
 
-use super::Done;
-use super::output::{Failure, Output};
 use clap::Args;
 use leastaction::architecture::MODULAR_SIZES;
+use leastaction::cli::{Done, Failure, Output};
 use leastaction::model_cost::{Cost, cost};
 use leastaction::model_file::{HostModel, Precision, decode};
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
 use serde::Serialize;
-use shape::Shape;
+use shape::ShapeReport;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use target::{OnTarget, Target};
@@ -40,7 +39,7 @@ struct Report {
     family: &'static str,
     coordinates: Vec<&'static str>,
     #[serde(flatten)]
-    shape: Shape,
+    shape: ShapeReport,
     damping: Option<Vec<f64>>,
     parameters: usize,
     weight_bits: u8,
@@ -116,7 +115,7 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         target: None,
         family: architecture.with_header(|header| header.name()),
         coordinates: architecture.coordinates().chars().map(kind).collect(),
-        shape: Shape::of(architecture),
+        shape: ShapeReport::of(architecture),
         damping: (!damping.is_empty() && damped).then_some(damping),
         parameters: model.weights.len(),
         weight_bits: model.precision.bits(),
@@ -230,11 +229,11 @@ impl Report {
             ["step, order 2", "step, order 4"]
         };
         match &self.shape {
-            Shape::Rigid { .. } => {}
-            Shape::Modular { tree, .. } => {
+            ShapeReport::Rigid { .. } => {}
+            ShapeReport::Modular { tree, .. } => {
                 writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
             }
-            Shape::Graph { graph, .. } => {
+            ShapeReport::Graph { graph, .. } => {
                 writeln!(f, "graph {graph}, of {} coordinates", self.coordinates.len())?;
             }
         }

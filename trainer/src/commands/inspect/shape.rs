@@ -11,7 +11,7 @@ use serde::Serialize;
 /// What differs between the families.
 #[derive(Serialize)]
 #[serde(untagged)]
-pub enum Shape {
+pub enum ShapeReport {
     /// One network.
     Rigid {
         /// Inputs and outputs of every layer.
@@ -77,7 +77,7 @@ pub struct Tree {
     elements: Vec<String>,
 }
 
-impl Shape {
+impl ShapeReport {
     /// Of a model.
     pub fn of(architecture: &Architecture) -> Self {
         match architecture {

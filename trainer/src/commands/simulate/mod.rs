@@ -6,18 +6,17 @@ mod scenario;
 mod trace;
 
 pub use picture::draw;
-pub use remote::Target;
+pub use remote::{Emulated, Target};
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
 
-use super::Done;
-use super::arguments::{positive, positive_f32, seed};
 use super::inspect::load;
-use super::output::{Failure, Output, folder};
+use super::system::SymoSystem;
 use clap::Args;
+use leastaction::cli::arguments::{positive, positive_f32, seed};
+use leastaction::cli::{Done, Failure, Output, folder};
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
-use leastaction::processor::Board;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_firmware_sim::{Incidents, Summary};
 use serde::Serialize;
@@ -45,7 +44,7 @@ pub struct Simulate {
     scenario: Scenario,
     /// The mechanism that the loop acts on [default: by the model's coordinates].
     #[arg(long)]
-    system: Option<Mechanism>,
+    system: Option<SymoSystem>,
     /// Of the initial state and of all noise.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
@@ -57,7 +56,7 @@ pub struct Simulate {
     tick: Option<f32>,
     /// Run the controller on an emulated board.
     #[arg(long, value_enum, value_name = "BOARD")]
-    on: Option<Board>,
+    on: Option<Emulated>,
     /// The controller's image for the board [default: the one built in the repository].
     #[arg(long, requires = "on", value_name = "FILE")]
     image: Option<PathBuf>,
@@ -129,7 +128,10 @@ impl Simulate {
     /// Runs the loop and writes trace and picture.
     pub fn run(self, output: Output) -> Done {
         let (model, _) = load(&self.model)?;
-        let mechanism = self.system.map_or_else(|| mechanism(&self.model, &model), Ok)?;
+        let mechanism = match self.system {
+            Some(system) => system.into(),
+            None => mechanism(&self.model, &model)?,
+        };
         let Self { scenario, seed, seconds, tick, .. } = self;
         let target = self.target()?;
         let on = target.as_ref();
@@ -145,7 +147,7 @@ impl Simulate {
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| Failure::Input(format!("--timeout: {error}")))?;
         let (image, model) = (self.image.clone(), self.model.clone());
-        Ok(self.on.map(|board| Target { board, image, model, patience }))
+        Ok(self.on.map(|on| Target { board: on.into(), image, model, patience }))
     }
 }
 

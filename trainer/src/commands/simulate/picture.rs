@@ -1,7 +1,7 @@
 //! The picture of a run.
 
 use super::{FORCE, POSITION, Request, Row, Scenario, Trace, unit};
-use crate::commands::output::Failure;
+use leastaction::cli::Failure;
 use leastaction::ground_truth::Mechanism;
 use leastaction::plot::{Panel, Series, Stroke, Vertical, time_series};
 use leastaction_core::energy::rigid::Coordinate;

@@ -3,12 +3,34 @@
 use super::scenario::misused;
 use super::{Report, Request, Trace};
 use crate::commands::interrupt;
-use crate::commands::output::Failure;
+use clap::ValueEnum;
+use leastaction::cli::Failure;
 use leastaction::processor::{Board, Emulator, LinkError, Remote};
 use leastaction_firmware_sim::scenario::{RunError, Setup, run_on};
 use leastaction_firmware_sim::{Mechanism, Program};
 use std::path::PathBuf;
 use std::time::Duration;
+
+/// An emulated board, by its name on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Emulated {
+    /// Cortex-M4 with a floating-point unit (Arm MPS2, AN386).
+    CortexM4,
+    /// Cortex-M7 (Arm MPS2, AN500).
+    CortexM7,
+    /// 32-bit RISC-V without a floating-point unit (QEMU's "virt").
+    Riscv,
+}
+
+impl From<Emulated> for Board {
+    fn from(board: Emulated) -> Self {
+        match board {
+            Emulated::CortexM4 => Self::CortexM4,
+            Emulated::CortexM7 => Self::CortexM7,
+            Emulated::Riscv => Self::Riscv,
+        }
+    }
+}
 
 /// What runs the controller.
 pub struct Target {

@@ -2,9 +2,9 @@
 
 use super::remote::Target;
 use super::{Report, Trace};
-use crate::commands::output::{Failure, Output};
 use clap::ValueEnum;
 use leastaction::architecture::{MAX_WIDTH, RigidArchitecture};
+use leastaction::cli::{Failure, Output};
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};

@@ -1,7 +1,7 @@
 //! From a configuration to the shape of a model.
 
 use super::{EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig};
-use crate::architecture::{GRAPH_SIZES, GraphArchitecture, GraphType, NamedGraph, Number};
+use crate::architecture::{GraphArchitecture, GraphType, MAX_GRAPH_COORDINATES, NamedGraph, Number};
 use crate::config::parts::{Networks, NumberConfig, Range};
 use crate::config::problem::{Problem, ShapeError, check_count, check_name, list};
 use leastaction_core::energy::graph::{
@@ -173,15 +173,13 @@ fn each_type<T: Named, U>(
 }
 
 fn check_size(architecture: &GraphArchitecture) -> Result<(), ShapeError> {
-    let size = (architecture.dimension(), architecture.n());
-    if GRAPH_SIZES.contains(&size) {
+    let found = architecture.n();
+    if (1..=MAX_GRAPH_COORDINATES).contains(&found) {
         return Ok(());
     }
-    let compiled = list(
-        GRAPH_SIZES.iter().filter(|(dimension, _)| *dimension == size.0).map(|(_, coordinates)| coordinates),
-    );
+    let compiled = format!("1 to {MAX_GRAPH_COORDINATES}");
     let name = architecture.graphs.first().map_or("", |graph| graph.name.as_str());
-    Err(Problem::Size { found: size.1, compiled }.at(["graphs".into(), name.into()]))
+    Err(Problem::Size { found, compiled }.at(["graphs".into(), name.into()]))
 }
 
 /// The numbers at a key; where nothing is given, `default`, known.

@@ -3,7 +3,7 @@
 use super::numbers::DEFAULTS;
 use super::source::Source;
 use super::{ElementConfig, ModularConfig, PairConfig, Problem, ShapeError, TransformKind, TypeConfig};
-use crate::architecture::{MODULAR_SIZES, ModularArchitecture, NamedTree, NamedType, Number};
+use crate::architecture::{MAX_TREE_COORDINATES, ModularArchitecture, NamedTree, NamedType, Number};
 use crate::config::parts::Networks;
 use crate::config::problem::{check_count, check_name, list};
 use leastaction_core::energy::List;
@@ -271,10 +271,10 @@ impl Assembly {
             let kinds = tree.elements.iter().step_by(2).filter_map(|kind| self.types.get(usize::from(*kind)));
             kinds.map(|(shape, _)| shape.coordinates()).sum()
         });
-        if MODULAR_SIZES.contains(&found) {
+        if (1..=MAX_TREE_COORDINATES).contains(&found) {
             return Ok(());
         }
-        let compiled = list(MODULAR_SIZES.iter());
+        let compiled = format!("1 to {MAX_TREE_COORDINATES}");
         let name = trained.map_or("", |tree| tree.name.as_str());
         Err(Problem::Size { found, compiled }.at(["trees".into(), name.into()]))
     }

@@ -1,0 +1,237 @@
+//! The arrays of an NPZ archive: looked at before they are unpacked, so that a small file cannot fill the memory.
+
+use std::cell::Cell;
+use std::collections::HashSet;
+use std::io::{Cursor, Read};
+
+use ndarray::ArrayD;
+use ndarray_npy::npy::header::Header;
+use ndarray_npy::{ReadNpyError, ReadNpyExt, ReadableElement};
+use zip::ZipArchive;
+
+use crate::error::{Fault, Place, Problem};
+
+/// NumPy refuses longer headers too: nothing honest needs them, and a parser can be drowned in them.
+const LONGEST_HEADER: usize = 10_000;
+
+/// Bytes of an array before the text of its header, at most.
+const BEFORE_HEADER: usize = 12;
+
+/// Brackets within brackets in a header: a record type has three.
+const DEEPEST_HEADER: usize = 8;
+
+/// Numbers that are unpacked of one archive at most, as many as fill 8 GiB.
+const MOST: u64 = 1 << 30;
+
+/// Numbers that are unpacked of any archive: 64 MiB of them, …
+const MOST_ANYWAY: u64 = 1 << 23;
+
+/// … and of a larger one for each of its bytes: motion does not compress to a hundredth.
+const MOST_PER_BYTE: u64 = 12;
+
+/// An archive whose arrays are unpacked as they are asked for.
+pub(crate) struct Archive<'a> {
+    zip: Zip<'a>,
+    /// The names of the arrays, in the order of the archive.
+    keys: Vec<String>,
+    /// Numbers that may still be unpacked.
+    room: Cell<u64>,
+    most: u64,
+}
+
+type Zip<'a> = ZipArchive<Cursor<&'a [u8]>>;
+
+impl<'a> Archive<'a> {
+    pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+        if bytes.is_empty() {
+            return Err((Place::File, Problem::Empty));
+        }
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+        // The library keeps one entry of each name and says nothing of others.
+        if declared_entries(bytes).is_some_and(|declared| declared != zip.len()) {
+            return Err((Place::File, Problem::Duplicate("an array".to_owned())));
+        }
+        let (mut keys, mut seen) = (Vec::with_capacity(zip.len()), HashSet::new());
+        for name in (0..zip.len()).filter_map(|index| zip.name_for_index(index)) {
+            let name = name.map_err(broken)?;
+            let key = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
+            if !seen.insert(key.clone()) {
+                return Err((Place::Key(key), Problem::Duplicate("the array".to_owned())));
+            }
+            keys.push(key);
+        }
+        let most = MOST_PER_BYTE.saturating_mul(bytes.len() as u64).saturating_add(MOST_ANYWAY).min(MOST);
+        Ok(Self { zip, keys, room: Cell::new(most), most })
+    }
+
+    pub(crate) fn refuse_others(&self, allowed: &[&str], known: &'static str) -> Result<(), Fault> {
+        let stranger = |key: &&String| !key.starts_with('_') && !allowed.contains(&key.as_str());
+        match self.keys.iter().find(stranger) {
+            Some(key) => Err((Place::File, Problem::UnknownName { name: key.clone(), known })),
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn get(&self, key: &str) -> Result<Option<Array<'a>>, Fault> {
+        let Some(index) = self.keys.iter().position(|other| other == key) else { return Ok(None) };
+        let array = Array::new(&self.zip, index, key)?;
+        let numbers = array.shape.iter().product::<usize>() as u64;
+        match self.room.get().checked_sub(numbers) {
+            Some(room) => self.room.set(room),
+            None => return Err(array.fault(Problem::TooLarge { numbers, most: self.most })),
+        }
+        Ok(Some(array))
+    }
+
+    pub(crate) fn require(&self, key: &'static str) -> Result<Array<'a>, Fault> {
+        self.get(key)?.ok_or((Place::File, Problem::MissingKey(key)))
+    }
+}
+
+fn broken(error: zip::result::ZipError) -> Fault {
+    (Place::File, Problem::NotNpz(error.to_string()))
+}
+
+/// The number of entries in the archive's last record, unless it is stored elsewhere for being too large.
+fn declared_entries(bytes: &[u8]) -> Option<usize> {
+    let record = bytes.windows(4).rposition(|window| window == b"PK\x05\x06")?;
+    let count = bytes.get(record + 10..record + 12)?;
+    let count = u16::from_le_bytes(count.try_into().ok()?);
+    (count != u16::MAX).then_some(count.into())
+}
+
+/// An array whose shape and element type fit the size that the archive states.
+pub(crate) struct Array<'a> {
+    zip: Zip<'a>,
+    index: usize,
+    key: String,
+    /// Element type without its byte order, as `f8`.
+    kind: String,
+    pub(crate) shape: Vec<usize>,
+}
+
+impl<'a> Array<'a> {
+    fn new(zip: &Zip<'a>, index: usize, key: &str) -> Result<Self, Fault> {
+        // A reader of its own; what is known of the archive is shared.
+        let mut zip = zip.clone();
+        let (kind, shape) =
+            header(&mut zip, index).map_err(|problem| (Place::Key(key.to_owned()), problem))?;
+        Ok(Self { zip, index, key: key.to_owned(), kind, shape })
+    }
+
+    pub(crate) fn fault(&self, problem: Problem) -> Fault {
+        (Place::Key(self.key.clone()), problem)
+    }
+
+    pub(crate) fn row_fault(&self, row: usize, problem: Problem) -> Fault {
+        (Place::Row { key: self.key.clone(), row }, problem)
+    }
+
+    pub(crate) fn wrong_shape(&self, expected: String) -> Fault {
+        self.fault(Problem::Shape { found: self.shape.clone(), expected })
+    }
+
+    /// The values in row-major order, whatever the element type. 64-bit integers beyond 2⁵³ are rounded.
+    pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
+        match self.kind.as_str() {
+            "f8" => self.convert(|x: f64| x),
+            "f4" => self.convert(|x: f32| f64::from(x)),
+            "i8" => self.convert(|x: i64| x as f64),
+            "i4" => self.convert(|x: i32| f64::from(x)),
+            "i2" => self.convert(|x: i16| f64::from(x)),
+            "i1" => self.convert(|x: i8| f64::from(x)),
+            "u8" => self.convert(|x: u64| x as f64),
+            "u4" => self.convert(|x: u32| f64::from(x)),
+            "u2" => self.convert(|x: u16| f64::from(x)),
+            _ => self.convert(|x: u8| f64::from(x)),
+        }
+    }
+
+    /// The values, or the place of one that is not finite; a row has `stride` of them.
+    pub(crate) fn finite_reals(&self, stride: usize) -> Result<Vec<f64>, Fault> {
+        let values = self.reals()?;
+        match values.iter().position(|x| !x.is_finite()) {
+            Some(i) => Err(self.row_fault(i / stride, Problem::NotFinite(values[i]))),
+            None => Ok(values),
+        }
+    }
+
+    /// The values as integers; real numbers are accepted when they are whole.
+    pub(crate) fn integers(&self) -> Result<Vec<i64>, Fault> {
+        let values: Result<Vec<i64>, String> = match self.kind.as_str() {
+            "i8" => return self.convert(|x: i64| x),
+            "u8" => self.convert(|x: u64| i64::try_from(x).map_err(|_| x.to_string()))?.into_iter().collect(),
+            _ => self.reals()?.into_iter().map(whole).collect(),
+        };
+        values.map_err(|value| self.fault(Problem::NotInteger(value)))
+    }
+
+    fn convert<T: ReadableElement + Copy, U>(&self, into: impl Fn(T) -> U) -> Result<Vec<U>, Fault> {
+        let array = self.unpacked::<T>().map_err(|problem| self.fault(problem))?;
+        if array.is_standard_layout() {
+            // In place, where elements of both types have one size.
+            return Ok(array.into_raw_vec_and_offset().0.into_iter().map(into).collect());
+        }
+        Ok(array.iter().map(|&x| into(x)).collect())
+    }
+
+    fn unpacked<T: ReadableElement>(&self) -> Result<ArrayD<T>, Problem> {
+        let mut zip = self.zip.clone();
+        let file = zip.by_index(self.index).map_err(|error| Problem::NotNpz(error.to_string()))?;
+        // The byte beyond the end has the container compare its checksum.
+        let size = file.size().saturating_add(1);
+        ArrayD::read_npy(file.take(size)).map_err(|error| match error {
+            ReadNpyError::Io(error) => Problem::NotNpz(error.to_string()),
+            error => Problem::NotNpy(error.to_string()),
+        })
+    }
+}
+
+/// Element type and shape, once they are known to fit the stated size.
+fn header(zip: &mut Zip<'_>, index: usize) -> Result<(String, Vec<usize>), Problem> {
+    let file = zip.by_index(index).map_err(|error| Problem::NotNpz(error.to_string()))?;
+    let (size, mut start) = (file.size(), Vec::new());
+    let longest = (LONGEST_HEADER + BEFORE_HEADER) as u64;
+    file.take(longest).read_to_end(&mut start).map_err(|error| Problem::NotNpz(error.to_string()))?;
+    check_header_text(&start).map_err(|reason| Problem::NotNpy(reason.to_owned()))?;
+    let mut rest = start.as_slice();
+    let header = Header::from_reader(&mut rest).map_err(|error| Problem::NotNpy(error.to_string()))?;
+    let data = size.saturating_sub((start.len() - rest.len()) as u64);
+    fitting(header, data)
+}
+
+fn fitting(header: Header, data: u64) -> Result<(String, Vec<usize>), Problem> {
+    let descriptor = header.type_descriptor.to_string();
+    let kind = descriptor.trim_matches(['\'', '"', '<', '>', '|', '=']).to_owned();
+    if !["f8", "f4", "i8", "i4", "i2", "i1", "u8", "u4", "u2", "u1"].contains(&kind.as_str()) {
+        return Err(Problem::ElementType(descriptor));
+    }
+    let size = kind.chars().filter_map(|digit| digit.to_digit(10)).sum::<u32>() as u64;
+    let bytes = header.shape.iter().try_fold(size, |bytes, &axis| bytes.checked_mul(axis as u64));
+    if bytes != Some(data) {
+        let reason = format!("{data} bytes of data for shape {:?} of {kind}", header.shape);
+        return Err(Problem::NotNpy(reason));
+    }
+    Ok((kind, header.shape))
+}
+
+fn whole(x: f64) -> Result<i64, String> {
+    // 2⁶³ itself does not fit; −2⁶³ does.
+    let fits = x.fract() == 0.0 && (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x);
+    if fits { Ok(x as i64) } else { Err(x.to_string()) }
+}
+
+/// Refuses headers that would make the parser allocate or recurse without bound.
+fn check_header_text(npy: &[u8]) -> Result<(), &'static str> {
+    let (start, length) = match *npy {
+        [_, _, _, _, _, _, 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([a, b]))),
+        [_, _, _, _, _, _, _, _, a, b, 0, 0, ..] => (12, usize::from(u16::from_le_bytes([a, b]))),
+        _ => return Err("its header is cut off, or too long"),
+    };
+    if length > LONGEST_HEADER {
+        return Err("its header is too long");
+    }
+    let text = npy.get(start..start + length).ok_or("its header is cut off")?;
+    let opening = text.iter().filter(|byte| b"([{".contains(byte)).count();
+    if opening > DEEPEST_HEADER { Err("its header is no array's") } else { Ok(()) }
+}

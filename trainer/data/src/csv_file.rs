@@ -1,0 +1,240 @@
+//! CSV: one header line, one line for each sample.
+
+use std::collections::HashSet;
+use std::fmt::Write;
+
+use csv::ByteRecord;
+
+use crate::csv_text::{Numbers, decoded, reader, separator};
+use crate::error::{Fault, Place, Problem};
+use crate::table::Table;
+use crate::{Dataset, Rows, Trajectory};
+
+const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
+
+/// The fields in the order of [`Columns::fields`].
+const FIELDS: [&str; 4] = ["q", "v", "a", "u"];
+
+pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
+    let text = decoded(bytes)?;
+    let mut reader = reader(&text, separator(&text, is_known));
+    let mut records = reader.byte_records();
+    let Some(header) = records.next() else { return Err((Place::File, Problem::Empty)) };
+    let columns = Columns::parse(&header.map_err(broken)?)?;
+    let mut cells = Cells::default();
+    for record in records {
+        cells.push(&columns, &record.map_err(broken)?)?;
+    }
+    cells.into_table(&columns, stated_step(&text)?)
+}
+
+fn broken(error: csv::Error) -> Fault {
+    let place = error.position().map_or(Place::File, |position| Place::Line(position.line()));
+    (place, Problem::NotCsv(error.to_string()))
+}
+
+/// The value of a comment `# h = …` before the header line.
+fn stated_step(text: &[u8]) -> Result<Option<(f64, Place)>, Fault> {
+    let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
+    for (line, text) in lines.take_while(|(_, text)| text.starts_with(b"#") || text.trim_ascii().is_empty()) {
+        let text = String::from_utf8_lossy(text);
+        let stated = text.trim_start_matches('#').split_once('=').filter(|(name, _)| name.trim() == "h");
+        if let Some((_, value)) = stated {
+            let h = value.trim().parse();
+            return match h {
+                Ok(h) => Ok(Some((h, Place::Line(line)))),
+                Err(_) => Err((Place::Line(line), Problem::NotNumber(value.trim().to_owned()))),
+            };
+        }
+    }
+    Ok(None)
+}
+
+/// Where in a line each quantity stands.
+struct Columns {
+    names: Vec<String>,
+    n: usize,
+    /// For q, v, a and u the positions of coordinates 0 to n − 1; empty when the field is not there.
+    fields: [Vec<usize>; 4],
+    t: Option<usize>,
+    trajectory: Option<usize>,
+}
+
+impl Columns {
+    fn parse(header: &ByteRecord) -> Result<Self, Fault> {
+        let line = line_of(header);
+        Self::from_names(header.iter().map(text).collect()).map_err(|problem| (Place::Line(line), problem))
+    }
+
+    fn from_names(names: Vec<String>) -> Result<Self, Problem> {
+        refuse_duplicates(&names)?;
+        let n = names.iter().filter(|name| is_field(name, "q")).count();
+        if n == 0 {
+            return Err(Problem::MissingPositions("column q0"));
+        }
+        let mut fields = FIELDS.map(|_| Vec::new());
+        for (field, positions) in FIELDS.into_iter().zip(&mut fields) {
+            *positions = field_columns(&names, field, n)?;
+        }
+        let (t, trajectory) = (position(&names, "t"), position(&names, "trajectory"));
+        let columns = Self { names, n, fields, t, trajectory };
+        columns.refuse_others()?;
+        Ok(columns)
+    }
+
+    fn refuse_others(&self) -> Result<(), Problem> {
+        let used: Vec<_> =
+            self.fields.iter().flatten().copied().chain(self.t).chain(self.trajectory).collect();
+        match (0..).zip(&self.names).find(|(i, name)| !used.contains(i) && !name.starts_with('_')) {
+            Some((_, name)) => Err(Problem::UnknownName { name: name.clone(), known: KNOWN }),
+            None => Ok(()),
+        }
+    }
+
+    fn name(&self, position: usize) -> String {
+        self.names.get(position).cloned().unwrap_or_default()
+    }
+}
+
+/// Whether `name` is the letter of a field, alone or with a number.
+fn is_field(name: &str, field: &str) -> bool {
+    name.strip_prefix(field).is_some_and(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+/// Whether a column of this name means something here.
+fn is_known(name: &[u8]) -> bool {
+    let name = text(name);
+    let field = FIELDS.into_iter().any(|field| is_field(&name, field));
+    field || name == "t" || name == "trajectory" || name.starts_with('_')
+}
+
+/// Refuses a column that stands twice, as columns with `_` may.
+fn refuse_duplicates(names: &[String]) -> Result<(), Problem> {
+    let mut seen = HashSet::new();
+    let named = names.iter().filter(|name| !name.is_empty() && !name.starts_with('_'));
+    match named.into_iter().find(|name| !seen.insert(*name)) {
+        Some(name) => Err(Problem::Duplicate(format!("column {name}"))),
+        None => Ok(()),
+    }
+}
+
+/// The positions of `field`0 to `field`{n−1}, or none of them.
+fn field_columns(names: &[String], field: &'static str, n: usize) -> Result<Vec<usize>, Problem> {
+    let given = names.iter().filter(|name| is_field(name, field)).count();
+    if given == 0 {
+        return Ok(Vec::new());
+    }
+    if n == 1
+        && given == 1
+        && let Some(position) = position(names, field)
+    {
+        return Ok(vec![position]);
+    }
+    let one = |i: usize| {
+        let column = format!("{field}{i}");
+        position(names, &column).ok_or(Problem::MissingColumn { column, field, n })
+    };
+    (0..n).map(one).collect()
+}
+
+/// The position of the column of a name.
+fn position(names: &[String], name: &str) -> Option<usize> {
+    names.iter().position(|other| other == name)
+}
+
+fn line_of(record: &ByteRecord) -> u64 {
+    record.position().map_or(1, csv::Position::line)
+}
+
+fn text(cell: &[u8]) -> String {
+    String::from_utf8_lossy(cell).into_owned()
+}
+
+/// The samples read so far.
+#[derive(Default)]
+struct Cells {
+    fields: [Vec<f64>; 4],
+    t: Vec<f64>,
+    trajectory: Vec<i64>,
+    lines: Vec<u64>,
+    numbers: Numbers,
+}
+
+impl Cells {
+    fn push(&mut self, columns: &Columns, record: &ByteRecord) -> Result<(), Fault> {
+        let line = line_of(record);
+        let (found, expected) = (record.len(), columns.names.len());
+        if found != expected {
+            let doubled = expected > 1 && found == 2 * expected;
+            let problem = if doubled {
+                Problem::CommaSeparates { found, expected }
+            } else {
+                Problem::CellCount { found, expected }
+            };
+            return Err((Place::Line(line), problem));
+        }
+        let place = |position: usize| Place::Cell { line, column: columns.name(position) };
+        let mut real = |position: usize| {
+            let cell = text(record.get(position).unwrap_or_default());
+            self.numbers.read(cell, || place(position)).map_err(|problem| (place(position), problem))
+        };
+        for (values, positions) in self.fields.iter_mut().zip(&columns.fields) {
+            for &position in positions {
+                values.push(real(position)?);
+            }
+        }
+        if let Some(position) = columns.t {
+            self.t.push(real(position)?);
+        }
+        if let Some(position) = columns.trajectory {
+            self.trajectory.push(integer(record, position).map_err(|problem| (place(position), problem))?);
+        }
+        self.lines.push(line);
+        Ok(())
+    }
+
+    fn into_table(self, columns: &Columns, h: Option<(f64, Place)>) -> Result<Table, Fault> {
+        self.numbers.check()?;
+        let [q, v, a, u] = self.fields.map(|values| Rows::from_flat(columns.n, values));
+        let given = |rows: Option<Rows>| rows.filter(|rows| !rows.is_empty());
+        Ok(Table {
+            q: q.ok_or((Place::File, Problem::Empty))?,
+            v: given(v),
+            a: given(a),
+            u: given(u),
+            t: columns.t.map(|_| self.t),
+            h,
+            trajectory: columns.trajectory.map(|_| self.trajectory),
+            lines: Some(self.lines),
+        })
+    }
+}
+
+fn integer(record: &ByteRecord, position: usize) -> Result<i64, Problem> {
+    let cell = text(record.get(position).unwrap_or_default());
+    cell.parse().map_err(|_| Problem::NotInteger(cell))
+}
+
+pub(crate) fn write(dataset: &Dataset) -> Result<Vec<u8>, Fault> {
+    let mut out = format!("# h = {:?}\ntrajectory,t", dataset.h);
+    let given = dataset.trajectories.first().map(Trajectory::fields).unwrap_or_default();
+    for (name, _) in given.into_iter().filter(|(_, rows)| rows.is_some()) {
+        (0..dataset.n).for_each(|i| push(&mut out, format_args!(",{name}{i}")));
+    }
+    out.push('\n');
+    for trajectory in &dataset.trajectories {
+        for (k, t) in dataset.times(trajectory).enumerate() {
+            push(&mut out, format_args!("{},{t:?}", trajectory.id));
+            let rows = trajectory.fields().into_iter().filter_map(|(_, rows)| rows?.get(k));
+            rows.flatten().for_each(|x| push(&mut out, format_args!(",{x:?}")));
+            out.push('\n');
+        }
+    }
+    Ok(out.into_bytes())
+}
+
+/// `{:?}` prints the fewest digits that give the same bits back.
+fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
+    // Writing to a string does not fail.
+    let _ = out.write_fmt(text);
+}

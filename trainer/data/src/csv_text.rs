@@ -1,0 +1,104 @@
+//! The text of a CSV file: its encoding, what separates its cells, and how its numbers are written.
+
+use std::borrow::Cow;
+
+use csv::{ByteRecord, Error, Reader, ReaderBuilder, Trim};
+
+use crate::error::{Fault, Place, Problem};
+
+/// What may separate cells; of those that fit equally well the last is taken.
+const SEPARATORS: [u8; 3] = [b'\t', b';', b','];
+
+/// The file as UTF-8, without a byte order mark. UTF-16, which some spreadsheets write, is known by its mark.
+pub(crate) fn decoded(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
+    let text = match bytes {
+        [0xEF, 0xBB, 0xBF, text @ ..] => Cow::Borrowed(text),
+        [0xFF, 0xFE, text @ ..] => Cow::Owned(from_utf16(text, u16::from_le_bytes)?),
+        [0xFE, 0xFF, text @ ..] => Cow::Owned(from_utf16(text, u16::from_be_bytes)?),
+        text => Cow::Borrowed(text),
+    };
+    if text.contains(&0) { Err(not_text("it contains bytes that are zero")) } else { Ok(text) }
+}
+
+fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<Vec<u8>, Fault> {
+    let (pairs, rest) = bytes.as_chunks();
+    let text: Result<String, _> = char::decode_utf16(pairs.iter().map(|pair| unit(*pair))).collect();
+    match text {
+        Ok(text) if rest.is_empty() => Ok(text.into_bytes()),
+        _ => Err(not_text("it begins as UTF-16 but does not go on so")),
+    }
+}
+
+fn not_text(reason: &'static str) -> Fault {
+    (Place::File, Problem::NotText(reason))
+}
+
+/// The lines that are no comments, as cells.
+pub(crate) fn reader(text: &[u8], separator: u8) -> Reader<&[u8]> {
+    ReaderBuilder::new()
+        .delimiter(separator)
+        .comment(Some(b'#'))
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(text)
+}
+
+/// What separates the cells: that which makes the most of the header line's cells names by `known`.
+pub(crate) fn separator(text: &[u8], known: impl Fn(&[u8]) -> bool) -> u8 {
+    let names = |separator: &u8| {
+        let header: Option<Result<ByteRecord, Error>> = reader(text, *separator).byte_records().next();
+        header.and_then(Result::ok).map_or(0, |header| header.iter().filter(|cell| known(cell)).count())
+    };
+    SEPARATORS.into_iter().max_by_key(names).unwrap_or(b',')
+}
+
+/// Numbers with decimal points or decimal commas, as long as it is clear which.
+#[derive(Default)]
+pub(crate) struct Numbers {
+    /// Whether a number had a point.
+    points: bool,
+    /// The first number with a comma, and where.
+    comma: Option<(Place, String)>,
+    /// Whether a comma stood where none that separates thousands can.
+    decimal: bool,
+}
+
+impl Numbers {
+    /// The finite number in a cell.
+    pub(crate) fn read(&mut self, cell: String, place: impl Fn() -> Place) -> Result<f64, Problem> {
+        self.points |= cell.contains('.');
+        let value = match cell.split_once(',') {
+            None => cell.parse(),
+            Some((whole, rest)) => {
+                self.decimal |= !may_be_thousands(whole, rest);
+                self.comma.get_or_insert_with(|| (place(), cell.clone()));
+                format!("{whole}.{rest}").parse()
+            }
+        };
+        match value {
+            Ok(value) if f64::is_finite(value) => Ok(value),
+            Ok(value) => Err(Problem::NotFinite(value)),
+            Err(_) => Err(Problem::NotNumber(cell)),
+        }
+    }
+
+    /// Refuses commas that may separate thousands.
+    pub(crate) fn check(self) -> Result<(), Fault> {
+        match self.comma {
+            Some((place, cell)) if self.points || !self.decimal => Err((place, Problem::Comma(cell))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether a comma between these may separate thousands, as in 1,500.
+fn may_be_thousands(whole: &str, rest: &str) -> bool {
+    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let whole = whole.trim_start_matches(['+', '-']);
+    (1..=3).contains(&whole.len())
+        && digits(whole)
+        && !whole.starts_with('0')
+        && rest.len() == 3
+        && digits(rest)
+}

@@ -1,0 +1,319 @@
+//! What can be wrong with a file of logged motion, and where.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// A file that could not be read or written as logged motion.
+#[derive(Debug, Error)]
+#[error("{}{place}: {problem}", file.display())]
+pub struct DataError {
+    /// The file.
+    pub file: PathBuf,
+    /// Where in the file.
+    pub place: Place,
+    /// What is wrong there.
+    pub problem: Problem,
+}
+
+/// Where in a file something is. Lines count from 1, rows and columns of arrays from 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line of a CSV file.
+    Line(u64),
+    /// A cell of a CSV file.
+    Cell {
+        /// Line in the file, comments counted.
+        line: u64,
+        /// Name in the header line.
+        column: String,
+    },
+    /// An array of an NPZ file.
+    Key(String),
+    /// One sample of an array of an NPZ file.
+    Row {
+        /// Name of the array.
+        key: String,
+        /// Index along its first axis.
+        row: usize,
+    },
+    /// A trajectory in memory, by its id.
+    Trajectory(i64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, ", line {line}"),
+            Self::Cell { line, column } => write!(f, ", line {line}, column {column}"),
+            Self::Key(key) => write!(f, ", key {key}"),
+            Self::Row { key, row } => write!(f, ", key {key}, row {row}"),
+            Self::Trajectory(id) => write!(f, ", trajectory {id}"),
+        }
+    }
+}
+
+/// What is wrong. The message says what to do about it.
+#[derive(Debug, Error)]
+pub enum Problem {
+    /// The operating system refused.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// Neither `.npz` nor `.csv`.
+    #[error("unknown kind of file; name it .npz or .csv")]
+    Extension,
+    /// Not a readable zip archive.
+    #[error("not a readable .npz file ({0}); write it again, with numpy.savez(path, q=..., t=...)")]
+    NotNpz(String),
+    /// Not a readable array.
+    #[error("not a readable array ({0}); write it again, as plain numbers")]
+    NotNpy(String),
+    /// An archive that unpacks to more than an honest one of its size.
+    #[error(
+        "with this array the file holds more than the {most} numbers that are read of one of its size; if it is sound, write it with \
+         numpy.savez, which does not compress, or leave samples out"
+    )]
+    TooLarge {
+        /// Of this array.
+        numbers: u64,
+        /// Of all arrays that are read together.
+        most: u64,
+    },
+    /// An element type that is not a real number.
+    #[error("elements are of type {0}; store float64, float32 or integers")]
+    ElementType(String),
+    /// Broken CSV.
+    #[error("{0}; write comma-separated values with one header line")]
+    NotCsv(String),
+    /// A CSV file that is no text.
+    #[error("not readable as text ({0}); save it as UTF-8")]
+    NotText(&'static str),
+    /// No sample at all.
+    #[error("no samples; at least 3 of them make a trajectory")]
+    Empty,
+    /// No positions.
+    #[error("no positions; {0} is needed")]
+    MissingPositions(&'static str),
+    /// Nothing says how far the samples are apart.
+    #[error("no time; give the stamps t or the step h ({0})")]
+    MissingTime(&'static str),
+    /// An array of the layout that is not there.
+    #[error("{0} is missing")]
+    MissingKey(&'static str),
+    /// A column between others that is not there.
+    #[error("column {column} is missing; {field} needs {n} columns, {field}0 to {field}{}", n - 1)]
+    MissingColumn {
+        /// The missing name.
+        column: String,
+        /// Its letter: q, v, a or u.
+        field: &'static str,
+        /// How many columns the letter needs.
+        n: usize,
+    },
+    /// A name outside the layout.
+    #[error(
+        "{name:?} is not a known name; known are {known}; rename it, or put _ before it to have it ignored"
+    )]
+    UnknownName {
+        /// The name as it stands.
+        name: String,
+        /// The names of the layout.
+        known: &'static str,
+    },
+    /// A name that stands twice.
+    #[error("{0} stands twice; remove one")]
+    Duplicate(String),
+    /// An array of the wrong shape.
+    #[error("shape {found:?} where {expected} is needed")]
+    Shape {
+        /// Of the array.
+        found: Vec<usize>,
+        /// In words.
+        expected: String,
+    },
+    /// A line with too few or too many cells.
+    #[error("{found} cells where the header names {expected} columns")]
+    CellCount {
+        /// In the line.
+        found: usize,
+        /// In the header.
+        expected: usize,
+    },
+    /// Twice as many cells as columns, as decimal commas make of a line that commas separate.
+    #[error(
+        "{found} cells where the header names {expected} columns; if they are decimal commas, write points, or separate the columns by \
+         semicolons"
+    )]
+    CommaSeparates {
+        /// In the line.
+        found: usize,
+        /// In the header.
+        expected: usize,
+    },
+    /// Text that is no number.
+    #[error("{0:?} is not a number; write 1.5 or -2e-3")]
+    NotNumber(String),
+    /// A number whose comma may be a decimal comma or separate thousands.
+    #[error(
+        "the comma of {0:?} may be a decimal one or separate thousands; write decimal points and no thousands separators"
+    )]
+    Comma(String),
+    /// A number that is no whole one, as a trajectory's id must be.
+    #[error("{0} is not a whole number that fits 64 bits")]
+    NotInteger(String),
+    /// NaN or infinite.
+    #[error("{0} is not finite; remove the sample (a gap in t splits the trajectory there)")]
+    NotFinite(f64),
+    /// Time that does not increase.
+    #[error("time goes from {before} to {after} s; sort the samples, or number the trajectories")]
+    Unsorted {
+        /// Stamp of the sample before (s).
+        before: f64,
+        /// Stamp at this place (s).
+        after: f64,
+    },
+    /// An interval that is not the step nor a multiple of it.
+    #[error("an interval of {found} s where the step is {expected} s; resample to one step")]
+    ChangingStep {
+        /// Since the sample before (s).
+        found: f64,
+        /// Everywhere else (s).
+        expected: f64,
+    },
+    /// Stamps that contradict the stated step.
+    #[error("h is {stated} s but the stamps t are {measured} s apart; remove the wrong one")]
+    StepMismatch {
+        /// As written (s).
+        stated: f64,
+        /// Median interval (s).
+        measured: f64,
+    },
+    /// Stamps whose rounding hides the step.
+    #[error(
+        "the stamps are rounded by {rounding} s, too much for a step of {h} s; let t start near 0, in float64"
+    )]
+    CoarseTime {
+        /// What two stamps may be off (s).
+        rounding: f64,
+        /// The step (s).
+        h: f64,
+    },
+    /// A step that is not a positive number.
+    #[error("the step h is {0} s; it must be positive and finite")]
+    BadStep(f64),
+    /// A trajectory the discrete Euler-Lagrange equation cannot use.
+    #[error("trajectory {id} has {samples} samples; at least 3 are needed")]
+    TooShort {
+        /// Of the trajectory.
+        id: i64,
+        /// It has.
+        samples: usize,
+    },
+    /// A trajectory whose samples do not stand together.
+    #[error("trajectory {0} was left and comes again; keep its samples together, or number it anew")]
+    Scattered(i64),
+    /// Two trajectories of one id, side by side in memory.
+    #[error("trajectory {0} is there twice; number the trajectories differently")]
+    SameId(i64),
+    /// Trajectories in memory that disagree.
+    #[error("{name} has {found} {what} where {expected} are needed")]
+    Inconsistent {
+        /// q, v, a or u.
+        name: &'static str,
+        /// Columns or samples.
+        what: &'static str,
+        /// There are.
+        found: usize,
+        /// There should be.
+        expected: usize,
+    },
+    /// v, a or u in some trajectories only.
+    #[error("{0} is given for some trajectories only; give it for all or none")]
+    Partial(&'static str),
+    /// A control the layout has no room for.
+    #[error("u is not 0 at coordinate {0}; this layout stores the control of the actuated coordinate only")]
+    SecondControl(usize),
+    /// An actuated coordinate that does not exist.
+    #[error("coordinate {index} cannot be the actuated one of {n}; it is counted from 0")]
+    BadActuated {
+        /// As given.
+        index: usize,
+        /// Number of coordinates.
+        n: usize,
+    },
+}
+
+/// A problem and its place, before the file is known.
+pub(crate) type Fault = (Place, Problem);
+
+/// Something the reader decided about a log that it accepted. Tell the user.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Note {
+    /// Samples are missing, so the trajectory was split before this place.
+    Gap {
+        /// First sample after the gap.
+        place: Place,
+        /// Id in the file.
+        trajectory: i64,
+        /// Steps without a sample.
+        missing: u64,
+        /// Id of what follows the gap.
+        continues_as: i64,
+    },
+    /// A piece between gaps with fewer than 3 samples was left out.
+    Dropped {
+        /// Its first sample.
+        place: Place,
+        /// Id in the file.
+        trajectory: i64,
+        /// In the piece.
+        samples: usize,
+    },
+    /// Whole turns were added to an angle, so that it goes on across the seam of its range.
+    Seams {
+        /// From 0.
+        coordinate: usize,
+        /// Whether the coordinate was not known to be an angle, but moves as one.
+        cyclic: bool,
+        /// In all trajectories.
+        seams: usize,
+        /// Ids of the trajectories that have some.
+        trajectories: Vec<i64>,
+    },
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gap { place, trajectory, missing, continues_as } => write!(
+                f,
+                "trajectory {trajectory}{place}: samples missing: {missing}; it continues as trajectory {continues_as}"
+            ),
+            Self::Dropped { place, trajectory, samples } => write!(
+                f,
+                "trajectory {trajectory}{place}: left out a piece of {samples} samples between gaps; 3 are needed"
+            ),
+            Self::Seams { coordinate, cyclic, seams, trajectories } => {
+                let taken = if *cyclic { ", a cyclic coordinate taken for an angle," } else { "" };
+                let plural = if *seams == 1 { "" } else { "s" };
+                write!(f, "q{coordinate}{taken} jumps by 2π {seams} time{plural}, in {}", few(trajectories))?;
+                f.write_str("; whole turns were added there, so that it goes on across the seam")
+            }
+        }
+    }
+}
+
+/// Trajectories by their ids, the first five of many.
+fn few(ids: &[i64]) -> String {
+    const MOST: usize = 5;
+    let shown: Vec<String> = ids.iter().take(MOST).map(i64::to_string).collect();
+    let (plural, rest) =
+        (if ids.len() == 1 { "y" } else { "ies" }, if ids.len() > MOST { ", …" } else { "" });
+    let count = if ids.len() > MOST { format!("{} ", ids.len()) } else { String::new() };
+    format!("{count}trajector{plural} {}{rest}", shown.join(", "))
+}

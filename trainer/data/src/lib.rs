@@ -1,0 +1,260 @@
+//! Logged motion: trajectories in memory, in `.npz` and in `.csv` files.
+//!
+//! | name | `.npz` array | `.csv` columns | unit |
+//! |---|---|---|---|
+//! | `q` | \[samples, n\] | `q0` … `q{n-1}` | m, rad (angles may be within one turn, see below) |
+//! | `v` | as q, optional | `v0` … | m/s, rad/s |
+//! | `a` | as q, optional | `a0` … | m/s², rad/s² |
+//! | `u` | as q, optional | `u0` … | N, N·m: generalised force; 0 where there is no actuator |
+//! | `t` | \[samples\] | `t` | s |
+//! | `h` | one number | comment line `# h = 0.05` above the header | s |
+//! | `trajectory` | \[samples\], integer | `trajectory` | |
+//!
+//! One of `t` and `h` is needed; both are written. Without `trajectory` the file is one trajectory. For n = 1 arrays may be
+//! one-dimensional and the columns be named `q`, `v`, `a`, `u`. Arrays are of any real element type, byte order and memory
+//! order, compressed or not; an archive is read as long as it unpacks to no more than 2²³ numbers and 12 for each of its bytes, 2³⁰ at
+//! most. CSV files have one header line; lines beginning with `#` are comments. Cells are separated by commas,
+//! semicolons or tabs, whichever makes names of the header line; a decimal comma is read where nothing in the file speaks for one
+//! that separates thousands. The text is UTF-8, or UTF-16 with a byte order mark. A name that begins with
+//! `_` is ignored; any other name is an error, so that a misspelt one is not lost in silence.
+//!
+//! **Time.** Samples are uniform. A stated `h` is exact. Else the step is the mean of the intervals that agree with
+//! the median one, taken as the shortest decimal number the stamps cannot tell from it. Every interval must be h, to 10⁻⁶ of it plus the rounding of the stamps, which
+//! is 4 ε max|t|, at most h/4, with ε = 2⁻²⁴ when all of them are single-precision numbers (or printed ones), else 2⁻⁵³.
+//!
+//! **Gaps.** An interval of a whole multiple of h is a gap: the trajectory is split there, what follows it gets a fresh id
+//! above all others, a piece of fewer than 3 samples is left out, and a [`Note`] tells of both. Three equal
+//! such intervals in a row are no gaps but another step, which is an error.
+//!
+//! **Angles** may be given within one turn, as encoders give them, in [−π, π] or [0, 2π] or any other. A file does not say which
+//! coordinates are angles, so [`read`] leaves them as they are; who knows, takes the seams out by [`Dataset::unwrap_angles`].
+
+mod angles;
+mod archive;
+pub mod atomic;
+pub mod checksummed;
+mod csv_file;
+mod csv_text;
+mod doubts;
+mod error;
+pub mod modlanet;
+mod npz;
+mod rows;
+pub mod symo;
+mod table;
+mod time;
+
+use std::fs;
+use std::path::Path;
+
+pub use doubts::Doubt;
+pub use error::{DataError, Note, Place, Problem};
+pub use rows::Rows;
+
+use error::Fault;
+
+/// The fewest samples of a trajectory: one discrete Euler-Lagrange equation.
+pub const MIN_SAMPLES: usize = 3;
+
+/// One uninterrupted, uniformly sampled motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// Number in the file; unique in a data set.
+    pub id: i64,
+    /// Time of the first sample (s).
+    pub t0: f64,
+    /// Generalised coordinates, \[samples\]\[n\] (m, rad).
+    pub q: Rows,
+    /// Velocities (m/s, rad/s).
+    pub v: Option<Rows>,
+    /// Accelerations (m/s², rad/s²).
+    pub a: Option<Rows>,
+    /// Controls as generalised forces (N, N·m).
+    pub u: Option<Rows>,
+}
+
+impl Trajectory {
+    /// Number of samples.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.q.len()
+    }
+
+    /// The fields under their names in files.
+    fn fields(&self) -> [(&'static str, Option<&Rows>); 4] {
+        [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())]
+    }
+
+    fn check(&self, n: usize) -> Result<(), Problem> {
+        let samples = self.samples();
+        if samples < MIN_SAMPLES {
+            return Err(Problem::TooShort { id: self.id, samples });
+        }
+        for (name, rows) in self.fields().into_iter().filter_map(|(name, rows)| Some((name, rows?))) {
+            expect(name, "columns", rows.width(), n)?;
+            expect(name, "samples", rows.len(), samples)?;
+            finite(rows.as_flat())?;
+        }
+        finite(&[self.t0])
+    }
+}
+
+fn expect(name: &'static str, what: &'static str, found: usize, expected: usize) -> Result<(), Problem> {
+    if found == expected { Ok(()) } else { Err(Problem::Inconsistent { name, what, found, expected }) }
+}
+
+fn finite(values: &[f64]) -> Result<(), Problem> {
+    values.iter().find(|x| !x.is_finite()).map_or(Ok(()), |&x| Err(Problem::NotFinite(x)))
+}
+
+/// Trajectories of one mechanism, all with the same number of coordinates n and step h.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dataset {
+    /// Number of coordinates.
+    pub n: usize,
+    /// Time between samples (s).
+    pub h: f64,
+    /// The motions, in the order of the file.
+    pub trajectories: Vec<Trajectory>,
+}
+
+impl Dataset {
+    /// Number of samples in all trajectories together.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.trajectories.iter().map(Trajectory::samples).sum()
+    }
+
+    /// Whether a control other than zero acts on any sample.
+    #[must_use]
+    pub fn is_forced(&self) -> bool {
+        let forced = |t: &Trajectory| t.u.as_ref().is_some_and(|u| u.as_flat().iter().any(|u| *u != 0.0));
+        self.trajectories.iter().any(forced)
+    }
+
+    /// The first `k` trajectories, or all when there are fewer.
+    #[must_use]
+    pub fn truncated(&self, k: usize) -> Self {
+        self.split(k).0
+    }
+
+    /// The first `k` trajectories and the rest.
+    #[must_use]
+    pub fn split(&self, k: usize) -> (Self, Self) {
+        let (first, rest) = self.trajectories.split_at(k.min(self.trajectories.len()));
+        (self.with(first.to_vec()), self.with(rest.to_vec()))
+    }
+
+    /// The stamps of a trajectory, t₀ + k h (s).
+    pub fn times<'a>(&self, trajectory: &'a Trajectory) -> impl Iterator<Item = f64> + use<'a> {
+        let (t0, h) = (trajectory.t0, self.h);
+        (0..trajectory.samples()).map(move |k| t0 + k as f64 * h)
+    }
+
+    fn with(&self, trajectories: Vec<Trajectory>) -> Self {
+        Self { n: self.n, h: self.h, trajectories }
+    }
+
+    /// Refuses what [`read`] would refuse.
+    fn check(&self) -> Result<(), Fault> {
+        positive(self.h).map_err(|problem| (Place::File, problem))?;
+        if self.trajectories.is_empty() {
+            return Err((Place::File, Problem::Empty));
+        }
+        let mut ids = std::collections::HashSet::new();
+        for trajectory in &self.trajectories {
+            let at = |problem| (Place::Trajectory(trajectory.id), problem);
+            trajectory.check(self.n).map_err(at)?;
+            time::check(&self.times(trajectory).collect::<Vec<_>>(), self.h).map_err(at)?;
+            if !ids.insert(trajectory.id) {
+                return Err(at(Problem::SameId(trajectory.id)));
+            }
+        }
+        self.fields_everywhere()
+    }
+
+    fn fields_everywhere(&self) -> Result<(), Fault> {
+        for (i, name) in ["v", "a", "u"].into_iter().enumerate() {
+            let given = self.trajectories.iter().filter(|t| t.fields()[i + 1].1.is_some()).count();
+            if given != 0 && given != self.trajectories.len() {
+                return Err((Place::File, Problem::Partial(name)));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn positive(h: f64) -> Result<(), Problem> {
+    if h.is_finite() && h > 0.0 { Ok(()) } else { Err(Problem::BadStep(h)) }
+}
+
+/// Reads a log, by its extension `.npz` or `.csv`, with notes on what was decided about gaps.
+///
+/// # Errors
+/// [`DataError`] with the file, the place in it and the problem.
+pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
+    let path = path.as_ref();
+    let bytes = located(path, || {
+        format_of(path)?;
+        fs::read(path).map_err(|error| (Place::File, error.into()))
+    })?;
+    decode(path, &bytes)
+}
+
+/// As [`read`], of the content of a file; `path` tells the format and stands in errors.
+///
+/// # Errors
+/// As [`read`].
+pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note>), DataError> {
+    let path = path.as_ref();
+    located(path, || {
+        match format_of(path)? {
+            Format::Npz => npz::read(bytes)?,
+            Format::Csv => csv_file::read(bytes)?,
+        }
+        .into_dataset()
+    })
+}
+
+/// Writes a data set, by the extension `.npz` or `.csv`; the file is replaced in one step or not at all.
+///
+/// Numbers are written so that [`read`] gives the same bits.
+///
+/// # Errors
+/// [`DataError`]; also for a data set that [`read`] would refuse.
+pub fn write(path: impl AsRef<Path>, dataset: &Dataset) -> Result<(), DataError> {
+    let path = path.as_ref();
+    located(path, || {
+        let format = format_of(path)?;
+        dataset.check()?;
+        let bytes = match format {
+            Format::Npz => npz::write(dataset)?,
+            Format::Csv => csv_file::write(dataset)?,
+        };
+        store(path, &bytes)
+    })
+}
+
+fn store(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
+    crate::atomic::write(path, bytes).map_err(|error| (Place::File, error.into()))
+}
+
+fn located<T>(path: &Path, work: impl FnOnce() -> Result<T, Fault>) -> Result<T, DataError> {
+    work().map_err(|(place, problem)| DataError { file: path.to_path_buf(), place, problem })
+}
+
+enum Format {
+    Npz,
+    Csv,
+}
+
+fn format_of(path: &Path) -> Result<Format, Fault> {
+    let extension = path.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("npz") {
+        Ok(Format::Npz)
+    } else if extension.eq_ignore_ascii_case("csv") {
+        Ok(Format::Csv)
+    } else {
+        Err((Place::File, Problem::Extension))
+    }
+}

@@ -1,0 +1,117 @@
+//! NPZ: a zip archive of NumPy arrays.
+
+use std::io::Cursor;
+
+use ndarray::{ArrayViewD, IxDyn};
+use ndarray_npy::{WritableElement, WriteNpyExt};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+use crate::archive::{Archive, Array};
+use crate::error::{Fault, Place, Problem};
+use crate::table::Table;
+use crate::{Dataset, Rows};
+
+const KNOWN: &str = "q, v, a, u, t, h, trajectory";
+
+pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
+    let archive = Archive::open(bytes)?;
+    archive.refuse_others(&["q", "v", "a", "u", "t", "h", "trajectory"], KNOWN)?;
+    let q = rows(archive.get("q")?, None)?.ok_or((Place::File, Problem::MissingPositions("the key q")))?;
+    let like_q = Some((q.len(), q.width()));
+    Ok(Table {
+        v: rows(archive.get("v")?, like_q)?,
+        a: rows(archive.get("a")?, like_q)?,
+        u: rows(archive.get("u")?, like_q)?,
+        t: column(archive.get("t")?, q.len())?.map(|t| t.reals()).transpose()?,
+        h: scalar(archive.get("h")?)?.map(|h| (h, Place::Key("h".to_owned()))),
+        trajectory: column(archive.get("trajectory")?, q.len())?.map(|ids| ids.integers()).transpose()?,
+        lines: None,
+        q,
+    })
+}
+
+/// A field \[samples, n\], or \[samples\] when n = 1; of the given (samples, n) if any.
+fn rows(array: Option<Array<'_>>, size: Option<(usize, usize)>) -> Result<Option<Rows>, Fault> {
+    let Some(array) = array else { return Ok(None) };
+    let found = match *array.shape.as_slice() {
+        [samples] => Some((samples, 1)),
+        [samples, n] if n > 0 => Some((samples, n)),
+        _ => None,
+    };
+    match (found, size) {
+        (Some(found), Some((samples, n))) if found != (samples, n) => {
+            Err(array.wrong_shape(format!("[{samples}, {n}] as of q")))
+        }
+        (Some((_, n)), _) => Ok(Rows::from_flat(n, array.reals()?)),
+        (None, _) => Err(array.wrong_shape("[samples, n] with n ≥ 1".to_owned())),
+    }
+}
+
+fn column(array: Option<Array<'_>>, samples: usize) -> Result<Option<Array<'_>>, Fault> {
+    let fits = |array: &Array<'_>| array.shape == [samples] || array.shape == [samples, 1];
+    match array {
+        Some(array) if !fits(&array) => {
+            Err(array.wrong_shape(format!("[{samples}], one for each sample of q,")))
+        }
+        other => Ok(other),
+    }
+}
+
+fn scalar(array: Option<Array<'_>>) -> Result<Option<f64>, Fault> {
+    let Some(array) = array else { return Ok(None) };
+    match *array.reals()?.as_slice() {
+        [value] => Ok(Some(value)),
+        _ => Err(array.wrong_shape("one number".to_owned())),
+    }
+}
+
+pub(crate) fn write(dataset: &Dataset) -> Result<Vec<u8>, Fault> {
+    let mut writer = Writer::new();
+    for (i, name) in ["q", "v", "a", "u"].into_iter().enumerate() {
+        let rows = dataset.trajectories.iter().filter_map(|trajectory| trajectory.fields()[i].1);
+        let values: Vec<f64> = rows.flat_map(Rows::as_flat).copied().collect();
+        if !values.is_empty() {
+            writer.add(name, &[values.len() / dataset.n, dataset.n], &values)?;
+        }
+    }
+    let times: Vec<f64> =
+        dataset.trajectories.iter().flat_map(|trajectory| dataset.times(trajectory)).collect();
+    writer.add("t", &[times.len()], &times)?;
+    writer.add("h", &[], &[dataset.h])?;
+    let ids = dataset.trajectories.iter().flat_map(|trajectory| vec![trajectory.id; trajectory.samples()]);
+    let ids: Vec<i64> = ids.collect();
+    writer.add("trajectory", &[ids.len()], &ids)?;
+    writer.finish()
+}
+
+/// An archive in the making; the same arrays give the same bytes.
+pub(crate) struct Writer {
+    zip: ZipWriter<Cursor<Vec<u8>>>,
+}
+
+impl Writer {
+    pub(crate) fn new() -> Self {
+        Self { zip: ZipWriter::new(Cursor::new(Vec::new())) }
+    }
+
+    pub(crate) fn add<T: WritableElement>(
+        &mut self,
+        key: &str,
+        shape: &[usize],
+        values: &[T],
+    ) -> Result<(), Fault> {
+        let options =
+            SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
+        let failed = |reason: String| (Place::Key(key.to_owned()), Problem::NotNpz(reason));
+        let array =
+            ArrayViewD::from_shape(IxDyn(shape), values).map_err(|error| failed(error.to_string()))?;
+        self.zip.start_file(format!("{key}.npy"), options).map_err(|error| failed(error.to_string()))?;
+        array.write_npy(&mut self.zip).map_err(|error| failed(error.to_string()))
+    }
+
+    pub(crate) fn finish(self) -> Result<Vec<u8>, Fault> {
+        let bytes = self.zip.finish().map_err(|error| (Place::File, Problem::NotNpz(error.to_string())))?;
+        Ok(bytes.into_inner())
+    }
+}

@@ -1,0 +1,176 @@
+//! From the flat table of a file to trajectories.
+
+use std::collections::HashSet;
+use std::ops::Range;
+
+use crate::error::{Fault, Note, Place, Problem};
+use crate::time::Stamps;
+use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
+
+/// What a file holds, checked for shapes only.
+pub(crate) struct Table {
+    pub(crate) q: Rows,
+    pub(crate) v: Option<Rows>,
+    pub(crate) a: Option<Rows>,
+    pub(crate) u: Option<Rows>,
+    pub(crate) t: Option<Vec<f64>>,
+    pub(crate) h: Option<(f64, Place)>,
+    pub(crate) trajectory: Option<Vec<i64>>,
+    /// The line of each sample in a CSV file.
+    pub(crate) lines: Option<Vec<u64>>,
+}
+
+/// One trajectory of the table.
+struct Run {
+    id: i64,
+    rows: Range<usize>,
+}
+
+impl Table {
+    pub(crate) fn into_dataset(self) -> Result<(Dataset, Vec<Note>), Fault> {
+        if self.q.is_empty() {
+            return Err((Place::File, Problem::Empty));
+        }
+        self.check_finite()?;
+        let runs = self.runs()?;
+        let h = self.step(&runs)?;
+        let (pieces, notes) = self.pieces(runs, h)?;
+        let trajectories = pieces.iter().map(|piece| self.trajectory(piece)).collect();
+        Ok((Dataset { n: self.q.width(), h, trajectories }, notes))
+    }
+
+    fn place(&self, key: &str, row: usize) -> Place {
+        match self.lines.as_ref().and_then(|lines| lines.get(row)) {
+            Some(&line) => Place::Cell { line, column: key.to_owned() },
+            None => Place::Row { key: key.to_owned(), row },
+        }
+    }
+
+    fn check_finite(&self) -> Result<(), Fault> {
+        let fields =
+            [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())];
+        for (key, field) in fields {
+            let values = field.map_or(&[][..], Rows::as_flat);
+            self.check_values(key, values, self.q.width())?;
+        }
+        self.check_values("t", self.t.as_deref().unwrap_or_default(), 1)
+    }
+
+    fn check_values(&self, key: &str, values: &[f64], width: usize) -> Result<(), Fault> {
+        match values.iter().position(|x| !x.is_finite()) {
+            Some(i) => Err((self.place(key, i / width), Problem::NotFinite(values[i]))),
+            None => Ok(()),
+        }
+    }
+
+    /// The stretches of equal id.
+    fn runs(&self) -> Result<Vec<Run>, Fault> {
+        let Some(ids) = &self.trajectory else {
+            return self.long_enough(vec![Run { id: 0, rows: 0..self.q.len() }]);
+        };
+        let (mut runs, mut seen, mut start) = (Vec::new(), HashSet::new(), 0);
+        for stretch in ids.chunk_by(|a, b| a == b) {
+            let id = stretch.first().copied().unwrap_or_default();
+            if !seen.insert(id) {
+                return Err((self.place("trajectory", start), Problem::Scattered(id)));
+            }
+            runs.push(Run { id, rows: start..start + stretch.len() });
+            start += stretch.len();
+        }
+        self.long_enough(runs)
+    }
+
+    fn long_enough(&self, runs: Vec<Run>) -> Result<Vec<Run>, Fault> {
+        match runs.iter().find(|run| run.rows.len() < MIN_SAMPLES) {
+            Some(run) => Err((
+                self.place("q", run.rows.start).without_column(),
+                Problem::TooShort { id: run.id, samples: run.rows.len() },
+            )),
+            None => Ok(runs),
+        }
+    }
+
+    fn step(&self, runs: &[Run]) -> Result<f64, Fault> {
+        let ranges: Vec<_> = runs.iter().map(|run| run.rows.clone()).collect();
+        let stamps = self.t.as_deref().map(Stamps::new);
+        let at_row = |(row, problem)| (self.place("t", row), problem);
+        match (&self.h, stamps) {
+            (Some((h, place)), stamps) => {
+                positive(*h).map_err(|problem| (place.clone(), problem))?;
+                let agree = stamps.map_or(Ok(()), |stamps| stamps.agree_with(*h, &ranges));
+                agree.map_err(|fault| match fault.1 {
+                    Problem::StepMismatch { .. } => (place.clone(), fault.1),
+                    _ => at_row(fault),
+                })?;
+                Ok(*h)
+            }
+            (None, Some(stamps)) => stamps.step(&ranges).map_err(at_row),
+            (None, None) => Err((Place::File, Problem::MissingTime(self.how_to_state_h()))),
+        }
+    }
+
+    fn how_to_state_h(&self) -> &'static str {
+        if self.lines.is_some() { "a comment line # h = 0.05" } else { "one number under the key h" }
+    }
+
+    /// Splits trajectories at gaps.
+    fn pieces(&self, runs: Vec<Run>, h: f64) -> Result<(Vec<Run>, Vec<Note>), Fault> {
+        let Some(t) = &self.t else { return Ok((runs, Vec::new())) };
+        let stamps = Stamps::new(t);
+        let mut fresh = runs.iter().map(|run| run.id).max().unwrap_or_default();
+        let (mut pieces, mut notes) = (Vec::new(), Vec::new());
+        for run in runs {
+            let gaps = stamps.gaps(&run.rows, h).map_err(|(row, problem)| (self.place("t", row), problem))?;
+            let mut start = run.rows.start;
+            let mut id = run.id;
+            for gap in gaps {
+                self.keep(Run { id, rows: start..gap.row }, run.id, &mut pieces, &mut notes);
+                start = gap.row;
+                fresh = fresh.checked_add(1).ok_or_else(|| no_fresh_id(self.place("trajectory", gap.row)))?;
+                id = fresh;
+                notes.push(Note::Gap {
+                    place: self.place("t", gap.row),
+                    trajectory: run.id,
+                    missing: gap.missing,
+                    continues_as: id,
+                });
+            }
+            self.keep(Run { id, rows: start..run.rows.end }, run.id, &mut pieces, &mut notes);
+        }
+        if pieces.is_empty() { Err((Place::File, Problem::Empty)) } else { Ok((pieces, notes)) }
+    }
+
+    fn keep(&self, piece: Run, trajectory: i64, pieces: &mut Vec<Run>, notes: &mut Vec<Note>) {
+        let samples = piece.rows.len();
+        if samples < MIN_SAMPLES {
+            notes.push(Note::Dropped { place: self.place("t", piece.rows.start), trajectory, samples });
+        } else {
+            pieces.push(piece);
+        }
+    }
+
+    fn trajectory(&self, piece: &Run) -> Trajectory {
+        let cut = |rows: &Rows| rows.slice(piece.rows.clone());
+        Trajectory {
+            id: piece.id,
+            t0: self.t.as_ref().and_then(|t| t.get(piece.rows.start)).copied().unwrap_or(0.0),
+            q: cut(&self.q),
+            v: self.v.as_ref().map(cut),
+            a: self.a.as_ref().map(cut),
+            u: self.u.as_ref().map(cut),
+        }
+    }
+}
+
+fn no_fresh_id(place: Place) -> Fault {
+    (place, Problem::NotInteger("the id after the largest one".to_owned()))
+}
+
+impl Place {
+    fn without_column(self) -> Self {
+        match self {
+            Self::Cell { line, .. } => Self::Line(line),
+            other => other,
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Damaged files: every truncation and every flipped bit gives an error or a data set that holds together.
+
+use std::fs;
+
+use leastaction_data::{self as data, Dataset, Rows, Trajectory};
+use rayon::prelude::*;
+
+fn small() -> Dataset {
+    let rows =
+        |offset: f64| Rows::from_flat(2, (0..6).map(|k| offset + f64::from(k) / 3.0).collect()).unwrap();
+    let motion = |id| Trajectory { id, t0: id as f64, q: rows(1.0), v: None, a: None, u: Some(rows(-0.5)) };
+    Dataset { n: 2, h: 0.05, trajectories: vec![motion(3), motion(1)] }
+}
+
+/// The whole file, and of every damaged one that is accepted its length and content.
+fn damaged(extension: &str) -> (Vec<u8>, Vec<(usize, Dataset)>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log").with_extension(extension);
+    data::write(&path, &small()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let accepted = |bytes: &[u8]| Some((bytes.len(), data::decode(&path, bytes).ok()?.0));
+    let cut = (0..whole.len()).into_par_iter().filter_map(|length| accepted(&whole[..length]));
+    let flipped = (0..8 * whole.len()).into_par_iter().filter_map(|bit| {
+        let mut bytes = whole.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        accepted(&bytes)
+    });
+    let all = cut.chain(flipped).collect();
+    (whole, all)
+}
+
+fn holds_together(data: &Dataset) {
+    assert!(data.n > 0 && data.h.is_finite() && data.h > 0.0 && !data.trajectories.is_empty());
+    for motion in &data.trajectories {
+        assert!(motion.samples() >= data::MIN_SAMPLES && motion.t0.is_finite());
+        for rows in
+            [Some(&motion.q), motion.v.as_ref(), motion.a.as_ref(), motion.u.as_ref()].into_iter().flatten()
+        {
+            assert_eq!((rows.width(), rows.len()), (data.n, motion.samples()));
+            assert!(rows.as_flat().iter().all(|x| x.is_finite()));
+        }
+    }
+}
+
+/// The checksums of the container let nothing through but its own dates and flags.
+#[test]
+fn archives() {
+    let (whole, accepted) = damaged("npz");
+    assert!(accepted.iter().all(|(_, data)| *data == small()));
+    assert!(accepted.iter().all(|(length, _)| *length == whole.len()), "a cut archive was accepted");
+}
+
+/// Text has no checksum: what is accepted is another log, but a sound one.
+#[test]
+fn text() {
+    let (whole, accepted) = damaged("csv");
+    accepted.iter().for_each(|(_, data)| holds_together(data));
+    assert!(!accepted.is_empty() && accepted.len() < 4 * whole.len(), "{}", accepted.len());
+}

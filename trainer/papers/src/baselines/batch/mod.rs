@@ -1,0 +1,97 @@
+//! Tanh networks over many samples at once.
+//!
+//! Eight samples side by side read every weight for eight products, and their derivatives in hundreds of units a layer do not fit
+//! a cache; in a chunk of hundreds of samples, layers are products of matrices, as fast as the processor multiplies.
+
+mod layers;
+
+pub(super) use layers::{Adjoint, Derivatives, Layers, Pass};
+
+use super::parameters_of;
+use faer::Mat;
+use leastaction::training::{ChunkRows, Failed, NormalEquations, Residuals};
+use std::ops::Range;
+
+/// Residuals r of samples that are found together, all by one network.
+pub(super) trait Batched: Sync {
+    /// What is left of finding residuals for their derivatives.
+    type Trace;
+    /// Inputs, units of the hidden layers, and outputs.
+    fn units(&self) -> [usize; 4];
+    /// Samples.
+    fn samples(&self) -> usize;
+    /// Residual components of a sample.
+    fn components(&self) -> usize;
+    /// r: \[samples\]\[components\].
+    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Self::Trace, Mat<f64>);
+    /// Gives Σᵢ yᵢ ∂rᵢ/∂θ of every sample on to `then`, y \[samples\]\[components\].
+    fn derive(
+        &self,
+        layers: &Layers,
+        trace: (&Self::Trace, &Range<usize>),
+        y: &Mat<f64>,
+        then: impl FnOnce(&Derivatives),
+    );
+}
+
+/// Rows of so many numbers.
+pub(super) fn matrix(values: &[f64], width: usize) -> Mat<f64> {
+    Mat::from_fn(values.len() / width, width, |k, i| values[k * width + i])
+}
+
+fn layers(batched: &impl Batched, weights: &[f64]) -> Result<Layers, Failed> {
+    Layers::take(weights, &batched.units()).ok_or(Failed)
+}
+
+/// Residuals that are found together, as the optimisers see them.
+pub(super) struct InBatches<B>(pub B);
+
+impl<B: Batched> Residuals for InBatches<B> {
+    fn parameters(&self) -> usize {
+        parameters_of(&self.0.units())
+    }
+
+    fn samples(&self) -> usize {
+        self.0.samples()
+    }
+
+    fn components(&self) -> usize {
+        self.0.components()
+    }
+
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        Ok(self.0.residuals(&layers(&self.0, weights)?, &samples).1.squared_norm_l2())
+    }
+
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let (count, components) = (samples.len(), self.0.components());
+        let layers = layers(&self.0, weights)?;
+        let (trace, residuals) = self.0.residuals(&layers, &samples);
+        rows.reset(count * components, weights.len());
+        for i in 0..components {
+            let range = i * count..(i + 1) * count;
+            rows.residual[range.clone()].copy_from_slice(residuals.col_as_slice(i));
+            let y = Mat::from_fn(count, components, |_, k| f64::from(u8::from(k == i)));
+            self.0.derive(&layers, (&trace, &samples), &y, |each| layers.fill(each, rows, range));
+        }
+        Ok(())
+    }
+
+    /// Without the Jacobian.
+    fn add_gradient(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        _: &mut ChunkRows,
+        sum: &mut NormalEquations,
+    ) -> Result<(), Failed> {
+        let layers = layers(&self.0, weights)?;
+        let (trace, residuals) = self.0.residuals(&layers, &samples);
+        sum.squares += residuals.squared_norm_l2();
+        sum.rows += samples.len() * self.0.components();
+        self.0.derive(&layers, (&trace, &samples), &residuals, |each| {
+            layers.add_gradient(each, &mut sum.gradient);
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,117 @@
+//! Against messages in plain loops, and on permuted and other graphs.
+
+use super::*;
+use crate::baselines::oracle::{assert_close, check_normal_equations, messages, random, squareplus, take};
+use leastaction::architecture::NamedGraph;
+use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction::training::{Adam, AdamSettings, Schedule};
+use leastaction_core::energy::graph::Edge;
+use std::array::from_fn;
+
+/// Nodes, edges and sizes are pairwise distinct.
+const SIZES: GraphSizes = GraphSizes { dimension: 3, node: 2, edge: 6, hidden: 7 };
+const NODES: usize = 5;
+const N: usize = 3 * NODES;
+const ENDS: [[u16; 2]; 4] = [[0, 1], [3, 1], [1, 2], [4, 0]];
+/// Which no number of lanes divides.
+const SAMPLES: usize = 11;
+
+fn named(nodes: &[u8], ends: &[[u16; 2]]) -> NamedGraph {
+    let edges = ends.iter().map(|ends| Edge { kind: 0, ends: *ends }).collect();
+    NamedGraph { name: "web".to_owned(), nodes: nodes.to_vec(), edges, rods: Vec::new() }
+}
+
+fn gns() -> Gns {
+    Gns::new(SIZES, &named(&[0, 1, 0, 2, 1], &ENDS)).unwrap()
+}
+
+fn samples() -> Samples {
+    let states = [(1, 1.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
+    Samples { n: N, h: 0.0, controls: from_fn(|_| Vec::new()), states, ..Samples::default() }
+}
+
+/// As the equations have it.
+fn naive(mut weights: &[f64], kinds: &[f64], q: &[f64], v: &[f64]) -> Vec<f64> {
+    let nodes = messages(&mut weights, SIZES, (kinds, &ENDS), [q, v]);
+    let GraphSizes { dimension, hidden, .. } = SIZES;
+    let read = |node| take(&mut { weights }, node, &[hidden, hidden, dimension], squareplus);
+    nodes.into_iter().flat_map(read).collect()
+}
+
+#[test]
+fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differences() {
+    let (gns, samples) = (gns(), samples());
+    let objective = gns.objective(samples.clone()).unwrap();
+    check_normal_equations(&*objective, &gns.initial_weights(4), |weights| {
+        let one = |k: usize| {
+            let [q, v, a] = samples.states.each_ref().map(|x| &x[N * k..N * (k + 1)]);
+            let found = naive(weights, &[0.0, 1.0, 0.0, 2.0, 1.0], q, v);
+            found.into_iter().zip(a).map(|(found, a)| found - a).collect::<Vec<_>>()
+        };
+        (0..SAMPLES).flat_map(one).collect()
+    });
+}
+
+#[test]
+fn nodes_in_another_order_have_the_accelerations_in_that_order() {
+    let order: [usize; NODES] = [3, 0, 4, 1, 2];
+    let place = |node: u16| order.iter().position(|old| *old == usize::from(node)).unwrap() as u16;
+    let (gns, kinds) = (gns(), [0, 1, 0, 2, 1]);
+    let ends = ENDS.map(|ends| ends.map(place));
+    let permuted = Gns::new(SIZES, &named(&order.map(|old| kinds[old]), &ends)).unwrap();
+    let permute =
+        |x: &[f64]| order.iter().flat_map(|old| x[3 * old..3 * (old + 1)].to_vec()).collect::<Vec<_>>();
+    let (weights, q, v) = (gns.initial_weights(6), random(N, 1.0, 7), random(N, 1.0, 8));
+    let (mut before, mut after) = ([0.0; N], [0.0; N]);
+    gns.acceleration(&weights, &q, &v, &mut before).unwrap();
+    permuted.acceleration(&weights, &permute(&q), &permute(&v), &mut after).unwrap();
+    for (after, before) in after.iter().zip(permute(&before)) {
+        assert_close("acceleration", *after, before, 1e-12);
+    }
+    assert!(before.iter().zip(&after).any(|(a, b)| (a - b).abs() > 1e-3));
+}
+
+#[test]
+fn weights_of_five_springs_serve_a_ring_of_any_size() {
+    let on = |nodes| Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(LgnnSystem::Spring(nodes))).unwrap();
+    let five = on(5);
+    assert_eq!((five.parameters(), five.initial_weights(0).len()), (2_130, 2_130));
+    // Where all nodes are alike their number makes no difference.
+    let weights = five.initial_weights(1);
+    let alike = |nodes: usize| {
+        let (q, v) = ([0.3, 0.4].repeat(nodes), [0.1, -0.2].repeat(nodes));
+        let mut a = vec![0.0; 2 * nodes];
+        on(nodes).acceleration(&weights, &q, &v, &mut a).unwrap();
+        a
+    };
+    assert_eq!(alike(5).repeat(10), alike(50));
+}
+
+#[test]
+fn a_few_epochs_lower_the_loss() {
+    let settings = LgnnSettings { trajectories: 2, ..LgnnSettings::published(LgnnSystem::Spring(5), 3) };
+    let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
+    let gns = Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(LgnnSystem::Spring(5))).unwrap();
+    let objective = gns.objective(samples).unwrap();
+    let start = gns.initial_weights(2);
+    let before = objective.loss(&start);
+    let settings =
+        AdamSettings { learning_rate: 1e-2, batch: 50, schedule: Schedule::Constant, decay: 0.0, seed: 0 };
+    let mut adam = Adam::new(&*objective, start, settings);
+    (0..30).for_each(|_| {
+        adam.iterate(&*objective);
+    });
+    let after = objective.loss(&adam.weights);
+    assert!(after < 0.5 * before, "{after} {before}");
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
+    let wide = GraphSizes { hidden: 17, ..SIZES };
+    assert_eq!(Gns::new(wide, &named(&[0], &[])).err(), shape("units in a hidden layer", 17, 16));
+    assert_eq!(Gns::new(SIZES, &named(&[0, 0], &[[0, 2]])).err(), shape("nodes", 3, 2));
+    let ring = Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(LgnnSystem::Spring(5))).unwrap();
+    assert_eq!(ring.objective(samples()).err(), shape("coordinates", 15, 10));
+    assert!(ring.acceleration(&[0.0; 9], &[0.0; 10], &[0.0; 10], &mut [0.0; 10]).is_none());
+}

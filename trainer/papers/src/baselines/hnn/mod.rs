@@ -1,0 +1,138 @@
+//! The Hamiltonian neural network (Greydanus et al., 2019): one network gives H(q, p).
+
+mod momenta;
+mod slopes;
+
+pub use momenta::Momenta;
+
+use super::batch::InBatches;
+use super::features::{adjoint, count, fixed, inputs};
+use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
+use leastaction::architecture::random_layers;
+use leastaction::evaluate::prediction::{Prediction, Truth};
+use leastaction::ground_truth::{IntegrationError, Start, follow_flow};
+use leastaction::training::{Objective, Samples};
+use leastaction_core::model::ModelError;
+use leastaction_core::network::{Activation, Jet, Mlp, Tape};
+use slopes::Slopes;
+
+/// Units of a hidden layer at most.
+pub const MAX_WIDTH: usize = 256;
+/// Hidden layers, as Greydanus et al. have them.
+const DEPTH: usize = 2;
+
+/// q̇ = H_p, ṗ = −H_q with H(q, p) = N(s(q), p): two hidden tanh layers of one width.
+///
+/// As ModLaNet's authors do, it is trained on q̇ and ṗ alike, at canonical momenta p = M(q)v of the true mass matrix, which no
+/// other model is told; but on the motions of the others, where the authors draw motions with p in ±10. Its accelerations are
+/// those of ṗ at the true velocity, v̇ = M⁻¹(−H_q − Ṁv): for bodies of mass 1 (p = v) the error of v̇ is that of ṗ, which
+/// their program prints. Predictions follow the learned flow in (q, p), so that it keeps H. The output's bias, one of the weights,
+/// is a constant of H that no motion shows; their second output, which nothing uses, is left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hnn {
+    coordinates: String,
+    width: usize,
+    momenta: Momenta,
+}
+
+type Network<'w> = Mlp<'w, f64, MAX_WIDTH, DEPTH>;
+
+impl Hnn {
+    /// With so many units in each hidden layer; `coordinates` has a letter each, `a` for angles, any other for translations.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where that is more than [`MAX_WIDTH`].
+    pub fn new(coordinates: &str, width: usize, momenta: Momenta) -> Result<Self, ModelError> {
+        let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
+        let hnn = Self { coordinates: coordinates.to_owned(), width, momenta };
+        if width <= MAX_WIDTH { Ok(hnn) } else { Err(error) }
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> usize {
+        parameters_of(&self.units())
+    }
+
+    /// Inputs, units of the hidden layers, and the output.
+    fn units(&self) -> [usize; DEPTH + 2] {
+        [count(&self.coordinates), self.width, self.width, 1]
+    }
+
+    /// Coordinates.
+    fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w>> {
+        let inputs = count(&self.coordinates);
+        Mlp::take(&mut weights, inputs, &[self.width; DEPTH], 1, Activation::Tanh)
+    }
+
+    /// (H_q, H_p) at (q, p).
+    fn gradient(&self, network: &Network, state: &[f64]) -> Vec<f64> {
+        let x = inputs(&self.coordinates, &fixed(state));
+        let mut tape = Tape::<f64, 0, MAX_WIDTH, DEPTH>::default();
+        let mut x_bar = vec![Jet::zero(); x.len()];
+        network.forward(&x, &mut tape, &mut [Jet::zero()]);
+        network.adjoint(&tape, &[Jet::<f64, 0>::constant(1.0)], &mut x_bar);
+        adjoint(&self.coordinates, &x, &x_bar).into_iter().map(|bar| bar.value).collect()
+    }
+
+    /// The learned motion in (q, p) from a start, given on as (q, v).
+    fn path(
+        &self,
+        network: &Network,
+        start: &Start,
+        truth: &Truth,
+        follow: Follow,
+        keep: &mut dyn FnMut(&[f64]),
+    ) -> Result<(), IntegrationError> {
+        let n = self.n();
+        let rate = |state: &[f64], rate: &mut [f64]| {
+            let gradient = self.gradient(network, state);
+            let (h_q, h_p) = gradient.split_at(n);
+            rate[..n].copy_from_slice(h_p);
+            rate[n..].iter_mut().zip(h_q).for_each(|(rate, h_q)| *rate = -h_q);
+            (!follow.is_late()).then_some(())
+        };
+        let keep = |state: &[f64]| {
+            let (q, p) = state.split_at(n);
+            let v = self.momenta.velocities(q, p).unwrap_or(vec![f64::NAN; n]);
+            keep(&[q, &v].concat());
+        };
+        let state = [start.q.clone(), self.momenta.momenta(&start.q, &start.v)].concat();
+        follow_flow(rate, |_| Some(()), state, (truth.horizon(), follow.tolerance), keep)
+    }
+
+    fn fits(&self, samples: &Samples) -> Result<(), ModelError> {
+        coordinates_fit(samples, self.n())
+    }
+}
+
+impl AccelerationModel for Hnn {
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        random_layers(layers_of(&self.units()), seed)
+    }
+
+    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        self.fits(&samples)?;
+        Ok(Box::new(InBatches(Slopes::accelerations(self, &samples))))
+    }
+
+    fn training(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        self.fits(&samples)?;
+        Ok(Box::new(InBatches(Slopes::rates(self, &samples))))
+    }
+
+    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
+        let short = ModelError::Shape { what: "weights", found: weights.len(), compiled: self.parameters() };
+        let network = self.network(weights).ok_or(short)?;
+        let path =
+            |start: &Start, keep: &mut dyn FnMut(&[f64])| self.path(&network, start, truth, follow, keep);
+        Ok(truth.compare_paths(follow.motion, path))
+    }
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -1,0 +1,182 @@
+//! Against the equations of motion of a Lagrangian in plain loops.
+
+use super::*;
+use crate::baselines::oracle::{
+    Dual, assert_close, check_normal_equations, messages, moving, random, squareplus, take,
+};
+use leastaction::architecture::NamedGraph;
+use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction::training::{Adam, AdamSettings, Schedule};
+use leastaction_core::energy::graph::Edge;
+use leastaction_core::model::Rod;
+use nalgebra::{DMatrix, DVector};
+use std::array::from_fn;
+
+/// Nodes and sizes are pairwise distinct; a node of fewer numbers than velocities would leave L_vv singular.
+const SIZES: GraphSizes = GraphSizes { dimension: 2, node: 4, edge: 1, hidden: 5 };
+const NODES: usize = 3;
+const N: usize = 2 * NODES;
+const KINDS: [u8; NODES] = [0, 2, 1];
+const EDGE: [u16; 2] = [0, 2];
+/// From the origin or a node to another.
+const RODS: [(Option<u16>, u16); 2] = [(None, 0), (Some(2), 1)];
+/// Which no number of lanes divides.
+const SAMPLES: usize = 9;
+
+/// Nodes in an order: the old number of each.
+fn lgn(order: [usize; NODES], rods: &[(Option<u16>, u16)]) -> Lgn {
+    let place = |node: u16| order.iter().position(|old| *old == usize::from(node)).unwrap() as u16;
+    let rod = |(from, to): &(Option<u16>, u16)| Rod { from: from.map(place), to: place(*to), length: 1.0 };
+    let graph = NamedGraph {
+        name: "web".to_owned(),
+        nodes: order.map(|old| KINDS[old]).to_vec(),
+        edges: vec![Edge { kind: 0, ends: EDGE.map(place) }],
+        rods: rods.iter().map(rod).collect(),
+    };
+    Lgn::new(SIZES, graph).unwrap()
+}
+
+const AS_IS: [usize; NODES] = [0, 1, 2];
+
+fn samples() -> Samples {
+    let states = [(1, 1.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
+    let controls = from_fn(|_| vec![0.0; N * SAMPLES]);
+    Samples { n: N, h: 0.0, controls, states, ..Samples::default() }
+}
+
+/// Of a mass matrix that is far from singular at the samples.
+fn weights() -> Vec<f64> {
+    lgn(AS_IS, &[]).initial_weights(34)
+}
+
+/// L of a state that moves along three directions.
+fn lagrangian(weights: &[Dual], rods: &[(Option<u16>, u16)], state: &[Dual]) -> Dual {
+    let mut ends = vec![EDGE];
+    ends.extend(rods.iter().filter_map(|(from, to)| Some([(*from)?, *to])));
+    let (mut weights, (q, v)) = (weights, state.split_at(N));
+    let nodes = messages(&mut weights, SIZES, (&KINDS.map(f64::from), &ends), [q, v]);
+    let sum = (0..SIZES.node).map(|k| nodes.iter().fold(Dual::from(0.0), |sum, node| sum + node[k]));
+    take(&mut weights, sum.collect(), &[SIZES.hidden, SIZES.hidden, 1], squareplus)[0]
+}
+
+/// v̇ with the multipliers as unknowns beside it, from second derivatives by num-dual.
+fn naive(weights: &[f64], rods: &[(Option<u16>, u16)], q: &[f64], v: &[f64]) -> Vec<f64> {
+    let (weights, state): (Vec<Dual>, _) =
+        (weights.iter().map(|w| moving(*w, [0.0; 3])).collect(), [q, v].concat());
+    let at = |along: [[f64; 2 * N]; 2]| {
+        let x = (0..2 * N).map(|i| moving(state[i], [along[0][i], along[1][i], 0.0]));
+        lagrangian(&weights, rods, &x.collect::<Vec<_>>())
+    };
+    let unit = |i: usize| -> [f64; 2 * N] { from_fn(|j| f64::from(u8::from(i == j))) };
+    let along_v: [f64; 2 * N] = from_fn(|i| if i < N { v[i] } else { 0.0 });
+    let mut matrix = DMatrix::zeros(N + rods.len(), N + rods.len());
+    let mut right = DVector::zeros(N + rods.len());
+    for i in 0..N {
+        (0..N).for_each(|j| matrix[(i, j)] = at([unit(N + i), unit(N + j)]).eps1eps2);
+        right[i] = at([unit(i), [0.0; 2 * N]]).eps1 - at([unit(N + i), along_v]).eps1eps2;
+    }
+    for (k, (from, to)) in (N..).zip(rods) {
+        for c in 0..2 {
+            let to = 2 * usize::from(*to) + c;
+            let from = from.map(|from| 2 * usize::from(from) + c);
+            let between = |x: &[f64]| x[to] - from.map_or(0.0, |from| x[from]);
+            for (i, sign) in [(Some(to), 1.0), (from, -1.0)] {
+                let Some(i) = i else { continue };
+                matrix[(k, i)] = sign * between(q);
+                matrix[(i, k)] = -sign * between(q);
+            }
+            right[k] -= between(v) * between(v);
+        }
+    }
+    matrix.lu().solve(&right).unwrap().as_slice()[..N].to_vec()
+}
+
+#[test]
+fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differences() {
+    let samples = samples();
+    let objective = lgn(AS_IS, &RODS).objective(samples.clone()).unwrap();
+    check_normal_equations(&*objective, &weights(), |weights| {
+        let one = |k: usize| {
+            let [q, v, a] = samples.states.each_ref().map(|x| &x[N * k..N * (k + 1)]);
+            naive(weights, &RODS, q, v).into_iter().zip(a).map(|(found, a)| found - a).collect::<Vec<_>>()
+        };
+        (0..SAMPLES).flat_map(one).collect()
+    });
+}
+
+#[test]
+fn accelerations_that_are_followed_are_the_same() {
+    let (q, v, weights) = (random(N, 1.0, 7), random(N, 1.5, 8), weights());
+    for rods in [&[][..], &RODS] {
+        let mut a = [0.0; N];
+        lgn(AS_IS, rods).acceleration(&weights, &q, &v, &mut a).unwrap();
+        for (found, expected) in a.iter().zip(naive(&weights, rods, &q, &v)) {
+            assert_close("acceleration", *found, expected, 1e-9);
+        }
+        assert!(a.iter().any(|a| a.abs() > 0.1));
+    }
+}
+
+#[test]
+fn nodes_in_another_order_have_the_same_lagrangian_and_the_accelerations_in_that_order() {
+    let order = [2, 0, 1];
+    let permute =
+        |x: &[f64]| order.iter().flat_map(|old| x[2 * old..2 * (old + 1)].to_vec()).collect::<Vec<_>>();
+    let (weights, q, v) = (weights(), random(N, 1.0, 7), random(N, 1.0, 8));
+    let (before, after) = (lgn(AS_IS, &RODS), lgn(order, &RODS));
+    let l = |lgn: &Lgn, state: Vec<f64>| {
+        let state: Vec<_> = state.into_iter().map(Jet::<f64, 0>::constant).collect();
+        lgn.network(&weights).unwrap().differentiate(&state).0
+    };
+    let l = [l(&before, [&*q, &v].concat()), l(&after, [permute(&q), permute(&v)].concat())];
+    assert_close("L", l[0], l[1], 1e-13);
+    let (mut a, mut permuted) = ([0.0; N], [0.0; N]);
+    before.acceleration(&weights, &q, &v, &mut a).unwrap();
+    after.acceleration(&weights, &permute(&q), &permute(&v), &mut permuted).unwrap();
+    for (found, expected) in permuted.iter().zip(permute(&a)) {
+        assert_close("acceleration", *found, expected, 1e-9);
+    }
+    assert!(a.iter().zip(&permuted).any(|(a, b)| (a - b).abs() > 1e-3));
+}
+
+#[test]
+fn a_few_epochs_lower_the_loss() {
+    for system in [LgnnSystem::Spring(5), LgnnSystem::Pendulum(3)] {
+        let settings = LgnnSettings { trajectories: 1, ..LgnnSettings::published(system, 3) };
+        let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
+        let lgn = Lgn::new(SIZES, NamedGraph::of_system(system)).unwrap();
+        let objective = lgn.objective(samples).unwrap();
+        let start = lgn.initial_weights(2);
+        let before = objective.loss(&start);
+        let settings = AdamSettings {
+            learning_rate: 1e-3,
+            batch: 50,
+            schedule: Schedule::Constant,
+            decay: 0.0,
+            seed: 0,
+        };
+        let mut adam = Adam::new(&*objective, start, settings);
+        (0..30).for_each(|_| {
+            adam.iterate(&*objective);
+        });
+        let after = objective.loss(&adam.weights);
+        assert!(after < 0.5 * before, "{system:?}: {after} {before}");
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
+    let on = |sizes, nodes| Lgn::new(sizes, NamedGraph::of_system(LgnnSystem::Spring(nodes)));
+    assert_eq!(on(GraphSizes { hidden: 17, ..SIZES }, 5).err(), shape("units in a hidden layer", 17, 16));
+    assert_eq!(on(GraphSizes { dimension: 3, ..SIZES }, 5).err(), shape("dimensions", 3, 2));
+    let five = on(GraphSizes::LGNN, 5).unwrap();
+    assert_eq!((five.parameters(), five.initial_weights(0).len()), (2_113, 2_113));
+    assert_eq!(five.objective(samples()).err(), shape("coordinates", N, 10));
+    let fifty = on(GraphSizes::LGNN, 50).unwrap();
+    let many = Samples { n: 100, ..samples() };
+    assert_eq!(fifty.objective(many).err(), shape("coordinates", 100, 10));
+    let mut a = [0.0; 10];
+    assert!(five.acceleration(&[0.0; 9], &[0.0; 10], &[0.0; 10], &mut a).is_none());
+    assert!(five.acceleration(&five.initial_weights(0), &[0.0; 9], &[0.0; 10], &mut a).is_none());
+}

@@ -1,0 +1,139 @@
+//! As a model that is trained, whatever its derivatives.
+
+use super::*;
+use crate::baselines::oracle::{Dual, check_normal_equations, features, moving, network, random};
+use leastaction::ground_truth::{Horizon, ManyBody, ModlanetSettings, generate_many, starts};
+use leastaction::training::{Adam, AdamSettings, Levenberg, Schedule};
+use leastaction_core::linear::solve;
+use num_dual::DualNum;
+use std::array::from_fn;
+
+const N: usize = 3;
+const COORDINATES: &str = "ata";
+/// Which no number of lanes divides.
+const SAMPLES: usize = 11;
+
+fn lnn() -> Lnn {
+    Lnn::new(COORDINATES, 7).unwrap()
+}
+
+fn samples() -> Samples {
+    let states = [(1, 3.0), (2, 1.5), (3, 2.0)].map(|(seed, range)| random(N * SAMPLES, range, seed));
+    Samples { n: N, h: 0.0, controls: from_fn(|_| vec![0.0; N * SAMPLES]), states, ..Samples::default() }
+}
+
+/// Weights of a mass matrix that is far from singular at the samples.
+fn weights() -> Vec<f64> {
+    lnn().initial_weights(2)
+}
+
+/// v̇ − a of all samples, from second derivatives by num-dual.
+fn errors(weights: &[f64], samples: &Samples) -> Vec<f64> {
+    let weights: Vec<Dual> = weights.iter().map(|w| moving(*w, [0.0; 3])).collect();
+    let one = |k: usize| {
+        let [q, v, a] = samples.states.each_ref().map(|x| &x[N * k..N * (k + 1)]);
+        let state = [q, v].concat();
+        let at = |along: [[f64; 2 * N]; 2]| {
+            let x: Vec<Dual> =
+                (0..2 * N).map(|i| moving(state[i], [along[0][i], along[1][i], 0.0])).collect();
+            network(&weights, features(COORDINATES, &x), [7, 1], |z| z.exp().ln_1p())[0]
+        };
+        let unit = |i: usize| -> [f64; 2 * N] { from_fn(|j| f64::from(u8::from(i == j))) };
+        let along_v: [f64; 2 * N] = from_fn(|i| if i < N { v[i] } else { 0.0 });
+        let mass: [[f64; N]; N] = from_fn(|i| from_fn(|j| at([unit(N + i), unit(N + j)]).eps1eps2));
+        let force = from_fn(|i| at([unit(i), [0.0; 2 * N]]).eps1 - at([unit(N + i), along_v]).eps1eps2);
+        let found: [f64; N] = solve(mass, force).unwrap();
+        from_fn::<f64, N, _>(|i| found[i] - a[i])
+    };
+    (0..SAMPLES).flat_map(one).collect()
+}
+
+#[test]
+fn loss_and_normal_equations_are_those_of_plain_loops_and_differences() {
+    let samples = samples();
+    let objective = lnn().objective(samples.clone()).unwrap();
+    check_normal_equations(&*objective, &weights(), |weights| errors(weights, &samples));
+}
+
+#[test]
+fn a_mass_matrix_without_inverse_has_no_loss() {
+    let objective = lnn().objective(samples()).unwrap();
+    let none = vec![0.0; lnn().parameters()];
+    assert_eq!(objective.loss(&none), f64::INFINITY);
+    assert!(objective.normal_equations(&none).is_none() && objective.gradient(&none, 0..3).is_none());
+}
+
+#[test]
+fn sizes_are_those_of_the_authors_and_their_weights_have_the_variances_said() {
+    // Theirs have 364,200: two inputs less, for angles are not cosine and sine, and no bias at the output.
+    let lnn = Lnn::new("aa", 600).unwrap();
+    assert_eq!(lnn.parameters(), 364_200 + 2 * 600 + 1);
+    let weights = lnn.initial_weights(0);
+    let deviation = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt();
+    let (first, rest) = weights.split_at(6 * 600 + 600);
+    let (second, last) = rest.split_at(600 * 600 + 600);
+    assert!((deviation(&first[..3600]) - 2.2 / 6.0_f64.sqrt()).abs() < 0.03);
+    assert!((deviation(&second[..360_000]) - 1.16 / 600.0_f64.sqrt()).abs() < 1e-3);
+    assert!((deviation(&last[..600]) - 1.0).abs() < 0.1);
+    assert_eq!((last.len(), first[3600], last[600]), (601, 0.0, 0.0));
+}
+
+#[test]
+fn both_optimisers_train_it() {
+    let settings = ModlanetSettings::published(ManyBody::Pendulum(2), 5);
+    let data = generate_many(&ModlanetSettings { trajectories: 1, speed: 1.0, ..settings }).unwrap();
+    let lnn = Lnn::new("aa", 9).unwrap();
+    let objective = lnn.objective(Samples::accelerations(&data).unwrap()).unwrap();
+    let start = lnn.initial_weights(2);
+    let before = objective.loss(&start);
+    let levenberg = Levenberg::new(&*objective, start.clone()).run(&*objective, 40, |_, _| ());
+    assert!(levenberg.loss < 1e-2 * before, "{} {before}", levenberg.loss);
+    let settings =
+        AdamSettings { learning_rate: 1e-3, batch: 0, schedule: Schedule::Constant, decay: 1e-4, seed: 0 };
+    let mut adam = Adam::new(&*objective, start, settings);
+    (0..100).for_each(|_| {
+        adam.iterate(&*objective);
+    });
+    assert!(objective.loss(&adam.weights) < 0.9 * before, "{} {before}", adam.loss);
+}
+
+/// What passes through the widest network of the largest size has room on a thread's stack.
+#[test]
+fn the_largest_has_a_gradient() {
+    let lnn = Lnn::new("tttttt", MAX_WIDTH).unwrap();
+    let state = |seed| random(6 * 9, 2.0, seed);
+    let samples = Samples {
+        n: 6,
+        h: 0.0,
+        states: [1, 2, 3].map(state),
+        controls: [4, 5, 6].map(state),
+        ..Samples::default()
+    };
+    let objective = lnn.objective(samples).unwrap();
+    assert!(objective.gradient(&lnn.initial_weights(0), 0..9).is_some());
+}
+
+#[test]
+fn it_predicts_and_gives_up_when_it_is_late() {
+    let system = ManyBody::Pendulum(2);
+    let motion = system.motion().unwrap();
+    let settings = ModlanetSettings { trajectories: 2, speed: 1.0, ..ModlanetSettings::published(system, 1) };
+    let horizon = Horizon { h: 0.01, samples: 3 };
+    let truth = Truth::new(motion.as_ref(), starts(&settings), horizon).unwrap();
+    let lnn = Lnn::new("aa", 9).unwrap();
+    let follow = Follow { motion: motion.as_ref(), tolerance: 1e-6, deadline: None };
+    let weights = lnn.initial_weights(2);
+    let found = lnn.predict(&weights, &truth, follow).unwrap();
+    assert!(found.failed() == 0 && found.position().mean > 0.0, "{found:?}");
+    let late = Follow { deadline: Some(std::time::Instant::now()), ..follow };
+    assert_eq!(lnn.predict(&weights, &truth, late).unwrap().failed(), 2);
+}
+
+#[test]
+fn what_is_not_compiled_is_refused() {
+    let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
+    assert_eq!(Lnn::new("aaaaa", 8).err(), shape("coordinates", 5, 6));
+    assert_eq!(Lnn::new("aa", 601).err(), shape("units in a hidden layer", 601, 600));
+    let other = Samples { n: 2, ..samples() };
+    assert_eq!(lnn().objective(other).err(), shape("coordinates", 2, 3));
+}

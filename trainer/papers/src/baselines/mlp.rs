@@ -1,0 +1,254 @@
+//! A plain network from the state to the acceleration, which knows nothing of mechanics.
+
+use super::batch::{Batched, Derivatives, InBatches, Layers, Pass, matrix};
+use super::features::{count, fixed, inputs};
+use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
+use faer::{Mat, Scale};
+use leastaction::architecture::random_layers;
+use leastaction::evaluate::prediction::{Prediction, Truth};
+use leastaction::training::{Objective, Samples};
+use leastaction_core::model::ModelError;
+use leastaction_core::network::{Activation, Jet, Mlp as Network};
+use std::ops::Range;
+
+/// Units of a hidden layer at most.
+pub const MAX_WIDTH: usize = 256;
+/// Hidden layers, as ModLaNet's authors have in theirs.
+const DEPTH: usize = 2;
+
+/// v̇ = αN(s(q), v/ν): two hidden layers of one width, tanh; s(q) are the translations and the cosine and sine of the angles,
+/// coordinate by coordinate.
+///
+/// ModLaNet's authors feed angles wrapped to \[0, 2π), and velocities and accelerations as they are (α = ν = 1). Cosine and
+/// sine have no seam, and are what the modular family sees; and with α and ν the network is as good as it can be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mlp {
+    coordinates: String,
+    width: usize,
+    /// ν, m/s or rad/s.
+    velocity: f64,
+    /// α, m/s² or rad/s².
+    acceleration: f64,
+}
+
+impl Mlp {
+    /// The narrowest with at least so many weights, α = ν = 1; `coordinates` has a letter each, `a` for angles, any other for
+    /// translations.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where that is wider than [`MAX_WIDTH`].
+    pub fn with_weights(coordinates: &str, weights: usize) -> Result<Self, ModelError> {
+        let of_width =
+            |width| Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
+        let compiled = of_width(MAX_WIDTH).parameters();
+        let enough = (1..=MAX_WIDTH).map(of_width).find(|mlp| mlp.parameters() >= weights);
+        enough.ok_or(ModelError::Shape { what: "weights of an MLP", found: weights, compiled })
+    }
+
+    /// With so many units in each hidden layer, α = ν = 1; `coordinates` as in [`Mlp::with_weights`].
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where that is more than [`MAX_WIDTH`].
+    pub fn of_width(coordinates: &str, width: usize) -> Result<Self, ModelError> {
+        let error = ModelError::Shape { what: "units in a hidden layer", found: width, compiled: MAX_WIDTH };
+        let mlp = Self { coordinates: coordinates.to_owned(), width, velocity: 1.0, acceleration: 1.0 };
+        if width <= MAX_WIDTH { Ok(mlp) } else { Err(error) }
+    }
+
+    /// The same with the root mean squares of these samples as ν and α.
+    #[must_use]
+    pub fn scaled_to(self, samples: &Samples) -> Self {
+        let [_, velocity, acceleration] = samples.states.each_ref().map(|values| scale(values));
+        Self { velocity, acceleration, ..self }
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> usize {
+        parameters_of(&self.units())
+    }
+
+    /// Coordinates.
+    fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// Inputs, units of the hidden layers, and outputs.
+    fn units(&self) -> [usize; DEPTH + 2] {
+        [count(&self.coordinates), self.width, self.width, self.n()]
+    }
+
+    /// s(q) and v/ν of one sample.
+    fn inputs(&self, q: &[f64], v: &[f64]) -> Vec<Jet<f64, 0>> {
+        let state: Vec<_> = q.iter().copied().chain(v.iter().map(|v| v / self.velocity)).collect();
+        inputs(&self.coordinates, &fixed(&state))
+    }
+
+    fn network<'w>(&self, mut weights: &'w [f64]) -> Option<Network<'w, f64, MAX_WIDTH, DEPTH>> {
+        let [inputs, hidden @ .., outputs] = self.units();
+        Network::take(&mut weights, inputs, &hidden, outputs, Activation::Tanh)
+    }
+}
+
+/// The root mean square; 1 where it is 0.
+pub(super) fn scale(values: &[f64]) -> f64 {
+    let square = values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
+    if square > 0.0 { square.sqrt() } else { 1.0 }
+}
+
+impl AccelerationModel for Mlp {
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        random_layers(layers_of(&self.units()), seed)
+    }
+
+    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        let n = self.n();
+        coordinates_fit(&samples, n)?;
+        let [q, v, a] = samples.states;
+        let states = q.chunks_exact(n).zip(v.chunks_exact(n));
+        let inputs: Vec<_> = states.flat_map(|(q, v)| self.inputs(q, v)).map(|x| x.value).collect();
+        let inputs = matrix(&inputs, count(&self.coordinates));
+        Ok(Box::new(InBatches(Errors { mlp: self.clone(), inputs, targets: matrix(&a, n) })))
+    }
+
+    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
+        let short = ModelError::Shape { what: "weights", found: weights.len(), compiled: self.parameters() };
+        let network = self.network(weights).ok_or(short)?;
+        Ok(follow.compare(truth, |q, v, out| {
+            let mut outputs = vec![Jet::zero(); self.n()];
+            network.evaluate::<_, 0>(&self.inputs(q, v), &mut outputs);
+            let scaled = outputs.iter().map(|y| self.acceleration * y.value);
+            out.iter_mut().zip(scaled).for_each(|(out, y)| *out = y);
+            Some(())
+        }))
+    }
+}
+
+/// The error of v̇ over fixed inputs.
+struct Errors {
+    mlp: Mlp,
+    /// \[samples\]\[inputs\].
+    inputs: Mat<f64>,
+    /// v̇: \[samples\]\[coordinates\].
+    targets: Mat<f64>,
+}
+
+impl Batched for Errors {
+    type Trace = Pass;
+
+    fn units(&self) -> [usize; 4] {
+        self.mlp.units()
+    }
+
+    fn samples(&self) -> usize {
+        self.inputs.nrows()
+    }
+
+    fn components(&self) -> usize {
+        self.targets.ncols()
+    }
+
+    fn residuals(&self, layers: &Layers, samples: &Range<usize>) -> (Pass, Mat<f64>) {
+        let rows = |matrix: &'_ Mat<f64>| matrix.subrows(samples.start, samples.len()).to_owned();
+        let pass = layers.forward(rows(&self.inputs));
+        let residuals = Scale(self.mlp.acceleration) * &pass.outputs - rows(&self.targets);
+        (pass, residuals)
+    }
+
+    fn derive(
+        &self,
+        layers: &Layers,
+        (pass, _): (&Pass, &Range<usize>),
+        y: &Mat<f64>,
+        then: impl FnOnce(&Derivatives),
+    ) {
+        then(&pass.derivatives(&layers.adjoint(pass, Scale(self.mlp.acceleration) * y)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::baselines::oracle::{check_normal_equations, features, network};
+    use leastaction::training::{Adam, AdamSettings, Levenberg};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// Two angles and a length between them; 21 samples, which no number of lanes divides.
+    const COORDINATES: &str = "ata";
+    const SAMPLES: usize = 21;
+
+    fn mlp() -> Mlp {
+        Mlp::with_weights(COORDINATES, 90).unwrap().scaled_to(&samples())
+    }
+
+    fn samples() -> Samples {
+        let mut stream = Pcg64::seed_from_u64(3);
+        let states = [3.0, 2.0, 5.0]
+            .map(|range: f64| (0..3 * SAMPLES).map(|_| stream.random_range(-range..range)).collect());
+        Samples { n: 3, states, ..Samples::default() }
+    }
+
+    /// The network in plain loops, and the errors of all samples.
+    fn errors(weights: &[f64], samples: &Samples, mlp: &Mlp) -> Vec<f64> {
+        let row = |x: &Vec<f64>, k: usize| [x[3 * k], x[3 * k + 1], x[3 * k + 2]];
+        let mut errors = Vec::new();
+        for k in 0..SAMPLES {
+            let [q, v, a] = samples.states.each_ref().map(|x| row(x, k));
+            let state = [q, v.map(|v| v / mlp.velocity)].concat();
+            let x = network(weights, features(COORDINATES, &state), [mlp.width, 3], f64::tanh);
+            errors.extend(x.iter().zip(a).map(|(x, a)| mlp.acceleration * x - a));
+        }
+        errors
+    }
+
+    #[test]
+    fn it_is_the_narrowest_that_is_large_enough() {
+        let mlp = Mlp::with_weights("aa", 172).unwrap();
+        assert_eq!((mlp.width, mlp.parameters()), (9, 7 * 9 + 10 * 9 + 10 * 2));
+        assert!(Mlp { width: 8, ..mlp.clone() }.parameters() < 172);
+        assert_eq!(mlp.initial_weights(0).len(), mlp.parameters());
+        assert!(matches!(
+            Mlp::with_weights("aa", 1_000_000),
+            Err(ModelError::Shape { found: 1_000_000, .. })
+        ));
+    }
+
+    #[test]
+    fn loss_and_normal_equations_are_those_of_plain_loops_and_differences() {
+        let (mlp, samples) = (mlp(), samples());
+        let objective = mlp.objective(samples.clone()).unwrap();
+        check_normal_equations(&*objective, &mlp.initial_weights(1), |weights| {
+            errors(weights, &samples, &mlp)
+        });
+    }
+
+    #[test]
+    fn both_optimisers_train_it() {
+        let (mlp, samples) = (mlp(), samples());
+        let objective = mlp.objective(samples).unwrap();
+        let start = mlp.initial_weights(2);
+        let before = objective.loss(&start);
+        let levenberg = Levenberg::new(&*objective, start.clone()).run(&*objective, 60, |_, _| ());
+        assert!(levenberg.loss < 1e-3 * before, "{} {before}", levenberg.loss);
+        let settings = AdamSettings { learning_rate: 1e-2, ..AdamSettings::symo(1, 0) };
+        let mut adam = Adam::new(&*objective, start, settings);
+        (0..60).for_each(|_| {
+            adam.iterate(&*objective);
+        });
+        assert!(objective.loss(&adam.weights) < 0.8 * before);
+    }
+
+    #[test]
+    fn scales_are_root_mean_squares() {
+        let states = [vec![7.0], vec![-2.0], vec![0.0]];
+        let mlp = mlp().scaled_to(&Samples { n: 1, states, ..samples() });
+        assert_eq!((mlp.velocity, mlp.acceleration), (2.0, 1.0));
+    }
+
+    #[test]
+    fn samples_of_another_system_are_refused() {
+        let narrow = Samples { n: 1, ..samples() };
+        let shape = |error| matches!(error, ModelError::Shape { found: 1, compiled: 3, .. });
+        assert!(mlp().objective(narrow).err().is_some_and(shape));
+    }
+}

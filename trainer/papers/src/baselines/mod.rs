@@ -1,0 +1,142 @@
+//! What the papers compare with: models without the structure that is learned here, trained by the same optimisers on the
+//! same samples.
+
+mod batch;
+mod cartesian_lnn;
+mod features;
+mod gns;
+mod graph_network;
+mod hnn;
+mod lgn;
+mod lnn;
+mod mlp;
+mod network_lagrangian;
+mod node;
+#[cfg(test)]
+mod oracle;
+
+pub use cartesian_lnn::CartesianLnn;
+pub use gns::Gns;
+pub use graph_network::GraphSizes;
+pub use hnn::{Hnn, MAX_WIDTH as MAX_HNN_WIDTH, Momenta};
+pub use lgn::Lgn;
+pub use lnn::{Lnn, MAX_WIDTH as MAX_LNN_WIDTH};
+pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
+pub use node::NeuralOde;
+
+use leastaction::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
+use leastaction::evaluate::learned::with_accelerations;
+use leastaction::evaluate::prediction::{Prediction, Truth};
+use leastaction::ground_truth::Motion;
+use leastaction::training::{LossKind, Objective, Samples, objective};
+use leastaction_core::model::ModelError;
+use std::time::Instant;
+
+/// A shape whose weights are learned from accelerations: a baseline, or one of ours.
+pub trait AccelerationModel {
+    /// Random weights.
+    fn initial_weights(&self, seed: u64) -> Vec<f64>;
+
+    /// The mean squared error of v̇ over samples of (q, v, v̇): by this all models are measured.
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled.
+    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError>;
+
+    /// What the model is trained by over the same samples: the measure, unless its authors have another.
+    ///
+    /// # Errors
+    /// As [`AccelerationModel::objective`].
+    fn training(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        self.objective(samples)
+    }
+
+    /// The errors of long predictions from the starts of `truth`.
+    ///
+    /// # Errors
+    /// Where the weights are not of the shape, or it is beyond what is compiled.
+    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError>;
+}
+
+/// How predictions are followed.
+#[derive(Clone, Copy)]
+pub struct Follow<'a> {
+    /// The exact motion, which gives the energies.
+    pub motion: &'a dyn Motion,
+    /// Error a step, relative to 1 + |x|.
+    pub tolerance: f64,
+    /// When to give up: what is not followed to the end by then counts as failed.
+    pub deadline: Option<Instant>,
+}
+
+impl Follow<'_> {
+    /// Whether it is time to give up.
+    pub fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() > deadline)
+    }
+
+    /// The errors of predictions by accelerations v̇(q, v).
+    fn compare(
+        &self,
+        truth: &Truth,
+        acceleration: impl Fn(&[f64], &[f64], &mut [f64]) -> Option<()> + Sync,
+    ) -> Prediction {
+        truth.compare(self.tolerance, self.motion, |q, v, out| match self.is_late() {
+            true => None,
+            false => acceleration(q, v, out),
+        })
+    }
+
+    fn family(
+        &self,
+        architecture: &Architecture,
+        weights: &[f64],
+        truth: &Truth,
+    ) -> Result<Prediction, ModelError> {
+        with_accelerations(architecture, weights, |f| self.compare(truth, f))
+    }
+}
+
+/// Inputs and outputs of every layer of a network of these units, inputs and outputs included.
+fn layers_of(units: &[usize]) -> impl Iterator<Item = (usize, usize)> {
+    units.iter().copied().zip(units.iter().copied().skip(1))
+}
+
+/// Numbers in the weight block of such a network.
+fn parameters_of(units: &[usize]) -> usize {
+    layers_of(units).map(|(inputs, outputs)| (inputs + 1) * outputs).sum()
+}
+
+/// Refuses samples of another number of coordinates.
+fn coordinates_fit(samples: &Samples, n: usize) -> Result<(), ModelError> {
+    let error = ModelError::Shape { what: "coordinates", found: samples.n, compiled: n };
+    if samples.n == n { Ok(()) } else { Err(error) }
+}
+
+impl AccelerationModel for ModularArchitecture {
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        self.initial_weights(seed)
+    }
+
+    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        objective(&self.clone().into(), samples, LossKind::Acceleration, 2)
+    }
+
+    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
+        follow.family(&self.clone().into(), weights, truth)
+    }
+}
+
+impl AccelerationModel for GraphArchitecture {
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        self.initial_weights(seed)
+    }
+
+    fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
+        objective(&self.clone().into(), samples, LossKind::Acceleration, 2)
+    }
+
+    fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
+        follow.family(&self.clone().into(), weights, truth)
+    }
+}

@@ -1,0 +1,152 @@
+//! What baselines are checked against: networks in plain loops with exact derivatives (num-dual), and the normal equations of
+//! any residuals by differences.
+
+use super::GraphSizes;
+use leastaction::training::Objective;
+use leastaction_core::network::Dense;
+use num_dual::{DualNum, HyperHyperDual64};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// A number that moves along three directions.
+pub type Dual = HyperHyperDual64;
+
+pub fn moving(x: f64, [e1, e2, e3]: [f64; 3]) -> Dual {
+    Dual::new(x, e1, e2, e3, 0.0, 0.0, 0.0, 0.0)
+}
+
+/// Uniform numbers in ±range.
+pub fn random(count: usize, range: f64, seed: u64) -> Vec<f64> {
+    let mut stream = Pcg64::seed_from_u64(seed);
+    (0..count).map(|_| stream.random_range(-range..range)).collect()
+}
+
+/// Cosine and sine of angles (`a`), other coordinates as they are, then the rest of the state.
+pub fn features<D: DualNum + Copy>(coordinates: &str, state: &[D]) -> Vec<D> {
+    let mut x = Vec::new();
+    for (kind, q) in coordinates.chars().zip(state) {
+        match kind {
+            'a' => x.extend([q.cos(), q.sin()]),
+            _ => x.push(*q),
+        }
+    }
+    x.extend(&state[coordinates.len()..]);
+    x
+}
+
+/// Two hidden layers of one width and a linear output.
+pub fn network<D: DualNum + Copy>(
+    mut weights: &[D],
+    x: Vec<D>,
+    [width, outputs]: [usize; 2],
+    activation: fn(D) -> D,
+) -> Vec<D> {
+    let y = take(&mut weights, x, &[width, width, outputs], activation);
+    assert!(weights.is_empty());
+    y
+}
+
+/// A network with layers of these outputs from the front of the weights; the last is linear.
+pub fn take<D: DualNum + Copy>(
+    weights: &mut &[D],
+    mut x: Vec<D>,
+    layers: &[usize],
+    activation: fn(D) -> D,
+) -> Vec<D> {
+    for (k, outputs) in layers.iter().enumerate() {
+        let inputs = x.len();
+        let (own, rest) = weights.split_at((inputs + 1) * outputs);
+        *weights = rest;
+        let weight = |i, j| own[Dense::<f64>::position(inputs, *outputs, i, j)];
+        let sum = |i: usize| (0..inputs).fold(own[inputs * outputs + i], |sum, j| sum + weight(i, j) * x[j]);
+        let y: Vec<D> = (0..*outputs).map(sum).collect();
+        x = if k + 1 < layers.len() { y.into_iter().map(activation).collect() } else { y };
+    }
+    x
+}
+
+pub fn squareplus<D: DualNum<Primitive = f64> + Copy>(z: D) -> D {
+    (z + (z * z + D::from(4.0)).sqrt()) * D::from(0.5)
+}
+
+/// What stands for the nodes of a graph network after the messages, as the equations have it, every network found anew in the
+/// block; the weights that are left read it out.
+pub fn messages<D: DualNum<Primitive = f64> + Copy>(
+    weights: &mut &[D],
+    sizes: GraphSizes,
+    (kinds, ends): (&[f64], &[[u16; 2]]),
+    [q, v]: [&[D]; 2],
+) -> Vec<Vec<D>> {
+    let GraphSizes { dimension: d, node, edge, hidden } = sizes;
+    let layers = [&[edge][..], &[node], &[hidden, hidden, edge], &[hidden, hidden, node]];
+    let inputs = [1, 2 * d + 1, edge + 2 * node, node + 2 * edge];
+    let block = *weights;
+    let network = |which: usize, x: Vec<D>| {
+        let mut rest = block;
+        (0..which).for_each(|k| drop(take(&mut rest, vec![D::zero(); inputs[k]], layers[k], squareplus)));
+        (take(&mut rest, x, layers[which], squareplus), rest)
+    };
+    let at = |x: &[D], i: usize| x[d * i..d * (i + 1)].to_vec();
+    let embed = |i: usize| network(1, [at(q, i), at(v, i), vec![D::from(kinds[i])]].concat()).0;
+    let h: Vec<_> = (0..kinds.len()).map(embed).collect();
+    let message = |i: usize, j: usize| {
+        let squares = at(q, i).into_iter().zip(at(q, j)).map(|(a, b)| (a - b) * (a - b));
+        let distance = squares.fold(D::zero(), |sum, square| sum + square).sqrt();
+        network(2, [network(0, vec![distance]).0, h[i].clone(), h[j].clone()].concat()).0
+    };
+    let joined = |i: usize, j: usize| ends.iter().any(|e| [[i, j], [j, i]].contains(&e.map(usize::from)));
+    let total = |messages: Vec<Vec<D>>| -> Vec<D> {
+        (0..edge).map(|k| messages.iter().fold(D::zero(), |sum, message| sum + message[k])).collect()
+    };
+    let one = |i: usize| {
+        let partners = || (0..kinds.len()).filter(|j| joined(i, *j));
+        let sent = total(partners().map(|j| message(i, j)).collect());
+        let received = total(partners().map(|j| message(j, i)).collect());
+        network(3, [h[i].clone(), sent, received].concat())
+    };
+    let nodes: Vec<_> = (0..kinds.len()).map(one).collect();
+    *weights = nodes[0].1;
+    nodes.into_iter().map(|(node, _)| node).collect()
+}
+
+pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() < tolerance * (1.0 + expected.abs()), "{what}: {found} {expected}");
+}
+
+/// Loss, gradient and normal equations are those of these residuals and their central differences.
+pub fn check_normal_equations(
+    objective: &dyn Objective,
+    weights: &[f64],
+    residuals: impl Fn(&[f64]) -> Vec<f64>,
+) {
+    let r = residuals(weights);
+    let column = |j: usize| -> Vec<f64> {
+        let moved = |h: f64| {
+            let mut moved = weights.to_vec();
+            moved[j] += h;
+            residuals(&moved)
+        };
+        moved(1e-5).iter().zip(moved(-1e-5)).map(|(a, b)| (a - b) / 2e-5).collect()
+    };
+    let columns: Vec<_> = (0..weights.len()).map(column).collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    // Entries are sums of terms that cancel: an error counts against their size.
+    let size = |a: &[f64], b: &[f64]| (dot(a, a) * dot(b, b)).sqrt();
+    let close = |what: String, found: f64, [a, b]: [&[f64]; 2]| {
+        let expected = dot(a, b);
+        assert!((found - expected).abs() < 1e-6 * (1.0 + size(a, b)), "{what}: {found} {expected}");
+    };
+    assert_close("loss", objective.loss(weights), dot(&r, &r) / r.len() as f64, 1e-9);
+    let equations = objective.normal_equations(weights).unwrap();
+    assert_eq!(equations.rows, r.len());
+    assert_close("mean square", equations.mean_square(), objective.loss(weights), 1e-9);
+    let gradient = objective.gradient(weights, 0..objective.samples()).unwrap();
+    assert_close("squares", gradient.squares, equations.squares, 1e-9);
+    for (i, column) in columns.iter().enumerate() {
+        close(format!("gradient {i}"), equations.gradient[i], [column, &r]);
+        close(format!("gradient alone {i}"), gradient.gradient[i], [column, &r]);
+        for (j, other) in columns.iter().enumerate().take(i + 1) {
+            close(format!("gram {i} {j}"), equations.gram[(i, j)], [column, other]);
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! The pendulums of Finzi, Wang and Wilson (NeurIPS 2020), "Simplifying Hamiltonian and Lagrangian Neural Networks via Explicit
+//! Constraints": chains in Cartesian coordinates, learned from short trajectories of positions and velocities.
+
+mod data;
+mod recipe;
+mod task;
+
+pub use data::{LENGTHS, STEP, chain, starts, training_set};
+pub use recipe::architecture;
+pub use task::tasks;
+
+use super::lgnn::{ReproduceError, floor, train};
+use leastaction::architecture::HostTypes;
+use leastaction::evaluate::particles::Driven;
+use leastaction::evaluate::prediction::Truth;
+use leastaction::evaluate::rollouts::{Compared, Rollouts};
+use leastaction::ground_truth::{GenerationError, Horizon, Truss};
+use leastaction::training::Samples;
+use leastaction_core::energy::graph::Graph;
+use leastaction_core::particles::Particles;
+use serde::Serialize;
+use std::time::Instant;
+
+/// How a chain is learned and judged.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Options {
+    /// Of the chain, the data and the weights.
+    pub seed: u64,
+    /// Iterations of Levenberg–Marquardt at most.
+    pub iterations: usize,
+    /// Training trajectories; the authors' 800.
+    pub trajectories: usize,
+    /// Starts of the rollouts; the authors' 100.
+    pub starts: usize,
+}
+
+impl Options {
+    /// The authors' numbers.
+    pub fn new(seed: u64) -> Self {
+        Self { seed, iterations: 200, trajectories: 800, starts: 100 }
+    }
+
+    /// For a first look.
+    pub fn quick(seed: u64) -> Self {
+        Self { iterations: 60, starts: 20, ..Self::new(seed) }
+    }
+}
+
+/// What a chain gives.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Pendulums.
+    pub count: usize,
+    /// Training trajectories.
+    pub trajectories: usize,
+    /// Numbers in the weight block that are learned.
+    pub parameters: usize,
+    /// Mean squared error of the accelerations of the training data's interpolation, on samples held back.
+    pub validation_mse: f64,
+    /// Largest relative error of a learned mass; the first is known.
+    pub mass_error: f64,
+    /// Geometric mean over starts and times of the rollout error of (q, v).
+    pub rollout_error: f64,
+    /// The same at the end.
+    pub last_rollout_error: f64,
+    /// Geometric mean of the energy violation.
+    pub energy_violation: f64,
+    /// That of exact motion from starts that are off by 1e-8 m.
+    pub floor_rollout_error: f64,
+    /// The same of the energy violation.
+    pub floor_energy_violation: f64,
+    /// Rollouts that could not be followed to the end.
+    pub failed: usize,
+    /// Training time, s.
+    pub train_seconds: f64,
+    /// Of the chain, the data and the weights.
+    pub seed: u64,
+}
+
+/// Numbers of pendulums.
+pub const COUNTS: [usize; 3] = [2, 3, 5];
+/// Error a step of rollouts, relative to 1 + |x|.
+const TOLERANCE: f64 = 1e-11;
+/// Steps of a rollout.
+const ROLLOUT: usize = 100;
+/// Makes the stream of rollout starts another than that of the data.
+const UNSEEN: u64 = 0x5eed_0000_0000_0000;
+
+/// Learns a chain of so many pendulums, and rolls it out.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn run(count: usize, options: &Options, tell: &(dyn Fn(&str) + Sync)) -> Result<Outcome, ReproduceError> {
+    let Options { seed, iterations, trajectories, .. } = *options;
+    let truss = chain(count, seed).map_err(GenerationError::from)?;
+    let samples = Samples::interpolated(&training_set(&truss, trajectories, seed)?)?;
+    let clock = Instant::now();
+    let watch = |iteration: usize, loss: f64| {
+        if iteration.is_multiple_of(20) {
+            tell(&format!("iteration {iteration} of {iterations}: training loss {loss:.2e}"));
+        }
+    };
+    let (model, [_, validation_mse]) = train(architecture(&truss)?, &samples, iterations, seed, watch)?;
+    let train_seconds = clock.elapsed().as_secs_f64();
+
+    tell("rolling out");
+    let horizon = Horizon { h: STEP, samples: ROLLOUT + 1 };
+    let truth = Truth::new(&truss, starts(&truss, options.starts, seed ^ UNSEEN), horizon)?;
+    let types: HostTypes<'_, f64, 2> = model.architecture.host_types(&model.weights)?;
+    let graph = model.architecture.graph()?;
+    let (particles, rods) = (Graph::new(types, &graph.nodes, &graph.edges)?, graph.constraints());
+    let driven = Driven::new(&particles, &rods)?;
+    let accelerations = |q: &[f64], v: &[f64], a: &mut [f64]| driven.acceleration(q, v, &[], a);
+    let rollouts = Rollouts::new(&truth, &truss, Compared::States, TOLERANCE, accelerations);
+    let [rollout_error, energy_violation] = rollouts.means();
+    let [floor_rollout_error, floor_energy_violation] = floor(&truth, &truss, Compared::States, seed)?;
+    Ok(Outcome {
+        count,
+        trajectories,
+        parameters: model.weights.len() - model.architecture.fixed_positions().len(),
+        validation_mse,
+        mass_error: mass_error(&particles, &truss),
+        rollout_error,
+        last_rollout_error: rollouts.last(),
+        energy_violation,
+        floor_rollout_error,
+        floor_energy_violation,
+        failed: rollouts.failed,
+        train_seconds,
+        seed,
+    })
+}
+
+/// Accelerations show masses but for a common factor, which the first, of 1, fixes.
+fn mass_error(learned: &impl Particles<f64, 2>, truss: &Truss) -> f64 {
+    let first = truss.masses.first().copied().unwrap_or(1.0);
+    let error = |(node, mass): (usize, &f64)| {
+        let [[learned, _], _] = learned.mass(node, &[0.0; 2]);
+        (learned * first / mass - 1.0).abs()
+    };
+    truss.masses.iter().enumerate().map(error).fold(0.0, f64::max)
+}

@@ -1,0 +1,53 @@
+//! `leastaction-papers merge`.
+
+use super::selection::{open, report, unusable, unwritten};
+use clap::Args;
+use leastaction::cli::{Done, Failure, Output};
+use leastaction_papers::PAPERS;
+use leastaction_papers::folder::Results;
+use std::path::PathBuf;
+
+/// Join what several runs gave: shares of one paper from many machines, or papers.
+///
+/// Example: leastaction-papers merge share-1 share-2 share-3 -o all
+#[derive(Args)]
+pub struct Merge {
+    /// The folders that were given to -o.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Where all goes: the pages, the same as CSV and JSON, and what every task gave.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+impl Merge {
+    /// Joins, writes and prints.
+    pub fn run(self, output: Output) -> Done {
+        let mut all = Vec::new();
+        for paper in PAPERS {
+            let parts: Vec<&PathBuf> =
+                self.folders.iter().filter(|folder| folder.join(paper.name).is_dir()).collect();
+            if parts.is_empty() {
+                continue;
+            }
+            let results = open(&self.output, paper)?;
+            for part in parts {
+                let part = Results::open(part, paper.name).map_err(unusable)?;
+                results.join(&part).map_err(unusable)?;
+            }
+            let finished = results.all().map_err(unusable)?;
+            for file in paper.write(&self.output, &results, &finished).map_err(unwritten)? {
+                output.note(&format!("wrote {}", file.display()));
+            }
+            all.extend(finished);
+        }
+        if all.is_empty() {
+            let names = self.folders.iter().map(|folder| folder.display().to_string());
+            let names = names.collect::<Vec<_>>().join(", ");
+            return Err(Failure::Input(format!(
+                "{names}: no results of `leastaction-papers … -o DIR` there"
+            )));
+        }
+        report(&all, output)
+    }
+}

@@ -1,0 +1,131 @@
+//! `leastaction-papers modlanet`.
+
+use super::compared::Compared;
+use super::selection::{Selection, given};
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
+use leastaction::cli::{Done, Failure, Output};
+use leastaction::data::modlanet;
+use leastaction_core::energy::modular::PairInput;
+use leastaction_papers::MODLANET;
+use leastaction_papers::modlanet::{Baseline, Case, ModlanetData, Options, tasks};
+use std::path::PathBuf;
+
+/// ModLaNet (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
+///
+/// Runs every case that the options leave open and prints its errors beside the paper's. Predictions are judged in the
+/// paper's measures, which are not mean squares: the Frobenius norm of the errors over the number of comparisons, averaged
+/// over 100 starts. Pendulums are chaotic: what exact physics in single precision reaches stands beside. With -o also as a page
+/// with pictures.
+///
+/// The models that the paper compares with (HNN, LNN and MLP, and light ones of about ModLaNet's size) are trained by their
+/// authors' recipes: Adam with 10,000 epochs of pendulums, 3,000 of bodies, which would take hours for some. A row that ran out of
+/// time, or diverged, says so.
+///
+/// Example: leastaction-papers modlanet --case double-pendulum --json
+#[derive(Args)]
+pub struct Modlanet {
+    /// Only this experiment.
+    #[arg(long)]
+    case: Option<Case>,
+    /// A data set in the layout of the ModLaNet authors (x, v, ac, test_x, …) instead of a generated one, of two pendulums or
+    /// three bodies; needs --case.
+    #[arg(long, value_name = "FILE", requires = "case")]
+    data: Option<PathBuf>,
+    /// What the bodies' pair potential sees of two positions.
+    #[arg(long, default_value = "inverse-distance")]
+    pair: Pair,
+    /// Iterations of Levenberg-Marquardt at most; by default as many as the case needs, or 60 with --quick.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: Option<u32>,
+    /// The most samples of dataset-size: 1,000,000, or 40,000 with --quick.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(10_000..))]
+    samples: Option<u32>,
+    /// Starts of the predictions: 100, or 10 with --quick; 0 makes none.
+    #[arg(long)]
+    starts: Option<u32>,
+    #[command(flatten)]
+    compared: Compared,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Pair {
+    /// One over the distance of the two: 1/|a - b|.
+    InverseDistance,
+    /// The distance of the two: |a - b|.
+    Distance,
+    /// The difference: a - b.
+    Difference,
+    /// Both positions (the authors').
+    Concat,
+}
+
+impl Modlanet {
+    /// Learns and prints.
+    pub fn run(self, output: Output) -> Done {
+        let cases: Vec<Case> =
+            Case::ALL.into_iter().filter(|case| self.case.is_none_or(|only| only == *case)).collect();
+        let seeds = self.selection.seeds as usize;
+        let data = self.data_set()?;
+        let baselines = (self.baselines(), self.compared.limits(self.selection.quick));
+        let tasks = tasks(&cases, &self.options(), baselines, seeds, data.as_ref(), &self.arguments());
+        self.selection.run(&MODLANET, tasks, output)
+    }
+
+    /// The data of the file, if there is one and it is of the case's system.
+    fn data_set(&self) -> Result<Option<ModlanetData>, Failure> {
+        let (Some(file), Some(case)) = (&self.data, self.case) else { return Ok(None) };
+        let refused = |reason: &str| Failure::Input(format!("{}: {reason}", file.display()));
+        let system =
+            case.system().ok_or_else(|| refused("this case generates its data; leave out --data"))?;
+        let set = modlanet::read(file).map_err(|error| Failure::Input(error.to_string()))?;
+        let (found, needed) = (set.train.q.width(), system.coordinates());
+        if found != needed {
+            return Err(refused(&format!("the data has {found} coordinates, the case needs {needed}")));
+        }
+        Ok(Some(ModlanetData { file: file.display().to_string(), set: set.into() }))
+    }
+
+    fn options(&self) -> Options {
+        let seed = self.selection.seed;
+        let usual = if self.selection.quick { Options::quick(seed) } else { Options::new(seed) };
+        Options {
+            pair: match self.pair {
+                Pair::InverseDistance => PairInput::InverseDistance,
+                Pair::Distance => PairInput::Distance,
+                Pair::Difference => PairInput::Difference,
+                Pair::Concat => PairInput::Concat,
+            },
+            iterations: self.iterations.map(|iterations| iterations as usize).or(usual.iterations),
+            most_samples: self.samples.map_or(usual.most_samples, |samples| samples as usize),
+            starts: self.starts.map_or(usual.starts, |starts| starts as usize),
+            ..usual
+        }
+    }
+
+    /// With --quick the light ones.
+    fn baselines(&self) -> &'static [Baseline] {
+        match (self.compared.are_wanted(self.case.is_none()), self.selection.quick) {
+            (false, _) => &[],
+            (true, true) => &Baseline::LIGHT,
+            (true, false) => &Baseline::ALL,
+        }
+    }
+
+    /// The options beside case and seed.
+    fn arguments(&self) -> String {
+        let pair = self.pair.to_possible_value().filter(|_| self.pair != Pair::InverseDistance);
+        [
+            given("data", self.data.as_ref().map(|file| file.display())),
+            given("pair", pair.as_ref().map(PossibleValue::get_name)),
+            given("iterations", self.iterations),
+            given("samples", self.samples),
+            given("starts", self.starts),
+            self.compared.arguments(),
+            self.selection.arguments(),
+        ]
+        .concat()
+    }
+}

@@ -1,0 +1,182 @@
+//! The folder of a paper's results: a file for every finished task, and the pictures.
+
+use super::record::Finished;
+use super::task::Task;
+use leastaction::atomic;
+use std::collections::HashMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Results, or how far training is, that cannot be read or written.
+#[derive(Debug, Error)]
+pub enum FolderError {
+    /// The operating system says why.
+    #[error("{}: {error}", file.display())]
+    File {
+        /// Which.
+        file: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// Not a result of this program.
+    #[error("{}: {error}; remove the file to have the task done again", file.display())]
+    Content {
+        /// Which.
+        file: PathBuf,
+        /// What is wrong in it.
+        error: serde_json::Error,
+    },
+    /// Interrupted training that is damaged, or of another version.
+    #[error("{}: not undamaged interrupted training of this version of leastaction; remove it to begin anew", file.display())]
+    Damaged {
+        /// Which.
+        file: PathBuf,
+    },
+    /// Of another run, with other options.
+    #[error("{}: made with other options; name another folder, or remove the file", file.display())]
+    Settings {
+        /// Which.
+        file: PathBuf,
+    },
+    /// Two folders have the same task with different results.
+    #[error("{} and {} are results of one task and differ; keep one", one.display(), other.display())]
+    Twice {
+        /// Read first.
+        one: PathBuf,
+        /// Read then.
+        other: PathBuf,
+    },
+}
+
+impl FolderError {
+    /// The operating system says why.
+    pub(crate) fn file(file: &Path) -> impl FnOnce(io::Error) -> Self {
+        let file = file.to_owned();
+        move |error| Self::File { file, error }
+    }
+}
+
+/// The results of one paper.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Results {
+    folder: PathBuf,
+}
+
+impl Results {
+    /// Those in `output`/`paper`, a folder that is made where there is none.
+    ///
+    /// # Errors
+    /// [`FolderError::File`].
+    pub fn open(output: &Path, paper: &str) -> Result<Self, FolderError> {
+        let folder = output.join(paper);
+        fs::create_dir_all(&folder).map_err(FolderError::file(&folder))?;
+        Ok(Self { folder })
+    }
+
+    /// Where the files are.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The file of a task.
+    pub fn file(&self, task: &str) -> PathBuf {
+        self.folder.join(format!("{task}.json"))
+    }
+
+    /// What a task has given; `None` where it was not yet done.
+    ///
+    /// # Errors
+    /// [`FolderError::File`], [`FolderError::Content`].
+    pub fn read(&self, task: &str) -> Result<Option<Finished>, FolderError> {
+        read(&self.file(task))
+    }
+
+    /// Writes down what a task has given.
+    ///
+    /// # Errors
+    /// [`FolderError::File`].
+    pub fn write(&self, finished: &Finished) -> Result<(), FolderError> {
+        let file = self.file(&finished.task);
+        let text = serde_json::to_vec_pretty(finished)
+            .map_err(|error| FolderError::Content { file: file.clone(), error })?;
+        atomic::write(&file, &text).map_err(FolderError::file(&file))
+    }
+
+    /// All that is there, by the names of the tasks.
+    ///
+    /// # Errors
+    /// [`FolderError::File`], [`FolderError::Content`].
+    pub fn all(&self) -> Result<Vec<Finished>, FolderError> {
+        let files = self.files(|file| file.extension().is_some_and(|extension| extension == "json"))?;
+        let read = files.iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;
+        Ok(read.into_iter().flatten().collect())
+    }
+
+    /// What belongs on one page: these results, and all others there that runs with the same options have given, in the order of
+    /// these tasks, then by name. Also how many there are of other options.
+    ///
+    /// # Errors
+    /// [`FolderError::File`], [`FolderError::Content`].
+    pub fn page(&self, tasks: &[Box<dyn Task>]) -> Result<(Vec<Finished>, usize), FolderError> {
+        let place: HashMap<String, usize> =
+            tasks.iter().enumerate().map(|(k, task)| (task.name(), k)).collect();
+        let belongs = |finished: &Finished| {
+            let is_it =
+                |task: &dyn Task| task.name() == finished.task && task.settings() == finished.settings;
+            tasks.iter().any(|task| task.options() == finished.options || is_it(&**task))
+        };
+        let (mut page, others): (Vec<_>, Vec<_>) = self.all()?.into_iter().partition(belongs);
+        page.sort_by_key(|finished| place.get(&finished.task).copied().unwrap_or(tasks.len()));
+        Ok((page, others.len()))
+    }
+
+    /// Takes over the results and the other files of another folder; what both have must be the same work.
+    ///
+    /// # Errors
+    /// [`FolderError`].
+    pub fn join(&self, other: &Self) -> Result<(), FolderError> {
+        for file in other.files(|_| true)? {
+            let Some(name) = file.file_name() else { continue };
+            let target = self.folder.join(name);
+            if let (Some(ours), Some(theirs)) = (done(&target)?, done(&file)?) {
+                if ours.settings != theirs.settings || ours.records != theirs.records {
+                    return Err(FolderError::Twice { one: target, other: file });
+                }
+                continue;
+            }
+            fs::copy(&file, &target).map_err(FolderError::file(&target))?;
+        }
+        Ok(())
+    }
+
+    fn files(&self, is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, FolderError> {
+        let failed = || FolderError::file(&self.folder);
+        let mut files = Vec::new();
+        for entry in fs::read_dir(&self.folder).map_err(failed())? {
+            files.push(entry.map_err(failed())?.path());
+        }
+        files.retain(|file| file.is_file() && is_wanted(file));
+        files.sort();
+        Ok(files)
+    }
+}
+
+/// What a file says of a task that did not fail.
+fn done(file: &Path) -> Result<Option<Finished>, FolderError> {
+    if file.extension().is_none_or(|extension| extension != "json") {
+        return Ok(None);
+    }
+    Ok(read(file)?.filter(|finished| finished.failure.is_none()))
+}
+
+fn read(file: &Path) -> Result<Option<Finished>, FolderError> {
+    let text = match fs::read(file) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        text => text.map_err(FolderError::file(file))?,
+    };
+    serde_json::from_slice(&text)
+        .map(Some)
+        .map_err(|error| FolderError::Content { file: file.to_owned(), error })
+}

@@ -1,0 +1,82 @@
+//! Training that takes hours, and goes on where it was interrupted.
+
+use super::folder::FolderError;
+use super::task::TaskError;
+use leastaction::checksummed;
+use leastaction::training::Adam;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use std::{fs, io};
+
+/// The first bytes of the file: what it is, and the version of its layout.
+const MAGIC: &[u8] = b"LABASE\x01";
+
+/// Where a task writes down how far it is.
+#[derive(Clone, Debug)]
+pub struct Interrupted {
+    file: PathBuf,
+    settings: String,
+}
+
+/// How far training is.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Course {
+    pub adam: Adam,
+    /// The last weights that had a loss.
+    pub good: Vec<f64>,
+    /// Time that training has taken.
+    pub spent: Duration,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Content<S, C> {
+    settings: S,
+    course: C,
+}
+
+impl Interrupted {
+    /// Of a task in a folder; `settings` is everything that its weights depend on.
+    pub fn new(folder: &Path, task: &str, settings: String) -> Self {
+        Self { file: folder.join(format!("{task}.interrupted")), settings }
+    }
+
+    /// Runs a task whose files are in a folder, if there is one, and that goes on where it was interrupted there.
+    pub(super) fn resume<T, E: Into<TaskError>>(
+        folder: Option<&Path>,
+        task: &str,
+        settings: String,
+        run: impl FnOnce(Option<&Self>) -> Result<T, E>,
+    ) -> Result<T, TaskError> {
+        let interrupted = folder.map(|folder| Self::new(folder, task, settings));
+        let done = run(interrupted.as_ref()).map_err(Into::into)?;
+        interrupted.map_or(Ok(()), |interrupted| interrupted.done())?;
+        Ok(done)
+    }
+
+    /// Where training was interrupted; `None` where it was not.
+    pub(super) fn read(&self) -> Result<Option<Course>, FolderError> {
+        let bytes = match fs::read(&self.file) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            bytes => bytes.map_err(FolderError::file(&self.file))?,
+        };
+        let file = self.file.clone();
+        let content: Option<Content<String, Course>> = checksummed::decode(&bytes, MAGIC);
+        let Some(content) = content else { return Err(FolderError::Damaged { file }) };
+        let is_this = content.settings == self.settings;
+        if is_this { Ok(Some(content.course)) } else { Err(FolderError::Settings { file }) }
+    }
+
+    pub(super) fn write(&self, course: &Course) -> Result<(), FolderError> {
+        let content = Content { settings: &self.settings, course };
+        checksummed::write(&self.file, MAGIC, &content).map_err(FolderError::file(&self.file))
+    }
+
+    /// Removes the file.
+    fn done(&self) -> Result<(), FolderError> {
+        match fs::remove_file(&self.file) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            done => done.map_err(FolderError::file(&self.file)),
+        }
+    }
+}

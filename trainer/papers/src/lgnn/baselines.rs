@@ -1,0 +1,183 @@
+//! The models that the paper compares with, trained as its authors train them.
+
+use super::super::training::{Bounds, Limits, Recipe};
+use super::recipe::JUDGES;
+use super::{Case, Experiment, Options, Outcome, ReproduceError, published};
+use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
+use leastaction::architecture::NamedGraph;
+use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction::training::{AdamSettings, Samples, Schedule};
+use leastaction_core::model::ModelError;
+use serde::Serialize;
+
+/// Error a step of their rollouts, relative to 1 + |x|: that of the models is far above it.
+const TOLERANCE: f64 = 1e-8;
+
+/// Units of each hidden layer of LNN.
+const LNN_WIDTH: usize = 256;
+
+/// A model of the paper's figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Baseline {
+    /// Graph network from the state to the accelerations, of five springs and on more.
+    Gns,
+    /// Graph network from the state to the Lagrangian, of three pendulums with their rods, and of five springs and on more.
+    Lgn,
+    /// Lagrangian network of the positions of three pendulums, with their rods.
+    Lnn,
+}
+
+impl Baseline {
+    /// Those of a case.
+    pub fn of(case: Case) -> &'static [Self] {
+        match case {
+            Case::Pendulum => &[Self::Lnn, Self::Lgn],
+            Case::Scale => &[Self::Gns, Self::Lgn],
+            _ => &[],
+        }
+    }
+
+    /// As in tables.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Gns => "GNS",
+            Self::Lgn => "LGN",
+            Self::Lnn => "LNN",
+        }
+    }
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gns => "gns",
+            Self::Lgn => "lgn",
+            Self::Lnn => "lnn",
+        }
+    }
+
+    /// Weights of the authors', where they are known.
+    pub(super) fn published_parameters(self) -> Option<usize> {
+        match self {
+            Self::Gns => Some(2_130),
+            Self::Lgn => Some(2_113),
+            Self::Lnn => None,
+        }
+    }
+
+    /// What it is trained on in a case.
+    fn trained(case: Case) -> LgnnSystem {
+        if case == Case::Pendulum { LgnnSystem::Pendulum(3) } else { LgnnSystem::Spring(5) }
+    }
+
+    /// What it is run on in a case. LGN's mass matrix is dense: a rollout of 500 springs would take hours.
+    fn systems(self, case: Case) -> Vec<LgnnSystem> {
+        match (case, self) {
+            (Case::Pendulum, _) => vec![LgnnSystem::Pendulum(3)],
+            (_, Self::Lgn) => [5, 50].map(LgnnSystem::Spring).to_vec(),
+            _ => [5, 50, 500].map(LgnnSystem::Spring).to_vec(),
+        }
+    }
+
+    /// Its shape on a system.
+    fn model(self, system: LgnnSystem) -> Result<Model, ModelError> {
+        Ok(match self {
+            Self::Gns => Model::Gns(Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(system))?),
+            Self::Lgn => Model::Lgn(Lgn::new(GraphSizes::LGNN, NamedGraph::of_system(system))?),
+            Self::Lnn => Model::Lnn(CartesianLnn::new(NamedGraph::of_system(system), LNN_WIDTH)?),
+        })
+    }
+}
+
+/// A baseline on a system.
+enum Model {
+    Gns(Gns),
+    Lgn(Lgn),
+    Lnn(CartesianLnn),
+}
+
+impl Model {
+    fn trained(&self) -> &dyn AccelerationModel {
+        match self {
+            Self::Gns(gns) => gns,
+            Self::Lgn(lgn) => lgn,
+            Self::Lnn(lnn) => lnn,
+        }
+    }
+
+    /// Writes v̇(q, v), m/s².
+    fn acceleration(&self, weights: &[f64], q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
+        match self {
+            Self::Gns(gns) => gns.acceleration(weights, q, v, out),
+            Self::Lgn(lgn) => lgn.acceleration(weights, q, v, out),
+            Self::Lnn(lnn) => lnn.acceleration(weights, q, v, out),
+        }
+    }
+}
+
+/// The authors': 10,000 epochs at 1e-3 in batches of 100.
+fn recipe(seed: u64) -> Recipe {
+    let schedule = Schedule::Constant;
+    Recipe {
+        epochs: 10_000,
+        adam: AdamSettings { learning_rate: 1e-3, batch: 100, schedule, decay: 0.0, seed },
+    }
+}
+
+/// Trains a baseline within limits, and rolls it out; `tell` gets a line of progress now and then.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn run_baseline(
+    (case, baseline): (Case, Baseline),
+    (options, bounds): (&Options, Bounds),
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Outcome>, ReproduceError> {
+    Experiment { case, options, tell }.baseline(baseline, bounds)
+}
+
+impl Experiment<'_> {
+    fn baseline(&self, baseline: Baseline, bounds: Bounds) -> Result<Vec<Outcome>, ReproduceError> {
+        let (seed, system) = (self.options.seed, Baseline::trained(self.case));
+        let samples = Samples::accelerations(&lgnn_set(&LgnnSettings::published(system, seed))?)?;
+        let [rows, judges] = samples.shuffled(seed).split(samples.len() / JUDGES);
+        let tell = |line: &str| (self.tell)(&format!("{}, {line}", baseline.name()));
+        let model = baseline.model(system)?;
+        let model = model.trained();
+        let trained = recipe(seed).train(model, rows.clone(), (seed, bounds), &tell)?;
+        let row = Outcome {
+            model: baseline.title(),
+            samples: samples.len(),
+            parameters: trained.weights.len(),
+            train_mse: model.objective(rows)?.loss(&trained.weights),
+            validation_mse: model.objective(judges)?.loss(&trained.weights),
+            train_seconds: trained.seconds,
+            epochs: Some(trained.epochs),
+            ending: trained.ending,
+            ..Outcome::trained(self.case, system, seed)
+        };
+        let one = |on: LgnnSystem| {
+            let kind = if on == system { "trained" } else { "zero-shot" };
+            let row = Outcome { kind, published: published::baseline(baseline, on), ..row.clone() };
+            self.baseline_on((row, baseline.model(on)?), on, &trained.weights, bounds.limits)
+        };
+        baseline.systems(self.case).into_iter().map(one).collect()
+    }
+
+    /// The row with the rollouts of a trained model on a system: those that are not done in time have failed.
+    fn baseline_on(
+        &self,
+        (row, model): (Outcome, Model),
+        system: LgnnSystem,
+        weights: &[f64],
+        limits: Limits,
+    ) -> Result<Outcome, ReproduceError> {
+        let trial = self.trial(&row, system)?;
+        let follow = Follow { motion: trial.motion(), tolerance: TOLERANCE, deadline: limits.deadline() };
+        let rollouts = trial.roll_out(follow.tolerance, |q, v, a| match follow.is_late() {
+            true => None,
+            false => model.acceleration(weights, q, v, a),
+        });
+        trial.judged(row, rollouts)
+    }
+}

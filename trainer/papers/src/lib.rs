@@ -1,0 +1,42 @@
+//! The papers' experiments, ours beside theirs: tasks that give records, which become tables and pages.
+//!
+//! A paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]); [`baselines`] are the models that they compare with.
+//! The command is `leastaction-papers`.
+
+pub mod baselines;
+pub mod chnn;
+pub mod folder;
+mod interrupted;
+pub mod lgnn;
+pub mod modlanet;
+mod papers;
+pub mod record;
+pub mod symo;
+pub mod table;
+pub mod task;
+mod training;
+
+pub use interrupted::Interrupted;
+pub use papers::{CHNN, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
+pub use training::{Bounds, Ending, Limits, Recipe, TrainingError};
+
+/// A system with its number of elements: 2-pendulum.
+pub fn numbered(system: &str, count: usize) -> String {
+    format!("{count}-{}", system.trim_start_matches("n-"))
+}
+
+/// As on the command line.
+fn option_name(value: &impl clap::ValueEnum) -> String {
+    value.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
+}
+
+/// Each once, in the order in which they come.
+fn distinct<'t>(all: impl Iterator<Item = &'t str>) -> Vec<&'t str> {
+    let mut seen: Vec<&str> = Vec::new();
+    for one in all {
+        if !seen.contains(&one) {
+            seen.push(one);
+        }
+    }
+    seen
+}

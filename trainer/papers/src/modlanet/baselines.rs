@@ -1,0 +1,160 @@
+//! The models that the paper compares with (Table 2 and Figure 5), trained as its authors train them.
+
+use super::super::training::{Bounds, Limits, Recipe};
+use super::published;
+use super::{Experiment, Judge, Outcome, ReproduceError};
+use crate::baselines::{AccelerationModel, Follow, Hnn, Lnn, Mlp, Momenta};
+use leastaction::data::modlanet::ModlanetSet;
+use leastaction::ground_truth::ManyBody;
+use leastaction::training::{AdamSettings, Samples, Schedule};
+use leastaction_core::model::ModelError;
+use serde::Serialize;
+
+/// Error a step of their predictions: that of the models is far above it.
+const TOLERANCE: f64 = 1e-8;
+
+/// A model of the paper's table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Baseline {
+    /// Hamiltonian network.
+    Hnn,
+    /// The same, about as large as ModLaNet.
+    LightHnn,
+    /// Lagrangian network.
+    Lnn,
+    /// The same, about as large as ModLaNet.
+    LightLnn,
+    /// From the state to the accelerations.
+    Mlp,
+    /// The same, about as large as ModLaNet; the program has it, the table not.
+    LightMlp,
+}
+
+impl Baseline {
+    /// All, in the order of the table.
+    pub const ALL: [Self; 6] =
+        [Self::Hnn, Self::LightHnn, Self::Lnn, Self::LightLnn, Self::Mlp, Self::LightMlp];
+
+    /// Those that are about as large as ModLaNet.
+    pub const LIGHT: [Self; 3] = [Self::LightHnn, Self::LightLnn, Self::LightMlp];
+
+    /// As in tables.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Hnn => "HNN",
+            Self::LightHnn => "HNN, light",
+            Self::Lnn => "LNN",
+            Self::LightLnn => "LNN, light",
+            Self::Mlp => "MLP",
+            Self::LightMlp => "MLP, light",
+        }
+    }
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hnn => "hnn",
+            Self::LightHnn => "light-hnn",
+            Self::Lnn => "lnn",
+            Self::LightLnn => "light-lnn",
+            Self::Mlp => "mlp",
+            Self::LightMlp => "light-mlp",
+        }
+    }
+
+    fn is_lnn(self) -> bool {
+        matches!(self, Self::Lnn | Self::LightLnn)
+    }
+
+    /// Units of its two hidden layers, as in the authors' program.
+    pub fn width(self, system: ManyBody) -> usize {
+        match (self, system) {
+            (Self::Lnn, _) => 600,
+            (Self::Hnn | Self::Mlp, _) => 200,
+            (_, ManyBody::Pendulum(_)) => 75,
+            (_, ManyBody::Bodies(_)) => 70,
+        }
+    }
+
+    /// The authors': weight decay 1e-4; 10,000 epochs of pendulums at 1e-2, halved after 3,000 and 9,000, and 3,000 epochs of
+    /// bodies at 1e-3; LNN at 1e-3 throughout.
+    pub fn recipe(self, system: ManyBody) -> Recipe {
+        let (epochs, learning_rate, schedule) = match (system, self.is_lnn()) {
+            (ManyBody::Pendulum(_), false) => {
+                (10_000, 1e-2, Schedule::Steps { factor: 0.5, epochs: [3_000, 9_000, 15_000] })
+            }
+            (ManyBody::Pendulum(_), true) => (10_000, 1e-3, Schedule::Constant),
+            (ManyBody::Bodies(_), _) => (3_000, 1e-3, Schedule::Constant),
+        };
+        Recipe { epochs, adam: AdamSettings { learning_rate, batch: 0, schedule, decay: 1e-4, seed: 0 } }
+    }
+
+    /// Its shape for a system; `coordinates` has a letter each, `a` for angles.
+    ///
+    /// # Errors
+    /// Where it is beyond what is compiled.
+    pub fn model(
+        self,
+        system: ManyBody,
+        coordinates: &str,
+    ) -> Result<Box<dyn AccelerationModel>, ModelError> {
+        let width = self.width(system);
+        Ok(match self {
+            Self::Hnn | Self::LightHnn => Box::new(Hnn::new(coordinates, width, Momenta::of(system))?),
+            Self::Lnn | Self::LightLnn => Box::new(Lnn::new(coordinates, width)?),
+            Self::Mlp | Self::LightMlp => Box::new(Mlp::of_width(coordinates, width)?),
+        })
+    }
+}
+
+impl Experiment<'_> {
+    /// Trains one and judges it.
+    pub(super) fn baseline(
+        &self,
+        baseline: Baseline,
+        (system, set): (ManyBody, &ModlanetSet),
+        bounds: Bounds,
+        judge: Option<&Judge>,
+    ) -> Result<Outcome, ReproduceError> {
+        let recipe = baseline.recipe(system);
+        let model = baseline.model(system, &self.architecture(system, set)?.coordinates())?;
+        let (name, samples) = (baseline.name(), Samples::modlanet(&set.train));
+        let tell = |line: &str| (self.tell)(&format!("{name}, {line}"));
+        let trained = recipe.train(&*model, samples, (self.options.seed, bounds), &tell)?;
+        let learned = (&*model, trained.weights.as_slice());
+        let mut outcome = self.outcome(system, name, set, learned, trained.seconds)?;
+        outcome.published = published::baseline(system, baseline);
+        (outcome.epochs, outcome.ending) = (Some(trained.epochs), trained.ending);
+        if let Some(judge) = judge {
+            self.predict_baseline(&mut outcome, judge, learned, bounds.limits)?;
+        }
+        Ok(outcome)
+    }
+
+    /// Predicts where the errors of accelerations are below the accelerations themselves, and there is time enough.
+    fn predict_baseline(
+        &self,
+        outcome: &mut Outcome,
+        judge: &Judge,
+        learned: (&dyn AccelerationModel, &[f64]),
+        limits: Limits,
+    ) -> Result<(), ReproduceError> {
+        if outcome.relative_test_mse.is_nan() || outcome.relative_test_mse >= 1.0 {
+            outcome.unpredicted = Some("worse than no acceleration at all");
+            return Ok(());
+        }
+        (self.tell)(&format!("{}: predicting {} s", outcome.kind, judge.length));
+        let follow =
+            Follow { motion: judge.motion.as_ref(), tolerance: TOLERANCE, deadline: limits.deadline() };
+        let found = judge.predict(learned, follow)?;
+        match follow.is_late() {
+            true => outcome.unpredicted = Some("out of time"),
+            false => judge.put(outcome, found),
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[path = "baseline_tests.rs"]
+mod tests;

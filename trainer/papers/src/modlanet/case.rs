@@ -1,0 +1,101 @@
+//! The paper's experiments, and how they are run.
+
+use leastaction::ground_truth::ManyBody;
+use leastaction_core::energy::modular::PairInput;
+use serde::Serialize;
+
+/// One of the paper's experiments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Case {
+    /// Two pendulums: accelerations, and predictions of 30 s (Table 2, Figure 5).
+    DoublePendulum,
+    /// Three bodies: the same.
+    ThreeBody,
+    /// The model of two pendulums in chains of 3 and 4, as it is and fine-tuned (Figure 6).
+    ExtendPendulum,
+    /// The model of three bodies among 4, 5 and 6.
+    ExtendBody,
+    /// Two pendulums from 10,000 to 1,000,000 samples (Table 4).
+    DatasetSize,
+    /// Four pendulums and six bodies, learned directly (the paper: diverges).
+    DirectLarge,
+    /// Two pendulums from 100, 300 and 1,000 samples, without and with noise, beside an MLP of equal size.
+    Noise,
+}
+
+impl Case {
+    /// All, in the order of the paper, and what it does not have.
+    pub const ALL: [Self; 7] = [
+        Self::DoublePendulum,
+        Self::ThreeBody,
+        Self::ExtendPendulum,
+        Self::ExtendBody,
+        Self::DatasetSize,
+        Self::DirectLarge,
+        Self::Noise,
+    ];
+
+    /// Iterations after which its errors hardly fall.
+    pub fn iterations(self, pair: PairInput) -> usize {
+        match (self, pair) {
+            (Self::ThreeBody | Self::ExtendBody, PairInput::Distance | PairInput::Difference) => 80,
+            (Self::ThreeBody | Self::ExtendBody, PairInput::Concat) => 50,
+            (Self::ThreeBody | Self::ExtendBody, PairInput::InverseDistance) => 20,
+            (Self::DatasetSize, _) => 30,
+            (Self::DirectLarge, _) => 40,
+            (Self::DoublePendulum | Self::ExtendPendulum, _) => 600,
+            (Self::Noise, _) => 150,
+        }
+    }
+
+    /// Whether the paper has other models in it.
+    pub fn has_baselines(self) -> bool {
+        matches!(self, Self::DoublePendulum | Self::ThreeBody)
+    }
+
+    /// The system whose data the case can take from a file.
+    pub fn system(self) -> Option<ManyBody> {
+        match self {
+            Self::DoublePendulum | Self::ExtendPendulum | Self::Noise => Some(ManyBody::Pendulum(2)),
+            Self::ThreeBody | Self::ExtendBody => Some(ManyBody::Bodies(3)),
+            Self::DatasetSize | Self::DirectLarge => None,
+        }
+    }
+}
+
+/// How a case is run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Options {
+    /// What the bodies' pair potential sees.
+    pub pair: PairInput,
+    /// Of the initial weights and of generated data.
+    pub seed: u64,
+    /// Iterations of Levenberg–Marquardt; `None`: [`Case::iterations`].
+    pub iterations: Option<usize>,
+    /// The most samples of [`Case::DatasetSize`].
+    pub most_samples: usize,
+    /// Starts of predictions; 0: none are made.
+    pub starts: usize,
+    /// Steps of the long run in single precision; 0: none.
+    pub steps: usize,
+}
+
+impl Options {
+    /// Of the printed tables.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            pair: PairInput::InverseDistance,
+            seed,
+            iterations: None,
+            most_samples: 1_000_000,
+            starts: 100,
+            steps: 1_000_000,
+        }
+    }
+
+    /// For a first look.
+    pub fn quick(seed: u64) -> Self {
+        Self { iterations: Some(60), most_samples: 40_000, starts: 10, steps: 100_000, ..Self::new(seed) }
+    }
+}

@@ -1,0 +1,47 @@
+//! What judges long predictions: exact motions from starts that no training data has.
+
+use super::{Options, Outcome, Pictured, Predicted, ReproduceError};
+use crate::baselines::{AccelerationModel, Follow};
+use leastaction::evaluate::prediction::{Prediction, Truth};
+use leastaction::ground_truth::{GenerationError, Horizon, ManyBody, ModlanetSettings, Motion, starts};
+use leastaction_core::model::ModelError;
+
+/// Makes the stream of prediction starts another than that of the data.
+const UNSEEN: u64 = 0x5eed_0000_0000_0000;
+
+/// Exact motions of a system, and how far single precision leads from them.
+pub(super) struct Judge {
+    /// The exact motion.
+    pub motion: Box<dyn Motion>,
+    /// s.
+    pub length: f64,
+    truth: Truth,
+    floor: Prediction,
+}
+
+impl Judge {
+    pub fn new(system: ManyBody, options: &Options, length: f64) -> Result<Self, ReproduceError> {
+        let motion = system.motion().map_err(GenerationError::from)?;
+        let settings = ModlanetSettings::published(system, options.seed ^ UNSEEN);
+        let settings = ModlanetSettings { trajectories: options.starts, speed: 8.0, ..settings };
+        let truth = Truth::new(motion.as_ref(), starts(&settings), Horizon::of_seconds(length))?;
+        let floor = truth.single_precision(motion.as_ref());
+        Ok(Self { motion, length, truth, floor })
+    }
+
+    /// The errors of a model.
+    pub fn predict(
+        &self,
+        (shape, weights): (&dyn AccelerationModel, &[f64]),
+        follow: Follow,
+    ) -> Result<Prediction, ModelError> {
+        shape.predict(weights, &self.truth, follow)
+    }
+
+    /// Puts them into a row of the table.
+    pub fn put(&self, outcome: &mut Outcome, found: Prediction) {
+        outcome.predicted = Some(Predicted::new(self.length, &found, &self.floor));
+        let (h, exact) = (self.truth.horizon().h, self.truth.first().to_vec());
+        outcome.pictured = Some(Pictured { h, ours: found, floor: self.floor.clone(), exact });
+    }
+}

@@ -1,0 +1,278 @@
+//! ModLaNet's experiments (Lu et al., ICML 2022): pendulums and bodies from accelerations, extended to more of them.
+
+mod baselines;
+mod case;
+mod figures;
+mod judge;
+mod noise;
+mod outcome;
+mod published;
+mod recipe;
+mod stepping;
+mod task;
+
+pub use baselines::Baseline;
+pub use case::{Case, Options};
+pub use outcome::{Outcome, Pictured, Predicted, ReproduceError, Stepped};
+pub use published::Published;
+pub use recipe::{Model, architecture, fine_tune, train, tree};
+pub use stepping::{Energies, LongRun, SteppingError, long_run};
+pub use task::{ModlanetData, tasks};
+
+use super::training::{Bounds, Ending};
+use crate::baselines::{AccelerationModel, Follow};
+use judge::Judge;
+use leastaction::architecture::ModularArchitecture;
+use leastaction::data::modlanet::{ModlanetRows, ModlanetSet};
+use leastaction::evaluate::prediction::TOLERANCE;
+use leastaction::ground_truth::{GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of};
+use leastaction::training::Samples;
+use leastaction_core::model::ModelError;
+use std::time::Instant;
+
+/// Runs a case; `tell` gets a line of progress now and then.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn run(
+    case: Case,
+    options: &Options,
+    data: Option<&ModlanetSet>,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Outcome>, ReproduceError> {
+    let experiment = Experiment { case, options, tell };
+    let set = |system| data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok);
+    match case {
+        Case::DoublePendulum => {
+            let system = ManyBody::Pendulum(2);
+            let (mut outcome, model) = experiment.table_2(system, &set(system)?)?;
+            if options.steps > 0 {
+                (experiment.tell)(&format!("{} steps in single precision", options.steps));
+                let run = long_run(&model, options.steps, LONG_STEP)?;
+                outcome.stepped = Some(Stepped::from(&run));
+                outcome.long_run = Some(run);
+            }
+            Ok(vec![outcome])
+        }
+        Case::ThreeBody => {
+            let system = ManyBody::Bodies(3);
+            Ok(vec![experiment.table_2(system, &set(system)?)?.0])
+        }
+        Case::ExtendPendulum => {
+            let system = ManyBody::Pendulum(2);
+            experiment.extend(system, &set(system)?, [3, 4].map(ManyBody::Pendulum).as_slice())
+        }
+        Case::ExtendBody => {
+            let system = ManyBody::Bodies(3);
+            experiment.extend(system, &set(system)?, [4, 5, 6].map(ManyBody::Bodies).as_slice())
+        }
+        Case::DatasetSize => experiment.dataset_size(),
+        Case::DirectLarge => [ManyBody::Pendulum(4), ManyBody::Bodies(6)]
+            .into_iter()
+            .map(|system| Ok(experiment.learn(system, &large(system, options.seed)?)?.0))
+            .collect(),
+        Case::Noise => {
+            let system = ManyBody::Pendulum(2);
+            experiment.noise(system, &set(system)?)
+        }
+    }
+}
+
+/// Runs one of the models that the paper compares with in a case that has them; `tell` gets a line of progress now and then.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn run_baseline(
+    (case, baseline): (Case, Baseline),
+    (options, bounds): (&Options, Bounds),
+    data: Option<&ModlanetSet>,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Outcome, ReproduceError> {
+    let experiment = Experiment { case, options, tell };
+    let system = case.system().unwrap_or(ManyBody::Pendulum(2));
+    let set = data.cloned().map_or_else(|| modlanet_set(system, options.seed), Ok)?;
+    let judge = experiment.judge(system, PREDICTION)?;
+    experiment.baseline(baseline, (system, &set), bounds, judge.as_ref())
+}
+
+/// As many trajectories as the trained sizes have.
+fn large(system: ManyBody, seed: u64) -> Result<ModlanetSet, GenerationError> {
+    modlanet_set_of(&ModlanetSettings { trajectories: 100, ..ModlanetSettings::published(system, seed) })
+}
+
+struct Experiment<'a> {
+    case: Case,
+    options: &'a Options,
+    tell: &'a (dyn Fn(&str) + Sync),
+}
+
+impl Experiment<'_> {
+    /// The model of a system, if the data is of it.
+    fn architecture(
+        &self,
+        system: ManyBody,
+        set: &ModlanetSet,
+    ) -> Result<ModularArchitecture, ReproduceError> {
+        let architecture = architecture(system, self.options.pair);
+        let (found, needed) = (set.train.q.width(), architecture.n());
+        if found != needed {
+            return Err(ReproduceError::Coordinates { found, needed });
+        }
+        Ok(architecture)
+    }
+
+    /// A system with predictions of 30 s.
+    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, Model), ReproduceError> {
+        let (mut outcome, model) = self.learn(system, set)?;
+        if let Some(judge) = &self.judge(system, PREDICTION)? {
+            self.predict(&mut outcome, judge, &model)?;
+        }
+        Ok((outcome, model))
+    }
+
+    /// Learns a system from its own data.
+    fn learn(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, Model), ReproduceError> {
+        let architecture = self.architecture(system, set)?;
+        let clock = Instant::now();
+        let (iterations, seed) = (self.iterations(), self.options.seed);
+        let tell = self.tell;
+        let model = train(architecture, &set.train, iterations, seed, |iteration, loss| {
+            if iteration % 10 == 0 {
+                tell(&format!("iteration {iteration} of {iterations}: training loss {loss:.2e}"));
+            }
+        })?;
+        let seconds = clock.elapsed().as_secs_f64();
+        let mut outcome = self.outcome(system, "trained", set, model.learned(), seconds)?;
+        outcome.published = published::trained(system);
+        outcome.accelerations = model.accelerations(&set.test)?;
+        Ok((outcome, model))
+    }
+
+    fn outcome(
+        &self,
+        system: ManyBody,
+        kind: &'static str,
+        set: &ModlanetSet,
+        (shape, weights): (&dyn AccelerationModel, &[f64]),
+        train_seconds: f64,
+    ) -> Result<Outcome, ReproduceError> {
+        let loss = |rows| Ok::<_, ModelError>(shape.objective(Samples::modlanet(rows))?.loss(weights));
+        let test_mse = loss(&set.test)?;
+        Ok(Outcome {
+            case: self.case,
+            system: system.name(),
+            count: system.count(),
+            kind,
+            samples: set.train.q.len(),
+            noise: 0.0,
+            parameters: weights.len(),
+            train_mse: loss(&set.train)?,
+            test_mse,
+            relative_test_mse: test_mse / set.test.mean_squared_acceleration(),
+            train_seconds,
+            epochs: None,
+            ending: Ending::Complete,
+            seed: self.options.seed,
+            predicted: None,
+            unpredicted: None,
+            stepped: None,
+            accelerations: Vec::new(),
+            pictured: None,
+            long_run: None,
+            published: Published::default(),
+        })
+    }
+
+    fn iterations(&self) -> usize {
+        self.options.iterations.unwrap_or_else(|| self.case.iterations(self.options.pair))
+    }
+
+    /// What judges predictions of so many seconds; `None` where none are made.
+    fn judge(&self, system: ManyBody, length: f64) -> Result<Option<Judge>, ReproduceError> {
+        if self.options.starts == 0 {
+            return Ok(None);
+        }
+        (self.tell)(&format!("{} of {}: exact motions of {length} s", system.name(), system.count()));
+        Judge::new(system, self.options, length).map(Some)
+    }
+
+    fn predict(&self, outcome: &mut Outcome, judge: &Judge, model: &Model) -> Result<(), ReproduceError> {
+        (self.tell)(&format!("{} of {}: predicting {} s", outcome.system, outcome.count, judge.length));
+        let follow = Follow { motion: judge.motion.as_ref(), tolerance: TOLERANCE, deadline: None };
+        judge.put(outcome, judge.predict(model.learned(), follow)?);
+        Ok(())
+    }
+
+    /// The trained model in larger systems, as it is and fine-tuned.
+    fn extend(
+        &self,
+        system: ManyBody,
+        set: &ModlanetSet,
+        larger: &[ManyBody],
+    ) -> Result<Vec<Outcome>, ReproduceError> {
+        let (trained, model) = self.learn(system, set)?;
+        let mut rows = vec![trained];
+        for system in larger {
+            rows.extend(self.extend_to(*system, &model.extended(*system))?);
+        }
+        Ok(rows)
+    }
+
+    fn extend_to(&self, system: ManyBody, model: &Model) -> Result<[Outcome; 2], ReproduceError> {
+        let set = modlanet_set(system, self.options.seed)?;
+        let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
+        zero_shot.samples = 0;
+        zero_shot.published = published::extended(system, false);
+        zero_shot.accelerations = model.accelerations(&set.test)?;
+        let judge = self.judge(system, 10.0)?;
+        if let Some(judge) = &judge {
+            self.predict(&mut zero_shot, judge, model)?;
+        }
+        let clock = Instant::now();
+        let [rows, validation] = held_back(&set.train, 9);
+        let tuned = fine_tune(model, [&rows, &validation], FINE_TUNING)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        let mut fine_tuned = self.outcome(system, "fine-tuned", &set, tuned.learned(), seconds)?;
+        fine_tuned.published = published::extended(system, true);
+        fine_tuned.accelerations = tuned.accelerations(&set.test)?;
+        if let Some(judge) = &judge {
+            self.predict(&mut fine_tuned, judge, &tuned)?;
+        }
+        Ok([zero_shot, fine_tuned])
+    }
+
+    /// The double pendulum from more and more samples, with the same iterations.
+    fn dataset_size(&self) -> Result<Vec<Outcome>, ReproduceError> {
+        let system = ManyBody::Pendulum(2);
+        let sizes = [10_000, 20_000, 40_000, 100_000, 1_000_000];
+        let mut rows = Vec::new();
+        for samples in sizes.into_iter().filter(|samples| *samples <= self.options.most_samples) {
+            (self.tell)(&format!("{samples} samples"));
+            let published = ModlanetSettings::published(system, self.options.seed);
+            // Of every ten trajectories of 101 states nine are for training.
+            let settings = ModlanetSettings { trajectories: samples / 100, ..published };
+            let (outcome, _) = self.learn(system, &modlanet_set_of(&settings)?)?;
+            rows.push(Outcome {
+                published: published::by_samples(samples),
+                accelerations: Vec::new(),
+                ..outcome
+            });
+        }
+        Ok(rows)
+    }
+}
+
+/// Length of the predictions of what a model was trained on, s.
+const PREDICTION: f64 = 30.0;
+/// Step of the long run, s.
+const LONG_STEP: f32 = 0.01;
+/// Iterations of fine-tuning.
+const FINE_TUNING: usize = 30;
+
+/// The rows but for the last trajectories, one in so many of all, which judge; where there is but one, its last rows.
+fn held_back(rows: &ModlanetRows, one_in: usize) -> [ModlanetRows; 2] {
+    let starts = rows.starts();
+    let first = starts.get(starts.len() - (starts.len() / one_in).max(1)).copied().unwrap_or(0);
+    let split = if first == 0 { rows.q.len() * (one_in - 1) / one_in } else { first };
+    [rows.slice(0..split), rows.slice(split..rows.q.len())]
+}

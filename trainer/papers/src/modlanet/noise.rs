@@ -1,0 +1,123 @@
+//! Few and noisy samples, beside a network that knows nothing of mechanics.
+
+use super::recipe::best_of;
+use super::{Experiment, Outcome, ReproduceError, held_back};
+use crate::baselines::{AccelerationModel, Mlp};
+use leastaction::data::Rows;
+use leastaction::data::modlanet::{ModlanetRows, ModlanetSet};
+use leastaction::ground_truth::{ManyBody, noisy};
+use leastaction::training::Samples;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_pcg::Pcg64;
+use std::time::Instant;
+
+/// Samples in all, those that judge included.
+const SAMPLES: [usize; 3] = [100, 300, 1_000];
+/// Standard deviations of the noise on positions (rad) and velocities (rad/s).
+const NOISE: [f64; 2] = [0.0, 0.01];
+/// One in so many samples is held back to choose the iteration: a fifth.
+const JUDGES: usize = 5;
+
+impl Experiment<'_> {
+    /// The system from few samples, without and with noise, by the model and by an MLP of at least as many weights: both by
+    /// the same iterations, and of each that with the lowest error on a fifth of the samples, held back and as noisy as the
+    /// others. The test set is without noise.
+    pub(super) fn noise(&self, system: ManyBody, set: &ModlanetSet) -> Result<Vec<Outcome>, ReproduceError> {
+        let modular = self.architecture(system, set)?;
+        let weights = modular.initial_weights(self.options.seed).len();
+        let mlp = Mlp::with_weights(&modular.coordinates(), weights)?;
+        let mut rows = Vec::new();
+        for count in SAMPLES {
+            for noise in NOISE {
+                let train = few(&set.train, count, noise, self.options.seed);
+                let mlp = mlp.clone().scaled_to(&Samples::modlanet(&train));
+                let set = ModlanetSet { train, test: set.test.clone() };
+                for (kind, shape) in [("trained", &modular as &dyn AccelerationModel), ("mlp", &mlp)] {
+                    (self.tell)(&format!("{count} samples, noise {noise}: {kind}"));
+                    let outcome = self.learn_judged(system, kind, &set, shape)?;
+                    rows.push(Outcome { noise, ..outcome });
+                }
+            }
+        }
+        Ok(rows)
+    }
+
+    fn learn_judged(
+        &self,
+        system: ManyBody,
+        kind: &'static str,
+        set: &ModlanetSet,
+        shape: &dyn AccelerationModel,
+    ) -> Result<Outcome, ReproduceError> {
+        let clock = Instant::now();
+        let [rows, judges] = held_back(&set.train, JUDGES);
+        let start = shape.initial_weights(self.options.seed);
+        let weights = best_of(shape, [&rows, &judges], start, self.iterations())?;
+        self.outcome(system, kind, set, (shape, &weights), clock.elapsed().as_secs_f64())
+    }
+}
+
+/// So many rows from anywhere, drawn by the seed, with noise on their positions and velocities; more rows begin with the
+/// same, and noise is the same but for its size. Accelerations stay exact.
+fn few(rows: &ModlanetRows, count: usize, noise: f64, seed: u64) -> ModlanetRows {
+    let mut order: Vec<usize> = (0..rows.q.len()).collect();
+    order.shuffle(&mut Pcg64::seed_from_u64(seed));
+    order.truncate(count);
+    // Streams of their own, so that the number of rows does not matter.
+    let disturbed = |values: &Rows, stream| {
+        let mut stream = Pcg64::new(u128::from(seed), stream);
+        values.select(&order).map(|x| noisy([x], noise, &mut stream)[0])
+    };
+    let (q, v) = (disturbed(&rows.q, 1), disturbed(&rows.v, 2));
+    ModlanetRows { q, v, a: rows.a.select(&order), t: None, energy: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Case, Options, run};
+    use super::*;
+    use leastaction::ground_truth::{ModlanetSettings, modlanet_set_of};
+
+    /// 202 rows to learn from, 101 to judge by.
+    fn set() -> ModlanetSet {
+        let settings = ModlanetSettings::published(ManyBody::Pendulum(2), 5);
+        modlanet_set_of(&ModlanetSettings { trajectories: 3, ..settings }).unwrap()
+    }
+
+    #[test]
+    fn samples_are_drawn_by_the_seed_and_positions_and_velocities_alone_are_noisy() {
+        let rows = set().train;
+        let (exact, noisy) = (few(&rows, 200, 0.0, 1), few(&rows, 200, 0.01, 1));
+        assert_eq!(exact.q.slice(0..100), few(&rows, 100, 0.0, 1).q);
+        assert_eq!(noisy.q.slice(0..100), few(&rows, 100, 0.01, 1).q);
+        assert_ne!(exact.q, few(&rows, 200, 0.0, 2).q);
+        assert_eq!(exact.a, noisy.a);
+        let state = exact.a.iter().map(|a| rows.a.iter().position(|b| a == b).unwrap());
+        assert!(state.zip(exact.v.iter()).all(|(k, v)| rows.v[k] == *v));
+        for (exact, noisy) in [(exact.q, noisy.q), (exact.v, noisy.v)] {
+            let pairs = exact.as_flat().iter().zip(noisy.as_flat());
+            let square = pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / exact.as_flat().len() as f64;
+            // 400 numbers: their standard deviation is within a sixth, more than four times its own.
+            assert!((square.sqrt() - 0.01).abs() < 0.01 / 6.0, "{square}");
+        }
+    }
+
+    #[test]
+    fn the_model_is_better_than_a_network_of_its_size() {
+        let options = Options { iterations: Some(8), ..Options::new(0) };
+        let rows = run(Case::Noise, &options, Some(&set()), &|_| ()).unwrap();
+        let conditions: Vec<_> = rows.iter().map(|row| (row.samples, row.noise, row.kind)).collect();
+        assert_eq!(
+            conditions[..4],
+            [(100, 0.0, "trained"), (100, 0.0, "mlp"), (100, 0.01, "trained"), (100, 0.01, "mlp")]
+        );
+        assert_eq!(rows.len(), 12);
+        for pair in rows.chunks_exact(2) {
+            assert_eq!((pair[0].parameters, pair[1].parameters), (172, 173));
+            assert!(pair[0].test_mse < 0.5 * pair[1].test_mse, "{pair:?}");
+        }
+        let [exact, noisy] = [&rows[4], &rows[6]];
+        assert!(exact.train_mse < noisy.train_mse, "{exact:?} {noisy:?}");
+    }
+}

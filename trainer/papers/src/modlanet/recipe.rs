@@ -1,0 +1,165 @@
+//! What is learned, and how.
+
+use crate::baselines::AccelerationModel;
+use leastaction::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
+use leastaction::data::modlanet::ModlanetRows;
+use leastaction::evaluate::learned::with_accelerations;
+use leastaction::ground_truth::ManyBody;
+use leastaction::training::{Levenberg, Samples};
+use leastaction_core::energy::List;
+use leastaction_core::energy::modular::{
+    Input, ModularShape, NetworkShape, PairInput, PairShape, TransformShape, TypeShape,
+};
+use leastaction_core::model::ModelError;
+use leastaction_core::network::Activation;
+
+/// Hidden units of the pendulum's position; its potential is linear in the position, as the authors' is.
+const POSITION: [u16; 4] = [32, 0, 0, 0];
+/// Hidden units of the bodies' pair potential. In one over the distance it is linear, w/r + b: the form of the law is known
+/// and its strength learned, and only so does it hold at encounters closer than any in the data.
+const fn pair_widths(input: PairInput) -> [u16; 4] {
+    match input {
+        PairInput::Concat => [24, 24, 0, 0],
+        PairInput::Difference | PairInput::Distance => [16, 16, 0, 0],
+        PairInput::InverseDistance => [0; 4],
+    }
+}
+
+/// Accelerations in a picture, about.
+const SHOWN: usize = 400;
+
+/// A model of one element type, mass 1, and the tree of the system.
+pub fn architecture(system: ManyBody, pair: PairInput) -> ModularArchitecture {
+    match system {
+        ManyBody::Pendulum(_) => pendulum(),
+        ManyBody::Bodies(_) => bodies(pair),
+    }
+    .with_tree(tree(system))
+}
+
+/// The tree of a system whose elements are all of the first type.
+pub fn tree(system: ManyBody) -> NamedTree {
+    let kinds = vec![0; system.count()];
+    match system {
+        ManyBody::Pendulum(_) => NamedTree::chain("chain", &kinds),
+        ManyBody::Bodies(_) => NamedTree::apart("bodies", &kinds),
+    }
+}
+
+fn pendulum() -> ModularArchitecture {
+    let mut shape = ModularShape { networks: List::default(), types: List::default(), pair: None };
+    let activation = Activation::Tanh;
+    shape.networks.slots[0] = Some(NetworkShape { inputs: 2, widths: POSITION, outputs: 2, activation });
+    shape.networks.slots[1] = Some(NetworkShape { inputs: 2, widths: [0; 4], outputs: 1, activation });
+    let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
+    shape.types.slots[0] = Some(TypeShape { transform, potential: Some(1) });
+    one_type(shape, "bob")
+}
+
+fn bodies(input: PairInput) -> ModularArchitecture {
+    let mut shape = ModularShape { networks: List::default(), types: List::default(), pair: None };
+    let widths = pair_widths(input);
+    let inputs = input.features() as u8;
+    shape.networks.slots[0] = Some(NetworkShape { inputs, widths, outputs: 1, activation: Activation::Tanh });
+    shape.types.slots[0] = Some(TypeShape { transform: TransformShape::Free, potential: None });
+    shape.pair = Some(PairShape { network: 0, input });
+    one_type(shape, "body")
+}
+
+/// All numbers known: a point of mass 1 without damping, c₁ = c₂ = 1. The networks bear the scales, and a known mass fixes
+/// the scale of L, which accelerations do not show.
+fn one_type(shape: ModularShape, name: &str) -> ModularArchitecture {
+    let numbers = [1.0, 0.0, 1.0, 1.0, 0.0].map(Number::known);
+    let types = vec![NamedType { name: name.to_owned(), numbers }];
+    ModularArchitecture::new(shape, types, [Number::known(1.0); 2], Vec::new())
+}
+
+/// A trained model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Its shape.
+    pub architecture: ModularArchitecture,
+    /// Its weight block.
+    pub weights: Vec<f64>,
+}
+
+impl Model {
+    /// The same elements in another tree.
+    #[must_use]
+    pub fn extended(&self, system: ManyBody) -> Self {
+        Self { architecture: self.architecture.with_tree(tree(system)), weights: self.weights.clone() }
+    }
+
+    /// The shape, whatever the family.
+    pub fn shape(&self) -> Architecture {
+        self.architecture.clone().into()
+    }
+
+    /// Accelerations of rows, true and learned: some of them, evenly taken, where there are many.
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled.
+    pub fn accelerations(&self, rows: &ModlanetRows) -> Result<Vec<(f64, f64)>, ModelError> {
+        let apart = (rows.q.len() * rows.q.width()).div_ceil(SHOWN).max(1);
+        with_accelerations(&self.shape(), &self.weights, |accelerations| {
+            let of_row = |k: usize| {
+                let mut learned = vec![0.0; rows.q.width()];
+                accelerations(&rows.q[k], &rows.v[k], &mut learned)?;
+                Some(rows.a[k].iter().copied().zip(learned))
+            };
+            (0..rows.q.len()).step_by(apart).filter_map(of_row).flatten().collect()
+        })
+    }
+
+    /// What is learned, and the weights it has.
+    pub fn learned(&self) -> (&dyn AccelerationModel, &[f64]) {
+        (&self.architecture, &self.weights)
+    }
+}
+
+/// Learns from accelerations by Levenberg–Marquardt; `watch` is called with the iteration and the loss.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn train(
+    architecture: ModularArchitecture,
+    rows: &ModlanetRows,
+    iterations: usize,
+    seed: u64,
+    mut watch: impl FnMut(usize, f64),
+) -> Result<Model, ModelError> {
+    let objective = architecture.objective(Samples::modlanet(rows))?;
+    let levenberg = Levenberg::new(&*objective, architecture.initial_weights(seed));
+    let levenberg = levenberg.run(&*objective, iterations, |iteration, state| watch(iteration, state.loss));
+    Ok(Model { architecture, weights: levenberg.weights })
+}
+
+/// Goes on from a trained model with other rows; of all iterations, the start included, the one with the lowest error on
+/// `validation` is kept, so that the model never becomes worse there.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub fn fine_tune(
+    model: &Model,
+    [rows, validation]: [&ModlanetRows; 2],
+    iterations: usize,
+) -> Result<Model, ModelError> {
+    let weights = best_of(&model.architecture, [rows, validation], model.weights.clone(), iterations)?;
+    Ok(Model { weights, ..model.clone() })
+}
+
+/// Goes on from these weights by Levenberg–Marquardt on `rows`; of all iterations, the start included, the weights with the
+/// lowest error on `validation`.
+///
+/// # Errors
+/// Where the shape is beyond what is compiled.
+pub(super) fn best_of(
+    shape: &dyn AccelerationModel,
+    [rows, validation]: [&ModlanetRows; 2],
+    weights: Vec<f64>,
+    iterations: usize,
+) -> Result<Vec<f64>, ModelError> {
+    let objective = shape.objective(Samples::modlanet(rows))?;
+    let judge = shape.objective(Samples::modlanet(validation))?;
+    Ok(Levenberg::new(&*objective, weights).best(&*objective, &*judge, iterations, |_, _| ()))
+}

@@ -1,0 +1,68 @@
+//! A long free motion in phase space, learned and exact (Figure 1).
+
+use super::Case;
+use leastaction::architecture::Architecture;
+use leastaction::data::Dataset;
+use leastaction::evaluate::rollout;
+use leastaction::ground_truth::{IntegrationError, Mechanism, Settings, generate};
+use leastaction::plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
+use leastaction_core::model::ModelError;
+use std::path::Path;
+use thiserror::Error;
+
+/// Steps of the motion.
+const STEPS: usize = 4_000;
+/// Makes the stream of its start another than that of the data.
+const UNSEEN: u64 = 0x5eed_0000_0000_0000;
+
+/// A picture that cannot be drawn.
+#[derive(Debug, Error)]
+pub(super) enum PortraitError {
+    /// The exact motion.
+    #[error(transparent)]
+    Motion(#[from] IntegrationError),
+    /// The learned one.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The file.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+}
+
+/// Draws the angle of the last coordinate and its rate along 4,000 steps of a motion that no data has; the name of the file.
+pub(super) fn draw(
+    folder: &Path,
+    name: &str,
+    case: &Case,
+    (architecture, weights): (&Architecture, &[f64]),
+) -> Result<String, PortraitError> {
+    let start = Settings {
+        samples: STEPS + 2,
+        control: false,
+        ..Settings::symo(case.mechanism, 1, case.seed ^ UNSEEN)
+    };
+    let exact = generate(&start)?;
+    let learned = rollout(architecture, weights, case.order, &exact)?;
+    let flat = |data: &Dataset| data.trajectories.first().map_or(Vec::new(), |run| run.q.as_flat().to_vec());
+    let series = [
+        Series::new("exact", points(&flat(&exact), &exact)).with_stroke(Stroke::Wide),
+        Series::new("learned", points(&learned.concat(), &exact)),
+    ];
+    let phase = Phase { x_label: angle(case.mechanism), y_label: "its rate (rad/s)", angle: Angle::Wrapped };
+    let file = format!("{name}-portrait.svg");
+    phase_portrait(&folder.join(&file), &format!("{name}: {STEPS} free steps"), phase, &series)?;
+    Ok(file)
+}
+
+fn angle(mechanism: Mechanism) -> &'static str {
+    match mechanism {
+        Mechanism::Acrobot => "angle of the second joint (rad)",
+        Mechanism::Pendulum | Mechanism::Cartpole => "angle (rad)",
+    }
+}
+
+/// The last coordinate and its rate at every midpoint.
+fn points(q: &[f64], data: &Dataset) -> Vec<(f64, f64)> {
+    let last: Vec<f64> = q.chunks_exact(data.n).filter_map(|row| row.last().copied()).collect();
+    last.windows(2).map(|pair| (0.5 * (pair[0] + pair[1]), (pair[1] - pair[0]) / data.h)).collect()
+}

@@ -1,0 +1,130 @@
+//! The baselines that are stepped by Runge–Kutta from logged states: L-NODE and NODE.
+
+use super::{Case, Model, Outcome, Recipe};
+use crate::baselines::NeuralOde;
+use leastaction::architecture::Architecture;
+use leastaction::data::symo::SymoSet;
+use leastaction::evaluate::learned::{Forced, with_forced};
+use leastaction::evaluate::states::{Stepper, positions, state_energy_mse};
+use leastaction::evaluate::{inertia_mse, integration_errors};
+use leastaction::ground_truth::Exact;
+use leastaction::runge_kutta::RungeKutta;
+use leastaction::training::{LossKind, SampleError, Samples, objective};
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::trigonometric::Trigonometric;
+use leastaction_core::model::ModelError;
+use std::time::Instant;
+use thiserror::Error;
+
+/// A case that cannot be run.
+#[derive(Debug, Error)]
+pub enum CaseError {
+    /// Its shape.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Its data.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+}
+
+/// What a baseline has learned.
+enum Learned {
+    /// A Lagrangian.
+    LNode(Box<Architecture>),
+    /// An acceleration.
+    NeuralOde(NeuralOde),
+}
+
+impl Learned {
+    fn with_forced<T>(&self, weights: &[f64], then: impl FnOnce(&Forced) -> T) -> Result<T, ModelError> {
+        match self {
+            Self::LNode(architecture) => with_forced(architecture, weights, then),
+            Self::NeuralOde(node) => Ok(then(&|q, v, u, out| node.acceleration(weights, [q, v, u], out))),
+        }
+    }
+}
+
+impl Case {
+    /// Learns and evaluates a baseline.
+    ///
+    /// # Errors
+    /// Where the shape is beyond what is compiled or the data has no velocities.
+    pub(super) fn run_from_states(
+        &self,
+        set: &SymoSet,
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Result<Outcome, CaseError> {
+        let (clock, recipe) = (Instant::now(), self.recipe());
+        let [rows, judges] = recipe.split(&set.train.truncated(self.trajectories));
+        let samples = [Samples::next_states(&rows)?, Samples::next_states(&judges)?];
+        let (learned, weights) = self.learn_from_states(recipe, samples, watch)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        let inertia_mse = match &learned {
+            Learned::LNode(architecture) => {
+                Some(inertia_mse(architecture, &weights, self.mechanism, &set.test)?)
+            }
+            Learned::NeuralOde(_) => None,
+        };
+        let outcome = learned.with_forced(&weights, |forced| match self.mechanism.exact() {
+            Exact::One(exact) => self.stepped(&exact, forced, set),
+            Exact::Two(exact) => self.stepped(&exact, forced, set),
+        })?;
+        Ok(Outcome { inertia_mse, parameters: weights.len(), train_seconds: seconds, ..outcome })
+    }
+
+    /// By the recipe of SyMo's models: the network, the iterations on the loss, the penalty and who judges; finite whatever the
+    /// initial weights, the loss needs no warm-up.
+    fn learn_from_states(
+        &self,
+        recipe: Recipe,
+        [samples, judges]: [Samples; 2],
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Result<(Learned, Vec<f64>), ModelError> {
+        let architecture = &recipe.architecture;
+        if matches!(self.model, Model::LNodeRk4 | Model::LNodeMidpoint) {
+            let weights = architecture.initial_weights(self.seed);
+            let loss = |samples| objective(architecture, samples, LossKind::NextState, self.order);
+            let (loss, judge) = (loss(samples)?, loss(judges)?);
+            let judge = Some(&*judge).filter(|_| recipe.judges > 0);
+            let weights = recipe.minimise((&*loss, judge), weights, recipe.iterations, watch);
+            return Ok((Learned::LNode(Box::new(recipe.architecture)), weights));
+        }
+        let coordinates: Vec<_> =
+            architecture.coordinates().chars().filter_map(Coordinate::from_letter).collect();
+        let node = NeuralOde::new(&coordinates, &architecture.widths(), self.mechanism.actuated())?;
+        let node = node.scaled_to(&samples);
+        let loss = |samples| node.objective(samples, RungeKutta::of_order(self.order));
+        let (loss, judge) = (loss(samples)?, loss(judges)?);
+        let weights = node.initial_weights(self.seed);
+        let judge = Some(&*judge).filter(|_| recipe.judges > 0);
+        let weights = recipe.minimise((&*loss, judge), weights, recipe.iterations, watch);
+        Ok((Learned::NeuralOde(node), weights))
+    }
+
+    /// The measures of learned accelerations.
+    fn stepped<const N: usize>(&self, exact: &Trigonometric<N>, forced: &Forced, set: &SymoSet) -> Outcome {
+        let acceleration = |q: &[f64; N], v: &[f64; N], u: &[f64; N]| {
+            let mut out = [0.0; N];
+            forced(q, v, u, &mut out).map(|()| out)
+        };
+        let stepper = Stepper { method: RungeKutta::of_order(self.order), acceleration };
+        let runs = stepper.rollout(&set.integration);
+        let integration = integration_errors(&positions(&runs), &set.integration);
+        Outcome {
+            system: self.mechanism.name(),
+            model: self.model,
+            order: self.order,
+            trajectories: self.trajectories,
+            parameters: 0,
+            train_mse: stepper.one_step_mse(&set.train.truncated(self.trajectories)),
+            test_mse: stepper.one_step_mse(&set.test),
+            integration_mse: integration.mean,
+            integration_median: integration.median,
+            integration_mse_100: integration.first_100,
+            energy_mse: state_energy_mse(exact, &runs, &set.integration),
+            inertia_mse: None,
+            train_seconds: 0.0,
+            seed: self.seed,
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Experiments as tasks: chosen by name, shared among machines, run side by side, and left out where they are done.
+
+use super::folder::{FolderError, Results};
+use super::record::{Finished, Record};
+use std::error::Error;
+use std::path::Path;
+use std::str::FromStr;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+use thiserror::Error;
+
+/// Why a task has no rows.
+pub type TaskError = Box<dyn Error + Send + Sync>;
+
+/// A unit of work: models that are trained, and all rows that come of them.
+pub trait Task: Sync {
+    /// A file name, unique among the tasks of a paper.
+    fn name(&self) -> String;
+    /// The command that does this task alone.
+    fn command(&self) -> String;
+    /// What is learned from, in words.
+    fn data(&self) -> String;
+    /// Everything that the result depends on.
+    fn settings(&self) -> String;
+    /// The options that it has in common with all tasks of a run, as on the command line: results of other options are of another
+    /// page.
+    fn options(&self) -> String;
+    /// How long it takes, s, roughly.
+    fn expected_seconds(&self) -> f64;
+    /// Whether it measures times, which nothing must disturb.
+    fn is_timed(&self) -> bool {
+        false
+    }
+    /// Does it; pictures go to a folder, if there is one, and how far long training is, so that an interrupted one goes on.
+    ///
+    /// # Errors
+    /// Where it cannot be done.
+    fn run(&self, folder: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError>;
+}
+
+/// A task for each of these with every one of so many seeds from `first` on.
+pub(crate) fn with_seeds<T, X: Task + 'static>(
+    of: impl IntoIterator<Item = T>,
+    (first, seeds): (u64, usize),
+    task: impl Fn(&T, u64) -> X,
+) -> Vec<Box<dyn Task>> {
+    let seeded = |of: T| (first..).take(seeds).map(|seed| Box::new(task(&of, seed)) as _).collect::<Vec<_>>();
+    of.into_iter().flat_map(seeded).collect()
+}
+
+/// A case for our model, then for each of those that it is compared with.
+pub(crate) fn compared<C: Copy, B>(
+    case: C,
+    baselines: impl IntoIterator<Item = B>,
+) -> impl Iterator<Item = (C, Option<B>)> {
+    std::iter::once(None).chain(baselines.into_iter().map(Some)).map(move |baseline| (case, baseline))
+}
+
+/// A share of the tasks: the `index`th, from 1, of `of`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    index: usize,
+    of: usize,
+}
+
+impl Shard {
+    /// The tasks of this share: all shares together have every task once, the long and the short ones dealt out alike.
+    pub fn of<T>(self, tasks: Vec<T>) -> Vec<T> {
+        tasks.into_iter().skip(self.index - 1).step_by(self.of).collect()
+    }
+}
+
+/// A share that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("it must be I/N with 1 ≤ I ≤ N, as 2/8")]
+pub struct BadShard;
+
+impl FromStr for Shard {
+    type Err = BadShard;
+
+    fn from_str(text: &str) -> Result<Self, BadShard> {
+        let (index, of) = text.split_once('/').ok_or(BadShard)?;
+        let (index, of) = (index.parse().map_err(|_| BadShard)?, of.parse().map_err(|_| BadShard)?);
+        if index == 0 || index > of { Err(BadShard) } else { Ok(Self { index, of }) }
+    }
+}
+
+/// Does the tasks that are not yet done, `jobs` at a time, and gives what those and the others gave, in the order of the tasks.
+///
+/// Each is written down as soon as it is done: an interrupted run goes on where it stopped. A failed task is written down as
+/// such, and tried again by the next run.
+///
+/// # Errors
+/// [`FolderError`]; tasks that fail are no errors.
+pub fn run_all(
+    paper: &str,
+    tasks: &[&dyn Task],
+    results: Option<&Results>,
+    jobs: usize,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Finished>, FolderError> {
+    let mut all: Vec<Option<Finished>> =
+        tasks.iter().map(|task| done_before(*task, results)).collect::<Result<_, _>>()?;
+    let open: Vec<usize> = (0..tasks.len()).filter(|k| all[*k].is_none()).collect();
+    if open.len() < tasks.len() {
+        tell(&format!("{} of {} tasks were done before", tasks.len() - open.len(), tasks.len()));
+    }
+    let (timed, others): (Vec<usize>, Vec<usize>) = open.into_iter().partition(|k| tasks[*k].is_timed());
+    let progress =
+        Progress::new(timed.iter().chain(&others).map(|k| tasks[*k].expected_seconds()).sum(), jobs);
+    let done = Mutex::new(Vec::new());
+    for (queue, jobs) in [(others, jobs), (timed, 1)] {
+        let next = AtomicUsize::new(0);
+        let work = || -> Result<(), FolderError> {
+            while let Some(k) = queue.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let finished = finish(paper, tasks[*k], results, tell)?;
+                tell(&progress.after(tasks[*k], &finished));
+                done.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((*k, finished));
+            }
+            Ok(())
+        };
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(work)).collect();
+            workers
+                .into_iter()
+                .try_for_each(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        })?;
+    }
+    for (k, finished) in done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
+        all[k] = Some(finished);
+    }
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// What the task has given in an earlier run, unless it failed.
+fn done_before(task: &dyn Task, results: Option<&Results>) -> Result<Option<Finished>, FolderError> {
+    let Some(results) = results else { return Ok(None) };
+    let done = results.read(&task.name())?.filter(|finished| finished.failure.is_none());
+    if done.as_ref().is_some_and(|finished| finished.settings != task.settings()) {
+        return Err(FolderError::Settings { file: results.file(&task.name()) });
+    }
+    Ok(done)
+}
+
+fn finish(
+    paper: &str,
+    task: &dyn Task,
+    results: Option<&Results>,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Finished, FolderError> {
+    let (clock, name) = (Instant::now(), task.name());
+    let outcome = task.run(results.map(Results::folder), &|line| tell(&format!("{name}: {line}")));
+    let (records, failure) = match outcome {
+        Ok(records) => (records, None),
+        Err(error) => (Vec::new(), Some(error.to_string())),
+    };
+    let finished = Finished {
+        paper: paper.to_owned(),
+        command: task.command(),
+        data: task.data(),
+        settings: task.settings(),
+        options: task.options(),
+        seconds: clock.elapsed().as_secs_f64(),
+        task: name,
+        failure,
+        records,
+    };
+    results.map_or(Ok(()), |results| results.write(&finished))?;
+    Ok(finished)
+}
+
+/// How much is done, and how long the rest will take at the pace so far.
+struct Progress {
+    start: Instant,
+    expected: f64,
+    jobs: usize,
+    /// Expected and true seconds of what is done.
+    done: Mutex<[f64; 2]>,
+}
+
+impl Progress {
+    fn new(expected: f64, jobs: usize) -> Self {
+        Self { start: Instant::now(), expected, jobs, done: Mutex::new([0.0; 2]) }
+    }
+
+    fn after(&self, task: &dyn Task, finished: &Finished) -> String {
+        let mut done = self.done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        done[0] += task.expected_seconds();
+        done[1] += finished.seconds;
+        let pace = done[1] / done[0].max(f64::MIN_POSITIVE) / self.jobs.max(1) as f64;
+        let (elapsed, rest) = (self.start.elapsed().as_secs_f64(), (self.expected - done[0]).max(0.0) * pace);
+        let how =
+            finished.failure.as_ref().map_or(String::from("done"), |reason| format!("failed: {reason}"));
+        format!(
+            "{} {how} after {:.1} s; {elapsed:.0} s so far, about {rest:.0} s remain",
+            finished.task, finished.seconds
+        )
+    }
+}

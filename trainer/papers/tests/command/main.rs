@@ -1,0 +1,9 @@
+//! The command as people use it: exit codes, files, messages.
+
+mod baselines;
+mod results;
+#[path = "../../../tests/cli_commands/support.rs"]
+mod support;
+
+/// What is run.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_leastaction-papers");

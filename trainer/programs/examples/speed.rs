@@ -1,0 +1,87 @@
+//! Programs beside core's code over lanes of the same samples, whose sizes are types: nanoseconds a sample of the parts of losses,
+//! for a rigid model of two coordinates.
+//!
+//! `cargo run --release -p leastaction-programs --example speed`
+
+use leastaction_core::energy::Learnable;
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::network::Activation;
+use leastaction_core::scalar::{LANES, Lanes};
+use leastaction_programs::energies::{Energies, RigidEnergies};
+use leastaction_programs::{Row, System, WIDTH};
+use std::hint::black_box;
+use std::time::Instant;
+
+const KINDS: [Coordinate; 2] = [Coordinate::Translation, Coordinate::Angle];
+const INERTIA: Inertia = Inertia::Cholesky { epsilon: 1e-3 };
+
+fn nanoseconds(samples: usize, mut run: impl FnMut()) -> f64 {
+    let mut best = f64::INFINITY;
+    for _ in 0..30 {
+        let clock = Instant::now();
+        (0..200).for_each(|_| run());
+        best = best.min(clock.elapsed().as_nanos() as f64 / (200 * samples) as f64);
+    }
+    best
+}
+
+fn main() {
+    for width in [16_u16, 32, 64] {
+        let model = RigidEnergies::new(
+            KINDS.to_vec(),
+            (&[width.into(), width.into()], Activation::Tanh),
+            INERTIA,
+            false,
+        );
+        let weights: Vec<f64> = (0..model.parameters()).map(|i| (1.7 * i as f64).sin() * 0.3).collect();
+        let shape = RigidShape::new(KINDS, &[width, width], Activation::Tanh, INERTIA).expect("a shape");
+        let core = Rigid::<f64, 2, 64, 3>::take(&mut &weights[..], &shape).expect("a model");
+        let x = [Lanes([0.3; LANES]), Lanes([0.7; LANES])];
+        let mut row = vec![Lanes([0.0; LANES]); weights.len()];
+        let lanes = [
+            nanoseconds(LANES, || {
+                black_box(Lagrangian::<Lanes, 2>::gradient(&core, black_box(&x), &x));
+            }),
+            nanoseconds(LANES, || {
+                black_box(Lagrangian::<Lanes, 2>::dynamics(&core, black_box(&x), &x));
+            }),
+            nanoseconds(LANES, || {
+                black_box(Lagrangian::<Lanes, 2>::hessian(&core, black_box(&x), &x));
+            }),
+            nanoseconds(LANES, || {
+                Learnable::<Lanes, 2>::directional_gradient(&core, (black_box(&x), &x), (&x, &x), |i, g| {
+                    row[i] += g
+                });
+            }),
+            nanoseconds(LANES, || {
+                Learnable::<Lanes, 2>::residual_gradient(&core, (black_box(&x), &x), &x, &x, |i, g| {
+                    row[i] += g
+                });
+            }),
+        ];
+        let system = System::new(&model);
+        let rows = [Row::splat(0.3), Row::splat(0.7)];
+        let programs = [
+            system.gradient(),
+            system.equation_of_motion(),
+            system.derivatives().0,
+            system.along(1),
+            system.residual(1),
+        ];
+        let names = ["gradient", "dynamics", "hessian", "along", "residual"];
+        for ((name, program), lanes) in names.into_iter().zip(programs).zip(lanes) {
+            let mut workspace = program.workspace();
+            let mut gradient = vec![vec![Row::default(); weights.len()]];
+            let inputs: [&[Row]; 5] = [&rows; 5];
+            let time = nanoseconds(WIDTH, || {
+                program.run(&weights, black_box(&inputs), &mut workspace, &mut gradient)
+            });
+            println!(
+                "{width:>3} units {name:<10} programs {time:>7.1} ns, lanes {lanes:>7.1} ns: {:.2}×, {} numbers",
+                lanes / time,
+                program.workspace_len()
+            );
+        }
+    }
+}

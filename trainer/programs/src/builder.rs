@@ -1,0 +1,323 @@
+use crate::function::Function;
+use std::collections::HashMap;
+
+/// A vector in a list of operations: of as many numbers as [`Builder::length`] says, of every sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Node(u32);
+
+impl Node {
+    pub(crate) const fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    pub(crate) const fn new(index: usize) -> Self {
+        Self(index as u32)
+    }
+}
+
+/// A fully connected layer y = Wx + b whose numbers begin at `start` in the weight block, in the order of
+/// [`Dense`](leastaction_core::network::Dense).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Layer {
+    /// Position of its first number.
+    pub start: usize,
+    /// Inputs.
+    pub inputs: usize,
+    /// Outputs.
+    pub outputs: usize,
+}
+
+impl Layer {
+    /// Position of its first bias.
+    pub(crate) const fn biases(&self) -> usize {
+        self.start + self.inputs * self.outputs
+    }
+
+    /// Position of the number after its last.
+    pub(crate) const fn end(&self) -> usize {
+        self.biases() + self.outputs
+    }
+}
+
+/// What a node is computed by.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Operation {
+    /// The caller's vector of this number.
+    Input(usize),
+    /// The same in every sample, as the bits of f64.
+    Constant(Box<[u64]>),
+    /// Numbers of the weight block from this position on, the same in every sample.
+    Parameters(usize),
+    /// Wx of every column, and + b where there is one.
+    Linear { layer: Layer, columns: usize, bias: bool, x: Node },
+    /// Wᵀy of every column.
+    Transposed { layer: Layer, columns: usize, y: Node },
+    /// The derivative of this order of a function, number by number.
+    Map { function: u32, order: usize, x: Node },
+    /// Number by number.
+    Product(Node, Node),
+    /// Number by number.
+    Sum(Node, Node),
+    /// cx, c as the bits of f64.
+    Scaled(u64, Node),
+    /// Entry i is x\[index\[i\]\].
+    Gather { x: Node, index: Box<[u32]> },
+    /// Entry k is the sum of all x\[i\] with index\[i\] = k.
+    Scatter { x: Node, index: Box<[u32]> },
+}
+
+impl Operation {
+    /// Calls `visit` with every node that it reads.
+    pub(crate) fn reads(&self, mut visit: impl FnMut(Node)) {
+        match self {
+            Self::Input(_) | Self::Constant(_) | Self::Parameters(_) => {}
+            Self::Linear { x, .. }
+            | Self::Transposed { y: x, .. }
+            | Self::Map { x, .. }
+            | Self::Scaled(_, x)
+            | Self::Gather { x, .. }
+            | Self::Scatter { x, .. } => visit(*x),
+            Self::Product(a, b) | Self::Sum(a, b) => {
+                visit(*a);
+                visit(*b);
+            }
+        }
+    }
+}
+
+/// A list of operations on vectors, each once: what is asked for again is found again. What is known when it is written down
+/// (sums and products of constants, factors of 0 and 1) is not computed by the program.
+///
+/// # Panics
+/// All methods panic where lengths do not fit: a family that writes such a list is wrong, whatever the data.
+#[derive(Clone, Debug, Default)]
+pub struct Builder {
+    pub(crate) operations: Vec<Operation>,
+    pub(crate) lengths: Vec<usize>,
+    pub(crate) functions: HashMap<u32, Function>,
+    known: HashMap<(Operation, usize), Node>,
+    inputs: usize,
+}
+
+impl Builder {
+    /// An empty list.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Numbers of a vector.
+    pub fn length(&self, x: Node) -> usize {
+        self.lengths[x.index()]
+    }
+
+    pub(crate) fn push(&mut self, operation: Operation, length: usize) -> Node {
+        let next = Node::new(self.operations.len());
+        let node = *self.known.entry((operation.clone(), length)).or_insert(next);
+        if node == next {
+            self.operations.push(operation);
+            self.lengths.push(length);
+        }
+        node
+    }
+
+    /// The caller's next vector.
+    pub fn input(&mut self, length: usize) -> Node {
+        self.inputs += 1;
+        self.push(Operation::Input(self.inputs - 1), length)
+    }
+
+    /// A vector that is the same in every sample.
+    pub fn constant(&mut self, x: &[f64]) -> Node {
+        // −0 is 0 here: what is multiplied by it vanishes.
+        let bits = x.iter().map(|x| (x + 0.0).to_bits()).collect();
+        self.push(Operation::Constant(bits), x.len())
+    }
+
+    /// The vector 0.
+    pub fn zeros(&mut self, length: usize) -> Node {
+        self.constant(&vec![0.0; length])
+    }
+
+    /// The vector of these numbers of the weight block.
+    pub fn parameters(&mut self, start: usize, length: usize) -> Node {
+        self.push(Operation::Parameters(start), length)
+    }
+
+    /// The entries of a constant.
+    pub(crate) fn known(&self, x: Node) -> Option<Vec<f64>> {
+        match &self.operations[x.index()] {
+            Operation::Constant(bits) => Some(bits.iter().map(|bits| f64::from_bits(*bits)).collect()),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a constant of this number alone.
+    pub(crate) fn is_all(&self, x: Node, number: f64) -> bool {
+        match &self.operations[x.index()] {
+            Operation::Constant(bits) => bits.iter().all(|bits| f64::from_bits(*bits) == number),
+            _ => false,
+        }
+    }
+
+    /// Wx + b of so many inputs x, one after the other; so are the outputs.
+    pub fn linear(&mut self, layer: Layer, columns: usize, x: Node) -> Node {
+        self.product_of(layer, columns, x, true)
+    }
+
+    /// Wx of every column, and + b where there is a bias.
+    pub(crate) fn product_of(&mut self, layer: Layer, columns: usize, x: Node, bias: bool) -> Node {
+        assert_eq!(self.length(x), columns * layer.inputs, "inputs of a layer");
+        let outputs = columns * layer.outputs;
+        if !bias && self.is_all(x, 0.0) {
+            return self.zeros(outputs);
+        }
+        self.push(Operation::Linear { layer, columns, bias, x }, outputs)
+    }
+
+    /// Wᵀy of every column.
+    pub(crate) fn transposed(&mut self, layer: Layer, columns: usize, y: Node) -> Node {
+        assert_eq!(self.length(y), columns * layer.outputs, "outputs of a layer");
+        let inputs = columns * layer.inputs;
+        if self.is_all(y, 0.0) {
+            return self.zeros(inputs);
+        }
+        self.push(Operation::Transposed { layer, columns, y }, inputs)
+    }
+
+    /// f(x), number by number.
+    pub fn map(&mut self, function: Function, x: Node) -> Node {
+        self.derivative(function, 0, x)
+    }
+
+    /// cos x, number by number, x in rad.
+    pub fn cosine(&mut self, x: Node) -> Node {
+        self.derivative(Function::Sine, 1, x)
+    }
+
+    /// f⁽ᵒʳᵈᵉʳ⁾(x), number by number.
+    pub(crate) fn derivative(&mut self, function: Function, order: usize, x: Node) -> Node {
+        if function == Function::Sine && order >= 2 {
+            // sin″ = −sin: any order is a sine or a cosine again.
+            let before = self.derivative(function, order - 2, x);
+            return self.scaled(-1.0, before);
+        }
+        assert!(order < crate::function::ORDERS, "a derivative of order {order}");
+        if let Some(c) = function.constant_derivative(order) {
+            return self.constant(&vec![c; self.length(x)]);
+        }
+        self.functions.insert(function.number(), function);
+        self.push(Operation::Map { function: function.number(), order, x }, self.length(x))
+    }
+
+    /// xy, number by number.
+    pub fn product(&mut self, x: Node, y: Node) -> Node {
+        assert_eq!(self.length(x), self.length(y), "factors");
+        if let (Some(a), Some(b)) = (self.known(x), self.known(y)) {
+            return self.constant(&a.iter().zip(&b).map(|(a, b)| a * b).collect::<Vec<_>>());
+        }
+        for (x, y) in [(x, y), (y, x)] {
+            if self.is_all(x, 0.0) || self.is_all(y, 1.0) {
+                return x;
+            }
+        }
+        self.push(Operation::Product(x.min(y), x.max(y)), self.length(x))
+    }
+
+    /// x + y.
+    pub fn sum(&mut self, x: Node, y: Node) -> Node {
+        assert_eq!(self.length(x), self.length(y), "summands");
+        if let (Some(a), Some(b)) = (self.known(x), self.known(y)) {
+            return self.constant(&a.iter().zip(&b).map(|(a, b)| a + b).collect::<Vec<_>>());
+        }
+        for (x, y) in [(x, y), (y, x)] {
+            if self.is_all(x, 0.0) {
+                return y;
+            }
+        }
+        self.push(Operation::Sum(x.min(y), x.max(y)), self.length(x))
+    }
+
+    /// x − y.
+    pub fn difference(&mut self, x: Node, y: Node) -> Node {
+        let minus = self.scaled(-1.0, y);
+        self.sum(x, minus)
+    }
+
+    /// cx.
+    pub fn scaled(&mut self, c: f64, x: Node) -> Node {
+        if c == 1.0 {
+            return x;
+        }
+        if let Some(known) = self.known(x) {
+            return self.constant(&known.iter().map(|x| c * x).collect::<Vec<_>>());
+        }
+        match self.operations[x.index()] {
+            Operation::Scaled(own, x) => self.scaled(c * f64::from_bits(own), x),
+            _ => self.push(Operation::Scaled(c.to_bits(), x), self.length(x)),
+        }
+    }
+
+    /// The vector whose entry i is x\[index\[i\]\].
+    pub fn gather(&mut self, x: Node, index: &[usize]) -> Node {
+        assert!(index.iter().all(|i| *i < self.length(x)), "entries to gather");
+        if index.len() == self.length(x) && index.iter().enumerate().all(|(i, at)| i == *at) {
+            return x;
+        }
+        if let Some(known) = self.known(x) {
+            return self.constant(&index.iter().map(|i| known[*i]).collect::<Vec<_>>());
+        }
+        let index = index.iter().map(|i| *i as u32).collect::<Box<[u32]>>();
+        let length = index.len();
+        self.push(Operation::Gather { x, index }, length)
+    }
+
+    /// The vector of so many entries of which entry k is the sum of all x\[i\] with index\[i\] = k.
+    pub fn scatter(&mut self, x: Node, index: &[usize], length: usize) -> Node {
+        assert!(index.len() == self.length(x) && index.iter().all(|i| *i < length), "entries to add to");
+        if index.len() == length && index.iter().enumerate().all(|(i, at)| i == *at) {
+            return x;
+        }
+        if let Some(known) = self.known(x) {
+            let mut sums = vec![0.0; length];
+            index.iter().zip(known).for_each(|(i, x)| sums[*i] += x);
+            return self.constant(&sums);
+        }
+        let index = index.iter().map(|i| *i as u32).collect();
+        self.push(Operation::Scatter { x, index }, length)
+    }
+
+    /// x·y, a vector of one number.
+    pub fn dot(&mut self, x: Node, y: Node) -> Node {
+        let product = self.product(x, y);
+        self.total(product)
+    }
+
+    /// The sum of all entries, a vector of one number.
+    pub fn total(&mut self, x: Node) -> Node {
+        self.scatter(x, &vec![0; self.length(x)], 1)
+    }
+
+    /// A vector of one number as one of so many.
+    pub fn repeated(&mut self, x: Node, length: usize) -> Node {
+        self.gather(x, &vec![0; length])
+    }
+
+    /// Vectors one after the other.
+    pub fn joined(&mut self, parts: &[Node]) -> Node {
+        let length = parts.iter().map(|part| self.length(*part)).sum();
+        let mut start = 0;
+        let mut sum = self.zeros(length);
+        for part in parts.iter().filter(|part| self.length(**part) > 0).copied().collect::<Vec<_>>() {
+            let end = start + self.length(part);
+            let own = self.scatter(part, &(start..end).collect::<Vec<_>>(), length);
+            sum = self.sum(sum, own);
+            start = end;
+        }
+        sum
+    }
+
+    /// The entries `range` of a vector.
+    pub fn part(&mut self, x: Node, range: std::ops::Range<usize>) -> Node {
+        self.gather(x, &range.collect::<Vec<_>>())
+    }
+}

@@ -1,0 +1,254 @@
+//! The path of one step, and the sums over it ([`leastaction_core::discrete`] has the equations).
+
+use crate::program::{Program, Workspace};
+use crate::row::Row;
+use crate::system::{DerivativeOutputs, System};
+
+/// The order of a step: 2, the midpoint rule, or 4, a quadratic path with two Gauss points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// 2.
+    Two,
+    /// 4.
+    Four,
+}
+
+/// A Gauss point: c between 0 and 1, and its weight b.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GaussPoint {
+    pub c: f64,
+    pub weight: f64,
+}
+
+/// How a first variation weighs F and L_v at a Gauss point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Variation {
+    pub force: f64,
+    pub momentum: f64,
+}
+
+impl GaussPoint {
+    /// D₁: of the start position.
+    pub fn start(&self, h: f64) -> Variation {
+        Variation { force: h * (1.0 - self.c), momentum: -1.0 }
+    }
+
+    /// D₂: of the end position; also how the point moves with hw.
+    pub fn end(&self, h: f64) -> Variation {
+        Variation { force: h * self.c, momentum: 1.0 }
+    }
+
+    /// D_m: of the bubble; also how the point moves with s.
+    pub fn bubble(&self, h: f64) -> Variation {
+        Variation { force: h * 4.0 * self.c * (1.0 - self.c), momentum: 4.0 * (1.0 - 2.0 * self.c) }
+    }
+}
+
+impl Order {
+    /// The Gauss points.
+    pub(crate) fn points(self) -> &'static [GaussPoint] {
+        const LATE: f64 = 0.788_675_134_594_812_9;
+        match self {
+            Self::Two => &[GaussPoint { c: 0.5, weight: 1.0 }],
+            Self::Four => &[GaussPoint { c: 1.0 - LATE, weight: 0.5 }, GaussPoint { c: LATE, weight: 0.5 }],
+        }
+    }
+
+    /// Whether the path has a bubble.
+    pub(crate) fn has_bubble(self) -> bool {
+        self == Self::Four
+    }
+}
+
+/// A step's path: where it starts, its increment w = (q₁ − q₀)/h, its bubble s (0 at order 2), and the control at both ends,
+/// linear between; n rows each.
+#[derive(Clone, Debug, Default)]
+pub struct Interval {
+    /// q₀.
+    pub q0: Vec<Row>,
+    /// w.
+    pub w: Vec<Row>,
+    /// s.
+    pub s: Vec<Row>,
+    /// τ at the start and at the end.
+    pub tau: [Vec<Row>; 2],
+}
+
+impl Interval {
+    /// A straight path.
+    pub fn new(q0: &[Row], w: &[Row], tau: [&[Row]; 2]) -> Self {
+        let s = vec![Row::default(); q0.len()];
+        Self { q0: q0.to_vec(), w: w.to_vec(), s, tau: tau.map(<[Row]>::to_vec) }
+    }
+
+    /// Position, velocity and τ at a Gauss point.
+    pub(crate) fn at(&self, point: &GaussPoint, h: f64) -> [Vec<Row>; 3] {
+        let bubble = point.bubble(h);
+        let (mut q, mut v) = (self.q0.clone(), self.w.clone());
+        let mut tau = self.tau[0].clone();
+        for i in 0..q.len() {
+            q[i].add_scaled(h * point.c, &self.w[i]);
+            q[i].add_scaled(bubble.force, &self.s[i]);
+            v[i].add_scaled(bubble.momentum, &self.s[i]);
+            tau[i] = tau[i].zip(&self.tau[1][i], |start, end| start + point.c * (end - start));
+        }
+        [q, v, tau]
+    }
+}
+
+/// The sums over an interval that a step is made of, with F = L_q + Q + τ; n rows each.
+#[derive(Clone, Debug, Default)]
+pub struct Balance {
+    /// D₁L_d + f⁻ = Σ b \[h(1 − c)F − L_v\].
+    pub d1_ld: Vec<Row>,
+    /// D_mL_d + f_m = Σ b \[hβF + γL_v\].
+    pub dm_ld: Vec<Row>,
+    /// h Σ b F.
+    pub impulse: Vec<Row>,
+}
+
+impl Balance {
+    fn zero(n: usize) -> Self {
+        let zero = vec![Row::default(); n];
+        Self { d1_ld: zero.clone(), dm_ld: zero.clone(), impulse: zero }
+    }
+
+    fn add(&mut self, point: &GaussPoint, h: f64, force: &[Row], momentum: &[Row]) {
+        let b = point.weight;
+        for (sums, of) in [(&mut self.d1_ld, point.start(h)), (&mut self.dm_ld, point.bubble(h))] {
+            for ((sum, force), momentum) in sums.iter_mut().zip(force).zip(momentum) {
+                sum.add_scaled(b * of.force, force);
+                sum.add_scaled(b * of.momentum, momentum);
+            }
+        }
+        self.impulse.iter_mut().zip(force).for_each(|(sum, force)| sum.add_scaled(h * b, force));
+    }
+
+    /// p₁ = D₂L_d + f⁺.
+    pub fn end_momentum(&self) -> Vec<Row> {
+        self.impulse.iter().zip(&self.d1_ld).map(|(impulse, d1)| impulse.zip(d1, |a, b| a - b)).collect()
+    }
+}
+
+/// A balance with its exact derivatives, n × n rows each, row by row.
+#[derive(Clone, Debug, Default)]
+pub struct Linearised {
+    /// The sums.
+    pub balance: Balance,
+    /// ∂ d1_ld/∂w.
+    pub momentum_w: Vec<Row>,
+    /// ∂ d1_ld/∂s.
+    pub momentum_s: Vec<Row>,
+    /// ∂ dm_ld/∂w.
+    pub bubble_w: Vec<Row>,
+    /// ∂ dm_ld/∂s.
+    pub bubble_s: Vec<Row>,
+    /// ∂(D₂L_d + f⁺)/∂s.
+    pub end_momentum_s: Vec<Row>,
+    /// The size of the terms that rounding acts on, also where they cancel; n rows.
+    pub scale: Vec<Row>,
+}
+
+/// What evaluates intervals of one step and order.
+#[derive(Clone, Debug)]
+pub(crate) struct Integrals {
+    pub h: f64,
+    pub order: Order,
+    n: usize,
+    first: (Program, Workspace),
+    second: (Program, Workspace),
+    at: DerivativeOutputs,
+}
+
+impl Integrals {
+    pub fn new(system: &System, h: f64, order: Order) -> Self {
+        let (second, at) = system.derivatives();
+        let first = system.force_and_momentum().with_workspace();
+        Self { h, order, n: system.n(), first, second: second.with_workspace(), at }
+    }
+
+    /// The balance from first derivatives alone.
+    pub fn balance(&mut self, weights: &[f64], interval: &Interval) -> Balance {
+        let mut sum = Balance::zero(self.n);
+        for point in self.order.points() {
+            let [q, v, tau] = interval.at(point, self.h);
+            let (program, workspace) = &mut self.first;
+            program.run(weights, &[&q, &v, &tau], workspace, &mut []);
+            let force = plus(workspace.output(0), &tau);
+            sum.add(point, self.h, &force, workspace.output(1));
+        }
+        sum
+    }
+
+    /// The balance and its derivatives.
+    pub fn linearise(&mut self, weights: &[f64], interval: &Interval) -> Linearised {
+        let n = self.n;
+        let zero = vec![Row::default(); n * n];
+        let mut sum = Linearised {
+            balance: Balance::zero(n),
+            momentum_w: zero.clone(),
+            momentum_s: zero.clone(),
+            bubble_w: zero.clone(),
+            bubble_s: zero.clone(),
+            end_momentum_s: zero,
+            scale: vec![Row::default(); n],
+        };
+        for point in self.order.points() {
+            let [q, v, tau] = interval.at(point, self.h);
+            let (program, workspace) = &mut self.second;
+            program.run(weights, &[&q, &v, &tau], workspace, &mut []);
+            let force = plus(workspace.output(DerivativeOutputs::FORCE), &tau);
+            sum.balance.add(point, self.h, &force, workspace.output(DerivativeOutputs::MOMENTUM));
+            self.add_derivatives(point, &mut sum);
+            self.add_sizes(point, (&q, &v, &force), &mut sum.scale);
+        }
+        sum
+    }
+
+    fn add_derivatives(&self, point: &GaussPoint, sum: &mut Linearised) {
+        let (n, h, at, workspace) = (self.n, self.h, self.at, &self.second.1);
+        let (start, end, bubble) = (point.start(h), point.end(h), point.bubble(h));
+        for j in 0..n {
+            let [force_q, force_v] = [at.force_q(j), at.force_v(j)].map(|output| workspace.output(output));
+            let [momentum_q, mass] = [at.momentum_q(j), at.mass(j)].map(|output| workspace.output(output));
+            let add = |of: &mut [Row], row: Variation, column: Variation| {
+                let b = point.weight;
+                for i in 0..n {
+                    let place = &mut of[i * n + j];
+                    place.add_scaled(b * row.force * column.force, &force_q[i]);
+                    place.add_scaled(b * row.force * column.momentum, &force_v[i]);
+                    place.add_scaled(b * row.momentum * column.force, &momentum_q[i]);
+                    place.add_scaled(b * row.momentum * column.momentum, &mass[i]);
+                }
+            };
+            add(&mut sum.momentum_w, start, end);
+            if self.order.has_bubble() {
+                add(&mut sum.momentum_s, start, bubble);
+                add(&mut sum.bubble_w, bubble, end);
+                add(&mut sum.bubble_s, bubble, bubble);
+                add(&mut sum.end_momentum_s, end, bubble);
+            }
+        }
+    }
+
+    /// Adds b \[Σ_j |M_ij| (|v_j| + √ε |q_j|/h) + Σ_j |∂L_v,i/∂q_j q_j| + h |F_i|\].
+    fn add_sizes(&self, point: &GaussPoint, (q, v, force): (&[Row], &[Row], &[Row]), scale: &mut [Row]) {
+        let (b, h, rounding) = (point.weight, self.h, f64::EPSILON.sqrt() / self.h);
+        for (i, (sum, force)) in scale.iter_mut().zip(force).enumerate() {
+            *sum = sum.zip(force, |sum, force| sum + b * h * force.abs());
+            for j in 0..self.n {
+                let mass = &self.second.1.output(self.at.mass(j))[i];
+                let moved = v[j].zip(&q[j], |v, q| b * (v.abs() + rounding * q.abs()));
+                let turned = &self.second.1.output(self.at.momentum_q(j))[i];
+                let turned = turned.zip(&q[j], |slope, q| b * (slope * q).abs());
+                let moved = moved.zip(mass, |moved, mass| moved * mass.abs());
+                *sum = sum.zip(&moved, |sum, x| sum + x).zip(&turned, |sum, x| sum + x);
+            }
+        }
+    }
+}
+
+/// x + y.
+pub(crate) fn plus(x: &[Row], y: &[Row]) -> Vec<Row> {
+    x.iter().zip(y).map(|(x, y)| x.zip(y, |x, y| x + y)).collect()
+}

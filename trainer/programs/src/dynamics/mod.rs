@@ -1,0 +1,54 @@
+//! Motion of systems of any size, samples side by side: accelerations, and steps of the discrete Euler–Lagrange equation.
+
+mod acceleration;
+mod del;
+mod dense;
+mod interval;
+mod matrix;
+mod newton;
+mod rods;
+
+pub use acceleration::Accelerations;
+pub use del::{Del, DelState};
+pub use interval::{Balance, Interval, Linearised, Order};
+pub use newton::Newton;
+pub use rods::Rods;
+
+pub(crate) use dense::{add, contracted, dot, max_abs, product, times};
+pub(crate) use interval::{GaussPoint, Integrals, Variation};
+pub(crate) use matrix::Lu;
+pub(crate) use newton::{Equations, Factors};
+pub(crate) use rods::take_out;
+
+use crate::row::{Row, WIDTH};
+
+/// Which samples could not be computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Failures(pub [bool; WIDTH]);
+
+impl Failures {
+    /// Those of either.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        let mut both = self;
+        both.0.iter_mut().zip(other.0).for_each(|(a, b)| *a |= b);
+        both
+    }
+
+    /// Adds those that have a number which is not finite.
+    pub(crate) fn add_not_finite(&mut self, rows: &[Row]) {
+        for (sample, failed) in self.0.iter_mut().enumerate() {
+            *failed |= rows.iter().any(|row| !row.0[sample].is_finite());
+        }
+    }
+
+    /// Whether all samples failed.
+    pub fn all(&self) -> bool {
+        self.0.iter().all(|failed| *failed)
+    }
+
+    /// Whether one of the first `count` samples failed.
+    pub fn any(&self, count: usize) -> bool {
+        self.0.iter().take(count).any(|failed| *failed)
+    }
+}

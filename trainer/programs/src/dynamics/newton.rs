@@ -1,0 +1,161 @@
+use super::interval::{Balance, Integrals, Interval, Linearised};
+use super::{Failures, Lu};
+use crate::row::{Row, WIDTH};
+
+/// The bounds of Newton's method, as [`leastaction_core::discrete::Newton`] has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Newton {
+    /// Updates at most.
+    pub max_iterations: usize,
+    /// Stop at this relative residual.
+    pub stop: f64,
+    /// A solution whose residual stays above is a failure.
+    pub accept: f64,
+}
+
+/// A residual that falls by less than this factor asks for a new matrix.
+const SLOW: f64 = 0.05;
+
+/// Factors of every sample's matrix.
+pub(crate) type Factors = Vec<Lu>;
+
+/// How far each sample is.
+struct Progress {
+    residual: [f64; WIDTH],
+    done: [bool; WIDTH],
+    failed: Failures,
+}
+
+/// The equations of an interval: both ends given (`p0` is none), or the end unknown.
+pub(crate) struct Equations<'i> {
+    pub integrals: &'i mut Integrals,
+    pub weights: &'i [f64],
+    pub p0: Option<&'i [Row]>,
+}
+
+impl Equations<'_> {
+    /// Unknowns of a sample.
+    fn count(&self, n: usize) -> usize {
+        match (self.p0, self.integrals.order.has_bubble()) {
+            (Some(_), true) => 2 * n,
+            (Some(_), false) | (None, true) => n,
+            (None, false) => 0,
+        }
+    }
+
+    /// Equation i at a balance.
+    fn left(&self, balance: &Balance, i: usize, sample: usize) -> f64 {
+        let n = balance.d1_ld.len();
+        match self.p0 {
+            Some(p0) if i < n => p0[i].0[sample] + balance.d1_ld[i].0[sample],
+            Some(_) => balance.dm_ld[i - n].0[sample],
+            None => balance.dm_ld[i].0[sample],
+        }
+    }
+
+    /// Factors the matrices of all samples; those that are singular fail.
+    pub fn factor(&self, linearised: &Linearised, factors: &mut Factors) -> Failures {
+        let n = linearised.scale.len();
+        let mut failures = Failures::default();
+        factors.resize_with(WIDTH, Lu::default);
+        for (sample, lu) in factors.iter_mut().enumerate() {
+            let free = self.p0.is_some();
+            failures.0[sample] = !lu.factor(self.count(n), |i, j| {
+                let of = match (free && i < n, free && j < n) {
+                    (true, true) => &linearised.momentum_w,
+                    (true, false) => &linearised.momentum_s,
+                    (false, true) => &linearised.bubble_w,
+                    (false, false) => &linearised.bubble_s,
+                };
+                of[i % n * n + j % n].0[sample]
+            });
+        }
+        failures
+    }
+
+    fn measure(
+        &self,
+        balance: &Balance,
+        scale: &[Row],
+        newton: &Newton,
+        progress: &mut Progress,
+        first: bool,
+    ) {
+        let n = scale.len();
+        for sample in 0..WIDTH {
+            if progress.done[sample] {
+                continue;
+            }
+            let mut worst = 0.0_f64;
+            for i in 0..self.count(n) {
+                let p0 = self.p0.map_or(0.0, |p0| p0[i % n].0[sample].abs());
+                let size = scale[i % n].0[sample] + p0 + f64::MIN_POSITIVE;
+                let off = self.left(balance, i, sample).abs() / size;
+                worst = if off.is_finite() { worst.max(off) } else { f64::NAN };
+            }
+            let before = std::mem::replace(&mut progress.residual[sample], worst);
+            let floor = !first && worst <= newton.accept && worst > 0.5 * before;
+            progress.done[sample] = worst <= newton.stop || floor || worst.is_nan();
+            progress.failed.0[sample] |= worst.is_nan();
+        }
+    }
+}
+
+impl Newton {
+    /// Solves an interval from a guess: residual → update, until nothing is left of any sample or no more can be reached. One
+    /// matrix serves as long as the residuals fall fast.
+    pub(crate) fn solve(
+        &self,
+        equations: &mut Equations,
+        interval: &mut Interval,
+        factors: &mut Factors,
+    ) -> (Balance, Failures) {
+        let mut progress =
+            Progress { residual: [f64::INFINITY; WIDTH], done: [false; WIDTH], failed: Failures::default() };
+        if equations.count(interval.q0.len()) == 0 {
+            return (equations.integrals.balance(equations.weights, interval), progress.failed);
+        }
+        let mut linearised = equations.integrals.linearise(equations.weights, interval);
+        equations.measure(&linearised.balance, &linearised.scale, self, &mut progress, true);
+        let mut balance = linearised.balance.clone();
+        let mut singular = equations.factor(&linearised, factors);
+        for _ in 0..self.max_iterations {
+            progress.failed =
+                progress.failed.or(Failures(std::array::from_fn(|k| singular.0[k] && !progress.done[k])));
+            (0..WIDTH).for_each(|k| progress.done[k] |= progress.failed.0[k]);
+            if progress.done.iter().all(|done| *done) {
+                break;
+            }
+            let before = progress.residual;
+            update(equations, &balance, interval, factors, &progress.done);
+            balance = equations.integrals.balance(equations.weights, interval);
+            equations.measure(&balance, &linearised.scale, self, &mut progress, false);
+            let slow = (0..WIDTH).any(|k| !progress.done[k] && progress.residual[k] > SLOW * before[k]);
+            if slow {
+                linearised = equations.integrals.linearise(equations.weights, interval);
+                singular = equations.factor(&linearised, factors);
+            }
+        }
+        for k in 0..WIDTH {
+            progress.failed.0[k] |= progress.residual[k].is_nan() || progress.residual[k] > self.accept;
+        }
+        (balance, progress.failed)
+    }
+}
+
+/// Moves w and s of the samples that are not done.
+fn update(
+    equations: &Equations,
+    balance: &Balance,
+    interval: &mut Interval,
+    factors: &mut Factors,
+    done: &[bool; WIDTH],
+) {
+    let n = interval.q0.len();
+    for (sample, lu) in factors.iter_mut().enumerate().filter(|(sample, _)| !done[*sample]) {
+        let change = lu.solve(|i| equations.left(balance, i, sample));
+        let (of_w, of_s) = if equations.p0.is_some() { change.split_at(n) } else { (&[][..], change) };
+        interval.w.iter_mut().zip(of_w).for_each(|(w, change)| w.0[sample] -= change);
+        interval.s.iter_mut().zip(of_s).for_each(|(s, change)| s.0[sample] -= change);
+    }
+}

@@ -1,0 +1,28 @@
+//! The families of [`leastaction_core::energy`], their Lagrangians written down for any size.
+
+mod graph;
+mod modular;
+mod network;
+mod rigid;
+
+pub use graph::GraphEnergies;
+pub use modular::ModularEnergies;
+pub use network::Network;
+pub use rigid::RigidEnergies;
+
+use crate::builder::{Builder, Node};
+
+/// A family's model of some shape: its energies over a weight block, and the forces beside them.
+pub trait Energies {
+    /// Number of coordinates n.
+    fn n(&self) -> usize;
+    /// Numbers in the weight block.
+    fn parameters(&self) -> usize;
+    /// T(q, v) and V(q), J, vectors of one number each; q in m or rad, v in m/s or rad/s.
+    fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2];
+    /// Q(q, v, τ), N or N m, beside the control force τ; 0 where it is not written down.
+    fn force(&self, builder: &mut Builder, _: Node, v: Node, _: Node) -> Node {
+        let n = builder.length(v);
+        builder.zeros(n)
+    }
+}

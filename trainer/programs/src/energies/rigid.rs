@@ -1,0 +1,94 @@
+use super::{Energies, Network};
+use crate::builder::{Builder, Node};
+use crate::function::Function;
+use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::network::Activation;
+
+/// Inertia matrix and potential of a mechanism from one network, with viscous damping of every coordinate where it is learned
+/// ([`leastaction_core::energy::rigid`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidEnergies {
+    coordinates: Vec<Coordinate>,
+    inertia: Inertia,
+    network: Network,
+    damped: bool,
+}
+
+impl RigidEnergies {
+    /// The model of this shape: the network's numbers, then the coefficients of damping, N s/m or N m s.
+    pub fn new(
+        coordinates: Vec<Coordinate>,
+        (widths, activation): (&[usize], Activation),
+        inertia: Inertia,
+        damped: bool,
+    ) -> Self {
+        let features = leastaction_core::energy::rigid::feature_count(&coordinates);
+        let outputs = inertia.outputs(coordinates.len());
+        let network = Network::of_widths(features, widths, (outputs, activation), 0);
+        Self { coordinates, inertia, network, damped }
+    }
+
+    /// s(q): translations, then the cosines of all angles, then their sines.
+    fn features(&self, builder: &mut Builder, q: Node) -> Node {
+        let of =
+            |kind| (0..self.coordinates.len()).filter(|i| self.coordinates[*i] == kind).collect::<Vec<_>>();
+        let (translations, angles) = (of(Coordinate::Translation), of(Coordinate::Angle));
+        let (translations, angles) = (builder.gather(q, &translations), builder.gather(q, &angles));
+        let (cosines, sines) = (builder.cosine(angles), builder.map(Function::Sine, angles));
+        builder.joined(&[translations, cosines, sines])
+    }
+
+    /// T = ½vᵀHv from the outputs that H is made of.
+    fn kinetic(&self, builder: &mut Builder, outputs: Node, v: Node) -> Node {
+        let n = self.n();
+        let diagonal = builder.part(outputs, 0..n);
+        let diagonal = builder.map(Function::Activation(Activation::Softplus), diagonal);
+        let twice = match self.inertia {
+            Inertia::Diagonal => {
+                let p = builder.product(diagonal, v);
+                builder.dot(p, v)
+            }
+            Inertia::Cholesky { epsilon } => {
+                let below: Vec<(usize, usize)> = (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
+                let lower = builder.part(outputs, n..n + below.len());
+                let entries = builder.joined(&[diagonal, lower]);
+                let rows = (0..n).chain(below.iter().map(|(i, _)| *i)).collect::<Vec<_>>();
+                let columns = (0..n).chain(below.iter().map(|(_, j)| *j)).collect::<Vec<_>>();
+                let v_of_rows = builder.gather(v, &rows);
+                let products = builder.product(entries, v_of_rows);
+                let transposed = builder.scatter(products, &columns, n);
+                let (square, own) = (builder.dot(transposed, transposed), builder.dot(v, v));
+                let own = builder.scaled(epsilon.into(), own);
+                builder.sum(square, own)
+            }
+        };
+        builder.scaled(0.5, twice)
+    }
+}
+
+impl Energies for RigidEnergies {
+    fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    fn parameters(&self) -> usize {
+        self.network.end() + if self.damped { self.n() } else { 0 }
+    }
+
+    fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
+        let features = self.features(builder, q);
+        let outputs = self.network.output(builder, features);
+        let last = builder.length(outputs) - 1;
+        let potential = builder.part(outputs, last..last + 1);
+        [self.kinetic(builder, outputs, v), potential]
+    }
+
+    fn force(&self, builder: &mut Builder, _: Node, v: Node, _: Node) -> Node {
+        if !self.damped {
+            return builder.zeros(self.n());
+        }
+        let coefficients = builder.parameters(self.network.end(), self.n());
+        let drag = builder.product(coefficients, v);
+        builder.scaled(-1.0, drag)
+    }
+}

@@ -1,0 +1,78 @@
+//! Forward differentiation.
+
+use crate::builder::{Builder, Node, Operation};
+
+impl Builder {
+    /// The derivatives of `of` where these vectors move with those slopes: the direction of each is the second of a pair.
+    pub fn tangents(&mut self, of: &[Node], along: &[(Node, Node)]) -> Vec<Node> {
+        let last = of.iter().max().map_or(0, |last| last.index() + 1);
+        let mut slopes = vec![None; last];
+        for (node, slope) in along {
+            assert_eq!(self.length(*node), self.length(*slope), "a direction");
+            if let Some(place) = slopes.get_mut(node.index()) {
+                *place = Some(*slope);
+            }
+        }
+        let read = self.read_by(of, last);
+        for at in 0..last {
+            if read[at] && slopes[at].is_none() {
+                slopes[at] = self.slope(at, &slopes);
+            }
+        }
+        of.iter().map(|node| slopes[node.index()].unwrap_or_else(|| self.zeros(self.length(*node)))).collect()
+    }
+
+    /// Which of the first `count` nodes these are computed from, themselves included.
+    pub(crate) fn read_by(&self, nodes: &[Node], count: usize) -> Vec<bool> {
+        let mut read = vec![false; count];
+        nodes.iter().for_each(|node| read[node.index()] = true);
+        for at in (0..count).rev() {
+            if read[at] {
+                self.operations[at].reads(|x| read[x.index()] = true);
+            }
+        }
+        read
+    }
+
+    /// The slope of one node from those before it; none where it does not move.
+    fn slope(&mut self, at: usize, slopes: &[Option<Node>]) -> Option<Node> {
+        let of = |x: Node| slopes[x.index()];
+        let node = Node::new(at);
+        let slope = match self.operations[at].clone() {
+            Operation::Input(_) | Operation::Constant(_) | Operation::Parameters(_) => return None,
+            Operation::Linear { layer, columns, x, .. } => self.product_of(layer, columns, of(x)?, false),
+            Operation::Transposed { layer, columns, y } => self.transposed(layer, columns, of(y)?),
+            Operation::Map { function, order, x } => {
+                let (function, dx) = (self.functions[&function], of(x)?);
+                let rate = self.derivative(function, order + 1, x);
+                self.product(rate, dx)
+            }
+            Operation::Product(x, y) => {
+                let left = of(x).map(|dx| self.product(dx, y));
+                let right = of(y).map(|dy| self.product(x, dy));
+                self.sum_of(left, right)?
+            }
+            Operation::Sum(x, y) => self.sum_of(of(x), of(y))?,
+            Operation::Scaled(c, x) => self.scaled(f64::from_bits(c), of(x)?),
+            Operation::Gather { x, index } => self.gather(of(x)?, &widened(&index)),
+            Operation::Scatter { x, index } => {
+                let length = self.length(node);
+                self.scatter(of(x)?, &widened(&index), length)
+            }
+        };
+        let vanishes = self.known(slope).is_some_and(|known| known.iter().all(|x| *x == 0.0));
+        if vanishes { None } else { Some(slope) }
+    }
+
+    /// The sum of what there is.
+    pub(crate) fn sum_of(&mut self, x: Option<Node>, y: Option<Node>) -> Option<Node> {
+        match (x, y) {
+            (Some(x), Some(y)) => Some(self.sum(x, y)),
+            (x, y) => x.or(y),
+        }
+    }
+}
+
+pub(crate) fn widened(index: &[u32]) -> Vec<usize> {
+    index.iter().map(|i| *i as usize).collect()
+}

@@ -1,0 +1,96 @@
+use crate::row::{Row, sin_cos};
+use leastaction_core::network::Activation;
+use leastaction_core::scalar::{LANES, Lanes, Scalar};
+
+/// A smooth function of one number, with its derivatives up to the third.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// The activation of hidden units.
+    Activation(Activation),
+    /// sin x, x in rad.
+    Sine,
+    /// √x, x > 0.
+    SquareRoot,
+    /// 1/x.
+    Reciprocal,
+    /// |x|; its slope jumps at 0.
+    Magnitude,
+    /// x, an angle in rad, wrapped to [0, 2π); it jumps there, its slope is 1 everywhere.
+    Wrapped,
+}
+
+/// Derivatives that are known, the function itself included.
+pub(crate) const ORDERS: usize = 4;
+
+impl Function {
+    /// A number of its own, to tell equal operations by.
+    pub(crate) fn number(self) -> u32 {
+        match self {
+            Self::Activation(activation) => 16 + activation as u32,
+            Self::Sine => 0,
+            Self::SquareRoot => 1,
+            Self::Reciprocal => 2,
+            Self::Magnitude => 3,
+            Self::Wrapped => 4,
+        }
+    }
+
+    /// What the derivative of this order is everywhere, where it is the same everywhere.
+    pub(crate) fn constant_derivative(self, order: usize) -> Option<f64> {
+        match (self, order) {
+            (Self::Wrapped | Self::Activation(Activation::Identity), 1) => Some(1.0),
+            (Self::Wrapped | Self::Magnitude | Self::Activation(Activation::Identity), 2..) => Some(0.0),
+            _ => None,
+        }
+    }
+
+    /// f and its derivatives at x; those that are not `wanted` may be anything.
+    pub(crate) fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
+        match self {
+            Self::Activation(activation) => activated(activation, x, wanted[3]),
+            Self::Sine => {
+                let [sin, cos] = sin_cos(x);
+                // The others are these with another sign: nothing asks for them.
+                [sin, cos, Row::default(), Row::default()]
+            }
+            Self::SquareRoot => {
+                let root = x.map_lanes(Scalar::sqrt);
+                let inverse = root.map_lanes(|root| Lanes::one() / root);
+                let scaled = |c: f64, power: i32| {
+                    let mut result = Row::splat(c);
+                    (0..power).for_each(|_| result = result.zip(&inverse, |a, b| a * b));
+                    result
+                };
+                [root, scaled(0.5, 1), scaled(-0.25, 3), scaled(0.375, 5)]
+            }
+            Self::Reciprocal => {
+                let inverse = x.map_lanes(|x| Lanes::one() / x);
+                let power = |c: f64, power: &Row| power.zip(&inverse, |a, b| c * (a * b));
+                let square = power(-1.0, &inverse);
+                let cube = power(-2.0, &square);
+                [inverse, square, cube, power(-3.0, &cube)]
+            }
+            Self::Magnitude => {
+                let sign = Row(x.0.map(|x| if x < 0.0 { -1.0 } else { 1.0 }));
+                [x.zip(&sign, |x, sign| x * sign), sign, Row::default(), Row::default()]
+            }
+            Self::Wrapped => [x.map_lanes(Scalar::wrapped), Row::splat(1.0), Row::default(), Row::default()],
+        }
+    }
+}
+
+fn activated(activation: Activation, x: &Row, third: bool) -> [Row; ORDERS] {
+    let mut curve = [Row::default(); ORDERS];
+    let [value, slope, curvature, thirds] = &mut curve;
+    let groups = x.0.as_chunks::<LANES>().0.iter();
+    let places = value.0.as_chunks_mut::<LANES>().0.iter_mut().zip(slope.0.as_chunks_mut::<LANES>().0);
+    let places = places.zip(curvature.0.as_chunks_mut::<LANES>().0).zip(thirds.0.as_chunks_mut::<LANES>().0);
+    for (x, (((value, slope), curvature), thirds)) in groups.zip(places) {
+        let c = activation.curve(Lanes(*x));
+        (*value, *slope, *curvature) = (c.value.0, c.slope.0, c.curvature.0);
+        if third {
+            *thirds = activation.third(Lanes(*x), &c).0;
+        }
+    }
+    curve
+}

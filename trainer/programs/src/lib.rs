@@ -1,0 +1,31 @@
+//! Energies as straight-line programs over samples side by side, and their derivatives as programs of the same kind.
+//!
+//! A family of models writes down its Lagrangian L(q, v) once, with a [`Builder`]: a list of operations on vectors. Derivatives
+//! are further operations on the same list: [`Builder::tangents`] differentiates forwards, along directions,
+//! [`Builder::pull_back`] backwards, to inputs and weights. Both apply to what either has made, so that
+//! Hessians, equations of motion and gradients in the weights of all of them need no code of a family. A [`Program`] is what is left of the list when what no
+//! result needs is gone, and runs on [`WIDTH`] samples at a time.
+//!
+//! Sizes are values: of coordinates, layers, units, directions. Nothing is compiled for any of them.
+//!
+//! Data flows one way: [`Builder`] (list, and its derivatives) → [`Program`] (schedule) → [`Workspace`] (numbers).
+
+mod builder;
+pub mod dynamics;
+pub mod energies;
+mod forward;
+mod function;
+mod kernels;
+pub mod losses;
+mod program;
+mod reverse;
+mod row;
+mod schedule;
+mod system;
+
+pub use builder::{Builder, Layer, Node};
+pub use function::Function;
+pub use program::{Program, Workspace};
+pub use reverse::{Adjoints, WeightTerm};
+pub use row::{Row, WIDTH};
+pub use system::{DerivativeOutputs, Separable, System};

@@ -1,0 +1,169 @@
+use super::runge_kutta::{RungeKutta, State, sum};
+use super::{Block, Derivatives, Loss, clear, mended};
+use crate::dynamics::{Accelerations, Failures, contracted, dot};
+use crate::program::{Program, Workspace};
+use crate::row::Row;
+use crate::system::System;
+
+/// The end of an explicit Runge–Kutta step from a logged state, less the logged state there: positions, then velocities
+/// (L-NODE). The control at the start is held during the step. Without constraints.
+///
+/// With y_k the adjoint of stage k's acceleration in a residual component, the component's derivative in θ is Σ y_k·∂v̇_k =
+/// Σ ∂/∂θ \[(F − d/dt L_v)·M⁻¹y_k\] at the stages' states and accelerations.
+pub struct NextStateLoss {
+    n: usize,
+    h: f64,
+    method: RungeKutta,
+    accelerations: Accelerations,
+    tangents: (Program, Workspace),
+    /// For one direction, and for 2n.
+    pulls: [(Program, Workspace); 2],
+}
+
+/// A stage: its state and rate (v, v̇), M⁻¹ there, and the derivatives of F − d/dt L_v, column by column.
+struct Stage {
+    state: State,
+    rate: State,
+    compliance: Vec<Row>,
+    unbalanced: Vec<Row>,
+}
+
+impl NextStateLoss {
+    /// That of a system, at steps of h, s.
+    pub fn new(system: &System, h: f64, method: RungeKutta) -> Self {
+        let n = system.n();
+        Self {
+            n,
+            h,
+            method,
+            accelerations: Accelerations::new(system),
+            tangents: system.residual_derivatives().with_workspace(),
+            pulls: [1, 2 * n].map(|directions| system.residual(directions).with_workspace()),
+        }
+    }
+
+    fn stage(
+        &mut self,
+        weights: &[f64],
+        state: State,
+        tau: &[Row],
+        differentiate: bool,
+    ) -> (Stage, Failures) {
+        let n = self.n;
+        let mut stage =
+            Stage { rate: state[n..].to_vec(), state, compliance: Vec::new(), unbalanced: Vec::new() };
+        let (mut a, (q, v)) = (vec![Row::default(); n], stage.state.split_at(n));
+        if !differentiate {
+            let failures = self.accelerations.evaluate(weights, [q, v, tau], &mut a, None);
+            stage.rate.extend(a);
+            return (stage, failures);
+        }
+        stage.compliance = vec![Row::default(); n * n];
+        let failures = self.accelerations.evaluate(weights, [q, v, tau], &mut a, Some(&mut stage.compliance));
+        let (program, workspace) = &mut self.tangents;
+        program.run(weights, &[q, v, tau, &a], workspace, &mut []);
+        stage.unbalanced = (0..2 * n).flat_map(|column| workspace.output(column)).copied().collect();
+        stage.rate.extend(a);
+        (stage, failures)
+    }
+
+    fn stages(
+        &mut self,
+        weights: &[f64],
+        start: &State,
+        tau: &[Row],
+        differentiate: bool,
+    ) -> (Vec<Stage>, Failures) {
+        let (mut stages, mut failures) = (Vec::<Stage>::new(), Failures::default());
+        for shares in self.method.stages() {
+            let rates = shares.iter().copied().zip(stages.iter().map(|stage| &stage.rate));
+            let state = sum(start, self.h, rates);
+            let (stage, failed) = self.stage(weights, state, tau, differentiate);
+            failures = failures.or(failed);
+            stages.push(stage);
+        }
+        (stages, failures)
+    }
+
+    /// M⁻¹y of every stage, y the adjoints of the accelerations in an end weighed by `end_bar`.
+    fn adjoints(&self, stages: &[Stage], end_bar: &State) -> Vec<Vec<Row>> {
+        let (n, h) = (self.n, self.h);
+        let zero = vec![Row::default(); 2 * n];
+        let mut bars = vec![zero.clone(); stages.len()];
+        let mut along = vec![Vec::new(); stages.len()];
+        for (k, stage) in stages.iter().enumerate().rev() {
+            let later = (k + 1..stages.len()).map(|later| (self.method.stages()[later][k], &bars[later]));
+            let bar = sum(&zero, h, std::iter::once((self.method.end()[k], end_bar)).chain(later));
+            let (v_bar, y) = bar.split_at(n);
+            along[k] = contracted(y, &stage.compliance, n);
+            let mut own: State =
+                stage.unbalanced.chunks_exact(n).map(|column| dot(column, &along[k])).collect();
+            own[n..].iter_mut().zip(v_bar).for_each(|(own, v_bar)| own.add_scaled(1.0, v_bar));
+            bars[k] = own;
+        }
+        along
+    }
+}
+
+impl Loss for NextStateLoss {
+    fn components(&self) -> usize {
+        2 * self.n
+    }
+
+    fn of_constant_velocity(&self, block: &Block) -> Option<Vec<Row>> {
+        let [q, v, next] = &block.states;
+        let moved = q.iter().zip(v).map(|(q, v)| q.zip(v, |q, v| q + self.h * v));
+        let positions = moved.zip(next).map(|(q, next)| q.zip(next, |q, next| q - next));
+        let velocities = v.iter().zip(&block.next_velocity).map(|(v, next)| v.zip(next, |v, next| v - next));
+        Some(positions.chain(velocities).collect())
+    }
+
+    fn evaluate(
+        &mut self,
+        weights: &[f64],
+        block: &Block,
+        residual: &mut [Row],
+        derivatives: Derivatives,
+    ) -> Failures {
+        let n = self.n;
+        let ([q, v, next], [tau, ..]) = (&block.states, &block.controls);
+        let start: State = q.iter().chain(v).copied().collect();
+        let differentiate = !matches!(derivatives, Derivatives::None);
+        let (stages, mut failures) = self.stages(weights, &start, tau, differentiate);
+        let rates = self.method.end().iter().copied().zip(stages.iter().map(|stage| &stage.rate));
+        let end = sum(&start, self.h, rates);
+        for ((residual, end), logged) in
+            residual.iter_mut().zip(&end).zip(next.iter().chain(&block.next_velocity))
+        {
+            *residual = end.zip(logged, |end, logged| end - logged);
+        }
+        failures.add_not_finite(residual);
+        clear(&failures, residual);
+        if failures.all() {
+            return failures;
+        }
+        let unit = |component: usize| -> State {
+            (0..2 * n).map(|i| Row::splat(f64::from(u8::from(i == component)))).collect()
+        };
+        let (ends, rows): (Vec<State>, &mut [Vec<Row>]) = match derivatives {
+            Derivatives::None => return failures,
+            Derivatives::Jacobian(rows) => ((0..2 * n).map(unit).collect(), rows),
+            Derivatives::Gradient(row) => (vec![residual.to_vec()], std::slice::from_mut(row)),
+        };
+        let along: Vec<Vec<Vec<Row>>> = ends.iter().map(|end| self.adjoints(&stages, end)).collect();
+        let tau = mended(&failures, tau);
+        let (program, workspace) = &mut self.pulls[usize::from(ends.len() > 1)];
+        for (k, stage) in stages.iter().enumerate() {
+            let at = [&stage.state[..n], &stage.state[n..], &tau, &stage.rate[n..]];
+            let mut inputs = at.map(|rows| mended(&failures, rows)).to_vec();
+            inputs.extend(along.iter().map(|along| {
+                let mut y = along[k].clone();
+                clear(&failures, &mut y);
+                y
+            }));
+            let inputs: Vec<&[Row]> = inputs.iter().map(Vec::as_slice).collect();
+            program.run(weights, &inputs, workspace, rows);
+        }
+        failures
+    }
+}

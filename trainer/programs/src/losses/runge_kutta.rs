@@ -1,0 +1,47 @@
+use crate::row::Row;
+
+/// An explicit Runge–Kutta method for q̈ = v̇(q, v).
+///
+/// Source: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I", section II.1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RungeKutta {
+    /// The explicit midpoint rule, of order 2: two stages.
+    Midpoint,
+    /// Kutta's 3/8 rule, of order 4: four stages. It is what SyMo's authors call RK4.
+    ThreeEighths,
+}
+
+/// Positions, then velocities: 2n rows.
+pub(crate) type State = Vec<Row>;
+
+impl RungeKutta {
+    /// The 3/8 rule for order 4, the midpoint rule for 2 or whatever else.
+    pub fn of_order(order: u8) -> Self {
+        if order == 4 { Self::ThreeEighths } else { Self::Midpoint }
+    }
+
+    /// Of each stage, how much of the rates of the stages before it.
+    pub(crate) fn stages(self) -> &'static [&'static [f64]] {
+        match self {
+            Self::Midpoint => &[&[], &[0.5]],
+            Self::ThreeEighths => &[&[], &[1.0 / 3.0], &[-1.0 / 3.0, 1.0], &[1.0, -1.0, 1.0]],
+        }
+    }
+
+    /// How much of the rate of each stage the end has.
+    pub(crate) fn end(self) -> &'static [f64] {
+        match self {
+            Self::Midpoint => &[0.0, 1.0],
+            Self::ThreeEighths => &[0.125, 0.375, 0.375, 0.125],
+        }
+    }
+}
+
+/// The state and h times the sum of these, each times its share.
+pub(crate) fn sum<'r>(state: &State, h: f64, shares: impl Iterator<Item = (f64, &'r State)>) -> State {
+    let mut sum = state.clone();
+    for (share, rate) in shares {
+        sum.iter_mut().zip(rate).for_each(|(sum, rate)| sum.add_scaled(h * share, rate));
+    }
+    sum
+}

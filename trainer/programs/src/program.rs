@@ -1,0 +1,229 @@
+//! What is left of a list of operations when what no result needs is gone, in an order to be run in.
+
+use crate::builder::{Builder, Layer, Node};
+use crate::function::{Function, ORDERS};
+use crate::kernels::{self, Pair};
+use crate::reverse::WeightTerm;
+use crate::row::Row;
+use crate::schedule::Scheduler;
+use wide::f64x8;
+
+/// A vector's place in a workspace.
+pub(crate) type Slot = usize;
+
+/// One thing to do.
+#[derive(Clone, Debug)]
+pub(crate) enum Step {
+    Input {
+        number: usize,
+        to: Slot,
+    },
+    Parameters {
+        start: usize,
+        to: Slot,
+    },
+    Linear {
+        layer: Layer,
+        columns: usize,
+        bias: bool,
+        x: Slot,
+        to: Slot,
+    },
+    Transposed {
+        layer: Layer,
+        columns: usize,
+        y: Slot,
+        to: Slot,
+    },
+    Map {
+        function: Function,
+        x: Slot,
+        to: [Option<Slot>; ORDERS],
+    },
+    Product {
+        x: Slot,
+        y: Slot,
+        to: Slot,
+    },
+    Sum {
+        x: Slot,
+        y: Slot,
+        to: Slot,
+    },
+    Scaled {
+        c: f64,
+        x: Slot,
+        to: Slot,
+    },
+    Gather {
+        x: Slot,
+        index: Box<[u32]>,
+        to: Slot,
+    },
+    Scatter {
+        x: Slot,
+        index: Box<[u32]>,
+        to: Slot,
+    },
+    /// Adds to a row of the Jacobian.
+    Outer {
+        row: usize,
+        layer: Layer,
+        pairs: Vec<Pair<Slot>>,
+    },
+    Numbers {
+        row: usize,
+        start: usize,
+        bar: Slot,
+    },
+}
+
+/// Something to evaluate: vectors, and gradients in the weights, each a row of a Jacobian.
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub(crate) steps: Vec<Step>,
+    /// The length of every slot, and the constants that some hold from the start.
+    pub(crate) slots: Vec<usize>,
+    pub(crate) constants: Vec<(Slot, Vec<f64>)>,
+    pub(crate) outputs: Vec<Slot>,
+    pub(crate) inputs: usize,
+    pub(crate) rows: usize,
+}
+
+/// The numbers of a program while it runs.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    slots: Vec<Vec<Row>>,
+    outputs: Vec<Slot>,
+}
+
+impl Workspace {
+    /// A result of the last run.
+    pub fn output(&self, number: usize) -> &[Row] {
+        &self.slots[self.outputs[number]]
+    }
+}
+
+impl Program {
+    /// The program for these vectors and these gradients in the weights, each a sum of terms.
+    pub fn new(builder: &Builder, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Self {
+        Scheduler::new(builder, outputs, rows).schedule(outputs, rows)
+    }
+
+    /// Numbers that a workspace keeps of every sample.
+    pub fn workspace_len(&self) -> usize {
+        self.slots.iter().sum()
+    }
+
+    /// Operations that a run takes.
+    pub fn steps(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Gradients in the weights.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// A workspace for it.
+    pub fn workspace(&self) -> Workspace {
+        let mut slots: Vec<Vec<Row>> =
+            self.slots.iter().map(|length| vec![Row::default(); *length]).collect();
+        for (slot, constant) in &self.constants {
+            slots[*slot].iter_mut().zip(constant).for_each(|(place, x)| *place = Row::splat(*x));
+        }
+        Workspace { slots, outputs: self.outputs.clone() }
+    }
+
+    /// The program beside a workspace for it.
+    pub(crate) fn with_workspace(self) -> (Self, Workspace) {
+        let workspace = self.workspace();
+        (self, workspace)
+    }
+
+    /// Evaluates the vectors at these weights and inputs, and adds to `rows` the gradients in the weights, as many numbers each as the
+    /// weight block has.
+    ///
+    /// # Panics
+    /// Where inputs, rows or workspace are not those of the program.
+    pub fn run(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace, rows: &mut [Vec<Row>]) {
+        assert!(inputs.len() >= self.inputs && rows.len() >= self.rows, "inputs or rows are missing");
+        for step in &self.steps {
+            step.run(weights, inputs, &mut workspace.slots, rows);
+        }
+    }
+}
+
+impl Step {
+    fn run(&self, weights: &[f64], inputs: &[&[Row]], slots: &mut [Vec<Row>], rows: &mut [Vec<Row>]) {
+        match self {
+            Self::Input { number, to } => slots[*to].copy_from_slice(inputs[*number]),
+            Self::Parameters { start, to } => {
+                slots[*to].iter_mut().zip(&weights[*start..]).for_each(|(to, w)| *to = Row::splat(*w));
+            }
+            Self::Linear { layer, columns, bias, x, to } => write(slots, *to, |slots, to| {
+                kernels::linear(layer, *columns, (weights, *bias), &slots[*x], to);
+            }),
+            Self::Transposed { layer, columns, y, to } => write(slots, *to, |slots, to| {
+                kernels::transposed(layer, *columns, weights, &slots[*y], to);
+            }),
+            Self::Map { function, x, to } => map(*function, *x, *to, slots),
+            Self::Product { x, y, to } => pairwise(slots, [*x, *y, *to], |x, y| x * y),
+            Self::Sum { x, y, to } => pairwise(slots, [*x, *y, *to], |x, y| x + y),
+            Self::Scaled { c, x, to } => {
+                let c = f64x8::splat(*c);
+                pairwise(slots, [*x, *x, *to], |x, _| c * x);
+            }
+            Self::Gather { x, index, to } => write(slots, *to, |slots, to| {
+                let x = &slots[*x];
+                to.iter_mut().zip(index).for_each(|(to, i)| *to = x[*i as usize]);
+            }),
+            Self::Scatter { x, index, to } => write(slots, *to, |slots, to| {
+                to.fill(Row::default());
+                slots[*x].iter().zip(index).for_each(|(x, i)| to[*i as usize].add_scaled(1.0, x));
+            }),
+            Self::Outer { row, layer, pairs } => {
+                let pairs: Vec<_> = pairs.iter().map(|pair| pair.map(|slot| &slots[slot][..])).collect();
+                kernels::outer(layer, &pairs, &mut rows[*row]);
+            }
+            Self::Numbers { row, start, bar } => {
+                let places = &mut rows[*row][*start..];
+                places.iter_mut().zip(&slots[*bar]).for_each(|(sum, bar)| sum.add_scaled(1.0, bar));
+            }
+        }
+    }
+}
+
+/// Writes a slot from others.
+fn write(slots: &mut [Vec<Row>], to: Slot, compute: impl FnOnce(&[Vec<Row>], &mut [Row])) {
+    let mut place = std::mem::take(&mut slots[to]);
+    compute(slots, &mut place);
+    slots[to] = place;
+}
+
+fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64x8) -> f64x8) {
+    write(slots, to, |slots, to| {
+        for ((to, x), y) in to.iter_mut().zip(&slots[x]).zip(&slots[y]) {
+            let (x, y) = (x.load(), y.load());
+            *to = Row::store(std::array::from_fn(|g| f(x[g], y[g])));
+        }
+    });
+}
+
+fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec<Row>]) {
+    let wanted = to.map(|to| to.is_some());
+    let mut places = to.map(|to| to.map(|to| std::mem::take(&mut slots[to])));
+    for (i, x) in slots[x].iter().enumerate() {
+        let curve = function.curve(x, wanted);
+        for (place, value) in places.iter_mut().zip(curve) {
+            if let Some(place) = place {
+                place[i] = value;
+            }
+        }
+    }
+    for (to, place) in to.into_iter().zip(places) {
+        if let (Some(to), Some(place)) = (to, place) {
+            slots[to] = place;
+        }
+    }
+}

@@ -1,0 +1,85 @@
+use leastaction_core::scalar::{LANES, Lanes, Scalar};
+use wide::f64x8;
+
+/// Groups of lanes in a row.
+pub(crate) const GROUPS: usize = 2;
+
+/// Samples that a program evaluates side by side.
+pub const WIDTH: usize = GROUPS * LANES;
+
+/// One number of every sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Row(pub [f64; WIDTH]);
+
+impl Row {
+    /// The same number in every sample.
+    #[inline(always)]
+    pub const fn splat(x: f64) -> Self {
+        Self([x; WIDTH])
+    }
+
+    /// The numbers in vector registers.
+    #[inline(always)]
+    pub(crate) fn load(&self) -> [f64x8; GROUPS] {
+        let (groups, _) = self.0.as_chunks::<LANES>();
+        std::array::from_fn(|g| f64x8::new(groups[g]))
+    }
+
+    /// From vector registers.
+    #[inline(always)]
+    pub(crate) fn store(x: [f64x8; GROUPS]) -> Self {
+        let mut row = Self::default();
+        for (group, x) in row.0.as_chunks_mut::<LANES>().0.iter_mut().zip(x) {
+            *group = x.to_array();
+        }
+        row
+    }
+
+    /// `f` of every sample's number and that of another row.
+    #[inline(always)]
+    pub(crate) fn zip(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let mut result = *self;
+        result.0.iter_mut().zip(&other.0).for_each(|(a, b)| *a = f(*a, *b));
+        result
+    }
+
+    /// `f` of every sample's number, eight at a time.
+    #[inline(always)]
+    pub(crate) fn map_lanes(&self, f: impl Fn(Lanes) -> Lanes) -> Self {
+        let mut result = *self;
+        for group in result.0.as_chunks_mut::<LANES>().0 {
+            *group = f(Lanes(*group)).0;
+        }
+        result
+    }
+
+    /// self + cx.
+    #[inline(always)]
+    pub(crate) fn add_scaled(&mut self, c: f64, x: &Self) {
+        let (sum, x, c) = (self.load(), x.load(), f64x8::splat(c));
+        *self = Self::store(std::array::from_fn(|g| sum[g] + c * x[g]));
+    }
+
+    /// self + xy.
+    #[inline(always)]
+    pub(crate) fn add_product(&mut self, x: &Self, y: &Self) {
+        let (sum, x, y) = (self.load(), x.load(), y.load());
+        *self = Self::store(std::array::from_fn(|g| sum[g] + x[g] * y[g]));
+    }
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        Self::splat(0.0)
+    }
+}
+
+/// The sine of every sample's number, and the cosine.
+pub(crate) fn sin_cos(x: &Row) -> [Row; 2] {
+    let (mut sin, mut cos) = (*x, *x);
+    for (sin, cos) in sin.0.iter_mut().zip(&mut cos.0) {
+        (*sin, *cos) = Scalar::sin_cos(*sin);
+    }
+    [sin, cos]
+}

@@ -1,0 +1,252 @@
+//! What the solvers and the losses ask of a model, as programs.
+
+use crate::builder::{Builder, Node};
+use crate::energies::Energies;
+use crate::program::Program;
+
+/// L = T − V and Q(q, v, τ) of a model written down, for its derivatives to be asked for.
+#[derive(Clone, Debug)]
+pub struct System {
+    builder: Builder,
+    n: usize,
+    parameters: usize,
+    q: Node,
+    v: Node,
+    tau: Node,
+    energies: [Node; 2],
+    lagrangian: Node,
+    force: Node,
+}
+
+/// L_q + Q and L_v with their derivatives, as outputs of a program: vectors of n rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DerivativeOutputs {
+    n: usize,
+}
+
+/// The programs of [`System::separable`].
+#[derive(Clone, Debug)]
+pub struct Separable {
+    /// L_q(q), N, with L_qq.
+    pub force: Program,
+    /// L_v(v), kg m/s, with M = L_vv.
+    pub momentum: Program,
+    /// Q(v), N, with ∂Q/∂v.
+    pub drag: Option<Program>,
+}
+
+impl DerivativeOutputs {
+    /// F = L_q + Q.
+    pub const FORCE: usize = 0;
+    /// p = L_v.
+    pub const MOMENTUM: usize = 1;
+
+    /// ∂F/∂q_j, all rows.
+    pub const fn force_q(self, j: usize) -> usize {
+        2 + j
+    }
+
+    /// ∂L_v/∂q_j, all rows.
+    pub const fn momentum_q(self, j: usize) -> usize {
+        2 + self.n + j
+    }
+
+    /// ∂F/∂v_j, all rows.
+    pub const fn force_v(self, j: usize) -> usize {
+        2 + 2 * self.n + j
+    }
+
+    /// Column j of M = L_vv.
+    pub const fn mass(self, j: usize) -> usize {
+        2 + 3 * self.n + j
+    }
+}
+
+impl System {
+    /// Writes a model down.
+    pub fn new(model: &dyn Energies) -> Self {
+        let (mut builder, n) = (Builder::new(), model.n());
+        let [q, v, tau] = [(); 3].map(|()| builder.input(n));
+        let energies = model.energies(&mut builder, q, v);
+        let lagrangian = builder.difference(energies[0], energies[1]);
+        let force = model.force(&mut builder, q, v, tau);
+        Self { builder, n, parameters: model.parameters(), q, v, tau, energies, lagrangian, force }
+    }
+
+    /// Number of coordinates n.
+    pub fn n(&self) -> usize {
+        self.n
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    /// Inputs q, v; outputs T and V, J, one row each.
+    pub fn energies(&self) -> Program {
+        Program::new(&self.builder, &self.energies, &[])
+    }
+
+    /// Inputs q, v; outputs L_q and L_v, n rows each.
+    pub fn gradient(&self) -> Program {
+        let mut builder = self.builder.clone();
+        let outputs = self.first(&mut builder);
+        Program::new(&builder, &outputs, &[])
+    }
+
+    /// Inputs q, v, τ; outputs F = L_q + Q and L_v, n rows each.
+    pub fn force_and_momentum(&self) -> Program {
+        let mut builder = self.builder.clone();
+        let [l_q, l_v] = self.first(&mut builder);
+        let force = builder.sum(l_q, self.force);
+        Program::new(&builder, &[force, l_v], &[])
+    }
+
+    /// Inputs q, v, τ; outputs L_q − L_vq v + Q + τ, and then the columns of M: M v̇ is the first.
+    pub fn equation_of_motion(&self) -> Program {
+        let mut builder = self.builder.clone();
+        let [l_q, l_v] = self.first(&mut builder);
+        let along = builder.tangents(&[l_v], &[(self.q, self.v)]);
+        let right = builder.difference(l_q, along[0]);
+        let right = builder.sum(right, self.force);
+        let right = builder.sum(right, self.tau);
+        let mut outputs = vec![right];
+        for j in 0..self.n {
+            let axis = self.axis(&mut builder, j);
+            outputs.extend(builder.tangents(&[l_v], &[(self.v, axis)]));
+        }
+        Program::new(&builder, &outputs, &[])
+    }
+
+    /// Inputs q, v, τ; outputs as [`DerivativeOutputs`] says.
+    pub fn derivatives(&self) -> (Program, DerivativeOutputs) {
+        let mut builder = self.builder.clone();
+        let [l_q, l_v] = self.first(&mut builder);
+        let force = builder.sum(l_q, self.force);
+        let mut outputs = vec![force, l_v];
+        for of in [self.q, self.v] {
+            let columns: Vec<[Node; 2]> = (0..self.n)
+                .map(|j| {
+                    let axis = self.axis(&mut builder, j);
+                    let moved = builder.tangents(&[force, l_v], &[(of, axis)]);
+                    [moved[0], moved[1]]
+                })
+                .collect();
+            outputs.extend(columns.iter().map(|[force, _]| *force));
+            outputs.extend(columns.iter().map(|[_, momentum]| *momentum));
+        }
+        (Program::new(&builder, &outputs, &[]), DerivativeOutputs { n: self.n })
+    }
+
+    /// Programs of L = T(v) − V(q) with drag Q(v), each of inputs q, v, τ: outputs L_q and the columns of L_qq; L_v and the columns
+    /// of M; Q and the columns of ∂Q/∂v, n rows each. `None` where the system is of another form; no drag where Q = 0.
+    pub fn separable(&self) -> Option<Separable> {
+        let mut builder = self.builder.clone();
+        let [l_q, l_v] = self.first(&mut builder);
+        for (node, own) in [(l_q, self.q), (l_v, self.v), (self.force, self.v)] {
+            let read = builder.read_by(&[node], builder.operations.len());
+            if [self.q, self.v, self.tau].iter().any(|input| *input != own && read[input.index()]) {
+                return None;
+            }
+        }
+        Some(Separable {
+            force: self.with_columns(l_q, self.q, builder.clone()),
+            momentum: self.with_columns(l_v, self.v, builder.clone()),
+            drag: (!builder.is_all(self.force, 0.0)).then(|| self.with_columns(self.force, self.v, builder)),
+        })
+    }
+
+    /// Outputs a vector and the columns of its Jacobian.
+    fn with_columns(&self, node: Node, x: Node, mut builder: Builder) -> Program {
+        let mut outputs = vec![node];
+        for j in 0..self.n {
+            let axis = self.axis(&mut builder, j);
+            outputs.extend(builder.tangents(&[node], &[(x, axis)]));
+        }
+        Program::new(&builder, &outputs, &[])
+    }
+
+    /// Inputs q, v, τ, a; outputs the derivatives of F − L_vq v − M a at constant a: its n columns ∂/∂q_j, then its n columns
+    /// ∂/∂v_j, n rows each. M⁻¹ times them are those of the acceleration.
+    pub fn residual_derivatives(&self) -> Program {
+        let mut builder = self.builder.clone();
+        let [l_q, l_v] = self.first(&mut builder);
+        let a = builder.input(self.n);
+        let rate = builder.tangents(&[l_v], &[(self.q, self.v), (self.v, a)])[0];
+        let force = builder.sum(l_q, self.force);
+        let residual = builder.difference(force, rate);
+        let mut outputs = Vec::new();
+        for of in [self.q, self.v] {
+            for j in 0..self.n {
+                let axis = self.axis(&mut builder, j);
+                outputs.extend(builder.tangents(&[residual], &[(of, axis)]));
+            }
+        }
+        Program::new(&builder, &outputs, &[])
+    }
+
+    /// Inputs q, v, τ, then δq and δv of every direction; rows ∂/∂θ \[F·δq + L_v·δv\] with F = L_q + Q, one a direction.
+    ///
+    /// All discrete losses are sums of such rows: the implicit function theorem only chooses δq and δv.
+    pub fn along(&self, directions: usize) -> Program {
+        let mut builder = self.builder.clone();
+        let mut rows = Vec::new();
+        for _ in 0..directions {
+            let [dq, dv] = [(); 2].map(|()| builder.input(self.n));
+            let rate = builder.tangents(&[self.lagrangian], &[(self.q, dq), (self.v, dv)])[0];
+            let work = builder.dot(self.force, dq);
+            let sum = builder.sum(rate, work);
+            rows.push(self.weight_gradient(&mut builder, sum));
+        }
+        Program::new(&builder, &[], &rows)
+    }
+
+    /// Inputs q, v, τ, then δv of every direction; rows ∂/∂θ \[L_v·δv\], one a direction.
+    pub fn momentum_along(&self, directions: usize) -> Program {
+        let mut builder = self.builder.clone();
+        let mut rows = Vec::new();
+        for _ in 0..directions {
+            let dv = builder.input(self.n);
+            let rate = builder.tangents(&[self.lagrangian], &[(self.v, dv)])[0];
+            rows.push(self.weight_gradient(&mut builder, rate));
+        }
+        Program::new(&builder, &[], &rows)
+    }
+
+    /// Inputs q, v, τ, a, then y of every direction; rows ∂/∂θ \[y·(F − L_vq v − M a)\], one a direction: the gradient of the
+    /// Euler–Lagrange residual, and so of the acceleration.
+    pub fn residual(&self, directions: usize) -> Program {
+        let mut builder = self.builder.clone();
+        let a = builder.input(self.n);
+        let mut rows = Vec::new();
+        for _ in 0..directions {
+            let y = builder.input(self.n);
+            let momentum = builder.tangents(&[self.lagrangian], &[(self.v, y)])[0];
+            let rate = builder.tangents(&[momentum], &[(self.q, self.v), (self.v, a)])[0];
+            let force = builder.tangents(&[self.lagrangian], &[(self.q, y)])[0];
+            let work = builder.dot(self.force, y);
+            let force = builder.sum(force, work);
+            let sum = builder.difference(force, rate);
+            rows.push(self.weight_gradient(&mut builder, sum));
+        }
+        Program::new(&builder, &[], &rows)
+    }
+
+    /// L_q and L_v.
+    fn first(&self, builder: &mut Builder) -> [Node; 2] {
+        let one = builder.constant(&[1.0]);
+        let adjoints = builder.pull_back(self.lagrangian, one);
+        [self.q, self.v].map(|x| adjoints.of(builder, x))
+    }
+
+    fn axis(&self, builder: &mut Builder, j: usize) -> Node {
+        let axis: Vec<f64> = (0..self.n).map(|i| f64::from(u8::from(i == j))).collect();
+        builder.constant(&axis)
+    }
+
+    fn weight_gradient(&self, builder: &mut Builder, of: Node) -> Vec<crate::reverse::WeightTerm> {
+        let one = builder.constant(&[1.0]);
+        builder.pull_back(of, one).weights
+    }
+}

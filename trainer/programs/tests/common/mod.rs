@@ -1,0 +1,180 @@
+//! A family's programs against core in f64: value, derivatives, and gradients in the weights.
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+pub mod losses;
+pub mod on_rods;
+
+use leastaction_core::energy::{Learnable, LearnableForces};
+use leastaction_core::forces::{self, Forces, Viscous};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear::Matrix;
+use leastaction_programs::energies::Energies;
+use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Relative rounding errors that are let pass, of numbers of the size 1.
+const TOLERANCE: f64 = 1e-12;
+
+/// Random weights, |w| < 0.8.
+pub fn random_weights(count: usize, seed: u64) -> Vec<f64> {
+    let mut stream = Pcg64::seed_from_u64(seed);
+    (0..count).map(|_| stream.random_range(-0.8..0.8)).collect()
+}
+
+/// Weights, and random numbers of every sample: q, v, τ, a, then two vectors a direction.
+pub struct Numbers<const N: usize> {
+    pub weights: Vec<f64>,
+    vectors: Vec<Vec<Row>>,
+}
+
+impl<const N: usize> Numbers<N> {
+    /// Numbers of at most `reach`.
+    pub fn new(weights: Vec<f64>, reach: f64, seed: u64) -> Self {
+        // Another stream than that of the weights.
+        let mut stream = Pcg64::seed_from_u64(!seed);
+        let mut row = || Row(std::array::from_fn(|_| stream.random_range(-reach..reach)));
+        let vectors = (0..4 + 2 * N).map(|_| (0..N).map(|_| row()).collect()).collect();
+        Self { weights, vectors }
+    }
+
+    fn of(&self, vector: usize, sample: usize) -> [f64; N] {
+        std::array::from_fn(|i| self.vectors[vector][i].0[sample])
+    }
+
+    fn run(&self, program: &Program, inputs: &[usize]) -> (Workspace, Vec<Vec<Row>>) {
+        let inputs: Vec<&[Row]> = inputs.iter().map(|i| &self.vectors[*i][..]).collect();
+        let mut rows = vec![vec![Row::default(); self.weights.len()]; program.rows()];
+        let mut workspace = program.workspace();
+        // Twice: a run must not depend on what the one before has left.
+        program.run(&self.weights, &inputs, &mut workspace, &mut rows);
+        rows.iter_mut().for_each(|row| row.fill(Row::default()));
+        program.run(&self.weights, &inputs, &mut workspace, &mut rows);
+        (workspace, rows)
+    }
+}
+
+/// Viscous damping, its coefficients at these places of the weight block; nowhere: there is none.
+pub struct Damping<const N: usize> {
+    viscous: Viscous<f64, N>,
+    positions: Option<[usize; N]>,
+}
+
+impl<const N: usize> Damping<N> {
+    pub fn new(weights: &[f64], positions: Option<[usize; N]>) -> Self {
+        let coefficients = positions.map_or([0.0; N], |positions| positions.map(|at| weights[at]));
+        Self { viscous: Viscous { coefficients }, positions }
+    }
+}
+
+impl<const N: usize> Forces<f64, N> for Damping<N> {
+    fn force(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> [f64; N] {
+        self.viscous.force(q, v, tau)
+    }
+
+    fn derivatives(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> (Matrix<f64, N>, Matrix<f64, N>) {
+        self.viscous.derivatives(q, v, tau)
+    }
+
+    fn load_derivative(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> Matrix<f64, N> {
+        self.viscous.load_derivative(q, v, tau)
+    }
+}
+
+impl<const N: usize> LearnableForces<f64, N> for Damping<N> {
+    fn force_gradient(&self, (_, v): (&[f64; N], &[f64; N]), y: &[f64; N], mut row: impl FnMut(usize, f64)) {
+        for (i, position) in self.positions.iter().flatten().enumerate() {
+            row(*position, -(y[i] * v[i]));
+        }
+    }
+}
+
+#[track_caller]
+fn close(found: f64, expected: f64, size: f64) {
+    let error = (found - expected).abs();
+    let bound = TOLERANCE * (1.0 + size.max(expected.abs()));
+    assert!(error <= bound, "{found} instead of {expected}, off by {error:e}");
+}
+
+/// Checks everything that a [`System`] gives against core's model over the same weights. `size` is that of the terms that cancel
+/// in first derivatives.
+pub fn check<L, F, const N: usize>(
+    model: &dyn Energies,
+    core: &forces::System<L, F>,
+    numbers: &Numbers<N>,
+    size: f64,
+) where
+    L: Lagrangian<f64, N> + Learnable<f64, N>,
+    F: Forces<f64, N> + LearnableForces<f64, N>,
+{
+    assert_eq!((model.n(), model.parameters()), (N, numbers.weights.len()), "n and the numbers of the model");
+    let system = System::new(model);
+    check_values(&system, core, numbers, size);
+    check_gradients(&system, core, numbers, size);
+}
+
+fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
+    system: &System,
+    forces::System { lagrangian: core, forces }: &forces::System<L, F>,
+    numbers: &Numbers<N>,
+    size: f64,
+) {
+    let (energies, _) = numbers.run(&system.energies(), &[0, 1]);
+    let (gradient, _) = numbers.run(&system.gradient(), &[0, 1]);
+    let (motion, _) = numbers.run(&system.equation_of_motion(), &[0, 1, 2]);
+    let (program, at) = system.derivatives();
+    let (derivatives, _) = numbers.run(&program, &[0, 1, 2]);
+    let second = 10.0 * size;
+    for sample in 0..WIDTH {
+        let [q, v, tau] = [0, 1, 2].map(|vector| numbers.of(vector, sample));
+        let of = |workspace: &Workspace, output: usize, i: usize| workspace.output(output)[i].0[sample];
+        let expected = core.energies(&q, &v);
+        close(of(&energies, 0, 0), expected.kinetic, size);
+        close(of(&energies, 1, 0), expected.potential, size);
+        let (hessian, dynamics) = (core.hessian(&q, &v), core.dynamics(&q, &v));
+        let (force, (force_q, force_v)) = (forces.force(&q, &v, &tau), forces.derivatives(&q, &v, &tau));
+        for i in 0..N {
+            close(of(&gradient, 0, i), hessian.l_q[i], size);
+            close(of(&gradient, 1, i), hessian.l_v[i], size);
+            close(of(&motion, 0, i), dynamics.l_q[i] - dynamics.l_vq_v[i] + force[i] + tau[i], second);
+            close(of(&derivatives, 0, i), hessian.l_q[i] + force[i], size);
+            close(of(&derivatives, 1, i), hessian.l_v[i], size);
+            for j in 0..N {
+                close(of(&motion, 1 + j, i), hessian.l_vv[i][j], second);
+                close(of(&derivatives, at.force_q(j), i), hessian.l_qq[i][j] + force_q[i][j], second);
+                close(of(&derivatives, at.momentum_q(j), i), hessian.l_vq[i][j], second);
+                close(of(&derivatives, at.force_v(j), i), hessian.l_vq[j][i] + force_v[i][j], second);
+                close(of(&derivatives, at.mass(j), i), hessian.l_vv[i][j], second);
+            }
+        }
+    }
+}
+
+fn check_gradients<L: Learnable<f64, N>, F: LearnableForces<f64, N>, const N: usize>(
+    system: &System,
+    forces::System { lagrangian: core, forces }: &forces::System<L, F>,
+    numbers: &Numbers<N>,
+    size: f64,
+) {
+    let vectors: Vec<usize> = (4..4 + 2 * N).collect();
+    let (_, along) = numbers.run(&system.along(N), &[&[0, 1, 2], &vectors[..]].concat());
+    let (_, residual) = numbers.run(&system.residual(N), &[&[0, 1, 2, 3], &vectors[..N]].concat());
+    for sample in (0..WIDTH).step_by(5) {
+        let [q, v, a] = [0, 1, 3].map(|vector| numbers.of(vector, sample));
+        for direction in 0..N {
+            let [dq, dv] = [0, 1].map(|k| numbers.of(4 + 2 * direction + k, sample));
+            let y = numbers.of(4 + direction, sample);
+            let mut expected = [vec![0.0; numbers.weights.len()], vec![0.0; numbers.weights.len()]];
+            let [of_along, of_residual] = &mut expected;
+            core.directional_gradient((&q, &v), (&dq, &dv), |i, x| of_along[i] += x);
+            forces.force_gradient((&q, &v), &dq, |i, x| of_along[i] += x);
+            core.residual_gradient((&q, &v), &a, &y, |i, x| of_residual[i] += x);
+            forces.force_gradient((&q, &v), &y, |i, x| of_residual[i] += x);
+            for (found, expected) in [&along, &residual].into_iter().zip(&expected) {
+                for (found, expected) in found[direction].iter().zip(expected) {
+                    close(found.0[sample], *expected, 100.0 * size);
+                }
+            }
+        }
+    }
+}

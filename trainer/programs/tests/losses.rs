@@ -1,0 +1,163 @@
+//! The losses of any size: residuals against core's integrator, derivatives against differences.
+
+mod common;
+
+use common::losses::{check_derivatives, check_failures, evaluate};
+use leastaction_core::discrete::{Control, Del, Galerkin, Interval, Midpoint, Newton, Path};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::forces::{System as CoreSystem, Viscous};
+use leastaction_core::network::Activation;
+use leastaction_programs::dynamics::Order;
+use leastaction_programs::energies::{Energies, RigidEnergies};
+use leastaction_programs::losses::{AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, RungeKutta};
+use leastaction_programs::{Row, System, WIDTH};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+const H: f64 = 0.02;
+const INERTIA: Inertia = Inertia::Cholesky { epsilon: 0.7 };
+const KINDS: [Coordinate; 3] = [Coordinate::Angle, Coordinate::Translation, Coordinate::Cyclic];
+
+fn model(n: usize) -> RigidEnergies {
+    let kinds = (0..n).map(|i| KINDS[i % 3]).collect();
+    RigidEnergies::new(kinds, (&[6, 5], Activation::Tanh), INERTIA, true)
+}
+
+fn weights(model: &RigidEnergies, seed: u64) -> Vec<f64> {
+    let mut stream = Pcg64::seed_from_u64(seed);
+    let mut weights: Vec<f64> = (0..model.parameters()).map(|_| stream.random_range(-0.8..0.8)).collect();
+    let damping = weights.len() - model.n();
+    weights[damping..].iter_mut().for_each(|w| *w = w.abs());
+    weights
+}
+
+/// Positions that no system follows, under a control that changes all the time.
+fn block(n: usize, seed: u64) -> Block {
+    let mut stream = Pcg64::seed_from_u64(seed);
+    let mut random = |size: f64| -> Vec<Row> {
+        (0..n).map(|_| Row(std::array::from_fn(|_| stream.random_range(-size..size)))).collect()
+    };
+    let (q, v) = (random(1.5), random(2.0));
+    let mut moved = |k: f64| -> Vec<Row> {
+        let noise = random(0.2 * H);
+        let rows = q.iter().zip(&v).zip(noise);
+        rows.map(|((q, v), noise)| Row(std::array::from_fn(|l| q.0[l] + k * H * v.0[l] + noise.0[l])))
+            .collect()
+    };
+    let states = [moved(0.0), moved(1.0), moved(2.0)];
+    Block { states, next_velocity: random(2.0), controls: [random(1.0), random(1.0), random(1.0)] }
+}
+
+/// The residuals that core's Newton method gives, order and size being types.
+fn core_residuals<P: Path, const N: usize>(
+    weights: &[f64],
+    block: &Block,
+    next_position: bool,
+) -> Vec<[f64; N]> {
+    let kinds = std::array::from_fn(|i| KINDS[i % 3]);
+    let shape = RigidShape::new(kinds, &[6, 5], Activation::Tanh, INERTIA).unwrap();
+    let mut rest = weights;
+    let lagrangian = Rigid::<f64, N, 8, 2>::take(&mut rest, &shape).unwrap();
+    let system = CoreSystem { lagrangian, forces: Viscous { coefficients: rest.try_into().unwrap() } };
+    let newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-9 };
+    let _ = Del::<f64, P>::with_newton(H, newton);
+    let residual = |sample: usize| {
+        let row = |rows: &Vec<Row>| -> [f64; N] { std::array::from_fn(|i| rows[i].0[sample]) };
+        let ([q0, q1, q2], [u0, u1, u2]) =
+            (block.states.each_ref().map(row), block.controls.each_ref().map(row));
+        let w = |a: [f64; N], b: [f64; N]| -> [f64; N] { std::array::from_fn(|i| (b[i] - a[i]) / H) };
+        let before = Interval::<f64, P, N>::new(q0, w(q0, q1), H, Control { start: u0, end: u1 });
+        let p = newton.solve_bubble(&system, before).unwrap().balance.end_momentum();
+        let after = Interval::<f64, P, N>::new(q1, w(q1, q2), H, Control { start: u1, end: u2 });
+        if next_position {
+            let solved = newton.solve_step(&system, after, &p).unwrap().interval.increment();
+            return std::array::from_fn(|i| H * solved[i] - (q2[i] - q1[i]));
+        }
+        let balance = newton.solve_bubble(&system, after).unwrap().balance;
+        std::array::from_fn(|i| p[i] + balance.d1_ld[i])
+    };
+    (0..WIDTH).map(residual).collect()
+}
+
+fn check_del<const N: usize>() {
+    let model = model(N);
+    let (system, weights) = (System::new(&model), weights(&model, N as u64));
+    for (order, next_position) in
+        [(Order::Two, false), (Order::Two, true), (Order::Four, false), (Order::Four, true)]
+    {
+        let block = block(N, 17 + N as u64);
+        let mut loss = DelLoss::new(&system, H, order, next_position);
+        let found = evaluate(&mut loss, &weights, &block);
+        let expected = match order {
+            Order::Two => core_residuals::<Midpoint, N>(&weights, &block, next_position),
+            Order::Four => core_residuals::<Galerkin, N>(&weights, &block, next_position),
+        };
+        for (sample, expected) in expected.iter().enumerate() {
+            for i in 0..N {
+                let error = (found[i].0[sample] - expected[i]).abs();
+                assert!(error < 1e-12, "{order:?} {next_position}: {} {}", found[i].0[sample], expected[i]);
+            }
+        }
+        check_derivatives(&mut loss, &weights, &block, 2e-6);
+    }
+}
+
+#[test]
+fn one_coordinate() {
+    check_del::<1>();
+}
+
+#[test]
+fn two_coordinates() {
+    check_del::<2>();
+}
+
+#[test]
+fn three_coordinates() {
+    check_del::<3>();
+}
+
+#[test]
+fn seven_coordinates() {
+    check_del::<7>();
+}
+
+#[test]
+fn accelerations() {
+    for n in [1, 2, 5] {
+        let model = model(n);
+        let (system, weights) = (System::new(&model), weights(&model, 3));
+        check_derivatives(&mut AccelerationLoss::new(&system), &weights, &block(n, 5), 1e-6);
+    }
+}
+
+#[test]
+fn next_states() {
+    for n in [1, 2, 5] {
+        let model = model(n);
+        let (system, weights) = (System::new(&model), weights(&model, 3));
+        for order in [2, 4] {
+            let mut loss = NextStateLoss::new(&system, H, RungeKutta::of_order(order));
+            check_derivatives(&mut loss, &weights, &block(n, 5), 1e-6);
+        }
+    }
+}
+
+/// One sample that cannot be solved leaves the others as they are.
+#[test]
+fn what_fails_fails_alone() {
+    let model = model(2);
+    let (system, weights) = (System::new(&model), weights(&model, 3));
+    let good = block(2, 5);
+    let mut bad = good.clone();
+    bad.states[0][0].0[7] = f64::NAN;
+    let losses: [Box<dyn Loss>; 4] = [
+        Box::new(DelLoss::new(&system, H, Order::Four, true)),
+        Box::new(DelLoss::new(&system, H, Order::Two, false)),
+        Box::new(AccelerationLoss::new(&system)),
+        Box::new(NextStateLoss::new(&system, H, RungeKutta::ThreeEighths)),
+    ];
+    for mut loss in losses {
+        check_failures(&mut *loss, &weights, [&good, &bad], &[7]);
+    }
+}

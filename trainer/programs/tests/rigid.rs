@@ -1,0 +1,70 @@
+//! The rigid family of any size against core in f64: value, derivatives, and gradients in the weights.
+
+mod common;
+
+use common::{Damping, Numbers, random_weights};
+use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::forces::System;
+use leastaction_core::network::Activation;
+use leastaction_programs::energies::{Energies, RigidEnergies};
+
+const KINDS: [Coordinate; 3] = [Coordinate::Translation, Coordinate::Angle, Coordinate::Cyclic];
+
+struct Case<const N: usize> {
+    kinds: [Coordinate; N],
+    widths: Vec<u16>,
+    activation: Activation,
+    inertia: Inertia,
+    damped: bool,
+}
+
+fn check<const N: usize>(case: &Case<N>, seed: u64) {
+    let widths: Vec<usize> = case.widths.iter().map(|w| usize::from(*w)).collect();
+    let model =
+        RigidEnergies::new(case.kinds.to_vec(), (&widths, case.activation), case.inertia, case.damped);
+    let mut weights = random_weights(model.parameters(), seed);
+    let start = weights.len() - if case.damped { N } else { 0 };
+    weights[start..].iter_mut().for_each(|w| *w = w.abs());
+    let shape = RigidShape::new(case.kinds, &case.widths, case.activation, case.inertia).unwrap();
+    let mut block = &weights[..];
+    let lagrangian = Rigid::<f64, N, 64, 4>::take(&mut block, &shape).unwrap();
+    assert_eq!(weights.len() - block.len(), start);
+    let forces = Damping::new(&weights, case.damped.then(|| std::array::from_fn(|i| start + i)));
+    let core = System { lagrangian, forces };
+    common::check(&model, &core, &Numbers::<N>::new(weights.clone(), 1.5, seed), 1.0);
+}
+
+/// Every number of coordinates in turn, each with widths that are no multiple of a panel, and another activation.
+macro_rules! sizes {
+    ($($name:ident: $n:literal, $widths:expr, $activation:ident, $inertia:expr, $damped:literal;)*) => {
+        $(
+            #[test]
+            fn $name() {
+                let kinds = std::array::from_fn(|i| KINDS[(i + 1) % 3]);
+                let case = Case::<$n> {
+                    kinds,
+                    widths: $widths.to_vec(),
+                    activation: Activation::$activation,
+                    inertia: $inertia,
+                    damped: $damped,
+                };
+                check(&case, $n);
+            }
+        )*
+    };
+}
+
+const CHOLESKY: Inertia = Inertia::Cholesky { epsilon: 1e-3 };
+
+sizes! {
+    one_coordinate: 1, [5], Tanh, Inertia::Diagonal, true;
+    two_coordinates: 2, [7, 9], Softplus, CHOLESKY, false;
+    three_coordinates: 3, [13, 6, 5], Squareplus, CHOLESKY, true;
+    four_coordinates: 4, [4, 3, 5, 6], Isru, CHOLESKY, true;
+    five_coordinates: 5, [11, 12], Tanh, Inertia::Diagonal, true;
+    six_coordinates: 6, [17], Tanh, CHOLESKY, true;
+    seven_coordinates: 7, [33, 15], Tanh, CHOLESKY, true;
+    eight_coordinates: 8, [10, 10], Softplus, CHOLESKY, false;
+    twelve_coordinates: 12, [9, 20], Tanh, CHOLESKY, true;
+    without_a_hidden_layer: 2, [0u16; 0], Identity, CHOLESKY, true;
+}

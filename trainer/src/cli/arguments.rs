@@ -1,0 +1,35 @@
+//! Values of options, refused in words that say what they must be.
+
+/// A finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    number(text).filter(|x| *x > 0.0).ok_or_else(|| "it must be a finite number above 0".to_owned())
+}
+
+/// A finite number above 0, in single precision.
+pub fn positive_f32(text: &str) -> Result<f32, String> {
+    positive(text).map(|x| x as f32)
+}
+
+/// A finite number, 0 or above.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    number(text).filter(|x| *x >= 0.0).ok_or_else(|| "it must be a finite number, 0 or above".to_owned())
+}
+
+/// A finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    number(text).ok_or_else(|| "it must be a finite number".to_owned())
+}
+
+/// Order of a discrete Euler–Lagrange step.
+pub fn order(text: &str) -> Result<u8, String> {
+    text.parse().ok().filter(|order| matches!(order, 2 | 4)).ok_or_else(|| "it must be 2 or 4".to_owned())
+}
+
+/// Seed of random numbers.
+pub fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("it must be a whole number from 0 to {}", u64::MAX))
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|x: &f64| x.is_finite())
+}

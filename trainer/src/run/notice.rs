@@ -1,0 +1,79 @@
+//! What the user should know before training begins, and the data as it is trained on.
+
+use super::plan::PlanError;
+use crate::architecture::Architecture;
+use crate::config::Config;
+use crate::data::{Dataset, Doubt, Note};
+use crate::training::LossKind;
+
+/// Something the user should know before training begins.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Notice {
+    /// No sample is forced: the energies come out up to a common factor.
+    UnknownScale,
+    /// The warm-up was left out because no sample is forced.
+    NoWarmUp,
+    /// Validation was asked for, but there is only one trajectory.
+    NoValidation,
+    /// What was changed in the data.
+    Changed(Note),
+    /// What the data can hardly mean.
+    Doubtful(Doubt),
+}
+
+impl std::fmt::Display for Notice {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Self::UnknownScale => f.write_str(
+                "no sample is forced (u is zero or missing): the motion does not show the scale of L, so energies, \
+                 momenta and forces of this model are known up to one common factor; it predicts free motion only",
+            ),
+            Self::NoWarmUp => f.write_str("no warm-up: without a force the DEL residual is least for L = 0"),
+            Self::NoValidation => {
+                f.write_str("no validation: the data is one trajectory, and trajectories are held back whole")
+            }
+            Self::Changed(note) => note.fmt(f),
+            Self::Doubtful(doubt) => doubt.fmt(f),
+        }
+    }
+}
+
+/// The first `count` trajectories, angles going on across their seams.
+pub(super) fn prepared(
+    data: &Dataset,
+    config: &Config,
+    architecture: &Architecture,
+) -> Result<(Dataset, Vec<Notice>), PlanError> {
+    let letters = architecture.coordinates();
+    let mut data = config.data.trajectories.map_or_else(|| data.clone(), |count| data.truncated(count));
+    let mut notices: Vec<Notice> = data.unwrap_angles(&letters).into_iter().map(Notice::Changed).collect();
+    for doubt in data.doubts(&letters) {
+        match doubt {
+            Doubt::Value { field, .. } if reads(config.training.loss, field) => {
+                return Err(PlanError::Data(doubt));
+            }
+            doubt => notices.push(Notice::Doubtful(doubt)),
+        }
+    }
+    Ok((data, notices))
+}
+
+/// Whether a loss reads a field of the data: q, v, a or u.
+fn reads(loss: LossKind, field: &str) -> bool {
+    match field {
+        "v" => !loss.is_discrete(),
+        "a" => loss == LossKind::Acceleration,
+        _ => true,
+    }
+}
+
+/// What to do where a step cannot be solved.
+pub(super) fn advice(notices: &[Notice]) -> String {
+    let doubts = notices.iter().filter(|notice| matches!(notice, Notice::Doubtful(_)));
+    let doubts: Vec<String> = doubts.map(Notice::to_string).collect();
+    if doubts.is_empty() {
+        "raise [training] warm_up, or change the seed".to_owned()
+    } else {
+        format!("look at the data first: {}", doubts.join("; "))
+    }
+}

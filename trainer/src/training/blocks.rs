@@ -1,0 +1,192 @@
+//! The sum of a loss over samples that are evaluated side by side.
+
+use super::residuals::{ChunkRows, Failed, Residuals};
+use super::{NormalEquations, Samples};
+use crate::parallel::Pool;
+use leastaction_programs::losses::{Block, Derivatives, Loss};
+use leastaction_programs::{Row, WIDTH};
+use std::ops::Range;
+
+/// Brings weights that have a range back into it.
+type Projection = Box<dyn Fn(&mut [f64]) + Sync>;
+
+/// A loss with its workspace, one for every thread that asks.
+type Losses = Pool<Box<dyn Loss>>;
+
+/// Σ r² of a loss over samples.
+pub(super) struct Blocks {
+    losses: Losses,
+    parameters: usize,
+    components: usize,
+    /// What the loss is not to be varied in.
+    fixed: Vec<usize>,
+    samples: Samples,
+    project: Projection,
+}
+
+/// Residuals and rows of the derivatives, of a block.
+struct Rows {
+    residual: Vec<Row>,
+    derivatives: Vec<Vec<Row>>,
+}
+
+impl Rows {
+    fn new(components: usize, rows: usize, parameters: usize) -> Self {
+        let zero = Row::default();
+        Self { residual: vec![zero; components], derivatives: vec![vec![zero; parameters]; rows] }
+    }
+}
+
+/// Σ r² of the first `count` samples, sample by sample.
+fn squares(residual: &[Row], count: usize) -> f64 {
+    (0..count).flat_map(|k| residual.iter().map(move |r| r.0[k] * r.0[k])).sum()
+}
+
+impl Blocks {
+    /// Over these samples; `fixed` are the positions of the weights that are known.
+    pub fn new(
+        make: impl Fn() -> Box<dyn Loss> + Send + Sync + 'static,
+        (parameters, fixed): (usize, Vec<usize>),
+        samples: Samples,
+        project: Projection,
+    ) -> Self {
+        let components = make().components();
+        Self { losses: Pool::new(make), parameters, components, fixed, samples, project }
+    }
+
+    /// Evaluates the block from `start` on, which the last of `samples` fills up. What cannot be computed counts as predicted by
+    /// a constant velocity, whatever the weights.
+    fn evaluate(
+        &self,
+        loss: &mut dyn Loss,
+        weights: &[f64],
+        (start, samples): (usize, &Range<usize>),
+        (residual, derivatives): (&mut [Row], Derivatives),
+    ) -> Result<(), Failed> {
+        let block = self.samples.block(start, samples);
+        let failures = loss.evaluate(weights, &block, residual, derivatives);
+        let count = (samples.end - start).min(WIDTH);
+        if failures.any(count) {
+            let straight = loss.of_constant_velocity(&block).ok_or(Failed)?;
+            for sample in (0..count).filter(|sample| failures.0[*sample]) {
+                residual.iter_mut().zip(&straight).for_each(|(r, own)| r.0[sample] = own.0[sample]);
+            }
+        }
+        let finite = residual.iter().all(|r| r.0[..count].iter().all(|r| r.is_finite()));
+        if finite { Ok(()) } else { Err(Failed) }
+    }
+}
+
+impl Residuals for Blocks {
+    fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    fn samples(&self) -> usize {
+        self.samples.len()
+    }
+
+    fn components(&self) -> usize {
+        self.components
+    }
+
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let mut residual = vec![Row::default(); self.components];
+        self.losses.with(|loss| {
+            let mut sum = 0.0;
+            for start in samples.clone().step_by(WIDTH) {
+                let into = (&mut residual[..], Derivatives::None);
+                self.evaluate(loss.as_mut(), weights, (start, &samples), into)?;
+                sum += squares(&residual, (samples.end - start).min(WIDTH));
+            }
+            Ok(sum)
+        })
+    }
+
+    fn unsolved(&self, weights: &[f64], samples: Range<usize>) -> usize {
+        let mut residual = vec![Row::default(); self.components];
+        self.losses.with(|loss| {
+            let mut count = 0;
+            for start in samples.clone().step_by(WIDTH) {
+                let block = self.samples.block(start, &samples);
+                let failures = loss.evaluate(weights, &block, &mut residual, Derivatives::None);
+                count += failures.0.iter().take(samples.end - start).filter(|failed| **failed).count();
+            }
+            count
+        })
+    }
+
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let count = samples.len();
+        rows.reset(count * self.components, weights.len());
+        let mut own = Rows::new(self.components, self.components, weights.len());
+        self.losses.with(|loss| {
+            for start in (0..count).step_by(WIDTH) {
+                own.derivatives.iter_mut().for_each(|row| row.fill(Row::default()));
+                let into = (&mut own.residual[..], Derivatives::Jacobian(&mut own.derivatives));
+                self.evaluate(loss.as_mut(), weights, (samples.start + start, &samples), into)?;
+                for (i, (residual, derivatives)) in own.residual.iter().zip(&mut own.derivatives).enumerate()
+                {
+                    self.fixed.iter().for_each(|position| derivatives[*position] = Row::default());
+                    let first = i * count + start;
+                    rows.store_rows(first..first + (count - start).min(WIDTH), residual, derivatives);
+                }
+            }
+            Ok(())
+        })
+    }
+
+    fn add_gradient(
+        &self,
+        weights: &[f64],
+        samples: Range<usize>,
+        _: &mut ChunkRows,
+        sum: &mut NormalEquations,
+    ) -> Result<(), Failed> {
+        let mut own = Rows::new(self.components, 1, weights.len());
+        self.losses.with(|loss| {
+            for start in samples.clone().step_by(WIDTH) {
+                let count = (samples.end - start).min(WIDTH);
+                let [row] = &mut own.derivatives[..] else { return Err(Failed) };
+                if count < WIDTH {
+                    // What fills the block up must not be added: on its own, and its lanes left out.
+                    sum.add_row(row, WIDTH);
+                    row.fill(Row::default());
+                }
+                let into = (&mut own.residual[..], Derivatives::Gradient(row));
+                self.evaluate(loss.as_mut(), weights, (start, &samples), into)?;
+                sum.squares += squares(&own.residual, count);
+                if count < WIDTH {
+                    sum.add_row(row, count);
+                    row.fill(Row::default());
+                }
+            }
+            let [row] = &own.derivatives[..] else { return Err(Failed) };
+            sum.add_row(row, WIDTH);
+            self.fixed.iter().for_each(|position| sum.gradient[*position] = 0.0);
+            sum.rows += samples.len() * self.components;
+            Ok(())
+        })
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        (self.project)(weights);
+    }
+}
+
+impl Samples {
+    /// Samples side by side from `start` on; the last of `samples` fills the block up.
+    fn block(&self, start: usize, samples: &Range<usize>) -> Block {
+        let rows = |x: &Vec<f64>| -> Vec<Row> {
+            let at = |k: usize, i: usize| x[(start + k).min(samples.end - 1) * self.n + i];
+            (0..if x.is_empty() { 0 } else { self.n })
+                .map(|i| Row(std::array::from_fn(|k| at(k, i))))
+                .collect()
+        };
+        Block {
+            states: self.states.each_ref().map(rows),
+            next_velocity: rows(&self.next_velocities),
+            controls: self.controls.each_ref().map(rows),
+        }
+    }
+}
