@@ -7,7 +7,7 @@ use super::{
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{Law, Laws, MAX_HIDDEN, ModelError, RigidHeader};
-use leastaction_core::network::Activation;
+use leastaction_core::network::{Activation, Dense};
 use leastaction_core::scalar::Scalar;
 use leastaction_programs::energies::RigidEnergies;
 use serde::{Deserialize, Serialize};
@@ -111,11 +111,26 @@ impl RigidArchitecture {
         sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
     }
 
-    /// Random weights: uniform with Glorot's variance, biases and damping zero.
+    /// Random weights: uniform with Glorot's variance, biases and damping zero. Those of H's factor L below its diagonal are divided
+    /// by n − 1: the condition of a random triangular matrix grows exponentially with n, and a nearly singular H moves the
+    /// mechanism by radians in a step (Viswanath and Trefethen, SIAM J. Matrix Anal. Appl. 19, 1998).
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = random_layers(self.layers(), seed);
+        self.shrink_below_diagonal(&mut weights);
         weights.extend(std::iter::repeat_n(0.0, if self.damped { self.n() } else { 0 }));
         weights
+    }
+
+    /// Divides the last layer's weights of L below its diagonal by n − 1.
+    fn shrink_below_diagonal(&self, weights: &mut [f64]) {
+        let (n, layers) = (self.n(), self.layers());
+        let (Inertia::Cholesky { .. }, Some((inputs, outputs))) = (self.inertia, layers.last().copied()) else {
+            return;
+        };
+        let last = weights.len().saturating_sub((inputs + 1) * outputs);
+        for (i, j) in (n..outputs - 1).flat_map(|i| (0..inputs).map(move |j| (i, j))) {
+            weights[last + Dense::<f64>::position(inputs, outputs, i, j)] /= (n - 1) as f64;
+        }
     }
 
     /// Where in the weight block the damping of each coordinate is; empty where none is learned.
