@@ -153,6 +153,19 @@ fn weights_must_be_as_many_as_the_shape_says() {
 }
 
 #[test]
+fn a_factor_of_the_inertia_matrix_loads() {
+    for rows in [2, 3] {
+        let rigid = RigidHeader { inertia: Inertia::Factor { rows, epsilon: 0.5 }, ..CARTPOLE };
+        let file = Aligned::new(&file::write(with_family(rigid), &file::weights(&rigid)));
+        assert_eq!(parse(file.bytes()).unwrap().header, with_family(rigid));
+        let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
+        let [[a, b], [c, d]] =
+            Lagrangian::<f32, 2>::dynamics(&model.system.lagrangian, &[0.3, 0.8], &[1.0, 2.0]).mass;
+        assert!(a >= 0.5 && d >= 0.5 && b == c && a * d > b * b, "{rows}: {a} {b} {c} {d}");
+    }
+}
+
+#[test]
 fn the_shape_must_be_the_compiled_one() {
     let file = Aligned::new(&file::golden());
     let shape = |what, found, compiled| Err(ModelError::Shape { what, found, compiled });
@@ -169,7 +182,10 @@ fn the_shape_must_be_the_compiled_one() {
 #[test]
 fn header_fields_out_of_range_are_errors() {
     let epsilon = |epsilon| RigidHeader { inertia: Inertia::Cholesky { epsilon }, ..CARTPOLE };
+    let rows = |rows| RigidHeader { inertia: Inertia::Factor { rows, epsilon: 0.0 }, ..CARTPOLE };
     let cases = [
+        (with_family(rows(1)), "rows of the inertia matrix"),
+        (with_family(rows(4)), "rows of the inertia matrix"),
         (with_family(epsilon(-1e-3)), "epsilon of the inertia matrix"),
         (with_family(epsilon(f32::NAN)), "epsilon of the inertia matrix"),
         (with_family(RigidHeader { coordinates: "", ..CARTPOLE }), "number of coordinates"),

@@ -282,18 +282,15 @@ impl<'a> RigidHeader<'a> {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require((1..=MAX_COORDINATES).contains(&self.n()), "number of coordinates")?;
+        require(self.inertia.has_valid_rows(self.n()), "rows of the inertia matrix")?;
         self.network()?.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
     }
 
     pub(super) fn validate<W: FileWeightFormat>(&self, _: &[W]) -> Result<(), ModelError> {
         require(self.letters().all(|kind| kind.is_some()), "coordinate kind")?;
         require(self.network()?.is_valid(), "hidden width")?;
-        match self.inertia {
-            Inertia::Cholesky { epsilon } => {
-                require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")
-            }
-            Inertia::Diagonal => Ok(()),
-        }
+        let epsilon = self.inertia.epsilon();
+        require(epsilon.is_finite() && epsilon >= 0.0, "epsilon of the inertia matrix")
     }
 }
 

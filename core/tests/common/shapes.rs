@@ -79,24 +79,32 @@ impl<const N: usize> Learned<N> for Model<N> {
         x.extend(of(Angle).map(|i| q[i].sin()));
         let widths = self.widths.iter().copied().map(usize::from);
         let o = naive_network(&self.weights, x, widths, self.activation, self.inertia.outputs(N));
+        (self.naive_kinetic(&o, v), *o.last().unwrap())
+    }
+}
+
+impl<const N: usize> Model<N> {
+    /// From the outputs of the network, by matrices.
+    fn naive_kinetic(&self, o: &[f64], v: &[f64; N]) -> f64 {
         let softplus = |z: f64| (1.0 + z.exp()).ln();
-        let mut factor = [[0.0; N]; N];
-        let mut rest = o[N..].iter();
-        for i in 0..N {
-            if self.inertia != Inertia::Diagonal {
-                factor[i][..i].fill_with(|| *rest.next().unwrap());
-            }
-            factor[i][i] = softplus(o[i]);
-        }
-        let kinetic = match self.inertia {
-            Inertia::Diagonal => (0..N).map(|i| factor[i][i] * v[i] * v[i]).sum::<f64>() / 2.0,
-            Inertia::Cholesky { epsilon } => {
-                let y = |j: usize| (0..N).map(|i| factor[i][j] * v[i]).sum::<f64>();
-                let speed: f64 = v.iter().map(|v| v * v).sum();
-                ((0..N).map(|j| y(j) * y(j)).sum::<f64>() + f64::from(epsilon) * speed) / 2.0
-            }
+        let square = |rows: &[Vec<f64>]| -> f64 {
+            rows.iter().map(|row| row.iter().zip(v).map(|(b, v)| b * v).sum::<f64>().powi(2)).sum()
         };
-        (kinetic, *rest.next().unwrap())
+        let speed: f64 = v.iter().map(|v| v * v).sum();
+        match self.inertia {
+            Inertia::Diagonal => (0..N).map(|i| softplus(o[i]) * v[i] * v[i]).sum::<f64>() / 2.0,
+            Inertia::Cholesky { epsilon } => {
+                let below = |i: usize, j: usize| o[N + i * (i - 1) / 2 + j];
+                let entry = |i: usize, j: usize| if i == j { softplus(o[i]) } else { below(i, j) };
+                let column = |j| (0..N).map(|i| if i < j { 0.0 } else { entry(i, j) }).collect();
+                let columns: Vec<Vec<f64>> = (0..N).map(column).collect();
+                (square(&columns) + f64::from(epsilon) * speed) / 2.0
+            }
+            Inertia::Factor { rows, epsilon } => {
+                let rows: Vec<Vec<f64>> = o.chunks(N).take(rows.into()).map(<[f64]>::to_vec).collect();
+                (square(&rows) + f64::from(epsilon) * speed) / 2.0
+            }
+        }
     }
 }
 
@@ -136,11 +144,16 @@ pub fn naive_activation(activation: Activation, z: f64) -> f64 {
 
 const CHOLESKY: Inertia = Inertia::Cholesky { epsilon: 0.01 };
 
+fn factor(rows: u8) -> Inertia {
+    Inertia::Factor { rows, epsilon: 0.3 }
+}
+
 pub fn of_one() -> Vec<Model<1>> {
     vec![
         Model::new([Angle], &[5], Activation::Tanh, Inertia::Diagonal, 1),
         Model::new([Translation], &[3, 4], Activation::Softplus, CHOLESKY, 2),
         Model::new([Cyclic], &[6], Activation::Isru, CHOLESKY, 3),
+        Model::new([Angle], &[4], Activation::Tanh, factor(1), 14),
     ]
 }
 
@@ -150,6 +163,7 @@ pub fn of_two() -> Vec<Model<2>> {
         Model::new([Cyclic, Angle], &[9, 4, 6], Activation::Squareplus, CHOLESKY, 5),
         Model::new([Angle, Angle], &[12], Activation::Isru, Inertia::Diagonal, 6),
         Model::new([Translation, Cyclic], &[13, 2], Activation::Identity, CHOLESKY, 7),
+        Model::new([Angle, Translation], &[6, 5], Activation::Tanh, factor(3), 11),
     ]
 }
 
@@ -158,6 +172,8 @@ pub fn of_three() -> Vec<Model<3>> {
         Model::new([Angle, Translation, Angle], &[13, 8, 5], Activation::Tanh, CHOLESKY, 8),
         Model::new([Angle, Cyclic, Translation], &[10], Activation::Softplus, Inertia::Diagonal, 9),
         Model::new([Cyclic, Angle, Translation], &[6, 11], Activation::Squareplus, CHOLESKY, 10),
+        Model::new([Angle, Angle, Translation], &[7], Activation::Tanh, factor(5), 12),
+        Model::new([Angle, Cyclic, Angle], &[4, 9], Activation::Isru, factor(3), 13),
     ]
 }
 

@@ -56,6 +56,10 @@ macro_rules! sizes {
 
 const CHOLESKY: Inertia = Inertia::Cholesky { epsilon: 1e-3 };
 
+const fn factor(rows: u8) -> Inertia {
+    Inertia::Factor { rows, epsilon: 1e-2 }
+}
+
 sizes! {
     one_coordinate: 1, [5], Tanh, Inertia::Diagonal, true;
     two_coordinates: 2, [7, 9], Softplus, CHOLESKY, false;
@@ -66,5 +70,8 @@ sizes! {
     seven_coordinates: 7, [33, 15], Tanh, CHOLESKY, true;
     eight_coordinates: 8, [10, 10], Softplus, CHOLESKY, false;
     twelve_coordinates: 12, [9, 20], Tanh, CHOLESKY, true;
+    factor_of_two: 2, [7, 3], Tanh, factor(3), true;
+    factor_of_seven: 7, [16], Tanh, factor(13), false;
+    square_factor_of_three: 3, [5], Softplus, factor(3), true;
     without_a_hidden_layer: 2, [0u16; 0], Identity, CHOLESKY, true;
 }

@@ -14,7 +14,7 @@ pub use damping::Damping;
 pub use family::{Family, FamilySystem, HostScalar, Visitor};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
 pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES, TYPE_NUMBERS};
-pub use rigid::{HostSystem, RigidArchitecture};
+pub use rigid::{HostSystem, RigidArchitecture, largest_factor};
 
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};

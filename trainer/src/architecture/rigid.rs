@@ -31,12 +31,23 @@ pub struct RigidArchitecture {
     pub damped: bool,
 }
 
+/// The rows of the largest factor B of an inertia matrix of n coordinates that a model file can hold: 2n − 1, but at most 254 entries
+/// beside V. `None` where it would have fewer than n.
+pub fn largest_factor(n: usize) -> Option<u8> {
+    let rows = (2 * n).saturating_sub(1).min(254 / n.max(1));
+    u8::try_from(rows).ok().filter(|_| rows >= n && n > 0)
+}
+
 impl RigidArchitecture {
-    /// The default network for coordinates of these kinds: two tanh layers, H = softplus for one coordinate and
-    /// LLᵀ + 1e-9 I for more, as SyMo.
+    /// The default network for coordinates of these kinds: two tanh layers, H = softplus for one coordinate and LLᵀ + 1e-9 I for two,
+    /// as SyMo; BᵀB + 1e-9 I for more, as long as a file can hold it.
     pub fn new(coordinates: &[Coordinate], width: u16) -> Self {
-        let inertia =
-            if coordinates.len() == 1 { Inertia::Diagonal } else { Inertia::Cholesky { epsilon: 1e-9 } };
+        let epsilon = 1e-9;
+        let inertia = match (coordinates.len(), largest_factor(coordinates.len())) {
+            (1, _) => Inertia::Diagonal,
+            (3.., Some(rows)) => Inertia::Factor { rows, epsilon },
+            _ => Inertia::Cholesky { epsilon },
+        };
         Self {
             coordinates: coordinates.iter().map(|c| c.letter()).collect(),
             widths: vec![width, width],
@@ -111,25 +122,33 @@ impl RigidArchitecture {
         sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
     }
 
-    /// Random weights: uniform with Glorot's variance, biases and damping zero. Those of H's factor L below its diagonal are divided
-    /// by n − 1: the condition of a random triangular matrix grows exponentially with n, and a nearly singular H moves the
-    /// mechanism by radians in a step (Viswanath and Trefethen, SIAM J. Matrix Anal. Appl. 19, 1998).
+    /// Random weights: uniform with Glorot's variance, biases and damping zero. H is well-conditioned whatever the number of
+    /// coordinates, for a nearly singular one moves the mechanism by radians in a step: the weights of L below its diagonal are
+    /// divided by n − 1, since the condition of a random triangular matrix grows exponentially with n (Viswanath and Trefethen,
+    /// SIAM J. Matrix Anal. Appl. 19, 1998); those of B are too, and its bias is the unit matrix above zeros.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = random_layers(self.layers(), seed);
-        self.shrink_below_diagonal(&mut weights);
+        self.condition(&mut weights);
         weights.extend(std::iter::repeat_n(0.0, if self.damped { self.n() } else { 0 }));
         weights
     }
 
-    /// Divides the last layer's weights of L below its diagonal by n − 1.
-    fn shrink_below_diagonal(&self, weights: &mut [f64]) {
+    /// Makes H well-conditioned, at the weights of the network.
+    fn condition(&self, weights: &mut [f64]) {
         let (n, layers) = (self.n(), self.layers());
-        let (Inertia::Cholesky { .. }, Some((inputs, outputs))) = (self.inertia, layers.last().copied()) else {
-            return;
+        let Some((inputs, outputs)) = layers.last().copied() else { return };
+        let shrunk = match self.inertia {
+            Inertia::Diagonal => return,
+            Inertia::Cholesky { .. } => n..outputs - 1,
+            Inertia::Factor { .. } => 0..outputs - 1,
         };
-        let last = weights.len().saturating_sub((inputs + 1) * outputs);
-        for (i, j) in (n..outputs - 1).flat_map(|i| (0..inputs).map(move |j| (i, j))) {
-            weights[last + Dense::<f64>::position(inputs, outputs, i, j)] /= (n - 1) as f64;
+        let start = weights.len().saturating_sub((inputs + 1) * outputs);
+        let Some(last) = weights.get_mut(start..) else { return };
+        for (i, j) in shrunk.flat_map(|i| (0..inputs).map(move |j| (i, j))) {
+            last[Dense::<f64>::position(inputs, outputs, i, j)] /= n.saturating_sub(1).max(1) as f64;
+        }
+        if let Inertia::Factor { .. } = self.inertia {
+            (0..n).for_each(|i| last[inputs * outputs + i * n + i] = 1.0);
         }
     }
 

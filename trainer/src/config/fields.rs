@@ -22,6 +22,8 @@ pub enum InertiaKind {
     Cholesky,
     /// diag(softplus).
     Diagonal,
+    /// BᵀB + εI.
+    Factor,
 }
 
 /// How the loss is minimised.

@@ -72,7 +72,7 @@ pub struct TrainingConfig {
     pub optimiser: OptimiserKind,
     /// Iterations at most, warm-up not counted.
     pub iterations: u64,
-    /// Iterations on the DEL residual before those on the next position.
+    /// Iterations before those on the next position: on the DEL residual or, of free motion, on the next position of fewer samples.
     pub warm_up: u64,
     /// Training loss at which to stop.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
@@ -233,7 +233,7 @@ impl Config {
         let seed = self.training.seed;
         match &self.model {
             ModelConfig::Rigid(rigid) => {
-                let architecture = rigid.architecture();
+                let architecture = rigid.architecture()?;
                 let weights = architecture.initial_weights(seed);
                 Ok((architecture, weights))
             }

@@ -69,6 +69,27 @@ impl fmt::Display for ShapeError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Problem {
+    /// Rows that the factor of an inertia matrix cannot have.
+    #[error("{rows} rows; the factor of this inertia matrix has {least} to {most}")]
+    Rows {
+        /// That are asked for.
+        rows: u8,
+        /// As many as coordinates.
+        least: u8,
+        /// At most.
+        most: u8,
+    },
+    /// Rows where there is no factor.
+    #[error("only inertia = \"factor\" has rows")]
+    RowsWithoutFactor,
+    /// More coordinates than the file format has outputs for.
+    #[error(
+        "an inertia matrix of {n} coordinates has no factor within the 255 outputs of a network; set inertia = \"cholesky\""
+    )]
+    TooManyForFactor {
+        /// Coordinates.
+        n: usize,
+    },
     /// The model to go on from cannot be read.
     #[error("{message}")]
     From {

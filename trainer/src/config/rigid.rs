@@ -1,7 +1,8 @@
 //! `[model]` of the rigid family.
 
 use super::fields::{self, Coordinates, InertiaKind};
-use crate::architecture::{Architecture, RigidArchitecture};
+use super::problem::{Problem, ShapeError};
+use crate::architecture::{Architecture, RigidArchitecture, largest_factor};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
@@ -18,10 +19,13 @@ pub struct RigidConfig {
     /// Of the hidden layers.
     #[serde(default = "activation", with = "fields::ActivationName")]
     pub activation: Activation,
-    /// The inertia matrix; by default diagonal for one coordinate, else Cholesky.
+    /// The inertia matrix; by default diagonal for one coordinate, Cholesky for two, else a factor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<InertiaKind>,
-    /// ε of the Cholesky form, ≥ 0.
+    /// Rows of the factor; by default as many as there can be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rows: Option<u8>,
+    /// ε of the Cholesky form and of the factor, ≥ 0.
     #[serde(default = "epsilon", deserialize_with = "fields::epsilon")]
     pub epsilon: f32,
     /// Whether viscous damping is learned.
@@ -49,27 +53,56 @@ impl RigidConfig {
             hidden: hidden(),
             activation: activation(),
             inertia: None,
+            rows: None,
             epsilon: epsilon(),
             damping: false,
         }
     }
 
     /// The shape of the model.
-    pub fn architecture(&self) -> Architecture {
+    ///
+    /// # Errors
+    /// For rows that the factor cannot have, or rows of no factor.
+    pub fn architecture(&self) -> Result<Architecture, ShapeError> {
         let Self { coordinates, hidden, activation, damping, .. } = self;
-        let plain = RigidArchitecture::new(&coordinates.0, 0);
-        let cholesky = Inertia::Cholesky { epsilon: self.epsilon };
-        let inertia = match (self.inertia, plain.inertia) {
-            (Some(InertiaKind::Diagonal), _) | (None, Inertia::Diagonal) => Inertia::Diagonal,
-            _ => cholesky,
+        let (n, plain) = (coordinates.0.len(), RigidArchitecture::new(&coordinates.0, 0));
+        let inertia = match self.inertia {
+            None => plain.inertia.with_epsilon(self.epsilon),
+            Some(InertiaKind::Diagonal) => Inertia::Diagonal,
+            Some(InertiaKind::Cholesky) => Inertia::Cholesky { epsilon: self.epsilon },
+            Some(InertiaKind::Factor) => {
+                let rows = largest_factor(n).ok_or_else(|| self.bad_rows(Problem::TooManyForFactor { n }))?;
+                Inertia::Factor { rows, epsilon: self.epsilon }
+            }
         };
-        RigidArchitecture {
+        Ok(RigidArchitecture {
             widths: hidden.clone(),
             activation: *activation,
-            inertia,
+            inertia: self.with_rows(inertia)?,
             damped: *damping,
             ..plain
         }
-        .into()
+        .into())
+    }
+
+    /// The same with the rows that are asked for.
+    fn with_rows(&self, inertia: Inertia) -> Result<Inertia, ShapeError> {
+        let n = self.coordinates.0.len();
+        match (inertia, self.rows) {
+            (inertia, None) => Ok(inertia),
+            (Inertia::Factor { rows: most, epsilon }, Some(rows)) => {
+                let least = u8::try_from(n).unwrap_or(u8::MAX);
+                if !(least..=most).contains(&rows) {
+                    return Err(self.bad_rows(Problem::Rows { rows, least, most }));
+                }
+                Ok(Inertia::Factor { rows, epsilon })
+            }
+            (_, Some(_)) => Err(self.bad_rows(Problem::RowsWithoutFactor)),
+        }
+    }
+
+    fn bad_rows(&self, problem: Problem) -> ShapeError {
+        let key = if self.rows.is_some() { "rows" } else { "inertia" };
+        ShapeError { place: vec!["model".into(), key.into()], problem }
     }
 }

@@ -133,7 +133,8 @@ impl Plan {
             || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
             || architecture.graph().is_some_and(GraphArchitecture::shows_scale);
         let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
-        let mut kinds = kinds(&config.training, laws.is_some(), scale, &mut notices)?;
+        let fewer = fewer_triples(&parts.0, architecture.learned_parameters()?);
+        let mut kinds = kinds(&config.training, laws.is_some(), (scale, fewer.is_some()), &mut notices)?;
         let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
         if goes_on(&config) {
             // A warm-up would leave trained weights for ones that are better on another loss.
@@ -238,12 +239,23 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> (Dataset, 
     (training, Some(validation))
 }
 
+/// Residual components a weight that a warm-up on the next position takes.
+const WARM_UP_ROWS: usize = 4;
+
+/// As many triples, drawn from all, as are enough to begin with: an iteration costs as many times less. `None` where there are
+/// hardly more.
+fn fewer_triples(data: &Dataset, weights: usize) -> Option<Samples> {
+    let all = Samples::triples(data);
+    let count = (WARM_UP_ROWS * weights).div_ceil(data.n.max(1));
+    (all.len() > 2 * count).then(|| all.shuffled(0).range(0..count))
+}
+
 /// The stages and their losses. `laws`: whether simple laws are learned before the networks beside them; `scale`: whether that of
-/// L is known, by a force or otherwise.
+/// L is known, by a force or otherwise; `fewer`: whether a part of the samples is enough to begin with.
 fn kinds(
     training: &TrainingConfig,
     laws: bool,
-    scale: bool,
+    (scale, fewer): (bool, bool),
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<(&'static str, LossKind)>, PlanError> {
     if !scale && training.loss == LossKind::DelResidual {
@@ -260,6 +272,8 @@ fn kinds(
     if let Some(first) = first.filter(|_| training.warm_up > 0) {
         if scale || first != LossKind::DelResidual {
             kinds.insert(0, (WARM_UP, first));
+        } else if fewer {
+            kinds.insert(0, (WARM_UP, LossKind::NextPosition));
         } else {
             notices.push(Notice::NoWarmUp);
         }
@@ -270,6 +284,15 @@ fn kinds(
 /// The name of the first stage of two.
 pub(super) const WARM_UP: &str = "warm-up";
 
+/// All samples that a loss is over.
+fn samples(data: &Dataset, kind: LossKind) -> Result<Samples, SampleError> {
+    match kind {
+        LossKind::Acceleration => Samples::accelerations(data),
+        LossKind::NextState => Samples::next_states(data),
+        LossKind::DelResidual | LossKind::NextPosition => Ok(Samples::triples(data)),
+    }
+}
+
 fn stage(
     name: &'static str,
     kind: LossKind,
@@ -279,14 +302,15 @@ fn stage(
 ) -> Result<Stage, PlanError> {
     let warm_up = name == WARM_UP;
     // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
-    let order = if warm_up { 2 } else { training.order };
+    let order = if warm_up && kind != LossKind::NextPosition { 2 } else { training.order };
+    let over = |samples: Samples| Ok::<_, PlanError>(objective(architecture, samples, kind, order)?);
+    let fewer = if warm_up && kind == LossKind::NextPosition {
+        fewer_triples(data, architecture.learned_parameters()?)
+    } else {
+        None
+    };
     let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
-        let samples = match kind {
-            LossKind::Acceleration => Samples::accelerations(data)?,
-            LossKind::NextState => Samples::next_states(data)?,
-            LossKind::DelResidual | LossKind::NextPosition => Samples::triples(data),
-        };
-        Ok(objective(architecture, samples, kind, order)?)
+        Ok(objective(architecture, samples(data, kind)?, kind, order)?)
     };
     // The loss that follows a warm-up must be finite on the training trajectories.
     let judges = validation.as_ref().filter(|_| !warm_up).unwrap_or(data);
@@ -296,7 +320,7 @@ fn stage(
         name,
         optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
         iterations: if warm_up { training.warm_up } else { training.iterations },
-        objective: build(data, kind, order)?,
+        objective: fewer.map_or_else(|| build(data, kind, order), over)?,
         validation: validation.as_ref().map(|data| build(data, kind, order)).transpose()?,
         judge: judge.transpose()?,
     })

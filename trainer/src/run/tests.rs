@@ -1,7 +1,7 @@
 use super::*;
 use crate::config::{Config, Coordinates, RigidConfig};
 use crate::data::Dataset;
-use crate::ground_truth::{Mechanism, Settings, generate};
+use crate::ground_truth::{ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};
 use leastaction_core::energy::rigid::Coordinate;
 
 #[derive(Default)]
@@ -86,6 +86,56 @@ fn without_force_there_is_no_warm_up_and_no_scale() {
     let mut residual = config();
     residual.training.loss = crate::training::LossKind::DelResidual;
     assert_eq!(Plan::new(residual, &free).err(), Some(PlanError::Unforced));
+}
+
+/// A free chain of pendulums, and the beginning of a configuration for it.
+fn chain(count: usize, trajectories: usize) -> (Dataset, Config) {
+    let system = ManyBody::Pendulum(count);
+    let settings = ModlanetSettings { trajectories, h: 0.01, ..ModlanetSettings::published(system, 0) };
+    let model =
+        RigidConfig { hidden: vec![8], ..RigidConfig::new(Coordinates(vec![Coordinate::Angle; count])) };
+    (generate_many(&settings).unwrap(), Config::new("nowhere.npz", model))
+}
+
+#[test]
+fn initial_weights_move_a_chain_of_any_length_about_as_a_constant_velocity_does() {
+    for count in [2, 4, 7, 12] {
+        for seed in 0..3 {
+            let (data, mut config) = chain(count, 4);
+            config.training.seed = seed;
+            let plan = Plan::new(config, &data).unwrap();
+            let stage = plan.stages.last().unwrap();
+            let (loss, constant) = (stage.objective.loss(&plan.initial), of_constant_velocity(&data));
+            assert!(
+                stage.objective.unsolved(&plan.initial) == 0 && loss < 10.0 * constant,
+                "{count}: {loss} {constant}"
+            );
+        }
+    }
+}
+
+/// Mean square of q₊ − q − (q − q₋).
+fn of_constant_velocity(data: &Dataset) -> f64 {
+    let [before, now, next] = crate::training::Samples::triples(data).states;
+    let error = |k: usize| next[k] - 2.0 * now[k] + before[k];
+    (0..now.len()).map(|k| error(k).powi(2)).sum::<f64>() / now.len() as f64
+}
+
+#[test]
+fn free_motion_is_learned_from_a_part_of_the_samples_first() {
+    let (data, mut config) = chain(3, 40);
+    (config.training.iterations, config.training.warm_up) = (1, 12);
+    let plan = Plan::new(config, &data).unwrap();
+    assert_eq!(plan.notices(), [Notice::UnknownScale]);
+    let [first, last] = &plan.stages[..] else { panic!("two stages") };
+    assert_eq!(first.name, plan::WARM_UP);
+    assert_eq!(first.objective.samples(), (4 * plan.parameters()).div_ceil(3));
+    assert_eq!(last.objective.samples(), 36 * 99);
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = Run::begin(plan, folder.path(), false).unwrap();
+    run.train(&mut Silent::default(), &AtomicBool::new(false)).unwrap();
+    let (error, constant) = (run.best().validation.unwrap(), of_constant_velocity(&data));
+    assert!(error < 0.1 * constant, "{error} {constant}");
 }
 
 #[test]

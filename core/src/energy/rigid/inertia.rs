@@ -1,18 +1,29 @@
 //! From the network's outputs o to energies, L = ½vᵀH(o)v − V(o), with derivatives in o and v.
 
-use crate::expected::expected;
+use crate::expected::{expected, first_mut};
 use crate::network::{Activation, Jet};
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
-/// How the outputs o = (diagonal, strict lower triangle row by row, V) give the inertia matrix.
+/// How the outputs o give the inertia matrix; the last one is V.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Inertia {
-    /// H = diag(softplus(o)): decoupled coordinates, and the form SyMo uses for one coordinate.
+    /// H = diag(softplus(o)), o = (diagonal, V): decoupled coordinates, and the form SyMo uses for one coordinate.
     Diagonal,
-    /// H = LLᵀ + εI, L lower triangular with softplus on its diagonal (SyMo, DeLaN).
+    /// H = LLᵀ + εI, L lower triangular with softplus on its diagonal (SyMo, DeLaN); o = (diagonal, strict lower triangle row by
+    /// row, V).
     Cholesky {
+        /// ε ≥ 0, in the units of H.
+        epsilon: f32,
+    },
+    /// H = BᵀB + εI, o = (B row by row, V): T = ½|B(q)v|² + ½ε|v|² as a mechanism has it, whose masses m move with velocities
+    /// J(q)v, B = √m J. The entries of J are simple functions of q where those of a triangular factor of the same H are not:
+    /// many coordinates are learned from less data.
+    Factor {
+        /// Rows of B, from n (fewer leave H singular but for ε) to 2n − 1: a chain of n masses in the plane has so many, the first
+        /// moving along a circle.
+        rows: u8,
         /// ε ≥ 0, in the units of H.
         epsilon: f32,
     },
@@ -24,6 +35,33 @@ impl Inertia {
         match self {
             Self::Diagonal => n + 1,
             Self::Cholesky { .. } => n * (n + 1) / 2 + 1,
+            Self::Factor { rows, .. } => *rows as usize * n + 1,
+        }
+    }
+
+    /// The same with another ε, where it has one.
+    #[must_use]
+    pub const fn with_epsilon(self, epsilon: f32) -> Self {
+        match self {
+            Self::Diagonal => Self::Diagonal,
+            Self::Cholesky { .. } => Self::Cholesky { epsilon },
+            Self::Factor { rows, .. } => Self::Factor { rows, epsilon },
+        }
+    }
+
+    /// ε, 0 of the diagonal form.
+    pub(crate) const fn epsilon(&self) -> f32 {
+        match *self {
+            Self::Diagonal => 0.0,
+            Self::Cholesky { epsilon } | Self::Factor { epsilon, .. } => epsilon,
+        }
+    }
+
+    /// Whether a model of `n` coordinates can have so many rows.
+    pub(crate) fn has_valid_rows(&self, n: usize) -> bool {
+        match *self {
+            Self::Factor { rows, .. } => (n..2 * n).contains(&usize::from(rows)),
+            _ => true,
         }
     }
 }
@@ -39,69 +77,94 @@ pub(super) fn without_tangents<S: Scalar, const T: usize, const N: usize>(
     core::array::from_fn(|i| x[i].without_tangents())
 }
 
-/// The outputs of the network read as energies, with tangents.
+/// The outputs of the network, with tangents: room for 2N² ≥ (2N − 1)N + 1.
+pub(super) type OutputJets<S, const T: usize, const N: usize> = [[Jets<S, T, N>; N]; 2];
+
+/// Bv, with room for 2N rows.
+type Speeds<S, const T: usize, const N: usize> = [Jets<S, T, N>; 2];
+
+/// The outputs of the network read as energies, with tangents. H = BᵀB + εI or, of the diagonal form, diag(d); B = Lᵀ of the
+/// Cholesky form.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outputs<S, const T: usize, const N: usize> {
+pub(super) struct Outputs<'o, S, const T: usize, const N: usize> {
     inertia: Inertia,
+    /// As the network gives them.
+    pub o: &'o [Jet<S, T>],
     /// softplus of the diagonal outputs.
     diagonal: Jets<S, T, N>,
     /// softplus′ of the diagonal outputs.
     slopes: Jets<S, T, N>,
-    /// L, lower triangular with `diagonal` on its diagonal; of the Cholesky form alone.
-    factor: [Jets<S, T, N>; N],
-    /// V, J.
-    pub potential: Jet<S, T>,
 }
 
-/// Workspace for the adjoint of the outputs: 2N² ≥ N(N + 1)/2 + 1.
-pub(super) type OutputBar<S, const T: usize, const N: usize> = [[Jets<S, T, N>; N]; 2];
-
-impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
+impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
     #[inline]
-    pub fn new(inertia: Inertia, o: &[Jet<S, T>]) -> Self {
+    pub fn new(inertia: Inertia, o: &'o [Jet<S, T>]) -> Self {
         let mut diagonal = [Jet::zero(); N];
         let mut slopes = [Jet::zero(); N];
-        let mut factor = [[Jet::zero(); N]; N];
-        let mut o = o.iter().copied();
-        for (d, o) in diagonal.iter_mut().zip(&mut o) {
-            *d = o;
-        }
-        Activation::Softplus.apply(&mut diagonal, &mut slopes);
-        if inertia != Inertia::Diagonal {
-            for (i, (row, d)) in factor.iter_mut().zip(&diagonal).enumerate() {
-                // Down to the diagonal: outputs, and then softplus of the first ones.
-                for l in row.iter_mut().take(i) {
-                    *l = expected(o.next(), Jet::zero());
-                }
-                if let Some(l) = row.get_mut(i) {
-                    *l = *d;
-                }
+        if !matches!(inertia, Inertia::Factor { .. }) {
+            for (d, o) in diagonal.iter_mut().zip(o) {
+                *d = *o;
             }
+            Activation::Softplus.apply(&mut diagonal, &mut slopes);
         }
-        Self { inertia, diagonal, slopes, factor, potential: expected(o.next(), Jet::zero()) }
+        Self { inertia, o, diagonal, slopes }
     }
 
-    /// The same without tangents.
+    /// What `f` gives of the same without tangents.
     #[inline]
-    pub fn without_tangents(&self) -> Outputs<S, 0, N> {
-        Outputs {
+    pub fn without_tangents<Y>(&self, f: impl FnOnce(&Outputs<S, 0, N>) -> Y) -> Y {
+        let mut values: OutputJets<S, 0, N> = [[[Jet::zero(); N]; N]; 2];
+        let slots = first_mut(values.as_flattened_mut().as_flattened_mut(), self.o.len());
+        for (slot, o) in slots.iter_mut().zip(self.o) {
+            *slot = o.without_tangents();
+        }
+        f(&Outputs {
             inertia: self.inertia,
+            o: slots,
             diagonal: without_tangents(&self.diagonal),
             slopes: without_tangents(&self.slopes),
-            factor: self.factor.each_ref().map(without_tangents),
-            potential: self.potential.without_tangents(),
+        })
+    }
+
+    /// V.
+    #[inline]
+    pub fn potential(&self) -> Jet<S, T> {
+        expected(self.o.last().copied(), Jet::zero())
+    }
+
+    /// Visits the entries of B with their rows and columns.
+    #[inline(always)]
+    fn each_entry(&self, mut visit: impl FnMut(usize, usize, &Jet<S, T>)) {
+        match self.inertia {
+            Inertia::Diagonal => {}
+            Inertia::Cholesky { .. } => {
+                let mut below = self.o.iter().skip(N);
+                for (i, d) in self.diagonal.iter().enumerate() {
+                    for (j, l) in below.by_ref().take(i).enumerate() {
+                        visit(j, i, l);
+                    }
+                    visit(i, i, d);
+                }
+            }
+            Inertia::Factor { rows, .. } => {
+                for (k, row) in self.o.chunks_exact(N).take(usize::from(rows)).enumerate() {
+                    for (j, b) in row.iter().enumerate() {
+                        visit(k, j, b);
+                    }
+                }
+            }
         }
     }
 
-    /// Lᵀv.
+    /// Bv.
     #[inline]
-    fn transposed(&self, v: &Jets<S, T, N>) -> Jets<S, T, N> {
-        let mut y = [Jet::zero(); N];
-        for (i, (row, v)) in self.factor.iter().zip(v).enumerate() {
-            for (y, l) in y.iter_mut().zip(row).take(i + 1) {
-                *y = y.plus(&l.times(v));
+    fn speeds(&self, v: &Jets<S, T, N>) -> Speeds<S, T, N> {
+        let mut y = [[Jet::zero(); N]; 2];
+        self.each_entry(|row, column, b| {
+            if let (Some(y), Some(v)) = (y.as_flattened_mut().get_mut(row), v.get(column)) {
+                *y = y.plus(&b.times(v));
             }
-        }
+        });
         y
     }
 
@@ -110,15 +173,15 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
     pub fn momentum(&self, v: &Jets<S, T, N>) -> Jets<S, T, N> {
         match self.inertia {
             Inertia::Diagonal => core::array::from_fn(|i| self.diagonal[i].times(&v[i])),
-            Inertia::Cholesky { epsilon } => {
-                let y = self.transposed(v);
+            Inertia::Cholesky { epsilon } | Inertia::Factor { epsilon, .. } => {
+                let y = self.speeds(v);
                 let epsilon = S::constant(f64::from(epsilon));
                 let mut p = v.map(|v| v.scaled(epsilon));
-                for (i, (p, row)) in p.iter_mut().zip(&self.factor).enumerate() {
-                    for (l, y) in row.iter().zip(&y).take(i + 1) {
-                        *p = p.plus(&l.times(y));
+                self.each_entry(|row, column, b| {
+                    if let (Some(p), Some(y)) = (p.get_mut(column), y.as_flattened().get(row)) {
+                        *p = p.plus(&b.times(y));
                     }
-                }
+                });
                 p
             }
         }
@@ -127,35 +190,35 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
     /// H.
     #[inline]
     pub fn mass_matrix(&self) -> [[S; N]; N] {
-        let plain = self.without_tangents();
-        let columns = core::array::from_fn(|j| {
-            let unit = core::array::from_fn(|i| Jet::constant(if i == j { S::one() } else { S::zero() }));
-            plain.momentum(&unit).map(|p| p.value)
-        });
         // H is symmetric: its columns are its rows.
-        columns
+        self.without_tangents(|plain| {
+            core::array::from_fn(|j| {
+                let unit = core::array::from_fn(|i| Jet::constant(if i == j { S::one() } else { S::zero() }));
+                plain.momentum(&unit).map(|p| p.value)
+            })
+        })
     }
 
     /// ∂/∂o of aᵀHb, with tangents; the place of V stays 0.
     #[inline]
-    pub fn bilinear_bar(&self, a: &Jets<S, T, N>, b: &Jets<S, T, N>) -> OutputBar<S, T, N> {
+    pub fn bilinear_bar(&self, a: &Jets<S, T, N>, b: &Jets<S, T, N>) -> OutputJets<S, T, N> {
         match self.inertia {
-            Inertia::Diagonal => self.pack(|i, _| a[i].times(&b[i])),
-            Inertia::Cholesky { .. } => {
-                let (alpha, beta) = (self.transposed(a), self.transposed(b));
-                self.pack(|i, j| a[i].times(&beta[j]).plus(&b[i].times(&alpha[j])))
+            Inertia::Diagonal => self.pack(|_, i| a[i].times(&b[i])),
+            _ => {
+                let (alpha, beta) = (self.speeds(a), self.speeds(b));
+                self.pack(|row, i| a[i].times(&speed(&beta, row)).plus(&b[i].times(&speed(&alpha, row))))
             }
         }
     }
 
     /// ∂L/∂o at (o, v), with tangents.
     #[inline]
-    pub fn lagrangian_bar(&self, v: &Jets<S, T, N>) -> OutputBar<S, T, N> {
+    pub fn lagrangian_bar(&self, v: &Jets<S, T, N>) -> OutputJets<S, T, N> {
         let mut bar = match self.inertia {
-            Inertia::Diagonal => self.pack(|i, _| v[i].times(&v[i]).scaled(S::constant(0.5))),
-            Inertia::Cholesky { .. } => {
-                let y = self.transposed(v);
-                self.pack(|i, j| v[i].times(&y[j]))
+            Inertia::Diagonal => self.pack(|_, i| v[i].times(&v[i]).scaled(S::constant(0.5))),
+            _ => {
+                let y = self.speeds(v);
+                self.pack(|row, i| v[i].times(&speed(&y, row)))
             }
         };
         if let Some(potential) =
@@ -166,10 +229,16 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
         bar
     }
 
-    /// Lays ∂/∂L_ij out in the order of the outputs, through softplus on the diagonal.
+    /// Lays ∂/∂B of a row and a column out in the order of the outputs, through softplus on the diagonal.
     #[inline]
-    fn pack(&self, entry: impl Fn(usize, usize) -> Jet<S, T>) -> OutputBar<S, T, N> {
+    fn pack(&self, entry: impl Fn(usize, usize) -> Jet<S, T>) -> OutputJets<S, T, N> {
         let mut bar = [[[Jet::zero(); N]; N]; 2];
+        if let Inertia::Factor { rows, .. } = self.inertia {
+            for (k, row) in bar.as_flattened_mut().iter_mut().take(usize::from(rows)).enumerate() {
+                *row = core::array::from_fn(|j| entry(k, j));
+            }
+            return bar;
+        }
         let mut slots = bar.as_flattened_mut().as_flattened_mut().iter_mut();
         // Plain loops over const bounds: no panic branch is left at any optimisation level.
         for (i, slope) in self.slopes.iter().enumerate() {
@@ -183,10 +252,16 @@ impl<S: Scalar, const T: usize, const N: usize> Outputs<S, T, N> {
         for i in 0..N {
             for j in 0..i {
                 if let Some(slot) = slots.next() {
-                    *slot = entry(i, j);
+                    *slot = entry(j, i);
                 }
             }
         }
         bar
     }
+}
+
+/// One row of Bv.
+#[inline(always)]
+fn speed<S: Scalar, const T: usize, const N: usize>(y: &Speeds<S, T, N>, row: usize) -> Jet<S, T> {
+    expected(y.as_flattened().get(row).copied(), Jet::zero())
 }

@@ -18,7 +18,7 @@ use crate::linear::{add_scaled, dot, multiply, transpose};
 use crate::network::{Activation, Jet, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 use features::Features;
-use inertia::{Jets, OutputBar, Outputs, without_tangents};
+use inertia::{Jets, OutputJets, Outputs, without_tangents};
 
 /// The shape of a rigid model, apart from its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,30 +103,30 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
     }
 
     #[inline]
-    fn forward<S: Scalar<Weight = W::Wide>, const T: usize>(
+    fn forward<'o, S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         q: &[S; N],
         directions: &[[S; N]; T],
         tape: &mut Tape<S, T, H, L>,
-    ) -> Evaluation<S, T, N> {
-        self.evaluate(q, directions, |x, y| self.network.network.forward(x, tape, y))
+        o: &'o mut OutputJets<S, T, N>,
+    ) -> (Features<S, N>, Outputs<'o, S, T, N>) {
+        self.evaluate(q, directions, o, |x, y| self.network.network.forward(x, tape, y))
     }
 
     /// Features → network → energies, the network run by `pass(inputs, outputs)`.
     #[inline(always)]
-    fn evaluate<S: Scalar<Weight = W::Wide>, const T: usize>(
+    fn evaluate<'o, S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         q: &[S; N],
         directions: &[[S; N]; T],
+        o: &'o mut OutputJets<S, T, N>,
         pass: impl FnOnce(&[Jet<S, T>], &mut [Jet<S, T>]),
-    ) -> Evaluation<S, T, N> {
+    ) -> (Features<S, N>, Outputs<'o, S, T, N>) {
         let features = Features::new(&self.coordinates, q);
         let (inputs, count) = features.jets(directions);
-        let mut raw: OutputBar<S, T, N> = [[[Jet::zero(); N]; N]; 2];
-        let slots = first_mut(raw.as_flattened_mut().as_flattened_mut(), self.inertia.outputs(N));
-        pass(first(inputs.as_flattened(), count), slots);
-        let outputs = Outputs::new(self.inertia, slots);
-        Evaluation { features, raw, outputs }
+        let o = first_mut(o.as_flattened_mut().as_flattened_mut(), self.inertia.outputs(N));
+        pass(first(inputs.as_flattened(), count), o);
+        (features, Outputs::new(self.inertia, o))
     }
 
     /// ∂L/∂q and its derivatives along the directions.
@@ -135,7 +135,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
         &self,
         features: &Features<S, N>,
         tape: &Tape<S, T, H, L>,
-        bar: &OutputBar<S, A, N>,
+        bar: &OutputJets<S, A, N>,
         directions: &[[S; N]; A],
     ) -> Jets<S, A, N> {
         let mut feature_bar = [[Jet::zero(); N]; 2];
@@ -151,7 +151,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
         &self,
         features: &Features<S, N>,
         tape: &SecondOrderTape<S, N, H, L>,
-        bar: &OutputBar<S, N, N>,
+        bar: &OutputJets<S, N, N>,
     ) -> (Jets<S, N, N>, [[S; N]; N]) {
         let plain = bar.each_ref().map(|rows| rows.each_ref().map(without_tangents));
         let plain = first(plain.as_flattened().as_flattened(), self.inertia.outputs(N));
@@ -168,9 +168,10 @@ impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<'_, 
     #[inline]
     fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
         let mut tape = Tape::<S, 1, H, L>::default();
-        let Evaluation { features, outputs, .. } = self.forward(q, &[*v], &mut tape);
+        let mut o = no_outputs();
+        let (features, outputs) = self.forward(q, &[*v], &mut tape, &mut o);
         let p = outputs.momentum(&held(v));
-        let bar = outputs.without_tangents().lagrangian_bar(&held(v));
+        let bar = outputs.without_tangents(|plain| plain.lagrangian_bar(&held(v)));
         Dynamics {
             mass: outputs.mass_matrix(),
             l_q: self.adjoint(&features, &tape, &bar, &[]).map(|l| l.value),
@@ -180,13 +181,10 @@ impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<'_, 
     }
 }
 
-/// The results of one pass through the network.
-struct Evaluation<S, const T: usize, const N: usize> {
-    features: Features<S, N>,
-    /// The network's outputs o.
-    raw: OutputBar<S, T, N>,
-    /// The same, read as energies.
-    outputs: Outputs<S, T, N>,
+/// Room for the network's outputs.
+#[inline(always)]
+fn no_outputs<S: Scalar, const T: usize, const N: usize>() -> OutputJets<S, T, N> {
+    [[[Jet::zero(); N]; N]; 2]
 }
 
 /// v at rest along all directions: all tangents are zero.
@@ -205,16 +203,18 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
     Lagrangian<S, N> for Rigid<'_, W, N, H, L>
 {
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
-        let Evaluation { outputs, .. } = self.forward(q, &[], &mut Tape::<S, 0, H, L>::default());
+        let (mut tape, mut o) = (Tape::<S, 0, H, L>::default(), no_outputs());
+        let (_, outputs) = self.forward(q, &[], &mut tape, &mut o);
         let p = outputs.momentum(&held(v)).map(|p| p.value);
-        Energies { kinetic: dot(&p, v).half(), potential: outputs.potential.value }
+        Energies { kinetic: dot(&p, v).half(), potential: outputs.potential().value }
     }
 
     // Functions of their own: on a controller neither's tape lies on the stack beside the other's.
     #[inline(never)]
     fn gradient(&self, q: &[S; N], v: &[S; N]) -> Gradient<S, N> {
         let mut tape = Tape::<S, 0, H, L>::default();
-        let Evaluation { features, outputs, .. } = self.forward(q, &[], &mut tape);
+        let mut o = no_outputs();
+        let (features, outputs) = self.forward(q, &[], &mut tape, &mut o);
         let v = held(v);
         let l_q = self.adjoint(&features, &tape, &outputs.lagrangian_bar(&v), &[]);
         Gradient { l_q: l_q.map(|l| l.value), l_v: outputs.momentum(&v).map(|p| p.value) }
@@ -228,13 +228,14 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
     /// One forward pass with N tangents: 1 + N passes' work. L_q = ½vᵀ(∂H/∂q)v − ∂V/∂q.
     #[inline]
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
-        let Evaluation { outputs, .. } =
-            self.evaluate(q, &unit_vectors(), |x, y| self.network.network.evaluate::<S, N>(x, y));
-        let p = outputs.momentum(&held(v));
+        let mut o = no_outputs();
+        let pass = |x: &[_], y: &mut [_]| self.network.network.evaluate::<S, N>(x, y);
+        let (_, outputs) = self.evaluate(q, &unit_vectors(), &mut o, pass);
+        let (p, potential) = (outputs.momentum(&held(v)), outputs.potential());
         let l_vq = p.map(|p| p.tangent);
         let twice_kinetic_q = multiply(&transpose(&l_vq), v);
         Linearization {
-            l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - outputs.potential.tangent[k]),
+            l_q: core::array::from_fn(|k| twice_kinetic_q[k].half() - potential.tangent[k]),
             l_v: p.map(|p| p.value),
             l_vq,
             l_vv: outputs.mass_matrix(),
@@ -246,8 +247,9 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
     #[inline(never)]
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         let mut tape = SecondOrderTape::<S, N, H, L>::default();
-        let Evaluation { features, raw, outputs } = self
-            .evaluate(q, &unit_vectors(), |x, y| self.network.network.forward_second_order(x, &mut tape, y));
+        let mut o = no_outputs();
+        let pass = |x: &[_], y: &mut [_]| self.network.network.forward_second_order(x, &mut tape, y);
+        let (features, outputs) = self.evaluate(q, &unit_vectors(), &mut o, pass);
         let v = held(v);
         let bar = outputs.lagrangian_bar(&v);
         let (l_q, of_network) = self.adjoint_second_order(&features, &tape, &bar);
@@ -255,7 +257,7 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
         Hessian {
             l_q: l_q.map(|l| l.value),
             l_v: p.map(|p| p.value),
-            l_qq: assembled(&l_q, &of_network, &raw, &bar),
+            l_qq: assembled(&l_q, &of_network, outputs.o, &bar),
             l_vq: p.map(|p| p.tangent),
             l_vv: outputs.mass_matrix(),
         }
@@ -267,12 +269,12 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
 fn assembled<S: Scalar, const N: usize>(
     l_q: &Jets<S, N, N>,
     of_network: &[[S; N]; N],
-    raw: &OutputBar<S, N, N>,
-    bar: &OutputBar<S, N, N>,
+    o: &[Jet<S, N>],
+    bar: &OutputJets<S, N, N>,
 ) -> [[S; N]; N] {
     let mut sum: [[S; N]; N] =
         core::array::from_fn(|i| core::array::from_fn(|j| l_q[i].tangent[j] + of_network[i][j]));
-    let pairs = raw.as_flattened().as_flattened().iter().zip(bar.as_flattened().as_flattened());
+    let pairs = o.iter().zip(bar.as_flattened().as_flattened());
     for (o, bar) in pairs {
         for (row, o) in sum.iter_mut().zip(&o.tangent) {
             *row = add_scaled(row, *o, &bar.tangent);

@@ -1,6 +1,6 @@
 //! Derivatives in the weights, for training: the tangent forward, then the adjoint, layer by layer.
 
-use super::{Features, OutputBar, Outputs, Rigid, held};
+use super::{Features, OutputJets, Outputs, Rigid, held, no_outputs};
 use crate::energy::Learnable;
 use crate::energy::placed_network::WeightTangents;
 use crate::expected::{first, first_mut};
@@ -27,7 +27,7 @@ impl<S: Scalar, const N: usize, const H: usize, const L: usize> Learnable<S, N>
         mut row: impl FnMut(usize, S),
     ) {
         self.gradient_along(q, y, |outputs| outputs.lagrangian_bar(&held(v)), &mut row);
-        let rate = |outputs: &Outputs<S, 1, N>| outputs.bilinear_bar(&held(y), &Jet::moving(v, a));
+        let rate = |outputs: &Outputs<'_, S, 1, N>| outputs.bilinear_bar(&held(y), &Jet::moving(v, a));
         self.gradient_along(q, v, rate, |i, rate| row(i, -rate));
     }
 }
@@ -44,12 +44,12 @@ impl<const N: usize, const H: usize, const L: usize, W: WeightFormat> Rigid<'_, 
         &self,
         q: &[S; N],
         direction: &[S; N],
-        bar: impl FnOnce(&Outputs<S, 1, N>) -> OutputBar<S, 1, N>,
+        bar: impl FnOnce(&Outputs<'_, S, 1, N>) -> OutputJets<S, 1, N>,
         row: impl FnMut(usize, S),
     ) {
         let (inputs, count) = Features::new(&self.coordinates, q).jets(&[*direction]);
-        let mut raw: OutputBar<S, 1, N> = [[[Jet::zero(); N]; N]; 2];
-        let outputs = first_mut(raw.as_flattened_mut().as_flattened_mut(), self.inertia.outputs(N));
+        let mut o = no_outputs::<S, 1, N>();
+        let outputs = first_mut(o.as_flattened_mut().as_flattened_mut(), self.inertia.outputs(N));
         let x = first(inputs.as_flattened(), count);
         self.network.pull_back::<S, 1, _, _>((x, &mut []), outputs, &mut WeightTangents(row), |o, _| {
             Adjoint { bar: bar(&Outputs::new(self.inertia, o)), outputs: o.len() }
@@ -59,7 +59,7 @@ impl<const N: usize, const H: usize, const L: usize, W: WeightFormat> Rigid<'_, 
 
 /// The adjoint of the network's outputs.
 struct Adjoint<S, const N: usize> {
-    bar: OutputBar<S, 1, N>,
+    bar: OutputJets<S, 1, N>,
     outputs: usize,
 }
 

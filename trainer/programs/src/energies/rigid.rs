@@ -52,18 +52,34 @@ impl RigidEnergies {
                 let below: Vec<(usize, usize)> = (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
                 let lower = builder.part(outputs, n..n + below.len());
                 let entries = builder.joined(&[diagonal, lower]);
-                let rows = (0..n).chain(below.iter().map(|(i, _)| *i)).collect::<Vec<_>>();
-                let columns = (0..n).chain(below.iter().map(|(_, j)| *j)).collect::<Vec<_>>();
-                let v_of_rows = builder.gather(v, &rows);
-                let products = builder.product(entries, v_of_rows);
-                let transposed = builder.scatter(products, &columns, n);
-                let (square, own) = (builder.dot(transposed, transposed), builder.dot(v, v));
-                let own = builder.scaled(epsilon.into(), own);
-                builder.sum(square, own)
+                let of = |k: usize| (0..n).chain(below.iter().map(move |(i, j)| [*i, *j][k])).collect();
+                let (columns, rows): (Vec<_>, Vec<_>) = (of(0), of(1));
+                square(builder, entries, (&rows, &columns), (n, v, epsilon))
+            }
+            Inertia::Factor { rows: count, epsilon } => {
+                let entries = usize::from(count) * n;
+                let (rows, columns): (Vec<_>, Vec<_>) = (0..entries).map(|k| (k / n, k % n)).unzip();
+                let entries = builder.part(outputs, 0..entries);
+                square(builder, entries, (&rows, &columns), (count.into(), v, epsilon))
             }
         };
         builder.scaled(0.5, twice)
     }
+}
+
+/// |Bv|² + ε|v|², B of `count` rows by its entries at these rows and columns, the others 0.
+fn square(
+    builder: &mut Builder,
+    entries: Node,
+    (rows, columns): (&[usize], &[usize]),
+    (count, v, epsilon): (usize, Node, f32),
+) -> Node {
+    let of_columns = builder.gather(v, columns);
+    let products = builder.product(entries, of_columns);
+    let speeds = builder.scatter(products, rows, count);
+    let (square, own) = (builder.dot(speeds, speeds), builder.dot(v, v));
+    let own = builder.scaled(epsilon.into(), own);
+    builder.sum(square, own)
 }
 
 impl Energies for RigidEnergies {

@@ -94,6 +94,7 @@ impl ShapeReport {
             inertia: match rigid.inertia {
                 Inertia::Diagonal => "diagonal".to_owned(),
                 Inertia::Cholesky { epsilon } => format!("cholesky, epsilon {epsilon:e}"),
+                Inertia::Factor { rows, epsilon } => format!("factor of {rows} rows, epsilon {epsilon:e}"),
             },
         }
     }
