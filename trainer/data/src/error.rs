@@ -166,6 +166,17 @@ pub enum Problem {
     /// A number that is no whole one, as a trajectory's id must be.
     #[error("{0} is not a whole number that fits 64 bits")]
     NotInteger(String),
+    /// An array that should be one string.
+    #[error("elements of type {kind} in shape {shape:?}; store one string")]
+    NotString {
+        /// Of its elements.
+        kind: String,
+        /// Of the array.
+        shape: Vec<usize>,
+    },
+    /// A word that is no kind of control.
+    #[error("{0:?} is not what u does between samples; write \"held\" or \"linear\", or leave control out")]
+    Control(String),
     /// NaN or infinite.
     #[error("{0} is not finite; remove the sample (a gap in t splits the trajectory there)")]
     NotFinite(f64),

@@ -2,11 +2,14 @@
 //!
 //! One `.npz` file: `train_x`, `test_x`, `int_x`: \[trajectories, samples, 2n\], positions then velocities; `train_u`,
 //! `test_u`, `int_u`: \[trajectories, samples\], the generalised force at the one actuated coordinate. The step is not in the
-//! file. Any real element type is read, float64 written. Other arrays (the authors add the start states `x0`, `int_x0`) are
+//! file. The authors take the control to be linear between samples, (h/4)(u₋ + 2u + u₊) in their equation; in their sets it is constant
+//! in a trajectory. Any real element type is read, float64 written. Other arrays (the authors add the start states `x0`, `int_x0`) are
 //! ignored and not written.
 
 use std::fs;
 use std::path::Path;
+
+use leastaction_core::forces::ControlKind;
 
 use crate::archive::{Archive, Array};
 use crate::error::{DataError, Fault, Place, Problem};
@@ -108,7 +111,7 @@ impl<'a> PlacedNetwork<'a> {
         let trajectories = (0..).zip(states.zip(u.chunks_exact(self.samples)));
         let trajectories = trajectories.map(|(id, (x, u))| trajectory(id, n, x, u, actuated));
         let trajectories = trajectories.collect::<Option<_>>().ok_or((Place::File, Problem::Empty))?;
-        Ok(Dataset { n, h, trajectories })
+        Ok(Dataset { n, h, control: Some(ControlKind::Linear), trajectories })
     }
 }
 

@@ -1,7 +1,8 @@
 //! What is written is read back, bit for bit.
 
+use leastaction_core::forces::ControlKind;
 use leastaction_data::symo::{self, SymoSet};
-use leastaction_data::{self as data, Dataset, Place, Problem, Rows, Trajectory};
+use leastaction_data::{self as data, CONTROL_KINDS, Dataset, Place, Problem, Rows, Trajectory};
 use proptest::prelude::*;
 
 fn number() -> impl Strategy<Value = f64> {
@@ -24,12 +25,14 @@ fn trajectory(n: usize, given: [bool; 3]) -> impl Strategy<Value = Trajectory> {
 }
 
 fn dataset() -> impl Strategy<Value = Dataset> {
-    (1..4_usize, any::<[bool; 3]>(), 1e-3..1e3, any::<i64>()).prop_flat_map(|(n, given, h, first)| {
+    let kinds = prop::option::of(prop::sample::select(CONTROL_KINDS.to_vec()));
+    let sizes = (1..4_usize, any::<[bool; 3]>(), 1e-3..1e3, any::<i64>(), kinds);
+    sizes.prop_flat_map(|(n, given, h, first, kind)| {
         prop::collection::vec(trajectory(n, given), 1..5).prop_map(move |mut trajectories| {
             for (motion, i) in trajectories.iter_mut().zip(0..) {
                 motion.id = first.wrapping_add(i);
             }
-            Dataset { n, h, trajectories }
+            Dataset { n, h, control: kind.map(|(_, kind)| kind), trajectories }
         })
     })
 }
@@ -43,7 +46,7 @@ fn symo_part(trajectories: usize, samples: usize) -> impl Strategy<Value = Datas
             let u = Rows::from_rows(n, u.iter().map(|&u| [0.0, u])).unwrap();
             Trajectory { id, t0: 0.0, q, v: Some(v), a: None, u: Some(u) }
         });
-        Dataset { n, h: 0.05, trajectories: trajectories.collect() }
+        Dataset { n, h: 0.05, control: Some(ControlKind::Linear), trajectories: trajectories.collect() }
     })
 }
 
@@ -95,7 +98,7 @@ fn motion(id: i64) -> Trajectory {
 }
 
 fn pair() -> Dataset {
-    Dataset { n: 2, h: 0.1, trajectories: vec![motion(0), motion(1)] }
+    Dataset { n: 2, h: 0.1, control: None, trajectories: vec![motion(0), motion(1)] }
 }
 
 #[test]
