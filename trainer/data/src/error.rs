@@ -249,6 +249,11 @@ pub enum Problem {
     /// A control the layout has no room for.
     #[error("u is not 0 at coordinate {0}; this layout stores the control of the actuated coordinate only")]
     SecondControl(usize),
+    /// A control of a kind that the layout does not have.
+    #[error(
+        "u is held between samples; this layout stores a control that is linear between them, or constant"
+    )]
+    HeldControl,
     /// An actuated coordinate that does not exist.
     #[error("coordinate {index} cannot be the actuated one of {n}; it is counted from 0")]
     BadActuated {

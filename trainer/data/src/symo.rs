@@ -62,7 +62,8 @@ fn same_width(key: &str, found: usize, expected: usize) -> Result<(), Fault> {
 /// The file is replaced in one step or not at all. Ids, start times and accelerations have no place in the layout and are lost.
 ///
 /// # Errors
-/// [`DataError`]; also for trajectories of unequal length within a part, without `v` or `u`, or with a second control.
+/// [`DataError`]; also for trajectories of unequal length within a part, without `v` or `u`, or with a second control or one that is
+/// held.
 pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(), DataError> {
     let path = path.as_ref();
     located(path, || {
@@ -70,6 +71,9 @@ pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(
         for (keys, part) in PARTS.into_iter().zip([&set.train, &set.test, &set.integration]) {
             part.check()?;
             same_width(keys.0, part.n, set.train.n)?;
+            if part.control == Some(ControlKind::Held) && part.control_changes() {
+                return Err((Place::Key(keys.1.to_owned()), Problem::HeldControl));
+            }
             add_part(&mut writer, keys, part, actuated)?;
         }
         store(path, &writer.finish()?)

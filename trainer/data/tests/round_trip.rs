@@ -204,6 +204,16 @@ fn the_symo_layout_refuses_what_it_cannot_hold() {
     let message =
         "u is not 0 at coordinate 1; this layout stores the control of the actuated coordinate only";
     assert_eq!(second, Err((Place::Trajectory(1), message.to_owned())));
+    let held = attempt(
+        |d| {
+            d.control = Some(ControlKind::Held);
+            d.trajectories[1].u = Rows::from_flat(2, vec![0.0, 0.0, 1.0, 0.0, 2.0, 0.0]);
+        },
+        0,
+    );
+    let message =
+        "u is held between samples; this layout stores a control that is linear between them, or constant";
+    assert_eq!(held, Err((Place::Key("test_u".to_owned()), message.to_owned())));
     let absent = attempt(|d| d.trajectories.iter_mut().for_each(|t| t.v = None), 0);
     assert_eq!(absent, Err((Place::Trajectory(0), "v is missing".to_owned())));
     let longer = attempt(
