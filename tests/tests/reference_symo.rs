@@ -10,7 +10,7 @@ use leastaction::training::{LossKind, Samples, objective};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Del, Interval, Midpoint};
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::forces::{Forces, System};
+use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 use reference::{Arrays, EXACT, assert_close, data, in_single};
@@ -47,7 +47,9 @@ impl Reference {
         let n = self.imported.architecture.n();
         let states = ["q_prev", "q", "q_next"].map(|key| self.arrays.get(key));
         let controls = ["u_prev", "u", "u_next"].map(|key| self.arrays.get(key));
-        Samples { n, h: self.h, states, controls, ..Samples::default() }
+        // The authors' equation takes the mean of the controls at both ends of a step.
+        let control = ControlKind::Linear;
+        Samples { n, h: self.h, states, controls, control, ..Samples::default() }
     }
 
     /// The gradient that the file has under this prefix, in the order of our weight block.

@@ -32,19 +32,23 @@ where
     F: Forces<f64, N> + Sync,
 {
     parallel::map(data.trajectories.len(), &|k| match order {
-        4 => free_run::<Galerkin, _, _, N>(system, data.h, &data.trajectories[k]),
-        _ => free_run::<Midpoint, _, _, N>(system, data.h, &data.trajectories[k]),
+        4 => free_run::<Galerkin, _, _, N>(system, data, &data.trajectories[k]),
+        _ => free_run::<Midpoint, _, _, N>(system, data, &data.trajectories[k]),
     })
 }
 
-fn free_run<P: Path, L, F, const N: usize>(system: &System<L, F>, h: f64, trajectory: &Trajectory) -> Vec<f64>
+fn free_run<P: Path, L, F, const N: usize>(
+    system: &System<L, F>,
+    data: &Dataset,
+    trajectory: &Trajectory,
+) -> Vec<f64>
 where
     L: Lagrangian<f64, N>,
     F: Forces<f64, N>,
 {
-    let del = Del::<f64, P>::with_newton(h, Newton { max_iterations: 50, stop: 1e-14, accept: 1e-8 });
+    let del = Del::<f64, P>::with_newton(data.h, Newton { max_iterations: 50, stop: 1e-14, accept: 1e-8 });
     let mut positions: Vec<f64> = trajectory.q.iter().take(2).flatten().copied().collect();
-    let _stopped_early = extend_run(&del, system, trajectory, &mut positions);
+    let _stopped_early = extend_run(&del, system, (data, trajectory), &mut positions);
     positions.resize(trajectory.samples() * N, f64::NAN);
     positions
 }
@@ -52,7 +56,7 @@ where
 fn extend_run<P: Path, L, F, const N: usize>(
     del: &Del<f64, P>,
     system: &System<L, F>,
-    trajectory: &Trajectory,
+    (data, trajectory): (&Dataset, &Trajectory),
     positions: &mut Vec<f64>,
 ) -> Result<(), StepError<f64>>
 where
@@ -62,7 +66,7 @@ where
     let q = |k: usize| -> [f64; N] { std::array::from_fn(|i| trajectory.q[k][i]) };
     let u =
         |k: usize| -> [f64; N] { std::array::from_fn(|i| trajectory.u.as_ref().map_or(0.0, |u| u[k][i])) };
-    let between = |k: usize| Control { start: u(k), end: u(k + 1) };
+    let between = |k: usize| Control { start: u(k), end: u(data.control_end(k)) };
     let mut state = del.start(system, &q(0), &q(1), &between(0))?;
     for k in 1..trajectory.samples() - 1 {
         del.step(system, &mut state, &between(k))?;

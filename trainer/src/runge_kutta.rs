@@ -60,6 +60,11 @@ impl RungeKutta {
         }
     }
 
+    /// When each stage is, as a fraction of the step.
+    pub fn times(self) -> impl Iterator<Item = f64> {
+        self.tableau().stages.iter().map(|shares| shares.iter().sum())
+    }
+
     /// The stages of a step of h, s, under accelerations v̇(q, v).
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! The command as people use it: exit codes, files, messages, interruption.
 
+#[path = "cli_commands/control.rs"]
+mod control;
 #[path = "cli_commands/doubtful_logs.rs"]
 mod doubtful_logs;
 #[path = "cli_commands/files.rs"]

@@ -35,7 +35,7 @@ impl Monitor for Strict {
 /// Motions from starts that are spread widely.
 fn log(motion: &dyn Motion, spread: f64) -> Dataset {
     let trajectories = (0..12).map(|id| trajectory(motion, spread, id)).collect();
-    Dataset { n: motion.coordinates(), h: 0.05, trajectories }
+    Dataset { n: motion.coordinates(), h: 0.05, control: None, trajectories }
 }
 
 fn trajectory(motion: &dyn Motion, spread: f64, id: i64) -> Trajectory {

@@ -3,9 +3,9 @@
 use leastaction::architecture::{Architecture, GraphArchitecture, RigidArchitecture};
 use leastaction::ground_truth::{LgnnSystem, Mechanism, Settings, generate};
 use leastaction::training::{Levenberg, LossKind, Objective, Samples, objective};
-use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step};
+use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::forces::{Forces, System};
+use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::LANES;
@@ -13,6 +13,8 @@ use leastaction_core::scalar::LANES;
 const H: f64 = 0.1;
 /// Not a multiple of the samples that are evaluated side by side.
 const STEPS: usize = LANES + 3;
+const CASES: [(u8, ControlKind); 4] =
+    [(2, ControlKind::Held), (2, ControlKind::Linear), (4, ControlKind::Held), (4, ControlKind::Linear)];
 
 /// A number between −1 and 1 that is another for every k.
 fn wave(k: usize) -> f64 {
@@ -29,17 +31,17 @@ fn weights(shape: &RigidArchitecture) -> Vec<f64> {
     shape.initial_weights(3).iter().enumerate().map(|(k, w)| w + 0.1 * wave(k) + 0.15).collect()
 }
 
-/// Forced samples of states anywhere; what comes after is wrong.
-fn samples(n: usize) -> Samples {
+/// Forced samples of states anywhere, under a control that changes; what comes after is wrong.
+fn samples(n: usize, control: ControlKind) -> Samples {
     let numbers =
         |k: usize, range: f64| (0..n * STEPS).map(|i| range * wave(7 * i + k)).collect::<Vec<f64>>();
-    let control = numbers(5, 3.0);
     Samples {
         n,
         h: H,
         states: [numbers(1, 3.0), numbers(2, 2.0), numbers(3, 3.0)],
         next_velocities: numbers(4, 2.0),
-        controls: [control.clone(), control.clone(), control],
+        controls: [numbers(5, 3.0), numbers(6, 3.0), numbers(8, 3.0)],
+        control,
     }
 }
 
@@ -49,25 +51,37 @@ fn loss(shape: &RigidArchitecture, samples: Samples, order: u8) -> Box<dyn Objec
 
 /// The 3/8 rule, written out.
 fn three_eighths<const N: usize>(
-    accelerate: impl Fn(&[f64; N], &[f64; N]) -> [f64; N],
+    accelerate: impl Fn(f64, &[f64; N], &[f64; N]) -> [f64; N],
     q: &[f64; N],
     v: &[f64; N],
 ) -> [[f64; N]; 2] {
     let add = |x: &[f64; N], rates: &[(f64, [f64; N])]| -> [f64; N] {
         std::array::from_fn(|i| x[i] + H * rates.iter().map(|(c, rate)| c * rate[i]).sum::<f64>())
     };
-    let (v1, a1) = (*v, accelerate(q, v));
+    let (v1, a1) = (*v, accelerate(0.0, q, v));
     let (c, e) = (1.0 / 3.0, 0.125);
     let v2 = add(v, &[(c, a1)]);
-    let a2 = accelerate(&add(q, &[(c, v1)]), &v2);
+    let a2 = accelerate(c, &add(q, &[(c, v1)]), &v2);
     let v3 = add(v, &[(-c, a1), (1.0, a2)]);
-    let a3 = accelerate(&add(q, &[(-c, v1), (1.0, v2)]), &v3);
+    let a3 = accelerate(2.0 * c, &add(q, &[(-c, v1), (1.0, v2)]), &v3);
     let v4 = add(v, &[(1.0, a1), (-1.0, a2), (1.0, a3)]);
-    let a4 = accelerate(&add(q, &[(1.0, v1), (-1.0, v2), (1.0, v3)]), &v4);
+    let a4 = accelerate(1.0, &add(q, &[(1.0, v1), (-1.0, v2), (1.0, v3)]), &v4);
     [
         add(q, &[(e, v1), (3.0 * e, v2), (3.0 * e, v3), (e, v4)]),
         add(v, &[(e, a1), (3.0 * e, a2), (3.0 * e, a3), (e, a4)]),
     ]
+}
+
+/// The explicit midpoint rule, written out.
+fn midpoint<const N: usize>(
+    accelerate: impl Fn(f64, &[f64; N], &[f64; N]) -> [f64; N],
+    q: &[f64; N],
+    v: &[f64; N],
+) -> [[f64; N]; 2] {
+    let add =
+        |x: &[f64; N], h: f64, rate: &[f64; N]| -> [f64; N] { std::array::from_fn(|i| x[i] + h * rate[i]) };
+    let (middle_q, middle_v) = (add(q, 0.5 * H, v), add(v, 0.5 * H, &accelerate(0.0, q, v)));
+    [add(q, H, &middle_v), add(v, H, &accelerate(0.5, &middle_q, &middle_v))]
 }
 
 /// Puts what the same rule gives in place of the next states.
@@ -78,13 +92,16 @@ where
 {
     let (mut positions, mut velocities) = (Vec::new(), Vec::new());
     let rows = samples.states.each_ref().map(|rows| rows.as_chunks::<N>().0);
-    for ((q, v), u) in rows[0].iter().zip(rows[1]).zip(samples.controls[0].as_chunks::<N>().0) {
-        let [q, v] = if order == 4 {
-            three_eighths(|q, v| acceleration(system, q, v, u).expect("regular"), q, v)
-        } else {
-            let end = midpoint_step(system, &ContinuousState { q: *q, v: *v }, u, H).expect("regular");
-            [end.q, end.v]
+    let [first, last, _] = samples.controls.each_ref().map(|rows| rows.as_chunks::<N>().0);
+    for (((q, v), first), last) in rows[0].iter().zip(rows[1]).zip(first).zip(last) {
+        let accelerate = |c: f64, q: &[f64; N], v: &[f64; N]| {
+            let u = match samples.control {
+                ControlKind::Held => *first,
+                ControlKind::Linear => std::array::from_fn(|i| (1.0 - c) * first[i] + c * last[i]),
+            };
+            acceleration(system, q, v, &u).expect("regular")
         };
+        let [q, v] = if order == 4 { three_eighths(accelerate, q, v) } else { midpoint(accelerate, q, v) };
         positions.extend(q);
         velocities.extend(v);
     }
@@ -95,11 +112,14 @@ where
 fn is_exact_where_the_data_is<const N: usize>(shape: &RigidArchitecture) {
     let weights = weights(shape);
     let system = shape.system::<f64, N, 32>(&weights).expect("fits");
-    for order in [2, 4] {
-        let exact = stepped::<_, _, N>(&system, samples(N), order);
+    for (order, control) in CASES {
+        let exact = stepped::<_, _, N>(&system, samples(N, control), order);
         let own = loss(shape, exact.clone(), order).loss(&weights);
-        let other = loss(shape, exact, 6 - order).loss(&weights);
+        let other = loss(shape, exact.clone(), 6 - order).loss(&weights);
         assert!(own < 1e-28 && other > 1e-10, "order {order}: {own:e}, by the other rule {other:e}");
+        let otherwise = if control == ControlKind::Held { ControlKind::Linear } else { ControlKind::Held };
+        let other = loss(shape, Samples { control: otherwise, ..exact }, order).loss(&weights);
+        assert!(other > 1e-6, "order {order}, {control:?}: taken for {otherwise:?} {other:e}");
     }
 }
 
@@ -156,9 +176,10 @@ fn check_gram(objective: &dyn Objective, weights: &[f64]) {
 fn has_the_derivatives_of_differences<const N: usize>(shape: &RigidArchitecture) {
     let weights = weights(shape);
     let system = shape.system::<f64, N, 32>(&weights).expect("fits");
-    for order in [2, 4] {
-        check_derivatives(&*loss(shape, samples(N), order), &weights, 2 * N);
-        check_gram(&*loss(shape, stepped::<_, _, N>(&system, samples(N), order), order), &weights);
+    for (order, control) in CASES {
+        check_derivatives(&*loss(shape, samples(N, control), order), &weights, 2 * N);
+        let exact = stepped::<_, _, N>(&system, samples(N, control), order);
+        check_gram(&*loss(shape, exact, order), &weights);
     }
 }
 
@@ -191,9 +212,10 @@ fn a_pendulum_is_learned_from_states() {
 fn the_order_of_samples_does_not_matter() {
     let shape = shape(&[Coordinate::Translation, Coordinate::Angle]);
     let weights = weights(&shape);
-    let all = loss(&shape, samples(2), 4).loss(&weights);
-    assert!((loss(&shape, samples(2).shuffled(4), 4).loss(&weights) / all - 1.0).abs() < 1e-12);
-    let [first, rest] = samples(2).split(4);
+    let samples = samples(2, ControlKind::Linear);
+    let all = loss(&shape, samples.clone(), 4).loss(&weights);
+    assert!((loss(&shape, samples.shuffled(4), 4).loss(&weights) / all - 1.0).abs() < 1e-12);
+    let [first, rest] = samples.split(4);
     let part = |part: Samples| part.len() as f64 * loss(&shape, part.clone(), 4).loss(&weights);
     assert!(((part(first) + part(rest)) / (STEPS as f64 * all) - 1.0).abs() < 1e-12);
 }
@@ -201,7 +223,7 @@ fn the_order_of_samples_does_not_matter() {
 #[test]
 fn rods_are_refused_and_springs_are_not() {
     let objective = |graph: GraphArchitecture| {
-        let samples = samples(graph.n());
+        let samples = samples(graph.n(), ControlKind::Held);
         objective(&Architecture::from(graph), samples, LossKind::NextState, 4)
             .map(|objective| objective.samples())
     };

@@ -12,6 +12,7 @@ use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, Graph, GraphShape, Kinetic, NodeShape, Potential, Separation,
 };
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
 
@@ -104,7 +105,8 @@ fn stepped<const D: usize>(shape: &GraphArchitecture, weights: &[f64], order: Or
     }
     let controls: Vec<Vec<f64>> = (0..=STEPS).map(control).collect();
     let triples = |rows: &[Vec<f64>]| [0, 1, 2].map(|k| rows[k..k + STEPS - 1].concat());
-    Samples { n, h: H, states: triples(&positions), controls: triples(&controls), ..Samples::default() }
+    let (states, controls) = (triples(&positions), triples(&controls));
+    Samples { n, h: H, states, controls, control: ControlKind::Linear, ..Samples::default() }
 }
 
 /// Every shape with a motion of its own at its weights.

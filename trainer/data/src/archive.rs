@@ -10,6 +10,7 @@ use ndarray_npy::{ReadNpyError, ReadNpyExt, ReadableElement};
 use zip::ZipArchive;
 
 use crate::error::{Fault, Place, Problem};
+use crate::npy_text;
 
 /// NumPy refuses longer headers too: nothing honest needs them, and a parser can be drowned in them.
 const LONGEST_HEADER: usize = 10_000;
@@ -81,6 +82,13 @@ impl<'a> Archive<'a> {
             None => return Err(array.fault(Problem::TooLarge { numbers, most: self.most })),
         }
         Ok(Some(array))
+    }
+
+    /// The string under a key.
+    pub(crate) fn text(&self, key: &str) -> Result<Option<String>, Fault> {
+        let Some(index) = self.keys.iter().position(|other| other == key) else { return Ok(None) };
+        let text = start(&mut self.zip.clone(), index).and_then(|(_, start)| npy_text::read(&start));
+        text.map(Some).map_err(|problem| (Place::Key(key.to_owned()), problem))
     }
 
     pub(crate) fn require(&self, key: &'static str) -> Result<Array<'a>, Fault> {
@@ -189,15 +197,21 @@ impl<'a> Array<'a> {
 
 /// Element type and shape, once they are known to fit the stated size.
 fn header(zip: &mut Zip<'_>, index: usize) -> Result<(String, Vec<usize>), Problem> {
+    let (size, start) = start(zip, index)?;
+    let mut rest = start.as_slice();
+    let header = Header::from_reader(&mut rest).map_err(|error| Problem::NotNpy(error.to_string()))?;
+    let data = size.saturating_sub((start.len() - rest.len()) as u64);
+    fitting(header, data)
+}
+
+/// The size of an array, and its first bytes, among them the whole of a header that may be parsed.
+fn start(zip: &mut Zip<'_>, index: usize) -> Result<(u64, Vec<u8>), Problem> {
     let file = zip.by_index(index).map_err(|error| Problem::NotNpz(error.to_string()))?;
     let (size, mut start) = (file.size(), Vec::new());
     let longest = (LONGEST_HEADER + BEFORE_HEADER) as u64;
     file.take(longest).read_to_end(&mut start).map_err(|error| Problem::NotNpz(error.to_string()))?;
     check_header_text(&start).map_err(|reason| Problem::NotNpy(reason.to_owned()))?;
-    let mut rest = start.as_slice();
-    let header = Header::from_reader(&mut rest).map_err(|error| Problem::NotNpy(error.to_string()))?;
-    let data = size.saturating_sub((start.len() - rest.len()) as u64);
-    fitting(header, data)
+    Ok((size, start))
 }
 
 fn fitting(header: Header, data: u64) -> Result<(String, Vec<usize>), Problem> {

@@ -8,7 +8,8 @@ use csv::ByteRecord;
 use crate::csv_text::{Numbers, decoded, reader, separator};
 use crate::error::{Fault, Place, Problem};
 use crate::table::Table;
-use crate::{Dataset, Rows, Trajectory};
+use crate::{Dataset, Rows, Trajectory, control_name, control_of_name};
+use leastaction_core::forces::ControlKind;
 
 const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
 
@@ -25,7 +26,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
     for record in records {
         cells.push(&columns, &record.map_err(broken)?)?;
     }
-    cells.into_table(&columns, stated_step(&text)?)
+    let control = stated_control(&text)?;
+    Ok(Table { control, ..cells.into_table(&columns, stated_step(&text)?)? })
 }
 
 fn broken(error: csv::Error) -> Fault {
@@ -35,19 +37,28 @@ fn broken(error: csv::Error) -> Fault {
 
 /// The value of a comment `# h = …` before the header line.
 fn stated_step(text: &[u8]) -> Result<Option<(f64, Place)>, Fault> {
-    let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
-    for (line, text) in lines.take_while(|(_, text)| text.starts_with(b"#") || text.trim_ascii().is_empty()) {
-        let text = String::from_utf8_lossy(text);
-        let stated = text.trim_start_matches('#').split_once('=').filter(|(name, _)| name.trim() == "h");
-        if let Some((_, value)) = stated {
-            let h = value.trim().parse();
-            return match h {
-                Ok(h) => Ok(Some((h, Place::Line(line)))),
-                Err(_) => Err((Place::Line(line), Problem::NotNumber(value.trim().to_owned()))),
-            };
-        }
+    let Some((value, place)) = stated(text, "h") else { return Ok(None) };
+    match value.parse() {
+        Ok(h) => Ok(Some((h, place))),
+        Err(_) => Err((place, Problem::NotNumber(value))),
     }
-    Ok(None)
+}
+
+/// The value of a comment `# control = …` before the header line.
+fn stated_control(text: &[u8]) -> Result<Option<ControlKind>, Fault> {
+    let Some((value, place)) = stated(text, "control") else { return Ok(None) };
+    control_of_name(value.trim_matches('"')).map(Some).ok_or((place, Problem::Control(value)))
+}
+
+/// The value of the first comment `# name = …` before the header line, and where it stands.
+fn stated(text: &[u8], name: &str) -> Option<(String, Place)> {
+    let lines = (1..).zip(text.split(|&byte| byte == b'\n'));
+    let comments = lines.take_while(|(_, text)| text.starts_with(b"#") || text.trim_ascii().is_empty());
+    comments.into_iter().find_map(|(line, text)| {
+        let text = String::from_utf8_lossy(text);
+        let (key, value) = text.trim_start_matches('#').split_once('=')?;
+        (key.trim() == name).then(|| (value.trim().to_owned(), Place::Line(line)))
+    })
 }
 
 /// Where in a line each quantity stands.
@@ -205,6 +216,7 @@ impl Cells {
             t: columns.t.map(|_| self.t),
             h,
             trajectory: columns.trajectory.map(|_| self.trajectory),
+            control: None,
             lines: Some(self.lines),
         })
     }
@@ -216,7 +228,9 @@ fn integer(record: &ByteRecord, position: usize) -> Result<i64, Problem> {
 }
 
 pub(crate) fn write(dataset: &Dataset) -> Result<Vec<u8>, Fault> {
-    let mut out = format!("# h = {:?}\ntrajectory,t", dataset.h);
+    let control =
+        dataset.control.map_or(String::new(), |kind| format!("# control = {}\n", control_name(kind)));
+    let mut out = format!("# h = {:?}\n{control}trajectory,t", dataset.h);
     let given = dataset.trajectories.first().map(Trajectory::fields).unwrap_or_default();
     for (name, _) in given.into_iter().filter(|(_, rows)| rows.is_some()) {
         (0..dataset.n).for_each(|i| push(&mut out, format_args!(",{name}{i}")));

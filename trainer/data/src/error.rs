@@ -166,6 +166,17 @@ pub enum Problem {
     /// A number that is no whole one, as a trajectory's id must be.
     #[error("{0} is not a whole number that fits 64 bits")]
     NotInteger(String),
+    /// An array that should be one string.
+    #[error("elements of type {kind} in shape {shape:?}; store one string")]
+    NotString {
+        /// Of its elements.
+        kind: String,
+        /// Of the array.
+        shape: Vec<usize>,
+    },
+    /// A word that is no kind of control.
+    #[error("{0:?} is not what u does between samples; write \"held\" or \"linear\", or leave control out")]
+    Control(String),
     /// NaN or infinite.
     #[error("{0} is not finite; remove the sample (a gap in t splits the trajectory there)")]
     NotFinite(f64),
@@ -238,6 +249,11 @@ pub enum Problem {
     /// A control the layout has no room for.
     #[error("u is not 0 at coordinate {0}; this layout stores the control of the actuated coordinate only")]
     SecondControl(usize),
+    /// A control of a kind that the layout does not have.
+    #[error(
+        "u is held between samples; this layout stores a control that is linear between them, or constant"
+    )]
+    HeldControl,
     /// An actuated coordinate that does not exist.
     #[error("coordinate {index} cannot be the actuated one of {n}; it is counted from 0")]
     BadActuated {

@@ -9,6 +9,7 @@
 //! | `t` | \[samples\] | `t` | s |
 //! | `h` | one number | comment line `# h = 0.05` above the header | s |
 //! | `trajectory` | \[samples\], integer | `trajectory` | |
+//! | `control` | `"held"` or `"linear"`, optional | comment line `# control = held` above the header | |
 //!
 //! One of `t` and `h` is needed; both are written. Without `trajectory` the file is one trajectory. For n = 1 arrays may be
 //! one-dimensional and the columns be named `q`, `v`, `a`, `u`. Arrays are of any real element type, byte order and memory
@@ -17,6 +18,10 @@
 //! semicolons or tabs, whichever makes names of the header line; a decimal comma is read where nothing in the file speaks for one
 //! that separates thousands. The text is UTF-8, or UTF-16 with a byte order mark. A name that begins with
 //! `_` is ignored; any other name is an error, so that a misspelt one is not lost in silence.
+//!
+//! **Control.** `control` says what u does between samples. `held`: u_k acts from t_k to t_{k+1}, as a controller's output does; the
+//! last u of a trajectory is then unused. `linear`: u goes along a straight line from u_k to u_{k+1}, as a sensor of the force sees
+//! it. A file need not say it; then what reads the file decides, and takes it for held where nothing else is said.
 //!
 //! **Time.** Samples are uniform. A stated `h` is exact. Else the step is the mean of the intervals that agree with
 //! the median one, taken as the shortest decimal number the stamps cannot tell from it. Every interval must be h, to 10⁻⁶ of it plus the rounding of the stamps, which
@@ -33,11 +38,13 @@ mod angles;
 mod archive;
 pub mod atomic;
 pub mod checksummed;
+mod control;
 mod csv_file;
 mod csv_text;
 mod doubts;
 mod error;
 pub mod modlanet;
+mod npy_text;
 mod npz;
 mod rows;
 pub mod symo;
@@ -47,11 +54,13 @@ mod time;
 use std::fs;
 use std::path::Path;
 
+pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use doubts::Doubt;
 pub use error::{DataError, Note, Place, Problem};
 pub use rows::Rows;
 
 use error::Fault;
+use leastaction_core::forces::ControlKind;
 
 /// The fewest samples of a trajectory: one discrete Euler-Lagrange equation.
 pub const MIN_SAMPLES: usize = 3;
@@ -69,7 +78,7 @@ pub struct Trajectory {
     pub v: Option<Rows>,
     /// Accelerations (m/s², rad/s²).
     pub a: Option<Rows>,
-    /// Controls as generalised forces (N, N·m).
+    /// Controls as generalised forces (N, N·m). Where they are held, the last row is unused: nothing follows on it.
     pub u: Option<Rows>,
 }
 
@@ -114,6 +123,8 @@ pub struct Dataset {
     pub n: usize,
     /// Time between samples (s).
     pub h: f64,
+    /// What u does between samples, where the file says it.
+    pub control: Option<ControlKind>,
     /// The motions, in the order of the file.
     pub trajectories: Vec<Trajectory>,
 }
@@ -130,6 +141,42 @@ impl Dataset {
     pub fn is_forced(&self) -> bool {
         let forced = |t: &Trajectory| t.u.as_ref().is_some_and(|u| u.as_flat().iter().any(|u| *u != 0.0));
         self.trajectories.iter().any(forced)
+    }
+
+    /// What u does between samples: it is held where nothing says otherwise.
+    #[must_use]
+    pub fn control_kind(&self) -> ControlKind {
+        self.control.unwrap_or_default()
+    }
+
+    /// The sample whose u acts at the end of the step from sample `k`: between, u is linear.
+    #[must_use]
+    pub fn control_end(&self, k: usize) -> usize {
+        match self.control_kind() {
+            ControlKind::Held => k,
+            ControlKind::Linear => k + 1,
+        }
+    }
+
+    /// Whether u changes during any trajectory, so that it matters what it does between samples.
+    #[must_use]
+    pub fn control_changes(&self) -> bool {
+        let changes = |u: &Rows| u.iter().skip(1).any(|row| u.iter().next() != Some(row));
+        self.trajectories.iter().any(|t| t.u.as_ref().is_some_and(changes))
+    }
+
+    /// Has u do this between samples.
+    ///
+    /// # Errors
+    /// What it does by the file, where that is another thing and u changes.
+    pub fn set_control(&mut self, kind: ControlKind) -> Result<(), ControlKind> {
+        match self.control {
+            Some(stated) if stated != kind && self.control_changes() => Err(stated),
+            _ => {
+                self.control = Some(kind);
+                Ok(())
+            }
+        }
     }
 
     /// The first `k` trajectories, or all when there are fewer.
@@ -152,7 +199,7 @@ impl Dataset {
     }
 
     fn with(&self, trajectories: Vec<Trajectory>) -> Self {
-        Self { n: self.n, h: self.h, trajectories }
+        Self { trajectories, ..*self }
     }
 
     /// Refuses what [`read`] would refuse.

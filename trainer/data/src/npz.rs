@@ -1,6 +1,6 @@
 //! NPZ: a zip archive of NumPy arrays.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 
 use ndarray::{ArrayViewD, IxDyn};
 use ndarray_npy::{WritableElement, WriteNpyExt};
@@ -10,13 +10,14 @@ use zip::{CompressionMethod, ZipWriter};
 use crate::archive::{Archive, Array};
 use crate::error::{Fault, Place, Problem};
 use crate::table::Table;
-use crate::{Dataset, Rows};
+use crate::{Dataset, Rows, control_name, control_of_name, npy_text};
+use leastaction_core::forces::ControlKind;
 
-const KNOWN: &str = "q, v, a, u, t, h, trajectory";
+const KNOWN: &str = "q, v, a, u, t, h, trajectory, control";
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
     let archive = Archive::open(bytes)?;
-    archive.refuse_others(&["q", "v", "a", "u", "t", "h", "trajectory"], KNOWN)?;
+    archive.refuse_others(&["q", "v", "a", "u", "t", "h", "trajectory", "control"], KNOWN)?;
     let q = rows(archive.get("q")?, None)?.ok_or((Place::File, Problem::MissingPositions("the key q")))?;
     let like_q = Some((q.len(), q.width()));
     Ok(Table {
@@ -26,6 +27,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
         t: column(archive.get("t")?, q.len())?.map(|t| t.reals()).transpose()?,
         h: scalar(archive.get("h")?)?.map(|h| (h, Place::Key("h".to_owned()))),
         trajectory: column(archive.get("trajectory")?, q.len())?.map(|ids| ids.integers()).transpose()?,
+        control: control(&archive)?,
         lines: None,
         q,
     })
@@ -66,6 +68,13 @@ fn scalar(array: Option<Array<'_>>) -> Result<Option<f64>, Fault> {
     }
 }
 
+/// What u does between samples, if the archive says it.
+fn control(archive: &Archive<'_>) -> Result<Option<ControlKind>, Fault> {
+    let Some(name) = archive.text("control")? else { return Ok(None) };
+    let kind = control_of_name(&name);
+    kind.map(Some).ok_or_else(|| (Place::Key("control".to_owned()), Problem::Control(name)))
+}
+
 pub(crate) fn write(dataset: &Dataset) -> Result<Vec<u8>, Fault> {
     let mut writer = Writer::new();
     for (i, name) in ["q", "v", "a", "u"].into_iter().enumerate() {
@@ -82,7 +91,12 @@ pub(crate) fn write(dataset: &Dataset) -> Result<Vec<u8>, Fault> {
     let ids = dataset.trajectories.iter().flat_map(|trajectory| vec![trajectory.id; trajectory.samples()]);
     let ids: Vec<i64> = ids.collect();
     writer.add("trajectory", &[ids.len()], &ids)?;
+    dataset.control.map_or(Ok(()), |kind| writer.add_text("control", control_name(kind)))?;
     writer.finish()
+}
+
+fn failed(key: &str, error: &dyn std::fmt::Display) -> Fault {
+    (Place::Key(key.to_owned()), Problem::NotNpz(error.to_string()))
 }
 
 /// An archive in the making; the same arrays give the same bytes.
@@ -101,13 +115,21 @@ impl Writer {
         shape: &[usize],
         values: &[T],
     ) -> Result<(), Fault> {
+        let array = ArrayViewD::from_shape(IxDyn(shape), values).map_err(|error| failed(key, &error))?;
+        self.start(key)?;
+        array.write_npy(&mut self.zip).map_err(|error| failed(key, &error))
+    }
+
+    /// One string.
+    fn add_text(&mut self, key: &str, text: &str) -> Result<(), Fault> {
+        self.start(key)?;
+        self.zip.write_all(&npy_text::write(text)).map_err(|error| failed(key, &error))
+    }
+
+    fn start(&mut self, key: &str) -> Result<(), Fault> {
         let options =
             SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
-        let failed = |reason: String| (Place::Key(key.to_owned()), Problem::NotNpz(reason));
-        let array =
-            ArrayViewD::from_shape(IxDyn(shape), values).map_err(|error| failed(error.to_string()))?;
-        self.zip.start_file(format!("{key}.npy"), options).map_err(|error| failed(error.to_string()))?;
-        array.write_npy(&mut self.zip).map_err(|error| failed(error.to_string()))
+        self.zip.start_file(format!("{key}.npy"), options).map_err(|error| failed(key, &error))
     }
 
     pub(crate) fn finish(self) -> Result<Vec<u8>, Fault> {

@@ -2,11 +2,14 @@
 //!
 //! One `.npz` file: `train_x`, `test_x`, `int_x`: \[trajectories, samples, 2n\], positions then velocities; `train_u`,
 //! `test_u`, `int_u`: \[trajectories, samples\], the generalised force at the one actuated coordinate. The step is not in the
-//! file. Any real element type is read, float64 written. Other arrays (the authors add the start states `x0`, `int_x0`) are
+//! file. The authors take the control to be linear between samples, (h/4)(u₋ + 2u + u₊) in their equation; in their sets it is constant
+//! in a trajectory. Any real element type is read, float64 written. Other arrays (the authors add the start states `x0`, `int_x0`) are
 //! ignored and not written.
 
 use std::fs;
 use std::path::Path;
+
+use leastaction_core::forces::ControlKind;
 
 use crate::archive::{Archive, Array};
 use crate::error::{DataError, Fault, Place, Problem};
@@ -59,7 +62,8 @@ fn same_width(key: &str, found: usize, expected: usize) -> Result<(), Fault> {
 /// The file is replaced in one step or not at all. Ids, start times and accelerations have no place in the layout and are lost.
 ///
 /// # Errors
-/// [`DataError`]; also for trajectories of unequal length within a part, without `v` or `u`, or with a second control.
+/// [`DataError`]; also for trajectories of unequal length within a part, without `v` or `u`, or with a second control or one that is
+/// held.
 pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(), DataError> {
     let path = path.as_ref();
     located(path, || {
@@ -67,6 +71,9 @@ pub fn write(path: impl AsRef<Path>, set: &SymoSet, actuated: usize) -> Result<(
         for (keys, part) in PARTS.into_iter().zip([&set.train, &set.test, &set.integration]) {
             part.check()?;
             same_width(keys.0, part.n, set.train.n)?;
+            if part.control == Some(ControlKind::Held) && part.control_changes() {
+                return Err((Place::Key(keys.1.to_owned()), Problem::HeldControl));
+            }
             add_part(&mut writer, keys, part, actuated)?;
         }
         store(path, &writer.finish()?)
@@ -108,7 +115,7 @@ impl<'a> PlacedNetwork<'a> {
         let trajectories = (0..).zip(states.zip(u.chunks_exact(self.samples)));
         let trajectories = trajectories.map(|(id, (x, u))| trajectory(id, n, x, u, actuated));
         let trajectories = trajectories.collect::<Option<_>>().ok_or((Place::File, Problem::Empty))?;
-        Ok(Dataset { n, h, trajectories })
+        Ok(Dataset { n, h, control: Some(ControlKind::Linear), trajectories })
     }
 }
 

@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
+use leastaction_core::forces::ControlKind;
+
 use crate::error::{Fault, Note, Place, Problem};
 use crate::time::Stamps;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
@@ -16,6 +18,7 @@ pub(crate) struct Table {
     pub(crate) t: Option<Vec<f64>>,
     pub(crate) h: Option<(f64, Place)>,
     pub(crate) trajectory: Option<Vec<i64>>,
+    pub(crate) control: Option<ControlKind>,
     /// The line of each sample in a CSV file.
     pub(crate) lines: Option<Vec<u64>>,
 }
@@ -36,7 +39,7 @@ impl Table {
         let h = self.step(&runs)?;
         let (pieces, notes) = self.pieces(runs, h)?;
         let trajectories = pieces.iter().map(|piece| self.trajectory(piece)).collect();
-        Ok((Dataset { n: self.q.width(), h, trajectories }, notes))
+        Ok((Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes))
     }
 
     fn place(&self, key: &str, row: usize) -> Place {

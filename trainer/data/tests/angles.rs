@@ -16,7 +16,7 @@ fn data(columns: &[Vec<f64>]) -> Dataset {
         a: None,
         u: None,
     };
-    Dataset { n: 1, h: 0.01, trajectories: (0..).zip(columns).map(one).collect() }
+    Dataset { n: 1, h: 0.01, control: None, trajectories: (0..).zip(columns).map(one).collect() }
 }
 
 /// [−π, π).

@@ -1,5 +1,6 @@
 //! CSV logs: what is accepted, and what the errors say.
 
+use leastaction_core::forces::ControlKind;
 use leastaction_data::{self as data, Dataset, Note, Place, Problem};
 
 fn read(text: &[u8]) -> Result<(Dataset, Vec<Note>), data::DataError> {
@@ -83,6 +84,18 @@ fn assert_refused(cases: &[(&str, &str)]) {
     for (text, message) in cases {
         assert_eq!(refuse(text), *message, "{text}");
     }
+}
+
+#[test]
+fn what_the_control_does_is_a_comment() {
+    let control = |comment: &str| accept(&format!("# h = 1\n{comment}q,u\n1,0\n2,0\n3,0\n")).control;
+    assert_eq!(control("# control = held\n"), Some(ControlKind::Held));
+    assert_eq!(control("# control = \"linear\"\n"), Some(ControlKind::Linear));
+    assert_eq!(control("# control of the arm\n"), None);
+    assert_refused(&[(
+        "# h = 1\n# control = on\nq\n1\n2\n3\n",
+        ", line 2: \"on\" is not what u does between samples; write \"held\" or \"linear\", or leave control out",
+    )]);
 }
 
 #[test]

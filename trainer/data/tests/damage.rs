@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use leastaction_core::forces::ControlKind;
 use leastaction_data::{self as data, Dataset, Rows, Trajectory};
 use rayon::prelude::*;
 
@@ -9,7 +10,7 @@ fn small() -> Dataset {
     let rows =
         |offset: f64| Rows::from_flat(2, (0..6).map(|k| offset + f64::from(k) / 3.0).collect()).unwrap();
     let motion = |id| Trajectory { id, t0: id as f64, q: rows(1.0), v: None, a: None, u: Some(rows(-0.5)) };
-    Dataset { n: 2, h: 0.05, trajectories: vec![motion(3), motion(1)] }
+    Dataset { n: 2, h: 0.05, control: Some(ControlKind::Linear), trajectories: vec![motion(3), motion(1)] }
 }
 
 /// The whole file, and of every damaged one that is accepted its length and content.

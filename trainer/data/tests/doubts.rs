@@ -9,7 +9,12 @@ fn oscillation(omega: f64, h: f64, samples: usize) -> Dataset {
         Rows::from_flat(1, values).unwrap()
     };
     let (q, v) = (column(&f64::sin), column(&|phase| omega * phase.cos()));
-    Dataset { n: 1, h, trajectories: vec![Trajectory { id: 4, t0: 0.0, q, v: Some(v), a: None, u: None }] }
+    Dataset {
+        n: 1,
+        h,
+        control: None,
+        trajectories: vec![Trajectory { id: 4, t0: 0.0, q, v: Some(v), a: None, u: None }],
+    }
 }
 
 fn said(data: &Dataset) -> Vec<String> {

@@ -1,7 +1,8 @@
 //! What is written is read back, bit for bit.
 
+use leastaction_core::forces::ControlKind;
 use leastaction_data::symo::{self, SymoSet};
-use leastaction_data::{self as data, Dataset, Place, Problem, Rows, Trajectory};
+use leastaction_data::{self as data, CONTROL_KINDS, Dataset, Place, Problem, Rows, Trajectory};
 use proptest::prelude::*;
 
 fn number() -> impl Strategy<Value = f64> {
@@ -24,12 +25,14 @@ fn trajectory(n: usize, given: [bool; 3]) -> impl Strategy<Value = Trajectory> {
 }
 
 fn dataset() -> impl Strategy<Value = Dataset> {
-    (1..4_usize, any::<[bool; 3]>(), 1e-3..1e3, any::<i64>()).prop_flat_map(|(n, given, h, first)| {
+    let kinds = prop::option::of(prop::sample::select(CONTROL_KINDS.to_vec()));
+    let sizes = (1..4_usize, any::<[bool; 3]>(), 1e-3..1e3, any::<i64>(), kinds);
+    sizes.prop_flat_map(|(n, given, h, first, kind)| {
         prop::collection::vec(trajectory(n, given), 1..5).prop_map(move |mut trajectories| {
             for (motion, i) in trajectories.iter_mut().zip(0..) {
                 motion.id = first.wrapping_add(i);
             }
-            Dataset { n, h, trajectories }
+            Dataset { n, h, control: kind.map(|(_, kind)| kind), trajectories }
         })
     })
 }
@@ -43,7 +46,7 @@ fn symo_part(trajectories: usize, samples: usize) -> impl Strategy<Value = Datas
             let u = Rows::from_rows(n, u.iter().map(|&u| [0.0, u])).unwrap();
             Trajectory { id, t0: 0.0, q, v: Some(v), a: None, u: Some(u) }
         });
-        Dataset { n, h: 0.05, trajectories: trajectories.collect() }
+        Dataset { n, h: 0.05, control: Some(ControlKind::Linear), trajectories: trajectories.collect() }
     })
 }
 
@@ -95,7 +98,7 @@ fn motion(id: i64) -> Trajectory {
 }
 
 fn pair() -> Dataset {
-    Dataset { n: 2, h: 0.1, trajectories: vec![motion(0), motion(1)] }
+    Dataset { n: 2, h: 0.1, control: None, trajectories: vec![motion(0), motion(1)] }
 }
 
 #[test]
@@ -201,6 +204,16 @@ fn the_symo_layout_refuses_what_it_cannot_hold() {
     let message =
         "u is not 0 at coordinate 1; this layout stores the control of the actuated coordinate only";
     assert_eq!(second, Err((Place::Trajectory(1), message.to_owned())));
+    let held = attempt(
+        |d| {
+            d.control = Some(ControlKind::Held);
+            d.trajectories[1].u = Rows::from_flat(2, vec![0.0, 0.0, 1.0, 0.0, 2.0, 0.0]);
+        },
+        0,
+    );
+    let message =
+        "u is held between samples; this layout stores a control that is linear between them, or constant";
+    assert_eq!(held, Err((Place::Key("test_u".to_owned()), message.to_owned())));
     let absent = attempt(|d| d.trajectories.iter_mut().for_each(|t| t.v = None), 0);
     assert_eq!(absent, Err((Place::Trajectory(0), "v is missing".to_owned())));
     let longer = attempt(

@@ -5,7 +5,7 @@ mod common;
 use common::losses::{check_derivatives, check_failures, evaluate};
 use leastaction_core::discrete::{Control, Del, Galerkin, Interval, Midpoint, Newton, Path};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
-use leastaction_core::forces::{System as CoreSystem, Viscous};
+use leastaction_core::forces::{ControlKind, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::Order;
 use leastaction_programs::energies::{Energies, RigidEnergies};
@@ -16,6 +16,7 @@ use rand_pcg::Pcg64;
 
 const H: f64 = 0.02;
 const INERTIA: Inertia = Inertia::Cholesky { epsilon: 0.7 };
+const KINDS_OF_CONTROL: [ControlKind; 2] = [ControlKind::Held, ControlKind::Linear];
 const KINDS: [Coordinate; 3] = [Coordinate::Angle, Coordinate::Translation, Coordinate::Cyclic];
 
 fn model(n: usize) -> RigidEnergies {
@@ -45,7 +46,8 @@ fn block(n: usize, seed: u64) -> Block {
             .collect()
     };
     let states = [moved(0.0), moved(1.0), moved(2.0)];
-    Block { states, next_velocity: random(2.0), controls: [random(1.0), random(1.0), random(1.0)] }
+    let controls = [random(1.0), random(1.0), random(1.0)];
+    Block { states, next_velocity: random(2.0), controls, control: ControlKind::Linear }
 }
 
 /// The residuals that core's Newton method gives, order and size being types.
@@ -65,10 +67,14 @@ fn core_residuals<P: Path, const N: usize>(
         let row = |rows: &Vec<Row>| -> [f64; N] { std::array::from_fn(|i| rows[i].0[sample]) };
         let ([q0, q1, q2], [u0, u1, u2]) =
             (block.states.each_ref().map(row), block.controls.each_ref().map(row));
+        let acting = |start, end| match block.control {
+            ControlKind::Held => Control::held(start),
+            ControlKind::Linear => Control { start, end },
+        };
         let w = |a: [f64; N], b: [f64; N]| -> [f64; N] { std::array::from_fn(|i| (b[i] - a[i]) / H) };
-        let before = Interval::<f64, P, N>::new(q0, w(q0, q1), H, Control { start: u0, end: u1 });
+        let before = Interval::<f64, P, N>::new(q0, w(q0, q1), H, acting(u0, u1));
         let p = newton.solve_bubble(&system, before).unwrap().balance.end_momentum();
-        let after = Interval::<f64, P, N>::new(q1, w(q1, q2), H, Control { start: u1, end: u2 });
+        let after = Interval::<f64, P, N>::new(q1, w(q1, q2), H, acting(u1, u2));
         if next_position {
             let solved = newton.solve_step(&system, after, &p).unwrap().interval.increment();
             return std::array::from_fn(|i| H * solved[i] - (q2[i] - q1[i]));
@@ -85,20 +91,32 @@ fn check_del<const N: usize>() {
     for (order, next_position) in
         [(Order::Two, false), (Order::Two, true), (Order::Four, false), (Order::Four, true)]
     {
-        let block = block(N, 17 + N as u64);
-        let mut loss = DelLoss::new(&system, H, order, next_position);
-        let found = evaluate(&mut loss, &weights, &block);
-        let expected = match order {
-            Order::Two => core_residuals::<Midpoint, N>(&weights, &block, next_position),
-            Order::Four => core_residuals::<Galerkin, N>(&weights, &block, next_position),
-        };
-        for (sample, expected) in expected.iter().enumerate() {
-            for i in 0..N {
-                let error = (found[i].0[sample] - expected[i]).abs();
-                assert!(error < 1e-12, "{order:?} {next_position}: {} {}", found[i].0[sample], expected[i]);
-            }
+        for control in KINDS_OF_CONTROL {
+            let block = Block { control, ..block(N, 17 + N as u64) };
+            let mut loss = DelLoss::new(&system, H, order, next_position);
+            check_residuals::<N>(&mut loss, &weights, &block, (order, next_position));
+            check_derivatives(&mut loss, &weights, &block, 2e-6);
         }
-        check_derivatives(&mut loss, &weights, &block, 2e-6);
+    }
+}
+
+fn check_residuals<const N: usize>(
+    loss: &mut DelLoss,
+    weights: &[f64],
+    block: &Block,
+    (order, next_position): (Order, bool),
+) {
+    let found = evaluate(loss, weights, block);
+    let expected = match order {
+        Order::Two => core_residuals::<Midpoint, N>(weights, block, next_position),
+        Order::Four => core_residuals::<Galerkin, N>(weights, block, next_position),
+    };
+    for (sample, expected) in expected.iter().enumerate() {
+        for i in 0..N {
+            let (found, expected) = (found[i].0[sample], expected[i]);
+            let error = (found - expected).abs();
+            assert!(error < 1e-12, "{order:?} {next_position} {:?}: {found} {expected}", block.control);
+        }
     }
 }
 
@@ -136,9 +154,32 @@ fn next_states() {
     for n in [1, 2, 5] {
         let model = model(n);
         let (system, weights) = (System::new(&model), weights(&model, 3));
-        for order in [2, 4] {
+        for (order, control) in [(2, ControlKind::Held), (4, ControlKind::Held), (4, ControlKind::Linear)] {
             let mut loss = NextStateLoss::new(&system, H, RungeKutta::of_order(order));
-            check_derivatives(&mut loss, &weights, &block(n, 5), 1e-6);
+            check_derivatives(&mut loss, &weights, &Block { control, ..block(n, 5) }, 1e-6);
+        }
+    }
+}
+
+/// With what a kind does not read another number in its place, nothing changes; with what it reads, the residual does.
+#[test]
+fn a_held_control_is_that_at_the_start_of_a_step() {
+    let model = model(2);
+    let (system, weights) = (System::new(&model), weights(&model, 3));
+    let good = block(2, 5);
+    let losses: [(Box<dyn Loss>, usize); 2] = [
+        (Box::new(DelLoss::new(&system, H, Order::Four, true)), 2),
+        (Box::new(NextStateLoss::new(&system, H, RungeKutta::ThreeEighths)), 1),
+    ];
+    for (mut loss, last) in losses {
+        for control in KINDS_OF_CONTROL {
+            let mut block = Block { control, ..good.clone() };
+            let before = evaluate(&mut *loss, &weights, &block);
+            block.controls[last] = block.states[0].clone();
+            let same = before == evaluate(&mut *loss, &weights, &block);
+            assert_eq!(same, control == ControlKind::Held);
+            block.controls[last - 1] = block.states[0].clone();
+            assert_ne!(before, evaluate(&mut *loss, &weights, &block));
         }
     }
 }

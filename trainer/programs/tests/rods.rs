@@ -8,6 +8,7 @@ use leastaction_core::constraints::{Constrained, Constraints, Positions};
 use leastaction_core::continuous::{Drive, constrained_acceleration, constrained_workspace};
 use leastaction_core::discrete;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
@@ -23,8 +24,9 @@ impl<const D: usize> Case<D> {
     fn check_steps(&self) {
         let mut moved = self.weights.clone();
         moved.iter_mut().enumerate().for_each(|(k, w)| *w += 0.1 * wave(3 * k));
-        for (order, of_core) in ORDERS {
-            let block = self.stepped(of_core);
+        for ((order, of_core), kind) in ORDERS.into_iter().zip([ControlKind::Held, ControlKind::Linear]) {
+            self.check_control(order, of_core);
+            let block = self.stepped(of_core, kind);
             for next_position in [false, true] {
                 let mut loss = self.loss(order, next_position);
                 let found = largest(&evaluate(&mut loss, &self.weights, &block));
@@ -39,6 +41,18 @@ impl<const D: usize> Case<D> {
                 check_derivatives(&mut loss, &moved, &block, 1e-6);
             }
             self.check_displaced(order, &block);
+        }
+    }
+
+    /// Each kind of control explains its own motion, and not the other's.
+    fn check_control(&self, order: Order, of_core: discrete::Order) {
+        let kinds = [ControlKind::Held, ControlKind::Linear];
+        for (kind, other) in [(kinds[0], kinds[1]), (kinds[1], kinds[0])] {
+            let own = self.stepped(of_core, kind);
+            let taken_for_other = Block { control: other, ..own.clone() };
+            let mut loss = self.loss(order, true);
+            let found = [&own, &taken_for_other].map(|b| largest(&evaluate(&mut loss, &self.weights, b)));
+            assert!(found[0] < 3e-15 && found[1] > 1e-5, "{kind:?}: {found:?}");
         }
     }
 
@@ -126,7 +140,7 @@ impl<const D: usize> Case<D> {
                 losses.push(Box::new(self.loss(order, next_position)));
             }
         }
-        let good = self.stepped(discrete::Order::Two);
+        let good = self.stepped(discrete::Order::Two, ControlKind::Linear);
         let mut bad = good.clone();
         bad.states.iter_mut().for_each(|state| state[1].0[3] = 1e200);
         bad.states[0][0].0[7] = f64::NAN;

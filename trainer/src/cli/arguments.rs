@@ -1,5 +1,8 @@
 //! Values of options, refused in words that say what they must be.
 
+use crate::data::control_of_name;
+use leastaction_core::forces::ControlKind;
+
 /// A finite number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
     number(text).filter(|x| *x > 0.0).ok_or_else(|| "it must be a finite number above 0".to_owned())
@@ -23,6 +26,11 @@ pub fn finite(text: &str) -> Result<f64, String> {
 /// Order of a discrete Euler–Lagrange step.
 pub fn order(text: &str) -> Result<u8, String> {
     text.parse().ok().filter(|order| matches!(order, 2 | 4)).ok_or_else(|| "it must be 2 or 4".to_owned())
+}
+
+/// What a control does between samples.
+pub fn control(text: &str) -> Result<ControlKind, String> {
+    control_of_name(text).ok_or_else(|| "it must be held or linear".to_owned())
 }
 
 /// Seed of random numbers.

@@ -1,14 +1,15 @@
 //! `leastaction generate`.
 
 use super::system::{Kind, System};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::{finite, not_negative, positive, seed};
 use leastaction::cli::{Done, Failure, Output, refuse, written};
 use leastaction::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
 use leastaction::ground_truth::{
-    GenerationError, LgnnSettings, LgnnSystem, ManyBody, Mechanism, ModlanetSettings, Settings, generate,
-    generate_many, lgnn_set, modlanet_set_of, symo_set,
+    Drive, GenerationError, LgnnSettings, LgnnSystem, ManyBody, Mechanism, ModlanetSettings, Settings,
+    generate, generate_many, lgnn_set, modlanet_set_of, symo_set,
 };
+use leastaction_core::forces::ControlKind;
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -16,7 +17,8 @@ use std::path::PathBuf;
 /// Simulate a mechanism exactly and log its motion.
 ///
 /// Trajectories begin at random states. Those of the pendulum, the cart-pole and the acrobot (SyMo's distributions) are each under
-/// a constant random force of at most 2 N (or N m) on the actuated coordinate, and the log has q, v, a, u and t. Those of
+/// a random force of at most 2 N (or N m) on the actuated coordinate, constant or, with --control, another at every sample, and the
+/// log has q, v, a, u and t. Those of
 /// n-pendulum and n-body (ModLaNet's distributions; masses, lengths and k are 1) are free, and the log has q, v, a and t. Those of
 /// rod-pendulum, n-spring and hybrid (LGNN's; masses and lengths are 1) are in Cartesian coordinates, (x, y) of every node.
 ///
@@ -59,15 +61,29 @@ pub struct Generate {
     /// Of the random numbers.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
+    /// What the random force of the pendulum, the cart-pole or the acrobot does [default: constant].
+    #[arg(long, value_name = "KIND", conflicts_with = "no_control")]
+    control: Option<Control>,
     /// No force at all (such a log does not show the scale of the energies).
     #[arg(long)]
     no_control: bool,
     /// SyMo's whole data set in SyMo's layout: 128 training and 128 test trajectories of 34 states, 16 free ones of 502.
-    #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "pull", "no_control", "modlanet_layout"])]
+    #[arg(long, conflicts_with_all = ["trajectories", "samples", "h", "noise", "drag", "pull", "control", "no_control", "modlanet_layout"])]
     symo_layout: bool,
     /// A training and a test set (the last tenth of the trajectories) in ModLaNet's layout.
     #[arg(long)]
     modlanet_layout: bool,
+}
+
+/// The random force on an actuated coordinate.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Control {
+    /// One for each trajectory.
+    Constant,
+    /// Another at every sample, held until the next, as a controller's; the log says so.
+    Held,
+    /// Another at every sample, linear between them; the log says so.
+    Linear,
 }
 
 /// Elements of the largest system.
@@ -139,11 +155,20 @@ impl Generate {
             h: self.h.unwrap_or(mechanism.step()),
             noise: self.noise,
             drag: self.drag,
-            control: !self.no_control,
+            drive: self.drive(),
             seed: self.seed,
         };
         fits(settings.trajectories, settings.samples, mechanism.coordinates().len())?;
         self.log(&generate(&settings).map_err(failed)?)
+    }
+
+    fn drive(&self) -> Drive {
+        match self.control {
+            _ if self.no_control => Drive::Free,
+            None | Some(Control::Constant) => Drive::Constant,
+            Some(Control::Held) => Drive::Changing(ControlKind::Held),
+            Some(Control::Linear) => Drive::Changing(ControlKind::Linear),
+        }
     }
 
     fn log(&self, data: &Dataset) -> Result<Size, Failure> {
@@ -164,6 +189,7 @@ impl Generate {
             (self.drag != 0.0, "--drag"),
             (self.pull != 0.0, "--pull"),
             (self.no_control, "--no-control"),
+            (self.control.is_some(), "--control"),
             (self.symo_layout, "--symo-layout"),
             (self.speed.is_some() && matches!(system, ManyBody::Bodies(_)), "--speed"),
         ];
@@ -186,6 +212,7 @@ impl Generate {
             (self.count.is_some() && system == LgnnSystem::Hybrid, "--count"),
             (self.speed.is_some(), "--speed"),
             (self.no_control, "--no-control"),
+            (self.control.is_some(), "--control"),
             (self.symo_layout, "--symo-layout"),
             (self.modlanet_layout, "--modlanet-layout"),
         ];

@@ -213,3 +213,27 @@ pub(super) mod activation_name {
         Named::deserialize(from).map(|Named(activation)| Some(activation))
     }
 }
+
+/// What a control does between samples, by its name; it may be left out.
+pub(super) mod control_kind {
+    use super::{Deserialize, Deserializer, Error, Serializer};
+    use crate::data::{control_name, control_of_name};
+    use leastaction_core::forces::ControlKind;
+
+    pub(in crate::config) fn serialize<S: Serializer>(
+        kind: &Option<ControlKind>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        match kind {
+            Some(kind) => to.serialize_str(control_name(*kind)),
+            None => to.serialize_none(),
+        }
+    }
+
+    pub(in crate::config) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<ControlKind>, D::Error> {
+        let name = String::deserialize(from)?;
+        control_of_name(&name).map(Some).ok_or_else(|| Error::unknown_variant(&name, &["held", "linear"]))
+    }
+}

@@ -24,6 +24,7 @@ pub use rigid::RigidConfig;
 
 use crate::architecture::Architecture;
 use crate::training::LossKind;
+use leastaction_core::forces::ControlKind;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -57,6 +58,9 @@ pub struct DataConfig {
     /// Part of the trajectories held back from the end, in [0, 1).
     #[serde(default = "validation", deserialize_with = "fields::fraction")]
     pub validation: f64,
+    /// What u does between samples; else what the log says, and held where it says nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::control_kind")]
+    pub control: Option<ControlKind>,
 }
 
 /// Loss, optimiser and when to stop.
@@ -152,7 +156,12 @@ impl Config {
     /// The defaults for a log, and a model of this shape; [`Coordinates`] give a rigid one.
     pub fn new(file: impl Into<PathBuf>, model: impl Into<ModelConfig>) -> Self {
         Self {
-            data: DataConfig { file: file.into(), trajectories: None, validation: validation() },
+            data: DataConfig {
+                file: file.into(),
+                trajectories: None,
+                validation: validation(),
+                control: None,
+            },
             model: model.into(),
             training: TrainingConfig::default(),
         }

@@ -7,7 +7,7 @@ use crate::runge_kutta::{RungeKutta, State};
 use leastaction_core::continuous::energy;
 use leastaction_core::energy::trigonometric::Trigonometric;
 
-/// A learned v̇(q, v, u), m/s² or rad/s², and how it is stepped: the control at the start of a step is held during it.
+/// A learned v̇(q, v, u), m/s² or rad/s², and how it is stepped: each stage under the control at its time.
 pub struct Stepper<A> {
     /// How.
     pub method: RungeKutta,
@@ -17,11 +17,21 @@ pub struct Stepper<A> {
 
 impl<A> Stepper<A> {
     /// The state after a step; `None` where an acceleration does not exist.
-    fn step<const N: usize>(&self, h: f64, state: &State<f64, N>, u: &[f64; N]) -> Option<State<f64, N>>
+    fn step<const N: usize>(
+        &self,
+        h: f64,
+        state: &State<f64, N>,
+        [first, last]: &[[f64; N]; 2],
+    ) -> Option<State<f64, N>>
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
     {
-        let acceleration = |q: &[f64; N], v: &[f64; N]| (self.acceleration)(q, v, u).ok_or(());
+        let mut times = self.method.times();
+        let acceleration = |q: &[f64; N], v: &[f64; N]| {
+            let c = times.next().ok_or(())?;
+            let u = std::array::from_fn(|i| first[i] + c * (last[i] - first[i]));
+            (self.acceleration)(q, v, &u).ok_or(())
+        };
         let stages = self.method.stages(h, state, acceleration).ok()?;
         Some(self.method.end(h, state, &stages))
     }
@@ -34,17 +44,18 @@ impl<A> Stepper<A> {
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]> + Sync,
     {
-        parallel::map(data.trajectories.len(), &|k| self.run(data.h, &data.trajectories[k]))
+        parallel::map(data.trajectories.len(), &|k| self.run(data, &data.trajectories[k]))
     }
 
-    fn run<const N: usize>(&self, h: f64, trajectory: &Trajectory) -> Vec<State<f64, N>>
+    fn run<const N: usize>(&self, data: &Dataset, trajectory: &Trajectory) -> Vec<State<f64, N>>
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
     {
         let lost = [[f64::NAN; N]; 2];
         let mut states: Vec<_> = (0..2).map(|k| logged(trajectory, k).unwrap_or(lost)).collect();
         for k in 1..trajectory.samples() - 1 {
-            states.push(self.step(h, &states[k], &control(trajectory, k)).unwrap_or(lost));
+            let u = control(data, trajectory, k);
+            states.push(self.step(data.h, &states[k], &u).unwrap_or(lost));
         }
         states
     }
@@ -57,8 +68,8 @@ impl<A> Stepper<A> {
     {
         let steps = data.trajectories.iter().flat_map(|t| (1..t.samples() - 1).map(move |k| (t, k)));
         let errors = steps.flat_map(|(trajectory, k)| {
-            let next = logged(trajectory, k)
-                .and_then(|state| self.step::<N>(data.h, &state, &control(trajectory, k)));
+            let u = control(data, trajectory, k);
+            let next = logged(trajectory, k).and_then(|state| self.step::<N>(data.h, &state, &u));
             let [q, _] = next.unwrap_or([[f64::NAN; N]; 2]);
             let exact: [f64; N] = row(&trajectory.q[k + 1]);
             std::array::from_fn::<f64, N, _>(|i| q[i] - exact[i])
@@ -75,8 +86,9 @@ fn logged<const N: usize>(trajectory: &Trajectory, k: usize) -> Option<State<f64
     Some([row(&trajectory.q[k]), row(&trajectory.v.as_ref()?[k])])
 }
 
-fn control<const N: usize>(trajectory: &Trajectory, k: usize) -> [f64; N] {
-    trajectory.u.as_ref().map_or([0.0; N], |u| row(&u[k]))
+/// At the start and the end of the step from a sample; linear between.
+fn control<const N: usize>(data: &Dataset, trajectory: &Trajectory, k: usize) -> [[f64; N]; 2] {
+    [k, data.control_end(k)].map(|k| trajectory.u.as_ref().map_or([0.0; N], |u| row(&u[k])))
 }
 
 /// The positions of rollouts, \[samples\]\[n\], flat.
@@ -102,7 +114,7 @@ pub fn state_energy_mse<const N: usize>(
 mod tests {
     use super::*;
     use crate::evaluate::integration_errors;
-    use crate::ground_truth::{Mechanism, Settings, generate};
+    use crate::ground_truth::{Drive, Mechanism, Settings, generate};
     use leastaction_core::continuous::acceleration;
     use leastaction_core::energy::trigonometric::CARTPOLE;
     use leastaction_core::forces::System;
@@ -127,7 +139,7 @@ mod tests {
         assert!(coarse[0] > 100.0 * fine[0] && coarse[1] > 100.0 * fine[1], "{fine:?} {coarse:?}");
         // The control works on the cart: a constant energy would be wrong.
         assert!(fine[2] > 1e-3 && fine[2].is_finite());
-        let free = Settings { control: false, ..Settings::symo(Mechanism::Cartpole, 8, 3) };
+        let free = Settings { drive: Drive::Free, ..Settings::symo(Mechanism::Cartpole, 8, 3) };
         data = generate(&free).unwrap();
         let runs = stepper(RungeKutta::ThreeEighths).rollout::<2>(&data);
         assert!(state_energy_mse(&CARTPOLE, &runs, &data) < 1e-6);

@@ -55,7 +55,8 @@ fn system(architecture: &Architecture, weights: &[f64]) -> Result<System, ModelE
     }
 }
 
-/// Positions that free or forced steps from the first two of each trajectory give, all \[samples\]\[n\], flat.
+/// Positions that free or forced steps from the first two of each trajectory give, all \[samples\]\[n\], flat. The control is held
+/// between samples, or linear, as the data has it.
 ///
 /// Where a step fails the rest of the trajectory is NaN.
 ///
@@ -71,12 +72,13 @@ pub fn rollout(
     let (h, order) = (data.h, order_of(order));
     let pool = Pool::new(move || Del::new(&system, h, order, NEWTON));
     let blocks: Vec<&[Trajectory]> = data.trajectories.chunks(WIDTH).collect();
-    let runs = parallel::map(blocks.len(), &|k| pool.with(|del| run(del, weights, data.n, blocks[k])));
+    let runs = parallel::map(blocks.len(), &|k| pool.with(|del| run(del, weights, data, blocks[k])));
     Ok(runs.into_iter().flatten().collect())
 }
 
 /// The positions of trajectories that are stepped side by side.
-fn run(del: &mut Del, weights: &[f64], n: usize, trajectories: &[Trajectory]) -> Vec<Vec<f64>> {
+fn run(del: &mut Del, weights: &[f64], data: &Dataset, trajectories: &[Trajectory]) -> Vec<Vec<f64>> {
+    let n = data.n;
     let longest = trajectories.iter().map(Trajectory::samples).max().unwrap_or(0);
     let row = |of: &dyn Fn(&Trajectory) -> f64| {
         Row(std::array::from_fn(|lane| trajectories.get(lane).or(trajectories.last()).map_or(0.0, of)))
@@ -89,9 +91,12 @@ fn run(del: &mut Del, weights: &[f64], n: usize, trajectories: &[Trajectory]) ->
     };
     let mut positions: Vec<Vec<f64>> =
         trajectories.iter().map(|t| t.q.iter().take(2).flatten().copied().collect()).collect();
-    let mut state: DelState = del.start(weights, [&logged(0), &logged(1)], [&tau(0), &tau(1)]);
+    let ends = |k: usize| [tau(k), tau(data.control_end(k))];
+    let acting = ends(0);
+    let mut state: DelState =
+        del.start(weights, [&logged(0), &logged(1)], acting.each_ref().map(Vec::as_slice));
     for k in 1..longest.saturating_sub(1) {
-        del.step(weights, &mut state, [&tau(k), &tau(k + 1)]);
+        del.step(weights, &mut state, ends(k).each_ref().map(Vec::as_slice));
         for (lane, (positions, trajectory)) in positions.iter_mut().zip(trajectories).enumerate() {
             if k + 1 < trajectory.samples() {
                 positions.extend(state.q.iter().map(|q| q.0[lane]));

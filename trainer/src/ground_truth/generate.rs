@@ -3,7 +3,7 @@ use crate::data::symo::SymoSet;
 use crate::data::{Dataset, Rows, Trajectory};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::trigonometric::Trigonometric;
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::forces::{ControlKind, System, Viscous};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -12,6 +12,37 @@ use rand_pcg::Pcg64;
 const TOLERANCE: f64 = 1e-13;
 /// |u| at most, N or N m.
 const CONTROL: f64 = 2.0;
+
+/// The force on the actuated coordinate, drawn from U(−2, 2) N or N m.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// None.
+    Free,
+    /// One for each trajectory.
+    Constant,
+    /// Another at every sample, and this between samples.
+    Changing(ControlKind),
+}
+
+impl Drive {
+    /// The force at every sample.
+    fn draw(self, samples: usize, stream: &mut Pcg64) -> Vec<f64> {
+        let mut one = || stream.random_range(-CONTROL..CONTROL);
+        match self {
+            Self::Free => vec![0.0; samples],
+            Self::Constant => vec![one(); samples],
+            Self::Changing(_) => (0..samples).map(|_| one()).collect(),
+        }
+    }
+
+    /// What a log of it says of the force between samples: nothing where that does not matter.
+    fn kind(self) -> Option<ControlKind> {
+        match self {
+            Self::Free | Self::Constant => None,
+            Self::Changing(kind) => Some(kind),
+        }
+    }
+}
 
 /// What to generate.
 #[derive(Clone, Debug)]
@@ -28,8 +59,8 @@ pub struct Settings {
     pub noise: f64,
     /// Viscous damping of every coordinate, N s/m or N m s/rad.
     pub drag: f64,
-    /// Whether each trajectory has a constant control drawn from U(−2, 2); else none.
-    pub control: bool,
+    /// The force.
+    pub drive: Drive,
     /// Of the random stream.
     pub seed: u64,
 }
@@ -38,7 +69,8 @@ impl Settings {
     /// SyMo's settings: 34 states a trajectory under a constant random control, no noise, no drag.
     pub fn symo(mechanism: Mechanism, trajectories: usize, seed: u64) -> Self {
         let h = mechanism.step();
-        Self { mechanism, trajectories, samples: 34, h, noise: 0.0, drag: 0.0, control: true, seed }
+        let drive = Drive::Constant;
+        Self { mechanism, trajectories, samples: 34, h, noise: 0.0, drag: 0.0, drive, seed }
     }
 }
 
@@ -54,16 +86,20 @@ pub fn generate(settings: &Settings) -> Result<Dataset, IntegrationError> {
 }
 
 /// The data of SyMo's experiments: 128 training and 128 test trajectories of 34 states, and 16 free ones of 502 states
-/// for long integration; noise of this standard deviation on the states of the first two sets.
+/// for long integration; noise of this standard deviation on the states of the first two sets. The control is linear between
+/// samples, as in the authors' equation; in a trajectory it is constant.
 ///
 /// # Errors
 /// Where the motion cannot be followed.
 pub fn symo_set(mechanism: Mechanism, seed: u64, noise: f64) -> Result<SymoSet, IntegrationError> {
-    let both = generate(&Settings { noise, ..Settings::symo(mechanism, 256, seed) })?;
+    let linear = |settings: &Settings| -> Result<Dataset, IntegrationError> {
+        Ok(Dataset { control: Some(ControlKind::Linear), ..generate(settings)? })
+    };
+    let both = linear(&Settings { noise, ..Settings::symo(mechanism, 256, seed) })?;
     let (train, test) = both.split(128);
-    let free =
-        Settings { samples: 502, control: false, ..Settings::symo(mechanism, 16, seed.wrapping_add(1)) };
-    Ok(SymoSet { train, test, integration: generate(&free)? })
+    let free = Settings::symo(mechanism, 16, seed.wrapping_add(1));
+    let integration = linear(&Settings { samples: 502, drive: Drive::Free, ..free })?;
+    Ok(SymoSet { train, test, integration })
 }
 
 fn generate_with<const N: usize>(
@@ -76,7 +112,7 @@ fn generate_with<const N: usize>(
     let trajectories = (0..settings.trajectories)
         .map(|id| trajectory(&system, settings, id as i64, &mut stream))
         .collect::<Result<_, _>>()?;
-    Ok(Dataset { n: N, h: settings.h, trajectories })
+    Ok(Dataset { n: N, h: settings.h, control: settings.drive.kind(), trajectories })
 }
 
 type Damped<const N: usize> = System<Trigonometric<'static, N>, Viscous<f64, N>>;
@@ -88,31 +124,47 @@ fn trajectory<const N: usize>(
     stream: &mut Pcg64,
 ) -> Result<Trajectory, IntegrationError> {
     let mut state = initial_state(settings.mechanism.spread(), stream);
-    let control = if settings.control { stream.random_range(-CONTROL..CONTROL) } else { 0.0 };
-    let u: [f64; N] =
-        core::array::from_fn(|i| if i == settings.mechanism.actuated() { control } else { 0.0 });
-    let exact = |state: &[[f64; N]]| acceleration(system, state.first()?, state.last()?, &u).ok();
-    let mut rate = |x: &[f64], rate: &mut [f64]| {
-        let a = exact(x.as_chunks().0)?;
-        rate[..N].copy_from_slice(&x[N..]);
-        rate[N..].copy_from_slice(&a);
-        Some(())
-    };
-    let mut integrator = Extrapolation::new(2 * N, TOLERANCE);
-    let (mut q, mut v, mut a, mut us) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for k in 0..settings.samples {
+    let actuated = settings.mechanism.actuated();
+    let force = |u: f64| -> [f64; N] { core::array::from_fn(|i| if i == actuated { u } else { 0.0 }) };
+    let us: Vec<[f64; N]> = settings.drive.draw(settings.samples, stream).into_iter().map(force).collect();
+    let mut integrator = Extrapolation::new(2 * N + 1, TOLERANCE);
+    let (mut q, mut v, mut a) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, u) in us.iter().enumerate() {
         let failed = IntegrationError { t: k as f64 * settings.h, tolerance: TOLERANCE };
         if k > 0 {
-            let advanced = integrator.advance(&mut rate, state.as_flattened_mut(), settings.h);
-            advanced.map_err(|_| failed)?;
+            let held = settings.drive.kind() != Some(ControlKind::Linear);
+            let ends = [&us[k - 1], if held { &us[k - 1] } else { u }];
+            advance(system, &mut integrator, &mut state, (settings.h, ends)).map_err(|_| failed)?;
         }
-        a.push(exact(&state).ok_or(failed)?);
+        a.push(acceleration(system, &state[0], &state[1], u).map_err(|_| failed)?);
         q.push(noisy(state[0], settings.noise, stream));
         v.push(noisy(state[1], settings.noise, stream));
-        us.push(u);
     }
     let rows = |values: Vec<[f64; N]>| Rows::from_arrays(&values);
     Ok(Trajectory { id, t0: 0.0, q: rows(q), v: Some(rows(v)), a: Some(rows(a)), u: Some(rows(us)) })
+}
+
+/// One step on, under a force that is linear between its ends.
+fn advance<const N: usize>(
+    system: &Damped<N>,
+    integrator: &mut Extrapolation,
+    state: &mut [[f64; N]; 2],
+    (h, [first, last]): (f64, [&[f64; N]; 2]),
+) -> Result<(), IntegrationError> {
+    // Positions, velocities, and the part of the step that is over.
+    let mut x = [state.as_flattened(), &[0.0]].concat();
+    let rate = |x: &[f64], rate: &mut [f64]| {
+        let ([q, v, ..], c) = (x.as_chunks::<N>().0, x.last()?) else { return None };
+        let u = core::array::from_fn(|i| first[i] + c * (last[i] - first[i]));
+        let a = acceleration(system, q, v, &u).ok()?;
+        rate[..N].copy_from_slice(v);
+        rate[N..2 * N].copy_from_slice(&a);
+        rate[2 * N] = 1.0 / h;
+        Some(())
+    };
+    integrator.advance(rate, &mut x, h)?;
+    state.as_flattened_mut().copy_from_slice(&x[..2 * N]);
+    Ok(())
 }
 
 fn initial_state<const N: usize>(spread: &[Spread], stream: &mut Pcg64) -> [[f64; N]; 2] {

@@ -67,7 +67,7 @@ pub fn logged(
         trajectory(motion, horizon, id, &starts[id], (noise, stream))
     };
     let trajectories = parallel::map(starts.len(), &one).into_iter().collect::<Result<_, _>>()?;
-    Ok(Dataset { n: motion.coordinates(), h: horizon.h, trajectories })
+    Ok(Dataset { n: motion.coordinates(), h: horizon.h, control: None, trajectories })
 }
 
 fn trajectory(

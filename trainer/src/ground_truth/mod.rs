@@ -13,7 +13,7 @@ mod truss;
 
 pub use bodies::Bodies;
 pub use chain::{Chain, Link};
-pub use generate::{Settings, generate, noisy, symo_set};
+pub use generate::{Drive, Settings, generate, noisy, symo_set};
 pub use integrate::{Extrapolation, IntegrationError, second_order};
 pub use lgnn::{LgnnSettings, LgnnSystem, lgnn_set, lgnn_starts};
 pub use logged::{GenerationError, Horizon, Start, follow, follow_flow, logged};

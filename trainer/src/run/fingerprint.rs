@@ -1,11 +1,13 @@
 //! Fingerprints that tell one input from another by accident, not by malice.
 
 use crate::checksummed::Fingerprint;
-use crate::data::{Dataset, Rows, Trajectory};
+use crate::data::{Dataset, Rows, Trajectory, control_name};
 use crate::training::LossKind;
+use leastaction_core::forces::ControlKind;
 
 /// CRC-64/XZ over every number of a data set that the loss reads: the same for the same motion in another file or format,
-/// and, where the loss needs positions and controls alone, whatever the logged velocities and accelerations are.
+/// and, where the loss needs positions and controls alone, whatever the logged velocities and accelerations are. A control that
+/// changes and is held is another than one that is linear between samples.
 pub(super) fn of_data(data: &Dataset, loss: LossKind) -> u64 {
     let (state, acceleration) = (!loss.is_discrete(), loss == LossKind::Acceleration);
     let mut fingerprint = Fingerprint::default();
@@ -16,6 +18,9 @@ pub(super) fn of_data(data: &Dataset, loss: LossKind) -> u64 {
         for rows in [Some(q), v.as_ref().filter(|_| state), a.as_ref().filter(|_| acceleration), u.as_ref()] {
             add_rows(&mut fingerprint, rows);
         }
+    }
+    if !acceleration && data.control_changes() && data.control_kind() == ControlKind::Held {
+        fingerprint.add(control_name(ControlKind::Held).as_bytes());
     }
     fingerprint.finish()
 }

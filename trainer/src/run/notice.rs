@@ -38,7 +38,7 @@ impl std::fmt::Display for Notice {
     }
 }
 
-/// The first `count` trajectories, angles going on across their seams.
+/// The first `count` trajectories, angles going on across their seams, the control as asked for.
 pub(super) fn prepared(
     data: &Dataset,
     config: &Config,
@@ -46,6 +46,9 @@ pub(super) fn prepared(
 ) -> Result<(Dataset, Vec<Notice>), PlanError> {
     let letters = architecture.coordinates();
     let mut data = config.data.trajectories.map_or_else(|| data.clone(), |count| data.truncated(count));
+    if let Some(asked) = config.data.control {
+        data.set_control(asked).map_err(|stated| PlanError::Control { asked, stated })?;
+    }
     let mut notices: Vec<Notice> = data.unwrap_angles(&letters).into_iter().map(Notice::Changed).collect();
     for doubt in data.doubts(&letters) {
         match doubt {

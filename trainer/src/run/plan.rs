@@ -5,7 +5,7 @@ use super::notice::{Notice, prepared};
 use super::range;
 use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
-use crate::data::{Dataset, Doubt};
+use crate::data::{Dataset, Doubt, control_name};
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
@@ -78,6 +78,17 @@ pub enum PlanError {
     /// The data lacks what the loss needs.
     #[error("{0}; add it to the data, or set loss = \"next-position\", which needs positions alone")]
     Samples(#[from] SampleError),
+    /// The log and the configuration say different things of the control.
+    #[error(
+        "[data] control = {:?}, but the log says that its u is {stated} between samples; set control = {stated:?}, or leave it out",
+        control_name(*.asked), stated = control_name(*.stated)
+    )]
+    Control {
+        /// By the configuration.
+        asked: ControlKind,
+        /// By the log.
+        stated: ControlKind,
+    },
     /// The data holds a number that cannot be one.
     #[error("{0}")]
     Data(Doubt),
@@ -148,9 +159,7 @@ impl Plan {
             })
             .collect::<Result<_, _>>()?;
         let TrainingConfig { loss, order, .. } = config.training;
-        // Losses take a control that is linear between samples.
-        let control = ControlKind::Linear;
-        let step = |order| TrainedStep { order, h: data.h as f32, control };
+        let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
         Ok(Self {
             initial,
             trained_step: Order::from_number(order).filter(|_| loss.is_discrete()).map(step),

@@ -1,7 +1,7 @@
 use super::*;
 use crate::config::{Config, Coordinates, RigidConfig};
 use crate::data::Dataset;
-use crate::ground_truth::{ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};
+use crate::ground_truth::{Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};
 use leastaction_core::energy::rigid::Coordinate;
 
 #[derive(Default)]
@@ -41,8 +41,9 @@ fn data(trajectories: usize, control: bool) -> Dataset {
 }
 
 fn noisy(trajectories: usize, control: bool, noise: f64) -> Dataset {
+    let drive = if control { Drive::Constant } else { Drive::Free };
     let settings =
-        Settings { samples: 9, control, noise, ..Settings::symo(Mechanism::Pendulum, trajectories, 0) };
+        Settings { samples: 9, drive, noise, ..Settings::symo(Mechanism::Pendulum, trajectories, 0) };
     generate(&settings).unwrap()
 }
 

@@ -187,6 +187,7 @@ impl Samples {
             states: self.states.each_ref().map(rows),
             next_velocity: rows(&self.next_velocities),
             controls: self.controls.each_ref().map(rows),
+            control: self.control,
         }
     }
 }

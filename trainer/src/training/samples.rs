@@ -1,5 +1,6 @@
 use crate::data::modlanet::ModlanetRows;
 use crate::data::{Dataset, Rows, Trajectory};
+use leastaction_core::forces::ControlKind;
 use leastaction_core::scalar::LANES;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -30,8 +31,10 @@ pub struct Samples {
     pub states: [Vec<f64>; 3],
     /// Velocities after a step, v₊, for the loss of the next state; else empty.
     pub next_velocities: Vec<f64>,
-    /// Controls at the same times; for the acceleration loss and that of the next state the first is u.
+    /// Controls at the same times; for the acceleration loss the first is u, for that of the next state the first two are u and u₊.
     pub controls: [Vec<f64>; 3],
+    /// What they do between these times.
+    pub control: ControlKind,
 }
 
 /// One sample as arrays.
@@ -46,9 +49,14 @@ pub(super) struct Sample<const N: usize> {
 }
 
 impl Samples {
+    /// None yet.
+    fn of(data: &Dataset) -> Self {
+        Self { n: data.n, h: data.h, control: data.control_kind(), ..Self::default() }
+    }
+
     /// Every three consecutive positions of every trajectory. Velocities are never read.
     pub fn triples(data: &Dataset) -> Self {
-        let mut samples = Self { n: data.n, h: data.h, ..Self::default() };
+        let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
             let count = trajectory.samples().saturating_sub(2);
             for k in 0..3 {
@@ -77,7 +85,7 @@ impl Samples {
     /// # Errors
     /// Where velocities or accelerations are missing.
     pub fn accelerations(data: &Dataset) -> Result<Self, SampleError> {
-        let mut samples = Self { n: data.n, h: data.h, ..Self::default() };
+        let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
             let count = trajectory.samples();
             let v = trajectory.v.as_ref().ok_or(SampleError::Missing("velocities (v)"))?;
@@ -92,12 +100,12 @@ impl Samples {
         Ok(samples)
     }
 
-    /// Every two consecutive states, with the control at the first.
+    /// Every two consecutive states, with the controls at both.
     ///
     /// # Errors
     /// Where velocities are missing.
     pub fn next_states(data: &Dataset) -> Result<Self, SampleError> {
-        let mut samples = Self { n: data.n, h: data.h, ..Self::default() };
+        let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
             let v = trajectory.v.as_ref().ok_or(SampleError::Missing("velocities (v)"))?;
             let count = trajectory.samples().saturating_sub(1);
@@ -107,8 +115,8 @@ impl Samples {
                 states.extend(rows(source, start, count));
             }
             samples.next_velocities.extend(rows(v, 1, count));
-            for controls in &mut samples.controls {
-                controls.extend(control(trajectory, data.n, 0, count));
+            for (controls, start) in samples.controls.iter_mut().zip([0, 1, 1]) {
+                controls.extend(control(trajectory, data.n, start, count));
             }
         }
         Ok(samples)
@@ -123,7 +131,7 @@ impl Samples {
     /// # Errors
     /// Where velocities are missing.
     pub fn interpolated(data: &Dataset) -> Result<Self, SampleError> {
-        let mut samples = Self { n: data.n, h: data.h, ..Self::default() };
+        let mut samples = Self::of(data);
         for trajectory in &data.trajectories {
             let v = trajectory.v.as_ref().ok_or(SampleError::Missing("velocities (v)"))?;
             let count = trajectory.samples().saturating_sub(4);
@@ -151,6 +159,7 @@ impl Samples {
             states: self.states.each_ref().map(permute),
             next_velocities: of_some(&self.next_velocities, permute),
             controls: self.controls.each_ref().map(permute),
+            control: self.control,
         }
     }
 

@@ -37,7 +37,7 @@ fn exported_files_agree() {
     let model = decode(&bytes).unwrap();
     assert_eq!(
         model.facts.trained_step,
-        Some(TrainedStep { order: Order::Two, h: 0.1, control: ControlKind::Linear })
+        Some(TrainedStep { order: Order::Two, h: 0.1, control: ControlKind::Held })
     );
     assert_eq!(report["parameters"].as_u64(), Some(model.weights.len() as u64));
     assert_eq!(report["provenance"].as_str(), Some(model.facts.provenance.as_str()));

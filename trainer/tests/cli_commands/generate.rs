@@ -27,9 +27,15 @@ fn a_seed_is_a_file_and_options_change_it() {
     };
     let plain = generate("a.npz", "--seed 4");
     assert_eq!(plain, generate("b.npz", "--seed 4"));
-    for (k, option) in ["--seed 5", "--seed 4 --noise 0.01", "--seed 4 --drag 0.1", "--seed 4 --no-control"]
-        .iter()
-        .enumerate()
+    for (k, option) in [
+        "--seed 5",
+        "--seed 4 --noise 0.01",
+        "--seed 4 --drag 0.1",
+        "--seed 4 --no-control",
+        "--seed 4 --control held",
+    ]
+    .iter()
+    .enumerate()
     {
         assert_ne!(plain, generate(&format!("c{k}.npz"), option), "{option}");
     }
@@ -84,6 +90,8 @@ fn options_of_other_systems_are_refused() {
         ("n-body", "--drag 1"),
         ("n-pendulum", "--symo-layout"),
         ("n-pendulum", "--no-control"),
+        ("n-pendulum", "--control held"),
+        ("n-spring", "--control linear"),
     ] {
         let name = option.split(' ').next().unwrap();
         bench.run(&format!("generate {system} -o a.npz {option}")).bad(2, &[name, system]);

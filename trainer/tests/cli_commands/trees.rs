@@ -10,7 +10,7 @@ fn log(bench: &Bench, name: &str, count: usize) {
     let links: Vec<_> = kinds.into_iter().cycle().take(count).collect();
     let chain = Chain::new(links, None).unwrap();
     let trajectories = (0..5).map(|id| trajectory(&chain, id)).collect();
-    data::write(bench.at(name), &Dataset { n: count, h: 0.05, trajectories }).unwrap();
+    data::write(bench.at(name), &Dataset { n: count, h: 0.05, control: None, trajectories }).unwrap();
 }
 
 fn trajectory(chain: &Chain, id: i64) -> Trajectory {

@@ -4,6 +4,7 @@ mod sizes;
 
 use std::io::{Cursor, Write};
 
+use leastaction_core::forces::ControlKind;
 use leastaction_data::{self as data, Dataset, Note};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -143,7 +144,41 @@ fn what_is_missing_or_unknown_is_named() {
         (vec![q3()], ": no time; give the stamps t or the step h (one number under the key h)"),
         (
             vec![q3(), h(), ("velocity", f8("(1,)", &[1.0]))],
-            ": \"velocity\" is not a known name; known are q, v, a, u, t, h, trajectory; rename it, or put _ before it to have it ignored",
+            ": \"velocity\" is not a known name; known are q, v, a, u, t, h, trajectory, control; rename it, or put _ before it to have it ignored",
+        ),
+    ]);
+}
+
+/// A string of NumPy's type U, in this byte order.
+fn string(text: &str, order: char, shape: &str) -> Vec<u8> {
+    let letters = text.chars().map(u32::from);
+    let bytes: Vec<u8> = if order == '>' {
+        letters.flat_map(u32::to_be_bytes).collect()
+    } else {
+        letters.flat_map(u32::to_le_bytes).collect()
+    };
+    npy(&format!("'{order}U{}'", text.len()), false, shape, &bytes)
+}
+
+#[test]
+fn what_the_control_does_is_a_string() {
+    let control = |array: Vec<u8>| accept(&[q3(), h(), ("control", array)]).control;
+    assert_eq!(control(string("held", '<', "()")), Some(ControlKind::Held));
+    assert_eq!(control(string("linear", '>', "(1,)")), Some(ControlKind::Linear));
+    assert_eq!(control(npy("'|S8'", false, "()", b"linear\0\0")), Some(ControlKind::Linear));
+    assert_eq!(accept(&[q3(), h()]).control, None);
+    assert_refused(&[
+        (
+            vec![q3(), h(), ("control", string("hold", '<', "()"))],
+            ", key control: \"hold\" is not what u does between samples; write \"held\" or \"linear\", or leave control out",
+        ),
+        (
+            vec![q3(), h(), ("control", f8("()", &[0.0]))],
+            ", key control: elements of type <f8 in shape []; store one string",
+        ),
+        (
+            vec![q3(), h(), ("control", string("heldheld", '<', "(2,)"))],
+            ", key control: elements of type <U8 in shape [2]; store one string",
         ),
     ]);
 }

@@ -26,6 +26,7 @@ fn samples() -> Samples {
         states: [3.0, 2.0, 3.0].map(&mut numbers),
         next_velocities: numbers(2.5),
         controls: [1.0, 4.0, 2.0].map(&mut numbers),
+        ..Samples::default()
     }
 }
 

@@ -50,5 +50,5 @@ fn triples(data: &Dataset) -> Dataset {
         (0..count).map(one).collect()
     };
     let trajectories = data.trajectories.iter().flat_map(of_trajectory).collect();
-    Dataset { n: data.n, h: data.h, trajectories }
+    Dataset { n: data.n, h: data.h, control: data.control, trajectories }
 }

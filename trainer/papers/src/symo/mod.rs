@@ -1,5 +1,5 @@
 //! SyMo's experiments (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot learned from 8 to 128 trajectories of
-//! positions and controls.
+//! positions and controls. The control is linear between samples, as in the authors' equation; in each trajectory it is constant.
 
 mod figures;
 mod floor;

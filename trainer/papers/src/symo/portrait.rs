@@ -4,7 +4,7 @@ use super::Case;
 use leastaction::architecture::Architecture;
 use leastaction::data::Dataset;
 use leastaction::evaluate::rollout;
-use leastaction::ground_truth::{IntegrationError, Mechanism, Settings, generate};
+use leastaction::ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
 use leastaction::plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
 use leastaction_core::model::ModelError;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub(super) fn draw(
 ) -> Result<String, PortraitError> {
     let start = Settings {
         samples: STEPS + 2,
-        control: false,
+        drive: Drive::Free,
         ..Settings::symo(case.mechanism, 1, case.seed ^ UNSEEN)
     };
     let exact = generate(&start)?;

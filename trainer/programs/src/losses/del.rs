@@ -145,12 +145,12 @@ impl Loss for DelLoss {
     ) -> Failures {
         let (n, h) = (self.n, self.integrals.h);
         let [q0, q1, q2] = &block.states;
-        let [u0, u1, u2] = &block.controls;
         let increment = |a: &[Row], b: &[Row]| -> Vec<Row> {
             a.iter().zip(b).map(|(a, b)| b.zip(a, |b, a| (b - a) / h)).collect()
         };
         let (w0, w1) = (increment(q0, q1), increment(q1, q2));
-        let (mut before, mut after) = (Interval::new(q0, &w0, [u0, u1]), Interval::new(q1, &w1, [u1, u2]));
+        let mut before = Interval::new(q0, &w0, block.acting(0));
+        let mut after = Interval::new(q1, &w1, block.acting(1));
         let [of_before, of_after] = &mut self.factors;
         let mut equations = Equations { integrals: &mut self.integrals, weights, p0: None };
         let (balance, failed) = self.newton.solve(&mut equations, &mut before, of_before);

@@ -19,6 +19,7 @@ pub use runge_kutta::RungeKutta;
 
 use crate::dynamics::Failures;
 use crate::row::Row;
+use leastaction_core::forces::ControlKind;
 
 /// Samples side by side, n rows each.
 #[derive(Clone, Debug, Default)]
@@ -27,8 +28,21 @@ pub struct Block {
     pub states: [Vec<Row>; 3],
     /// v₊, of the loss of the next state.
     pub next_velocity: Vec<Row>,
-    /// Controls at the same times; one that is held is the same at both ends of a step.
+    /// Controls at the same times: of the loss of the next state u and u₊ are the first two, of that of accelerations u is the first.
     pub controls: [Vec<Row>; 3],
+    /// What they do between these times.
+    pub control: ControlKind,
+}
+
+impl Block {
+    /// The control at the start and at the end of the first step, 0, or the second, 1; linear between.
+    fn acting(&self, step: usize) -> [&[Row]; 2] {
+        let end = match self.control {
+            ControlKind::Held => step,
+            ControlKind::Linear => step + 1,
+        };
+        [&self.controls[step], &self.controls[end]]
+    }
 }
 
 /// What is differentiated.

@@ -6,7 +6,7 @@ use crate::row::Row;
 use crate::system::System;
 
 /// The end of an explicit Runge–Kutta step from a logged state, less the logged state there: positions, then velocities
-/// (L-NODE). The control at the start is held during the step. Without constraints.
+/// (L-NODE). A stage is under the control at its time. Without constraints.
 ///
 /// With y_k the adjoint of stage k's acceleration in a residual component, the component's derivative in θ is Σ y_k·∂v̇_k =
 /// Σ ∂/∂θ \[(F − d/dt L_v)·M⁻¹y_k\] at the stages' states and accelerations.
@@ -20,9 +20,10 @@ pub struct NextStateLoss {
     pulls: [(Program, Workspace); 2],
 }
 
-/// A stage: its state and rate (v, v̇), M⁻¹ there, and the derivatives of F − d/dt L_v, column by column.
+/// A stage: its state, control and rate (v, v̇), M⁻¹ there, and the derivatives of F − d/dt L_v, column by column.
 struct Stage {
     state: State,
+    tau: Vec<Row>,
     rate: State,
     compliance: Vec<Row>,
     unbalanced: Vec<Row>,
@@ -45,14 +46,13 @@ impl NextStateLoss {
     fn stage(
         &mut self,
         weights: &[f64],
-        state: State,
-        tau: &[Row],
+        (state, tau): (State, Vec<Row>),
         differentiate: bool,
     ) -> (Stage, Failures) {
         let n = self.n;
-        let mut stage =
-            Stage { rate: state[n..].to_vec(), state, compliance: Vec::new(), unbalanced: Vec::new() };
-        let (mut a, (q, v)) = (vec![Row::default(); n], stage.state.split_at(n));
+        let rate = state[n..].to_vec();
+        let mut stage = Stage { rate, state, tau, compliance: Vec::new(), unbalanced: Vec::new() };
+        let (mut a, (q, v), tau) = (vec![Row::default(); n], stage.state.split_at(n), &stage.tau[..]);
         if !differentiate {
             let failures = self.accelerations.evaluate(weights, [q, v, tau], &mut a, None);
             stage.rate.extend(a);
@@ -71,14 +71,15 @@ impl NextStateLoss {
         &mut self,
         weights: &[f64],
         start: &State,
-        tau: &[Row],
+        [first, last]: [&[Row]; 2],
         differentiate: bool,
     ) -> (Vec<Stage>, Failures) {
         let (mut stages, mut failures) = (Vec::<Stage>::new(), Failures::default());
-        for shares in self.method.stages() {
+        for (shares, c) in self.method.stages().iter().zip(self.method.times()) {
             let rates = shares.iter().copied().zip(stages.iter().map(|stage| &stage.rate));
             let state = sum(start, self.h, rates);
-            let (stage, failed) = self.stage(weights, state, tau, differentiate);
+            let tau = first.iter().zip(last).map(|(a, b)| a.zip(b, |a, b| a + c * (b - a))).collect();
+            let (stage, failed) = self.stage(weights, (state, tau), differentiate);
             failures = failures.or(failed);
             stages.push(stage);
         }
@@ -126,10 +127,10 @@ impl Loss for NextStateLoss {
         derivatives: Derivatives,
     ) -> Failures {
         let n = self.n;
-        let ([q, v, next], [tau, ..]) = (&block.states, &block.controls);
+        let [q, v, next] = &block.states;
         let start: State = q.iter().chain(v).copied().collect();
         let differentiate = !matches!(derivatives, Derivatives::None);
-        let (stages, mut failures) = self.stages(weights, &start, tau, differentiate);
+        let (stages, mut failures) = self.stages(weights, &start, block.acting(0), differentiate);
         let rates = self.method.end().iter().copied().zip(stages.iter().map(|stage| &stage.rate));
         let end = sum(&start, self.h, rates);
         for ((residual, end), logged) in
@@ -151,10 +152,9 @@ impl Loss for NextStateLoss {
             Derivatives::Gradient(row) => (vec![residual.to_vec()], std::slice::from_mut(row)),
         };
         let along: Vec<Vec<Vec<Row>>> = ends.iter().map(|end| self.adjoints(&stages, end)).collect();
-        let tau = mended(&failures, tau);
         let (program, workspace) = &mut self.pulls[usize::from(ends.len() > 1)];
         for (k, stage) in stages.iter().enumerate() {
-            let at = [&stage.state[..n], &stage.state[n..], &tau, &stage.rate[n..]];
+            let at = [&stage.state[..n], &stage.state[n..], &stage.tau, &stage.rate[n..]];
             let mut inputs = at.map(|rows| mended(&failures, rows)).to_vec();
             inputs.extend(along.iter().map(|along| {
                 let mut y = along[k].clone();

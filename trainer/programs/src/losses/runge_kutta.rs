@@ -28,6 +28,11 @@ impl RungeKutta {
         }
     }
 
+    /// When each stage is, as a fraction of the step.
+    pub(crate) fn times(self) -> impl Iterator<Item = f64> {
+        self.stages().iter().map(|shares| shares.iter().sum())
+    }
+
     /// How much of the rate of each stage the end has.
     pub(crate) fn end(self) -> &'static [f64] {
         match self {

@@ -9,6 +9,7 @@ use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
     Drag, Edge, EdgeShape, Graph, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Separation, Types,
 };
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Order, Rods};
@@ -87,7 +88,7 @@ impl<const D: usize> Case<D> {
     }
 
     /// Triples of the motion that RATTLE gives under a control that is another at every step.
-    pub fn stepped(&self, order: discrete::Order) -> Block {
+    pub fn stepped(&self, order: discrete::Order, kind: ControlKind) -> Block {
         let (graph, rods) = (self.graph(&self.weights), self.constraints());
         let mechanism = Constrained::new(&graph, &rods[..]).expect("rods");
         let mut workspace = vec![0.0; ParticleState::<f64, D>::workspace(self.nodes.len(), rods.len())];
@@ -98,7 +99,11 @@ impl<const D: usize> Case<D> {
         let control = |k: usize| (0..self.n()).map(|i| 3.0 * wave(11 * k + i)).collect::<Vec<f64>>();
         let mut positions = vec![state.q().as_flattened().to_vec()];
         for k in 0..=WIDTH {
-            let force: Vec<f64> = control(k).iter().zip(control(k + 1)).map(|(a, b)| 0.5 * (a + b)).collect();
+            let end = match kind {
+                ControlKind::Held => k,
+                ControlKind::Linear => k + 1,
+            };
+            let force: Vec<f64> = control(k).iter().zip(control(end)).map(|(a, b)| 0.5 * (a + b)).collect();
             let rattle = Rattle::new(H, order);
             rattle.step(&mechanism, &mut state, Some(force.as_chunks().0), &mut work).expect("steps");
             positions.push(state.q().as_flattened().to_vec());
@@ -107,6 +112,7 @@ impl<const D: usize> Case<D> {
         Block {
             states: [0, 1, 2].map(|k| rows(&positions[k..])),
             controls: [0, 1, 2].map(|k| rows(&controls[k..])),
+            control: kind,
             ..Block::default()
         }
     }

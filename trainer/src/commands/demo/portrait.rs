@@ -3,7 +3,7 @@
 use super::Failure;
 use leastaction::data::{Dataset, Trajectory};
 use leastaction::evaluate::{integration_errors, rollout};
-use leastaction::ground_truth::{Mechanism, Settings, generate};
+use leastaction::ground_truth::{Drive, Mechanism, Settings, generate};
 use leastaction::model_file::HostModel;
 use leastaction::plot::{Angle, Phase, Series, Stroke, phase_portrait};
 use serde::Serialize;
@@ -37,7 +37,8 @@ pub fn forecast(
 ) -> Result<Forecast, Failure> {
     let samples = (SECONDS / mechanism.step()).round() as usize + 2;
     let unseen = seed.wrapping_add(1);
-    let settings = Settings { samples, control: false, ..Settings::symo(mechanism, TRAJECTORIES, unseen) };
+    let settings =
+        Settings { samples, drive: Drive::Free, ..Settings::symo(mechanism, TRAJECTORIES, unseen) };
     let truth = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
     let order = model.facts.trained_step.map_or(4, |step| step.order.number());
     let learned = rollout(&model.architecture, &model.weights, order, &truth)

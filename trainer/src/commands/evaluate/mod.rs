@@ -6,14 +6,15 @@ mod report;
 use super::inspect::load_part;
 use super::system::{Kind, System};
 use clap::Args;
-use leastaction::cli::arguments::{order, positive, seed};
+use leastaction::cli::arguments::{control, order, positive, seed};
 use leastaction::cli::{Done, Failure, Output, refuse};
-use leastaction::data::{self, Dataset};
+use leastaction::data::{self, Dataset, control_name};
 use leastaction::evaluate::{
     acceleration_mse, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout,
 };
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use long_term::{Request, Scalable};
 use report::Report;
@@ -22,7 +23,7 @@ use std::path::PathBuf;
 /// Measure a model on logged motion.
 ///
 /// Accelerations, where the log has v and a; positions one step ahead, and over whole trajectories from their first two
-/// positions, under the logged control. Angles of the log may be wrapped into one turn.
+/// positions, under the logged control, held or linear between samples. Angles of the log may be wrapped into one turn.
 ///
 /// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid also predictions from random starts by the learned
 /// accelerations (weights as shipped, else in double precision; on the rods, where there are some), in ModLaNet's measures and beside
@@ -42,6 +43,9 @@ pub struct Evaluate {
     /// Order of the steps, 2 or 4 [default: that of the model, else 4].
     #[arg(long, value_parser = order)]
     order: Option<u8>,
+    /// What u does between samples, held or linear [default: what the log says, else that of the model, else held].
+    #[arg(long, value_name = "KIND", value_parser = control)]
+    control: Option<ControlKind>,
     /// Of a model of several trees or graphs the one that the log is of [default: the one that was trained].
     #[arg(long, visible_alias = "graph", value_name = "NAME")]
     tree: Option<String>,
@@ -69,6 +73,7 @@ impl Evaluate {
         let (mut log, notes) = data::read(&self.data).map_err(|error| Failure::Input(error.to_string()))?;
         notes.iter().for_each(|note| output.note(&format!("note: {note}")));
         self.check(&model, &log, output)?;
+        self.take_control(&model, &mut log, output)?;
         prepare(&mut log, &model.architecture.coordinates(), output);
         let system = self.system.map(|system| self.exact(system, &model)).transpose()?;
         let symo = match system {
@@ -116,6 +121,28 @@ impl Evaluate {
             output.note(&format!(
                 "note: the model was trained for a step of {} s and is evaluated at {} s, where it is less accurate",
                 trained.h, log.h
+            ));
+        }
+        Ok(())
+    }
+
+    /// Decides what u does between samples, and tells where the model was trained for another thing.
+    fn take_control(&self, model: &HostModel, log: &mut Dataset, output: Output) -> Done {
+        let trained = model.facts.trained_step.map(|step| step.control);
+        if let Some(asked) = self.control {
+            log.set_control(asked).map_err(|stated| {
+                let (asked, stated) = (control_name(asked), control_name(stated));
+                let message =
+                    format!("--control {asked}: the log says that its u is {stated} between samples");
+                Failure::input(&self.data, message)
+            })?;
+        }
+        let kind = log.control.or(trained).unwrap_or_default();
+        log.control = Some(kind);
+        if let Some(trained) = trained.filter(|trained| *trained != kind && log.control_changes()) {
+            let (trained, kind) = (control_name(trained), control_name(kind));
+            output.note(&format!(
+                "note: the model was trained with a control that is {trained} between samples and is evaluated with one that is {kind}"
             ));
         }
         Ok(())
@@ -200,6 +227,7 @@ impl Evaluate {
             graph: part("graph"),
             order,
             h: log.h,
+            control: log.control_changes().then(|| control_name(log.control_kind())),
             trajectories: log.trajectories.len(),
             samples: log.samples(),
             acceleration_mse: acceleration.map(|(error, _)| error),

@@ -16,6 +16,9 @@ pub struct Report {
     pub graph: Option<String>,
     pub order: u8,
     pub h: f64,
+    /// Between samples, where it changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control: Option<&'static str>,
     pub trajectories: usize,
     pub samples: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,13 +45,14 @@ pub struct Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { trajectories, samples, order, h, .. } = self;
+        let control = self.control.map_or(String::new(), |control| format!(", control {control}"));
         let named = |what, name: &Option<String>| {
             name.as_ref().map_or(String::new(), |name| format!("{what} {name}; "))
         };
         let part = named("tree", &self.tree) + &named("graph", &self.graph);
         writeln!(
             f,
-            "{part}{trajectories} trajectories, {samples} samples; order {order}, step {h} s; mean squared errors"
+            "{part}{trajectories} trajectories, {samples} samples; order {order}, step {h} s{control}; mean squared errors"
         )?;
         let rows = [
             ("acceleration", self.acceleration_mse),

@@ -6,6 +6,7 @@ use leastaction::cli::{Failure, Output};
 use leastaction::config::Config;
 use leastaction::data::{self, Dataset};
 use leastaction::evaluate::{acceleration_mse, integration_errors, one_step_mse, rollout};
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use serde::Serialize;
 use std::fmt;
@@ -41,6 +42,8 @@ pub struct Compared<'a> {
     pub architecture: &'a Architecture,
     /// The order of its steps.
     pub order: u8,
+    /// What the control did between samples in training.
+    pub control: Option<ControlKind>,
     /// As trained.
     pub trained: &'a [f64],
     /// As shipped.
@@ -73,6 +76,7 @@ impl Compared<'_> {
             let message = format!("q has {} coordinates, the model {}", set.n, self.architecture.n());
             return Err(Failure::input(&log, message));
         }
+        set.control = set.control.or(self.control);
         // Training told of the seams.
         let _ = set.unwrap_angles(&self.architecture.coordinates());
         let failed = |error: ModelError| Failure::input(run, error);

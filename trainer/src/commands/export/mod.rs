@@ -112,6 +112,7 @@ impl Export {
         let compared = Compared {
             architecture: &trained.architecture,
             order: trained.trained_step.map_or(4, |step| step.order.number()),
+            control: trained.trained_step.map(|step| step.control),
             trained: &trained.best.weights,
             shipped: &shipped.weights,
         };

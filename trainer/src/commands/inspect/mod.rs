@@ -6,9 +6,9 @@ mod target;
 use clap::Args;
 use leastaction::architecture::MODULAR_SIZES;
 use leastaction::cli::{Done, Failure, Output};
+use leastaction::data::control_name;
 use leastaction::model_cost::{Cost, cost};
 use leastaction::model_file::{HostModel, Precision, decode};
-use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
 use serde::Serialize;
 use shape::ShapeReport;
@@ -121,7 +121,7 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         weight_bits: model.precision.bits(),
         order: model.facts.trained_step.map(|step| step.order.number()),
         h: model.facts.trained_step.map(|step| shortest(step.h)),
-        control: model.facts.trained_step.map(|step| control(step.control)),
+        control: model.facts.trained_step.map(|step| control_name(step.control)),
         range: model.facts.range.iter().map(RangeReport::from).collect(),
         format_version: model.version,
         provenance: model.facts.provenance,
@@ -142,13 +142,6 @@ impl From<&CoordinateRange> for RangeReport {
     fn from(range: &CoordinateRange) -> Self {
         let ends = |interval: Interval| [interval.least, interval.most].map(shortest);
         Self { q: ends(range.q), v: ends(range.v), u: ends(range.u) }
-    }
-}
-
-const fn control(kind: ControlKind) -> &'static str {
-    match kind {
-        ControlKind::Held => "held",
-        ControlKind::Linear => "linear",
     }
 }
 

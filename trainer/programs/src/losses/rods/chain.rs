@@ -71,13 +71,12 @@ impl Chain {
     ///
     /// Points between the logged ones are first guessed on the parabola through these.
     pub fn new(block: &Block, substeps: &[f64], open: bool, rods: usize) -> Self {
-        let [u0, u1, u2] = &block.controls;
         let (middle, last) = (substeps.len(), 2 * substeps.len());
-        let mean = |a: &[Row], b: &[Row]| -> Vec<Row> {
+        let mean = |[a, b]: [&[Row]; 2]| -> Vec<Row> {
             a.iter().zip(b).map(|(a, b)| a.zip(b, |a, b| 0.5 * (a + b))).collect()
         };
         let steps = substeps.iter().chain(substeps).enumerate().map(|(k, h)| {
-            let control = if k < middle { mean(u0, u1) } else { mean(u1, u2) };
+            let control = mean(block.acting(usize::from(k >= middle)));
             Step { h: *h, control, ..Step::default() }
         });
         let total: f64 = substeps.iter().sum();

@@ -21,7 +21,7 @@ use model::Model;
 use solve::Adjoints;
 
 /// A loss of three consecutive positions under RATTLE ([`leastaction_core::discrete::rattle`]), for L = T(v) − V(q) with drag Q(v).
-/// The force of a step is the mean of the controls at its ends.
+/// The force of a step is the mean of the control during it: at its start where it is held, of both ends where it is linear.
 pub struct RodsLoss {
     model: Model,
     /// Lengths of the steps of order 2 that a step is made of, s.
