@@ -37,6 +37,7 @@ mod csv_file;
 mod csv_text;
 mod doubts;
 mod error;
+pub mod lock;
 pub mod modlanet;
 mod npz;
 mod rows;

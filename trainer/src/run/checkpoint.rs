@@ -12,7 +12,7 @@ use std::{fs, io};
 use thiserror::Error;
 
 /// The first bytes of the file: what it is, and the version of its layout.
-const MAGIC: &[u8] = b"LARUN\x04";
+const MAGIC: &[u8] = b"LARUN\x05";
 
 /// Everything in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

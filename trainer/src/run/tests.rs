@@ -21,7 +21,7 @@ impl Monitor for Silent {
 
 /// What is said of a run that is not well.
 #[derive(Default)]
-struct Warned {
+pub(super) struct Warned {
     rows: Vec<Row>,
     warnings: Vec<String>,
 }
@@ -36,7 +36,7 @@ impl Monitor for Warned {
     }
 }
 
-fn data(trajectories: usize, control: bool) -> Dataset {
+pub(super) fn data(trajectories: usize, control: bool) -> Dataset {
     noisy(trajectories, control, 0.0)
 }
 
@@ -46,7 +46,7 @@ fn noisy(trajectories: usize, control: bool, noise: f64) -> Dataset {
     generate(&settings).unwrap()
 }
 
-fn config() -> Config {
+pub(super) fn config() -> Config {
     let coordinates = Coordinates(vec![Coordinate::Angle]);
     let model = RigidConfig { hidden: vec![5], ..RigidConfig::new(coordinates) };
     let mut config = Config::new("nowhere.npz", model);
@@ -169,7 +169,7 @@ fn a_stop_before_the_first_iteration_saves_the_initial_weights() {
 }
 
 /// Positions so many times as large.
-fn scaled(factor: f64) -> Dataset {
+pub(super) fn scaled(factor: f64) -> Dataset {
     let mut data = data(3, true);
     for trajectory in &mut data.trajectories {
         trajectory.q = trajectory.q.map(|q| q * factor);
