@@ -4,6 +4,8 @@
 mod doubtful_logs;
 #[path = "cli_commands/files.rs"]
 mod files;
+#[path = "cli_commands/folders.rs"]
+mod folders;
 #[path = "cli_commands/generate.rs"]
 mod generate;
 #[path = "cli_commands/graphs.rs"]

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use leastaction::atomic;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction::model_file::{self, Precision};
-use leastaction::run::Trained;
+use leastaction::run::{Best, Trained};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -123,7 +123,24 @@ impl Export {
 pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), Failure> {
     let trained = Trained::read(run).map_err(|error| Failure::Input(error.to_string()))?;
     let Trained { architecture, best, .. } = &trained;
+    if !best.is_a_model() {
+        return Err(Failure::file(run, nothing(best)));
+    }
     let bytes = model_file::encode_in(precision, architecture, &best.weights, &trained.facts())
         .map_err(|error| Failure::file(run, error))?;
     Ok((trained, bytes))
+}
+
+/// Why weights are no model.
+fn nothing(best: &Best) -> String {
+    let found = if best.solves_nothing {
+        "no training sample could be solved".to_owned()
+    } else {
+        format!("the training loss is {}", best.train)
+    };
+    format!(
+        "nothing was learned that could be exported: {found} at iteration {}, the best one; look at the data and at [training] warm_up, \
+         and train again",
+        best.iteration
+    )
 }
