@@ -5,7 +5,7 @@ mod accuracy;
 use accuracy::{Accuracy, Compared};
 use clap::{Args, ValueEnum};
 use leastaction::atomic;
-use leastaction::cli::{Done, Failure, Output};
+use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::model_file::{self, Precision};
 use leastaction::run::{Best, Trained};
 use serde::Serialize;
@@ -85,6 +85,7 @@ impl Export {
     /// Writes the files.
     pub fn run(self, output: Output) -> Done {
         let precision = self.weights.precision();
+        self.check()?;
         let (trained, bytes) = encoded(&self.run, precision)?;
         let accuracy = self.accuracy(&trained, &bytes, output)?;
         atomic::write(&self.output, &bytes).map_err(|error| Failure::file(&self.output, error))?;
@@ -101,6 +102,15 @@ impl Export {
             rust: self.rust,
             accuracy,
         })
+    }
+
+    /// Refuses to lose files.
+    fn check(&self) -> Done {
+        if self.rust.as_ref() == Some(&self.output) {
+            return Err(Failure::input(&self.output, "--output and --rust name the same file; name two"));
+        }
+        replaceable(&self.output, FileKind::Model)?;
+        self.rust.iter().try_for_each(|file| replaceable(file, FileKind::RustModule))
     }
 
     /// What rounding cost, where it may have cost something, or where it is asked for.
