@@ -287,7 +287,7 @@ impl Run {
     }
 
     fn unsolved_of(&self, objective: &dyn Objective) -> usize {
-        within(self.pool.as_ref(), || objective.unsolved(&self.state.best.weights))
+        within(self.pool.as_ref(), || objective.solved(&self.state.best.weights).unsolved)
     }
 
     /// What went wrong without an error.
