@@ -11,6 +11,7 @@
 //! [`Notice::UnknownScale`] says.
 
 mod checkpoint;
+mod error;
 mod fingerprint;
 mod folder;
 #[cfg(test)]
@@ -23,16 +24,17 @@ mod state;
 mod tests;
 
 pub use checkpoint::{CheckpointError, Trained};
+pub use error::RunError;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};
 pub use state::{Best, Row};
 
-use crate::atomic::remedy;
 use crate::config::TrainingConfig;
 use crate::lock::Lock;
 use crate::parallel;
 use crate::training::{Objective, Progress};
 use checkpoint::Checkpoint;
+use error::stuck;
 use folder::{Folder, History};
 use plan::Stage;
 use state::State;
@@ -40,7 +42,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-use thiserror::Error;
 
 /// What is told while training goes on.
 pub trait Monitor {
@@ -79,66 +80,6 @@ impl Ending {
             Self::Interrupted => "interrupted",
         }
     }
-}
-
-/// A run that cannot begin or go on.
-#[derive(Debug, Error)]
-pub enum RunError {
-    /// There is already something in the folder.
-    #[error("{} already exists; go on with --resume, start anew with --force, or choose another folder", folder.display())]
-    Exists {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// What is in the folder is no run, but files that a run would overwrite.
-    #[error("{}: there is no run to replace, but a file {name} that training would overwrite; choose another folder", folder.display())]
-    NoRun {
-        /// The folder.
-        folder: PathBuf,
-        /// The file.
-        name: &'static str,
-    },
-    /// The checkpoint does not allow to go on.
-    #[error("cannot resume: {0}")]
-    Checkpoint(#[from] CheckpointError),
-    /// The folder cannot be written to.
-    #[error("{}: {error}; {}, or choose another folder", folder.display(), remedy(error))]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// What the operating system said.
-        error: io::Error,
-    },
-    /// The last state could not be saved.
-    #[error(
-        "{}: cannot save iteration {iteration}: {error}; the checkpoint of iteration {saved} is intact: {} and go on from there \
-         with --resume", folder.display(), remedy(error)
-    )]
-    Save {
-        /// The folder.
-        folder: PathBuf,
-        /// That could not be saved.
-        iteration: u64,
-        /// That was saved last.
-        saved: u64,
-        /// What the operating system said.
-        error: io::Error,
-    },
-    /// The loss cannot be evaluated.
-    #[error(
-        "the {stage} loss cannot be evaluated at the weights of iteration {iteration}: the step cannot be solved there; {advice}"
-    )]
-    Stuck {
-        /// Name of the stage.
-        stage: &'static str,
-        /// Where.
-        iteration: u64,
-        /// What to look at.
-        advice: String,
-    },
-    /// The threads could not be started.
-    #[error("[training] threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
 /// A run, ready to train.
@@ -404,10 +345,6 @@ impl Run {
         self.folder.write_config(&self.plan.config)?;
         self.history.write(&self.folder)
     }
-}
-
-fn stuck(plan: &Plan, stage: &'static str, iteration: u64) -> RunError {
-    RunError::Stuck { stage, iteration, advice: notice::advice(plan.notices()) }
 }
 
 /// Threads of our own; `None` for as many as there are processors.
