@@ -8,13 +8,13 @@ pub mod rollouts;
 pub mod states;
 mod systems;
 
-pub use systems::{FreeAccelerations, rollout};
+pub use systems::{Beginning, FreeAccelerations, rollout};
 
 use crate::architecture::{Architecture, GraphArchitecture};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
 use crate::parallel;
-use crate::training::{LossKind, Samples, objective};
+use crate::training::{LossKind, Samples, Solved, objective};
 use leastaction_core::continuous::energy;
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, StepError};
 use leastaction_core::energy::trigonometric::Trigonometric;
@@ -86,6 +86,15 @@ pub struct IntegrationErrors {
     pub first_100: f64,
 }
 
+/// Of rollouts those that reach the end, with the motions that they should be.
+pub fn finished(predicted: &[Vec<f64>], data: &Dataset) -> (Vec<Vec<f64>>, Dataset) {
+    let pairs = predicted.iter().zip(&data.trajectories);
+    let finished = pairs.filter(|(positions, _)| positions.iter().all(|q| q.is_finite()));
+    let (predicted, trajectories) =
+        finished.map(|(positions, trajectory)| (positions.clone(), trajectory.clone())).unzip();
+    (predicted, Dataset { n: data.n, h: data.h, control: data.control, trajectories })
+}
+
 /// Compares rollouts with the motions they should be. A rollout that broke off counts as infinite error.
 pub fn integration_errors(predicted: &[Vec<f64>], data: &Dataset) -> IntegrationErrors {
     let errors = |steps: usize| -> Vec<f64> {
@@ -93,9 +102,7 @@ pub fn integration_errors(predicted: &[Vec<f64>], data: &Dataset) -> Integration
         pairs.map(|(p, t)| mean_square(p, t.q.as_flat(), 2 * data.n..(2 + steps) * data.n)).collect()
     };
     let all = errors(usize::MAX / (2 * data.n) - 2);
-    let mut sorted = all.clone();
-    sorted.sort_by(f64::total_cmp);
-    IntegrationErrors { mean: mean(&all), median: median(&sorted), first_100: mean(&errors(EARLY)) }
+    IntegrationErrors { mean: mean(&all), median: median(&all), first_100: mean(&errors(EARLY)) }
 }
 
 fn mean_square(a: &[f64], b: &[f64], range: std::ops::Range<usize>) -> f64 {
@@ -110,10 +117,15 @@ fn mean_square_or_infinite(errors: &[f64]) -> f64 {
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 
-/// Of sorted values, at least one.
-fn median(sorted: &[f64]) -> f64 {
+/// The value in the middle, of an even number the mean of both; not a number of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;
-    if sorted.len().is_multiple_of(2) { (sorted[middle - 1] + sorted[middle]) / 2.0 } else { sorted[middle] }
+    match sorted.get(middle.saturating_sub(1)..=middle) {
+        Some([low, high]) if sorted.len().is_multiple_of(2) => (low + high) / 2.0,
+        _ => sorted.get(middle).copied().unwrap_or(f64::NAN),
+    }
 }
 
 fn mean(x: &[f64]) -> f64 {
@@ -183,7 +195,7 @@ fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Mean squared error of the acceleration at logged states under the logged controls, over samples and coordinates, and the mean
+/// Squared error of the acceleration at logged states under the logged controls, over samples and coordinates, and the mean
 /// squared acceleration; `None` where the data lacks velocities or accelerations.
 ///
 /// # Errors
@@ -192,35 +204,37 @@ pub fn acceleration_mse(
     architecture: &Architecture,
     weights: &[f64],
     data: &Dataset,
-) -> Result<Option<(f64, f64)>, ModelError> {
+) -> Result<Option<(Solved, f64)>, ModelError> {
     let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
     let square = samples.mean_square();
     let error = match architecture {
         Architecture::Graph(graph) => graph_error(graph, weights, &samples)?,
         Architecture::Rigid(_) | Architecture::Modular(_) => {
-            objective(architecture, samples, LossKind::Acceleration, 4)?.loss(weights)
+            objective(architecture, samples, LossKind::Acceleration, 4)?.solved(weights)
         }
     };
     Ok(Some((error, square)))
 }
 
-/// That of a graph of any size; infinite where an acceleration does not exist.
-fn graph_error(graph: &GraphArchitecture, weights: &[f64], samples: &Samples) -> Result<f64, ModelError> {
+/// That of a graph of any size.
+fn graph_error(graph: &GraphArchitecture, weights: &[f64], samples: &Samples) -> Result<Solved, ModelError> {
     let n = samples.n.max(1);
     let [q, v, a] = samples.states.each_ref().map(|x| x.chunks_exact(n));
     let rows = q.zip(v).zip(samples.controls[0].chunks_exact(n)).zip(a);
     let mut out = vec![0.0; n];
-    let sum = learned::with_forced_graph(graph, weights, |forced| {
+    let squares: Vec<Option<f64>> = learned::with_forced_graph(graph, weights, |forced| {
         rows.map(|(((q, v), u), a)| {
             forced(q, v, u, &mut out)?;
-            Some(out.iter().zip(a).map(|(ours, a)| (ours - a) * (ours - a)).sum::<f64>())
+            let square = out.iter().zip(a).map(|(ours, a)| (ours - a) * (ours - a)).sum::<f64>();
+            Some(square).filter(|square| square.is_finite())
         })
-        .sum::<Option<f64>>()
+        .collect()
     })?;
-    Ok(sum.map_or(f64::INFINITY, |sum| sum / samples.states[2].len() as f64))
+    let solved = squares.iter().flatten().count();
+    Ok(Solved::new(squares.iter().flatten().sum(), solved * n, squares.len() - solved))
 }
 
-/// Mean squared error of the position one step ahead, from the two before it.
+/// Squared error of the position one step ahead, from the two before it.
 ///
 /// # Errors
 /// Where the shape is beyond what is compiled.
@@ -229,6 +243,18 @@ pub fn one_step_mse(
     weights: &[f64],
     order: u8,
     data: &Dataset,
-) -> Result<f64, ModelError> {
-    Ok(objective(architecture, Samples::triples(data), LossKind::NextPosition, order)?.loss(weights))
+) -> Result<Solved, ModelError> {
+    Ok(objective(architecture, Samples::triples(data), LossKind::NextPosition, order)?.solved(weights))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::median;
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        assert_eq!((median(&[3.0]), median(&[3.0, 1.0]), median(&[9.0, 1.0, 2.0])), (3.0, 2.0, 2.0));
+        assert_eq!(median(&[4.0, f64::INFINITY, 1.0, 2.0]), 3.0);
+        assert!(median(&[]).is_nan());
+    }
 }

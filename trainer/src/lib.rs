@@ -20,4 +20,4 @@ pub mod runge_kutta;
 pub mod training;
 
 pub use leastaction_data as data;
-pub use leastaction_data::{atomic, checksummed};
+pub use leastaction_data::{atomic, checksummed, lock};

@@ -6,6 +6,8 @@ mod control;
 mod doubtful_logs;
 #[path = "cli_commands/files.rs"]
 mod files;
+#[path = "cli_commands/folders.rs"]
+mod folders;
 #[path = "cli_commands/generate.rs"]
 mod generate;
 #[path = "cli_commands/graphs.rs"]
@@ -18,6 +20,8 @@ mod interrupt;
 mod logs;
 #[path = "cli_commands/on_a_board.rs"]
 mod on_a_board;
+#[path = "cli_commands/replaced.rs"]
+mod replaced;
 #[path = "cli_commands/resume.rs"]
 mod resume;
 #[path = "cli_commands/simulate.rs"]
@@ -28,6 +32,8 @@ mod support;
 mod train;
 #[path = "cli_commands/trees.rs"]
 mod trees;
+#[path = "cli_commands/unsolved.rs"]
+mod unsolved;
 
 /// What is run.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_leastaction");

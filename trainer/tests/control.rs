@@ -85,6 +85,8 @@ fn learned(data: &Dataset, asked: ControlKind, (loss, order): (LossKind, u8)) ->
     }
     one_step_mse(&trained.architecture, &trained.best.weights, order, &as_kind(&unseen, asked))
         .expect("steps")
+        .mean_square
+        .expect("solved")
 }
 
 /// The other kind's error is so many times the own one's, of what is held and of what is linear.

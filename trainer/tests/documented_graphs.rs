@@ -50,8 +50,8 @@ fn log(system: LgnnSystem, drag: f64) -> Dataset {
 fn relative(trained: &Trained, graph: &str, log: &Dataset) -> f64 {
     let architecture = trained.architecture.with_part_named(graph).unwrap();
     let (error, square) = acceleration_mse(&architecture, &trained.best.weights, log).unwrap().unwrap();
-    println!("{graph}: {:.1e}", error / square);
-    error / square
+    println!("{graph}: {:.1e}", error.or_infinite() / square);
+    error.or_infinite() / square
 }
 
 /// The numbers after the networks.

@@ -75,7 +75,7 @@ fn train(folder: &Path, name: &str, motion: &dyn Motion, spread: f64) -> Trained
 /// The error of the accelerations, relative to their mean square.
 fn relative(architecture: &Architecture, weights: &[f64], motion: &dyn Motion, spread: f64) -> f64 {
     let (error, square) = acceleration_mse(architecture, weights, &log(motion, spread)).unwrap().unwrap();
-    error / square
+    error.or_infinite() / square
 }
 
 /// The example is learned to this error; gives the model.

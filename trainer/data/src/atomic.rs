@@ -43,6 +43,7 @@ pub fn remedy(error: &io::Error) -> &'static str {
         Kind::ReadOnlyFilesystem => "have the disk made writable",
         Kind::NotFound => "make the folder",
         Kind::NotADirectory | Kind::IsADirectory | Kind::AlreadyExists => "remove what stands in its place",
+        Kind::ResourceBusy => "wait until it has ended",
         Kind::InvalidFilename => "shorten the name",
         _ => "see to that",
     }

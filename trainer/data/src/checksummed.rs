@@ -1,11 +1,12 @@
 //! Files of what a program was doing: what they are, the content as postcard, and a checksum over both.
 
-use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use crc::{CRC_64_XZ, Crc, Digest, Table};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use thiserror::Error;
 
 static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 
@@ -20,9 +21,44 @@ pub fn write(file: &Path, magic: &[u8], content: &impl Serialize) -> io::Result<
     crate::atomic::write(file, &bytes)
 }
 
-/// The content; `None` where the bytes begin otherwise, or were damaged.
-#[must_use]
-pub fn decode<T: DeserializeOwned>(bytes: &[u8], magic: &[u8]) -> Option<T> {
+/// A file that cannot be read.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    /// The operating system refused.
+    #[error("{}: {error}", file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What the operating system said.
+        error: io::Error,
+    },
+    /// It begins otherwise, or was damaged.
+    #[error("{}: not an undamaged file of this version of leastaction", file.display())]
+    Damaged {
+        /// The file.
+        file: PathBuf,
+    },
+}
+
+impl ReadError {
+    /// Whether there is no file of that name.
+    #[must_use]
+    pub fn is_missing(&self) -> bool {
+        matches!(self, Self::File { error, .. } if error.kind() == io::ErrorKind::NotFound)
+    }
+}
+
+/// The content of a file that begins with `magic`.
+///
+/// # Errors
+/// [`ReadError`].
+pub fn read<T: DeserializeOwned>(file: &Path, magic: &[u8]) -> Result<T, ReadError> {
+    let bytes = fs::read(file).map_err(|error| ReadError::File { file: file.to_owned(), error })?;
+    decode(&bytes, magic).ok_or_else(|| ReadError::Damaged { file: file.to_owned() })
+}
+
+/// `None` where the bytes begin otherwise, or were damaged.
+fn decode<T: DeserializeOwned>(bytes: &[u8], magic: &[u8]) -> Option<T> {
     let (body, sum) = bytes.split_last_chunk::<8>()?;
     let intact = CRC.checksum(body) == u64::from_le_bytes(*sum);
     postcard::from_bytes(body.strip_prefix(magic).filter(|_| intact)?).ok()

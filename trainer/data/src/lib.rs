@@ -43,6 +43,7 @@ mod csv_file;
 mod csv_text;
 mod doubts;
 mod error;
+pub mod lock;
 pub mod modlanet;
 mod npy_text;
 mod npz;

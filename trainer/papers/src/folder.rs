@@ -3,6 +3,8 @@
 use super::record::Finished;
 use super::task::Task;
 use leastaction::atomic;
+use leastaction::checksummed::ReadError;
+use leastaction::lock::Lock;
 use std::collections::HashMap;
 use std::fs;
 use std::io;
@@ -28,12 +30,9 @@ pub enum FolderError {
         /// What is wrong in it.
         error: serde_json::Error,
     },
-    /// Interrupted training that is damaged, or of another version.
-    #[error("{}: not undamaged interrupted training of this version of leastaction; remove it to begin anew", file.display())]
-    Damaged {
-        /// Which.
-        file: PathBuf,
-    },
+    /// Interrupted training that cannot be read.
+    #[error("{0}; remove the file to begin anew")]
+    Interrupted(#[from] ReadError),
     /// Of another run, with other options.
     #[error("{}: made with other options; name another folder, or remove the file", file.display())]
     Settings {
@@ -73,6 +72,14 @@ impl Results {
         let folder = output.join(paper);
         fs::create_dir_all(&folder).map_err(FolderError::file(&folder))?;
         Ok(Self { folder })
+    }
+
+    /// Keeps other processes from writing here.
+    ///
+    /// # Errors
+    /// [`FolderError::File`] where one does.
+    pub fn lock(&self) -> Result<Lock, FolderError> {
+        Lock::new(&self.folder).map_err(FolderError::file(&self.folder))
     }
 
     /// Where the files are.
@@ -157,7 +164,10 @@ impl Results {
         for entry in fs::read_dir(&self.folder).map_err(failed())? {
             files.push(entry.map_err(failed())?.path());
         }
-        files.retain(|file| file.is_file() && is_wanted(file));
+        // Hidden are the lock, and what a killed process was about to write.
+        let is_hidden =
+            |file: &Path| file.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        files.retain(|file| file.is_file() && !is_hidden(file) && is_wanted(file));
         files.sort();
         Ok(files)
     }

@@ -56,14 +56,12 @@ impl Interrupted {
 
     /// Where training was interrupted; `None` where it was not.
     pub(super) fn read(&self) -> Result<Option<Course>, FolderError> {
-        let bytes = match fs::read(&self.file) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            bytes => bytes.map_err(FolderError::file(&self.file))?,
+        let content: Content<String, Course> = match checksummed::read(&self.file, MAGIC) {
+            Err(error) if error.is_missing() => return Ok(None),
+            content => content?,
         };
-        let file = self.file.clone();
-        let content: Option<Content<String, Course>> = checksummed::decode(&bytes, MAGIC);
-        let Some(content) = content else { return Err(FolderError::Damaged { file }) };
         let is_this = content.settings == self.settings;
+        let file = self.file.clone();
         if is_this { Ok(Some(content.course)) } else { Err(FolderError::Settings { file }) }
     }
 

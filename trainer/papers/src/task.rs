@@ -121,10 +121,13 @@ pub fn run_all(
             Ok(())
         };
         std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(work)).collect();
-            workers
-                .into_iter()
-                .try_for_each(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            // This thread works too; where there are no more threads to be had, those that there are do all.
+            let worker = |_| std::thread::Builder::new().spawn_scoped(scope, work).ok();
+            let others: Vec<_> = (1..jobs.min(queue.len())).map_while(worker).collect();
+            let ours = work();
+            others.into_iter().fold(ours, |done, other| {
+                done.and(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            })
         })?;
     }
     for (k, finished) in done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {

@@ -1,5 +1,6 @@
 use super::*;
 use crate::baselines::Mlp;
+use leastaction::checksummed::ReadError;
 use leastaction::training::Schedule;
 use std::fs;
 
@@ -57,7 +58,7 @@ fn what_is_done_leaves_no_file_and_what_failed_keeps_it() {
     let resume = |run: fn() -> Result<u8, FolderError>| {
         Interrupted::resume(Some(folder.path()), "mlp", "settings".to_owned(), |_| run())
     };
-    let failed = resume(|| Err(FolderError::Damaged { file: "x".into() }));
+    let failed = resume(|| Err(ReadError::Damaged { file: "x".into() }.into()));
     assert!(failed.is_err() && interrupted.read().unwrap().is_some());
     assert_eq!(resume(|| Ok(7)).unwrap(), 7);
     assert!(interrupted.read().unwrap().is_none());
@@ -80,9 +81,9 @@ fn files_of_other_options_and_damaged_ones_are_refused_and_stay() {
     for k in 0..bytes.len() {
         let flipped = bytes.iter().enumerate().map(|(i, byte)| if i == k { byte ^ 16 } else { *byte });
         fs::write(&file, flipped.collect::<Vec<_>>()).unwrap();
-        assert!(matches!(this.read(), Err(FolderError::Damaged { .. })), "byte {k}");
+        assert!(matches!(this.read(), Err(FolderError::Interrupted(ReadError::Damaged { .. }))), "byte {k}");
         fs::write(&file, &bytes[..k]).unwrap();
-        assert!(matches!(this.read(), Err(FolderError::Damaged { .. })), "{k} bytes");
+        assert!(matches!(this.read(), Err(FolderError::Interrupted(ReadError::Damaged { .. }))), "{k} bytes");
     }
     fs::write(&file, &bytes).unwrap();
     assert_eq!(this.read().unwrap().unwrap().adam.epoch(), 4);

@@ -3,8 +3,10 @@
 
 pub mod arguments;
 mod output;
+mod replaced;
 
 pub use output::{Failure, Output, folder, object, print, refuse, written};
+pub use replaced::{FileKind, replaceable};
 
 /// What every command gives back.
 pub type Done = Result<(), Failure>;

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use leastaction::atomic;
-use leastaction::cli::{Done, Failure, Output};
+use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::model_file::{self, decode};
 use serde::Serialize;
 use std::fmt;
@@ -48,6 +48,7 @@ impl fmt::Display for Report {
 impl Convert {
     /// Reads and writes.
     pub fn run(self, output: Output) -> Done {
+        replaceable(&self.output, FileKind::Model)?;
         let bytes = std::fs::read(&self.model).map_err(|error| Failure::input(&self.model, error))?;
         let model = decode(&bytes).map_err(|error| Failure::input(&self.model, error))?;
         let encoded =

@@ -3,7 +3,7 @@
 use super::system::{Kind, System};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::{finite, not_negative, positive, seed};
-use leastaction::cli::{Done, Failure, Output, refuse, written};
+use leastaction::cli::{Done, Failure, FileKind, Output, refuse, replaceable, written};
 use leastaction::data::{self, Dataset, MIN_SAMPLES, modlanet, symo};
 use leastaction::ground_truth::{
     Drive, GenerationError, LgnnSettings, LgnnSystem, ManyBody, Mechanism, ModlanetSettings, Settings,
@@ -120,6 +120,7 @@ type Size = (usize, usize, f64);
 impl Generate {
     /// Generates and writes.
     pub fn run(self, output: Output) -> Done {
+        replaceable(&self.output, FileKind::Log)?;
         let (system, (trajectories, samples, h)) = match self.system.kind() {
             Kind::Symo(mechanism) => (mechanism.name(), self.symo(mechanism)?),
             Kind::Modlanet(system) => {

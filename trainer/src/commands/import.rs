@@ -3,7 +3,7 @@
 use super::system::SymoSystem;
 use clap::{Args, Subcommand, ValueEnum};
 use leastaction::cli::arguments::{positive, positive_f32};
-use leastaction::cli::{Done, Failure, Output};
+use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::ground_truth::{ManyBody, Mechanism};
 use leastaction::import::{self, Imported};
 use leastaction::{atomic, model_file};
@@ -205,6 +205,7 @@ impl Files<'_> {
         program: &str,
         output: Output,
     ) -> Done {
+        replaceable(&self.to, FileKind::Model)?;
         let name = self.from.file_name().unwrap_or_default().to_string_lossy();
         let provenance = format!("imported from {name} ({program})");
         let model = model_file::encode(&imported.architecture, &imported.weights, trained_step, &provenance)

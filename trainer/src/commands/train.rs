@@ -31,7 +31,7 @@ pub struct Train {
     /// Go on with the run in the folder, bit for bit.
     #[arg(long, conflicts_with = "force")]
     resume: bool,
-    /// Replace the run in the folder.
+    /// Replace the run in the folder, as soon as the new one has a finite loss.
     #[arg(long)]
     force: bool,
     /// Show no progress.
@@ -81,6 +81,9 @@ pub struct Report {
     pub seconds: f64,
     /// The picture.
     pub loss_curve: PathBuf,
+    /// The iteration of the checkpoint.
+    #[serde(skip)]
+    pub saved: Option<u64>,
 }
 
 impl fmt::Display for Report {
@@ -116,15 +119,26 @@ impl Train {
         };
         let config = Config::read(file)?;
         let plan = plan(file, config, output)?;
+        let stop = interrupt::flag()?;
         let run = if self.resume { Run::resume(plan, folder) } else { Run::begin(plan, folder, self.force) }?;
-        let (report, ending) = train(run, folder, self.quiet, interrupt::flag()?)?;
+        let (report, ending) = train(run, folder, self.quiet, stop)?;
         if ending == Ending::Interrupted {
-            let (iteration, file, folder) = (report.iterations, file.display(), folder.display());
-            return Err(Failure::Interrupted(format!(
-                "interrupted; iteration {iteration} is saved. Go on with: leastaction train {file} -o {folder} --resume"
-            )));
+            return Err(Failure::Interrupted(interrupted(file, folder, report.saved)));
         }
         output.report(&report)
+    }
+}
+
+/// What there is after Ctrl-C, the last iteration that was `saved`, and how to go on.
+fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
+    let (file, folder) = (file.display(), folder.display());
+    match saved {
+        Some(iteration) => format!(
+            "interrupted; iteration {iteration} is saved. Go on with: leastaction train {file} -o {folder} --resume"
+        ),
+        None => {
+            format!("interrupted before a checkpoint was written; the earlier run in {folder} is as it was")
+        }
     }
 }
 
@@ -167,6 +181,7 @@ pub fn train(
         validation_loss: best.validation,
         seconds: run.seconds(),
         loss_curve: run.loss_curve(),
+        saved: run.saved(),
     };
     Ok((report, ending))
 }

@@ -256,9 +256,15 @@ impl Prediction {
 
     /// Median valid-prediction time, s.
     pub fn valid_median(&self) -> f64 {
-        let mut times: Vec<f64> = self.trajectories.iter().map(|errors| errors.valid).collect();
-        times.sort_by(f64::total_cmp);
-        super::median(&times)
+        super::median(&self.trajectories.iter().map(|errors| errors.valid).collect::<Vec<_>>())
+    }
+
+    /// Position and energy errors, as [`Prediction::position`] and [`Prediction::energy`], of those predictions alone that could be
+    /// followed to the end; `None` where there are none.
+    pub fn of_followed(&self) -> Option<[Average; 2]> {
+        let followed: Vec<_> = self.trajectories.iter().copied().filter(|errors| !errors.failed).collect();
+        let both = [|errors: &TrajectoryErrors| errors.q, |errors: &TrajectoryErrors| errors.energy];
+        (!followed.is_empty()).then(|| both.map(|pick| average(&followed, pick)))
     }
 
     /// How many predictions could not be followed to the end.
@@ -267,9 +273,13 @@ impl Prediction {
     }
 
     fn average(&self, pick: fn(&TrajectoryErrors) -> f64) -> Average {
-        let values: Vec<f64> = self.trajectories.iter().map(pick).collect();
-        let mean = super::mean(&values);
-        let squares: Vec<f64> = values.iter().map(|x| square(x - mean)).collect();
-        Average { mean, deviation: super::mean(&squares).sqrt() }
+        average(&self.trajectories, pick)
     }
+}
+
+fn average(all: &[TrajectoryErrors], pick: fn(&TrajectoryErrors) -> f64) -> Average {
+    let values: Vec<f64> = all.iter().map(pick).collect();
+    let mean = super::mean(&values);
+    let squares: Vec<f64> = values.iter().map(|x| square(x - mean)).collect();
+    Average { mean, deviation: super::mean(&squares).sqrt() }
 }

@@ -55,8 +55,17 @@ fn system(architecture: &Architecture, weights: &[f64]) -> Result<System, ModelE
     }
 }
 
-/// Positions that free or forced steps from the first two of each trajectory give, all \[samples\]\[n\], flat. The control is held
-/// between samples, or linear, as the data has it.
+/// What a rollout begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beginning {
+    /// The first two positions.
+    Positions,
+    /// The second position with the velocity that was logged there; the first two positions where there are no velocities.
+    Velocity,
+}
+
+/// Positions that free or forced steps from the beginning of each trajectory give, after the first two as logged, all
+/// \[samples\]\[n\], flat. The control is held between samples, or linear, as the data has it.
 ///
 /// Where a step fails the rest of the trajectory is NaN.
 ///
@@ -66,18 +75,24 @@ pub fn rollout(
     architecture: &Architecture,
     weights: &[f64],
     order: u8,
-    data: &Dataset,
+    (data, beginning): (&Dataset, Beginning),
 ) -> Result<Vec<Vec<f64>>, ModelError> {
     let system = system(architecture, weights)?;
     let (h, order) = (data.h, order_of(order));
     let pool = Pool::new(move || Del::new(&system, h, order, NEWTON));
     let blocks: Vec<&[Trajectory]> = data.trajectories.chunks(WIDTH).collect();
-    let runs = parallel::map(blocks.len(), &|k| pool.with(|del| run(del, weights, data, blocks[k])));
+    let runs =
+        parallel::map(blocks.len(), &|k| pool.with(|del| run(del, weights, data, (blocks[k], beginning))));
     Ok(runs.into_iter().flatten().collect())
 }
 
 /// The positions of trajectories that are stepped side by side.
-fn run(del: &mut Del, weights: &[f64], data: &Dataset, trajectories: &[Trajectory]) -> Vec<Vec<f64>> {
+fn run(
+    del: &mut Del,
+    weights: &[f64],
+    data: &Dataset,
+    (trajectories, beginning): (&[Trajectory], Beginning),
+) -> Vec<Vec<f64>> {
     let n = data.n;
     let longest = trajectories.iter().map(Trajectory::samples).max().unwrap_or(0);
     let row = |of: &dyn Fn(&Trajectory) -> f64| {
@@ -92,9 +107,13 @@ fn run(del: &mut Del, weights: &[f64], data: &Dataset, trajectories: &[Trajector
     let mut positions: Vec<Vec<f64>> =
         trajectories.iter().map(|t| t.q.iter().take(2).flatten().copied().collect()).collect();
     let ends = |k: usize| [tau(k), tau(data.control_end(k))];
-    let acting = ends(0);
-    let mut state: DelState =
-        del.start(weights, [&logged(0), &logged(1)], acting.each_ref().map(Vec::as_slice));
+    let has_velocities = trajectories.iter().all(|t| t.v.is_some());
+    let mut state: DelState = if beginning == Beginning::Velocity && has_velocities {
+        let at = |t: &Trajectory, i: usize| t.v.as_ref().and_then(|v| v.get(1)).map_or(f64::NAN, |v| v[i]);
+        del.start_at(weights, &logged(1), &(0..n).map(|i| row(&|t| at(t, i))).collect::<Vec<_>>())
+    } else {
+        del.start(weights, [&logged(0), &logged(1)], ends(0).each_ref().map(Vec::as_slice))
+    };
     for k in 1..longest.saturating_sub(1) {
         del.step(weights, &mut state, ends(k).each_ref().map(Vec::as_slice));
         for (lane, (positions, trajectory)) in positions.iter_mut().zip(trajectories).enumerate() {
@@ -128,4 +147,41 @@ pub(super) fn masses(
         masses.extend((0..block.len()).map(|lane| (0..n * n).map(|k| entry(lane, k)).collect()));
     }
     Ok(masses)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::architecture::RigidArchitecture;
+    use crate::data::Rows;
+    use leastaction_core::energy::rigid::Coordinate;
+
+    const H: f64 = 1e-3;
+
+    /// A straight motion of 8 samples, v its velocities.
+    fn motion(v: Option<f64>) -> Dataset {
+        let rows = |x: &dyn Fn(usize) -> f64| Rows::from_flat(1, (0..8).map(x).collect()).unwrap();
+        let q = rows(&|k| 0.3 + 0.7 * H * k as f64);
+        let v = v.map(|v| rows(&|_| v));
+        let trajectories = vec![Trajectory { id: 0, t0: 0.0, q, v, a: None, u: None }];
+        Dataset { n: 1, h: H, control: None, trajectories }
+    }
+
+    #[test]
+    fn rollouts_begin_with_the_velocity_that_was_logged() {
+        let architecture = Architecture::from(RigidArchitecture::new(&[Coordinate::Angle], 5));
+        let weights = architecture.initial_weights(3);
+        let end = |v: Option<f64>, beginning| {
+            let runs = rollout(&architecture, &weights, 4, (&motion(v), beginning)).unwrap();
+            assert_eq!(runs[0].len(), 8);
+            runs[0][7] - runs[0][1]
+        };
+        let straight = end(None, Beginning::Positions);
+        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 0.02;
+        assert!(close(straight, 0.7 * 6.0 * H), "{straight}");
+        assert_eq!(end(None, Beginning::Velocity), straight);
+        assert_eq!(end(Some(-2.0), Beginning::Positions), straight);
+        assert!(close(end(Some(-2.0), Beginning::Velocity), -2.0 * 6.0 * H));
+        assert!(close(end(Some(0.7), Beginning::Velocity), straight));
+    }
 }

@@ -3,7 +3,7 @@
 mod rust_source;
 mod version_1;
 
-pub use rust_source::rust_source;
+pub use rust_source::{RUST_HEAD, rust_source};
 
 use crate::architecture::Architecture;
 use leastaction_core::model::{

@@ -3,16 +3,16 @@
 use super::plan::Plan;
 use super::state::{Best, State};
 use crate::architecture::Architecture;
-use crate::checksummed;
+use crate::checksummed::{self, ReadError};
 use crate::model_file::Facts;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
 use serde::{Deserialize, Serialize};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use thiserror::Error;
 
 /// The first bytes of the file: what it is, and the version of its layout.
-const MAGIC: &[u8] = b"LARUN\x04";
+const MAGIC: &[u8] = b"LARUN\x05";
 
 /// Everything in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,20 +34,9 @@ pub(super) struct Checkpoint {
 /// A checkpoint that cannot be used.
 #[derive(Debug, Error)]
 pub enum CheckpointError {
-    /// The file could not be read.
-    #[error("{}: {error}; is this the folder of a training run?", file.display())]
-    Read {
-        /// The file.
-        file: PathBuf,
-        /// What the operating system said.
-        error: io::Error,
-    },
-    /// The bytes are no checkpoint of this version, or were damaged.
-    #[error("{}: not an undamaged checkpoint of this version of leastaction; train again with --force", file.display())]
-    Damaged {
-        /// The file.
-        file: PathBuf,
-    },
+    /// The file cannot be read.
+    #[error("{error}; {}", way_out(.0), error = .0)]
+    File(#[from] ReadError),
     /// The run began with another configuration.
     #[error(
         "this run began with another configuration: {differences}; set it back, or train in another folder"
@@ -62,6 +51,13 @@ pub enum CheckpointError {
         /// The data file.
         file: PathBuf,
     },
+}
+
+fn way_out(error: &ReadError) -> &'static str {
+    match error {
+        ReadError::File { .. } => "is this the folder of a training run?",
+        ReadError::Damaged { .. } => "train again with --force",
+    }
 }
 
 impl Checkpoint {
@@ -99,8 +95,7 @@ impl Checkpoint {
     }
 
     pub fn read(file: &Path) -> Result<Self, CheckpointError> {
-        let bytes = fs::read(file).map_err(|error| CheckpointError::Read { file: file.to_owned(), error })?;
-        checksummed::decode(&bytes, MAGIC).ok_or_else(|| CheckpointError::Damaged { file: file.to_owned() })
+        Ok(checksummed::read(file, MAGIC)?)
     }
 }
 

@@ -1,7 +1,9 @@
 //! The folder of a run: checkpoint, configuration, history and loss curve.
 
+use super::RunError;
 use super::state::Row;
 use crate::config::{Config, ModelConfig};
+use crate::lock::{self, Lock};
 use crate::plot::{self, PlotError};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -33,28 +35,49 @@ impl Folder {
         self.path.join(LOSS_CURVE)
     }
 
-    /// Whether there is something in it.
+    /// Whether there is something in it beside a lock.
     pub fn is_used(&self) -> bool {
         match fs::read_dir(&self.path) {
-            Ok(mut entries) => entries.next().is_some(),
+            Ok(entries) => entries.flatten().any(|entry| entry.file_name() != lock::FILE),
             // A file of that name, or a folder that may not be read.
             Err(_) => self.path.symlink_metadata().is_ok(),
         }
     }
 
-    /// Makes the folder and removes the files of an earlier run.
-    pub fn clear(&self) -> io::Result<()> {
-        fs::create_dir_all(&self.path)?;
-        for name in [CHECKPOINT, HISTORY, CONFIG, LOSS_CURVE] {
-            match fs::remove_file(self.path.join(name)) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                _ => {}
-            }
-        }
-        Ok(())
+    /// Whether a run was in it, or is.
+    pub fn has_lock(&self) -> bool {
+        lock::file(&self.path).exists()
     }
 
-    /// Writes the configuration with full paths, so that it can be used from here.
+    /// Whether there is a run.
+    pub fn has_run(&self) -> bool {
+        self.checkpoint().exists()
+    }
+
+    /// A file in it that a run would overwrite beside a checkpoint.
+    pub fn foreign(&self) -> Option<&'static str> {
+        [CONFIG, HISTORY, LOSS_CURVE].into_iter().find(|name| self.path.join(name).exists())
+    }
+
+    /// Makes it and keeps other runs out of it.
+    pub fn lock(&self) -> Result<Lock, RunError> {
+        Lock::new(&self.path).map_err(|error| self.failed(error))
+    }
+
+    /// What the operating system said of it.
+    pub fn failed(&self, error: io::Error) -> RunError {
+        RunError::Folder { folder: self.path.clone(), error }
+    }
+
+    /// Removes the picture of an earlier run, which is not true of this one.
+    pub fn remove_loss_curve(&self) -> io::Result<()> {
+        match fs::remove_file(self.loss_curve()) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the configuration with full paths, so that it can be used from here; one that says the same stays as it is written.
     pub fn write_config(&self, config: &Config) -> io::Result<()> {
         let mut config = config.clone();
         let model = match &mut config.model {
@@ -64,7 +87,11 @@ impl Folder {
         for file in std::iter::once(&mut config.data.file).chain(model) {
             *file = fs::canonicalize(&*file).unwrap_or_else(|_| file.clone());
         }
-        crate::atomic::write(&self.path.join(CONFIG), config.to_toml().as_bytes())
+        let path = self.path.join(CONFIG);
+        if Config::read(&path).is_ok_and(|there| there == config) {
+            return Ok(());
+        }
+        crate::atomic::write(&path, config.to_toml().as_bytes())
     }
 
     /// Draws losses over iterations.
@@ -91,7 +118,8 @@ impl Folder {
 
 /// The history on its way to the disk. Rows that could not be written are kept and written with the next.
 pub(super) struct History {
-    file: File,
+    /// `None`: nothing is written yet.
+    file: Option<File>,
     /// Bytes of whole rows.
     length: u64,
     pending: String,
@@ -100,15 +128,29 @@ pub(super) struct History {
 }
 
 impl History {
-    /// A new file, or the old one up to an iteration.
+    /// Of a run that has no rows yet, and no file.
+    pub fn new() -> Self {
+        Self { file: None, length: 0, pending: String::new(), rows: Vec::new() }
+    }
+
+    /// The history in a folder up to an iteration.
     pub fn open(folder: &Folder, until: u64) -> io::Result<Self> {
-        let path = folder.path.join(HISTORY);
-        let mut rows = read_rows(&path)?;
+        let mut rows = read_rows(&folder.path.join(HISTORY))?;
         rows.retain(|row| row.iteration <= until);
-        let text: String = std::iter::once(HEAD.to_owned()).chain(rows.iter().map(line)).collect();
+        let mut history = Self { rows, ..Self::new() };
+        history.write(folder)?;
+        Ok(history)
+    }
+
+    /// Writes all rows to a new file, to which others are appended.
+    pub fn write(&mut self, folder: &Folder) -> io::Result<()> {
+        let path = folder.path.join(HISTORY);
+        let text: String = std::iter::once(HEAD.to_owned()).chain(self.rows.iter().map(line)).collect();
         crate::atomic::write(&path, text.as_bytes())?;
-        let file = OpenOptions::new().append(true).open(&path)?;
-        Ok(Self { file, length: text.len() as u64, pending: String::new(), rows })
+        self.file = Some(OpenOptions::new().append(true).open(&path)?);
+        self.length = text.len() as u64;
+        self.pending.clear();
+        Ok(())
     }
 
     /// Appends a row; on error it stays pending, and no half row stays in the file.
@@ -119,8 +161,9 @@ impl History {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if let Err(error) = self.file.write_all(self.pending.as_bytes()) {
-            self.file.set_len(self.length)?;
+        let Some(file) = &mut self.file else { return Ok(()) };
+        if let Err(error) = file.write_all(self.pending.as_bytes()) {
+            file.set_len(self.length)?;
             return Err(error);
         }
         self.length += self.pending.len() as u64;

@@ -2,7 +2,8 @@
 //!
 //! The folder has `checkpoint.postcard` (written atomically: an interruption or a full disk leaves the last one),
 //! `history.csv` (one line an iteration: `iteration,stage,seconds,train,validation`), `config.toml` and, at the end,
-//! `loss.svg`.
+//! `loss.svg`. While a run trains, the folder is locked. A run that replaces another leaves that one's files alone until its own loss
+//! is finite.
 //!
 //! **What the data must show.** Positions and controls alone determine the motion, but not always the scale of L: a
 //! Lagrangian and any multiple of it move alike unless a known force acts. Without a forced sample the DEL residual is
@@ -10,8 +11,11 @@
 //! [`Notice::UnknownScale`] says.
 
 mod checkpoint;
+mod error;
 mod fingerprint;
 mod folder;
+#[cfg(test)]
+mod folder_tests;
 mod notice;
 mod plan;
 mod range;
@@ -20,15 +24,17 @@ mod state;
 mod tests;
 
 pub use checkpoint::{CheckpointError, Trained};
+pub use error::RunError;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};
 pub use state::{Best, Row};
 
-use crate::atomic::remedy;
 use crate::config::TrainingConfig;
+use crate::lock::Lock;
 use crate::parallel;
 use crate::training::{Objective, Progress};
 use checkpoint::Checkpoint;
+use error::stuck;
 use folder::{Folder, History};
 use plan::Stage;
 use state::State;
@@ -36,7 +42,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-use thiserror::Error;
 
 /// What is told while training goes on.
 pub trait Monitor {
@@ -77,58 +82,6 @@ impl Ending {
     }
 }
 
-/// A run that cannot begin or go on.
-#[derive(Debug, Error)]
-pub enum RunError {
-    /// There is already something in the folder.
-    #[error("{} already exists; go on with --resume, start anew with --force, or choose another folder", folder.display())]
-    Exists {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The checkpoint does not allow to go on.
-    #[error("cannot resume: {0}")]
-    Checkpoint(#[from] CheckpointError),
-    /// The folder cannot be written to.
-    #[error("{}: {error}; {}, or choose another folder", folder.display(), remedy(error))]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// What the operating system said.
-        error: io::Error,
-    },
-    /// The last state could not be saved.
-    #[error(
-        "{}: cannot save iteration {iteration}: {error}; the checkpoint of iteration {saved} is intact: {} and go on from there \
-         with --resume", folder.display(), remedy(error)
-    )]
-    Save {
-        /// The folder.
-        folder: PathBuf,
-        /// That could not be saved.
-        iteration: u64,
-        /// That was saved last.
-        saved: u64,
-        /// What the operating system said.
-        error: io::Error,
-    },
-    /// The loss cannot be evaluated.
-    #[error(
-        "the {stage} loss cannot be evaluated at the weights of iteration {iteration}: the step cannot be solved there; {advice}"
-    )]
-    Stuck {
-        /// Name of the stage.
-        stage: &'static str,
-        /// Where.
-        iteration: u64,
-        /// What to look at.
-        advice: String,
-    },
-    /// The threads could not be started.
-    #[error("[training] threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-}
-
 /// A run, ready to train.
 pub struct Run {
     plan: Plan,
@@ -136,26 +89,43 @@ pub struct Run {
     history: History,
     state: State,
     pool: Option<rayon::ThreadPool>,
-    /// Iteration, and when, of the last checkpoint.
-    saved: (u64, Instant),
+    /// Iteration of the last checkpoint; `None`: there is none yet, and the folder has another run's.
+    saved: Option<u64>,
+    /// When it was written last, or that failed.
+    tried: Instant,
+    _lock: Lock,
 }
 
 impl Run {
-    /// Begins in a folder, which must be empty or not exist; `force` replaces the run in it.
+    /// Begins in a folder, which must be empty or not exist; `force` replaces the run in it, as soon as this one has a finite loss.
     ///
     /// # Errors
     /// [`RunError`] where the folder is in use or cannot be written.
     pub fn begin(plan: Plan, path: &Path, force: bool) -> Result<Self, RunError> {
         let folder = Folder { path: path.to_owned() };
-        if folder.is_used() && !force {
-            return Err(RunError::Exists { folder: folder.path });
+        let exists = || RunError::Exists { folder: path.to_owned() };
+        let refused = || folder.is_used() && !force;
+        // Where no run ever was, not even a lock is left.
+        if refused() && !folder.has_lock() {
+            return Err(exists());
         }
-        let failed = |error| RunError::Folder { folder: path.to_owned(), error };
-        folder.clear().map_err(failed)?;
+        let lock = folder.lock()?;
+        if refused() {
+            return Err(exists());
+        }
+        let replaces = folder.has_run();
+        if let Some(name) = folder.foreign().filter(|_| !replaces) {
+            return Err(RunError::NoRun { folder: folder.path, name });
+        }
         let pool = pool(plan.config.training.threads)?;
         let state = within(pool.as_ref(), || State::new(&plan)).ok_or_else(|| stuck(&plan, "first", 0))?;
-        Checkpoint::new(&plan, &state).write(&folder.checkpoint()).map_err(failed)?;
-        Self::open(plan, folder, state, pool).map_err(failed)
+        let history = History::new();
+        let mut run =
+            Self { plan, folder, history, state, pool, saved: None, tried: Instant::now(), _lock: lock };
+        if !replaces {
+            run.save()?;
+        }
+        Ok(run)
     }
 
     /// Goes on where the run in a folder was saved last.
@@ -164,18 +134,18 @@ impl Run {
     /// [`RunError`] where there is no checkpoint, or it is of another configuration or other data.
     pub fn resume(plan: Plan, path: &Path) -> Result<Self, RunError> {
         let folder = Folder { path: path.to_owned() };
-        let checkpoint = Checkpoint::read(&folder.checkpoint())?;
+        let read = || Checkpoint::read(&folder.checkpoint());
+        // Where there is none, no lock is left; and nobody writes another while there is a lock.
+        read()?;
+        let lock = folder.lock()?;
+        let checkpoint = read()?;
         checkpoint.check(&plan)?;
         let pool = pool(plan.config.training.threads)?;
-        let failed = |error| RunError::Folder { folder: path.to_owned(), error };
-        Self::open(plan, folder, checkpoint.state, pool).map_err(failed)
-    }
-
-    fn open(plan: Plan, folder: Folder, state: State, pool: Option<rayon::ThreadPool>) -> io::Result<Self> {
-        folder.write_config(&plan.config)?;
-        let history = History::open(&folder, state.iteration)?;
-        let saved = (state.iteration, Instant::now());
-        Ok(Self { plan, folder, history, state, pool, saved })
+        let state = checkpoint.state;
+        folder.write_config(&plan.config).map_err(|error| folder.failed(error))?;
+        let history = History::open(&folder, state.iteration).map_err(|error| folder.failed(error))?;
+        let saved = Some(state.iteration);
+        Ok(Self { plan, folder, history, state, pool, saved, tried: Instant::now(), _lock: lock })
     }
 
     /// The plan.
@@ -186,6 +156,11 @@ impl Run {
     /// Iterations done.
     pub fn iteration(&self) -> u64 {
         self.state.iteration
+    }
+
+    /// The iteration that was saved last; `None` where the folder still has the run that this one is to replace.
+    pub fn saved(&self) -> Option<u64> {
+        self.saved
     }
 
     /// Seconds of training so far.
@@ -222,25 +197,38 @@ impl Run {
                 Progress::Stuck => break Err(self.stuck()),
             }
         };
-        self.save()?;
         let unsolved = self.unsolved();
-        if self.plan.stages.last().is_some_and(|stage| unsolved == stage.objective.samples()) {
+        self.state.best.solves_nothing = unsolved.is_some_and(|(unsolved, samples)| unsolved == samples);
+        let is_interrupted = matches!(ending, Ok(Ending::Interrupted));
+        let is_a_model = self.state.best.is_a_model();
+        if self.saved.is_some() || is_a_model && !(is_interrupted && self.state.iteration == 0) {
+            self.save()?;
+        }
+        if !is_a_model && !is_interrupted {
             return Err(self.stuck());
         }
-        self.say_what_was_not_learned(unsolved, monitor);
-        if let Err(error) = self.folder.draw(&self.history.rows) {
+        self.say_what_was_not_learned(unsolved.map_or(0, |(unsolved, _)| unsolved), monitor);
+        if self.saved.is_some()
+            && let Err(error) = self.folder.draw(&self.history.rows)
+        {
             monitor.warning(&error.to_string());
         }
         ending
     }
 
-    /// Training samples that count as predicted by a constant velocity with the best weights.
-    fn unsolved(&self) -> usize {
-        self.plan.stages.last().map_or(0, |stage| self.unsolved_of(&*stage.objective))
+    /// In the last stage: how many training samples count as predicted by a constant velocity with the best weights, and how many
+    /// there are.
+    fn unsolved(&self) -> Option<(usize, usize)> {
+        let stage = self.stage().filter(|_| self.is_in_last_stage())?;
+        Some((self.unsolved_of(&*stage.objective), stage.objective.samples()))
+    }
+
+    fn is_in_last_stage(&self) -> bool {
+        self.state.stage + 1 == self.plan.stages.len()
     }
 
     fn unsolved_of(&self, objective: &dyn Objective) -> usize {
-        within(self.pool.as_ref(), || objective.unsolved(&self.state.best.weights))
+        within(self.pool.as_ref(), || objective.solved(&self.state.best.weights).unsolved)
     }
 
     /// What went wrong without an error.
@@ -284,7 +272,7 @@ impl Run {
         }
         let TrainingConfig { target, patience, max_seconds, .. } = &self.plan.config.training;
         let State { seconds, iteration, optimiser, best, .. } = &self.state;
-        let last = self.state.stage + 1 == self.plan.stages.len();
+        let last = self.is_in_last_stage();
         if max_seconds.is_some_and(|limit| *seconds >= limit) {
             Some(Ending::Time)
         } else if last && target.is_some_and(|target| optimiser.loss() <= target) {
@@ -321,27 +309,42 @@ impl Run {
 
     fn save_sometimes(&mut self, monitor: &mut dyn Monitor) {
         let TrainingConfig { checkpoint_iterations, checkpoint_seconds, .. } = self.plan.config.training;
-        let (iteration, at) = self.saved;
-        let due = self.state.iteration - iteration >= checkpoint_iterations
-            || at.elapsed().as_secs_f64() >= checkpoint_seconds;
+        let waited = self.tried.elapsed().as_secs_f64() >= checkpoint_seconds;
+        let due = match self.saved {
+            Some(saved) => waited || self.state.iteration - saved >= checkpoint_iterations,
+            None => self.is_worth_the_earlier_run(),
+        };
         if due && let Err(error) = self.save() {
             monitor.warning(&format!("{error}. Training goes on and tries again"));
-            self.saved.1 = Instant::now();
         }
+    }
+
+    /// Whether the loss that is trained for, not only that of a warm-up, is finite, and of more than constant velocities.
+    fn is_worth_the_earlier_run(&self) -> bool {
+        self.state.best.is_a_model() && self.unsolved().is_some_and(|(unsolved, all)| unsolved < all)
     }
 
     fn save(&mut self) -> Result<(), RunError> {
         let State { iteration, .. } = self.state;
         let written = Checkpoint::new(&self.plan, &self.state).write(&self.folder.checkpoint());
-        let (saved, folder) = (self.saved.0, &self.folder.path);
-        written.map_err(|error| RunError::Save { folder: folder.clone(), iteration, saved, error })?;
-        self.saved = (iteration, Instant::now());
+        self.tried = Instant::now();
+        match self.saved {
+            None => written.and_then(|()| self.write_rest()).map_err(|error| self.folder.failed(error))?,
+            Some(saved) => written.map_err(|error| {
+                let folder = self.folder.path.clone();
+                RunError::Save { folder, iteration, saved, error }
+            })?,
+        }
+        self.saved = Some(iteration);
         Ok(())
     }
-}
 
-fn stuck(plan: &Plan, stage: &'static str, iteration: u64) -> RunError {
-    RunError::Stuck { stage, iteration, advice: notice::advice(plan.notices()) }
+    /// What goes with the first checkpoint, in place of that of an earlier run.
+    fn write_rest(&mut self) -> io::Result<()> {
+        self.folder.remove_loss_curve()?;
+        self.folder.write_config(&self.plan.config)?;
+        self.history.write(&self.folder)
+    }
 }
 
 /// Threads of our own; `None` for as many as there are processors.

@@ -68,6 +68,9 @@ pub struct Best {
     pub validation: Option<f64>,
     /// Their error of the next position, where the DEL residual is minimised.
     pub next_position: Option<f64>,
+    /// Whether they can solve none of the training samples, as was found when training ended: all samples then count as predicted by
+    /// a constant velocity.
+    pub solves_nothing: bool,
 }
 
 impl Best {
@@ -81,7 +84,13 @@ impl Best {
             train: optimiser.loss(),
             validation: loss(&stage.validation),
             next_position: loss(&stage.judge),
+            solves_nothing: false,
         }
+    }
+
+    /// Whether it is of use: its training loss is a number, and not that of constant velocities alone.
+    pub fn is_a_model(&self) -> bool {
+        self.train.is_finite() && !self.solves_nothing && self.weights.iter().all(|weight| weight.is_finite())
     }
 
     /// What decides between weights: the error of the next position; where that is the loss, the validation loss, without one the

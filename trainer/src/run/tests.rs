@@ -21,7 +21,7 @@ impl Monitor for Silent {
 
 /// What is said of a run that is not well.
 #[derive(Default)]
-struct Warned {
+pub(super) struct Warned {
     rows: Vec<Row>,
     warnings: Vec<String>,
 }
@@ -36,7 +36,7 @@ impl Monitor for Warned {
     }
 }
 
-fn data(trajectories: usize, control: bool) -> Dataset {
+pub(super) fn data(trajectories: usize, control: bool) -> Dataset {
     noisy(trajectories, control, 0.0)
 }
 
@@ -47,7 +47,7 @@ fn noisy(trajectories: usize, control: bool, noise: f64) -> Dataset {
     generate(&settings).unwrap()
 }
 
-fn config() -> Config {
+pub(super) fn config() -> Config {
     let coordinates = Coordinates(vec![Coordinate::Angle]);
     let model = RigidConfig { hidden: vec![5], ..RigidConfig::new(coordinates) };
     let mut config = Config::new("nowhere.npz", model);
@@ -108,7 +108,7 @@ fn initial_weights_move_a_chain_of_any_length_about_as_a_constant_velocity_does(
             let stage = plan.stages.last().unwrap();
             let (loss, constant) = (stage.objective.loss(&plan.initial), of_constant_velocity(&data));
             assert!(
-                stage.objective.unsolved(&plan.initial) == 0 && loss < 10.0 * constant,
+                stage.objective.solved(&plan.initial).unsolved == 0 && loss < 10.0 * constant,
                 "{count}: {loss} {constant}"
             );
         }
@@ -220,7 +220,7 @@ fn a_stop_before_the_first_iteration_saves_the_initial_weights() {
 }
 
 /// Positions so many times as large.
-fn scaled(factor: f64) -> Dataset {
+pub(super) fn scaled(factor: f64) -> Dataset {
     let mut data = data(3, true);
     for trajectory in &mut data.trajectories {
         trajectory.q = trajectory.q.map(|q| q * factor);

@@ -103,16 +103,21 @@ impl Residuals for Blocks {
         })
     }
 
-    fn unsolved(&self, weights: &[f64], samples: Range<usize>) -> usize {
+    fn solved(&self, weights: &[f64], samples: Range<usize>) -> (f64, usize) {
         let mut residual = vec![Row::default(); self.components];
         self.losses.with(|loss| {
-            let mut count = 0;
+            let (mut sum, mut unsolved) = (0.0, 0);
             for start in samples.clone().step_by(WIDTH) {
                 let block = self.samples.block(start, &samples);
                 let failures = loss.evaluate(weights, &block, &mut residual, Derivatives::None);
-                count += failures.0.iter().take(samples.end - start).filter(|failed| **failed).count();
+                for k in 0..(samples.end - start).min(WIDTH) {
+                    let own = residual.iter().map(|r| r.0[k] * r.0[k]).sum::<f64>();
+                    let is_solved = !failures.0[k] && own.is_finite();
+                    sum += if is_solved { own } else { 0.0 };
+                    unsolved += usize::from(!is_solved);
+                }
             }
-            count
+            (sum, unsolved)
         })
     }
 

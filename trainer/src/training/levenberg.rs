@@ -4,6 +4,7 @@
 //! Marquardt's method", 1999.
 
 use super::{NormalEquations, Objective};
+use crate::parallel;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
@@ -140,7 +141,8 @@ fn damped_step(equations: &NormalEquations, mu: f64) -> Option<Vec<f64>> {
     for i in 0..p {
         matrix[(i, i)] += mu;
     }
-    let factor = matrix.llt(Side::Lower).ok()?;
+    // Elsewhere it would start threads of its own.
+    let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
     let right = Mat::from_fn(p, 1, |i, _| -equations.gradient[i]);
     let step = factor.solve(&right);
     Some(step.col_as_slice(0).to_vec())

@@ -18,7 +18,7 @@ pub use levenberg::{Levenberg, Progress};
 pub use loss::LossKind;
 pub use normal::NormalEquations;
 pub(crate) use objective::order_of;
-pub use objective::{Accelerations, Objective, objective};
+pub use objective::{Accelerations, Objective, Solved, objective};
 pub use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};
 pub use steps::Steps;

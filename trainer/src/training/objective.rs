@@ -22,9 +22,12 @@ pub trait Objective: Sync {
     fn samples(&self) -> usize;
     /// Mean squared residual component; infinite where a sample cannot be evaluated at these weights.
     fn loss(&self, weights: &[f64]) -> f64;
-    /// Samples that cannot be computed at these weights, and count as predicted by a constant velocity.
-    fn unsolved(&self, _weights: &[f64]) -> usize {
-        0
+    /// The same of those samples alone that can be computed at these weights; the others may count as predicted by a constant
+    /// velocity in the loss.
+    fn solved(&self, weights: &[f64]) -> Solved {
+        let loss = self.loss(weights);
+        let unsolved = if loss.is_finite() { 0 } else { self.samples() };
+        Solved { mean_square: Some(loss).filter(|loss| loss.is_finite()), unsolved }
     }
     /// The normal equations at these weights; `None` where a sample cannot be evaluated.
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations>;
@@ -32,6 +35,27 @@ pub trait Objective: Sync {
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations>;
     /// Brings weights that have a range (damping ≥ 0) back into it.
     fn project(&self, weights: &mut [f64]);
+}
+
+/// An error over what can be computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solved {
+    /// Mean squared component; `None` where nothing can be computed.
+    pub mean_square: Option<f64>,
+    /// Samples that cannot.
+    pub unsolved: usize,
+}
+
+impl Solved {
+    /// Of a sum of squares of so many components.
+    pub(crate) fn new(squares: f64, components: usize, unsolved: usize) -> Self {
+        Self { mean_square: (components > 0).then(|| squares / components as f64), unsolved }
+    }
+
+    /// The mean square; infinite where a sample could not be computed.
+    pub fn or_infinite(self) -> f64 {
+        self.mean_square.filter(|_| self.unsolved == 0).unwrap_or(f64::INFINITY)
+    }
 }
 
 /// The objective of a loss over samples for a model of this shape; `order` (2 or 4) matters to the discrete losses and

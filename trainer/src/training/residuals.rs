@@ -1,7 +1,7 @@
-//! Sums over samples: fixed parts, each computed in order on one thread, added in order. Results do not depend on the
-//! number of threads.
+//! Sums over samples: fixed parts, each computed in order on one thread, added as a fixed tree. Results do not depend on the number
+//! of threads.
 
-use super::{NormalEquations, Objective};
+use super::{NormalEquations, Objective, Solved};
 use crate::parallel;
 use faer::Mat;
 use leastaction_core::scalar::{LANES, Lanes};
@@ -10,8 +10,12 @@ use std::ops::Range;
 
 /// Samples whose rows are multiplied at once; not a power of two, for columns of the Jacobian would then share cache lines.
 const CHUNK: usize = 240;
-/// Parts whose sums are computed apart: as many threads as this can help.
-const PARTS: usize = 8;
+/// Parts whose sums are computed apart, at most: as many threads as this can help.
+const PARTS: usize = 64;
+/// Samples that make up for the zeros and the additions of one more JᵀJ.
+const WORTH_A_GRAM: usize = 64;
+/// Numbers in the JᵀJ of all parts together, at most: a gibibyte. A single one may be larger.
+const GRAM_NUMBERS: usize = 1 << 27;
 
 /// The residual of one sample could not be computed at these weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,9 +35,12 @@ pub trait Residuals: Sync {
     /// # Errors
     /// Where one cannot be computed.
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed>;
-    /// Samples of a chunk that cannot be computed and count as predicted by a constant velocity.
-    fn unsolved(&self, _weights: &[f64], _samples: Range<usize>) -> usize {
-        0
+    /// The sum of squared residuals of those samples of a chunk that can be computed, and how many cannot.
+    fn solved(&self, weights: &[f64], samples: Range<usize>) -> (f64, usize) {
+        match self.squares(weights, samples.clone()) {
+            Ok(squares) if squares.is_finite() => (squares, 0),
+            _ => (0.0, samples.len()),
+        }
     }
     /// Residuals and their derivatives of a chunk: component i of sample k is row i · samples + k.
     ///
@@ -132,32 +139,49 @@ impl ChunkRows {
     }
 }
 
-/// The chunks of each part.
-fn parts(samples: Range<usize>) -> Vec<Vec<Range<usize>>> {
-    let chunk = CHUNK.min(samples.len().div_ceil(PARTS).next_multiple_of(WIDTH)).max(WIDTH);
+/// The chunks of each of at most so many parts.
+fn parts(samples: Range<usize>, most: usize) -> Vec<Vec<Range<usize>>> {
+    let chunk = CHUNK.min(samples.len().div_ceil(most).next_multiple_of(WIDTH)).max(WIDTH);
     let chunks: Vec<_> =
         samples.clone().step_by(chunk).map(|start| start..samples.end.min(start + chunk)).collect();
-    let per_part = chunks.len().div_ceil(PARTS).max(1);
+    let per_part = chunks.len().div_ceil(most).max(1);
     chunks.chunks(per_part).map(<[_]>::to_vec).collect()
 }
 
-/// Sums over parts: each on one thread, merged in order.
+/// Parts that have a JᵀJ of p² numbers each.
+fn parts_with_gram(samples: usize, p: usize) -> usize {
+    let fit = GRAM_NUMBERS / (p * p).max(1);
+    samples.div_ceil(WORTH_A_GRAM).min(fit).clamp(1, PARTS)
+}
+
+/// What one thread makes of the chunks of a part.
+type Part<'a> = dyn Fn(&[Range<usize>]) -> Option<NormalEquations> + Sync + 'a;
+
+/// Sums over parts: each on one thread, halves added to halves. On one thread no more of them are there at once than the tree is deep.
+fn merged(parts: &[Vec<Range<usize>>], part: &Part) -> Option<NormalEquations> {
+    if let [chunks] = parts {
+        return part(chunks);
+    }
+    let (left, right) = parts.split_at_checked(parts.len() / 2).filter(|(left, _)| !left.is_empty())?;
+    let (left, right) = rayon::join(|| merged(left, part), || merged(right, part));
+    let (mut total, right) = (left?, right?);
+    total.merge(&right);
+    Some(total)
+}
+
+/// The sum over samples, in at most so many parts.
 fn sum(
-    samples: Range<usize>,
+    (samples, most): (Range<usize>, usize),
     zero: impl Fn() -> NormalEquations + Sync,
     add: impl Fn(&mut NormalEquations, &mut ChunkRows, Range<usize>) -> Result<(), Failed> + Sync,
 ) -> Option<NormalEquations> {
-    let parts = parts(samples);
-    let sums: Vec<Option<NormalEquations>> = parallel::map(parts.len(), &|k| {
+    let parts = parts(samples, most);
+    let part = |chunks: &[Range<usize>]| {
         let (mut sum, mut workspace) = (zero(), ChunkRows::new());
-        parts[k].iter().try_for_each(|chunk| add(&mut sum, &mut workspace, chunk.clone())).ok()?;
+        chunks.iter().try_for_each(|chunk| add(&mut sum, &mut workspace, chunk.clone())).ok()?;
         Some(sum)
-    });
-    sums.into_iter().reduce(|total, part| {
-        let (mut total, part) = (total?, part?);
-        total.merge(&part);
-        Some(total)
-    })?
+    };
+    parallel::within(|| merged(&parts, &part))
 }
 
 impl<R: Residuals> Objective for R {
@@ -171,7 +195,7 @@ impl<R: Residuals> Objective for R {
 
     fn loss(&self, weights: &[f64]) -> f64 {
         let samples = Residuals::samples(self);
-        let parts = parts(0..samples);
+        let parts = parts(0..samples, PARTS);
         let sums: Vec<Result<f64, Failed>> = parallel::map(parts.len(), &|k| {
             parts[k].iter().map(|chunk| self.squares(weights, chunk.clone())).sum()
         });
@@ -181,18 +205,22 @@ impl<R: Residuals> Objective for R {
         }
     }
 
-    fn unsolved(&self, weights: &[f64]) -> usize {
-        let parts = parts(0..Residuals::samples(self));
-        let counts = parallel::map(parts.len(), &|k| -> usize {
-            parts[k].iter().map(|chunk| Residuals::unsolved(self, weights, chunk.clone())).sum()
+    fn solved(&self, weights: &[f64]) -> Solved {
+        let samples = Residuals::samples(self);
+        let parts = parts(0..samples, PARTS);
+        let all = parallel::map(parts.len(), &|k| -> Vec<(f64, usize)> {
+            parts[k].iter().map(|chunk| Residuals::solved(self, weights, chunk.clone())).collect()
         });
-        counts.into_iter().sum()
+        let (squares, unsolved) =
+            all.into_iter().flatten().fold((0.0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+        Solved::new(squares, (samples - unsolved) * self.components(), unsolved)
     }
 
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
         let p = weights.len();
+        let samples = Residuals::samples(self);
         sum(
-            0..Residuals::samples(self),
+            (0..samples, parts_with_gram(samples, p)),
             || NormalEquations::zero(p),
             |sum, rows, chunk| {
                 self.linearise(weights, chunk, rows)?;
@@ -205,10 +233,85 @@ impl<R: Residuals> Objective for R {
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations> {
         let p = weights.len();
         let zero = || NormalEquations { gram: Mat::new(), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
-        sum(samples, zero, |sum, rows, chunk| self.add_gradient(weights, chunk, rows, sum))
+        sum((samples, PARTS), zero, |sum, rows, chunk| self.add_gradient(weights, chunk, rows, sum))
     }
 
     fn project(&self, weights: &mut [f64]) {
         Residuals::project(self, weights);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of sample k and weights w: r = w₀ + k w₁.
+    struct Line;
+
+    impl Residuals for Line {
+        fn parameters(&self) -> usize {
+            2
+        }
+        fn samples(&self) -> usize {
+            10_001
+        }
+        fn components(&self) -> usize {
+            1
+        }
+        fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+            Ok(samples.map(|k| (weights[0] + k as f64 * weights[1]).powi(2)).sum())
+        }
+        fn linearise(
+            &self,
+            weights: &[f64],
+            samples: Range<usize>,
+            rows: &mut ChunkRows,
+        ) -> Result<(), Failed> {
+            rows.reset(samples.len(), 2);
+            for (row, k) in samples.enumerate() {
+                rows.residual[row] = weights[0] + k as f64 * weights[1];
+                rows.column(0, row..row + 1)[0] = 1.0;
+                rows.column(1, row..row + 1)[0] = k as f64;
+            }
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn sums_are_the_same_bits_on_any_number_of_threads() {
+        let weights = [0.1, -0.7];
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let both =
+                || (Line.normal_equations(&weights).unwrap(), Line.gradient(&weights, 3..9_000).unwrap());
+            let (equations, gradient) = pool.install(both);
+            let mut numbers = vec![equations.squares, gradient.squares, pool.install(|| Line.loss(&weights))];
+            numbers.extend([equations.gram[(0, 0)], equations.gram[(1, 0)], equations.gram[(1, 1)]]);
+            numbers.extend(equations.gradient.iter().chain(&gradient.gradient));
+            (numbers, equations.rows, gradient.rows)
+        };
+        let one = on(1);
+        assert_eq!((one.1, one.2), (10_001, 8_997));
+        let exact: f64 = (0..10_001).map(|k| f64::from(k).powi(2)).sum();
+        assert!((one.0[5] / exact - 1.0).abs() < 1e-13, "{:?}", one.0);
+        for threads in [2, 3, 7, 16] {
+            assert_eq!(on(threads), one, "{threads}");
+        }
+    }
+
+    #[test]
+    fn many_threads_help_and_memory_is_bounded() {
+        assert_eq!(parts_with_gram(10_000, 692), PARTS);
+        assert_eq!(parts_with_gram(1_000, 692), 16);
+        assert_eq!((parts_with_gram(10_000, 4_096), parts_with_gram(10_000, 100_000)), (8, 1));
+        for samples in [1, 7, 63, 500, 10_001] {
+            for most in [1, 8, PARTS] {
+                let parts = parts(0..samples, most);
+                assert!(parts.len() <= most);
+                let all: Vec<usize> = parts.into_iter().flatten().flatten().collect();
+                assert_eq!(all, (0..samples).collect::<Vec<_>>(), "{samples} {most}");
+            }
+        }
+        assert!(parts(0..10_001, PARTS).len() > 40);
     }
 }

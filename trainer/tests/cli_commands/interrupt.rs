@@ -8,7 +8,7 @@ use std::time::Duration;
 const LONG: u64 = 2000;
 
 /// A run that would take long, once it has done a few iterations.
-fn started(bench: &Bench) -> Child {
+pub fn started(bench: &Bench) -> Child {
     bench.log("");
     bench.config(&format!("iterations = {LONG}\noptimiser = \"adam\""));
     let mut command = bench.command("train c.toml -o run -q");
@@ -21,7 +21,7 @@ fn started(bench: &Bench) -> Child {
     child
 }
 
-fn signal(child: &Child, name: &str) {
+pub fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
 }
 

@@ -31,6 +31,7 @@ impl Merge {
                 continue;
             }
             let results = open(&self.output, paper)?;
+            let _lock = results.lock().map_err(unusable)?;
             for part in parts {
                 let part = Results::open(part, paper.name).map_err(unusable)?;
                 results.join(&part).map_err(unusable)?;

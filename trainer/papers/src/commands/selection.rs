@@ -1,6 +1,7 @@
 //! Which of a paper's tasks, where they go, and what is printed of them.
 
 use clap::Args;
+use leastaction::checksummed::ReadError;
 use leastaction::cli::arguments::seed;
 use leastaction::cli::{Done, Failure, Output, folder, object, print};
 use leastaction_papers::folder::{FolderError, Results};
@@ -30,7 +31,7 @@ pub struct Selection {
     #[arg(long)]
     pub quick: bool,
     /// Tasks side by side; those that measure times come last, alone.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_JOBS))]
     jobs: u32,
     /// Only every Nth task from the Ith on, for many machines; `leastaction-papers merge` joins what they give.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
@@ -40,6 +41,9 @@ pub struct Selection {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
+
+/// A thread each.
+const MOST_JOBS: i64 = 1024;
 
 impl Selection {
     /// Of these options the one that changes results, as on the command line.
@@ -59,6 +63,7 @@ impl Selection {
             return print(&chosen.iter().map(|task| format!("{}\n", task.name())).collect::<String>());
         }
         let results = self.output.as_deref().map(|path| open(path, paper)).transpose()?;
+        let _lock = results.as_ref().map(Results::lock).transpose().map_err(unusable)?;
         let finished =
             run_all(paper.name, &chosen, results.as_ref(), self.jobs as usize, &|line| output.note(line))
                 .map_err(unusable)?;
@@ -144,7 +149,7 @@ fn failure(finished: &[Finished]) -> Done {
 pub fn unusable(error: FolderError) -> Failure {
     let message = error.to_string();
     match error {
-        FolderError::File { .. } => Failure::Work(message),
+        FolderError::File { .. } | FolderError::Interrupted(ReadError::File { .. }) => Failure::Work(message),
         _ => Failure::Input(message),
     }
 }

@@ -15,7 +15,7 @@ pub use task::{SymoData, overview, tasks};
 use leastaction::architecture::{Architecture, RigidArchitecture};
 use leastaction::data::Dataset;
 use leastaction::data::symo::SymoSet;
-use leastaction::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
+use leastaction::evaluate::{Beginning, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
 use leastaction::ground_truth::Mechanism;
 use leastaction::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::energy::rigid::Coordinate;
@@ -237,7 +237,7 @@ impl Case {
         train_seconds: f64,
     ) -> Result<Outcome, ModelError> {
         let train = set.train.truncated(self.trajectories);
-        let runs = rollout(architecture, weights, self.order, &set.integration)?;
+        let runs = rollout(architecture, weights, self.order, (&set.integration, Beginning::Positions))?;
         let integration = integration_errors(&runs, &set.integration);
         Ok(Outcome {
             system: self.mechanism.name(),
@@ -245,8 +245,8 @@ impl Case {
             order: self.order,
             trajectories: self.trajectories,
             parameters: weights.len(),
-            train_mse: one_step_mse(architecture, weights, self.order, &train)?,
-            test_mse: one_step_mse(architecture, weights, self.order, &set.test)?,
+            train_mse: one_step_mse(architecture, weights, self.order, &train)?.or_infinite(),
+            test_mse: one_step_mse(architecture, weights, self.order, &set.test)?.or_infinite(),
             integration_mse: integration.mean,
             integration_median: integration.median,
             integration_mse_100: integration.first_100,

@@ -3,7 +3,7 @@
 use super::Case;
 use leastaction::architecture::Architecture;
 use leastaction::data::Dataset;
-use leastaction::evaluate::rollout;
+use leastaction::evaluate::{Beginning, rollout};
 use leastaction::ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
 use leastaction::plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
 use leastaction_core::model::ModelError;
@@ -42,7 +42,7 @@ pub(super) fn draw(
         ..Settings::symo(case.mechanism, 1, case.seed ^ UNSEEN)
     };
     let exact = generate(&start)?;
-    let learned = rollout(architecture, weights, case.order, &exact)?;
+    let learned = rollout(architecture, weights, case.order, (&exact, Beginning::Positions))?;
     let flat = |data: &Dataset| data.trajectories.first().map_or(Vec::new(), |run| run.q.as_flat().to_vec());
     let series = [
         Series::new("exact", points(&flat(&exact), &exact)).with_stroke(Stroke::Wide),

@@ -9,6 +9,7 @@ pub use html::page;
 pub use text::text;
 
 use super::record::{Better, Finished, Measure, Record};
+use leastaction::evaluate::median;
 
 /// A table of a paper.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,9 +46,7 @@ impl Row<'_> {
         let of = |record: &&Record| record.measures.get(k).and_then(|measure| measure.ours);
         let mut values: Vec<f64> = self.seeds.iter().filter_map(of).collect();
         values.sort_by(f64::total_cmp);
-        let median = Some(values.len())
-            .filter(|finite| 2 * finite > self.seeds.len())
-            .map(|finite| values[finite / 2]);
+        let median = (2 * values.len() > self.seeds.len()).then(|| median(&values));
         let end = |value: Option<&f64>| value.copied().unwrap_or(f64::NAN);
         Cell { median, range: [end(values.first()), end(values.last())] }
     }

@@ -100,3 +100,21 @@ fn results_of_other_options_are_kept() {
     assert_eq!(bench.read("out/lgnn/hybrid-0.json"), before);
     bench.run("merge nowhere -o joined").bad(2, &["nowhere"]);
 }
+
+#[test]
+fn more_jobs_than_tasks_are_no_harm() {
+    let bench = Bench::new();
+    bench.run(&format!("{SHORT} --jobs 40000")).bad(2, &["--jobs", "1..=1024"]);
+    bench.run(&format!("{SHORT} --jobs 1024")).good();
+}
+
+#[cfg(unix)]
+#[test]
+fn two_runs_do_not_share_results() {
+    let bench = Bench::new();
+    std::fs::create_dir_all(bench.at("out/lgnn")).unwrap();
+    let lock = leastaction::lock::Lock::new(&bench.at("out/lgnn")).unwrap();
+    bench.run(&format!("{SHORT} -o out")).bad(1, &["out/lgnn", "another process is writing to this folder"]);
+    drop(lock);
+    bench.run(&format!("{SHORT} -o out")).good();
+}

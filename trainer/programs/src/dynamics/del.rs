@@ -44,6 +44,13 @@ impl Del {
         DelState { q: q1.to_vec(), p: balance.end_momentum(), history: vec![[w, interval.s]], failed }
     }
 
+    /// The state of these positions and velocities: p = L_v(q, v).
+    pub fn start_at(&mut self, weights: &[f64], q: &[Row], v: &[Row]) -> DelState {
+        let p = self.integrals.momentum(weights, q, v);
+        let straight = [v.to_vec(), vec![Row::default(); q.len()]];
+        DelState { q: q.to_vec(), p, history: vec![straight], failed: Failures::default() }
+    }
+
     /// One step on, under controls τ at both of its ends. What fails is not a number from here on.
     pub fn step(&mut self, weights: &[f64], state: &mut DelState, tau: [&[Row]; 2]) {
         let [w, s] = state.guess();

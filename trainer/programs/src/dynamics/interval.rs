@@ -180,6 +180,13 @@ impl Integrals {
         sum
     }
 
+    /// L_v(q, v).
+    pub fn momentum(&mut self, weights: &[f64], q: &[Row], v: &[Row]) -> Vec<Row> {
+        let (program, workspace) = &mut self.first;
+        program.run(weights, &[q, v, &vec![Row::default(); self.n]], workspace, &mut []);
+        workspace.output(1).to_vec()
+    }
+
     /// The balance and its derivatives.
     pub fn linearise(&mut self, weights: &[f64], interval: &Interval) -> Linearised {
         let n = self.n;

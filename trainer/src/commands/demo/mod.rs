@@ -42,6 +42,9 @@ const MECHANISM: Mechanism = Mechanism::Cartpole;
 const TRAJECTORIES: usize = 16;
 const WIDTH: u16 = 16;
 const ITERATIONS: u64 = 40;
+/// The configuration, which begins with a line that tells a demo's folder from others.
+const CONFIG: &str = "train.toml";
+const MARK: &str = "# Written by `leastaction demo`.";
 
 /// What came out.
 #[derive(Serialize)]
@@ -69,11 +72,13 @@ impl Demo {
     fn steps(&self, output: Output, started: &Instant) -> Result<Report, Failure> {
         let at = |name: &str| self.out.join(name);
         let say = |step: &str| output.note(&format!("{:5.1} s  {step}", started.elapsed().as_secs_f64()));
+        self.check()?;
         folder(&self.out)?;
+        self.write_config(&at(CONFIG))?;
         say("generate: a cart-pole under random forces");
         let samples = self.generate(&at("data.npz"))?;
         say("train: the energies, from positions and forces alone");
-        let training = self.train(output)?;
+        let training = self.train(&at(CONFIG), output)?;
         say("export: the weights as a model file, and as Rust source");
         let (model, model_bytes) = write_model(&at("run"), &at("model.postcard"), &at("model.rs"))?;
         say("forecast: the model against the truth, free motion from two positions");
@@ -102,6 +107,18 @@ impl Demo {
         })
     }
 
+    /// Refuses a folder with other things than an earlier demo.
+    fn check(&self) -> Done {
+        let is_used = std::fs::read_dir(&self.out).is_ok_and(|mut entries| entries.next().is_some());
+        let is_demo =
+            || std::fs::read_to_string(self.out.join(CONFIG)).is_ok_and(|config| config.starts_with(MARK));
+        if is_used && !is_demo() {
+            let message = "there are files that are not of an earlier demo; name another folder with --out";
+            return Err(Failure::input(&self.out, message));
+        }
+        Ok(())
+    }
+
     fn generate(&self, file: &Path) -> Result<usize, Failure> {
         let settings = Settings::symo(MECHANISM, TRAJECTORIES, self.seed);
         let data = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
@@ -109,14 +126,18 @@ impl Demo {
         Ok(data.samples())
     }
 
-    fn train(&self, output: Output) -> Result<train::Report, Failure> {
+    fn write_config(&self, file: &Path) -> Done {
         let coordinates = Coordinates(MECHANISM.coordinates().to_vec());
         let model = RigidConfig { hidden: vec![WIDTH; 2], ..RigidConfig::new(coordinates) };
         let mut config = Config::new("data.npz", model);
         (config.training.iterations, config.training.seed) = (ITERATIONS, self.seed);
-        let (file, folder) = (self.out.join("train.toml"), self.out.join("run"));
-        atomic::write(&file, config.to_toml().as_bytes()).map_err(|error| Failure::file(&file, error))?;
-        let plan = train::plan(&file, Config::read(&file)?, output)?;
+        let text = format!("{MARK}\n{}", config.to_toml());
+        atomic::write(file, text.as_bytes()).map_err(|error| Failure::file(file, error))
+    }
+
+    fn train(&self, file: &Path, output: Output) -> Result<train::Report, Failure> {
+        let folder = self.out.join("run");
+        let plan = train::plan(file, Config::read(file)?, output)?;
         let run = Run::begin(plan, &folder, true)?;
         let (report, ending) = train::train(run, &folder, self.quiet, interrupt::flag()?)?;
         if ending == Ending::Interrupted {

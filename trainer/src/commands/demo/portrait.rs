@@ -2,7 +2,7 @@
 
 use super::Failure;
 use leastaction::data::{Dataset, Trajectory};
-use leastaction::evaluate::{integration_errors, rollout};
+use leastaction::evaluate::{Beginning, integration_errors, rollout};
 use leastaction::ground_truth::{Drive, Mechanism, Settings, generate};
 use leastaction::model_file::HostModel;
 use leastaction::plot::{Angle, Phase, Series, Stroke, phase_portrait};
@@ -41,7 +41,7 @@ pub fn forecast(
         Settings { samples, drive: Drive::Free, ..Settings::symo(mechanism, TRAJECTORIES, unseen) };
     let truth = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
     let order = model.facts.trained_step.map_or(4, |step| step.order.number());
-    let learned = rollout(&model.architecture, &model.weights, order, &truth)
+    let learned = rollout(&model.architecture, &model.weights, order, (&truth, Beginning::Positions))
         .map_err(|error| Failure::Work(error.to_string()))?;
     let errors = integration_errors(&learned, &truth);
     draw(picture, &truth, &learned)?;

@@ -1,7 +1,7 @@
 //! Predictions over many seconds by accelerations, in ModLaNet's measures, beside the floor of single precision.
 
 use leastaction::atomic;
-use leastaction::cli::{Failure, folder};
+use leastaction::cli::{Failure, FileKind, folder, replaceable};
 use leastaction::evaluate::learned::with_accelerations;
 use leastaction::evaluate::prediction::{Prediction, TOLERANCE, Truth};
 use leastaction::ground_truth::{
@@ -87,10 +87,11 @@ pub struct LongTerm {
 /// Of one prediction, over its starts.
 #[derive(Serialize)]
 struct Measures {
-    position: f64,
-    position_deviation: f64,
-    energy: f64,
-    energy_deviation: f64,
+    /// Of those predictions that did not break off, here and below.
+    position: Option<f64>,
+    position_deviation: Option<f64>,
+    energy: Option<f64>,
+    energy_deviation: Option<f64>,
     valid_mean: f64,
     valid_median: f64,
     failed: usize,
@@ -98,12 +99,12 @@ struct Measures {
 
 impl From<&Prediction> for Measures {
     fn from(prediction: &Prediction) -> Self {
-        let (position, energy) = (prediction.position(), prediction.energy());
+        let [position, energy] = prediction.of_followed().map_or([None; 2], |both| both.map(Some));
         Self {
-            position: position.mean,
-            position_deviation: position.deviation,
-            energy: energy.mean,
-            energy_deviation: energy.deviation,
+            position: position.map(|average| average.mean),
+            position_deviation: position.map(|average| average.deviation),
+            energy: energy.map(|average| average.mean),
+            energy_deviation: energy.map(|average| average.deviation),
             valid_mean: prediction.valid().mean,
             valid_median: prediction.valid_median(),
             failed: prediction.failed(),
@@ -115,6 +116,7 @@ impl Request<'_> {
     /// Predicts, and writes the curves into a folder where one is named.
     pub fn run(&self, output: Option<&Path>) -> Result<LongTerm, Failure> {
         let failed = |error: &dyn fmt::Display| Failure::Work(error.to_string());
+        let files = output.map(files).transpose()?;
         let motion = self.system.motion().map_err(|error| Failure::Input(error.to_string()))?;
         let starts = self.system.starts(self.starts, self.seed);
         let truth = Truth::new(motion.as_ref(), starts, Horizon::of_seconds(self.seconds))
@@ -136,10 +138,8 @@ impl Request<'_> {
             curves: None,
             picture: None,
         };
-        if let Some(path) = output {
-            folder(path)?;
+        if let Some([table, picture]) = files {
             let curves = Curves { h: truth.horizon().h, learned: &learned, floor: &floor };
-            let (table, picture) = (path.join("prediction.csv"), path.join("prediction.svg"));
             curves.write(&table).map_err(|error| Failure::file(&table, error))?;
             curves.draw(&picture).map_err(|error| Failure::file(&picture, error))?;
             (report.curves, report.picture) = (Some(table), Some(picture));
@@ -147,6 +147,18 @@ impl Request<'_> {
         Ok(report)
     }
 }
+
+/// The names of the table and the picture in a folder, where they may be written.
+fn files(path: &Path) -> Result<[PathBuf; 2], Failure> {
+    let files = [path.join("prediction.csv"), path.join("prediction.svg")];
+    folder(path)?;
+    replaceable(&files[0], FileKind::Table(HEAD))?;
+    replaceable(&files[1], FileKind::Picture)?;
+    Ok(files)
+}
+
+/// The first line of the table.
+const HEAD: &str = "t,mse_q,mse_energy,single_precision_mse_q,single_precision_mse_energy\n";
 
 /// Errors over time.
 struct Curves<'a> {
@@ -157,7 +169,7 @@ struct Curves<'a> {
 
 impl Curves<'_> {
     fn write(&self, file: &Path) -> std::io::Result<()> {
-        let mut text = "t,mse_q,mse_energy,single_precision_mse_q,single_precision_mse_energy\n".to_owned();
+        let mut text = HEAD.to_owned();
         let learned = self.learned.mse_q.iter().zip(&self.learned.mse_energy);
         let floor = self.floor.mse_q.iter().zip(&self.floor.mse_energy);
         for (k, ((q, energy), (floor_q, floor_energy))) in learned.zip(floor).enumerate() {
@@ -187,20 +199,23 @@ impl fmt::Display for LongTerm {
         let Self { system, count, starts, seconds, learned, single_precision, .. } = self;
         writeln!(f, "prediction of {system} of {count} over {seconds} s from {starts} starts")?;
         writeln!(f, "{:<30} {:>12} {:>24}", "", "learned", "exact, single precision")?;
-        type Row = (&'static str, fn(&Measures) -> f64);
+        type Row = (&'static str, fn(&Measures) -> Option<f64>);
         let rows: [Row; 4] = [
             ("position error A_q", |m| m.position),
             ("energy error A_E (J)", |m| m.energy),
-            ("valid for, mean (s)", |m| m.valid_mean),
-            ("valid for, median (s)", |m| m.valid_median),
+            ("valid for, mean (s)", |m| Some(m.valid_mean)),
+            ("valid for, median (s)", |m| Some(m.valid_median)),
         ];
         for (name, pick) in rows {
-            let number =
-                |x: f64| if name.starts_with("valid") { format!("{x:.2}") } else { format!("{x:.3e}") };
+            let number = |x: Option<f64>| match x {
+                None => "none".to_owned(),
+                Some(x) if name.starts_with("valid") => format!("{x:.2}"),
+                Some(x) => format!("{x:.3e}"),
+            };
             writeln!(f, "{name:<30} {:>12} {:>24}", number(pick(learned)), number(pick(single_precision)))?;
         }
         if learned.failed > 0 {
-            writeln!(f, "{} predictions broke off; they count as infinitely wrong", learned.failed)?;
+            writeln!(f, "{} of {starts} predictions broke off, and have no errors", learned.failed)?;
         }
         let files = self.curves.iter().zip(&self.picture);
         files.into_iter().try_for_each(|(curves, picture)| {

@@ -6,24 +6,27 @@ mod report;
 use super::inspect::load_part;
 use super::system::{Kind, System};
 use clap::Args;
+use leastaction::architecture::Architecture;
 use leastaction::cli::arguments::{control, order, positive, seed};
 use leastaction::cli::{Done, Failure, Output, refuse};
 use leastaction::data::{self, Dataset, control_name};
 use leastaction::evaluate::{
-    acceleration_mse, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout,
+    Beginning, acceleration_mse, energy_mse, finished, inertia_mse, integration_errors, one_step_mse, rollout,
 };
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use long_term::{Request, Scalable};
-use report::Report;
+use report::{Acceleration, Report, Steps};
 use std::path::PathBuf;
 
 /// Measure a model on logged motion.
 ///
-/// Accelerations, where the log has v and a; positions one step ahead, and over whole trajectories from their first two
-/// positions, under the logged control, held or linear between samples. Angles of the log may be wrapped into one turn.
+/// Accelerations, where the log has v and a; positions one step ahead, from the two before; and over whole trajectories from the
+/// second sample on, with its velocity where the log has v, else that of the first two positions, under the logged control, held or
+/// linear between samples. What cannot be computed is counted, and left out of the errors. Angles of the log may be wrapped into one
+/// turn.
 ///
 /// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid also predictions from random starts by the learned
 /// accelerations (weights as shipped, else in double precision; on the rods, where there are some), in ModLaNet's measures and beside
@@ -85,15 +88,9 @@ impl Evaluate {
         }
         let failed = |error| Failure::input(&self.model, error);
         let mut report = self.measure(&model, &log, symo).map_err(failed)?;
-        if report.one_step_mse.is_none() {
+        if report.steps.is_none() {
             output
                 .note("note: positions are not stepped: of what has rods, accelerations alone are measured");
-        }
-        if [report.one_step_mse, report.rollout_mse].contains(&Some(f64::INFINITY)) {
-            output.note(&format!(
-                "note: steps of {} s cannot be solved from every state of the log; where they cannot, the error counts as infinite",
-                log.h
-            ));
         }
         if let Some(Exact::Scalable(system)) = system {
             report.prediction = Some(self.request(&model, system).run(self.output.as_deref())?);
@@ -208,12 +205,9 @@ impl Evaluate {
     ) -> Result<Report, ModelError> {
         let (architecture, weights) = (&model.architecture, &model.weights);
         let order = self.order.or(model.facts.trained_step.map(|step| step.order.number())).unwrap_or(4);
-        let steps = architecture.has_steps();
-        let runs = steps.then(|| rollout(architecture, weights, order, log)).transpose()?;
-        let errors = runs.as_ref().map(|runs| integration_errors(runs, log));
-        let one_step = || one_step_mse(architecture, weights, order, log);
         // Under a force even the true energy does not keep its first value, which the measure compares with.
         let free = system.filter(|_| !log.is_forced());
+        let steps = || steps((architecture, weights), order, log, free);
         let inertia = |system| inertia_mse(architecture, weights, system, log);
         let part = |what| {
             let (_, name) = architecture.part().filter(|(of, _)| *of == what)?;
@@ -230,17 +224,38 @@ impl Evaluate {
             control: log.control_changes().then(|| control_name(log.control_kind())),
             trajectories: log.trajectories.len(),
             samples: log.samples(),
-            acceleration_mse: acceleration.map(|(error, _)| error),
-            acceleration_relative: acceleration.map(|(error, square)| error / square),
-            one_step_mse: steps.then(one_step).transpose()?,
-            rollout_mse: errors.as_ref().map(|errors| errors.mean),
-            rollout_median: errors.as_ref().map(|errors| errors.median),
-            rollout_mse_100: errors.as_ref().map(|errors| errors.first_100),
-            energy_mse: free.zip(runs).map(|(system, runs)| energy_mse(system, &runs, log)),
+            acceleration: acceleration.map(|(solved, square)| Acceleration {
+                acceleration_mse: solved.mean_square,
+                acceleration_relative: solved.mean_square.map(|error| error / square),
+                acceleration_unsolved: solved.unsolved,
+            }),
+            steps: architecture.has_steps().then(steps).transpose()?,
             inertia_mse: system.map(inertia).transpose()?,
             prediction: None,
         })
     }
+}
+
+/// Measures steps, and energies where they are to be compared with those of a mechanism.
+fn steps(
+    (architecture, weights): (&Architecture, &[f64]),
+    order: u8,
+    log: &Dataset,
+    mechanism: Option<Mechanism>,
+) -> Result<Steps, ModelError> {
+    let one_step = one_step_mse(architecture, weights, order, log)?;
+    let (runs, motions) = finished(&rollout(architecture, weights, order, (log, Beginning::Velocity))?, log);
+    let is_measured = !runs.is_empty();
+    let errors = is_measured.then(|| integration_errors(&runs, &motions));
+    Ok(Steps {
+        one_step_mse: one_step.mean_square,
+        one_step_unsolved: one_step.unsolved,
+        rollout_mse: errors.as_ref().map(|errors| errors.mean),
+        rollout_median: errors.as_ref().map(|errors| errors.median),
+        rollout_mse_100: errors.as_ref().map(|errors| errors.first_100),
+        rollouts_broken_off: log.trajectories.len() - runs.len(),
+        energy_mse: mechanism.filter(|_| is_measured).map(|system| energy_mse(system, &runs, &motions)),
+    })
 }
 
 /// Has angles go on across their seams, and tells of what is doubtful.

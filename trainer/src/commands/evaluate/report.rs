@@ -21,21 +21,10 @@ pub struct Report {
     pub control: Option<&'static str>,
     pub trajectories: usize,
     pub samples: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub acceleration_mse: Option<f64>,
-    /// As a part of the mean squared acceleration.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub acceleration_relative: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub one_step_mse: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rollout_mse: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rollout_median: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rollout_mse_100: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub energy_mse: Option<f64>,
+    #[serde(flatten)]
+    pub acceleration: Option<Acceleration>,
+    #[serde(flatten)]
+    pub steps: Option<Steps>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia_mse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -54,18 +43,67 @@ impl fmt::Display for Report {
             f,
             "{part}{trajectories} trajectories, {samples} samples; order {order}, step {h} s{control}; mean squared errors"
         )?;
-        let rows = [
-            ("acceleration", self.acceleration_mse),
-            ("  relative to its mean square", self.acceleration_relative),
-            ("position, one step ahead", self.one_step_mse),
-            ("position, whole trajectories", self.rollout_mse),
-            ("  median over trajectories", self.rollout_median),
-            ("  first 100 steps", self.rollout_mse_100),
-            ("energy along them (J²)", self.energy_mse),
-            ("inertia matrix", self.inertia_mse),
-        ];
-        let present = rows.iter().filter_map(|(name, value)| Some((name, (*value)?)));
-        present.into_iter().try_for_each(|(name, value)| writeln!(f, "{name:<30} {value:.3e}"))?;
+        self.acceleration.iter().try_for_each(|acceleration| write!(f, "{acceleration}"))?;
+        self.steps.iter().try_for_each(|steps| write!(f, "{steps}"))?;
+        self.inertia_mse.iter().try_for_each(|error| row(f, "inertia matrix", Some(*error)))?;
         self.prediction.iter().try_for_each(|prediction| write!(f, "\n{prediction}"))
     }
+}
+
+/// Errors of accelerations.
+#[derive(Serialize)]
+pub struct Acceleration {
+    /// Of the samples that have one, here and below; none: nothing could be computed.
+    pub acceleration_mse: Option<f64>,
+    /// As a part of the mean squared acceleration.
+    pub acceleration_relative: Option<f64>,
+    /// Samples at which the model has none.
+    pub acceleration_unsolved: usize,
+}
+
+/// Errors of steps.
+#[derive(Serialize)]
+pub struct Steps {
+    /// Of the steps that can be solved; none: none could.
+    pub one_step_mse: Option<f64>,
+    /// Steps that cannot.
+    pub one_step_unsolved: usize,
+    /// Of the rollouts that reach the end, here and below; none: none did.
+    pub rollout_mse: Option<f64>,
+    pub rollout_median: Option<f64>,
+    pub rollout_mse_100: Option<f64>,
+    /// Rollouts that do not.
+    pub rollouts_broken_off: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_mse: Option<f64>,
+}
+
+impl fmt::Display for Acceleration {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        row(f, "acceleration", self.acceleration_mse)?;
+        row(f, "  relative to its mean square", self.acceleration_relative)?;
+        left_out(f, self.acceleration_unsolved, "samples have no acceleration")
+    }
+}
+
+impl fmt::Display for Steps {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        row(f, "position, one step ahead", self.one_step_mse)?;
+        left_out(f, self.one_step_unsolved, "steps cannot be solved")?;
+        row(f, "position, whole trajectories", self.rollout_mse)?;
+        row(f, "  median over trajectories", self.rollout_median)?;
+        row(f, "  first 100 steps", self.rollout_mse_100)?;
+        self.energy_mse.iter().try_for_each(|error| row(f, "energy along them (J²)", Some(*error)))?;
+        left_out(f, self.rollouts_broken_off, "trajectories break off at a step that cannot be solved")
+    }
+}
+
+fn row(f: &mut fmt::Formatter, name: &str, value: Option<f64>) -> fmt::Result {
+    let value = value.map_or("none".to_owned(), |value| format!("{value:.3e}"));
+    writeln!(f, "{name:<30} {value}")
+}
+
+/// What the rows above do not count.
+fn left_out(f: &mut fmt::Formatter, count: usize, what: &str) -> fmt::Result {
+    if count == 0 { Ok(()) } else { writeln!(f, "  without {count}: these {what}") }
 }

@@ -5,7 +5,8 @@ use leastaction::architecture::Architecture;
 use leastaction::cli::{Failure, Output};
 use leastaction::config::Config;
 use leastaction::data::{self, Dataset};
-use leastaction::evaluate::{acceleration_mse, integration_errors, one_step_mse, rollout};
+use leastaction::evaluate::{Beginning, acceleration_mse, integration_errors, one_step_mse, rollout};
+use leastaction::training::Solved;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use serde::Serialize;
@@ -89,13 +90,19 @@ impl Compared<'_> {
         let (architecture, order) = (self.architecture, self.order);
         let steps = architecture.has_steps();
         let one_step = || one_step_mse(architecture, weights, order, log);
-        let runs = steps.then(|| rollout(architecture, weights, order, log)).transpose()?;
+        let rollout = || rollout(architecture, weights, order, (log, Beginning::Velocity));
+        let runs = steps.then(rollout).transpose()?;
         Ok(Errors {
-            acceleration: acceleration_mse(architecture, weights, log)?.map(|(error, _)| error.sqrt()),
-            one_step: steps.then(one_step).transpose()?.map(f64::sqrt),
+            acceleration: acceleration_mse(architecture, weights, log)?.and_then(|(error, _)| root(error)),
+            one_step: steps.then(one_step).transpose()?.and_then(root),
             trajectory: runs.map(|runs| integration_errors(&runs, log).median.sqrt()),
         })
     }
+}
+
+/// The root of the mean square, of what could be computed.
+fn root(error: Solved) -> Option<f64> {
+    error.mean_square.map(f64::sqrt)
 }
 
 impl fmt::Display for Accuracy {

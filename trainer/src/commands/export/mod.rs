@@ -5,9 +5,9 @@ mod accuracy;
 use accuracy::{Accuracy, Compared};
 use clap::{Args, ValueEnum};
 use leastaction::atomic;
-use leastaction::cli::{Done, Failure, Output};
+use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::model_file::{self, Precision};
-use leastaction::run::Trained;
+use leastaction::run::{Best, Trained};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -85,6 +85,7 @@ impl Export {
     /// Writes the files.
     pub fn run(self, output: Output) -> Done {
         let precision = self.weights.precision();
+        self.check()?;
         let (trained, bytes) = encoded(&self.run, precision)?;
         let accuracy = self.accuracy(&trained, &bytes, output)?;
         atomic::write(&self.output, &bytes).map_err(|error| Failure::file(&self.output, error))?;
@@ -101,6 +102,15 @@ impl Export {
             rust: self.rust,
             accuracy,
         })
+    }
+
+    /// Refuses to lose files.
+    fn check(&self) -> Done {
+        if self.rust.as_ref() == Some(&self.output) {
+            return Err(Failure::input(&self.output, "--output and --rust name the same file; name two"));
+        }
+        replaceable(&self.output, FileKind::Model)?;
+        self.rust.iter().try_for_each(|file| replaceable(file, FileKind::RustModule))
     }
 
     /// What rounding cost, where it may have cost something, or where it is asked for.
@@ -124,7 +134,24 @@ impl Export {
 pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), Failure> {
     let trained = Trained::read(run).map_err(|error| Failure::Input(error.to_string()))?;
     let Trained { architecture, best, .. } = &trained;
+    if !best.is_a_model() {
+        return Err(Failure::file(run, nothing(best)));
+    }
     let bytes = model_file::encode_in(precision, architecture, &best.weights, &trained.facts())
         .map_err(|error| Failure::file(run, error))?;
     Ok((trained, bytes))
+}
+
+/// Why weights are no model.
+fn nothing(best: &Best) -> String {
+    let found = if best.solves_nothing {
+        "no training sample could be solved".to_owned()
+    } else {
+        format!("the training loss is {}", best.train)
+    };
+    format!(
+        "nothing was learned that could be exported: {found} at iteration {}, the best one; look at the data and at [training] warm_up, \
+         and train again",
+        best.iteration
+    )
 }

@@ -14,7 +14,7 @@ use super::inspect::load;
 use super::system::SymoSystem;
 use clap::Args;
 use leastaction::cli::arguments::{positive, positive_f32, seed};
-use leastaction::cli::{Done, Failure, Output, folder};
+use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable};
 use leastaction::ground_truth::Mechanism;
 use leastaction::model_file::HostModel;
 use leastaction_core::energy::rigid::Coordinate;
@@ -138,6 +138,8 @@ impl Simulate {
         let request = Request { model: &model, mechanism, scenario, seed, seconds, tick, on };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
+        replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;
+        replaceable(&files[1], FileKind::Picture)?;
         let report = simulate(&self.model, &request, files)?;
         output.report(&report)?;
         report.judge()

@@ -54,6 +54,9 @@ impl Trace {
 const VECTORS: [&str; 9] =
     ["q", "v", "measured", "q_estimate", "v_estimate", "reference", "error", "commanded", "applied"];
 
+/// How a trace begins.
+pub const BEGINNING: &str = "index,time,q0";
+
 fn head(n: usize) -> String {
     let vectors = VECTORS.iter().flat_map(|name| (0..n).map(move |i| format!("{name}{i}")));
     let names: Vec<String> = ["index".to_owned(), "time".to_owned()].into_iter().chain(vectors).collect();

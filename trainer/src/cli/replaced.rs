@@ -1,0 +1,77 @@
+//! Files that a command may replace: those of the kind that it writes. A slip of a name must not cost a log, a configuration or a
+//! run.
+
+use super::Failure;
+use crate::data;
+use crate::model_file::RUST_HEAD;
+use leastaction_core::model::MAGIC;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// What a command writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A model file.
+    Model,
+    /// A Rust module with a model.
+    RustModule,
+    /// A log of motion, by its name.
+    Log,
+    /// A table that begins with these names.
+    Table(&'static str),
+    /// A picture.
+    Picture,
+}
+
+impl FileKind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Model => "model file",
+            Self::RustModule => "Rust module of `leastaction export`",
+            Self::Log => "log of motion",
+            Self::Table(_) => "table of this command",
+            Self::Picture => "picture (SVG)",
+        }
+    }
+
+    /// How a file of this kind begins; `None`: the whole file says it.
+    fn head(self, path: &Path) -> Option<&'static [u8]> {
+        match self {
+            Self::Model => Some(&MAGIC),
+            Self::RustModule => Some(RUST_HEAD.as_bytes()),
+            Self::Log if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) => {
+                Some(b"PK\x03\x04")
+            }
+            Self::Log => None,
+            Self::Table(head) => Some(head.as_bytes()),
+            Self::Picture => Some(b"<svg"),
+        }
+    }
+
+    /// Whether a file is of this kind, or empty.
+    fn is_of(self, path: &Path) -> io::Result<bool> {
+        let Some(head) = self.head(path) else { return Ok(data::read(path).is_ok()) };
+        let mut begin = Vec::new();
+        File::open(path)?.take(head.len() as u64).read_to_end(&mut begin)?;
+        Ok(begin == head)
+    }
+}
+
+/// Refuses a file that is there and of another kind; where there is none, or a device, anything may be written.
+///
+/// # Errors
+/// [`Failure::Input`] for a file of another kind, or one that cannot be read.
+pub fn replaceable(path: &Path, kind: FileKind) -> Result<(), Failure> {
+    let is_free = path.metadata().map_or(true, |file| !file.is_file() || file.len() == 0);
+    if is_free || kind.is_of(path).map_err(|error| Failure::input(path, error))? {
+        return Ok(());
+    }
+    let what = kind.name();
+    Err(Failure::input(
+        path,
+        format!(
+            "there is a file of this name that is no {what}, and would be lost; remove it, or name another file"
+        ),
+    ))
+}
