@@ -21,6 +21,8 @@ mod program;
 mod reverse;
 mod row;
 mod schedule;
+mod single;
+mod sparsity;
 mod system;
 
 pub use builder::{Builder, Layer, Node};
@@ -28,4 +30,5 @@ pub use function::Function;
 pub use program::{Program, Workspace};
 pub use reverse::{Adjoints, WeightTerm};
 pub use row::{Row, WIDTH};
+pub use sparsity::Pattern;
 pub use system::{DerivativeOutputs, Separable, System};

@@ -82,6 +82,8 @@ pub(crate) enum Step {
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) steps: Vec<Step>,
+    /// Steps that the vectors need; the gradients need the others too.
+    pub(crate) first: usize,
     /// The length of every slot, and the constants that some hold from the start.
     pub(crate) slots: Vec<usize>,
     pub(crate) constants: Vec<(Slot, Vec<f64>)>,
@@ -147,8 +149,33 @@ impl Program {
     /// # Panics
     /// Where inputs, rows or workspace are not those of the program.
     pub fn run(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace, rows: &mut [Vec<Row>]) {
+        self.run_outputs(weights, inputs, workspace);
+        self.run_rows(weights, inputs, workspace, rows);
+    }
+
+    /// Evaluates the vectors alone; inputs that none of them needs may be missing.
+    ///
+    /// # Panics
+    /// As [`Program::run`].
+    pub fn run_outputs(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace) {
+        for step in &self.steps[..self.first] {
+            step.run(weights, inputs, &mut workspace.slots, &mut []);
+        }
+    }
+
+    /// Adds the gradients after [`Program::run_outputs`] with the same weights, workspace and inputs, but for those that were missing.
+    ///
+    /// # Panics
+    /// As [`Program::run`].
+    pub fn run_rows(
+        &self,
+        weights: &[f64],
+        inputs: &[&[Row]],
+        workspace: &mut Workspace,
+        rows: &mut [Vec<Row>],
+    ) {
         assert!(inputs.len() >= self.inputs && rows.len() >= self.rows, "inputs or rows are missing");
-        for step in &self.steps {
+        for step in &self.steps[self.first..] {
             step.run(weights, inputs, &mut workspace.slots, rows);
         }
     }

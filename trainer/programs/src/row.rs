@@ -26,6 +26,18 @@ impl Row {
         std::array::from_fn(|g| f64x8::new(groups[g]))
     }
 
+    /// The numbers of one group of samples.
+    #[inline(always)]
+    pub(crate) fn group(&self, g: usize) -> f64x8 {
+        f64x8::new(self.0.as_chunks::<LANES>().0[g])
+    }
+
+    /// Writes the numbers of one group of samples.
+    #[inline(always)]
+    pub(crate) fn set_group(&mut self, g: usize, x: f64x8) {
+        self.0.as_chunks_mut::<LANES>().0[g] = x.to_array();
+    }
+
     /// From vector registers.
     #[inline(always)]
     pub(crate) fn store(x: [f64x8; GROUPS]) -> Self {

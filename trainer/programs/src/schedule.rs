@@ -13,16 +13,20 @@ type Pairs = Vec<Pair<Node>>;
 /// Chooses steps and slots.
 pub(crate) struct Scheduler<'b> {
     builder: &'b Builder,
-    needed: Vec<bool>,
-    /// When each node is read last: after how many nodes.
+    /// The nodes to compute, those first that outputs need, and the place of each in that order.
+    order: Vec<Node>,
+    ranks: Vec<usize>,
+    /// Nodes that outputs need.
+    first: usize,
+    /// When each node is read last: a place in the order.
     last_read: Vec<usize>,
     places: Vec<Option<Slot>>,
     program: Program,
     /// Slots that are free again, by length.
     free: HashMap<usize, Vec<Slot>>,
-    /// Terms of the same layer or numbers, by the node after which all is there.
+    /// Terms of the same layer or numbers, by the place after which all is there.
     gradients: HashMap<usize, Vec<Gradient>>,
-    /// The nodes that are read last after a node.
+    /// The nodes that are read last at a place.
     ends: HashMap<usize, Vec<Node>>,
     /// The derivatives of one function at one vector: computed together.
     maps: HashMap<(u32, Node), [Option<Node>; ORDERS]>,
@@ -37,10 +41,17 @@ impl<'b> Scheduler<'b> {
     pub fn new(builder: &'b Builder, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Self {
         let count = builder.operations.len();
         let mut results = outputs.to_vec();
+        let early = builder.read_by(&results, count);
         rows.iter().flatten().for_each(|term| reads_of(term, |node| results.push(node)));
         let needed = builder.read_by(&results, count);
+        let (first, rest): (Vec<usize>, Vec<usize>) =
+            (0..count).filter(|at| needed[*at]).partition(|at| early[*at]);
+        let order: Vec<Node> = first.iter().chain(&rest).map(|at| Node::new(*at)).collect();
+        let mut ranks = vec![0; count];
+        order.iter().enumerate().for_each(|(rank, node)| ranks[node.index()] = rank);
         let program = Program {
             steps: Vec::new(),
+            first: 0,
             slots: Vec::new(),
             constants: Vec::new(),
             outputs: Vec::new(),
@@ -49,8 +60,10 @@ impl<'b> Scheduler<'b> {
         };
         Self {
             builder,
-            needed,
-            last_read: (0..count).collect(),
+            order,
+            last_read: ranks.clone(),
+            ranks,
+            first: first.len(),
             places: vec![None; count],
             program,
             free: HashMap::new(),
@@ -61,24 +74,30 @@ impl<'b> Scheduler<'b> {
     }
 
     pub fn schedule(mut self, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Program {
-        let nodes: Vec<usize> = (0..self.needed.len()).filter(|at| self.needed[*at]).collect();
-        for at in &nodes {
-            self.builder.operations[*at].reads(|x| self.last_read[x.index()] = *at);
-            if let Operation::Map { function, order, x } = &self.builder.operations[*at] {
-                self.maps.entry((*function, *x)).or_default()[*order] = Some(Node::new(*at));
+        let order = std::mem::take(&mut self.order);
+        for (rank, node) in order.iter().enumerate() {
+            let operation = &self.builder.operations[node.index()];
+            operation.reads(|x| self.last_read[x.index()] = rank);
+            if let Operation::Map { function, order, x } = operation {
+                self.maps.entry((*function, *x)).or_default()[*order] = Some(*node);
             }
         }
         self.group(rows);
         outputs.iter().for_each(|node| self.last_read[node.index()] = usize::MAX);
-        for at in &nodes {
-            self.ends.entry(self.last_read[*at]).or_default().push(Node::new(*at));
+        for node in &order {
+            self.ends.entry(self.last_read[node.index()]).or_default().push(*node);
         }
-        for at in nodes {
-            self.step(at);
-            for gradient in self.gradients.remove(&at).unwrap_or_default() {
+        for rank in 0..=order.len() {
+            if rank == self.first {
+                self.program.first = self.program.steps.len();
+            }
+            if let Some(node) = order.get(rank) {
+                self.step(node.index());
+            }
+            for gradient in self.gradients.remove(&rank).unwrap_or_default() {
                 self.gradient(&gradient);
             }
-            for node in self.ends.remove(&at).unwrap_or_default() {
+            for node in self.ends.remove(&rank).unwrap_or_default() {
                 self.release(node);
             }
         }
@@ -93,7 +112,7 @@ impl<'b> Scheduler<'b> {
             for term in terms {
                 match *term {
                     WeightTerm::Parameters { start, bar } => {
-                        self.when_ready(bar.index(), &[bar], Gradient::Numbers { row, start, bar });
+                        self.when_ready(&[bar], Gradient::Numbers { row, start, bar });
                     }
                     WeightTerm::Layer { layer, columns, y_bar, x, bias } => {
                         let pair = Pair { columns, y_bar, x, bias };
@@ -106,13 +125,14 @@ impl<'b> Scheduler<'b> {
             }
             for (layer, pairs) in layers {
                 let nodes: Vec<Node> = pairs.iter().flat_map(|pair| [pair.y_bar, pair.x]).collect();
-                let ready = nodes.iter().map(|node| node.index()).max().unwrap_or(0);
-                self.when_ready(ready, &nodes, Gradient::Outer { row, layer, pairs });
+                self.when_ready(&nodes, Gradient::Outer { row, layer, pairs });
             }
         }
     }
 
-    fn when_ready(&mut self, ready: usize, reads: &[Node], gradient: Gradient) {
+    /// As soon as all that it reads is there, and not before all outputs are.
+    fn when_ready(&mut self, reads: &[Node], gradient: Gradient) {
+        let ready = reads.iter().map(|node| self.ranks[node.index()]).fold(self.first, usize::max);
         for node in reads {
             let last = &mut self.last_read[node.index()];
             *last = (*last).max(ready);

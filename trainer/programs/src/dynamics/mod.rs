@@ -1,6 +1,7 @@
 //! Motion of systems of any size, samples side by side: accelerations, and steps of the discrete Euler–Lagrange equation.
 
 mod acceleration;
+mod cholesky;
 mod del;
 mod dense;
 mod interval;
@@ -14,6 +15,8 @@ pub use interval::{Balance, Interval, Linearised, Order};
 pub use newton::Newton;
 pub use rods::Rods;
 
+pub(crate) use acceleration::MotionSolver;
+pub(crate) use cholesky::Cholesky;
 pub(crate) use dense::{add, contracted, dot, max_abs, product, times};
 pub(crate) use interval::{GaussPoint, Integrals, Variation};
 pub(crate) use matrix::Lu;
