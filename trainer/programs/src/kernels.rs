@@ -34,19 +34,19 @@ pub(crate) fn linear(
 
 #[inline(never)]
 fn linear_panel<const P: usize>(rows: &[f64], biases: Option<&[f64]>, x: &[Row], y: &mut [Row]) {
-    let biases = biases.and_then(|biases| biases.first_chunk::<P>());
-    let biases = biases.map_or([f64x8::ZERO; P], |biases| biases.map(f64x8::splat));
     for first in (0..GROUPS).step_by(TOGETHER) {
-        let mut sums = biases.map(|bias| [bias; TOGETHER]);
+        let mut sums = [[f64x8::ZERO; TOGETHER]; P];
+        for (sums, bias) in sums.iter_mut().zip(biases.unwrap_or_default()) {
+            *sums = [f64x8::splat(*bias); TOGETHER];
+        }
         for (x, row) in x.iter().zip(rows.as_chunks::<P>().0) {
-            let x: [f64x8; TOGETHER] = std::array::from_fn(|g| x.group(first + g));
             for (sums, w) in sums.iter_mut().zip(row) {
                 let w = f64x8::splat(*w);
-                sums.iter_mut().zip(x).for_each(|(sum, x)| *sum = w.mul_add(x, *sum));
+                sums.iter_mut().enumerate().for_each(|(g, sum)| *sum = w.mul_add(x.group(first + g), *sum));
             }
         }
-        for (y, sums) in y.iter_mut().zip(sums) {
-            sums.into_iter().enumerate().for_each(|(g, sum)| y.set_group(first + g, sum));
+        for (y, sums) in y.iter_mut().zip(&sums) {
+            sums.iter().enumerate().for_each(|(g, sum)| y.set_group(first + g, *sum));
         }
     }
 }
@@ -70,15 +70,14 @@ pub(crate) fn transposed(layer: &Layer, columns: usize, weights: &[f64], y: &[Ro
 #[inline(never)]
 fn transposed_panel<const P: usize>(rows: &[f64], y: &[Row], x: &mut [Row]) {
     let Some(y) = y.first_chunk::<P>() else { return };
-    let y = y.each_ref().map(Row::load);
     for (x, row) in x.iter_mut().zip(rows.as_chunks::<P>().0) {
-        let mut sums = [x.load(), [f64x8::ZERO; GROUPS]];
-        for (l, (w, y)) in row.iter().zip(&y).enumerate() {
+        let mut sums = [[f64x8::ZERO; GROUPS]; 2];
+        for (l, (w, y)) in row.iter().zip(y).enumerate() {
             let (w, sums) = (f64x8::splat(*w), &mut sums[l % 2]);
-            sums.iter_mut().zip(y).for_each(|(sum, y)| *sum = w.mul_add(*y, *sum));
+            sums.iter_mut().enumerate().for_each(|(g, sum)| *sum = w.mul_add(y.group(g), *sum));
         }
-        let [even, odd] = sums;
-        *x = Row::store(std::array::from_fn(|g| even[g] + odd[g]));
+        let [even, odd] = &sums;
+        (0..GROUPS).for_each(|g| x.set_group(g, x.group(g) + (even[g] + odd[g])));
     }
 }
 
@@ -150,7 +149,10 @@ fn outer_tile<const P: usize, const I: usize>(
     places: &mut [[Row; P]; I],
 ) {
     for g in 0..GROUPS {
-        let mut sums = places.each_ref().map(|places| places.each_ref().map(|place| place.group(g)));
+        let mut sums = [[f64x8::ZERO; P]; I];
+        for (sums, places) in sums.iter_mut().zip(places.iter()) {
+            sums.iter_mut().zip(places).for_each(|(sum, place)| *sum = place.group(g));
+        }
         for (y, x) in columns {
             let (Some(y), Some(x)) = (y[output..].first_chunk::<P>(), x[input..].first_chunk::<I>()) else {
                 return;
@@ -160,8 +162,8 @@ fn outer_tile<const P: usize, const I: usize>(
                 sums.iter_mut().zip(y).for_each(|(sum, y)| *sum = x.mul_add(y.group(g), *sum));
             }
         }
-        for (places, sums) in places.iter_mut().zip(sums) {
-            places.iter_mut().zip(sums).for_each(|(place, sum)| place.set_group(g, sum));
+        for (places, sums) in places.iter_mut().zip(&sums) {
+            places.iter_mut().zip(sums).for_each(|(place, sum)| place.set_group(g, *sum));
         }
     }
 }

@@ -242,9 +242,9 @@ fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec
     let mut places = to.map(|to| to.map(|to| std::mem::take(&mut slots[to])));
     for (i, x) in slots[x].iter().enumerate() {
         let curve = function.curve(x, wanted);
-        for (place, value) in places.iter_mut().zip(curve) {
+        for (place, value) in places.iter_mut().zip(&curve) {
             if let Some(place) = place {
-                place[i] = value;
+                place[i] = *value;
             }
         }
     }
