@@ -16,6 +16,7 @@ pub mod energies;
 mod forward;
 mod function;
 mod kernels;
+mod layout;
 pub mod losses;
 mod program;
 mod reverse;

@@ -7,6 +7,9 @@ pub(crate) const GROUPS: usize = 2;
 /// Samples that a program evaluates side by side.
 pub const WIDTH: usize = GROUPS * LANES;
 
+/// Where the numbers of a row lie among those of all rows; beyond them there are zeros.
+pub(crate) type Places = [u32; WIDTH];
+
 /// One number of every sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
@@ -36,6 +39,13 @@ impl Row {
     #[inline(always)]
     pub(crate) fn set_group(&mut self, g: usize, x: f64x8) {
         self.0.as_chunks_mut::<LANES>().0[g] = x.to_array();
+    }
+
+    /// The numbers at these places of rows.
+    #[inline(always)]
+    pub(crate) fn picked(rows: &[Self], places: &Places) -> Self {
+        let number = |i: u32| rows.get(i as usize / WIDTH).map_or(0.0, |row| row.0[i as usize % WIDTH]);
+        Self(std::array::from_fn(|k| number(places[k])))
     }
 
     /// From vector registers.

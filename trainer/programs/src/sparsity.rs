@@ -136,6 +136,13 @@ impl Pattern {
     pub fn blocks(&self) -> &[Vec<usize>] {
         &self.blocks
     }
+
+    /// The same, blocks of one size together.
+    pub(crate) fn blocks_by_size(&self) -> Vec<Vec<Vec<usize>>> {
+        let mut blocks = self.blocks.clone();
+        blocks.sort_by_key(Vec::len);
+        blocks.chunk_by(|a, b| a.len() == b.len()).map(<[_]>::to_vec).collect()
+    }
 }
 
 /// Every column's direction: the first that no column which shares a row with it has.

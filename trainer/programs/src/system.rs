@@ -112,6 +112,24 @@ impl System {
         (Program::new(&builder, &outputs, &[]), pattern)
     }
 
+    /// The same for one sample ([`Program::of_one_sample`]), for every size of blocks of M that there is: of all blocks of that size side
+    /// by side the numbers of the right side, and then the entries of M row by row.
+    pub(crate) fn equation_of_motion_in_blocks(&self) -> (Program, Pattern) {
+        let mut builder = self.builder.clone();
+        let (motion, pattern) = self.motion(&mut builder);
+        let mut outputs = Vec::new();
+        for blocks in pattern.blocks_by_size() {
+            let size = blocks[0].len();
+            let rows = (0..size).map(|i| blocks.iter().map(|block| block[i]).collect::<Vec<_>>());
+            outputs.extend(rows.map(|rows| builder.gather(motion[0], &rows)).collect::<Vec<_>>());
+            for (i, j) in (0..size * size).map(|k| (k / size, k % size)) {
+                let entries: Vec<_> = blocks.iter().map(|block| (block[i], block[j])).collect();
+                outputs.push(entries_of_mass(&mut builder, (&motion[1..], &pattern), &entries));
+            }
+        }
+        (Program::of_one_sample(&builder, &outputs), pattern)
+    }
+
     /// Those of [`System::equation_of_motion`] with the rows of [`System::residual`], which share what both compute.
     pub fn equation_of_motion_with_residual(&self, directions: usize) -> (Program, Pattern) {
         let mut builder = self.builder.clone();
@@ -276,4 +294,22 @@ impl System {
         let one = builder.constant(&[1.0]);
         builder.pull_back(of, one).weights
     }
+}
+
+/// Entries of M, from M along the directions of its pattern.
+fn entries_of_mass(
+    builder: &mut Builder,
+    (columns, pattern): (&[Node], &Pattern),
+    entries: &[(usize, usize)],
+) -> Node {
+    let mut sum = builder.zeros(entries.len());
+    for (direction, column) in columns.iter().enumerate() {
+        let own = |k: &usize| pattern.direction(entries[*k].0, entries[*k].1) == Some(direction);
+        let own: Vec<usize> = (0..entries.len()).filter(own).collect();
+        let rows: Vec<usize> = own.iter().map(|k| entries[*k].0).collect();
+        let part = builder.gather(*column, &rows);
+        let part = builder.scatter(part, &own, entries.len());
+        sum = builder.sum(sum, part);
+    }
+    sum
 }

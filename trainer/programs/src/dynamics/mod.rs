@@ -7,12 +7,14 @@ mod dense;
 mod interval;
 mod matrix;
 mod newton;
+mod one_sample;
 mod rods;
 
 pub use acceleration::Accelerations;
 pub use del::{Del, DelState};
 pub use interval::{Balance, Interval, Linearised, Order};
 pub use newton::Newton;
+pub use one_sample::OneSampleAccelerations;
 pub use rods::Rods;
 
 pub(crate) use acceleration::MotionSolver;
