@@ -16,12 +16,14 @@ impl Cholesky {
         self.entries.clear();
         self.entries
             .extend((0..n * n).map(|k| if k % n <= k / n { entry(k / n, k % n) } else { Row::default() }));
-        let mut positive = [true; WIDTH];
+        let mut least = Row::splat(f64::INFINITY);
         for k in 0..n {
             let pivot = self.eliminate(k);
-            positive.iter_mut().zip(pivot.0).for_each(|(positive, d)| *positive &= d > 0.0 && d.is_finite());
+            least = least.zip(&pivot, |least, d| if d < least { d } else { least });
+            // What is no number is not less either.
+            least = least.zip(&pivot, |least, d| if d < f64::INFINITY { least } else { 0.0 });
         }
-        positive
+        least.0.map(|d| d > 0.0)
     }
 
     /// Takes column k out of the rows below; returns its pivot.

@@ -20,7 +20,8 @@ pub struct OneSampleAccelerations {
 #[derive(Clone, Debug)]
 struct Group {
     size: usize,
-    blocks: Vec<Vec<usize>>,
+    /// Of each of their numbers where it is among the coordinates, of all blocks.
+    places: Vec<Vec<usize>>,
     /// The first output of their equations.
     first: usize,
 }
@@ -33,7 +34,8 @@ impl OneSampleAccelerations {
         let groups = pattern.blocks_by_size().into_iter().map(|blocks| {
             let (size, first) = (blocks[0].len(), end);
             end += size * (1 + size);
-            Group { size, blocks, first }
+            let places = (0..size).map(|i| blocks.iter().map(|block| block[i]).collect()).collect();
+            Group { size, places, first }
         });
         Self {
             n,
@@ -60,11 +62,12 @@ impl OneSampleAccelerations {
         let mut solved = true;
         for group in &self.groups {
             let mut x = vec![Row::default(); group.size];
-            for (row, blocks) in group.blocks.chunks(WIDTH).enumerate() {
+            for (row, start) in (0..group.places[0].len()).step_by(WIDTH).enumerate() {
                 let of = Equations { workspace: &self.workspace, group, row };
-                solved &= of.solve((&mut self.cholesky, &mut self.lu), &mut x, blocks.len());
-                for (k, block) in blocks.iter().enumerate() {
-                    block.iter().zip(&x).for_each(|(i, x)| a[*i] = x.0[k]);
+                let count = WIDTH.min(group.places[0].len() - start);
+                solved &= of.solve((&mut self.cholesky, &mut self.lu), &mut x, count);
+                for (places, x) in group.places.iter().zip(&x) {
+                    places[start..].iter().zip(&x.0).for_each(|(i, x)| a[*i] = *x);
                 }
             }
         }
