@@ -290,7 +290,6 @@ def report_of(lgnn, springs, ours, options):
             "LGNN's network, step": times(lgnn.steps),
             "our springs, step": times(springs.steps),
         },
-        "ours_l_q_us": [float(1e6 * x) for x in best["l_q_s"]],
         "comparison": {
             "acceleration: LGNN's network in both": comparison(lgnn.accelerations, best["acceleration_s"]),
             "step: LGNN's network in both": comparison(lgnn.steps, best["lgnn_step_s"]),
@@ -349,7 +348,7 @@ def parse(arguments):
 
 
 def benchmark(options, folder):
-    executable = options.ours.resolve() if options.ours else build_ours("leastaction-core", ["--example", "peer_lgnn"], "--ours PATH")
+    executable = options.ours.resolve() if options.ours else build_ours("leastaction-programs", ["--example", "peer_lgnn"], "--ours PATH")
     rng = np.random.default_rng(options.seed)
     lgnn, springs = random_lgnn(rng), (random_networks(rng, SPRING_SIZES), LAW)
     states = random_states(rng, options.springs)

@@ -1,14 +1,16 @@
 //! Programs beside core's code over lanes of the same samples, whose sizes are types: nanoseconds a sample of the parts of losses,
-//! for a rigid model of two coordinates.
+//! for a rigid model of two coordinates. Then the acceleration loss of a chain of two equal pendulums, whose networks are learned.
 //!
 //! `cargo run --release -p leastaction-programs --example speed`
 
-use leastaction_core::energy::Learnable;
+use leastaction_core::energy::modular::{Input, ModularShape, TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::energy::{Learnable, NetworkShape};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{LANES, Lanes};
-use leastaction_programs::energies::{Energies, RigidEnergies};
+use leastaction_programs::energies::{Energies, ModularEnergies, RigidEnergies};
+use leastaction_programs::losses::{AccelerationLoss, Block, Derivatives, Loss};
 use leastaction_programs::{Row, System, WIDTH};
 use std::hint::black_box;
 use std::time::Instant;
@@ -26,7 +28,52 @@ fn nanoseconds(samples: usize, mut run: impl FnMut()) -> f64 {
     best
 }
 
+/// A chain of two equal elements that are networks of their angles, with a potential.
+fn pendulums() -> ModularEnergies {
+    let network =
+        |inputs, outputs| NetworkShape::new(inputs, &[16, 16], outputs, Activation::Tanh).expect("a network");
+    let transform = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
+    let kind = TypeShape { transform, potential: Some(1) };
+    let shape = ModularShape::new(&[network(2, 2), network(2, 1)], &[kind], None).expect("a shape");
+    let chain = [None, Some(0)].map(|parent| TreeElement { kind: 0, parent });
+    ModularEnergies::new(&shape, &chain, false).expect("a tree")
+}
+
+/// The residual alone, with its gradient, and with its Jacobian.
+fn acceleration_loss() {
+    let model = pendulums();
+    let mut weights: Vec<f64> = (0..model.parameters()).map(|i| (1.7 * i as f64).sin() * 0.3).collect();
+    // Mass 1, no moment of inertia, the centre at the end, c₁ = 1.
+    let count = weights.len();
+    weights[count - 6..].copy_from_slice(&[1.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
+    let mut loss = AccelerationLoss::new(&System::new(&model));
+    let rows = vec![Row::splat(0.3), Row::splat(0.7)];
+    let block = Block {
+        states: [(); 3].map(|()| rows.clone()),
+        controls: [(); 3].map(|()| vec![Row::default(); 2]),
+        ..Block::default()
+    };
+    let mut residual = rows.clone();
+    let mut gradients = vec![vec![Row::default(); count]; 2];
+    let mut gradient = gradients[0].clone();
+    let times = [
+        nanoseconds(WIDTH, || {
+            loss.evaluate(&weights, &block, &mut residual, Derivatives::None);
+        }),
+        nanoseconds(WIDTH, || {
+            loss.evaluate(&weights, &block, &mut residual, Derivatives::Gradient(&mut gradient));
+        }),
+        nanoseconds(WIDTH, || {
+            loss.evaluate(&weights, &block, &mut residual, Derivatives::Jacobian(&mut gradients));
+        }),
+    ];
+    for (name, time) in ["residual", "gradient", "Jacobian"].into_iter().zip(times) {
+        println!("pendulums {name:<10} {time:>7.1} ns");
+    }
+}
+
 fn main() {
+    acceleration_loss();
     for width in [16_u16, 32, 64] {
         let model = RigidEnergies::new(
             KINDS.to_vec(),
@@ -64,7 +111,7 @@ fn main() {
         let rows = [Row::splat(0.3), Row::splat(0.7)];
         let programs = [
             system.gradient(),
-            system.equation_of_motion(),
+            system.equation_of_motion().0,
             system.derivatives().0,
             system.along(1),
             system.residual(1),

@@ -1,4 +1,5 @@
 use crate::function::Function;
+use crate::single::Variables;
 use std::collections::HashMap;
 
 /// A vector in a list of operations: of as many numbers as [`Builder::length`] says, of every sample.
@@ -95,6 +96,10 @@ pub struct Builder {
     pub(crate) operations: Vec<Operation>,
     pub(crate) lengths: Vec<usize>,
     pub(crate) functions: HashMap<u32, Function>,
+    /// What each node is a function of, beside constants and weights.
+    pub(crate) variables: Vec<Variables>,
+    /// Derivatives of nodes in the number that each is a function of; none where it is 0.
+    pub(crate) slopes: HashMap<Node, Option<Node>>,
     known: HashMap<(Operation, usize), Node>,
     inputs: usize,
 }
@@ -114,6 +119,7 @@ impl Builder {
         let next = Node::new(self.operations.len());
         let node = *self.known.entry((operation.clone(), length)).or_insert(next);
         if node == next {
+            self.variables.push(self.variables_of(&operation, length, next));
             self.operations.push(operation);
             self.lengths.push(length);
         }

@@ -14,9 +14,16 @@ impl Builder {
             }
         }
         let read = self.read_by(of, last);
+        let of_inputs =
+            along.iter().all(|(node, _)| matches!(self.operations[node.index()], Operation::Input(_)));
         for at in 0..last {
             if read[at] && slopes[at].is_none() {
-                slopes[at] = self.slope(at, &slopes);
+                slopes[at] = match self.variable(Node::new(at)).filter(|_| of_inputs) {
+                    Some(variable) => {
+                        slopes[variable.index()].and_then(|rate| self.chained(Node::new(at), rate))
+                    }
+                    None => self.slope(at, |x| slopes[x.index()]),
+                };
             }
         }
         of.iter().map(|node| slopes[node.index()].unwrap_or_else(|| self.zeros(self.length(*node)))).collect()
@@ -34,9 +41,8 @@ impl Builder {
         read
     }
 
-    /// The slope of one node from those before it; none where it does not move.
-    fn slope(&mut self, at: usize, slopes: &[Option<Node>]) -> Option<Node> {
-        let of = |x: Node| slopes[x.index()];
+    /// The slope of one node from those of what it is computed from; none where it does not move.
+    pub(crate) fn slope(&mut self, at: usize, of: impl Fn(Node) -> Option<Node>) -> Option<Node> {
         let node = Node::new(at);
         let slope = match self.operations[at].clone() {
             Operation::Input(_) | Operation::Constant(_) | Operation::Parameters(_) => return None,

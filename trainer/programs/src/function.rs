@@ -1,6 +1,7 @@
-use crate::row::{Row, sin_cos};
+use crate::row::{GROUPS, Row, sin_cos};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{LANES, Lanes, Scalar};
+use wide::f64x8;
 
 /// A smooth function of one number, with its derivatives up to the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +48,7 @@ impl Function {
     /// f and its derivatives at x; those that are not `wanted` may be anything.
     pub(crate) fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
         match self {
+            Self::Activation(Activation::Squareplus) => squareplus(x),
             Self::Activation(activation) => activated(activation, x, wanted[3]),
             Self::Sine => {
                 let [sin, cos] = sin_cos(x);
@@ -77,6 +79,27 @@ impl Function {
             Self::Wrapped => [x.map_lanes(Scalar::wrapped), Row::splat(1.0), Row::default(), Row::default()],
         }
     }
+}
+
+/// ½(z + √(z² + 4)) = max(z, 0) + 2/(|z| + √(z² + 4)), its derivatives by one division.
+fn squareplus(x: &Row) -> [Row; ORDERS] {
+    let mut curve = [Row::default(); ORDERS];
+    let (zero, two) = (f64x8::ZERO, f64x8::splat(2.0));
+    for g in 0..GROUPS {
+        let z = x.group(g);
+        let root = z.mul_add(z, f64x8::splat(4.0)).sqrt();
+        let sum = root + z.abs();
+        let inverse = f64x8::ONE / (root * sum);
+        let of_root = inverse * sum;
+        let value = z.max(zero) + two * inverse * root;
+        let square = of_root * of_root;
+        let curvature = two * of_root * square;
+        let third = f64x8::splat(-3.0) * z * curvature * square;
+        for (row, own) in curve.iter_mut().zip([value, value * of_root, curvature, third]) {
+            row.set_group(g, own);
+        }
+    }
+    curve
 }
 
 fn activated(activation: Activation, x: &Row, third: bool) -> [Row; ORDERS] {

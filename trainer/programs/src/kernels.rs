@@ -4,9 +4,11 @@
 
 use crate::builder::Layer;
 use crate::row::{GROUPS, Row};
-use leastaction_core::scalar::LANES;
 use std::ops::Range;
 use wide::f64x8;
+
+/// Groups of lanes whose sums are kept in registers at once: eight outputs fill half of 32 registers.
+const TOGETHER: usize = if cfg!(target_feature = "avx512f") { GROUPS } else { 1 };
 
 /// Wx of every column, and + b where there is one.
 pub(crate) fn linear(
@@ -32,15 +34,19 @@ pub(crate) fn linear(
 
 #[inline(never)]
 fn linear_panel<const P: usize>(rows: &[f64], biases: Option<&[f64]>, x: &[Row], y: &mut [Row]) {
-    let biases = biases.and_then(|biases| biases.first_chunk::<P>());
-    for group in 0..GROUPS {
-        let mut sums: [f64x8; P] = biases.map_or([f64x8::ZERO; P], |biases| biases.map(f64x8::splat));
-        for (x, row) in x.iter().zip(rows.as_chunks::<P>().0) {
-            let x = x.load()[group];
-            sums = std::array::from_fn(|l| sums[l] + f64x8::splat(row[l]) * x);
+    for first in (0..GROUPS).step_by(TOGETHER) {
+        let mut sums = [[f64x8::ZERO; TOGETHER]; P];
+        for (sums, bias) in sums.iter_mut().zip(biases.unwrap_or_default()) {
+            *sums = [f64x8::splat(*bias); TOGETHER];
         }
-        for (y, sum) in y.iter_mut().zip(sums) {
-            y.0.as_chunks_mut::<LANES>().0[group] = sum.to_array();
+        for (x, row) in x.iter().zip(rows.as_chunks::<P>().0) {
+            for (sums, w) in sums.iter_mut().zip(row) {
+                let w = f64x8::splat(*w);
+                sums.iter_mut().enumerate().for_each(|(g, sum)| *sum = w.mul_add(x.group(first + g), *sum));
+            }
+        }
+        for (y, sums) in y.iter_mut().zip(&sums) {
+            sums.iter().enumerate().for_each(|(g, sum)| y.set_group(first + g, *sum));
         }
     }
 }
@@ -64,17 +70,14 @@ pub(crate) fn transposed(layer: &Layer, columns: usize, weights: &[f64], y: &[Ro
 #[inline(never)]
 fn transposed_panel<const P: usize>(rows: &[f64], y: &[Row], x: &mut [Row]) {
     let Some(y) = y.first_chunk::<P>() else { return };
-    let y = y.each_ref().map(Row::load);
     for (x, row) in x.iter_mut().zip(rows.as_chunks::<P>().0) {
-        let mut sums = [x.load(), [f64x8::ZERO; GROUPS]];
-        for (l, (w, y)) in row.iter().zip(&y).enumerate() {
-            let (w, sum) = (f64x8::splat(*w), &mut sums[l % 2]);
-            for (sum, y) in sum.iter_mut().zip(y) {
-                *sum += w * *y;
-            }
+        let mut sums = [[f64x8::ZERO; GROUPS]; 2];
+        for (l, (w, y)) in row.iter().zip(y).enumerate() {
+            let (w, sums) = (f64x8::splat(*w), &mut sums[l % 2]);
+            sums.iter_mut().enumerate().for_each(|(g, sum)| *sum = w.mul_add(y.group(g), *sum));
         }
-        let [even, odd] = sums;
-        *x = Row::store(std::array::from_fn(|g| even[g] + odd[g]));
+        let [even, odd] = &sums;
+        (0..GROUPS).for_each(|g| x.set_group(g, x.group(g) + (even[g] + odd[g])));
     }
 }
 
@@ -98,38 +101,69 @@ impl<T: Copy> Pair<T> {
     }
 }
 
+impl<'r> Pair<&'r [Row]> {
+    fn each_column(&self, layer: &Layer) -> impl Iterator<Item = Column<'r>> {
+        let ((y_bar, outputs), (x, inputs)) = ((self.y_bar, layer.outputs), (self.x, layer.inputs));
+        (0..self.columns).map(move |k| (&y_bar[k * outputs..][..outputs], &x[k * inputs..][..inputs]))
+    }
+}
+
 /// Adds Σ ȳxᵀ to the derivatives in a layer's weights, and Σ ȳ to those in its biases for the pairs that say so.
 pub(crate) fn outer(layer: &Layer, pairs: &[Pair<&[Row]>], gradient: &mut [Row]) {
+    let columns: Vec<_> = pairs.iter().flat_map(|pair| pair.each_column(layer)).collect();
     for panel in panels(layer) {
         let own = &mut gradient[panel.weights()];
-        for pair in pairs {
-            for column in 0..pair.columns {
-                let (y_bar, x) = (&pair.y_bar[panel.outputs(column)], &pair.x[panel.inputs(column)]);
-                match panel.width {
-                    8 => outer_panel::<8>(y_bar, x, own),
-                    4 => outer_panel::<4>(y_bar, x, own),
-                    _ => outer_panel::<1>(y_bar, x, own),
-                }
-            }
+        match panel.width {
+            8 => outer_panel::<8, 2>(panel.first, &columns, own),
+            4 => outer_panel::<4, 4>(panel.first, &columns, own),
+            _ => outer_panel::<1, 8>(panel.first, &columns, own),
         }
     }
     let biases = &mut gradient[layer.biases()..layer.end()];
     for pair in pairs.iter().filter(|pair| pair.bias) {
-        for column in pair.y_bar.chunks(layer.outputs.max(1)) {
-            biases.iter_mut().zip(column).for_each(|(sum, y)| sum.add_scaled(1.0, y));
+        for (y, _) in pair.each_column(layer) {
+            biases.iter_mut().zip(y).for_each(|(sum, y)| sum.add_scaled(1.0, y));
         }
     }
 }
 
+/// ȳ and x of a layer that is applied to one vector.
+type Column<'r> = (&'r [Row], &'r [Row]);
+
+/// So many inputs at a time, one group of lanes after the other: their sums over all columns stay in registers.
+fn outer_panel<const P: usize, const I: usize>(first: usize, columns: &[Column], gradient: &mut [Row]) {
+    let (tiles, rest) = gradient.as_chunks_mut::<P>().0.as_chunks_mut::<I>();
+    let done = I * tiles.len();
+    for (i, places) in tiles.iter_mut().enumerate() {
+        outer_tile((first, I * i), columns, places);
+    }
+    for (i, place) in rest.iter_mut().enumerate() {
+        outer_tile((first, done + i), columns, std::array::from_mut(place));
+    }
+}
+
 #[inline(never)]
-fn outer_panel<const P: usize>(y_bar: &[Row], x: &[Row], gradient: &mut [Row]) {
-    let Some(y_bar) = y_bar.first_chunk::<P>() else { return };
-    let y_bar = y_bar.each_ref().map(Row::load);
-    for (x, places) in x.iter().zip(gradient.as_chunks_mut::<P>().0) {
-        let x = x.load();
-        for (place, y) in places.iter_mut().zip(&y_bar) {
-            let sum = place.load();
-            *place = Row::store(std::array::from_fn(|g| sum[g] + y[g] * x[g]));
+fn outer_tile<const P: usize, const I: usize>(
+    (output, input): (usize, usize),
+    columns: &[Column],
+    places: &mut [[Row; P]; I],
+) {
+    for g in 0..GROUPS {
+        let mut sums = [[f64x8::ZERO; P]; I];
+        for (sums, places) in sums.iter_mut().zip(places.iter()) {
+            sums.iter_mut().zip(places).for_each(|(sum, place)| *sum = place.group(g));
+        }
+        for (y, x) in columns {
+            let (Some(y), Some(x)) = (y[output..].first_chunk::<P>(), x[input..].first_chunk::<I>()) else {
+                return;
+            };
+            for (sums, x) in sums.iter_mut().zip(x) {
+                let x = x.group(g);
+                sums.iter_mut().zip(y).for_each(|(sum, y)| *sum = x.mul_add(y.group(g), *sum));
+            }
+        }
+        for (places, sums) in places.iter_mut().zip(&sums) {
+            places.iter_mut().zip(sums).for_each(|(place, sum)| place.set_group(g, *sum));
         }
     }
 }

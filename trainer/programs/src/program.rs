@@ -4,8 +4,9 @@ use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};
 use crate::kernels::{self, Pair};
 use crate::reverse::WeightTerm;
-use crate::row::Row;
+use crate::row::{Places, Row};
 use crate::schedule::Scheduler;
+use std::ops::Range;
 use wide::f64x8;
 
 /// A vector's place in a workspace.
@@ -65,6 +66,24 @@ pub(crate) enum Step {
         index: Box<[u32]>,
         to: Slot,
     },
+    /// Of every row the places that its numbers are read from.
+    Pick {
+        x: Slot,
+        index: Box<[Places]>,
+        to: Slot,
+    },
+    /// The same of every summand of a row; those of a row end in the list where `ends` says.
+    PickSums {
+        x: Slot,
+        ends: Box<[usize]>,
+        index: Box<[Places]>,
+        to: Slot,
+    },
+    /// Parameters one after the other.
+    PackedParameters {
+        range: Range<usize>,
+        to: Slot,
+    },
     /// Adds to a row of the Jacobian.
     Outer {
         row: usize,
@@ -82,9 +101,11 @@ pub(crate) enum Step {
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) steps: Vec<Step>,
+    /// Steps that the vectors need; the gradients need the others too.
+    pub(crate) first: usize,
     /// The length of every slot, and the constants that some hold from the start.
     pub(crate) slots: Vec<usize>,
-    pub(crate) constants: Vec<(Slot, Vec<f64>)>,
+    pub(crate) constants: Vec<(Slot, Vec<Row>)>,
     pub(crate) outputs: Vec<Slot>,
     pub(crate) inputs: usize,
     pub(crate) rows: usize,
@@ -110,6 +131,13 @@ impl Program {
         Scheduler::new(builder, outputs, rows).schedule(outputs, rows)
     }
 
+    /// The program for these vectors of one sample: inputs and outputs are numbers one after the other in rows, and what lies side
+    /// by side are the columns that layers are applied to. Many nodes or edges of one graph take the time of as many samples of a
+    /// small system.
+    pub fn of_one_sample(builder: &Builder, outputs: &[Node]) -> Self {
+        Scheduler::new(builder, outputs, &[]).for_one_sample().schedule(outputs, &[])
+    }
+
     /// Numbers that a workspace keeps of every sample.
     pub fn workspace_len(&self) -> usize {
         self.slots.iter().sum()
@@ -130,7 +158,7 @@ impl Program {
         let mut slots: Vec<Vec<Row>> =
             self.slots.iter().map(|length| vec![Row::default(); *length]).collect();
         for (slot, constant) in &self.constants {
-            slots[*slot].iter_mut().zip(constant).for_each(|(place, x)| *place = Row::splat(*x));
+            slots[*slot].copy_from_slice(constant);
         }
         Workspace { slots, outputs: self.outputs.clone() }
     }
@@ -147,8 +175,33 @@ impl Program {
     /// # Panics
     /// Where inputs, rows or workspace are not those of the program.
     pub fn run(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace, rows: &mut [Vec<Row>]) {
+        self.run_outputs(weights, inputs, workspace);
+        self.run_rows(weights, inputs, workspace, rows);
+    }
+
+    /// Evaluates the vectors alone; inputs that none of them needs may be missing.
+    ///
+    /// # Panics
+    /// As [`Program::run`].
+    pub fn run_outputs(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace) {
+        for step in &self.steps[..self.first] {
+            step.run(weights, inputs, &mut workspace.slots, &mut []);
+        }
+    }
+
+    /// Adds the gradients after [`Program::run_outputs`] with the same weights, workspace and inputs, but for those that were missing.
+    ///
+    /// # Panics
+    /// As [`Program::run`].
+    pub fn run_rows(
+        &self,
+        weights: &[f64],
+        inputs: &[&[Row]],
+        workspace: &mut Workspace,
+        rows: &mut [Vec<Row>],
+    ) {
         assert!(inputs.len() >= self.inputs && rows.len() >= self.rows, "inputs or rows are missing");
-        for step in &self.steps {
+        for step in &self.steps[self.first..] {
             step.run(weights, inputs, &mut workspace.slots, rows);
         }
     }
@@ -182,6 +235,22 @@ impl Step {
                 to.fill(Row::default());
                 slots[*x].iter().zip(index).for_each(|(x, i)| to[*i as usize].add_scaled(1.0, x));
             }),
+            Self::Pick { x, index, to } => write(slots, *to, |slots, to| {
+                let x = &slots[*x][..];
+                to.iter_mut().zip(index).for_each(|(to, index)| *to = Row::picked(x, index));
+            }),
+            Self::PickSums { x, ends, index, to } => write(slots, *to, |slots, to| {
+                let (x, mut start) = (&slots[*x][..], 0);
+                for (to, end) in to.iter_mut().zip(ends) {
+                    *to = Row::default();
+                    index[start..*end].iter().for_each(|index| to.add_scaled(1.0, &Row::picked(x, index)));
+                    start = *end;
+                }
+            }),
+            Self::PackedParameters { range, to } => {
+                let places = slots[*to].iter_mut().flat_map(|row| &mut row.0);
+                places.zip(&weights[range.clone()]).for_each(|(to, w)| *to = *w);
+            }
             Self::Outer { row, layer, pairs } => {
                 let pairs: Vec<_> = pairs.iter().map(|pair| pair.map(|slot| &slots[slot][..])).collect();
                 kernels::outer(layer, &pairs, &mut rows[*row]);
@@ -215,9 +284,9 @@ fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec
     let mut places = to.map(|to| to.map(|to| std::mem::take(&mut slots[to])));
     for (i, x) in slots[x].iter().enumerate() {
         let curve = function.curve(x, wanted);
-        for (place, value) in places.iter_mut().zip(curve) {
+        for (place, value) in places.iter_mut().zip(&curve) {
             if let Some(place) = place {
-                place[i] = value;
+                place[i] = *value;
             }
         }
     }

@@ -32,6 +32,8 @@ pub enum WeightTerm {
 #[derive(Clone, Debug, Default)]
 pub struct Adjoints {
     bars: Vec<Option<Node>>,
+    /// The number that the node which hands its adjoint on is a function of.
+    of_reader: Option<Node>,
     /// In the weights: the sum of these.
     pub weights: Vec<WeightTerm>,
 }
@@ -42,16 +44,22 @@ impl Adjoints {
         let bar = self.bars.get(x.index()).copied().flatten();
         bar.unwrap_or_else(|| builder.zeros(builder.length(x)))
     }
+
+    fn add(&mut self, builder: &mut Builder, x: Node, own: Node) {
+        let before = self.bars[x.index()];
+        self.bars[x.index()] = builder.sum_of(before, Some(own));
+    }
 }
 
 impl Builder {
     /// The gradient of ȳ·y for a vector y and a vector ȳ that does not move.
     pub fn pull_back(&mut self, y: Node, y_bar: Node) -> Adjoints {
         assert_eq!(self.length(y), self.length(y_bar), "an adjoint");
-        let mut adjoints = Adjoints { bars: vec![None; y.index() + 1], weights: Vec::new() };
-        adjoints.bars[y.index()] = Some(y_bar);
+        let mut adjoints = Adjoints { bars: vec![None; y.index() + 1], ..Adjoints::default() };
+        self.add_to(y, y_bar, &mut adjoints);
         for at in (0..=y.index()).rev() {
             if let Some(bar) = adjoints.bars[at] {
+                adjoints.of_reader = self.variable(Node::new(at));
                 self.pull(at, bar, &mut adjoints);
             }
         }
@@ -102,11 +110,18 @@ impl Builder {
         }
     }
 
+    /// Adds to the adjoint of a node, on behalf of one that reads it. Functions of one number hand theirs on to that number where
+    /// others read them, and not among each other.
     fn add_to(&mut self, x: Node, own: Node, adjoints: &mut Adjoints) {
-        let vanishes = self.known(own).is_some_and(|known| known.iter().all(|x| *x == 0.0));
-        if !vanishes {
-            let before = adjoints.bars[x.index()];
-            adjoints.bars[x.index()] = self.sum_of(before, Some(own));
+        if self.is_all(own, 0.0) || adjoints.of_reader == Some(x) {
+            return;
+        }
+        adjoints.add(self, x, own);
+        if let Some(variable) = self.variable(x).filter(|_| adjoints.of_reader.is_none())
+            && let Some(slope) = self.own_slope(x)
+        {
+            let own = self.dot(own, slope);
+            adjoints.add(self, variable, own);
         }
     }
 }

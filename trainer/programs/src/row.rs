@@ -7,6 +7,9 @@ pub(crate) const GROUPS: usize = 2;
 /// Samples that a program evaluates side by side.
 pub const WIDTH: usize = GROUPS * LANES;
 
+/// Where the numbers of a row lie among those of all rows; beyond them there are zeros.
+pub(crate) type Places = [u32; WIDTH];
+
 /// One number of every sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
@@ -24,6 +27,25 @@ impl Row {
     pub(crate) fn load(&self) -> [f64x8; GROUPS] {
         let (groups, _) = self.0.as_chunks::<LANES>();
         std::array::from_fn(|g| f64x8::new(groups[g]))
+    }
+
+    /// The numbers of one group of samples.
+    #[inline(always)]
+    pub(crate) fn group(&self, g: usize) -> f64x8 {
+        f64x8::new(self.0.as_chunks::<LANES>().0[g])
+    }
+
+    /// Writes the numbers of one group of samples.
+    #[inline(always)]
+    pub(crate) fn set_group(&mut self, g: usize, x: f64x8) {
+        self.0.as_chunks_mut::<LANES>().0[g] = x.to_array();
+    }
+
+    /// The numbers at these places of rows.
+    #[inline(always)]
+    pub(crate) fn picked(rows: &[Self], places: &Places) -> Self {
+        let number = |i: u32| rows.get(i as usize / WIDTH).map_or(0.0, |row| row.0[i as usize % WIDTH]);
+        Self(std::array::from_fn(|k| number(places[k])))
     }
 
     /// From vector registers.

@@ -3,8 +3,10 @@
 use crate::builder::{Builder, Layer, Node, Operation};
 use crate::function::ORDERS;
 use crate::kernels::Pair;
+use crate::layout::{self, Layout};
 use crate::program::{Program, Slot, Step};
 use crate::reverse::WeightTerm;
+use crate::row::{Row, WIDTH};
 use std::collections::HashMap;
 
 /// Nodes of a gradient's terms for one layer.
@@ -13,19 +15,27 @@ type Pairs = Vec<Pair<Node>>;
 /// Chooses steps and slots.
 pub(crate) struct Scheduler<'b> {
     builder: &'b Builder,
-    needed: Vec<bool>,
-    /// When each node is read last: after how many nodes.
+    /// The nodes to compute, those first that outputs need, and the place of each in that order.
+    order: Vec<Node>,
+    ranks: Vec<usize>,
+    /// Nodes that outputs need.
+    first: usize,
+    /// When each node is read last: a place in the order.
     last_read: Vec<usize>,
     places: Vec<Option<Slot>>,
     program: Program,
     /// Slots that are free again, by length.
     free: HashMap<usize, Vec<Slot>>,
-    /// Terms of the same layer or numbers, by the node after which all is there.
+    /// Terms of the same layer or numbers, by the place after which all is there.
     gradients: HashMap<usize, Vec<Gradient>>,
-    /// The nodes that are read last after a node.
+    /// The nodes that are read last at a place.
     ends: HashMap<usize, Vec<Node>>,
     /// The derivatives of one function at one vector: computed together.
     maps: HashMap<(u32, Node), [Option<Node>; ORDERS]>,
+    /// Where numbers lie, of one sample; none where samples lie side by side.
+    layout: Option<Layout>,
+    /// Nodes in columns of other units than their own.
+    rearranged: HashMap<Node, Vec<(usize, Slot)>>,
 }
 
 enum Gradient {
@@ -37,10 +47,17 @@ impl<'b> Scheduler<'b> {
     pub fn new(builder: &'b Builder, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Self {
         let count = builder.operations.len();
         let mut results = outputs.to_vec();
+        let early = builder.read_by(&results, count);
         rows.iter().flatten().for_each(|term| reads_of(term, |node| results.push(node)));
         let needed = builder.read_by(&results, count);
+        let (first, rest): (Vec<usize>, Vec<usize>) =
+            (0..count).filter(|at| needed[*at]).partition(|at| early[*at]);
+        let order: Vec<Node> = first.iter().chain(&rest).map(|at| Node::new(*at)).collect();
+        let mut ranks = vec![0; count];
+        order.iter().enumerate().for_each(|(rank, node)| ranks[node.index()] = rank);
         let program = Program {
             steps: Vec::new(),
+            first: 0,
             slots: Vec::new(),
             constants: Vec::new(),
             outputs: Vec::new(),
@@ -49,40 +66,58 @@ impl<'b> Scheduler<'b> {
         };
         Self {
             builder,
-            needed,
-            last_read: (0..count).collect(),
+            order,
+            last_read: ranks.clone(),
+            ranks,
+            first: first.len(),
             places: vec![None; count],
             program,
             free: HashMap::new(),
             gradients: HashMap::new(),
             ends: HashMap::new(),
             maps: HashMap::new(),
+            layout: None,
+            rearranged: HashMap::new(),
         }
     }
 
+    /// The same for one sample, whose columns lie side by side.
+    pub fn for_one_sample(mut self) -> Self {
+        let mut needed = vec![false; self.ranks.len()];
+        self.order.iter().for_each(|node| needed[node.index()] = true);
+        self.layout = Some(Layout::new(self.builder, &needed));
+        self
+    }
+
     pub fn schedule(mut self, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Program {
-        let nodes: Vec<usize> = (0..self.needed.len()).filter(|at| self.needed[*at]).collect();
-        for at in &nodes {
-            self.builder.operations[*at].reads(|x| self.last_read[x.index()] = *at);
-            if let Operation::Map { function, order, x } = &self.builder.operations[*at] {
-                self.maps.entry((*function, *x)).or_default()[*order] = Some(Node::new(*at));
+        let order = std::mem::take(&mut self.order);
+        for (rank, node) in order.iter().enumerate() {
+            let operation = &self.builder.operations[node.index()];
+            operation.reads(|x| self.last_read[x.index()] = rank);
+            if let Operation::Map { function, order, x } = operation {
+                self.maps.entry((*function, *x)).or_default()[*order] = Some(*node);
             }
         }
         self.group(rows);
         outputs.iter().for_each(|node| self.last_read[node.index()] = usize::MAX);
-        for at in &nodes {
-            self.ends.entry(self.last_read[*at]).or_default().push(Node::new(*at));
+        for node in &order {
+            self.ends.entry(self.last_read[node.index()]).or_default().push(*node);
         }
-        for at in nodes {
-            self.step(at);
-            for gradient in self.gradients.remove(&at).unwrap_or_default() {
+        for rank in 0..=order.len() {
+            if rank == self.first {
+                self.program.outputs = outputs.iter().map(|node| self.in_columns(*node, 1)).collect();
+                self.program.first = self.program.steps.len();
+            }
+            if let Some(node) = order.get(rank) {
+                self.step(node.index());
+            }
+            for gradient in self.gradients.remove(&rank).unwrap_or_default() {
                 self.gradient(&gradient);
             }
-            for node in self.ends.remove(&at).unwrap_or_default() {
+            for node in self.ends.remove(&rank).unwrap_or_default() {
                 self.release(node);
             }
         }
-        self.program.outputs = outputs.iter().map(|node| self.place(*node)).collect();
         self.program
     }
 
@@ -93,7 +128,7 @@ impl<'b> Scheduler<'b> {
             for term in terms {
                 match *term {
                     WeightTerm::Parameters { start, bar } => {
-                        self.when_ready(bar.index(), &[bar], Gradient::Numbers { row, start, bar });
+                        self.when_ready(&[bar], Gradient::Numbers { row, start, bar });
                     }
                     WeightTerm::Layer { layer, columns, y_bar, x, bias } => {
                         let pair = Pair { columns, y_bar, x, bias };
@@ -106,13 +141,14 @@ impl<'b> Scheduler<'b> {
             }
             for (layer, pairs) in layers {
                 let nodes: Vec<Node> = pairs.iter().flat_map(|pair| [pair.y_bar, pair.x]).collect();
-                let ready = nodes.iter().map(|node| node.index()).max().unwrap_or(0);
-                self.when_ready(ready, &nodes, Gradient::Outer { row, layer, pairs });
+                self.when_ready(&nodes, Gradient::Outer { row, layer, pairs });
             }
         }
     }
 
-    fn when_ready(&mut self, ready: usize, reads: &[Node], gradient: Gradient) {
+    /// As soon as all that it reads is there, and not before all outputs are.
+    fn when_ready(&mut self, reads: &[Node], gradient: Gradient) {
+        let ready = reads.iter().map(|node| self.ranks[node.index()]).fold(self.first, usize::max);
         for node in reads {
             let last = &mut self.last_read[node.index()];
             *last = (*last).max(ready);
@@ -124,13 +160,22 @@ impl<'b> Scheduler<'b> {
         self.places[node.index()].unwrap_or_else(|| panic!("node {node:?} is read before it is written"))
     }
 
-    /// A slot for a node, of those that are free if there is one.
-    fn reserve(&mut self, node: Node) -> Slot {
+    /// Rows that a node's numbers take.
+    fn rows(&self, node: Node) -> usize {
         let length = self.builder.length(node);
-        let slot = self.free.get_mut(&length).and_then(Vec::pop).unwrap_or_else(|| {
-            self.program.slots.push(length);
+        self.layout.as_ref().map_or(length, |layout| layout::rows(layout.units(node), length))
+    }
+
+    /// A slot of so many rows, of those that are free if there is one.
+    fn slot(&mut self, rows: usize) -> Slot {
+        self.free.get_mut(&rows).and_then(Vec::pop).unwrap_or_else(|| {
+            self.program.slots.push(rows);
             self.program.slots.len() - 1
-        });
+        })
+    }
+
+    fn reserve(&mut self, node: Node) -> Slot {
+        let slot = self.slot(self.rows(node));
         self.places[node.index()] = Some(slot);
         slot
     }
@@ -140,16 +185,54 @@ impl<'b> Scheduler<'b> {
         if let Some(slot) = self.places[node.index()]
             && !constant
         {
-            self.free.entry(self.builder.length(node)).or_default().push(slot);
+            self.free.entry(self.rows(node)).or_default().push(slot);
+        }
+        for (_, slot) in self.rearranged.remove(&node).unwrap_or_default() {
+            self.free.entry(self.program.slots[slot]).or_default().push(slot);
         }
     }
 
     /// A slot of its own, that nothing else is written to.
     fn constant(&mut self, node: Node) {
-        self.program.slots.push(self.builder.length(node));
+        let known = self.builder.known(node).unwrap_or_default();
+        let rows: Vec<Row> = match &self.layout {
+            None => known.into_iter().map(Row::splat).collect(),
+            Some(layout) => layout::arranged(layout.units(node), &known)
+                .as_chunks()
+                .0
+                .iter()
+                .map(|row| Row(*row))
+                .collect(),
+        };
+        self.program.slots.push(rows.len());
         let slot = self.program.slots.len() - 1;
         self.places[node.index()] = Some(slot);
-        self.program.constants.push((slot, self.builder.known(node).unwrap_or_default()));
+        self.program.constants.push((slot, rows));
+    }
+
+    /// The slot of a node in columns of so many units, where columns lie side by side.
+    fn in_columns(&mut self, node: Node, units: usize) -> Slot {
+        let slot = self.place(node);
+        let Some(layout) = &self.layout else { return slot };
+        let (own, length) = (layout.units(node), self.builder.length(node));
+        if own == units {
+            return slot;
+        }
+        let done = self.rearranged.entry(node).or_default();
+        if let Some((_, slot)) = done.iter().find(|(other, _)| *other == units) {
+            return *slot;
+        }
+        let to = self.slot(layout::rows(units, length));
+        self.rearranged.entry(node).or_default().push((units, to));
+        let index: Vec<u32> = (0..length).map(|i| layout::place(own, i) as u32).collect();
+        let index = layout::rows_of(&layout::arranged(units, &index));
+        self.program.steps.push(Step::Pick { x: slot, index, to });
+        to
+    }
+
+    /// Columns that a layer is applied to: of one sample several lie side by side.
+    fn columns(&self, columns: usize) -> usize {
+        if self.layout.is_some() { columns.div_ceil(WIDTH) } else { columns }
     }
 
     fn step(&mut self, at: usize) {
@@ -163,12 +246,20 @@ impl<'b> Scheduler<'b> {
                 self.program.inputs = self.program.inputs.max(number + 1);
                 Step::Input { number, to: self.reserve(node) }
             }
-            Operation::Parameters(start) => Step::Parameters { start, to: self.reserve(node) },
+            Operation::Parameters(start) if self.layout.is_none() => {
+                Step::Parameters { start, to: self.reserve(node) }
+            }
+            Operation::Parameters(start) => {
+                let length = self.builder.length(node);
+                Step::PackedParameters { range: start..start + length, to: self.reserve(node) }
+            }
             Operation::Linear { layer, columns, bias, x } => {
-                Step::Linear { layer, columns, bias, x: self.place(x), to: self.reserve(node) }
+                let (x, columns) = (self.in_columns(x, layer.inputs.max(1)), self.columns(columns));
+                Step::Linear { layer, columns, bias, x, to: self.reserve(node) }
             }
             Operation::Transposed { layer, columns, y } => {
-                Step::Transposed { layer, columns, y: self.place(y), to: self.reserve(node) }
+                let (y, columns) = (self.in_columns(y, layer.outputs.max(1)), self.columns(columns));
+                Step::Transposed { layer, columns, y, to: self.reserve(node) }
             }
             Operation::Map { function, x, .. } => {
                 let nodes = self.maps.get(&(function, x)).copied().unwrap_or_default();
@@ -176,20 +267,41 @@ impl<'b> Scheduler<'b> {
                 Step::Map { function: self.builder.functions[&function], x: self.place(x), to }
             }
             Operation::Product(x, y) => {
-                Step::Product { x: self.place(x), y: self.place(y), to: self.reserve(node) }
+                let [x, y] = self.alike(node, [x, y]);
+                Step::Product { x, y, to: self.reserve(node) }
             }
-            Operation::Sum(x, y) => Step::Sum { x: self.place(x), y: self.place(y), to: self.reserve(node) },
+            Operation::Sum(x, y) => {
+                let [x, y] = self.alike(node, [x, y]);
+                Step::Sum { x, y, to: self.reserve(node) }
+            }
             Operation::Scaled(c, x) => {
                 Step::Scaled { c: f64::from_bits(c), x: self.place(x), to: self.reserve(node) }
             }
             Operation::Gather { x, index } => {
-                Step::Gather { x: self.place(x), index, to: self.reserve(node) }
+                let (from, to) = (self.place(x), self.reserve(node));
+                match &self.layout {
+                    None => Step::Gather { x: from, index, to },
+                    Some(layout) => Step::Pick { x: from, index: layout.picked(node, x, &index), to },
+                }
             }
             Operation::Scatter { x, index } => {
-                Step::Scatter { x: self.place(x), index, to: self.reserve(node) }
+                let (from, to) = (self.place(x), self.reserve(node));
+                match &self.layout {
+                    None => Step::Scatter { x: from, index, to },
+                    Some(layout) => {
+                        let (ends, index) = layout.summed([node, x], self.builder.length(node), &index);
+                        Step::PickSums { x: from, ends, index, to }
+                    }
+                }
             }
         };
         self.program.steps.push(step);
+    }
+
+    /// The slots of two nodes that are combined number by number.
+    fn alike(&mut self, node: Node, of: [Node; 2]) -> [Slot; 2] {
+        let units = self.layout.as_ref().map_or(1, |layout| layout.units(node));
+        of.map(|x| self.in_columns(x, units))
     }
 
     fn gradient(&mut self, gradient: &Gradient) {

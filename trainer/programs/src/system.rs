@@ -3,6 +3,8 @@
 use crate::builder::{Builder, Node};
 use crate::energies::Energies;
 use crate::program::Program;
+use crate::reverse::WeightTerm;
+use crate::sparsity::Pattern;
 
 /// L = T − V and Q(q, v, τ) of a model written down, for its derivatives to be asked for.
 #[derive(Clone, Debug)]
@@ -103,20 +105,53 @@ impl System {
         Program::new(&builder, &[force, l_v], &[])
     }
 
-    /// Inputs q, v, τ; outputs L_q − L_vq v + Q + τ, and then the columns of M: M v̇ is the first.
-    pub fn equation_of_motion(&self) -> Program {
+    /// Inputs q, v, τ; outputs L_q − L_vq v + Q + τ, which is M v̇, and then M along as many directions as its pattern needs.
+    pub fn equation_of_motion(&self) -> (Program, Pattern) {
         let mut builder = self.builder.clone();
-        let [l_q, l_v] = self.first(&mut builder);
+        let (outputs, pattern) = self.motion(&mut builder);
+        (Program::new(&builder, &outputs, &[]), pattern)
+    }
+
+    /// The same for one sample ([`Program::of_one_sample`]), for every size of blocks of M that there is: of all blocks of that size side
+    /// by side the numbers of the right side, and then the entries of M row by row.
+    pub(crate) fn equation_of_motion_in_blocks(&self) -> (Program, Pattern) {
+        let mut builder = self.builder.clone();
+        let (motion, pattern) = self.motion(&mut builder);
+        let mut outputs = Vec::new();
+        for blocks in pattern.blocks_by_size() {
+            let size = blocks[0].len();
+            let rows = (0..size).map(|i| blocks.iter().map(|block| block[i]).collect::<Vec<_>>());
+            outputs.extend(rows.map(|rows| builder.gather(motion[0], &rows)).collect::<Vec<_>>());
+            for (i, j) in (0..size * size).map(|k| (k / size, k % size)) {
+                let entries: Vec<_> = blocks.iter().map(|block| (block[i], block[j])).collect();
+                outputs.push(entries_of_mass(&mut builder, (&motion[1..], &pattern), &entries));
+            }
+        }
+        (Program::of_one_sample(&builder, &outputs), pattern)
+    }
+
+    /// Those of [`System::equation_of_motion`] with the rows of [`System::residual`], which share what both compute.
+    pub fn equation_of_motion_with_residual(&self, directions: usize) -> (Program, Pattern) {
+        let mut builder = self.builder.clone();
+        let (outputs, pattern) = self.motion(&mut builder);
+        let rows = self.residual_rows(&mut builder, directions);
+        (Program::new(&builder, &outputs, &rows), pattern)
+    }
+
+    /// L_q − L_vq v + Q + τ, and M along the directions of its pattern.
+    fn motion(&self, builder: &mut Builder) -> (Vec<Node>, Pattern) {
+        let [l_q, l_v] = self.first(builder);
         let along = builder.tangents(&[l_v], &[(self.q, self.v)]);
         let right = builder.difference(l_q, along[0]);
         let right = builder.sum(right, self.force);
         let right = builder.sum(right, self.tau);
         let mut outputs = vec![right];
-        for j in 0..self.n {
-            let axis = self.axis(&mut builder, j);
-            outputs.extend(builder.tangents(&[l_v], &[(self.v, axis)]));
+        let pattern = Pattern::new(builder.dependence(l_v, self.v));
+        for direction in 0..pattern.directions() {
+            let axes = self.axes(builder, pattern.columns(direction));
+            outputs.extend(builder.tangents(&[l_v], &[(self.v, axes)]));
         }
-        Program::new(&builder, &outputs, &[])
+        (outputs, pattern)
     }
 
     /// Inputs q, v, τ; outputs as [`DerivativeOutputs`] says.
@@ -218,9 +253,13 @@ impl System {
     /// Euler–Lagrange residual, and so of the acceleration.
     pub fn residual(&self, directions: usize) -> Program {
         let mut builder = self.builder.clone();
+        let rows = self.residual_rows(&mut builder, directions);
+        Program::new(&builder, &[], &rows)
+    }
+
+    fn residual_rows(&self, builder: &mut Builder, directions: usize) -> Vec<Vec<WeightTerm>> {
         let a = builder.input(self.n);
-        let mut rows = Vec::new();
-        for _ in 0..directions {
+        let rows = (0..directions).map(|_| {
             let y = builder.input(self.n);
             let momentum = builder.tangents(&[self.lagrangian], &[(self.v, y)])[0];
             let rate = builder.tangents(&[momentum], &[(self.q, self.v), (self.v, a)])[0];
@@ -228,9 +267,9 @@ impl System {
             let work = builder.dot(self.force, y);
             let force = builder.sum(force, work);
             let sum = builder.difference(force, rate);
-            rows.push(self.weight_gradient(&mut builder, sum));
-        }
-        Program::new(&builder, &[], &rows)
+            self.weight_gradient(builder, sum)
+        });
+        rows.collect()
     }
 
     /// L_q and L_v.
@@ -241,12 +280,36 @@ impl System {
     }
 
     fn axis(&self, builder: &mut Builder, j: usize) -> Node {
-        let axis: Vec<f64> = (0..self.n).map(|i| f64::from(u8::from(i == j))).collect();
-        builder.constant(&axis)
+        self.axes(builder, [j])
     }
 
-    fn weight_gradient(&self, builder: &mut Builder, of: Node) -> Vec<crate::reverse::WeightTerm> {
+    /// The sum of unit vectors.
+    fn axes(&self, builder: &mut Builder, of: impl IntoIterator<Item = usize>) -> Node {
+        let mut axes = vec![0.0; self.n];
+        of.into_iter().for_each(|j| axes[j] = 1.0);
+        builder.constant(&axes)
+    }
+
+    fn weight_gradient(&self, builder: &mut Builder, of: Node) -> Vec<WeightTerm> {
         let one = builder.constant(&[1.0]);
         builder.pull_back(of, one).weights
     }
+}
+
+/// Entries of M, from M along the directions of its pattern.
+fn entries_of_mass(
+    builder: &mut Builder,
+    (columns, pattern): (&[Node], &Pattern),
+    entries: &[(usize, usize)],
+) -> Node {
+    let mut sum = builder.zeros(entries.len());
+    for (direction, column) in columns.iter().enumerate() {
+        let own = |k: &usize| pattern.direction(entries[*k].0, entries[*k].1) == Some(direction);
+        let own: Vec<usize> = (0..entries.len()).filter(own).collect();
+        let rows: Vec<usize> = own.iter().map(|k| entries[*k].0).collect();
+        let part = builder.gather(*column, &rows);
+        let part = builder.scatter(part, &own, entries.len());
+        sum = builder.sum(sum, part);
+    }
+    sum
 }

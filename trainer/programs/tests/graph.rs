@@ -11,6 +11,7 @@ use leastaction_core::energy::{List, NetworkShape};
 use leastaction_core::forces;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
+use leastaction_programs::dynamics::{Accelerations, OneSampleAccelerations};
 use leastaction_programs::energies::{Energies, GraphEnergies};
 use leastaction_programs::{Program, Row, System};
 
@@ -221,6 +222,49 @@ fn graphs_of_any_size_take_the_same_steps() {
         System::new(&model).gradient().steps()
     });
     assert_eq!(steps[0], steps[1]);
+}
+
+/// A ring of nodes of two types, one with a mass and one with a network.
+fn ring(nodes: u16) -> (System, Vec<f64>) {
+    let shape = shape(2, &[HEAVY, LEARNED], &[with_messages(PAIR)], Some(MESSAGES));
+    let list: Vec<Edge> = (0..nodes).map(|i| Edge { kind: 0, ends: [i, (i + 1) % nodes] }).collect();
+    let kinds: Vec<u8> = (0..nodes).map(|i| u8::from(i % 3 == 1)).collect();
+    let model = GraphEnergies::new(&shape, &kinds, &list, 0).unwrap();
+    (System::new(&model), random_weights(model.parameters(), 3))
+}
+
+/// The mass matrix has a block for every node or coordinate: two directions give all of them.
+#[test]
+fn mass_matrices_of_graphs_take_as_many_directions_as_dimensions() {
+    for nodes in [5, 200] {
+        let (program, pattern) = ring(nodes).0.equation_of_motion();
+        assert_eq!(pattern.directions(), 2);
+        assert_eq!(program.steps(), ring(5).0.equation_of_motion().0.steps());
+    }
+}
+
+#[test]
+fn accelerations_of_one_sample_are_those_of_samples_side_by_side() {
+    for nodes in [3, 40] {
+        let (system, weights) = ring(nodes);
+        let n = system.n();
+        let x = |k: usize, i: usize| ((7 * i + 3 * k) as f64).sin();
+        let [q, v, tau] = [0, 1, 2].map(|k| (0..n).map(|i| x(k, i)).collect::<Vec<_>>());
+        let rows = [&q, &v, &tau].map(|x| x.iter().map(|x| Row::splat(*x)).collect::<Vec<_>>());
+        let mut expected = vec![Row::default(); n];
+        let failures = Accelerations::new(&system).evaluate(
+            &weights,
+            rows.each_ref().map(Vec::as_slice),
+            &mut expected,
+            None,
+        );
+        let mut found = vec![0.0; n];
+        let solved = OneSampleAccelerations::new(&system).evaluate(&weights, [&q, &v, &tau], &mut found);
+        assert!(solved && !failures.all());
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected.0[0]).abs() < 1e-11 * (1.0 + found.abs()), "{found} {expected:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,15 +1,23 @@
 use super::rods::take_out;
-use super::{Failures, Lu, Rods, dot};
+use super::{Cholesky, Failures, Lu, Rods, dot};
 use crate::program::{Program, Workspace};
 use crate::row::{Row, WIDTH};
+use crate::sparsity::Pattern;
 use crate::system::System;
 
 /// Accelerations v̇ of M v̇ = L_q − L_vq v + Q + τ + Aᵀλ, A v̇ = −Ȧv, with the workspace to compute them in.
 #[derive(Clone, Debug)]
 pub struct Accelerations {
-    n: usize,
     program: Program,
     workspace: Workspace,
+    solver: MotionSolver,
+}
+
+/// Solves the equation of motion, which a program has written down.
+#[derive(Clone, Debug)]
+pub(crate) struct MotionSolver {
+    pattern: Pattern,
+    cholesky: Cholesky,
     lu: Lu,
     rods: Rods,
     definite: bool,
@@ -25,9 +33,8 @@ impl Accelerations {
 
     /// Those of a system on rods. `definite`: whether M must be positive along what they allow; where it is not, a sample fails.
     pub fn with_rods(system: &System, rods: Rods, definite: bool) -> Self {
-        let (n, program) = (system.n(), system.equation_of_motion());
-        let compliance = vec![Row::default(); if rods.count() > 0 { n * n } else { 0 }];
-        Self { n, workspace: program.workspace(), program, lu: Lu::default(), rods, definite, compliance }
+        let (program, pattern) = system.equation_of_motion();
+        Self { workspace: program.workspace(), program, solver: MotionSolver::new(pattern, rods, definite) }
     }
 
     /// Writes v̇(q, v, τ), n rows, and, where it is asked for, row by row how v̇ moves with the forces:
@@ -39,13 +46,38 @@ impl Accelerations {
         a: &mut [Row],
         compliance: Option<&mut [Row]>,
     ) -> Failures {
-        self.program.run(weights, &[q, v, tau], &mut self.workspace, &mut []);
+        self.program.run_outputs(weights, &[q, v, tau], &mut self.workspace);
+        self.solver.solve(&self.workspace, [q, v], a, compliance)
+    }
+
+    /// M of the last evaluation, entry (i, j), of every sample.
+    pub fn mass(&self, i: usize, j: usize) -> Row {
+        mass(&self.solver.pattern, &self.workspace, i, j)
+    }
+}
+
+impl MotionSolver {
+    /// For a mass matrix of this pattern, on rods; `definite` as in [`Accelerations::with_rods`].
+    pub fn new(pattern: Pattern, rods: Rods, definite: bool) -> Self {
+        let n = pattern.size();
+        let compliance = vec![Row::default(); if rods.count() > 0 { n * n } else { 0 }];
+        Self { pattern, cholesky: Cholesky::default(), lu: Lu::default(), rods, definite, compliance }
+    }
+
+    /// As [`Accelerations::evaluate`], from the outputs of [`System::equation_of_motion`] in a workspace.
+    pub fn solve(
+        &mut self,
+        motion: &Workspace,
+        [q, v]: [&[Row]; 2],
+        a: &mut [Row],
+        compliance: Option<&mut [Row]>,
+    ) -> Failures {
         let mut own = std::mem::take(&mut self.compliance);
         let compliance = compliance.or(if own.is_empty() { None } else { Some(&mut own) });
         let failures = match compliance {
-            None => self.free(a, None),
+            None => self.free(motion, a, None),
             Some(compliance) => {
-                let free = self.free(a, Some(compliance));
+                let free = self.free(motion, a, Some(compliance));
                 self.constrain([q, v], a, compliance, free)
             }
         };
@@ -53,25 +85,54 @@ impl Accelerations {
         failures
     }
 
-    /// v̇ and M⁻¹ without constraints.
-    fn free(&mut self, a: &mut [Row], mut compliance: Option<&mut [Row]>) -> Failures {
-        let (n, mut failures) = (self.n, Failures::default());
-        for sample in 0..WIDTH {
-            let of = |output: usize, i: usize| self.workspace.output(output)[i].0[sample];
-            failures.0[sample] = !self.lu.factor(n, |i, j| of(1 + j, i));
-            let solved = !failures.0[sample];
-            let x = self.lu.solve(|i| of(0, i));
-            for i in 0..n {
-                a[i].0[sample] = if solved { x[i] } else { f64::NAN };
-            }
-            failures.0[sample] |= a.iter().any(|a| !a.0[sample].is_finite());
-            let Some(compliance) = compliance.as_deref_mut() else { continue };
-            for (j, row) in compliance.chunks_exact_mut(n).enumerate() {
-                let column = self.lu.solve(|i| f64::from(u8::from(i == j)));
-                row.iter_mut().zip(column).for_each(|(place, x)| place.0[sample] = *x);
+    /// v̇ and M⁻¹ without constraints, one block of M after the other.
+    fn free(&mut self, motion: &Workspace, a: &mut [Row], mut compliance: Option<&mut [Row]>) -> Failures {
+        let mut failures = Failures::default();
+        a.copy_from_slice(motion.output(0));
+        if let Some(compliance) = compliance.as_deref_mut() {
+            compliance.fill(Row::default());
+        }
+        for block in 0..self.pattern.blocks().len() {
+            self.solve_block(block, motion, a, compliance.as_deref_mut(), &mut failures);
+        }
+        failures.add_not_finite(a);
+        spoil(&failures, a);
+        failures
+    }
+
+    /// v̇ and M⁻¹ of one block: positive definite samples side by side, others one by one.
+    fn solve_block(
+        &mut self,
+        block: usize,
+        motion: &Workspace,
+        a: &mut [Row],
+        compliance: Option<&mut [Row]>,
+        failures: &mut Failures,
+    ) {
+        let block = &self.pattern.blocks()[block];
+        let (m, n) = (block.len(), a.len());
+        let entry = |i: usize, j: usize| mass(&self.pattern, motion, block[i], block[j]);
+        let positive = self.cholesky.factor(m, entry);
+        let mut columns = vec![block.iter().map(|i| a[*i]).collect::<Vec<_>>()];
+        if compliance.is_some() {
+            let unit = |i: usize, j: usize| Row::splat(f64::from(u8::from(i == j)));
+            columns.extend((0..m).map(|j| (0..m).map(|i| unit(i, j)).collect()));
+        }
+        let right = columns.clone();
+        columns.iter_mut().for_each(|column| self.cholesky.solve(column));
+        for sample in (0..WIDTH).filter(|sample| !positive[*sample]) {
+            failures.0[sample] |= !self.lu.factor(m, |i, j| entry(i, j).0[sample]);
+            for (column, right) in columns.iter_mut().zip(&right) {
+                let x = self.lu.solve(|i| right[i].0[sample]);
+                column.iter_mut().zip(x).for_each(|(place, x)| place.0[sample] = *x);
             }
         }
-        failures
+        let (x, inverse) = columns.split_at(1);
+        block.iter().zip(&x[0]).for_each(|(i, x)| a[*i] = *x);
+        let Some(compliance) = compliance else { return };
+        for (j, column) in block.iter().zip(inverse) {
+            block.iter().zip(column).for_each(|(i, x)| compliance[j * n + i] = *x);
+        }
     }
 
     /// One constraint after the other, as if the rest were not there: each takes its own direction out of Π.
@@ -88,17 +149,20 @@ impl Accelerations {
             let lever = take_out(compliance, &row, self.definite, &mut failures);
             a.iter_mut().zip(&lever).for_each(|(a, lever)| a.add_product(&missing, lever));
         }
-        for sample in 0..WIDTH {
-            failures.0[sample] |= a.iter().any(|a| !a.0[sample].is_finite());
-            if failures.0[sample] {
-                a.iter_mut().for_each(|a| a.0[sample] = f64::NAN);
-            }
-        }
+        failures.add_not_finite(a);
+        spoil(&failures, a);
         failures
     }
+}
 
-    /// M of the last evaluation, entry (i, j), of every sample.
-    pub fn mass(&self, i: usize, j: usize) -> &Row {
-        &self.workspace.output(1 + j)[i]
+/// M of the equation of motion, entry (i, j).
+fn mass(pattern: &Pattern, motion: &Workspace, i: usize, j: usize) -> Row {
+    pattern.direction(i, j).map_or(Row::default(), |direction| motion.output(1 + direction)[i])
+}
+
+/// What failed is not a number.
+fn spoil(failures: &Failures, rows: &mut [Row]) {
+    for (sample, _) in failures.0.iter().enumerate().filter(|(_, failed)| **failed) {
+        rows.iter_mut().for_each(|row| row.0[sample] = f64::NAN);
     }
 }

@@ -1,19 +1,24 @@
 //! Motion of systems of any size, samples side by side: accelerations, and steps of the discrete Euler–Lagrange equation.
 
 mod acceleration;
+mod cholesky;
 mod del;
 mod dense;
 mod interval;
 mod matrix;
 mod newton;
+mod one_sample;
 mod rods;
 
 pub use acceleration::Accelerations;
 pub use del::{Del, DelState};
 pub use interval::{Balance, Interval, Linearised, Order};
 pub use newton::Newton;
+pub use one_sample::OneSampleAccelerations;
 pub use rods::Rods;
 
+pub(crate) use acceleration::MotionSolver;
+pub(crate) use cholesky::Cholesky;
 pub(crate) use dense::{add, contracted, dot, max_abs, product, times};
 pub(crate) use interval::{GaussPoint, Integrals, Variation};
 pub(crate) use matrix::Lu;

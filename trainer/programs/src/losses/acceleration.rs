@@ -1,15 +1,15 @@
 use super::{Block, Derivatives, Loss, clear, mended};
-use crate::dynamics::{Accelerations, Failures, Rods, contracted};
+use crate::dynamics::{Failures, MotionSolver, Rods, contracted};
 use crate::program::{Program, Workspace};
-use crate::row::Row;
+use crate::row::{Row, WIDTH};
 use crate::system::System;
 
 /// v̇(q, v, u) − a.
 pub struct AccelerationLoss {
     n: usize,
-    accelerations: Accelerations,
-    /// For one direction, and for n.
-    pulls: [(Program, Workspace); 2],
+    solver: MotionSolver,
+    /// The equation of motion with the derivatives of its residual along one direction, and along n.
+    motions: [(Program, Workspace); 2],
 }
 
 impl AccelerationLoss {
@@ -21,8 +21,9 @@ impl AccelerationLoss {
     /// That of a system on rods. `definite`: whether M must be positive along what they allow.
     pub fn with_rods(system: &System, rods: Rods, definite: bool) -> Self {
         let n = system.n();
-        let pulls = [1, n].map(|directions| system.residual(directions).with_workspace());
-        Self { n, accelerations: Accelerations::with_rods(system, rods, definite), pulls }
+        let [one, all] = [1, n].map(|directions| system.equation_of_motion_with_residual(directions));
+        let (solver, motions) = (MotionSolver::new(one.1, rods, definite), [one.0, all.0]);
+        Self { n, solver, motions: motions.map(Program::with_workspace) }
     }
 }
 
@@ -51,7 +52,10 @@ impl Loss for AccelerationLoss {
             compliance.resize(n * n, Row::default());
         }
         let asked = if compliance.is_empty() { None } else { Some(&mut compliance[..]) };
-        let failures = self.accelerations.evaluate(weights, [q, v, tau], &mut a, asked);
+        let several = matches!(derivatives, Derivatives::Jacobian(_));
+        let (program, workspace) = &mut self.motions[usize::from(several)];
+        program.run_outputs(weights, &[q, v, tau], workspace);
+        let failures = self.solver.solve(workspace, [q, v], &mut a, asked);
         for ((residual, a), logged) in residual.iter_mut().zip(&a).zip(logged) {
             *residual = a.zip(logged, |a, logged| a - logged);
         }
@@ -62,19 +66,22 @@ impl Loss for AccelerationLoss {
         let at = [q, v, tau, &a].map(|rows| mended(&failures, rows));
         let mut inputs: Vec<&[Row]> = at.iter().map(Vec::as_slice).collect();
         let sum;
-        let ((program, workspace), rows) = match derivatives {
+        let rows = match derivatives {
             Derivatives::None => return failures,
             Derivatives::Jacobian(rows) => {
                 inputs.extend(compliance.chunks_exact(n));
-                (&mut self.pulls[1], rows)
+                rows
             }
             Derivatives::Gradient(row) => {
                 sum = contracted(residual, &compliance, n);
                 inputs.push(&sum);
-                (&mut self.pulls[0], std::slice::from_mut(row))
+                std::slice::from_mut(row)
             }
         };
-        program.run(weights, &inputs, workspace, rows);
+        if failures.any(WIDTH) {
+            program.run_outputs(weights, &inputs, workspace);
+        }
+        program.run_rows(weights, &inputs, workspace, rows);
         failures
     }
 }

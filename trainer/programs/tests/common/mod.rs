@@ -8,6 +8,7 @@ use leastaction_core::energy::{Learnable, LearnableForces};
 use leastaction_core::forces::{self, Forces, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::Matrix;
+use leastaction_programs::dynamics::{Accelerations, OneSampleAccelerations};
 use leastaction_programs::energies::Energies;
 use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
 use rand::{RngExt, SeedableRng};
@@ -110,6 +111,7 @@ pub fn check<L, F, const N: usize>(
     assert_eq!((model.n(), model.parameters()), (N, numbers.weights.len()), "n and the numbers of the model");
     let system = System::new(model);
     check_values(&system, core, numbers, size);
+    check_one_sample(&system, numbers);
     check_gradients(&system, core, numbers, size);
 }
 
@@ -121,7 +123,8 @@ fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
 ) {
     let (energies, _) = numbers.run(&system.energies(), &[0, 1]);
     let (gradient, _) = numbers.run(&system.gradient(), &[0, 1]);
-    let (motion, _) = numbers.run(&system.equation_of_motion(), &[0, 1, 2]);
+    let (program, pattern) = system.equation_of_motion();
+    let (motion, _) = numbers.run(&program, &[0, 1, 2]);
     let (program, at) = system.derivatives();
     let (derivatives, _) = numbers.run(&program, &[0, 1, 2]);
     let second = 10.0 * size;
@@ -140,12 +143,31 @@ fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
             close(of(&derivatives, 0, i), hessian.l_q[i] + force[i], size);
             close(of(&derivatives, 1, i), hessian.l_v[i], size);
             for j in 0..N {
-                close(of(&motion, 1 + j, i), hessian.l_vv[i][j], second);
+                let mass = pattern.direction(i, j).map_or(0.0, |direction| of(&motion, 1 + direction, i));
+                close(mass, hessian.l_vv[i][j], second);
                 close(of(&derivatives, at.force_q(j), i), hessian.l_qq[i][j] + force_q[i][j], second);
                 close(of(&derivatives, at.momentum_q(j), i), hessian.l_vq[i][j], second);
                 close(of(&derivatives, at.force_v(j), i), hessian.l_vq[j][i] + force_v[i][j], second);
                 close(of(&derivatives, at.mass(j), i), hessian.l_vv[i][j], second);
             }
+        }
+    }
+}
+
+/// Accelerations of a sample alone, whose columns lie side by side, are those of samples side by side where M is not singular.
+fn check_one_sample<const N: usize>(system: &System, numbers: &Numbers<N>) {
+    let inputs = [0, 1, 2].map(|vector| &numbers.vectors[vector][..]);
+    let mut expected = vec![Row::default(); N];
+    let failures = Accelerations::new(system).evaluate(&numbers.weights, inputs, &mut expected, None);
+    let mut alone = OneSampleAccelerations::new(system);
+    for sample in [0, 9] {
+        let [q, v, tau] = [0, 1, 2].map(|vector| numbers.of(vector, sample));
+        let mut found = [0.0; N];
+        let solved = alone.evaluate(&numbers.weights, [&q, &v, &tau], &mut found);
+        assert_eq!(solved, !failures.0[sample]);
+        for (found, expected) in found.iter().zip(&expected).filter(|_| solved) {
+            let expected = expected.0[sample];
+            assert!((found - expected).abs() <= 1e-7 * (1.0 + expected.abs()), "{found} {expected}");
         }
     }
 }

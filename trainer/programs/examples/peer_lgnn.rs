@@ -1,18 +1,14 @@
 //! Our side of `tests/peers/lgnn_jax.py`: rings of springs in f64, by the LGNN authors' network and by ours. Files and output:
 //! `tests/peers/README.md`.
 
-use leastaction_core::constraints::{Constrained, ConstraintError, Holonomic};
-use leastaction_core::continuous::{Drive, constrained_acceleration, constrained_workspace};
-use leastaction_core::discrete::{
-    Order,
-    rattle::{ParticleState, Rattle},
-};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
-    Drag, Edge, EdgeShape, Graph, GraphShape, Kinetic, MessageShape, NodeShape, Potential, Separation, Types,
+    Drag, Edge, EdgeShape, GraphShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
 use leastaction_core::network::{Activation, Dense};
-use leastaction_core::particles::Particles;
+use leastaction_programs::dynamics::OneSampleAccelerations;
+use leastaction_programs::energies::GraphEnergies;
+use leastaction_programs::{Row, System};
 use std::error::Error;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -33,13 +29,6 @@ const STRETCHES: usize = 12;
 const CALLS: u32 = 4;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
-/// As much as the trainer compiles in.
-type Springs<'a> = Graph<'a, f64, 2, 12, 64, 3>;
-/// q and v, node by node.
-type State = [Vec<[f64; 2]>; 2];
-
-/// A ring has no rods.
-const NO_RODS: &[Holonomic<f64, 2>] = &[];
 
 fn main() -> ExitCode {
     match run() {
@@ -70,28 +59,14 @@ fn usage() -> Box<dyn Error> {
 
 /// Writes what is compared, and prints times.
 fn measure([lgnn, springs]: [&Model; 2], states: &[f64], output: &str) -> Outcome<()> {
-    let [lgnn, springs] = [Ring::new(lgnn, states), Ring::new(springs, states)];
-    let (graph, mut workspace) = (lgnn.graph()?, Vec::new());
-    let mut l_q = vec![[0.0; 2]; lgnn.q.len()];
-    let mut acceleration = l_q.clone();
-    workspace.resize(Particles::<f64, 2>::workspace(&graph), 0.0);
+    let [mut lgnn, mut springs] = [Ring::new(lgnn, states)?, Ring::new(springs, states)?];
     let mut report = String::from("{");
-    let mut force = || {
-        graph.l_q(&lgnn.q, &mut workspace, &mut l_q);
-        Ok(())
-    };
-    entry(&mut report, "l_q_s", fastest(&mut force)?)?;
-    let mechanism = Constrained::new(&graph, NO_RODS).map_err(failed)?;
-    workspace.resize(constrained_workspace(&mechanism), 0.0);
-    let mut accelerate = || {
-        let outputs = (&mut acceleration[..], &mut [][..]);
-        constrained_acceleration(&mechanism, (&lgnn.q, &lgnn.v), &Drive::none(), &mut workspace, outputs)
-    };
-    entry(&mut report, "acceleration_s", fastest(&mut || accelerate().map_err(failed))?)?;
+    entry(&mut report, "acceleration_s", fastest(&mut || lgnn.accelerate())?)?;
+    let compared = [lgnn.forces(), lgnn.a.clone()];
     entry(&mut report, "lgnn_step_s", lgnn.step_time()?)?;
+    (0..COMPARED_STEPS).try_for_each(|_| springs.step())?;
+    let written = [compared.concat(), springs.q.clone(), springs.v.clone()].concat();
     entry(&mut report, "springs_step_s", springs.step_time()?)?;
-    let (_, [q, v]) = springs.stepping(|step| (0..COMPARED_STEPS).try_for_each(|_| step()))?;
-    let written = [l_q, acceleration, q, v].concat().into_flattened();
     std::fs::write(output, written.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>())?;
     println!("{report}\"steps\": {COMPARED_STEPS}}}");
     Ok(())
@@ -101,15 +76,11 @@ fn measure([lgnn, springs]: [&Model; 2], states: &[f64], output: &str) -> Outcom
 fn scale(models: [&Model; 2], states: &[f64]) -> Outcome<()> {
     let mut report = String::from("{");
     for (name, model) in ["lgnn_step_s", "springs_step_s"].into_iter().zip(models) {
-        let times = SIZES.iter().map(|size| Ring::new(model, &states[..4 * size]).step_time());
+        let times = SIZES.iter().map(|size| Ring::new(model, &states[..4 * size])?.step_time());
         write!(report, "\"{name}\": {:?}, ", times.collect::<Outcome<Vec<_>>>()?)?;
     }
     println!("{report}\"sizes\": {SIZES:?}}}");
     Ok(())
-}
-
-fn failed(error: ConstraintError<f64>) -> Box<dyn Error> {
-    format!("{error:?}").into()
 }
 
 fn entry(report: &mut String, name: &str, [wall, busy]: [f64; 2]) -> Outcome<()> {
@@ -198,51 +169,70 @@ fn take<'a>(numbers: &mut &'a [f64], count: usize) -> Outcome<&'a [f64]> {
     Ok(first)
 }
 
-/// A model in a ring, and a state of it.
+/// A model in a ring, with a state of it: q, v and v̇, node by node.
 struct Ring<'m> {
-    model: &'m Model,
-    nodes: Vec<u8>,
-    edges: Vec<Edge>,
-    q: Vec<[f64; 2]>,
-    v: Vec<[f64; 2]>,
+    weights: &'m [f64],
+    system: System,
+    accelerations: OneSampleAccelerations,
+    control: Vec<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
 }
 
 impl<'m> Ring<'m> {
     /// A node for each q and v among the states.
-    fn new(model: &'m Model, states: &[f64]) -> Self {
+    fn new(model: &'m Model, states: &[f64]) -> Outcome<Self> {
         let states = states.as_chunks::<4>().0;
-        let (n, (q, v)) = (states.len(), states.iter().map(|[x, y, u, w]| ([*x, *y], [*u, *w])).unzip());
-        let edges = (0..n).map(|i| Edge { kind: 0, ends: [i as u16, ((i + 1) % n) as u16] }).collect();
-        Self { model, nodes: vec![0; n], edges, q, v }
+        let n = states.len();
+        let edges: Vec<Edge> =
+            (0..n).map(|i| Edge { kind: 0, ends: [i as u16, ((i + 1) % n) as u16] }).collect();
+        let energies = GraphEnergies::new(&model.shape, &vec![0; n], &edges, 0)?;
+        let system = System::new(&energies);
+        let mut ring = Self {
+            weights: &model.weights,
+            accelerations: OneSampleAccelerations::new(&system),
+            system,
+            control: vec![0.0; 2 * n],
+            q: states.iter().flat_map(|[x, y, ..]| [*x, *y]).collect(),
+            v: states.iter().flat_map(|[.., x, y]| [*x, *y]).collect(),
+            a: vec![0.0; 2 * n],
+        };
+        ring.accelerate()?;
+        Ok(ring)
     }
 
-    fn graph(&self) -> Outcome<Springs<'_>> {
-        let types = Types::take(&mut &self.model.weights[..], &self.model.shape).ok_or("wrong shape")?;
-        Ok(Graph::new(types, &self.nodes, &self.edges)?)
+    /// L_q.
+    fn forces(&self) -> Vec<f64> {
+        let program = self.system.gradient();
+        let mut workspace = program.workspace();
+        let rows = [&self.q, &self.v].map(|x| x.iter().map(|x| Row::splat(*x)).collect::<Vec<_>>());
+        program.run_outputs(self.weights, &rows.each_ref().map(Vec::as_slice), &mut workspace);
+        workspace.output(0).iter().map(|row| row.0[0]).collect()
+    }
+
+    fn accelerate(&mut self) -> Outcome<()> {
+        let at = [&self.q[..], &self.v, &self.control];
+        let solved = self.accelerations.evaluate(self.weights, at, &mut self.a);
+        if solved { Ok(()) } else { Err("a singular mass".into()) }
+    }
+
+    /// Velocity Verlet as the authors have it, one acceleration a step: that of the new place and the old velocity.
+    fn step(&mut self) -> Outcome<()> {
+        for ((q, v), a) in self.q.iter_mut().zip(&mut self.v).zip(&self.a) {
+            *q += STEP * (*v + 0.5 * STEP * a);
+        }
+        let before = self.a.clone();
+        self.accelerate()?;
+        for ((v, a), before) in self.v.iter_mut().zip(&self.a).zip(before) {
+            *v += 0.5 * STEP * (before + a);
+        }
+        Ok(())
     }
 
     /// The least wall and processor seconds of a step.
-    fn step_time(&self) -> Outcome<[f64; 2]> {
-        Ok(self.stepping(fastest)?.0)
-    }
-
-    /// What `run` makes of a step that can be repeated, and where it leaves q and v.
-    fn stepping<T>(
-        &self,
-        run: impl FnOnce(&mut dyn FnMut() -> Outcome<()>) -> Outcome<T>,
-    ) -> Outcome<(T, State)> {
-        let graph = self.graph()?;
-        let mechanism = Constrained::new(&graph, NO_RODS).map_err(failed)?;
-        let mut workspace = vec![0.0; Rattle::workspace(&mechanism)];
-        let mut storage = vec![0.0; ParticleState::<f64, 2>::workspace(self.q.len(), 0)];
-        let mut state =
-            ParticleState::new(&mechanism, &self.q, &self.v, &mut storage, &mut workspace).map_err(failed)?;
-        let integrator = Rattle::new(STEP, Order::Two);
-        let result = run(&mut || {
-            integrator.step(&mechanism, &mut state, None, &mut workspace).map_err(failed)?;
-            Ok(())
-        })?;
-        Ok((result, [state.q().to_vec(), state.v().to_vec()]))
+    fn step_time(&mut self) -> Outcome<[f64; 2]> {
+        fastest(&mut || self.step())
     }
 }
 
