@@ -5,10 +5,11 @@
 #[allow(dead_code, reason = "each test binary uses its own part")]
 mod reference;
 
-use leastaction::architecture::{DEPTH, Family, GraphArchitecture, HostTypes, MAX_GRAPH_WIDTH, Visitor};
+use leastaction::architecture::{DEPTH, GraphArchitecture, HostTypes, MAX_GRAPH_WIDTH};
 use leastaction::evaluate::particles::Driven;
 use leastaction::import::{Imported, LGNN_EMBEDDINGS, lgnn};
 use leastaction::training::{LossKind, Samples, objective};
+use leastaction_core::constraints::{Constraints, Holonomic, Positions};
 use leastaction_core::energy::graph::{Fixed, Graph, MAX_NETWORKS};
 use leastaction_core::forces::Forces;
 use leastaction_core::lagrangian::Lagrangian;
@@ -77,17 +78,15 @@ fn energies_derivatives_and_drag_agree() {
 }
 
 /// The constraints' rows of A, one after the other, and Ȧv.
-struct Rows<'a>(&'a [f64], &'a [f64]);
-
-impl Visitor for Rows<'_> {
-    type Output = [Vec<f64>; 2];
-
-    fn visit<F: Family<M> + Clone + 'static, const M: usize>(self, family: &F) -> Self::Output {
-        let state = |x: &[f64]| -> [f64; M] { std::array::from_fn(|i| x[i]) };
-        let (rows, v) = (family.constraints(&state(self.0)), state(self.1));
-        let bend = rows.iter().map(|row| row.curvature(&v)).collect();
-        [rows.iter().flat_map(|row| row.gradient).collect(), bend]
+fn rows(rods: &[Holonomic<f64, 2>], q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
+    let (x, rates) = (Positions::new(q.as_chunks().0), v.as_chunks().0);
+    let mut rows = vec![0.0; rods.len() * N];
+    for (k, row) in rows.chunks_exact_mut(N).enumerate() {
+        for (slot, node) in rods.nodes(k).iter().enumerate() {
+            row[2 * node..2 * (node + 1)].copy_from_slice(&rods.gradient(k, slot, x));
+        }
     }
+    [rows, (0..rods.len()).map(|k| rods.curvature(k, x, rates)).collect()]
 }
 
 /// The constraints, their multipliers and the accelerations: φ is |d|² − ℓ² in their program, (|d|² − ℓ²)/2ℓ in ours, and their
@@ -102,7 +101,7 @@ fn check_motion(name: &str, drag: bool) {
     let (q, v) = (reference.get("q"), reference.get("v"));
     let (mut jacobian, mut bend, mut lambda, mut acceleration) = (vec![], vec![], vec![], vec![]);
     for (q, v) in q.chunks_exact(N).zip(v.chunks_exact(N)) {
-        let [rows, rate] = imported.architecture.dispatch(Rows(q, v)).expect("compiled");
+        let [rows, rate] = rows(&rods, q, v);
         jacobian.extend(rows.iter().map(|x| 2.0 * x));
         bend.extend(rate.iter().map(|x| 2.0 * x));
         lambda.extend(driven.multipliers(q, v, &[]).expect("rods that do not contradict each other"));

@@ -6,7 +6,6 @@
 pub mod architecture;
 pub mod cli;
 pub mod config;
-pub mod dual;
 pub mod evaluate;
 pub mod ground_truth;
 pub mod import;

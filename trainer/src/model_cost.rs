@@ -1,17 +1,17 @@
 //! What a model costs on a chip, by its shape: multiply-adds, flash, RAM and stack.
 
+mod bytes;
 mod counted;
 mod graph;
 mod operations;
 pub mod processor;
 
-use crate::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture, Visitor};
-use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, State};
+use crate::architecture::{Architecture, ModularArchitecture, RigidArchitecture};
+use bytes::Bytes;
+use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
-use leastaction_core::forces::Viscous;
 use leastaction_core::model::ModelError;
-use leastaction_core::network::Jet;
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
@@ -43,37 +43,22 @@ pub struct Cost {
 /// The cost of models of this shape.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where there is no such graph.
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
-    match architecture {
-        Architecture::Graph(graph) => graph::cost(graph),
-        Architecture::Rigid(_) | Architecture::Modular(_) => architecture.dispatch(Count { architecture }),
-    }
-}
-
-struct Count<'a> {
-    architecture: &'a Architecture,
-}
-
-impl Visitor for Count<'_> {
-    type Output = Cost;
-
-    fn visit<F: Family<N>, const N: usize>(self, _: &F) -> Cost {
-        let evaluations = match self.architecture {
-            Architecture::Rigid(rigid) => Evaluations::rigid::<N>(rigid),
-            Architecture::Modular(modular) => Evaluations::modular::<N>(modular),
-            // Counted without a compiled size.
-            Architecture::Graph(_) => Evaluations::none(),
-        };
-        Cost {
-            state_bytes: size_of::<State<f32, N>>(),
-            handle_bytes: evaluations.handle_bytes,
-            acceleration: evaluations.dynamics,
-            step_order_2: evaluations.newton::<Midpoint, N>(),
-            step_order_4: evaluations.newton::<Galerkin, N>(),
-            iterated: true,
-        }
-    }
+    let bytes = Bytes::of(architecture.n());
+    let evaluations = match architecture {
+        Architecture::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
+        Architecture::Modular(modular) => Evaluations::modular(modular, &bytes),
+        Architecture::Graph(graph) => return graph::cost(graph),
+    };
+    Ok(Cost {
+        state_bytes: bytes.state,
+        handle_bytes: evaluations.handle_bytes,
+        acceleration: evaluations.dynamics,
+        step_order_2: evaluations.newton::<Midpoint>(bytes.newton_order_2),
+        step_order_4: evaluations.newton::<Galerkin>(bytes.newton_order_4),
+        iterated: true,
+    })
 }
 
 /// What the evaluations of a Lagrangian take, from which the solvers are made.
@@ -87,23 +72,21 @@ struct Evaluations {
 impl Evaluations {
     /// A step takes a forward pass with N tangents. So do the dynamics up to two coordinates; beyond, one with a single tangent
     /// and a plain adjoint.
-    fn rigid<const N: usize>(rigid: &RigidArchitecture) -> Self {
+    fn rigid(rigid: &RigidArchitecture, bytes: &Bytes) -> Self {
+        let n = rigid.n();
         let weights: usize = rigid.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
         let widest = rigid.widths.iter().copied().max().map_or(0, usize::from);
         let depth = rigid.widths.len();
-        let units = size_of::<Jet<f32, N>>() * widest * depth;
-        let linearization = Work { multiply_adds: (1 + N) * weights, stack_bytes: units + ends::<N, N>() };
-        let dynamics = if N <= 2 {
+        let units = jet(n) * widest * depth;
+        let linearization = Work { multiply_adds: (1 + n) * weights, stack_bytes: units + ends(n, n) };
+        let dynamics = if n <= 2 {
             linearization
         } else {
-            Work { multiply_adds: 3 * weights, stack_bytes: tape::<1, 0>(widest, depth) + ends::<1, N>() }
+            Work { multiply_adds: 3 * weights, stack_bytes: tape(1, 0, widest, depth) + ends(1, n) }
         };
         Self {
             // Two slices and a length a layer, the kinds of coordinates, the inertia, the damping.
-            handle_bytes: (depth + 1) * LAYER
-                + N.next_multiple_of(WORD)
-                + size_of::<Viscous<f32, N>>()
-                + 5 * WORD,
+            handle_bytes: (depth + 1) * LAYER + n.next_multiple_of(WORD) + bytes.damping + 5 * WORD,
             dynamics,
             linearization,
         }
@@ -111,7 +94,7 @@ impl Evaluations {
 
     /// Positions take one pass a derivative of the transform; potentials a forward pass and an adjoint, each with as many
     /// tangents as the positions that they see have components.
-    fn modular<const N: usize>(modular: &ModularArchitecture) -> Self {
+    fn modular(modular: &ModularArchitecture, bytes: &Bytes) -> Self {
         let weights = NetworkWeights::of(modular);
         let multiply_adds = |derivatives: usize, element: usize, pair: usize| {
             (1 + derivatives) * weights.transforms
@@ -119,30 +102,23 @@ impl Evaluations {
                 + 2 * (1 + pair) * weights.pairs
         };
         let (widest, depth) = (weights.widest, weights.deepest);
-        let arrays = size_of::<[[f32; 16]; N]>();
+        let arrays = 16 * WORD * modular.n();
         let networks = modular.types.len() * 3 + 1;
         let dynamics =
-            Work { multiply_adds: multiply_adds(2, 0, 0), stack_bytes: tape::<2, 0>(widest, depth) + arrays };
+            Work { multiply_adds: multiply_adds(2, 0, 0), stack_bytes: tape(2, 0, widest, depth) + arrays };
         Self {
-            handle_bytes: networks * (depth + 1) * LAYER + N * 5 * WORD + size_of::<Viscous<f32, N>>(),
+            handle_bytes: networks * (depth + 1) * LAYER + modular.n() * 5 * WORD + bytes.damping,
             dynamics,
             linearization: dynamics,
         }
     }
 
-    fn none() -> Self {
-        let nothing = Work { multiply_adds: 0, stack_bytes: 0 };
-        Self { handle_bytes: 0, dynamics: nothing, linearization: nothing }
-    }
-
-    /// One evaluation at every Gauss point measures an update and makes the next.
-    fn newton<P: Path, const N: usize>(&self) -> Work {
+    /// One evaluation at every Gauss point measures an update and makes the next; `solver` are the bytes of the solver's own.
+    fn newton<P: Path>(&self, solver: usize) -> Work {
         let nodes = P::points::<f32>().as_ref().len();
-        let sums =
-            size_of::<Linearised<f32, N>>() + size_of::<Solved<f32, P, N>>() + size_of::<State<f32, N>>();
         Work {
             multiply_adds: nodes * self.linearization.multiply_adds,
-            stack_bytes: self.linearization.stack_bytes + sums,
+            stack_bytes: self.linearization.stack_bytes + solver,
         }
     }
 }
@@ -193,16 +169,20 @@ fn network_weights(network: &NetworkShape) -> usize {
     sum
 }
 
-/// The tape of a forward pass with T tangents (units, slopes) and two layers of an adjoint with A; each layer of each counts
-/// its units.
-fn tape<const T: usize, const A: usize>(widest: usize, depth: usize) -> usize {
-    let unit = 2 * size_of::<Jet<f32, T>>();
-    depth * (unit * widest + 2 * WORD) + 2 * (size_of::<Jet<f32, A>>() * widest + WORD)
+/// A number with so many tangents.
+const fn jet(tangents: usize) -> usize {
+    (1 + tangents) * WORD
 }
 
-/// Inputs and outputs of the network.
-fn ends<const T: usize, const N: usize>() -> usize {
-    2 * size_of::<[[[Jet<f32, T>; N]; N]; 2]>()
+/// The tape of a forward pass with so many tangents (units, slopes) and two layers of an adjoint with its own; each layer of each
+/// counts its units.
+fn tape(tangents: usize, of_adjoint: usize, widest: usize, depth: usize) -> usize {
+    depth * (2 * jet(tangents) * widest + 2 * WORD) + 2 * (jet(of_adjoint) * widest + WORD)
+}
+
+/// Inputs and outputs of the network of n coordinates.
+fn ends(tangents: usize, n: usize) -> usize {
+    4 * n * n * jet(tangents)
 }
 
 const WORD: usize = 4;
@@ -214,6 +194,7 @@ mod tests {
     use super::*;
     use leastaction_core::energy::rigid::Coordinate;
     use leastaction_core::model::RigidModel;
+    use leastaction_core::network::Jet;
 
     fn cartpole(width: u16) -> Architecture {
         RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()

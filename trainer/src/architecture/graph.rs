@@ -1,14 +1,10 @@
 //! The shape of a graph of particles on the host.
 
-use super::{
-    Constraint, DEPTH, Family, FamilySystem, HostScalar, Number, Visitor, known_positions, layers,
-    random_layers, too_many,
-};
+use super::{DEPTH, Number, known_positions, layers, random_layers};
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
-    Drag, EDGE_NUMBERS, Edge, Fixed, Graph, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Types,
+    Drag, EDGE_NUMBERS, Edge, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Types,
 };
-use leastaction_core::forces::System;
 use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
 use leastaction_core::scalar::WeightFormat;
 use serde::{Deserialize, Serialize};
@@ -290,50 +286,5 @@ impl GraphArchitecture {
             return Err(ModelError::OutOfRange { what });
         }
         self.with_header(|header| header.types(weights))
-    }
-}
-
-macro_rules! compiled {
-    ($(($d:literal, $n:literal)),*) => {
-        /// Dimensions and numbers of coordinates that a graph to train can have.
-        pub const SIZES: &[(usize, usize)] = &[$(($d, $n)),*];
-
-        impl GraphArchitecture {
-            pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-                match (self.dimension(), self.n()) {
-                    $(($d, $n) => Ok(visitor.visit(&Compiled::<$d, $n>(self.clone()))),)*
-                    (d, n) => {
-                        let most = SIZES.iter().filter(|(of, _)| *of == d).map(|(_, n)| *n).max().unwrap_or(0);
-                        too_many("coordinates of a graph to train", n, most)
-                    }
-                }
-            }
-        }
-    };
-}
-
-compiled!((2, 2), (2, 4), (2, 6), (2, 8), (2, 10), (3, 6), (3, 9));
-
-/// A graph in N coordinates, D of each node.
-#[derive(Clone)]
-struct Compiled<const D: usize, const N: usize>(GraphArchitecture);
-
-impl<const D: usize, const N: usize> Family<N> for Compiled<D, N> {
-    type Lagrangian<'w, S: HostScalar> = Fixed<'w, f64, D, MAX_NETWORKS, MAX_WIDTH, DEPTH, N>;
-    type Forces<'w, S: HostScalar> = Fixed<'w, f64, D, MAX_NETWORKS, MAX_WIDTH, DEPTH, N>;
-
-    fn system<'w, S: HostScalar>(
-        &'w self,
-        weights: &'w [f64],
-    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        let graph = self.0.graph()?;
-        let graph = Graph::new(self.0.host_types(weights)?, &graph.nodes, &graph.edges);
-        let fixed = graph.and_then(Fixed::new).map_err(ModelError::Graph)?;
-        Ok(System { lagrangian: fixed, forces: fixed })
-    }
-
-    fn constraints(&self, q: &[f64; N]) -> Vec<Constraint<N>> {
-        let rods = self.0.graph().map_or(&[][..], |graph| &graph.rods);
-        rods.iter().map(|rod| Constraint::of_rod(rod, q.as_chunks::<D>().0)).collect()
     }
 }

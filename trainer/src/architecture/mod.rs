@@ -1,19 +1,12 @@
-//! The shape of a model on the host, where widths and the number of coordinates are known only at run time, and the one
-//! place where they become types.
+//! The shape of a model on the host, where widths and the number of coordinates are known only at run time.
 
-mod constraint;
-mod damping;
-mod family;
 mod graph;
 mod lgnn;
 mod modular;
 mod rigid;
 
-pub use constraint::Constraint;
-pub use damping::Damping;
-pub use family::{Family, FamilySystem, HostScalar, Visitor};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
-pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, SIZES as MODULAR_SIZES, TYPE_NUMBERS};
+pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, TYPE_NUMBERS};
 pub use rigid::{HostSystem, RigidArchitecture, largest_factor};
 
 use leastaction_core::energy::NetworkShape;
@@ -40,8 +33,6 @@ pub use leastaction_core::energy::MAX_HIDDEN;
 
 /// Hidden layers at most of what is compiled for its sizes: the firmware loop of this machine, and the counting of operations.
 pub const DEPTH: usize = 3;
-/// Coordinates of a rigid model at most that operations are counted of.
-const COMPILED_COORDINATES: usize = 4;
 /// Units of a hidden layer of a rigid model at most that is compiled for its sizes.
 pub const MAX_WIDTH: usize = 256;
 
@@ -304,22 +295,6 @@ impl Architecture {
         let Some(graph) = self.graph() else { return Ok(Rods::default()) };
         Ok(Rods::new(graph.dimension(), &graph.graph()?.rods))
     }
-
-    /// Calls the visitor with this shape as a type.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] for more coordinates, layers or units than this program was compiled for.
-    pub fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-        match self {
-            Self::Rigid(rigid) => rigid.dispatch(visitor),
-            Self::Modular(modular) => modular.dispatch(visitor),
-            Self::Graph(graph) => graph.dispatch(visitor),
-        }
-    }
-}
-
-fn too_many<T>(what: &'static str, found: usize, compiled: usize) -> Result<T, ModelError> {
-    Err(ModelError::Shape { what, found, compiled })
 }
 
 /// Random weights of layers of these inputs and outputs: uniform with Glorot's variance, biases zero.

@@ -1,18 +1,12 @@
 //! The shape of a tree of elements on the host.
 
-use super::{
-    DEPTH, Damping, Family, FamilySystem, HostScalar, Visitor, known_positions, layers, random_layers,
-    too_many,
-};
+use super::{known_positions, layers, random_layers};
 use leastaction_core::energy::modular::{
-    ELEMENT_PARAMETERS, Input, MAX_TYPES, Modular, ModularShape, NetworkShape, TransformShape, TypeShape,
+    ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
-use leastaction_core::forces::System;
-use leastaction_core::model::{Laws, MAX_TREES, ModelError, ModularHeader, TreeHeader};
+use leastaction_core::model::{MAX_TREES, ModularHeader, TreeHeader};
 use serde::{Deserialize, Serialize};
 
-/// Units of a hidden layer of a network of an element at most.
-pub const MAX_WIDTH: usize = 64;
 /// The smallest mass, kg, that training may reach.
 const LEAST_MASS: f64 = 1e-6;
 
@@ -260,41 +254,5 @@ impl ModularArchitecture {
             let [mass, inertia, ..] = named.numbers;
             mass.learned && (inertia.learned || inertia.value == 0.0)
         })
-    }
-}
-
-macro_rules! compiled {
-    ($($n:literal),*) => {
-        /// Numbers of coordinates that a tree can have on the host.
-        pub const SIZES: &[usize] = &[$($n),*];
-
-        impl ModularArchitecture {
-            pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-                match self.n() {
-                    $($n => Ok(visitor.visit(&Compiled::<$n>(self.clone()))),)*
-                    n => too_many("coordinates", n, SIZES.last().copied().unwrap_or(0)),
-                }
-            }
-        }
-    };
-}
-
-compiled!(1, 2, 3, 4, 5, 6, 8, 10, 12);
-
-/// A tree in N coordinates.
-#[derive(Clone)]
-struct Compiled<const N: usize>(ModularArchitecture);
-
-impl<const N: usize> Family<N> for Compiled<N> {
-    type Lagrangian<'w, S: HostScalar> = Modular<'w, f64, N, MAX_TYPES, MAX_WIDTH, DEPTH>;
-    type Forces<'w, S: HostScalar> = Damping<S, N>;
-
-    fn system<'w, S: HostScalar>(
-        &'w self,
-        weights: &'w [f64],
-    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        let (header, tree) = (self.0.header(), self.0.tree_header());
-        let System { lagrangian, forces } = header.system(&tree, Laws::VISCOUS, weights)?;
-        Ok(System { lagrangian, forces: Damping::new(forces, &self.0.damping_positions()) })
     }
 }

@@ -1,9 +1,6 @@
 //! The shape of a rigid model on the host.
 
-use super::{
-    COMPILED_COORDINATES, DEPTH, Damping, Family, FamilySystem, HostScalar, MAX_WIDTH, Visitor,
-    random_layers, too_many,
-};
+use super::{DEPTH, random_layers};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{Law, Laws, MAX_HIDDEN, ModelError, RigidHeader};
@@ -167,41 +164,5 @@ impl RigidArchitecture {
         weights: &'w [S::Weight],
     ) -> Result<HostSystem<'w, S, N, H>, ModelError> {
         self.header().system(self.laws(), weights)
-    }
-
-    pub(super) fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-        let width = self.widths.iter().copied().max().map_or(0, usize::from);
-        if self.widths.len() > DEPTH {
-            return too_many("hidden layers", self.widths.len(), DEPTH);
-        }
-        match (self.n(), width) {
-            (1, 0..=32) => Ok(visitor.visit(&Compiled::<1, 32>(self.clone()))),
-            (2, 0..=32) => Ok(visitor.visit(&Compiled::<2, 32>(self.clone()))),
-            (3, 0..=32) => Ok(visitor.visit(&Compiled::<3, 32>(self.clone()))),
-            (4, 0..=32) => Ok(visitor.visit(&Compiled::<4, 32>(self.clone()))),
-            (1, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<1, MAX_WIDTH>(self.clone()))),
-            (2, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<2, MAX_WIDTH>(self.clone()))),
-            (3, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<3, MAX_WIDTH>(self.clone()))),
-            (4, 33..=MAX_WIDTH) => Ok(visitor.visit(&Compiled::<4, MAX_WIDTH>(self.clone()))),
-            (n, 0..=MAX_WIDTH) => too_many("coordinates", n, COMPILED_COORDINATES),
-            (_, width) => too_many("units in a hidden layer", width, MAX_WIDTH),
-        }
-    }
-}
-
-/// A rigid shape in N coordinates with hidden layers of at most H units.
-#[derive(Clone)]
-struct Compiled<const N: usize, const H: usize>(RigidArchitecture);
-
-impl<const N: usize, const H: usize> Family<N> for Compiled<N, H> {
-    type Lagrangian<'w, S: HostScalar> = Rigid<'w, f64, N, H, DEPTH>;
-    type Forces<'w, S: HostScalar> = Damping<S, N>;
-
-    fn system<'w, S: HostScalar>(
-        &'w self,
-        weights: &'w [f64],
-    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        let System { lagrangian, forces } = self.0.system::<S, N, H>(weights)?;
-        Ok(System { lagrangian, forces: Damping::new(forces, &self.0.damping_positions()) })
     }
 }

@@ -2,8 +2,7 @@
 
 use super::FreeAccelerations;
 use super::particles::Driven;
-use crate::architecture::{Architecture, Family, GraphArchitecture, HostTypes, Visitor};
-use leastaction_core::continuous::acceleration;
+use crate::architecture::{Architecture, GraphArchitecture, HostTypes};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::model::ModelError;
 
@@ -65,26 +64,4 @@ fn forced_in<const D: usize, T>(
     let rods = graph.constraints::<D>();
     let driven = Driven::new(&particles, &rods).map_err(|_| ModelError::OutOfRange { what: "rod" })?;
     Ok(then(&|q, v, u, out| driven.acceleration(q, v, u, out)))
-}
-
-/// Calls `then` with the accelerations of a family without rods under forces.
-pub struct Free<'w, C> {
-    /// Its weight block.
-    pub weights: &'w [f64],
-    /// What is done.
-    pub then: C,
-}
-
-impl<T, C: FnOnce(&Forced) -> T> Visitor for Free<'_, C> {
-    type Output = Result<T, ModelError>;
-
-    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
-        let system = family.system::<f64>(self.weights)?;
-        Ok((self.then)(&|q, v, u, out| {
-            let (q, v) = (q.first_chunk::<N>()?, v.first_chunk::<N>()?);
-            let u = if u.is_empty() { &[0.0; N] } else { u.first_chunk::<N>()? };
-            *out.first_chunk_mut::<N>()? = acceleration(&system, q, v, u).ok()?;
-            Some(())
-        }))
-    }
 }

@@ -3,7 +3,7 @@
 use super::{mean_square_or_infinite, start_energy};
 use crate::data::{Dataset, Trajectory};
 use crate::parallel;
-use crate::runge_kutta::{RungeKutta, State};
+use crate::runge_kutta::{self, RungeKutta, State};
 use leastaction_core::continuous::energy;
 use leastaction_core::energy::trigonometric::Trigonometric;
 
@@ -20,9 +20,9 @@ impl<A> Stepper<A> {
     fn step<const N: usize>(
         &self,
         h: f64,
-        state: &State<f64, N>,
+        state: &State<N>,
         [first, last]: &[[f64; N]; 2],
-    ) -> Option<State<f64, N>>
+    ) -> Option<State<N>>
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
     {
@@ -32,22 +32,21 @@ impl<A> Stepper<A> {
             let u = std::array::from_fn(|i| first[i] + c * (last[i] - first[i]));
             (self.acceleration)(q, v, &u).ok_or(())
         };
-        let stages = self.method.stages(h, state, acceleration).ok()?;
-        Some(self.method.end(h, state, &stages))
+        runge_kutta::step(self.method, h, state, acceleration).ok()
     }
 
     /// States that free or forced steps from the second of each trajectory give, (q, v) each, after the first two as logged: as
     /// many steps as a model makes that starts from two positions.
     ///
     /// Where a step fails, or the log has no velocities, the rest of the trajectory is not a number.
-    pub fn rollout<const N: usize>(&self, data: &Dataset) -> Vec<Vec<State<f64, N>>>
+    pub fn rollout<const N: usize>(&self, data: &Dataset) -> Vec<Vec<State<N>>>
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]> + Sync,
     {
         parallel::map(data.trajectories.len(), &|k| self.run(data, &data.trajectories[k]))
     }
 
-    fn run<const N: usize>(&self, data: &Dataset, trajectory: &Trajectory) -> Vec<State<f64, N>>
+    fn run<const N: usize>(&self, data: &Dataset, trajectory: &Trajectory) -> Vec<State<N>>
     where
         A: Fn(&[f64; N], &[f64; N], &[f64; N]) -> Option<[f64; N]>,
     {
@@ -82,7 +81,7 @@ fn row<const N: usize>(x: &[f64]) -> [f64; N] {
     std::array::from_fn(|i| x[i])
 }
 
-fn logged<const N: usize>(trajectory: &Trajectory, k: usize) -> Option<State<f64, N>> {
+fn logged<const N: usize>(trajectory: &Trajectory, k: usize) -> Option<State<N>> {
     Some([row(&trajectory.q[k]), row(&trajectory.v.as_ref()?[k])])
 }
 
@@ -92,14 +91,14 @@ fn control<const N: usize>(data: &Dataset, trajectory: &Trajectory, k: usize) ->
 }
 
 /// The positions of rollouts, \[samples\]\[n\], flat.
-pub fn positions<const N: usize>(runs: &[Vec<State<f64, N>>]) -> Vec<Vec<f64>> {
+pub fn positions<const N: usize>(runs: &[Vec<State<N>>]) -> Vec<Vec<f64>> {
     runs.iter().map(|run| run.iter().flat_map(|[q, _]| *q).collect()).collect()
 }
 
 /// Mean squared difference of the true energy at the states of rollouts, after the first two, from the true energy at the start.
 pub fn state_energy_mse<const N: usize>(
     exact: &Trigonometric<N>,
-    runs: &[Vec<State<f64, N>>],
+    runs: &[Vec<State<N>>],
     data: &Dataset,
 ) -> f64 {
     let pairs = runs.iter().zip(&data.trajectories);
@@ -151,8 +150,7 @@ mod tests {
         data.trajectories[1].v = None;
         let stepper = stepper(RungeKutta::Midpoint);
         let runs = stepper.rollout::<2>(&data);
-        let finite =
-            |run: &Vec<State<f64, 2>>| run.as_flattened().as_flattened().iter().all(|x| x.is_finite());
+        let finite = |run: &Vec<State<2>>| run.as_flattened().as_flattened().iter().all(|x| x.is_finite());
         assert_eq!(runs.iter().map(finite).collect::<Vec<_>>(), [true, false]);
         assert_eq!(stepper.one_step_mse::<2>(&data), f64::INFINITY);
     }

@@ -1,8 +1,9 @@
 use super::{ImportError, Imported, lgnn, modlanet, symo};
-use crate::architecture::{Architecture, Family, Visitor};
+use crate::architecture::Architecture;
 use crate::ground_truth::ManyBody;
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::lagrangian::{Energies, Lagrangian};
+use leastaction_core::lagrangian::Energies;
+use leastaction_programs::{Row, System};
 use safetensors::tensor::{Dtype, TensorView};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -84,23 +85,13 @@ fn theirs(file: &File, activation: fn(f64) -> f64, x: &[[f64; 2]], velocity: &[[
     Energies { kinetic, potential: m * (number("co1") * own + number("co2") * pairs) }
 }
 
-struct At<'a> {
-    weights: &'a [f64],
-    q: &'a [f64],
-    v: &'a [f64],
-}
-
-impl Visitor for At<'_> {
-    type Output = Energies<f64>;
-
-    fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output {
-        let array = |x: &[f64]| std::array::from_fn(|i| x[i]);
-        family.system::<f64>(self.weights).unwrap().lagrangian.energies(&array(self.q), &array(self.v))
-    }
-}
-
 fn ours(imported: &Imported, q: &[f64], v: &[f64]) -> Energies<f64> {
-    imported.architecture.dispatch(At { weights: &imported.weights, q, v }).unwrap()
+    let program = System::new(&*imported.architecture.energies().unwrap()).energies();
+    let rows = |x: &[f64]| x.iter().copied().map(Row::splat).collect::<Vec<_>>();
+    let mut workspace = program.workspace();
+    program.run(&imported.weights, &[&rows(q), &rows(v)], &mut workspace, &mut []);
+    let [kinetic, potential] = [0, 1].map(|output| workspace.output(output)[0].0[0]);
+    Energies { kinetic, potential }
 }
 
 fn assert_equal(a: Energies<f64>, b: Energies<f64>) {

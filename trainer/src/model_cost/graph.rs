@@ -16,7 +16,7 @@ pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError>
     let networks = || shape.networks.iter().map(|network| network.widths());
     let widest = networks().flat_map(|(widths, _)| widths).max().unwrap_or(0);
     let depth = networks().map(|(_, depth)| depth).max().unwrap_or(0);
-    let stack_bytes = tape::<1, 1>(widest, depth);
+    let stack_bytes = tape(1, 1, widest, depth);
     let (nodes, rods) = (graph.nodes.len(), graph.rods.len());
     let numbers = if architecture.dimension() == 3 {
         ParticleState::<f32, 3>::workspace(nodes, rods)

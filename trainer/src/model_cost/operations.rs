@@ -1,7 +1,10 @@
 //! What an evaluation does, counted by doing it.
 
 use super::counted::{Counted, Operations, count};
-use crate::architecture::{Architecture, Family, GraphArchitecture, HostScalar, Visitor};
+use crate::architecture::{
+    Architecture, DEPTH, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
+    RigidArchitecture,
+};
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{Drive, acceleration, constrained_acceleration, constrained_workspace};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
@@ -10,9 +13,10 @@ use leastaction_core::discrete::{
     rattle::{ParticleState, Rattle},
 };
 use leastaction_core::energy::graph::Graph;
-use leastaction_core::forces::{Forces, System};
+use leastaction_core::energy::modular::{MAX_TYPES, Modular};
+use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::Rod;
+use leastaction_core::model::{Laws, Rod};
 use leastaction_core::scalar::Packed;
 
 type Real = Counted<f64>;
@@ -27,17 +31,26 @@ pub struct Evaluations {
     pub step_order_4: Operations,
 }
 
-/// Coordinates at most of the rigid and modular models that were measured on chips; code and stack grow unevenly in them.
-const MEASURED: usize = 4;
-
-/// Counts at a state of no importance; `None` where the shape is beyond what was measured, or is compiled here.
+/// Counts at a state of no importance; `None` where the shape is beyond what was measured on chips, which for rigid and modular
+/// models is of 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
     match architecture {
         Architecture::Graph(graph) if graph.dimension() == 3 => particles::<3>(graph, weights),
         Architecture::Graph(graph) => particles::<2>(graph, weights),
-        Architecture::Rigid(_) | Architecture::Modular(_) => {
-            architecture.dispatch(Coordinates { weights }).ok()?
-        }
+        Architecture::Rigid(rigid) => match rigid.n() {
+            1 => of_rigid::<1>(rigid, weights),
+            2 => of_rigid::<2>(rigid, weights),
+            3 => of_rigid::<3>(rigid, weights),
+            4 => of_rigid::<4>(rigid, weights),
+            _ => None,
+        },
+        Architecture::Modular(modular) => match modular.n() {
+            1 => of_tree::<1>(modular, weights),
+            2 => of_tree::<2>(modular, weights),
+            3 => of_tree::<3>(modular, weights),
+            4 => of_tree::<4>(modular, weights),
+            _ => None,
+        },
     }
 }
 
@@ -46,12 +59,6 @@ const H: f64 = 0.01;
 
 fn newton() -> Newton<Real> {
     Newton { max_iterations: 2, stop: Counted(0.0), accept: Counted(f64::INFINITY) }
-}
-
-impl HostScalar for Real {
-    fn if_greater(self, than: Self, then: Self, otherwise: Self) -> Self {
-        if self > than { then } else { otherwise }
-    }
 }
 
 impl Packed for Real {
@@ -66,26 +73,27 @@ impl Packed for Real {
     }
 }
 
-struct Coordinates<'a> {
-    weights: &'a [f64],
+fn of_rigid<const N: usize>(rigid: &RigidArchitecture, weights: &[f64]) -> Option<Evaluations> {
+    steps(&rigid.system::<Real, N, MAX_WIDTH>(weights).ok()?)
 }
 
-impl Visitor for Coordinates<'_> {
-    type Output = Option<Evaluations>;
+fn of_tree<const N: usize>(modular: &ModularArchitecture, weights: &[f64]) -> Option<Evaluations> {
+    let (header, tree) = (modular.header(), modular.tree_header());
+    let system: System<Modular<f64, N, MAX_TYPES, MAX_ELEMENT_UNITS, DEPTH>, Viscous<Real, N>> =
+        header.system(&tree, Laws::VISCOUS, weights).ok()?;
+    steps(&system)
+}
 
-    fn visit<F: Family<N>, const N: usize>(self, family: &F) -> Self::Output {
-        if const { N > MEASURED } {
-            return None;
-        }
-        let system = family.system::<Real>(self.weights).ok()?;
-        let (q, v) = ([Counted(0.1); N], [Counted(0.2); N]);
-        let (_, of_acceleration) = count(|| acceleration(&system, &q, &v, &[Counted(0.0); N]));
-        Some(Evaluations {
-            acceleration: of_acceleration,
-            step_order_2: step::<_, _, Midpoint, N>(&system, q, v)?,
-            step_order_4: step::<_, _, Galerkin, N>(&system, q, v)?,
-        })
-    }
+fn steps<L: Lagrangian<Real, N>, F: Forces<Real, N>, const N: usize>(
+    system: &System<L, F>,
+) -> Option<Evaluations> {
+    let (q, v) = ([Counted(0.1); N], [Counted(0.2); N]);
+    let (_, of_acceleration) = count(|| acceleration(system, &q, &v, &[Counted(0.0); N]));
+    Some(Evaluations {
+        acceleration: of_acceleration,
+        step_order_2: step::<_, _, Midpoint, N>(system, q, v)?,
+        step_order_4: step::<_, _, Galerkin, N>(system, q, v)?,
+    })
 }
 
 fn step<L, F, P: Path, const N: usize>(

@@ -1,6 +1,5 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par};
-use leastaction_core::scalar::Lanes;
 use leastaction_programs::Row;
 
 /// The normal equations of a nonlinear least-squares problem, summed chunk by chunk: JᵀJ (its lower triangle), Jᵀr and rᵀr.
@@ -46,14 +45,6 @@ impl NormalEquations {
         }
         self.squares += residual.iter().map(|r| r * r).sum::<f64>();
         self.rows += residual.len();
-    }
-
-    /// Adds a gradient that was summed in lanes, of so many residual components.
-    pub fn add_lanes(&mut self, gradient: &[Lanes], rows: usize) {
-        for (sum, lanes) in self.gradient.iter_mut().zip(gradient) {
-            *sum += lanes.0.iter().sum::<f64>();
-        }
-        self.rows += rows;
     }
 
     /// Adds the first `count` samples' gradients of ½Σ r², side by side.

@@ -1,18 +1,35 @@
-//! A loss over all samples, as the optimisers see it, and that of a learned Lagrangian.
+//! A loss over all samples, as the optimisers see it, and those of a learned Lagrangian.
 
 use super::blocks::Blocks;
-use super::loss::{AccelerationLoss as ConstrainedAcceleration, Components, GroupLoss, Systems, Term};
-use super::residuals::{ChunkRows, Failed, Residuals};
-use super::{LossKind, NormalEquations, Samples};
-use crate::architecture::{Architecture, Family, Visitor};
-use leastaction_core::energy::{Learnable, LearnableForces};
-use leastaction_core::forces::System as TypedSystem;
+use super::{NormalEquations, Samples};
+use crate::architecture::Architecture;
 use leastaction_core::model::ModelError;
-use leastaction_core::scalar::{LANES, Lanes};
 use leastaction_programs::System;
 use leastaction_programs::dynamics::{Order, Rods};
 use leastaction_programs::losses::{AccelerationLoss, DelLoss, Loss, NextStateLoss, RodsLoss, RungeKutta};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
+
+/// What is minimised. The discrete losses are those of the DEL integrator, and on rods those of RATTLE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LossKind {
+    /// The residual of the three-point DEL equation at logged positions (SyMo), in units of momentum.
+    DelResidual,
+    /// The next position that the implicit step gives (E2E-SyMo), by the implicit function theorem.
+    NextPosition,
+    /// The acceleration at logged positions and velocities.
+    Acceleration,
+    /// Position and velocity after an explicit Runge–Kutta step from logged ones (L-NODE); without rods.
+    NextState,
+}
+
+impl LossKind {
+    /// Whether it is one of the DEL integrator: positions and controls suffice.
+    pub fn is_discrete(self) -> bool {
+        matches!(self, Self::DelResidual | Self::NextPosition)
+    }
+}
 
 /// A sum of squares to minimise over the weights.
 pub trait Objective: Sync {
@@ -79,6 +96,16 @@ pub fn objective(
     Ok(Box::new(Blocks::new(make, (parameters, fixed), samples, project)))
 }
 
+/// The objective of any loss over samples, for a model of so many weights, all of which are learned. `make` gives a loss to every
+/// thread.
+pub fn objective_of(
+    make: impl Fn() -> Box<dyn Loss> + Send + Sync + 'static,
+    parameters: usize,
+    samples: Samples,
+) -> Box<dyn Objective> {
+    Box::new(Blocks::new(make, (parameters, Vec::new()), samples, Box::new(|_| ())))
+}
+
 /// An error for a loss that does not know rods, or energies that its steps on rods do not take.
 fn check_rods(system: &System, rods: &Rods, kind: LossKind) -> Result<(), ModelError> {
     let refused = |what| Err(ModelError::Shape { what, found: rods.count(), compiled: 0 });
@@ -113,134 +140,4 @@ fn loss(kind: LossKind, system: &System, rods: &Rods, (h, order): (f64, u8)) -> 
 /// The integrator's order: 4, or 2 for whatever else.
 pub(crate) fn order_of(order: u8) -> Order {
     if order == 4 { Order::Four } else { Order::Two }
-}
-
-/// The acceleration loss over samples for a family whose weights are all learned, so many of them.
-pub struct Accelerations {
-    /// Numbers in the weight block.
-    pub parameters: usize,
-    /// (q, v, v̇).
-    pub samples: Samples,
-}
-
-impl Visitor for Accelerations {
-    type Output = Box<dyn Objective>;
-
-    fn visit<F: Family<N> + Clone + 'static, const N: usize>(self, family: &F) -> Self::Output {
-        let Self { parameters, samples } = self;
-        Box::new(Sum { family: family.clone(), parameters, samples, loss: ConstrainedAcceleration })
-    }
-}
-
-struct Sum<F, T, const N: usize> {
-    family: F,
-    /// Numbers in the weight block.
-    parameters: usize,
-    samples: Samples,
-    loss: T,
-}
-
-/// Σ r².
-fn squares(residual: &[f64]) -> f64 {
-    residual.iter().map(|r| r * r).sum()
-}
-
-/// The components' terms in one, weighed by the residual.
-fn contracted<const N: usize>(residual: &[f64], terms: &[Term<N>]) -> Term<N> {
-    let y = |i| terms.iter().zip(residual).map(|(term, r)| r * term.y[i]).sum();
-    Term { y: std::array::from_fn(y), ..terms[0] }
-}
-
-/// Adds the derivatives in the weights of one residual component of eight samples.
-fn add_rows<L, Q, const N: usize>(
-    TypedSystem { lagrangian, forces }: &TypedSystem<L, Q>,
-    terms: [&Term<N>; LANES],
-    row: &mut [Lanes],
-) where
-    L: Learnable<Lanes, N>,
-    Q: LearnableForces<Lanes, N>,
-{
-    let lanes = |field: fn(&Term<N>) -> &[f64; N]| -> [Lanes; N] {
-        std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| field(terms[lane])[i])))
-    };
-    let (q, v, y, a) = (lanes(|t| &t.q), lanes(|t| &t.v), lanes(|t| &t.y), lanes(|t| &t.a));
-    let mut add = |i: usize, g: Lanes| row[i] += g;
-    lagrangian.residual_gradient((&q, &v), &a, &y, &mut add);
-    forces.force_gradient((&q, &v), &y, &mut add);
-}
-
-impl<F: Family<N>, T: GroupLoss<F, N>, const N: usize> Residuals for Sum<F, T, N> {
-    fn parameters(&self) -> usize {
-        self.parameters
-    }
-
-    fn samples(&self) -> usize {
-        self.samples.len()
-    }
-
-    fn components(&self) -> usize {
-        T::Residual::COUNT
-    }
-
-    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        let systems = Systems::new(&self.family, weights)?;
-        let mut sum = 0.0;
-        for start in samples.clone().step_by(LANES) {
-            let residuals = self.loss.residuals(&systems, &self.samples.group(start, &samples))?;
-            let own = residuals.iter().take(samples.end - start);
-            sum += own.map(|residual| squares(residual.as_slice())).sum::<f64>();
-        }
-        Ok(sum)
-    }
-
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        let systems = Systems::new(&self.family, weights)?;
-        let count = samples.len();
-        rows.reset(count * T::Residual::COUNT, weights.len());
-        for start in (0..count).step_by(LANES) {
-            let mut terms = [const { Vec::new() }; LANES];
-            let group = self.samples.group(samples.start + start, &samples);
-            let residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
-            for (k, residual) in (start..count).zip(residuals) {
-                for (i, residual) in residual.as_slice().iter().enumerate() {
-                    rows.residual[i * count + k] = *residual;
-                }
-            }
-            for i in 0..T::Residual::COUNT {
-                let terms = terms.each_ref().map(|terms| &terms[i]);
-                rows.buffer.fill(Lanes([0.0; LANES]));
-                add_rows(&systems.eight, terms, &mut rows.buffer);
-                rows.store(i * count + start, (count - start).min(LANES));
-            }
-        }
-        Ok(())
-    }
-
-    /// Without the Jacobian: the terms are linear in their weights, so a sample's components are added before the network is
-    /// differentiated.
-    fn add_gradient(
-        &self,
-        weights: &[f64],
-        samples: Range<usize>,
-        rows: &mut ChunkRows,
-        sum: &mut NormalEquations,
-    ) -> Result<(), Failed> {
-        let systems = Systems::new(&self.family, weights)?;
-        rows.reset_buffer(weights.len());
-        for start in samples.clone().step_by(LANES) {
-            let mut terms = [const { Vec::new() }; LANES];
-            let group = self.samples.group(start, &samples);
-            let residuals = self.loss.linearise_group(&systems, &group, &mut terms)?;
-            // What fills the group up has no residual.
-            let none = vec![0.0; T::Residual::COUNT];
-            let own: [&[f64]; LANES] = std::array::from_fn(|lane| {
-                if lane < samples.end - start { residuals[lane].as_slice() } else { &none }
-            });
-            sum.squares += own.iter().copied().flatten().map(|r| r * r).sum::<f64>();
-            let weighed: [Term<N>; LANES] = std::array::from_fn(|lane| contracted(own[lane], &terms[lane]));
-            add_rows(&systems.eight, weighed.each_ref(), &mut rows.buffer);
-        }
-        sum.add_lanes(&rows.buffer, samples.len() * T::Residual::COUNT);
-        Ok(())
-    }
 }

@@ -4,7 +4,6 @@
 use super::{NormalEquations, Objective, Solved};
 use crate::parallel;
 use faer::Mat;
-use leastaction_core::scalar::{LANES, Lanes};
 use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 
@@ -70,52 +69,26 @@ pub trait Residuals: Sync {
 pub struct ChunkRows {
     /// r.
     pub residual: Vec<f64>,
-    /// The derivatives in the weights of one component of eight samples.
-    pub buffer: Vec<Lanes>,
     jacobian: Mat<f64>,
 }
 
 impl ChunkRows {
     fn new() -> Self {
-        Self { residual: Vec::new(), jacobian: Mat::new(), buffer: Vec::new() }
+        Self { residual: Vec::new(), jacobian: Mat::new() }
     }
 
     /// Makes room for so many rows.
     pub fn reset(&mut self, rows: usize, parameters: usize) {
         self.residual.clear();
         self.residual.resize(rows, 0.0);
-        self.reset_buffer(parameters);
         if self.jacobian.shape() != (rows, parameters) {
             self.jacobian = Mat::zeros(rows, parameters);
         }
     }
 
-    /// Zeros, one a parameter.
-    pub fn reset_buffer(&mut self, parameters: usize) {
-        self.buffer.clear();
-        self.buffer.resize(parameters, Lanes([0.0; LANES]));
-    }
-
     /// A parameter's derivatives in some rows.
     pub fn column(&mut self, parameter: usize, rows: Range<usize>) -> &mut [f64] {
         &mut self.jacobian.col_as_slice_mut(parameter)[rows]
-    }
-
-    /// Fills rows from `row` on with the first `count` lanes of a residual component and of its derivatives, which `derive` adds up.
-    ///
-    /// # Errors
-    /// Where `derive` fails.
-    pub fn fill(
-        &mut self,
-        (row, count): (usize, usize),
-        residual: &Lanes,
-        derive: impl FnOnce(&mut [Lanes]) -> Result<(), Failed>,
-    ) -> Result<(), Failed> {
-        self.residual[row..row + count].copy_from_slice(&residual.0[..count]);
-        self.buffer.fill(Lanes([0.0; LANES]));
-        derive(&mut self.buffer)?;
-        self.store(row, count);
-        Ok(())
     }
 
     /// Stores the first numbers of a residual component and of its derivatives in these rows.
@@ -124,17 +97,6 @@ impl ChunkRows {
         self.residual[rows.clone()].copy_from_slice(&residual.0[..count]);
         for (j, derivative) in derivatives.iter().enumerate() {
             self.column(j, rows.clone()).copy_from_slice(&derivative.0[..count]);
-        }
-    }
-
-    /// Copies the first `count` lanes of the buffer to rows from `row` on.
-    pub fn store(&mut self, row: usize, count: usize) {
-        for (j, lanes) in self.buffer.iter().enumerate() {
-            let column = &mut self.jacobian.col_as_slice_mut(j)[row..row + count];
-            match column.first_chunk_mut() {
-                Some(all) => *all = lanes.0,
-                None => column.copy_from_slice(&lanes.0[..count]),
-            }
         }
     }
 }

@@ -1,7 +1,6 @@
 use crate::data::modlanet::ModlanetRows;
 use crate::data::{Dataset, Rows, Trajectory};
 use leastaction_core::forces::ControlKind;
-use leastaction_core::scalar::LANES;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
@@ -35,17 +34,6 @@ pub struct Samples {
     pub controls: [Vec<f64>; 3],
     /// What they do between these times.
     pub control: ControlKind,
-}
-
-/// One sample as arrays.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sample<const N: usize> {
-    /// As [`Samples::states`].
-    pub states: [[f64; N]; 3],
-    /// As [`Samples::next_velocities`]; zeros where there are none.
-    pub next_velocity: [f64; N],
-    /// As [`Samples::controls`].
-    pub controls: [[f64; N]; 3],
 }
 
 impl Samples {
@@ -193,25 +181,6 @@ impl Samples {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Eight samples from `start` on; the last of `samples` fills them up.
-    pub(super) fn group<const N: usize>(&self, start: usize, samples: &Range<usize>) -> [Sample<N>; LANES] {
-        std::array::from_fn(|lane| self.get((start + lane).min(samples.end - 1)))
-    }
-
-    /// Sample `k` as arrays.
-    fn get<const N: usize>(&self, k: usize) -> Sample<N> {
-        let row = |x: &Vec<f64>| std::array::from_fn(|i| x[k * N + i]);
-        Sample {
-            states: std::array::from_fn(|j| row(&self.states[j])),
-            next_velocity: if self.next_velocities.is_empty() {
-                [0.0; N]
-            } else {
-                row(&self.next_velocities)
-            },
-            controls: std::array::from_fn(|j| row(&self.controls[j])),
-        }
     }
 }
 

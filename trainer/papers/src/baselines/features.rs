@@ -1,7 +1,9 @@
 //! What the networks of the baselines see of a state.
 
+use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::network::Jet;
 use leastaction_core::scalar::Scalar;
+use leastaction_programs::{Builder, Function, Node};
 
 /// The inputs for a state x = (q, y), y velocities or momenta, with their tangents: translations as they are, of angles cosine
 /// and sine, coordinate by coordinate; then y. `coordinates` has a letter each, `a` for angles.
@@ -41,6 +43,24 @@ pub(super) fn adjoint<S: Scalar, const T: usize>(
     }
     state_bar.extend_from_slice(&bar[at..]);
     state_bar
+}
+
+/// s(q), written down: translations as they are, of angles cosine and sine, coordinate by coordinate; nothing of cyclic ones.
+pub(super) fn seen(builder: &mut Builder, coordinates: &[Coordinate], q: Node) -> Node {
+    let n = coordinates.len();
+    let angles: Vec<usize> = (0..n).filter(|i| coordinates[*i] == Coordinate::Angle).collect();
+    let own = builder.gather(q, &angles);
+    let (cosines, sines) = (builder.cosine(own), builder.map(Function::Sine, own));
+    let sources = builder.joined(&[q, cosines, sines]);
+    let places = coordinates.iter().enumerate().flat_map(|(i, kind)| {
+        let angle = n + angles.partition_point(|angle| *angle < i);
+        match kind {
+            Coordinate::Translation => vec![i],
+            Coordinate::Angle => vec![angle, angle + angles.len()],
+            Coordinate::Cyclic => Vec::new(),
+        }
+    });
+    builder.gather(sources, &places.collect::<Vec<_>>())
 }
 
 /// How many inputs there are.

@@ -1,15 +1,11 @@
-//! Graph networks with one round of messages, as LGNN's authors compare with them, and their adjoints.
+//! Graph networks with one round of messages, as LGNN's authors compare with them, written down for any graph.
 
 use leastaction::architecture::NamedGraph;
 use leastaction_core::model::ModelError;
-use leastaction_core::network::{Activation, Dense, Jet, Mlp, SecondOrderTape, Tape};
-use leastaction_core::scalar::Scalar;
+use leastaction_core::network::Activation;
+use leastaction_programs::energies::Network;
+use leastaction_programs::{Builder, Function, Node};
 use std::iter::repeat_n;
-
-/// Units of a hidden layer at most.
-const MAX_WIDTH: usize = 16;
-/// Hidden layers at most.
-const DEPTH: usize = 2;
 
 /// Sizes of a graph network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,20 +16,13 @@ pub struct GraphSizes {
     pub node: usize,
     /// Numbers that stand for an edge, 1 or more.
     pub edge: usize,
-    /// Units of each of two hidden layers, 1 to 16.
+    /// Units of each of two hidden layers, 1 or more.
     pub hidden: usize,
 }
 
 impl GraphSizes {
     /// Those of LGNN's program.
     pub const LGNN: Self = Self { dimension: 2, node: 8, edge: 8, hidden: 16 };
-
-    /// Refuses wider hidden layers than are compiled.
-    pub(super) fn checked(self) -> Result<Self, ModelError> {
-        let what = "units in a hidden layer";
-        let error = ModelError::Shape { what, found: self.hidden, compiled: MAX_WIDTH };
-        if self.hidden <= MAX_WIDTH { Ok(self) } else { Err(error) }
-    }
 
     /// Inputs, hidden layers and outputs of the networks, in the order of the weight block; the last reads nodes out.
     fn networks(self, outputs: usize) -> [[usize; 3]; 5] {
@@ -56,44 +45,50 @@ impl GraphSizes {
             sizes.windows(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>()
         })
     }
-
-    /// Numbers in the weight block, whatever the graph.
-    pub(super) fn parameters(self, outputs: usize) -> usize {
-        self.layers(outputs).map(|(inputs, outputs)| (inputs + 1) * outputs).sum()
-    }
 }
 
-/// Numbers with their derivatives.
-pub(super) type Values<S, const T: usize> = Vec<Jet<S, T>>;
-
-/// Who sends to whom.
+/// The networks, and a graph whose edges carry messages both ways.
+///
+/// Nodes h_i = N_h(x_i, v_i, type_i) and edges e_ij = N_e(|x_i − x_j|) are embedded linearly; then e′_ij = N_m(e_ij, h_i, h_j) of
+/// both directions of an edge, and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji).
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Wiring {
-    dimension: usize,
+pub(super) struct GraphNetwork {
+    sizes: GraphSizes,
     /// Type of every node.
     types: Vec<u8>,
-    /// Sender and receiver.
-    edges: Vec<[usize; 2]>,
+    ends: Vec<[usize; 2]>,
+    embed_edge: Network,
+    embed_node: Network,
+    message: Network,
+    update: Network,
+    read_out: Network,
 }
 
-impl Wiring {
-    /// Both directions of these edges between the nodes of a graph.
+impl GraphNetwork {
+    /// On the nodes of a graph with edges between these, read out to so many numbers.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where an edge ends at no node.
     pub fn new(
-        dimension: usize,
+        (sizes, outputs): (GraphSizes, usize),
         graph: &NamedGraph,
         ends: impl Iterator<Item = [u16; 2]>,
     ) -> Result<Self, ModelError> {
-        let both = |[a, b]: [usize; 2]| [[a, b], [b, a]];
-        let edges: Vec<_> = ends.flat_map(|ends| both(ends.map(usize::from))).collect();
-        let (nodes, last) = (graph.nodes.len(), edges.iter().flatten().copied().max());
-        match last.filter(|last| *last >= nodes) {
-            Some(last) => Err(ModelError::Shape { what: "nodes", found: last + 1, compiled: nodes }),
-            None => Ok(Self { dimension, types: graph.nodes.clone(), edges }),
+        let ends: Vec<_> = ends.map(|ends| ends.map(usize::from)).collect();
+        let (nodes, last) = (graph.nodes.len(), ends.iter().flatten().copied().max());
+        if let Some(last) = last.filter(|last| *last >= nodes) {
+            return Err(ModelError::Shape { what: "nodes", found: last + 1, compiled: nodes });
         }
-    }
-
-    pub fn dimension(&self) -> usize {
-        self.dimension
+        let mut start = 0;
+        let [embed_edge, embed_node, message, update, read_out] =
+            sizes.networks(outputs).map(|[inputs, hidden, outputs]| {
+                let widths = vec![sizes.hidden; hidden];
+                let network = Network::of_widths(inputs, &widths, (outputs, Activation::Squareplus), start);
+                start = network.end();
+                network
+            });
+        let types = graph.nodes.clone();
+        Ok(Self { sizes, types, ends, embed_edge, embed_node, message, update, read_out })
     }
 
     pub fn nodes(&self) -> usize {
@@ -101,218 +96,84 @@ impl Wiring {
     }
 
     pub fn coordinates(&self) -> usize {
-        self.dimension * self.nodes()
+        self.sizes.dimension * self.nodes()
     }
 
-    /// (x, v, type) of every node.
-    fn of_nodes<S: Scalar<Weight = f64>, const T: usize>(
-        &self,
-        state: &[Jet<S, T>],
-    ) -> impl Iterator<Item = Values<S, T>> {
-        let (q, v) = state.split_at(self.coordinates());
-        let nodes = q.chunks_exact(self.dimension).zip(v.chunks_exact(self.dimension)).zip(&self.types);
-        nodes.map(|((x, v), kind)| {
-            let kind = Jet::constant(S::weight(f64::from(*kind)));
-            x.iter().chain(v).copied().chain([kind]).collect()
-        })
+    /// Numbers in the weight block, whatever the graph.
+    pub fn parameters(&self) -> usize {
+        self.read_out.end()
     }
 
-    /// From the receiver of an edge to its sender.
-    fn along<S: Scalar, const T: usize>(&self, state: &[Jet<S, T>], ends: [usize; 2]) -> Values<S, T> {
-        let [a, b] = ends.map(|end| &state[self.dimension * end..self.dimension * (end + 1)]);
-        a.iter().zip(b).map(|(a, b)| a.plus(&b.scaled(-S::one()))).collect()
-    }
-
-    /// The distance between the ends of an edge.
-    fn distance<S: Scalar, const T: usize>(&self, state: &[Jet<S, T>], ends: [usize; 2]) -> Jet<S, T> {
-        let squares = self.along(state, ends).into_iter().map(|d| d.times(&d));
-        let square = squares.fold(Jet::zero(), |sum, square| sum.plus(&square));
-        let root = square.value.sqrt();
-        square.chain(root, S::one().half() / root)
-    }
-
-    /// The adjoint of a state from that of what nodes and edges see of it.
-    pub fn adjoint<S: Scalar, const T: usize>(
-        &self,
-        state: &[Jet<S, T>],
-        bar: &InputsBar<S, T>,
-    ) -> Values<S, T> {
-        let (n, d) = (self.coordinates(), self.dimension);
-        let mut state_bar = vec![Jet::zero(); 2 * n];
-        for (i, node) in bar.nodes.iter().enumerate() {
-            state_bar[d * i..d * (i + 1)].copy_from_slice(&node[..d]);
-            state_bar[n + d * i..n + d * (i + 1)].copy_from_slice(&node[d..2 * d]);
-        }
-        for ([a, b], bar) in self.edges.iter().zip(&bar.edges) {
-            let distance = self.distance(state, [*a, *b]);
-            let inverse = S::one() / distance.value;
-            let pull = bar.times(&distance.chain(inverse, -inverse * inverse));
-            for (i, along) in self.along(state, [*a, *b]).into_iter().enumerate() {
-                let pull = pull.times(&along);
-                state_bar[d * a + i] = state_bar[d * a + i].plus(&pull);
-                state_bar[d * b + i] = state_bar[d * b + i].plus(&pull.scaled(-S::one()));
-            }
-        }
-        state_bar
-    }
-}
-
-/// The adjoint of (x, v, type) of every node and of the distance of every edge.
-pub(super) struct InputsBar<S, const T: usize> {
-    nodes: Vec<Values<S, T>>,
-    edges: Values<S, T>,
-}
-
-/// A network with the end of its weights in the block.
-pub(super) struct Placed<'w> {
-    mlp: Mlp<'w, f64, MAX_WIDTH, DEPTH>,
-    end: usize,
-}
-
-/// One use of a network: its inputs and outputs, with what the adjoint needs.
-pub(super) struct Used<S, const T: usize> {
-    x: Values<S, T>,
-    tape: Tape<S, T, MAX_WIDTH, DEPTH>,
-    /// Its outputs.
-    pub y: Values<S, T>,
-}
-
-impl Placed<'_> {
-    pub fn used<S: Scalar<Weight = f64>, const T: usize>(&self, x: Values<S, T>) -> Used<S, T> {
-        let mut used = Used { x, tape: Tape::default(), y: vec![Jet::zero(); self.mlp.outputs()] };
-        self.mlp.forward(&used.x, &mut used.tape, &mut used.y);
-        used
-    }
-
-    /// x̄; visits every layer with its first weight's place in the block, its inputs and the adjoint of its outputs.
-    pub fn adjoint<S: Scalar<Weight = f64>, const T: usize, const A: usize>(
-        &self,
-        used: &Used<S, T>,
-        y_bar: &[Jet<S, A>],
-        mut visit: impl FnMut(usize, &Dense<f64>, &[Jet<S, T>], &[Jet<S, A>]),
-    ) -> Values<S, A> {
-        let (mut start, mut x_bar) = (self.end, vec![Jet::zero(); used.x.len()]);
-        self.mlp.adjoint_with_layers(&used.tape, (&used.x, &mut x_bar), y_bar, |layer, x, bar| {
-            start -= layer.len();
-            visit(start, layer, x, bar);
+    /// What stands for the nodes after the messages, node after node.
+    pub fn messages(&self, builder: &mut Builder, q: Node, v: Node) -> Node {
+        let GraphSizes { node, edge, .. } = self.sizes;
+        let (h, e) = (self.embedded_nodes(builder, q, v), self.embedded_edges(builder, q));
+        let sources = builder.joined(&[h, e]);
+        let edges = self.nodes() * node;
+        let seen = self.directions().flat_map(|(k, [from, to])| {
+            entries(edges, k, edge).chain(entries(0, from, node)).chain(entries(0, to, node))
         });
-        x_bar
+        let seen = builder.gather(sources, &seen.collect::<Vec<_>>());
+        let sent = self.message.outputs(builder, 2 * self.ends.len(), seen);
+        self.updated(builder, h, sent)
     }
 
-    /// x̄; adds the second derivatives of ȳ·y along every pair of directions, the inputs moving along straight lines.
-    pub fn bend<S: Scalar<Weight = f64>, const T: usize>(
-        &self,
-        used: &Used<S, T>,
-        y_bar: &[Jet<S, 0>],
-        sum: &mut [[S; T]; T],
-    ) -> Values<S, 0> {
-        let (mut x_bar, mut y) = (vec![Jet::zero(); used.x.len()], used.y.clone());
-        let mut bends = SecondOrderTape::<S, T, MAX_WIDTH, DEPTH>::default();
-        self.mlp.forward_second_order(&used.x, &mut bends, &mut y);
-        let bent = self.mlp.second_order(&bends, y_bar, &mut x_bar);
-        sum.as_flattened_mut().iter_mut().zip(bent.as_flattened()).for_each(|(sum, bent)| *sum += *bent);
-        x_bar
-    }
-}
-
-/// All networks over one weight block.
-pub(super) struct Networks<'w> {
-    edge_embedding: Placed<'w>,
-    node_embedding: Placed<'w>,
-    edge: Placed<'w>,
-    node: Placed<'w>,
-    /// From what stands for nodes after the messages to what is asked for.
-    pub read_out: Placed<'w>,
-}
-
-/// What a forward pass leaves for the adjoint: every use of every network, by edge or node.
-pub(super) struct Trace<S, const T: usize> {
-    embedded_edges: Vec<Used<S, T>>,
-    embedded_nodes: Vec<Used<S, T>>,
-    edges: Vec<Used<S, T>>,
-    /// What stands for the nodes after the messages.
-    pub nodes: Vec<Used<S, T>>,
-}
-
-impl<'w> Networks<'w> {
-    /// From the front of a block, read out to so many numbers; `None` where it is too short.
-    pub fn take(sizes: GraphSizes, outputs: usize, weights: &'w [f64]) -> Option<Self> {
-        let (mut rest, widths) = (weights, [sizes.hidden; DEPTH]);
-        let mut place = |[inputs, hidden, outputs]: [usize; 3]| {
-            let mlp = Mlp::take(&mut rest, inputs, widths.get(..hidden)?, outputs, Activation::Squareplus)?;
-            Some(Placed { mlp, end: weights.len() - rest.len() })
-        };
-        let [edge_embedding, node_embedding, edge, node, read_out] = sizes.networks(outputs);
-        Some(Self {
-            edge_embedding: place(edge_embedding)?,
-            node_embedding: place(node_embedding)?,
-            edge: place(edge)?,
-            node: place(node)?,
-            read_out: place(read_out)?,
-        })
+    /// The last network's outputs for so many nodes, or whatever has as many numbers.
+    pub fn read_out(&self, builder: &mut Builder, columns: usize, x: Node) -> Node {
+        self.read_out.outputs(builder, columns, x)
     }
 
-    /// The messages at a state (q, v).
-    pub fn messages<S: Scalar<Weight = f64>, const T: usize>(
-        &self,
-        wiring: &Wiring,
-        state: &[Jet<S, T>],
-    ) -> Trace<S, T> {
-        let embedded_nodes: Vec<_> = wiring.of_nodes(state).map(|x| self.node_embedding.used(x)).collect();
-        let embed = |ends: &[usize; 2]| self.edge_embedding.used(vec![wiring.distance(state, *ends)]);
-        let embedded_edges: Vec<_> = wiring.edges.iter().map(embed).collect();
-        let message = |(e, [from, to]): (&Used<S, T>, &[usize; 2])| {
-            self.edge.used([&*e.y, &embedded_nodes[*from].y, &embedded_nodes[*to].y].concat())
-        };
-        let edges: Vec<_> = embedded_edges.iter().zip(&wiring.edges).map(message).collect();
-        let sums = self.sums(wiring, &edges).into_iter().zip(&embedded_nodes);
-        let nodes = sums.map(|(sums, h)| self.node.used([&*h.y, &sums].concat())).collect();
-        Trace { embedded_edges, embedded_nodes, edges, nodes }
+    /// The number of every edge, with its sender and receiver, in both directions.
+    fn directions(&self) -> impl Iterator<Item = (usize, [usize; 2])> {
+        self.ends.iter().enumerate().flat_map(|(k, [a, b])| [(k, [*a, *b]), (k, [*b, *a])])
     }
 
-    /// Of every node what it has sent and what it has received, added up.
-    fn sums<S: Scalar<Weight = f64>, const T: usize>(
-        &self,
-        wiring: &Wiring,
-        edges: &[Used<S, T>],
-    ) -> Vec<Values<S, T>> {
-        let size = self.edge.mlp.outputs();
-        let mut sums = vec![vec![Jet::zero(); 2 * size]; wiring.nodes()];
-        for (edge, [from, to]) in edges.iter().zip(&wiring.edges) {
-            add(&mut sums[*from][..size], &edge.y);
-            add(&mut sums[*to][size..], &edge.y);
-        }
-        sums
+    /// h = N_h(x, v, type).
+    fn embedded_nodes(&self, builder: &mut Builder, q: Node, v: Node) -> Node {
+        let (n, d) = (self.coordinates(), self.sizes.dimension);
+        let types: Vec<f64> = self.types.iter().copied().map(f64::from).collect();
+        let types = builder.constant(&types);
+        let sources = builder.joined(&[q, v, types]);
+        let seen = (0..self.nodes())
+            .flat_map(|i| entries(0, i, d).chain(entries(n, i, d)).chain(entries(2 * n, i, 1)));
+        let seen = builder.gather(sources, &seen.collect::<Vec<_>>());
+        self.embed_node.outputs(builder, self.nodes(), seen)
     }
 
-    /// Carries the adjoint of the nodes down to that of the inputs; `back` takes it through one use of a network.
-    pub fn messages_adjoint<S: Scalar<Weight = f64>, const T: usize, const A: usize>(
-        &self,
-        wiring: &Wiring,
-        trace: &Trace<S, T>,
-        nodes_bar: impl Iterator<Item = Values<S, A>>,
-        mut back: impl FnMut(&Placed<'w>, &Used<S, T>, &[Jet<S, A>]) -> Values<S, A>,
-    ) -> InputsBar<S, A> {
-        let (size, width) = (self.node_embedding.mlp.outputs(), self.edge.mlp.outputs());
-        let mut nodes_bar: Vec<_> =
-            trace.nodes.iter().zip(nodes_bar).map(|(node, bar)| back(&self.node, node, &bar)).collect();
-        let mut edges_bar = Vec::with_capacity(wiring.edges.len());
-        for ((edge, embedded), [from, to]) in trace.edges.iter().zip(&trace.embedded_edges).zip(&wiring.edges)
-        {
-            let mut edge_bar = nodes_bar[*from][size..size + width].to_vec();
-            add(&mut edge_bar, &nodes_bar[*to][size + width..]);
-            let bar = back(&self.edge, edge, &edge_bar);
-            add(&mut nodes_bar[*from][..size], &bar[width..width + size]);
-            add(&mut nodes_bar[*to][..size], &bar[width + size..]);
-            edges_bar.extend(back(&self.edge_embedding, embedded, &bar[..width]));
-        }
-        let embedded = trace.embedded_nodes.iter().zip(&nodes_bar);
-        let nodes = embedded.map(|(embedded, bar)| back(&self.node_embedding, embedded, &bar[..size]));
-        InputsBar { nodes: nodes.collect(), edges: edges_bar }
+    /// e = N_e(|x_i − x_j|), the same in both directions.
+    fn embedded_edges(&self, builder: &mut Builder, q: Node) -> Node {
+        let (d, count) = (self.sizes.dimension, self.ends.len());
+        let [a, b] = [0, 1].map(|end| {
+            let places = self.ends.iter().flat_map(|ends| entries(0, ends[end], d));
+            builder.gather(q, &places.collect::<Vec<_>>())
+        });
+        let along = builder.difference(a, b);
+        let squares = builder.product(along, along);
+        let owners: Vec<usize> = (0..count * d).map(|entry| entry / d).collect();
+        let square = builder.scatter(squares, &owners, count);
+        let distance = builder.map(Function::SquareRoot, square);
+        self.embed_edge.outputs(builder, count, distance)
+    }
+
+    /// h′ = N_u(h, what a node has sent, what it has received).
+    fn updated(&self, builder: &mut Builder, h: Node, sent: Node) -> Node {
+        let GraphSizes { node, edge, .. } = self.sizes;
+        let nodes = self.nodes();
+        let [from, to] = [0, 1].map(|end| {
+            let places = self.directions().flat_map(|(_, ends)| entries(0, ends[end], edge));
+            builder.scatter(sent, &places.collect::<Vec<_>>(), nodes * edge)
+        });
+        let sources = builder.joined(&[h, from, to]);
+        let starts = [nodes * node, nodes * (node + edge)];
+        let seen = (0..nodes).flat_map(|i| {
+            entries(0, i, node).chain(entries(starts[0], i, edge)).chain(entries(starts[1], i, edge))
+        });
+        let seen = builder.gather(sources, &seen.collect::<Vec<_>>());
+        self.update.outputs(builder, nodes, seen)
     }
 }
 
-/// Adds numbers one by one.
-pub(super) fn add<S: Scalar, const T: usize>(sum: &mut [Jet<S, T>], terms: &[Jet<S, T>]) {
-    sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum = sum.plus(term));
+/// The places of an item's entries, so many each, from `start` on.
+fn entries(start: usize, item: usize, each: usize) -> impl Iterator<Item = usize> {
+    start + item * each..start + (item + 1) * each
 }

@@ -3,14 +3,15 @@
 
 mod batch;
 mod cartesian_lnn;
+mod direct;
 mod features;
 mod gns;
 mod graph_network;
 mod hnn;
+mod lagrangian;
 mod lgn;
 mod lnn;
 mod mlp;
-mod network_lagrangian;
 mod node;
 #[cfg(test)]
 mod oracle;
@@ -20,7 +21,7 @@ pub use gns::Gns;
 pub use graph_network::GraphSizes;
 pub use hnn::{Hnn, MAX_WIDTH as MAX_HNN_WIDTH, Momenta};
 pub use lgn::Lgn;
-pub use lnn::{Lnn, MAX_WIDTH as MAX_LNN_WIDTH};
+pub use lnn::Lnn;
 pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
 pub use node::NeuralOde;
 
@@ -40,7 +41,7 @@ pub trait AccelerationModel {
     /// The mean squared error of v̇ over samples of (q, v, v̇): by this all models are measured.
     ///
     /// # Errors
-    /// Where the shape is beyond what is compiled.
+    /// Where the shape or the samples do not fit.
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError>;
 
     /// What the model is trained by over the same samples: the measure, unless its authors have another.
@@ -54,7 +55,7 @@ pub trait AccelerationModel {
     /// The errors of long predictions from the starts of `truth`.
     ///
     /// # Errors
-    /// Where the weights are not of the shape, or it is beyond what is compiled.
+    /// Where the weights are not of the shape.
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError>;
 }
 
@@ -111,6 +112,12 @@ fn parameters_of(units: &[usize]) -> usize {
 fn coordinates_fit(samples: &Samples, n: usize) -> Result<(), ModelError> {
     let error = ModelError::Shape { what: "coordinates", found: samples.n, compiled: n };
     if samples.n == n { Ok(()) } else { Err(error) }
+}
+
+/// Refuses fewer weights than are needed.
+fn enough_weights(weights: &[f64], needed: usize) -> Result<(), ModelError> {
+    let error = ModelError::Shape { what: "weights", found: weights.len(), compiled: needed };
+    if weights.len() < needed { Err(error) } else { Ok(()) }
 }
 
 impl AccelerationModel for ModularArchitecture {

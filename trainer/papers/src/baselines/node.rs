@@ -1,20 +1,18 @@
 //! NODE: a plain network from the state and the control to the acceleration, learned through the steps that it is run with.
 
-use super::mlp::{MAX_WIDTH, scale};
-use super::{layers_of, parameters_of};
+use super::direct::Direct;
+use super::features::seen;
+use super::mlp::scale;
+use super::{coordinates_fit, layers_of, parameters_of};
 use leastaction::architecture::random_layers;
-use leastaction::runge_kutta::{RungeKutta, Stage, State};
-use leastaction::training::{ChunkRows, Failed, Objective, Residuals, Samples, Steps};
+use leastaction::evaluate::learned::Forced;
+use leastaction::training::{Objective, Samples};
 use leastaction_core::energy::rigid::{Coordinate, feature_count};
 use leastaction_core::model::ModelError;
-use leastaction_core::network::{Activation, Jet, Mlp as Network, Tape};
-use leastaction_core::scalar::{LANES, Lanes, Scalar};
-use std::ops::Range;
-
-/// Hidden layers at most.
-const DEPTH: usize = 2;
-/// Coordinates at most.
-const MAX_COORDINATES: usize = 4;
+use leastaction_core::network::Activation;
+use leastaction_programs::energies::Network;
+use leastaction_programs::losses::{Block, RungeKutta};
+use leastaction_programs::{Builder, Node};
 
 /// v̇ = αN(s(q), v/ν, u/μ) with tanh layers; s(q) are the translations and the cosine and sine of the angles, coordinate by
 /// coordinate, and u the control of the one coordinate that has it.
@@ -36,36 +34,24 @@ pub struct NeuralOde {
     control: f64,
 }
 
-/// A feature of a coordinate and its derivative.
-struct Feature<S> {
-    coordinate: usize,
-    value: S,
-    slope: S,
-}
-
-type Jets<S> = Vec<Jet<S, 0>>;
-
 impl NeuralOde {
     /// Hidden layers of these units, α = ν = μ = 1; `actuated` is the coordinate with the control.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] for more coordinates, layers or units than are compiled, or fewer coordinates than `actuated` needs.
+    /// [`ModelError::Shape`] for fewer coordinates than `actuated` needs.
     pub fn new(coordinates: &[Coordinate], widths: &[usize], actuated: usize) -> Result<Self, ModelError> {
-        let shape = |what, found, compiled| Err(ModelError::Shape { what, found, compiled });
-        let width = widths.iter().copied().max().unwrap_or(0);
-        match coordinates.len() {
-            n if n <= actuated || n > MAX_COORDINATES => shape("coordinates", n, MAX_COORDINATES),
-            _ if widths.len() > DEPTH => shape("hidden layers", widths.len(), DEPTH),
-            _ if width > MAX_WIDTH => shape("units in a hidden layer", width, MAX_WIDTH),
-            _ => Ok(Self {
-                coordinates: coordinates.to_vec(),
-                widths: widths.to_vec(),
-                actuated,
-                acceleration: 1.0,
-                velocity: 1.0,
-                control: 1.0,
-            }),
+        if coordinates.len() <= actuated {
+            let what = "coordinates";
+            return Err(ModelError::Shape { what, found: coordinates.len(), compiled: actuated + 1 });
         }
+        Ok(Self {
+            coordinates: coordinates.to_vec(),
+            widths: widths.to_vec(),
+            actuated,
+            acceleration: 1.0,
+            velocity: 1.0,
+            control: 1.0,
+        })
     }
 
     /// The same with root mean squares of these steps as ν and μ, and that of (v₊ − v)/h as α.
@@ -102,28 +88,50 @@ impl NeuralOde {
     /// # Errors
     /// [`ModelError::Shape`] for samples of other coordinates.
     pub fn objective(&self, samples: Samples, method: RungeKutta) -> Result<Box<dyn Objective>, ModelError> {
-        let (node, n) = (self.clone(), self.n());
-        if samples.n != n {
-            return Err(ModelError::Shape { what: "coordinates", found: samples.n, compiled: n });
-        }
-        Ok(match n {
-            1 => Box::new(NextState::<1> { node, samples, method }),
-            2 => Box::new(NextState::<2> { node, samples, method }),
-            3 => Box::new(NextState::<3> { node, samples, method }),
-            _ => Box::new(NextState::<MAX_COORDINATES> { node, samples, method }),
-        })
+        coordinates_fit(&samples, self.n())?;
+        let step = Direct::new(self.n(), |builder, state| self.step(builder, state, (method, samples.h)));
+        let logged = |block: &Block| [&block.states[2][..], &block.next_velocity].concat();
+        Ok(step.error(self.parameters(), logged, samples))
     }
 
-    /// Writes v̇(q, v, u), m/s² or rad/s², u a force on every coordinate of which one is felt; `None` where a slice is too short.
-    pub fn acceleration(&self, weights: &[f64], [q, v, u]: [&[f64]; 3], out: &mut [f64]) -> Option<()> {
-        let network = self.network(weights).ok()?;
-        let inputs = self.inputs(q, v, *u.get(self.actuated)?);
-        let mut outputs: Jets<f64> = vec![Jet::zero(); self.n()];
-        network.evaluate::<_, 0>(&inputs, &mut outputs);
-        for (i, output) in outputs.iter().enumerate() {
-            *out.get_mut(i)? = self.acceleration * output.value;
+    /// v̇(q, v, u) of these weights, m/s² or rad/s², u a force on every coordinate, of which one is felt, or none where it is
+    /// empty; as a function.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where the weights are too few.
+    pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Forced<'w>>, ModelError> {
+        let write = |builder: &mut Builder, [q, v, u]: [Node; 3]| self.acceleration(builder, [q, v], u);
+        Direct::new(self.n(), write).motion(self.n(), (weights, self.parameters()))
+    }
+
+    /// v̇.
+    fn acceleration(&self, builder: &mut Builder, [q, v]: [Node; 2], u: Node) -> Node {
+        let v = builder.scaled(1.0 / self.velocity, v);
+        let u = builder.part(u, self.actuated..self.actuated + 1);
+        let u = builder.scaled(1.0 / self.control, u);
+        let features = seen(builder, &self.coordinates, q);
+        let inputs = builder.joined(&[features, v, u]);
+        let y = self.network().output(builder, inputs);
+        builder.scaled(self.acceleration, y)
+    }
+
+    /// Position and velocity after a step of h, s, under a control that is held.
+    fn step(&self, builder: &mut Builder, [q, v, u]: [Node; 3], (method, h): (RungeKutta, f64)) -> Node {
+        let mut rates: Vec<[Node; 2]> = Vec::new();
+        let moved = |builder: &mut Builder, shares: &[f64], rates: &[[Node; 2]]| {
+            shares.iter().zip(rates).fold([q, v], |state, (share, rate)| {
+                [0, 1].map(|part| {
+                    let own = builder.scaled(h * share, rate[part]);
+                    builder.sum(state[part], own)
+                })
+            })
+        };
+        for shares in method.stages() {
+            let state = moved(builder, shares, &rates);
+            rates.push([state[1], self.acceleration(builder, state, u)]);
         }
-        Some(())
+        let end = moved(builder, method.end(), &rates);
+        builder.joined(&end)
     }
 
     /// Inputs, units of the hidden layers, outputs.
@@ -132,157 +140,9 @@ impl NeuralOde {
         std::iter::once(inputs).chain(self.widths.iter().copied()).chain([self.n()]).collect()
     }
 
-    fn network<'w>(&self, mut weights: &'w [f64]) -> Result<Network<'w, f64, MAX_WIDTH, DEPTH>, Failed> {
+    fn network(&self) -> Network {
         let inputs = self.layers()[0];
-        Network::take(&mut weights, inputs, &self.widths, self.n(), Activation::Tanh).ok_or(Failed)
-    }
-
-    /// s(q).
-    fn features<S: Scalar>(&self, q: &[S]) -> Vec<Feature<S>> {
-        let of = |(coordinate, (kind, q)): (usize, (&Coordinate, &S))| match kind {
-            Coordinate::Translation => vec![Feature { coordinate, value: *q, slope: S::one() }],
-            Coordinate::Angle => {
-                let (sin, cos) = q.sin_cos();
-                let feature = |value, slope| Feature { coordinate, value, slope };
-                vec![feature(cos, -sin), feature(sin, cos)]
-            }
-            Coordinate::Cyclic => Vec::new(),
-        };
-        self.coordinates.iter().zip(q).enumerate().flat_map(of).collect()
-    }
-
-    fn inputs<S: Scalar>(&self, q: &[S], v: &[S], u: S) -> Jets<S> {
-        let features = self.features(q).into_iter().map(|feature| feature.value);
-        let velocities = v.iter().map(|v| *v / S::constant(self.velocity));
-        features.chain(velocities).chain([u / S::constant(self.control)]).map(Jet::constant).collect()
-    }
-}
-
-/// The squared error of the next state.
-struct NextState<const N: usize> {
-    node: NeuralOde,
-    samples: Samples,
-    method: RungeKutta,
-}
-
-/// What a stage leaves for its adjoint.
-struct Trace {
-    inputs: Jets<Lanes>,
-    tape: Tape<Lanes, 0, MAX_WIDTH, DEPTH>,
-}
-
-impl<const N: usize> NextState<N> {
-    /// v̇ of eight samples.
-    fn outputs(&self, outputs: &[Jet<Lanes, 0>]) -> [Lanes; N] {
-        let scale = Lanes::constant(self.node.acceleration);
-        std::array::from_fn(|i| scale * outputs[i].value)
-    }
-
-    fn errors(&self, network: &Network<f64, MAX_WIDTH, DEPTH>, steps: &Steps<N>) -> State<Lanes, N> {
-        let u = steps.control[self.node.actuated];
-        let mut outputs = [Jet::zero(); N];
-        let Ok(stages) = self.method.stages(self.samples.h, &steps.start, |q, v| {
-            network.evaluate::<_, 0>(&self.node.inputs(q, v, u), &mut outputs);
-            Ok::<_, std::convert::Infallible>(self.outputs(&outputs))
-        });
-        steps.errors(&self.method.end(self.samples.h, &steps.start, &stages))
-    }
-
-    /// The stages of eight steps, and what leads back through them.
-    fn traced(
-        &self,
-        network: &Network<f64, MAX_WIDTH, DEPTH>,
-        steps: &Steps<N>,
-    ) -> (Vec<Stage<Lanes, N>>, Vec<Trace>) {
-        let u = steps.control[self.node.actuated];
-        let mut traces = Vec::new();
-        let Ok(stages) = self.method.stages(self.samples.h, &steps.start, |q, v| {
-            let mut trace = Trace { inputs: self.node.inputs(q, v, u), tape: Tape::default() };
-            let mut outputs = [Jet::zero(); N];
-            network.forward(&trace.inputs, &mut trace.tape, &mut outputs);
-            traces.push(trace);
-            Ok::<_, std::convert::Infallible>(self.outputs(&outputs))
-        });
-        (stages, traces)
-    }
-
-    /// (y·∂v̇/∂q, y·∂v̇/∂v) of a stage; adds y·∂v̇/∂θ.
-    fn pull(
-        &self,
-        network: &Network<f64, MAX_WIDTH, DEPTH>,
-        (stage, trace): (&Stage<Lanes, N>, &Trace),
-        y: &[Lanes; N],
-        gradient: &mut [Lanes],
-    ) -> State<Lanes, N> {
-        let y_bar = y.map(|y| Jet::constant(Lanes::constant(self.node.acceleration) * y));
-        let mut x_bar = vec![Jet::zero(); trace.inputs.len()];
-        let mut start = network.len();
-        network.adjoint_with_layers(
-            &trace.tape,
-            (&trace.inputs, &mut x_bar),
-            &y_bar,
-            |layer, inputs, outputs| {
-                start -= layer.len();
-                layer.series_gradient(inputs, outputs, |position, g| gradient[start + position] += g);
-            },
-        );
-        let features = self.node.features(&stage.state[0]);
-        let mut q_bar = [Lanes::zero(); N];
-        for (feature, bar) in features.iter().zip(&x_bar) {
-            q_bar[feature.coordinate] += feature.slope * bar.value;
-        }
-        let velocity = Lanes::constant(self.node.velocity);
-        [q_bar, std::array::from_fn(|i| x_bar[features.len() + i].value / velocity)]
-    }
-}
-
-impl<const N: usize> Residuals for NextState<N> {
-    fn parameters(&self) -> usize {
-        self.node.parameters()
-    }
-
-    fn samples(&self) -> usize {
-        self.samples.len()
-    }
-
-    fn components(&self) -> usize {
-        2 * N
-    }
-
-    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        let network = self.node.network(weights)?;
-        let mut sum = 0.0;
-        for start in samples.clone().step_by(LANES) {
-            let errors = self.errors(&network, &Steps::from_samples(&self.samples, start, &samples));
-            for error in errors.as_flattened() {
-                sum += error.0.iter().take(samples.end - start).map(|r| r * r).sum::<f64>();
-            }
-        }
-        Ok(sum)
-    }
-
-    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        let network = self.node.network(weights)?;
-        let (count, h) = (samples.len(), self.samples.h);
-        rows.reset(count * 2 * N, weights.len());
-        for start in samples.clone().step_by(LANES) {
-            let steps = Steps::from_samples(&self.samples, start, &samples);
-            let (stages, traces) = self.traced(&network, &steps);
-            let errors = steps.errors(&self.method.end(h, &steps.start, &stages));
-            let own = (samples.end - start).min(LANES);
-            for (component, error) in errors.as_flattened().iter().enumerate() {
-                let row = component * count + start - samples.start;
-                rows.residual[row..row + own].copy_from_slice(&error.0[..own]);
-                let mut end_bar = [[Lanes::zero(); N]; 2];
-                end_bar.as_flattened_mut()[component] = Lanes::one();
-                rows.reset_buffer(weights.len());
-                let buffer = &mut rows.buffer;
-                self.method
-                    .adjoint(h, &end_bar, |k, y| self.pull(&network, (&stages[k], &traces[k]), y, buffer));
-                rows.store(row, own);
-            }
-        }
-        Ok(())
+        Network::of_widths(inputs, &self.widths, (self.n(), Activation::Tanh), 0)
     }
 }
 

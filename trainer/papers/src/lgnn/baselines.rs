@@ -5,6 +5,7 @@ use super::recipe::JUDGES;
 use super::{Case, Experiment, Options, Outcome, ReproduceError, published};
 use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
 use leastaction::architecture::NamedGraph;
+use leastaction::evaluate::learned::Accelerations;
 use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction::training::{AdamSettings, Samples, Schedule};
 use leastaction_core::model::ModelError;
@@ -84,7 +85,7 @@ impl Baseline {
         Ok(match self {
             Self::Gns => Model::Gns(Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(system))?),
             Self::Lgn => Model::Lgn(Lgn::new(GraphSizes::LGNN, NamedGraph::of_system(system))?),
-            Self::Lnn => Model::Lnn(CartesianLnn::new(NamedGraph::of_system(system), LNN_WIDTH)?),
+            Self::Lnn => Model::Lnn(CartesianLnn::new(NamedGraph::of_system(system), LNN_WIDTH)),
         })
     }
 }
@@ -105,12 +106,12 @@ impl Model {
         }
     }
 
-    /// Writes v̇(q, v), m/s².
-    fn acceleration(&self, weights: &[f64], q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
+    /// v̇(q, v), m/s².
+    fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
         match self {
-            Self::Gns(gns) => gns.acceleration(weights, q, v, out),
-            Self::Lgn(lgn) => lgn.acceleration(weights, q, v, out),
-            Self::Lnn(lnn) => lnn.acceleration(weights, q, v, out),
+            Self::Gns(gns) => gns.motion(weights),
+            Self::Lgn(lgn) => lgn.motion(weights),
+            Self::Lnn(lnn) => lnn.motion(weights),
         }
     }
 }
@@ -174,9 +175,10 @@ impl Experiment<'_> {
     ) -> Result<Outcome, ReproduceError> {
         let trial = self.trial(&row, system)?;
         let follow = Follow { motion: trial.motion(), tolerance: TOLERANCE, deadline: limits.deadline() };
+        let motion = model.motion(weights)?;
         let rollouts = trial.roll_out(follow.tolerance, |q, v, a| match follow.is_late() {
             true => None,
-            false => model.acceleration(weights, q, v, a),
+            false => motion(q, v, a),
         });
         trial.judged(row, rollouts)
     }

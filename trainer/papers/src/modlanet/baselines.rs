@@ -101,7 +101,7 @@ impl Baseline {
         let width = self.width(system);
         Ok(match self {
             Self::Hnn | Self::LightHnn => Box::new(Hnn::new(coordinates, width, Momenta::of(system))?),
-            Self::Lnn | Self::LightLnn => Box::new(Lnn::new(coordinates, width)?),
+            Self::Lnn | Self::LightLnn => Box::new(Lnn::new(coordinates, width)),
             Self::Mlp | Self::LightMlp => Box::new(Mlp::of_width(coordinates, width)?),
         })
     }

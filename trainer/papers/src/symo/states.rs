@@ -39,7 +39,7 @@ impl Learned {
     fn with_forced<T>(&self, weights: &[f64], then: impl FnOnce(&Forced) -> T) -> Result<T, ModelError> {
         match self {
             Self::LNode(architecture) => with_forced(architecture, weights, then),
-            Self::NeuralOde(node) => Ok(then(&|q, v, u, out| node.acceleration(weights, [q, v, u], out))),
+            Self::NeuralOde(node) => Ok(then(&*node.motion(weights)?)),
         }
     }
 }

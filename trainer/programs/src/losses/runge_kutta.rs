@@ -21,7 +21,7 @@ impl RungeKutta {
     }
 
     /// Of each stage, how much of the rates of the stages before it.
-    pub(crate) fn stages(self) -> &'static [&'static [f64]] {
+    pub fn stages(self) -> &'static [&'static [f64]] {
         match self {
             Self::Midpoint => &[&[], &[0.5]],
             Self::ThreeEighths => &[&[], &[1.0 / 3.0], &[-1.0 / 3.0, 1.0], &[1.0, -1.0, 1.0]],
@@ -29,12 +29,12 @@ impl RungeKutta {
     }
 
     /// When each stage is, as a fraction of the step.
-    pub(crate) fn times(self) -> impl Iterator<Item = f64> {
+    pub fn times(self) -> impl Iterator<Item = f64> {
         self.stages().iter().map(|shares| shares.iter().sum())
     }
 
     /// How much of the rate of each stage the end has.
-    pub(crate) fn end(self) -> &'static [f64] {
+    pub fn end(self) -> &'static [f64] {
         match self {
             Self::Midpoint => &[0.0, 1.0],
             Self::ThreeEighths => &[0.125, 0.375, 0.375, 0.125],

@@ -1,18 +1,17 @@
 //! The Lagrangian network in Cartesian coordinates with explicit constraints (Finzi et al., 2020), as LGNN's authors compare
 //! with it.
 
-mod lagrangian;
-
-use super::{AccelerationModel, Follow, coordinates_fit};
-use lagrangian::{Cartesian, DEPTH, MAX_WIDTH};
-use leastaction::architecture::{
-    Constraint, Damping, Family, FamilySystem, HostScalar, NamedGraph, Visitor, random_layers,
-};
-use leastaction::evaluate::particles::Driven;
+use super::lagrangian::{acceleration_error, motion};
+use super::{AccelerationModel, Follow, coordinates_fit, layers_of};
+use leastaction::architecture::{NamedGraph, random_layers};
+use leastaction::evaluate::learned::Accelerations;
 use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::training::{Accelerations, Objective, Samples};
-use leastaction_core::forces::{System, Viscous};
+use leastaction::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
+use leastaction_core::network::Activation;
+use leastaction_programs::dynamics::Rods;
+use leastaction_programs::energies::{Energies, Network};
+use leastaction_programs::{Builder, Node};
 
 /// k at the start, kg: that of 1 kg.
 const HALF: f64 = 0.5;
@@ -30,106 +29,57 @@ pub struct CartesianLnn {
 
 impl CartesianLnn {
     /// On the nodes and rods of a graph, with so many units in each hidden layer; its edges are not seen.
+    pub fn new(graph: NamedGraph, width: usize) -> Self {
+        Self { graph, width }
+    }
+
+    /// v̇(q, v) of these weights, m/s², as a function.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] where that is more than 256, or another number of nodes than is compiled.
-    pub fn new(graph: NamedGraph, width: usize) -> Result<Self, ModelError> {
-        let lnn = Self { graph, width };
-        if width > MAX_WIDTH {
-            let what = "units in a hidden layer";
-            return Err(ModelError::Shape { what, found: width, compiled: MAX_WIDTH });
-        }
-        if SIZES.contains(&lnn.n()) { Ok(lnn) } else { lnn.not_compiled() }
+    /// [`ModelError::Shape`] where the weights are too few.
+    pub fn motion<'w>(&self, weights: &'w [f64]) -> Result<Box<Accelerations<'w>>, ModelError> {
+        motion(self, self.graph.constraints::<2>(), weights)
     }
 
-    fn not_compiled<T>(&self) -> Result<T, ModelError> {
-        let compiled = SIZES.iter().copied().max().unwrap_or(0);
-        Err(ModelError::Shape { what: "coordinates", found: self.n(), compiled })
+    /// V, after every k.
+    fn potential(&self) -> Network {
+        let start = self.graph.nodes.len();
+        Network::of_widths(self.n(), &[self.width; 2], (1, Activation::Squareplus), start)
     }
+}
 
-    /// Coordinates.
+impl Energies for CartesianLnn {
     fn n(&self) -> usize {
         2 * self.graph.nodes.len()
     }
 
-    /// Numbers in the weight block: every k, then V.
-    pub fn parameters(&self) -> usize {
-        let layers = self.layers().map(|(inputs, outputs)| (inputs + 1) * outputs);
-        self.graph.nodes.len() + layers.iter().sum::<usize>()
+    fn parameters(&self) -> usize {
+        self.potential().end()
     }
 
-    /// Inputs and outputs of every layer of V, first to last.
-    fn layers(&self) -> [(usize, usize); DEPTH + 1] {
-        [(self.n(), self.width), (self.width, self.width), (self.width, 1)]
-    }
-
-    /// Writes v̇(q, v), m/s²; `None` where the weights or a slice are too short, or there is none.
-    pub fn acceleration(&self, weights: &[f64], q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
-        let cartesian = self.cartesian(weights).ok()?;
-        let rods = self.graph.constraints();
-        Driven::new(&cartesian, &rods).ok()?.acceleration(q, v, &[], out)
-    }
-
-    fn cartesian<'w>(&self, weights: &'w [f64]) -> Result<Cartesian<'w>, ModelError> {
-        let short = ModelError::Shape { what: "weights", found: weights.len(), compiled: self.parameters() };
-        Cartesian::take(self.graph.nodes.len(), self.width, weights).ok_or(short)
+    fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
+        let k = builder.parameters(0, self.graph.nodes.len());
+        let k = builder.gather(k, &(0..self.n()).map(|i| i / 2).collect::<Vec<_>>());
+        let momentum = builder.product(k, v);
+        [builder.dot(momentum, v), self.potential().output(builder, q)]
     }
 }
-
-/// The shape as a family.
-#[derive(Clone)]
-struct Compiled(CartesianLnn);
-
-impl<const N: usize> Family<N> for Compiled {
-    type Lagrangian<'w, S: HostScalar> = Cartesian<'w>;
-    type Forces<'w, S: HostScalar> = Damping<S, N>;
-
-    fn system<'w, S: HostScalar>(
-        &'w self,
-        weights: &'w [f64],
-    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        let lagrangian = self.0.cartesian(weights)?;
-        Ok(System { lagrangian, forces: Damping::new(Viscous::none(), &[]) })
-    }
-
-    fn constraints(&self, q: &[f64; N]) -> Vec<Constraint<N>> {
-        self.0.graph.rods.iter().map(|rod| Constraint::of_rod(rod, q.as_chunks::<2>().0)).collect()
-    }
-}
-
-macro_rules! compiled {
-    ($($n:literal),*) => {
-        /// Numbers of coordinates that are compiled: that of LGNN's three pendulums, and 4.
-        const SIZES: &[usize] = &[$($n),*];
-
-        impl CartesianLnn {
-            fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-                match self.n() {
-                    $($n => Ok(visitor.visit::<_, $n>(&Compiled(self.clone()))),)*
-                    _ => self.not_compiled(),
-                }
-            }
-        }
-    };
-}
-
-compiled!(4, 6);
 
 impl AccelerationModel for CartesianLnn {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
         let mut weights = vec![HALF; self.graph.nodes.len()];
-        weights.extend(random_layers(self.layers(), seed));
+        weights.extend(random_layers(layers_of(&[self.n(), self.width, self.width, 1]), seed));
         weights
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
         coordinates_fit(&samples, self.n())?;
-        self.dispatch(Accelerations { parameters: self.parameters(), samples })
+        let rods = Rods::new(2, &self.graph.rods);
+        Ok(acceleration_error(self, (rods, true), samples))
     }
 
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        self.cartesian(weights)?;
-        Ok(follow.compare(truth, |q, v, out| self.acceleration(weights, q, v, out)))
+        Ok(follow.compare(truth, self.motion(weights)?))
     }
 }
 

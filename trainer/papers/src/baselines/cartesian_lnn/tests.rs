@@ -17,7 +17,7 @@ const WIDTH: usize = 5;
 const SAMPLES: usize = 11;
 
 fn lnn() -> CartesianLnn {
-    CartesianLnn::new(NamedGraph::of_system(LgnnSystem::Pendulum(NODES)), WIDTH).unwrap()
+    CartesianLnn::new(NamedGraph::of_system(LgnnSystem::Pendulum(NODES)), WIDTH)
 }
 
 /// States on the rods or off them.
@@ -94,7 +94,7 @@ fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differe
 fn accelerations_that_are_followed_are_the_same_and_keep_the_rods() {
     let (q, v, weights) = (random(N, 2.0, 7), random(N, 1.5, 8), weights());
     let mut a = [0.0; N];
-    lnn().acceleration(&weights, &q, &v, &mut a).unwrap();
+    lnn().motion(&weights).unwrap()(&q, &v, &mut a).unwrap();
     for (found, expected) in a.iter().zip(naive(&weights, &q, &v)) {
         assert_close("acceleration", *found, expected, 1e-10);
     }
@@ -111,7 +111,7 @@ fn a_few_epochs_lower_the_loss() {
     let system = LgnnSystem::Pendulum(3);
     let settings = LgnnSettings { trajectories: 2, ..LgnnSettings::published(system, 3) };
     let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
-    let lnn = CartesianLnn::new(NamedGraph::of_system(system), 9).unwrap();
+    let lnn = CartesianLnn::new(NamedGraph::of_system(system), 9);
     let objective = lnn.objective(samples).unwrap();
     let start = lnn.initial_weights(2);
     let before = objective.loss(&start);
@@ -128,10 +128,18 @@ fn a_few_epochs_lower_the_loss() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
-    let on = |bobs, width| CartesianLnn::new(NamedGraph::of_system(LgnnSystem::Pendulum(bobs)), width);
-    assert_eq!(on(3, 257).err(), shape("units in a hidden layer", 257, 256));
-    assert_eq!(on(5, 9).err(), shape("coordinates", 10, 6));
     assert_eq!(lnn().objective(Samples { n: 6, ..samples() }).err(), shape("coordinates", 6, 4));
-    let authors = on(3, 256).unwrap();
+    let (weights, lnn) = (weights(), lnn());
+    let needed = lnn.parameters();
+    assert_eq!(lnn.motion(&weights[1..]).err(), shape("weights", needed - 1, needed));
+    assert!(lnn.motion(&weights).unwrap()(&[0.1; N], &[0.0; N - 1], &mut [0.0; N]).is_none());
+    let authors = CartesianLnn::new(NamedGraph::of_system(LgnnSystem::Pendulum(3)), 256);
     assert_eq!((authors.parameters(), authors.initial_weights(0).len()), (67_844, 67_844));
+}
+
+#[test]
+fn masses_that_are_negative_along_the_rods_have_no_loss() {
+    let mut weights = weights();
+    weights[..NODES].copy_from_slice(&[-0.7, -0.4]);
+    assert_eq!(lnn().objective(samples()).unwrap().loss(&weights), f64::INFINITY);
 }

@@ -53,6 +53,20 @@ fn accelerations_and_their_normal_equations_are_those_of_plain_loops_and_differe
 }
 
 #[test]
+fn nodes_without_edges_have_accelerations_of_their_own() {
+    let alone = Gns::new(SIZES, &named(&[0, 2], &[])).unwrap();
+    let weights = alone.initial_weights(4);
+    let motion = |gns: &Gns, q: &[f64], v: &[f64]| {
+        let mut a = vec![0.0; q.len()];
+        gns.motion(&weights).unwrap()(q, v, &mut a).unwrap();
+        a
+    };
+    let (q, v) = (random(6, 1.0, 7), random(6, 1.0, 8));
+    let first = motion(&Gns::new(SIZES, &named(&[0], &[])).unwrap(), &q[..3], &v[..3]);
+    assert_eq!(first, motion(&alone, &q, &v)[..3]);
+}
+
+#[test]
 fn nodes_in_another_order_have_the_accelerations_in_that_order() {
     let order: [usize; NODES] = [3, 0, 4, 1, 2];
     let place = |node: u16| order.iter().position(|old| *old == usize::from(node)).unwrap() as u16;
@@ -63,8 +77,8 @@ fn nodes_in_another_order_have_the_accelerations_in_that_order() {
         |x: &[f64]| order.iter().flat_map(|old| x[3 * old..3 * (old + 1)].to_vec()).collect::<Vec<_>>();
     let (weights, q, v) = (gns.initial_weights(6), random(N, 1.0, 7), random(N, 1.0, 8));
     let (mut before, mut after) = ([0.0; N], [0.0; N]);
-    gns.acceleration(&weights, &q, &v, &mut before).unwrap();
-    permuted.acceleration(&weights, &permute(&q), &permute(&v), &mut after).unwrap();
+    gns.motion(&weights).unwrap()(&q, &v, &mut before).unwrap();
+    permuted.motion(&weights).unwrap()(&permute(&q), &permute(&v), &mut after).unwrap();
     for (after, before) in after.iter().zip(permute(&before)) {
         assert_close("acceleration", *after, before, 1e-12);
     }
@@ -81,7 +95,7 @@ fn weights_of_five_springs_serve_a_ring_of_any_size() {
     let alike = |nodes: usize| {
         let (q, v) = ([0.3, 0.4].repeat(nodes), [0.1, -0.2].repeat(nodes));
         let mut a = vec![0.0; 2 * nodes];
-        on(nodes).acceleration(&weights, &q, &v, &mut a).unwrap();
+        on(nodes).motion(&weights).unwrap()(&q, &v, &mut a).unwrap();
         a
     };
     assert_eq!(alike(5).repeat(10), alike(50));
@@ -108,10 +122,10 @@ fn a_few_epochs_lower_the_loss() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
-    let wide = GraphSizes { hidden: 17, ..SIZES };
-    assert_eq!(Gns::new(wide, &named(&[0], &[])).err(), shape("units in a hidden layer", 17, 16));
     assert_eq!(Gns::new(SIZES, &named(&[0, 0], &[[0, 2]])).err(), shape("nodes", 3, 2));
     let ring = Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(LgnnSystem::Spring(5))).unwrap();
     assert_eq!(ring.objective(samples()).err(), shape("coordinates", 15, 10));
-    assert!(ring.acceleration(&[0.0; 9], &[0.0; 10], &[0.0; 10], &mut [0.0; 10]).is_none());
+    assert_eq!(ring.motion(&[0.0; 9]).err(), shape("weights", 9, ring.parameters()));
+    let weights = ring.initial_weights(0);
+    assert!(ring.motion(&weights).unwrap()(&[0.0; 9], &[0.0; 10], &mut [0.0; 10]).is_none());
 }

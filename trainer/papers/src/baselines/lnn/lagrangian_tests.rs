@@ -1,20 +1,16 @@
 //! All derivatives are those of the printed formula, by num-dual over plain loops.
 
 use super::*;
-use crate::baselines::network_lagrangian::NetworkLagrangian;
 use crate::baselines::oracle::{Dual, assert_close, features, moving, network, random};
-use leastaction_core::energy::Learnable;
-use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::dot;
-use leastaction_core::scalar::{LANES, Lanes};
+use leastaction_programs::{DerivativeOutputs, Program, Row, System, WIDTH};
 use num_dual::DualNum;
 use std::array::from_fn;
 
 /// 3 coordinates, 8 inputs, 7 units: no two sizes are alike.
 const N: usize = 3;
 const COORDINATES: &str = "ata";
-const WIDTH: usize = 7;
-const WEIGHTS: usize = 9 * WIDTH + 8 * WIDTH + 8;
+const UNITS: usize = 7;
+const WEIGHTS: usize = 9 * UNITS + 8 * UNITS + 8;
 const EXACT: f64 = 1e-12;
 
 type Vector = [f64; N];
@@ -36,7 +32,7 @@ fn naive(weights: &[Dual], [q, v]: [&Vector; 2], along: [Direction; 3]) -> Dual 
         .map(|(part, i)| moving([q, v][part][i], along.map(|d| d[part][i])))
         .collect();
     let softplus = |z: Dual| z.exp().ln_1p();
-    network(weights, features(COORDINATES, &state), [WIDTH, 1], softplus)[0]
+    network(weights, features(COORDINATES, &state), [UNITS, 1], softplus)[0]
 }
 
 fn constant(weights: &[f64]) -> Vec<Dual> {
@@ -55,36 +51,51 @@ fn in_v(x: Vector) -> Direction {
     [[0.0; N], x]
 }
 
-fn lnn(weights: &[f64]) -> NetworkLagrangian<LnnNetwork<'_, 16>> {
-    NetworkLagrangian(LnnNetwork::new(COORDINATES, WIDTH, weights).unwrap())
+fn system() -> System {
+    System::new(&Lnn::new(COORDINATES, UNITS))
+}
+
+/// The program's vectors at these inputs, and its gradients in the weights.
+fn run(program: &Program, inputs: &[&Vector], vectors: usize) -> [Vec<Vec<f64>>; 2] {
+    let rows: Vec<[Row; N]> = inputs.iter().map(|x| x.map(Row::splat)).collect();
+    let rows: Vec<&[Row]> = rows.iter().map(|rows| &rows[..]).collect();
+    let mut workspace = program.workspace();
+    let mut gradients = vec![vec![Row::default(); WEIGHTS]; program.rows()];
+    program.run(&weights(), &rows, &mut workspace, &mut gradients);
+    let first = |rows: &[Row]| rows.iter().map(|row| row.0[0]).collect::<Vec<_>>();
+    let vectors = (0..vectors).map(|k| first(workspace.output(k))).collect();
+    [vectors, gradients.iter().map(|row| first(row)).collect()]
 }
 
 #[test]
 fn first_and_second_derivatives_are_those_of_the_network() {
-    let weights = weights();
-    let (lnn, constant) = (lnn(&weights), constant(&weights));
+    let (system, constant) = (system(), constant(&weights()));
+    let (derivatives, places) = system.derivatives();
     for [q, v, ..] in states() {
         let at = |a, b| naive(&constant, [&q, &v], [a, b, STILL]);
-        let (g, d, h) = (lnn.gradient(&q, &v), lnn.dynamics(&q, &v), lnn.hessian(&q, &v));
-        let energies = lnn.energies(&q, &v);
-        assert_close("L", energies.kinetic - energies.potential, at(STILL, STILL).re, EXACT);
-        let energy = dot(&v, &g.l_v) - at(STILL, STILL).re;
-        assert_close("E", energies.kinetic + energies.potential, energy, EXACT);
+        let [energies, _] = run(&system.energies(), &[&q, &v], 2);
+        assert_close("L", energies[0][0] - energies[1][0], at(STILL, STILL).re, EXACT);
+        let [gradient, _] = run(&system.gradient(), &[&q, &v], 2);
+        let still = [0.0; N];
+        let [motion, _] = run(&system.equation_of_motion().0, &[&q, &v, &still], 1 + N);
+        let [found, _] = run(&derivatives, &[&q, &v, &still], 2 + 4 * N);
         for i in 0..N {
             let (l_q, l_v) = (at(in_q(unit(i)), STILL).eps1, at(in_v(unit(i)), STILL).eps1);
-            for (found_q, found_v) in [(g.l_q, g.l_v), (d.l_q, d.l_v), (h.l_q, h.l_v)] {
-                assert_close("L_q", found_q[i], l_q, EXACT);
-                assert_close("L_v", found_v[i], l_v, EXACT);
+            for found in [&gradient, &found] {
+                assert_close("L_q", found[DerivativeOutputs::FORCE][i], l_q, EXACT);
+                assert_close("L_v", found[DerivativeOutputs::MOMENTUM][i], l_v, EXACT);
             }
-            assert_close("L_vq v", d.l_vq_v[i], at(in_v(unit(i)), in_q(v)).eps1eps2, EXACT);
+            let rate = at(in_v(unit(i)), in_q(v)).eps1eps2;
+            assert_close("L_q − L_vq v", motion[0][i], l_q - rate, EXACT);
             for j in 0..N {
                 let second = |a: fn(Vector) -> Direction, b: fn(Vector) -> Direction| {
                     at(a(unit(i)), b(unit(j))).eps1eps2
                 };
-                assert_close("L_qq", h.l_qq[i][j], second(in_q, in_q), EXACT);
-                assert_close("L_vq", h.l_vq[i][j], second(in_v, in_q), EXACT);
-                assert_close("L_vv", h.l_vv[i][j], second(in_v, in_v), EXACT);
-                assert_close("M", d.mass[i][j], second(in_v, in_v), EXACT);
+                assert_close("L_qq", found[places.force_q(j)][i], second(in_q, in_q), EXACT);
+                assert_close("L_qv", found[places.force_v(j)][i], second(in_q, in_v), EXACT);
+                assert_close("L_vq", found[places.momentum_q(j)][i], second(in_v, in_q), EXACT);
+                assert_close("L_vv", found[places.mass(j)][i], second(in_v, in_v), EXACT);
+                assert_close("M", motion[1 + j][i], second(in_v, in_v), EXACT);
             }
         }
     }
@@ -106,50 +117,46 @@ fn by_weight(
         .collect()
 }
 
-fn summed(visit: impl FnOnce(&mut dyn FnMut(usize, f64))) -> Vec<f64> {
-    let mut sums = vec![0.0; WEIGHTS];
-    visit(&mut |position, value| sums[position] += value);
-    sums
-}
-
 #[test]
 fn derivatives_in_the_weights_are_those_of_the_network() {
-    let weights = weights();
-    let lnn = lnn(&weights);
+    let (weights, system) = (weights(), system());
     for [q, v, a, y] in states() {
-        let state = [&q, &v];
-        let along = summed(|row| lnn.directional_gradient((&q, &v), (&a, &y), row));
+        let (state, still) = ([&q, &v], [0.0; N]);
+        let [_, along] = run(&system.along(1), &[&q, &v, &still, &a, &y], 0);
         let expected = by_weight(&weights, state, [[a, y], STILL], |l| l.eps1eps3);
-        let residual = summed(|row| lnn.residual_gradient((&q, &v), &a, &y, row));
+        let [_, residual] = run(&system.residual(1), &[&q, &v, &still, &a, &y], 0);
         let force = by_weight(&weights, state, [in_q(y), STILL], |l| l.eps1eps3);
         let rate = by_weight(&weights, state, [in_v(y), [v, a]], |l| l.eps1eps2eps3);
         for k in 0..WEIGHTS {
-            assert_close("along", along[k], expected[k], EXACT);
-            assert_close("residual", residual[k], force[k] - rate[k], 1e-11);
+            assert_close("along", along[0][k], expected[k], EXACT);
+            assert_close("residual", residual[0][k], force[k] - rate[k], 1e-11);
         }
     }
 }
 
 #[test]
-fn lanes_have_the_bits_of_one_sample() {
-    let weights = weights();
-    let lnn = lnn(&weights);
-    let [q, v, a, y] = states().next().unwrap();
-    let lanes = |x: &Vector| x.map(|x| Lanes([x; LANES]));
-    let (one, eight) = (lnn.dynamics(&q, &v), lnn.dynamics(&lanes(&q), &lanes(&v)));
-    for i in 0..N {
-        assert_eq!((one.l_q[i], one.l_vq_v[i]), (eight.l_q[i].0[5], eight.l_vq_v[i].0[5]));
-        assert_eq!(one.mass[i], eight.mass[i].map(|x| x.0[2]));
+fn samples_side_by_side_have_the_bits_of_one() {
+    let (program, states) = (system().equation_of_motion().0, states().collect::<Vec<_>>());
+    let side_by_side = |part: usize| -> [Row; N] {
+        from_fn(|i| Row(from_fn(|sample| states[sample % states.len()][part][i])))
+    };
+    let mut workspace = program.workspace();
+    let (q, v, still) = (side_by_side(0), side_by_side(1), [Row::default(); N]);
+    program.run(&weights(), &[&q, &v, &still], &mut workspace, &mut []);
+    for (k, [q, v, ..]) in states.iter().enumerate() {
+        let [alone, _] = run(&program, &[q, v, &[0.0; N]], 1 + N);
+        for (output, alone) in alone.iter().enumerate() {
+            for sample in (k..WIDTH).step_by(states.len()) {
+                let own: Vec<f64> = workspace.output(output).iter().map(|row| row.0[sample]).collect();
+                assert_eq!(&own, alone);
+            }
+        }
     }
-    let mut sums = vec![0.0; WEIGHTS];
-    let at = (&lanes(&q), &lanes(&v));
-    lnn.residual_gradient(at, &lanes(&a), &lanes(&y), |k, value: Lanes| sums[k] += value.0[7]);
-    assert_eq!(sums, summed(|row| lnn.residual_gradient((&q, &v), &a, &y, row)));
 }
 
 #[test]
-fn shapes_that_do_not_fit_are_refused() {
-    let weights = weights();
-    let refused = |width, weights| LnnNetwork::<16>::new(COORDINATES, width, weights).is_none();
-    assert!(refused(17, &[0.0; 1_000]) && refused(WIDTH, &weights[1..]) && !refused(WIDTH, &weights));
+fn blocks_that_are_too_short_are_refused() {
+    let (weights, lnn) = (weights(), Lnn::new(COORDINATES, UNITS));
+    let refused = |weights| motion::<2>(&lnn, Vec::new(), weights).is_err();
+    assert!(refused(&weights[1..]) && !refused(&weights));
 }

@@ -1,24 +1,19 @@
 //! The Lagrangian neural network (Cranmer et al., 2020): one network gives L(q, v), whatever its form.
 
-mod lagrangian;
-
-use super::features::count;
-use super::network_lagrangian::NetworkLagrangian;
+use super::features::{count, seen};
+use super::lagrangian::{acceleration_error, motion};
 use super::{AccelerationModel, Follow, coordinates_fit};
-use lagrangian::{DEPTH, LnnNetwork};
-use leastaction::architecture::{Damping, Family, FamilySystem, HostScalar, Visitor};
-use leastaction::evaluate::learned::{Forced, Free};
 use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::training::{Accelerations, Objective, Samples};
-use leastaction_core::forces::{System, Viscous};
+use leastaction::training::{Objective, Samples};
+use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::ModelError;
-use leastaction_core::network::{Dense, Mlp};
+use leastaction_core::network::{Activation, Dense};
+use leastaction_programs::dynamics::Rods;
+use leastaction_programs::energies::{Energies, Network};
+use leastaction_programs::{Builder, Node};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-
-/// Units of a hidden layer at most.
-pub const MAX_WIDTH: usize = 600;
 
 /// v̇ = M⁻¹(L_q − L_vq v) with L(q, v) = N(s(q), v), M = L_vv: two hidden softplus layers of one width.
 ///
@@ -32,68 +27,33 @@ pub struct Lnn {
 
 impl Lnn {
     /// With so many units in each hidden layer; `coordinates` has a letter each, `a` for angles, any other for translations.
-    ///
-    /// # Errors
-    /// [`ModelError::Shape`] where that is more than [`MAX_WIDTH`], or there are more coordinates than are compiled.
-    pub fn new(coordinates: &str, width: usize) -> Result<Self, ModelError> {
-        let lnn = Self { coordinates: coordinates.to_owned(), width };
-        if width > MAX_WIDTH {
-            let what = "units in a hidden layer";
-            return Err(ModelError::Shape { what, found: width, compiled: MAX_WIDTH });
-        }
-        match SIZES.contains(&lnn.coordinates.len()) {
-            true => Ok(lnn),
-            false => lnn.too_many(),
-        }
+    pub fn new(coordinates: &str, width: usize) -> Self {
+        Self { coordinates: coordinates.to_owned(), width }
     }
 
-    fn too_many<T>(&self) -> Result<T, ModelError> {
-        let compiled = SIZES.iter().copied().max().unwrap_or(0);
-        Err(ModelError::Shape { what: "coordinates", found: self.coordinates.len(), compiled })
-    }
-
-    /// Numbers in the weight block.
-    pub fn parameters(&self) -> usize {
-        Mlp::<f64, 0, 0>::parameters(count(&self.coordinates), &[self.width; DEPTH], 1).unwrap_or(0)
+    fn network(&self) -> Network {
+        let (inputs, activation) = (count(&self.coordinates), Activation::Softplus);
+        Network::of_widths(inputs, &[self.width; 2], (1, activation), 0)
     }
 }
 
-/// The shape as a family: in any number of coordinates, for the network is the same.
-#[derive(Clone)]
-struct Compiled(Lnn);
+impl Energies for Lnn {
+    fn n(&self) -> usize {
+        self.coordinates.len()
+    }
 
-impl<const N: usize> Family<N> for Compiled {
-    type Lagrangian<'w, S: HostScalar> = NetworkLagrangian<LnnNetwork<'w, MAX_WIDTH>>;
-    type Forces<'w, S: HostScalar> = Damping<S, N>;
+    fn parameters(&self) -> usize {
+        self.network().end()
+    }
 
-    fn system<'w, S: HostScalar>(
-        &'w self,
-        weights: &'w [f64],
-    ) -> Result<FamilySystem<'w, Self, S, N>, ModelError> {
-        let (found, compiled) = (weights.len(), self.0.parameters());
-        let network = LnnNetwork::new(&self.0.coordinates, self.0.width, weights);
-        let network = network.ok_or(ModelError::Shape { what: "weights", found, compiled })?;
-        Ok(System { lagrangian: NetworkLagrangian(network), forces: Damping::new(Viscous::none(), &[]) })
+    /// L and 0: what of L is kinetic is not known.
+    fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
+        let kind = |letter| if letter == 'a' { Coordinate::Angle } else { Coordinate::Translation };
+        let features = seen(builder, &self.coordinates.chars().map(kind).collect::<Vec<_>>(), q);
+        let x = builder.joined(&[features, v]);
+        [self.network().output(builder, x), builder.zeros(1)]
     }
 }
-
-macro_rules! compiled {
-    ($($n:literal),*) => {
-        /// Numbers of coordinates that are compiled: those of ModLaNet's table, and 3.
-        const SIZES: &[usize] = &[$($n),*];
-
-        impl Lnn {
-            fn dispatch<V: Visitor>(&self, visitor: V) -> Result<V::Output, ModelError> {
-                match self.coordinates.len() {
-                    $($n => Ok(visitor.visit::<_, $n>(&Compiled(self.clone()))),)*
-                    _ => self.too_many(),
-                }
-            }
-        }
-    };
-}
-
-compiled!(2, 3, 6);
 
 impl AccelerationModel for Lnn {
     /// Normal deviates: 2.2/√n₀ from n₀ inputs, 1.16/√n between layers of n units, 1 to the output; biases 0. These are the
@@ -114,16 +74,16 @@ impl AccelerationModel for Lnn {
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
-        coordinates_fit(&samples, self.coordinates.len())?;
-        self.dispatch(Accelerations { parameters: self.parameters(), samples })
+        coordinates_fit(&samples, self.n())?;
+        Ok(acceleration_error(self, (Rods::default(), false), samples))
     }
 
     fn predict(&self, weights: &[f64], truth: &Truth, follow: Follow) -> Result<Prediction, ModelError> {
-        let then = |f: &Forced| follow.compare(truth, |q, v, out| f(q, v, &[], out));
-        self.dispatch(Free { weights, then })?
+        Ok(follow.compare(truth, motion::<2>(self, Vec::new(), weights)?))
     }
 }
 
 #[cfg(test)]
-#[path = "tests.rs"]
+mod lagrangian_tests;
+#[cfg(test)]
 mod tests;

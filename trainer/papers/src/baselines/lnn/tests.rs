@@ -1,7 +1,9 @@
 //! As a model that is trained, whatever its derivatives.
 
 use super::*;
-use crate::baselines::oracle::{Dual, check_normal_equations, features, moving, network, random};
+use crate::baselines::oracle::{
+    Dual, assert_close, check_normal_equations, features, moving, network, random,
+};
 use leastaction::ground_truth::{Horizon, ManyBody, ModlanetSettings, generate_many, starts};
 use leastaction::training::{Adam, AdamSettings, Levenberg, Schedule};
 use leastaction_core::linear::solve;
@@ -14,7 +16,7 @@ const COORDINATES: &str = "ata";
 const SAMPLES: usize = 11;
 
 fn lnn() -> Lnn {
-    Lnn::new(COORDINATES, 7).unwrap()
+    Lnn::new(COORDINATES, 7)
 }
 
 fn samples() -> Samples {
@@ -56,17 +58,33 @@ fn loss_and_normal_equations_are_those_of_plain_loops_and_differences() {
 }
 
 #[test]
+fn accelerations_that_are_followed_are_the_same() {
+    let (weights, samples) = (weights(), samples());
+    let motion = motion::<2>(&lnn(), Vec::new(), &weights).unwrap();
+    let [q, v, a] = samples.states.each_ref().map(|x| x.chunks_exact(N));
+    let expected = errors(&weights, &samples);
+    for (((q, v), a), expected) in q.zip(v).zip(a).zip(expected.chunks_exact(N)) {
+        let mut found = [0.0; N];
+        motion(q, v, &mut found).unwrap();
+        (0..N).for_each(|i| assert_close("acceleration", found[i], expected[i] + a[i], 1e-9));
+    }
+    assert!(motion(&[0.0; 2], &[0.0; N], &mut [0.0; N]).is_none());
+}
+
+#[test]
 fn a_mass_matrix_without_inverse_has_no_loss() {
     let objective = lnn().objective(samples()).unwrap();
     let none = vec![0.0; lnn().parameters()];
     assert_eq!(objective.loss(&none), f64::INFINITY);
     assert!(objective.normal_equations(&none).is_none() && objective.gradient(&none, 0..3).is_none());
+    let motion = motion::<2>(&lnn(), Vec::new(), &none).unwrap();
+    assert!(motion(&[0.1; N], &[0.2; N], &mut [0.0; N]).is_none());
 }
 
 #[test]
 fn sizes_are_those_of_the_authors_and_their_weights_have_the_variances_said() {
     // Theirs have 364,200: two inputs less, for angles are not cosine and sine, and no bias at the output.
-    let lnn = Lnn::new("aa", 600).unwrap();
+    let lnn = Lnn::new("aa", 600);
     assert_eq!(lnn.parameters(), 364_200 + 2 * 600 + 1);
     let weights = lnn.initial_weights(0);
     let deviation = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt();
@@ -82,7 +100,7 @@ fn sizes_are_those_of_the_authors_and_their_weights_have_the_variances_said() {
 fn both_optimisers_train_it() {
     let settings = ModlanetSettings::published(ManyBody::Pendulum(2), 5);
     let data = generate_many(&ModlanetSettings { trajectories: 1, speed: 1.0, ..settings }).unwrap();
-    let lnn = Lnn::new("aa", 9).unwrap();
+    let lnn = Lnn::new("aa", 9);
     let objective = lnn.objective(Samples::accelerations(&data).unwrap()).unwrap();
     let start = lnn.initial_weights(2);
     let before = objective.loss(&start);
@@ -100,7 +118,7 @@ fn both_optimisers_train_it() {
 /// What passes through the widest network of the largest size has room on a thread's stack.
 #[test]
 fn the_largest_has_a_gradient() {
-    let lnn = Lnn::new("tttttt", MAX_WIDTH).unwrap();
+    let lnn = Lnn::new("tttttt", 600);
     let state = |seed| random(6 * 9, 2.0, seed);
     let samples = Samples {
         n: 6,
@@ -120,7 +138,7 @@ fn it_predicts_and_gives_up_when_it_is_late() {
     let settings = ModlanetSettings { trajectories: 2, speed: 1.0, ..ModlanetSettings::published(system, 1) };
     let horizon = Horizon { h: 0.01, samples: 3 };
     let truth = Truth::new(motion.as_ref(), starts(&settings), horizon).unwrap();
-    let lnn = Lnn::new("aa", 9).unwrap();
+    let lnn = Lnn::new("aa", 9);
     let follow = Follow { motion: motion.as_ref(), tolerance: 1e-6, deadline: None };
     let weights = lnn.initial_weights(2);
     let found = lnn.predict(&weights, &truth, follow).unwrap();
@@ -130,10 +148,12 @@ fn it_predicts_and_gives_up_when_it_is_late() {
 }
 
 #[test]
-fn what_is_not_compiled_is_refused() {
+fn any_number_of_coordinates_is_learned_and_what_does_not_fit_is_refused() {
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
-    assert_eq!(Lnn::new("aaaaa", 8).err(), shape("coordinates", 5, 6));
-    assert_eq!(Lnn::new("aa", 601).err(), shape("units in a hidden layer", 601, 600));
     let other = Samples { n: 2, ..samples() };
     assert_eq!(lnn().objective(other).err(), shape("coordinates", 2, 3));
+    let five = Lnn::new("atata", 8);
+    let states = from_fn(|k| random(5, 2.0, 20 + k as u64));
+    let samples = Samples { n: 5, states, controls: from_fn(|_| vec![0.0; 5]), ..Samples::default() };
+    assert!(five.objective(samples).unwrap().loss(&five.initial_weights(1)).is_finite());
 }
