@@ -55,8 +55,8 @@ impl Cholesky {
                 b[i].add_product(&self.entries[i * n + j], &x);
             }
         }
-        for i in 0..n {
-            b[i] = b[i].zip(&self.entries[i * n + i], |x, inverse| x * inverse);
+        for (i, b) in b.iter_mut().enumerate() {
+            *b = b.zip(&self.entries[i * n + i], |x, inverse| x * inverse);
         }
         for i in (0..n).rev() {
             for j in i + 1..n {
