@@ -4,8 +4,8 @@ use super::tests::{Warned, config, data, scaled};
 use super::*;
 use std::fs;
 
-const GO: AtomicBool = AtomicBool::new(false);
-const STOP: AtomicBool = AtomicBool::new(true);
+static GO: AtomicBool = AtomicBool::new(false);
+static STOP: AtomicBool = AtomicBool::new(true);
 
 fn plan() -> Plan {
     Plan::new(config(), &data(3, true)).unwrap()
