@@ -192,6 +192,7 @@ const LAYER: usize = 5 * WORD;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use leastaction_core::discrete::State;
     use leastaction_core::energy::rigid::Coordinate;
     use leastaction_core::model::RigidModel;
     use leastaction_core::network::Jet;
@@ -208,6 +209,16 @@ mod tests {
         // An evaluation of a step's equations is that of an acceleration, once a Gauss point.
         assert_eq!(cost.step_order_2.multiply_adds, 3 * weights);
         assert_eq!(cost.step_order_4.multiply_adds, 6 * weights);
+    }
+
+    #[test]
+    fn an_arm_of_seven_joints_has_a_cost() {
+        let arm = RigidArchitecture::new(&[Coordinate::Angle; 7], 32);
+        let weights = 14 * 32 + 32 * 32 + 32 * (28 + 1);
+        let cost = cost(&arm.into()).unwrap();
+        assert_eq!(cost.state_bytes, size_of::<State<f32, 7>>());
+        assert_eq!(cost.acceleration.multiply_adds, 3 * weights);
+        assert_eq!(cost.step_order_2.multiply_adds, 8 * weights);
     }
 
     #[test]

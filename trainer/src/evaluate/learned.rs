@@ -14,7 +14,7 @@ pub type Forced<'w> = dyn Fn(&[f64], &[f64], &[f64], &mut [f64]) -> Option<()> +
 /// Calls `then` with the accelerations that a model gives; its shape is read once.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself, or the weights to the shape.
 pub fn with_accelerations<T>(
     architecture: &Architecture,
     weights: &[f64],
@@ -26,7 +26,7 @@ pub fn with_accelerations<T>(
 /// Calls `then` with the accelerations that a model gives under forces; its shape is read once.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself, or the weights to the shape.
 pub fn with_forced<T>(
     architecture: &Architecture,
     weights: &[f64],
