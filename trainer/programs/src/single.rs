@@ -79,3 +79,35 @@ impl Builder {
         Some(self.product(slope, rate))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builder::Layer;
+    use crate::function::Function;
+    use crate::program::{Program, Step};
+    use crate::row::Row;
+
+    /// |y|² of a network y of one of two inputs: its derivative goes through the network forwards.
+    #[test]
+    fn a_function_of_one_number_is_not_differentiated_backwards() {
+        let mut builder = Builder::new();
+        let q = builder.input(2);
+        let x = builder.part(q, 1..2);
+        let hidden = builder.linear(Layer { start: 0, inputs: 1, outputs: 3 }, 1, x);
+        let hidden = builder.map(Function::Sine, hidden);
+        let y = builder.linear(Layer { start: 6, inputs: 3, outputs: 2 }, 1, hidden);
+        let square = builder.dot(y, y);
+        let one = builder.constant(&[1.0]);
+        let gradient = builder.pull_back(square, one).of(&mut builder, q);
+        let axis = builder.constant(&[0.0, 1.0]);
+        let rate = builder.tangents(&[square], &[(q, axis)])[0];
+        let program = Program::new(&builder, &[gradient, rate], &[]);
+        assert!(!program.steps.iter().any(|step| matches!(step, Step::Transposed { .. })));
+        let weights: Vec<f64> = (0..14).map(|i| f64::from(i).sin()).collect();
+        let mut workspace = program.workspace();
+        program.run_outputs(&weights, &[&[Row::splat(0.4), Row::splat(0.7)]], &mut workspace);
+        let ([zero, found], rate) = (workspace.output(0), workspace.output(1)[0].0[0]) else { panic!() };
+        assert!(zero.0[0] == 0.0 && (found.0[0] - rate).abs() < 1e-14 && rate.abs() > 1e-3);
+    }
+}
