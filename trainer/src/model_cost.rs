@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn an_arm_of_seven_joints_has_a_cost() {
         let arm = RigidArchitecture::new(&[Coordinate::Angle; 7], 32);
-        let weights = 14 * 32 + 32 * 32 + 32 * (28 + 1);
+        let weights = 14 * 32 + 32 * 32 + 32 * (13 * 7 + 1);
         let cost = cost(&arm.into()).unwrap();
         assert_eq!(cost.state_bytes, size_of::<State<f32, 7>>());
         assert_eq!(cost.acceleration.multiply_adds, 3 * weights);
