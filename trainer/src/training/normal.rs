@@ -65,7 +65,10 @@ impl NormalEquations {
 
     /// Adds another part.
     pub fn merge(&mut self, other: &Self) {
-        self.gram += &other.gram;
+        for j in 0..self.gradient.len() {
+            let below = self.gram.col_as_slice_mut(j)[j..].iter_mut();
+            below.zip(&other.gram.col_as_slice(j)[j..]).for_each(|(a, b)| *a += b);
+        }
         for (a, b) in self.gradient.iter_mut().zip(&other.gradient) {
             *a += b;
         }

@@ -11,8 +11,10 @@ use std::ops::Range;
 const CHUNK: usize = 240;
 /// Parts whose sums are computed apart, at most: as many threads as this can help.
 const PARTS: usize = 64;
+/// Parts of few samples.
+const FEW_PARTS: usize = 8;
 /// Samples that make up for the zeros and the additions of one more JᵀJ.
-const WORTH_A_GRAM: usize = 64;
+const WORTH_A_GRAM: usize = 512;
 /// Numbers in the JᵀJ of all parts together, at most: a gibibyte. A single one may be larger.
 const GRAM_NUMBERS: usize = 1 << 27;
 
@@ -113,7 +115,7 @@ fn parts(samples: Range<usize>, most: usize) -> Vec<Vec<Range<usize>>> {
 /// Parts that have a JᵀJ of p² numbers each.
 fn parts_with_gram(samples: usize, p: usize) -> usize {
     let fit = GRAM_NUMBERS / (p * p).max(1);
-    samples.div_ceil(WORTH_A_GRAM).min(fit).clamp(1, PARTS)
+    samples.div_ceil(WORTH_A_GRAM).max(FEW_PARTS).min(fit).clamp(1, PARTS)
 }
 
 /// What one thread makes of the chunks of a part.
@@ -263,8 +265,9 @@ mod tests {
 
     #[test]
     fn many_threads_help_and_memory_is_bounded() {
-        assert_eq!(parts_with_gram(10_000, 692), PARTS);
-        assert_eq!(parts_with_gram(1_000, 692), 16);
+        assert_eq!(parts_with_gram(100_000, 692), PARTS);
+        assert_eq!(parts_with_gram(10_000, 692), 20);
+        assert_eq!(parts_with_gram(1_000, 692), FEW_PARTS);
         assert_eq!((parts_with_gram(10_000, 4_096), parts_with_gram(10_000, 100_000)), (8, 1));
         for samples in [1, 7, 63, 500, 10_001] {
             for most in [1, 8, PARTS] {
