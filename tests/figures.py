@@ -4,7 +4,8 @@
     python3 tests/figures.py                 # all of it: about 40 minutes on 2 cores
     python3 tests/figures.py joints rebuild  # some of it
 
-build    processor seconds of every package of the workspace in a fresh release build; a fresh clone to the end of the demo
+build    a fresh clone to the end of the demo; processor seconds of every crate of ours in a fresh release build, and of the others of
+         the workspace
 rebuild  `cargo build --release` after a changed line of core
 tests    `cargo test --workspace` in a fresh clone
 joints   a chain of seven pendulums, learned with every default: training, and its error on motions held back
@@ -16,6 +17,7 @@ called processor seconds: read them on a quiet machine.
 """
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -53,25 +55,38 @@ def machine():
     show("machine", processor=cpu.split(":")[-1].strip(), vectors=sorted(set(vectors)), cores=int(cores), rustc=compiler)
 
 
-def units(clone):
-    """Seconds of every unit of a package of ours in the last build with --timings, its build scripts apart."""
-    page = max((clone / "target/cargo-timings").glob("cargo-timing-*.html"), key=lambda page: page.stat().st_mtime)
-    data = json.loads(re.search(r"UNIT_DATA = (\[.*?\]);", page.read_text(), re.S).group(1))
-    ours = {}
-    for unit in data:
-        if unit["name"].startswith("leastaction"):
-            ours[unit["name"]] = round(ours.get(unit["name"], 0.0) + unit["duration"], 1)
-    return ours
+# In the place of rustc: what it takes to compile a crate of ours goes to a file.
+WRAPPER = """#!/bin/bash
+name=$(sed -n 's/.*--crate-name \\([a-z_0-9]*\\).*/\\1/p' <<<"$*")
+case $name in
+    leastaction*) TIMEFORMAT="$name %U %S"; { time "$@" 2>&3; } 3>&2 2>>"$UNITS" ;;
+    *) exec "$@" ;;
+esac
+"""
+
+
+def units(command, clone):
+    """Processor seconds of every crate of ours that a cargo command compiles."""
+    with tempfile.TemporaryDirectory() as folder:
+        wrapper, log = Path(folder) / "rustc", Path(folder) / "units"
+        wrapper.write_text(WRAPPER)
+        wrapper.chmod(0o755)
+        log.touch()
+        run(command, clone, env=os.environ | {"RUSTC_WRAPPER": str(wrapper), "UNITS": str(log)})
+        ours = {}
+        for line in log.read_text().splitlines():
+            name, user, system = line.split()
+            ours[name] = round(ours.get(name, 0.0) + float(user) + float(system), 1)
+        return ours
 
 
 def build(clone):
     run("cargo fetch", clone)
     demo = seconds("cargo run --release -- demo", clone)
-    run("cargo clean && cargo build --release --timings", clone)
-    command = units(clone)
-    run("cargo build --release --workspace --timings", clone)
-    others = {name: time for name, time in units(clone).items() if name not in command}
-    show("build", fresh_clone_to_demo_s=demo, own_code_s=round(sum(command.values()), 1), packages=command, other_packages=others)
+    run("cargo clean", clone)
+    command = units("cargo build --release", clone)
+    others = units("cargo build --release --workspace", clone)
+    show("build", fresh_clone_to_demo_s=demo, own_code_s=round(sum(command.values()), 1), crates=command, others=others)
 
 
 def rebuild(clone):

@@ -172,7 +172,7 @@ fn midpoint_energy<const N: usize>(exact: &Trigonometric<N>, a: &[f64; N], b: &[
 /// Mean squared difference between the learned and the true inertia matrix, entry by entry, at all positions of the data.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself or the data.
 pub fn inertia_mse(
     architecture: &Architecture,
     weights: &[f64],
@@ -199,7 +199,7 @@ fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {
 /// squared acceleration; `None` where the data lacks velocities or accelerations.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself or the data.
 pub fn acceleration_mse(
     architecture: &Architecture,
     weights: &[f64],
@@ -237,7 +237,7 @@ fn graph_error(graph: &GraphArchitecture, weights: &[f64], samples: &Samples) ->
 /// Squared error of the position one step ahead, from the two before it.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself or the data.
 pub fn one_step_mse(
     architecture: &Architecture,
     weights: &[f64],

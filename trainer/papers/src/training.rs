@@ -100,7 +100,7 @@ pub struct Bounds<'a> {
 /// Training that cannot be done.
 #[derive(Debug, Error)]
 pub enum TrainingError {
-    /// The shape is beyond what is compiled.
+    /// The shape does not fit in itself or the data.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// It cannot go on where it was interrupted, or not be written down.

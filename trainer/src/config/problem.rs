@@ -266,12 +266,12 @@ pub enum Problem {
         node: u16,
     },
     /// A tree or a graph of a size that this program cannot train.
-    #[error("{found} coordinates to train; this program takes {compiled}")]
+    #[error("{found} coordinates to train; this program takes {most}")]
     Size {
         /// Of the tree or graph.
         found: usize,
         /// How many can be trained.
-        compiled: String,
+        most: String,
     },
 }
 

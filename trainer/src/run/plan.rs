@@ -92,7 +92,7 @@ pub enum PlanError {
     /// The data holds a number that cannot be one.
     #[error("{0}")]
     Data(Doubt),
-    /// The shape is beyond what is compiled.
+    /// The shape does not fit in itself or the data.
     #[error("[model]: {0}")]
     Model(#[from] ModelError),
 }

@@ -65,7 +65,8 @@ impl NormalEquations {
 
     /// Adds another part.
     pub fn merge(&mut self, other: &Self) {
-        for j in 0..self.gradient.len() {
+        // None where the gradient alone is summed.
+        for j in 0..self.gram.ncols() {
             let below = self.gram.col_as_slice_mut(j)[j..].iter_mut();
             below.zip(&other.gram.col_as_slice(j)[j..]).for_each(|(a, b)| *a += b);
         }

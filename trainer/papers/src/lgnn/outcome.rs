@@ -120,7 +120,7 @@ pub enum ReproduceError {
     /// There is no data.
     #[error(transparent)]
     Data(#[from] GenerationError),
-    /// The shape is beyond what is compiled.
+    /// The shape does not fit in itself or the data.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A model that the paper compares with cannot be trained.

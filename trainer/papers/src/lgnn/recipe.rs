@@ -36,7 +36,7 @@ impl Model {
 /// the mean squared errors on both.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself or the data.
 pub fn train(
     architecture: GraphArchitecture,
     samples: &Samples,

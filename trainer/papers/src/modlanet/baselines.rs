@@ -92,7 +92,7 @@ impl Baseline {
     /// Its shape for a system; `coordinates` has a letter each, `a` for angles.
     ///
     /// # Errors
-    /// Where it is beyond what is compiled.
+    /// Where it does not fit the data.
     pub fn model(
         self,
         system: ManyBody,

@@ -98,7 +98,7 @@ impl Model {
     /// Accelerations of rows, true and learned: some of them, evenly taken, where there are many.
     ///
     /// # Errors
-    /// Where the shape is beyond what is compiled.
+    /// Where the shape does not fit in itself or the data.
     pub fn accelerations(&self, rows: &ModlanetRows) -> Result<Vec<(f64, f64)>, ModelError> {
         let apart = (rows.q.len() * rows.q.width()).div_ceil(SHOWN).max(1);
         with_accelerations(&self.shape(), &self.weights, |accelerations| {
@@ -120,7 +120,7 @@ impl Model {
 /// Learns from accelerations by Levenberg–Marquardt; `watch` is called with the iteration and the loss.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself or the data.
 pub fn train(
     architecture: ModularArchitecture,
     rows: &ModlanetRows,
@@ -138,7 +138,7 @@ pub fn train(
 /// `validation` is kept, so that the model never becomes worse there.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself or the data.
 pub fn fine_tune(
     model: &Model,
     [rows, validation]: [&ModlanetRows; 2],
@@ -152,7 +152,7 @@ pub fn fine_tune(
 /// lowest error on `validation`.
 ///
 /// # Errors
-/// Where the shape is beyond what is compiled.
+/// Where the shape does not fit in itself or the data.
 pub(super) fn best_of(
     shape: &dyn AccelerationModel,
     [rows, validation]: [&ModlanetRows; 2],

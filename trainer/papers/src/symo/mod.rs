@@ -203,7 +203,7 @@ impl Case {
     /// The learned weights of a discrete model.
     ///
     /// # Errors
-    /// Where the shape is beyond what is compiled.
+    /// Where the shape does not fit in itself or the data.
     pub fn train(
         &self,
         recipe: &Recipe,
@@ -228,7 +228,7 @@ impl Case {
     /// The measures of a discrete model.
     ///
     /// # Errors
-    /// Where the shape is beyond what is compiled.
+    /// Where the shape does not fit in itself or the data.
     pub fn outcome(
         &self,
         architecture: &Architecture,

@@ -48,7 +48,7 @@ impl Case {
     /// Learns and evaluates a baseline.
     ///
     /// # Errors
-    /// Where the shape is beyond what is compiled or the data has no velocities.
+    /// Where the shape does not fit the data, or the data has no velocities.
     pub(super) fn run_from_states(
         &self,
         set: &SymoSet,

@@ -177,9 +177,9 @@ fn check_size(architecture: &GraphArchitecture) -> Result<(), ShapeError> {
     if (1..=MAX_GRAPH_COORDINATES).contains(&found) {
         return Ok(());
     }
-    let compiled = format!("1 to {MAX_GRAPH_COORDINATES}");
+    let most = format!("1 to {MAX_GRAPH_COORDINATES}");
     let name = architecture.graphs.first().map_or("", |graph| graph.name.as_str());
-    Err(Problem::Size { found, compiled }.at(["graphs".into(), name.into()]))
+    Err(Problem::Size { found, most }.at(["graphs".into(), name.into()]))
 }
 
 /// The numbers at a key; where nothing is given, `default`, known.

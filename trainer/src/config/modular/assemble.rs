@@ -274,9 +274,9 @@ impl Assembly {
         if (1..=MAX_TREE_COORDINATES).contains(&found) {
             return Ok(());
         }
-        let compiled = format!("1 to {MAX_TREE_COORDINATES}");
+        let most = format!("1 to {MAX_TREE_COORDINATES}");
         let name = trained.map_or("", |tree| tree.name.as_str());
-        Err(Problem::Size { found, compiled }.at(["trees".into(), name.into()]))
+        Err(Problem::Size { found, most }.at(["trees".into(), name.into()]))
     }
 
     fn finish(self) -> Assembled {
