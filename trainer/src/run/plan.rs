@@ -144,8 +144,8 @@ impl Plan {
             || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
             || architecture.graph().is_some_and(GraphArchitecture::shows_scale);
         let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
-        let fewer = fewer_triples(&parts.0, architecture.learned_parameters()?);
-        let mut kinds = kinds(&config.training, laws.is_some(), (scale, fewer.is_some()), &mut notices)?;
+        let enough = enough_triples(&parts.0, architecture.learned_parameters()?);
+        let mut kinds = kinds(&config.training, laws.is_some(), (scale, enough.is_some()), &mut notices)?;
         let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
         if goes_on(&config) {
             // A warm-up would leave trained weights for ones that are better on another loss.
@@ -155,7 +155,7 @@ impl Plan {
             .into_iter()
             .map(|(name, kind)| {
                 let shape = if name == WARM_UP { &first } else { &architecture };
-                stage(name, kind, &config.training, shape, &parts)
+                stage((name, kind), &config.training, (shape, enough), &parts)
             })
             .collect::<Result<_, _>>()?;
         let TrainingConfig { loss, order, .. } = config.training;
@@ -251,12 +251,11 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> (Dataset, 
 /// Residual components a weight that a warm-up on the next position takes.
 const WARM_UP_ROWS: usize = 4;
 
-/// As many triples, drawn from all, as are enough to begin with: an iteration costs as many times less. `None` where there are
-/// hardly more.
-fn fewer_triples(data: &Dataset, weights: usize) -> Option<Samples> {
-    let all = Samples::triples(data);
+/// How many triples are enough to begin with: an iteration costs as many times less. `None` where there are hardly more.
+fn enough_triples(data: &Dataset, weights: usize) -> Option<usize> {
+    let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples().saturating_sub(2)).sum();
     let count = (WARM_UP_ROWS * weights).div_ceil(data.n.max(1));
-    (all.len() > 2 * count).then(|| all.shuffled(0).range(0..count))
+    (all > 2 * count).then_some(count)
 }
 
 /// The stages and their losses. `laws`: whether simple laws are learned before the networks beside them; `scale`: whether that of
@@ -302,22 +301,20 @@ fn samples(data: &Dataset, kind: LossKind) -> Result<Samples, SampleError> {
     }
 }
 
+/// `enough`: triples of a warm-up on the next position.
 fn stage(
-    name: &'static str,
-    kind: LossKind,
+    (name, kind): (&'static str, LossKind),
     training: &TrainingConfig,
-    architecture: &Architecture,
+    (architecture, enough): (&Architecture, Option<usize>),
     (data, validation): &(Dataset, Option<Dataset>),
 ) -> Result<Stage, PlanError> {
     let warm_up = name == WARM_UP;
     // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
     let order = if warm_up && kind != LossKind::NextPosition { 2 } else { training.order };
-    let over = |samples: Samples| Ok::<_, PlanError>(objective(architecture, samples, kind, order)?);
-    let fewer = if warm_up && kind == LossKind::NextPosition {
-        fewer_triples(data, architecture.learned_parameters()?)
-    } else {
-        None
-    };
+    let mut own = samples(data, kind)?;
+    if let Some(count) = enough.filter(|_| warm_up && kind == LossKind::NextPosition) {
+        own = own.shuffled(0).range(0..count);
+    }
     let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
         Ok(objective(architecture, samples(data, kind)?, kind, order)?)
     };
@@ -329,7 +326,7 @@ fn stage(
         name,
         optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
         iterations: if warm_up { training.warm_up } else { training.iterations },
-        objective: fewer.map_or_else(|| build(data, kind, order), over)?,
+        objective: objective(architecture, own, kind, order)?,
         validation: validation.as_ref().map(|data| build(data, kind, order)).transpose()?,
         judge: judge.transpose()?,
     })
