@@ -9,7 +9,7 @@ build    a fresh clone to the end of the demo; processor seconds of every crate 
 rebuild  `cargo build --release` after a changed line of core
 tests    `cargo test --workspace` in a fresh clone
 joints   a chain of seven pendulums, learned with every default: training, and its error on motions held back
-symo     E2E-SyMo's cart-pole of order 4 by Levenberg-Marquardt (cargo bench -p leastaction --bench training)
+symo     E2E-SyMo's cart-pole of order 4 by Levenberg-Marquardt (cargo bench -p leastaction-learning --bench training)
 jax      tests/peers/modlanet_jax.py and lgnn_jax.py (pip install jax)
 
 What is measured is the last commit, in a clone of its own under a temporary folder. Times are of the wall clock unless they are
@@ -138,7 +138,7 @@ def constant_velocity(folder):
 
 
 def symo(clone):
-    printed = run("cargo bench -p leastaction --bench training", clone)
+    printed = run("cargo bench -p leastaction-learning --bench training", clone)
     show("symo", printed=[line for line in printed.splitlines() if line.strip()])
 
 

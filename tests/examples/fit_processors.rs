@@ -3,8 +3,8 @@
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
-use leastaction::model_cost::processor::{Coefficients, CostFactors, Evaluation, Fit, Processor};
-use leastaction::model_file::decode;
+use leastaction_learning::model_cost::processor::{Coefficients, CostFactors, Evaluation, Fit, Processor};
+use leastaction_learning::model_file::decode;
 use std::collections::BTreeMap;
 use std::error::Error;
 

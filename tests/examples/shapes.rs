@@ -3,7 +3,7 @@
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
-use leastaction::model_file::rust_source;
+use leastaction_learning::model_file::rust_source;
 use std::error::Error;
 use std::path::PathBuf;
 

@@ -241,7 +241,7 @@ def parse(arguments):
 
 
 def benchmark(options, folder):
-    executable = options.ours.resolve() if options.ours else build_ours("leastaction", ["--example", "peer_modlanet"], "--ours PATH")
+    executable = options.ours.resolve() if options.ours else build_ours("leastaction-learning", ["--example", "peer_modlanet"], "--ours PATH")
     weights, rows = random_weights(np.random.default_rng(options.seed)), read_rows(options, executable, folder)
     weights.astype("<f8").tofile(folder / "weights.f64")
     rows.astype("<f8").tofile(folder / "rows.f64")

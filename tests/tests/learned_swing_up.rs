@@ -2,11 +2,11 @@
 
 mod common;
 
-use leastaction::model_file::decode;
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::System;
 use leastaction_firmware_sim::scenario::{SwingUpConfig, swing_up_cartpole};
 use leastaction_firmware_sim::{Mode, wrap};
+use leastaction_learning::model_file::decode;
 
 const STARTS: u64 = 20;
 

@@ -3,8 +3,8 @@
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
-use leastaction::model_cost::processor::{Prediction, Processor};
-use leastaction::model_file::decode;
+use leastaction_learning::model_cost::processor::{Prediction, Processor};
+use leastaction_learning::model_file::decode;
 use shapes::{Measured, RandomModel};
 
 /// How far a prediction may be off, of models that nothing was fitted to.

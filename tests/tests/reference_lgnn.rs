@@ -5,14 +5,14 @@
 #[allow(dead_code, reason = "each test binary uses its own part")]
 mod reference;
 
-use leastaction::architecture::{DEPTH, GraphArchitecture, HostTypes, MAX_GRAPH_WIDTH};
-use leastaction::evaluate::particles::Driven;
-use leastaction::import::{Imported, LGNN_EMBEDDINGS, lgnn};
-use leastaction::training::{LossKind, Samples, objective};
 use leastaction_core::constraints::{Constraints, Holonomic, Positions};
 use leastaction_core::energy::graph::{Fixed, Graph, MAX_NETWORKS};
 use leastaction_core::forces::Forces;
 use leastaction_core::lagrangian::Lagrangian;
+use leastaction_learning::architecture::{DEPTH, GraphArchitecture, HostTypes, MAX_GRAPH_WIDTH};
+use leastaction_learning::evaluate::particles::Driven;
+use leastaction_learning::import::{Imported, LGNN_EMBEDDINGS, lgnn};
+use leastaction_learning::training::{LossKind, Samples, objective};
 use reference::{Arrays, EXACT, assert_close, assert_within, data, scale};
 use std::fs;
 

@@ -4,17 +4,17 @@
 #[path = "common/reference.rs"]
 mod reference;
 
-use leastaction::architecture::{Architecture, ModularArchitecture};
-use leastaction::data::modlanet as layout;
-use leastaction::ground_truth::ManyBody;
-use leastaction::import::{Imported, modlanet};
-use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::modular::{ELEMENT_PARAMETERS, MAX_TYPES};
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::Laws;
 use leastaction_core::scalar::Real;
+use leastaction_learning::architecture::{Architecture, ModularArchitecture};
+use leastaction_learning::data::modlanet as layout;
+use leastaction_learning::ground_truth::ManyBody;
+use leastaction_learning::import::{Imported, modlanet};
+use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 use reference::{Arrays, EXACT, assert_close, assert_within, data, in_single, scale};
 use std::fs;
 use std::path::PathBuf;

@@ -4,15 +4,15 @@
 #[path = "common/reference.rs"]
 mod reference;
 
-use leastaction::architecture::{MAX_WIDTH, RigidArchitecture};
-use leastaction::import::{Imported, symo};
-use leastaction::training::{LossKind, Samples, objective};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Del, Interval, Midpoint};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
+use leastaction_learning::architecture::{MAX_WIDTH, RigidArchitecture};
+use leastaction_learning::import::{Imported, symo};
+use leastaction_learning::training::{LossKind, Samples, objective};
 use reference::{Arrays, EXACT, assert_close, data, in_single};
 use std::fs;
 

@@ -3,11 +3,11 @@
 mod common;
 
 use common::{config, log, model_file};
-use leastaction::config::Config;
-use leastaction::data::{self, Dataset, Rows};
-use leastaction::evaluate::{Beginning, one_step_mse, rollout};
-use leastaction::model_file::decode;
-use leastaction::training::LossKind;
+use leastaction_learning::config::Config;
+use leastaction_learning::data::{self, Dataset, Rows};
+use leastaction_learning::evaluate::{Beginning, one_step_mse, rollout};
+use leastaction_learning::model_file::decode;
+use leastaction_learning::training::LossKind;
 
 const WIDTH: u16 = 16;
 

@@ -1,22 +1,4 @@
-//! Learn the energies of a mechanical system from logged motion, on the host.
-//!
-//! Data flows one way: [`ground_truth`] or a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`model_file`], and
-//! from there to the chip; [`evaluate`] measures, [`plot`] shows.
+//! What the commands of leastaction share: where words go, options, and a controller on another processor.
 
-pub mod architecture;
 pub mod cli;
-pub mod config;
-pub mod evaluate;
-pub mod ground_truth;
-pub mod import;
-pub mod model_cost;
-pub mod model_file;
-pub mod parallel;
-pub mod plot;
 pub mod processor;
-pub mod run;
-pub mod runge_kutta;
-pub mod training;
-
-pub use leastaction_data as data;
-pub use leastaction_data::{atomic, checksummed, lock};

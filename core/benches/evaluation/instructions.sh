@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Instructions of one acceleration and one DEL step of order 2 and 4 in f32, for chains of 2 to 8 learned pendulums, counted by
 # valgrind (apt-get install valgrind): the difference of 101 calls and one, over 100. Exact, and the same at every run. The table is
-# comma-separated, for `cargo run --release -p leastaction --example plot_table`.
+# comma-separated, for `cargo run --release -p leastaction-plot --example plot_table`.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 

@@ -1,10 +1,10 @@
 //! Training by the library, as `leastaction train` and `leastaction export` do it.
 
-use leastaction::config::{Config, Coordinates, RigidConfig};
-use leastaction::data::Dataset;
-use leastaction::ground_truth::{Mechanism, Settings, generate};
-use leastaction::model_file::encode;
-use leastaction::run::{Monitor, Plan, Row, Run, Trained};
+use leastaction_learning::config::{Config, Coordinates, RigidConfig};
+use leastaction_learning::data::Dataset;
+use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
+use leastaction_learning::model_file::encode;
+use leastaction_learning::run::{Monitor, Plan, Row, Run, Trained};
 use std::sync::atomic::AtomicBool;
 
 /// Takes warnings for failures.

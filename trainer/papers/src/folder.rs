@@ -2,9 +2,9 @@
 
 use super::record::Finished;
 use super::task::Task;
-use leastaction::atomic;
-use leastaction::checksummed::ReadError;
-use leastaction::lock::Lock;
+use leastaction_learning::atomic;
+use leastaction_learning::checksummed::ReadError;
+use leastaction_learning::lock::Lock;
 use std::collections::HashMap;
 use std::fs;
 use std::io;

@@ -2,8 +2,8 @@
 
 use super::folder::FolderError;
 use super::task::TaskError;
-use leastaction::checksummed;
-use leastaction::training::Adam;
+use leastaction_learning::checksummed;
+use leastaction_learning::training::Adam;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Duration;

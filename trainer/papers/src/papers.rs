@@ -3,8 +3,8 @@
 use super::folder::{FolderError, Results};
 use super::record::Finished;
 use super::{symo, table};
-use leastaction::atomic;
-use leastaction::plot::PlotError;
+use leastaction_learning::atomic;
+use leastaction_plot::PlotError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

@@ -3,8 +3,8 @@
 use super::folder::FolderError;
 use super::interrupted::{Course, Interrupted};
 use crate::baselines::AccelerationModel;
-use leastaction::training::{Adam, AdamSettings, Objective, Progress, Samples};
 use leastaction_core::model::ModelError;
+use leastaction_learning::training::{Adam, AdamSettings, Objective, Progress, Samples};
 use serde::{Serialize, Serializer};
 use std::time::{Duration, Instant};
 use thiserror::Error;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::baselines::Mlp;
-use leastaction::checksummed::ReadError;
-use leastaction::training::Schedule;
+use leastaction_learning::checksummed::ReadError;
+use leastaction_learning::training::Schedule;
 use std::fs;
 
 /// Nineteen samples of one coordinate.

@@ -1,7 +1,7 @@
 //! The pendulums of Finzi et al.: data from positions and velocities alone, and what is learned from it.
 
-use leastaction::ground_truth::{Horizon, Motion, logged};
-use leastaction::training::Samples;
+use leastaction_learning::ground_truth::{Horizon, Motion, logged};
+use leastaction_learning::training::Samples;
 use leastaction_papers::chnn::{Options, STEP, chain, run, starts, training_set};
 
 /// Mean squared error of accelerations from states `h` apart, of a chain of three.

@@ -1,8 +1,8 @@
 //! LGNN's experiments: training by laws and networks, rollouts on other graphs.
 
-use leastaction::architecture::GraphArchitecture;
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::training::Samples;
+use leastaction_learning::architecture::GraphArchitecture;
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::training::Samples;
 use leastaction_papers::lgnn::{Case, Options, run, train};
 
 fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {

@@ -1,7 +1,7 @@
 //! Values of options, refused in words that say what they must be.
 
-use crate::data::control_of_name;
 use leastaction_core::forces::ControlKind;
+use leastaction_learning::data::control_of_name;
 
 /// A finite number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {

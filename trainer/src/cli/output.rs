@@ -1,8 +1,8 @@
 //! What goes to stdout and stderr, and the exit code.
 
-use crate::config::ConfigError;
-use crate::data::{DataError, Problem};
-use crate::run::RunError;
+use leastaction_learning::config::ConfigError;
+use leastaction_learning::data::{DataError, Problem};
+use leastaction_learning::run::RunError;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, Write};

@@ -2,9 +2,9 @@
 //! run.
 
 use super::Failure;
-use crate::data;
-use crate::model_file::RUST_HEAD;
 use leastaction_core::model::MAGIC;
+use leastaction_learning::data;
+use leastaction_learning::model_file::RUST_HEAD;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;

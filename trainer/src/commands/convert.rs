@@ -1,9 +1,9 @@
 //! `leastaction convert`.
 
 use clap::Args;
-use leastaction::atomic;
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
-use leastaction::model_file::{self, decode};
+use leastaction_learning::atomic;
+use leastaction_learning::model_file::{self, decode};
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;

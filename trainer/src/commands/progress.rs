@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leastaction::cli::Output;
-use leastaction::run::{Monitor, Row, Run};
+use leastaction_learning::run::{Monitor, Row, Run};
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
 

@@ -1,9 +1,9 @@
 //! What u does between samples, from the log to the model file.
 
 use crate::support::Bench;
-use leastaction::data::{self, control_name};
-use leastaction::model_file::decode;
 use leastaction_core::forces::ControlKind::{self, Held, Linear};
+use leastaction_learning::data::{self, control_name};
+use leastaction_learning::model_file::decode;
 
 const KINDS: [ControlKind; 2] = [Held, Linear];
 

@@ -1,7 +1,7 @@
 //! What logs are like that need a second look.
 
 use crate::support::Bench;
-use leastaction::data::{self, Dataset};
+use leastaction_learning::data::{self, Dataset};
 use std::f64::consts::{PI, TAU};
 
 /// The pendulum about its upper rest, and the same with angles in [−π, π).

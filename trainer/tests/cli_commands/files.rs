@@ -1,9 +1,6 @@
 //! `export` and `inspect`.
 
 use crate::support::Bench;
-use leastaction::architecture::{Architecture, RigidArchitecture};
-use leastaction::config::Config;
-use leastaction::model_file::{decode, encode, rust_source};
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::Order;
@@ -12,6 +9,9 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Viscous};
 use leastaction_core::model::{Laws, TrainedStep};
 use leastaction_core::particles::Particles;
+use leastaction_learning::architecture::{Architecture, RigidArchitecture};
+use leastaction_learning::config::Config;
+use leastaction_learning::model_file::{decode, encode, rust_source};
 
 #[path = "../cli_golden/model.rs"]
 mod golden;

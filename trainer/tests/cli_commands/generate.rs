@@ -1,5 +1,5 @@
 use crate::support::Bench;
-use leastaction::data::{self, modlanet, symo};
+use leastaction_learning::data::{self, modlanet, symo};
 
 #[test]
 fn both_formats_hold_the_same_motion() {

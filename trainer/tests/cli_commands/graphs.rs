@@ -1,7 +1,7 @@
 //! Graphs of particles: learned on a small one, used in larger ones.
 
 use crate::support::Bench;
-use leastaction::data;
+use leastaction_learning::data;
 
 const RODS: &str = "[[model.node_types]]\nname = \"bob\"\nfield = { learn = [0, 0] }\n\
     [model.graphs.two]\nnodes = [\"bob\", \"bob\"]\n\
@@ -159,5 +159,5 @@ fn what_does_not_fit_is_refused() {
     bench.run("train c.toml -o new").bad(2, &["c.toml:15", "no node 7"]);
     assert!(!bench.at("new").exists());
     let printed = bench.run("train --print-defaults graph").good().stdout;
-    assert_eq!(printed, leastaction::config::GRAPH_DEFAULTS);
+    assert_eq!(printed, leastaction_learning::config::GRAPH_DEFAULTS);
 }

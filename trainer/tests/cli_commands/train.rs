@@ -1,5 +1,5 @@
 use crate::support::{Bench, Outcome};
-use leastaction::config::Config;
+use leastaction_learning::config::Config;
 use std::io;
 use std::process::Stdio;
 

@@ -1,8 +1,8 @@
 //! Trees of elements: learned on a small one, used in larger ones.
 
 use crate::support::Bench;
-use leastaction::data::{self, Dataset, Rows, Trajectory};
-use leastaction::ground_truth::{Chain, Horizon, Link, Motion, Start, follow};
+use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
+use leastaction_learning::ground_truth::{Chain, Horizon, Link, Motion, Start, follow};
 
 /// Motions of a chain of pendulums of two kinds, one after the other.
 fn log(bench: &Bench, name: &str, count: usize) {
@@ -227,7 +227,7 @@ fn a_new_type_joins_a_trained_one() {
         (report["types"][1]["mass"].as_f64(), report["types"][0]["damping"].as_f64()),
         (Some(3.0), Some(0.5))
     );
-    let weights = |bytes: &[u8]| leastaction::model_file::decode(bytes).unwrap().weights;
+    let weights = |bytes: &[u8]| leastaction_learning::model_file::decode(bytes).unwrap().weights;
     // Position and potential are those of the run, bit for bit.
     assert_eq!(weights(&old)[..9], weights(&new)[..9]);
 }

@@ -39,12 +39,12 @@ fn a_logged_velocity_is_where_rollouts_begin() {
     bench.config("iterations = 20\nloss = \"acceleration\"");
     bench.run("train c.toml -o run -q").good();
     bench.model("run");
-    let (with, _) = leastaction::data::read(bench.at("data.npz")).unwrap();
+    let (with, _) = leastaction_learning::data::read(bench.at("data.npz")).unwrap();
     let mut without = with.clone();
     for trajectory in &mut without.trajectories {
         trajectory.v = None;
     }
-    leastaction::data::write(bench.at("without.npz"), &without).unwrap();
+    leastaction_learning::data::write(bench.at("without.npz"), &without).unwrap();
     let rollout = |log: &str| {
         let report = bench.run(&format!("evaluate run.postcard --data {log} --json")).good().json();
         report["rollout_mse"].as_f64().unwrap()

@@ -1,10 +1,10 @@
 //! Models that give what is logged themselves, as a function of the state and the control: no equation is solved for it.
 
 use super::enough_weights;
-use leastaction::evaluate::learned::Forced;
-use leastaction::parallel::Pool;
-use leastaction::training::{Objective, Samples, objective_of};
 use leastaction_core::model::ModelError;
+use leastaction_learning::evaluate::learned::Forced;
+use leastaction_learning::parallel::Pool;
+use leastaction_learning::training::{Objective, Samples, objective_of};
 use leastaction_programs::dynamics::Failures;
 use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Builder, Node, Program, Row, Workspace};

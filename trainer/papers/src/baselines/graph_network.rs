@@ -1,8 +1,8 @@
 //! Graph networks with one round of messages, as LGNN's authors compare with them, written down for any graph.
 
-use leastaction::architecture::NamedGraph;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
+use leastaction_learning::architecture::NamedGraph;
 use leastaction_programs::energies::Network;
 use leastaction_programs::{Builder, Function, Node};
 use std::iter::repeat_n;

@@ -1,11 +1,11 @@
 //! What all Lagrangians that are one number given by networks have in common, whatever the networks.
 
 use super::enough_weights;
-use leastaction::evaluate::learned::Accelerations;
-use leastaction::parallel::Pool;
-use leastaction::training::{Objective, Samples, objective_of};
 use leastaction_core::constraints::{Constraints, Holonomic, Positions};
 use leastaction_core::model::ModelError;
+use leastaction_learning::evaluate::learned::Accelerations;
+use leastaction_learning::parallel::Pool;
+use leastaction_learning::training::{Objective, Samples, objective_of};
 use leastaction_programs::dynamics::{Failures, Rods};
 use leastaction_programs::energies::Energies;
 use leastaction_programs::losses::{AccelerationLoss, Block, Derivatives, Loss};

@@ -4,11 +4,11 @@ use super::batch::{Batched, Derivatives, InBatches, Layers, Pass, matrix};
 use super::features::{count, fixed, inputs};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
 use faer::{Mat, Scale};
-use leastaction::architecture::random_layers;
-use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp as Network};
+use leastaction_learning::architecture::random_layers;
+use leastaction_learning::evaluate::prediction::{Prediction, Truth};
+use leastaction_learning::training::{Objective, Samples};
 use std::ops::Range;
 
 /// Units of a hidden layer at most.
@@ -169,7 +169,7 @@ impl Batched for Errors {
 mod tests {
     use super::*;
     use crate::baselines::oracle::{check_normal_equations, features, network};
-    use leastaction::training::{Adam, AdamSettings, Levenberg};
+    use leastaction_learning::training::{Adam, AdamSettings, Levenberg};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 

@@ -25,12 +25,12 @@ pub use lnn::Lnn;
 pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
 pub use node::NeuralOde;
 
-use leastaction::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
-use leastaction::evaluate::learned::with_accelerations;
-use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::ground_truth::Motion;
-use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
+use leastaction_learning::evaluate::learned::with_accelerations;
+use leastaction_learning::evaluate::prediction::{Prediction, Truth};
+use leastaction_learning::ground_truth::Motion;
+use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 use std::time::Instant;
 
 /// A shape whose weights are learned from accelerations: a baseline, or one of ours.

@@ -1,8 +1,8 @@
 use super::*;
-use leastaction::ground_truth::{Mechanism, Settings, generate};
-use leastaction::runge_kutta::step;
-use leastaction::training::Levenberg;
 use leastaction_core::linear::add_scaled;
+use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
+use leastaction_learning::runge_kutta::step;
+use leastaction_learning::training::Levenberg;
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

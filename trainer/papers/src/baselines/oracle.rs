@@ -2,8 +2,8 @@
 //! any residuals by differences.
 
 use super::GraphSizes;
-use leastaction::training::Objective;
 use leastaction_core::network::Dense;
+use leastaction_learning::training::Objective;
 use num_dual::{DualNum, HyperHyperDual64};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

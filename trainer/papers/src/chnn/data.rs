@@ -1,7 +1,9 @@
 //! The authors' chains, starts and training trajectories.
 
-use leastaction::data::Dataset;
-use leastaction::ground_truth::{BadMechanism, Horizon, IntegrationError, Motion, Rod, Start, Truss, logged};
+use leastaction_learning::data::Dataset;
+use leastaction_learning::ground_truth::{
+    BadMechanism, Horizon, IntegrationError, Motion, Rod, Start, Truss, logged,
+};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

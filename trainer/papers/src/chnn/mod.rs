@@ -10,14 +10,14 @@ pub use recipe::architecture;
 pub use task::tasks;
 
 use super::lgnn::{ReproduceError, floor, train};
-use leastaction::architecture::HostTypes;
-use leastaction::evaluate::particles::Driven;
-use leastaction::evaluate::prediction::Truth;
-use leastaction::evaluate::rollouts::{Compared, Rollouts};
-use leastaction::ground_truth::{GenerationError, Horizon, Truss};
-use leastaction::training::Samples;
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::particles::Particles;
+use leastaction_learning::architecture::HostTypes;
+use leastaction_learning::evaluate::particles::Driven;
+use leastaction_learning::evaluate::prediction::Truth;
+use leastaction_learning::evaluate::rollouts::{Compared, Rollouts};
+use leastaction_learning::ground_truth::{GenerationError, Horizon, Truss};
+use leastaction_learning::training::Samples;
 use serde::Serialize;
 use std::time::Instant;
 

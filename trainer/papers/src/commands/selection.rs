@@ -1,9 +1,9 @@
 //! Which of a paper's tasks, where they go, and what is printed of them.
 
 use clap::Args;
-use leastaction::checksummed::ReadError;
 use leastaction::cli::arguments::seed;
 use leastaction::cli::{Done, Failure, Output, folder, object, print};
+use leastaction_learning::checksummed::ReadError;
 use leastaction_papers::folder::{FolderError, Results};
 use leastaction_papers::record::{Finished, Record};
 use leastaction_papers::task::{Shard, Task, run_all};

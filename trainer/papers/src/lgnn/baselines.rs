@@ -4,11 +4,11 @@ use super::super::training::{Bounds, Limits, Recipe};
 use super::recipe::JUDGES;
 use super::{Case, Experiment, Options, Outcome, ReproduceError, published};
 use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
-use leastaction::architecture::NamedGraph;
-use leastaction::evaluate::learned::Accelerations;
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::training::{AdamSettings, Samples, Schedule};
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::NamedGraph;
+use leastaction_learning::evaluate::learned::Accelerations;
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::training::{AdamSettings, Samples, Schedule};
 use serde::Serialize;
 
 /// Error a step of their rollouts, relative to 1 + |x|: that of the models is far above it.

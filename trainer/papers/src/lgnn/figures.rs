@@ -2,8 +2,8 @@
 
 use super::super::numbered;
 use super::{Compared, Insight, Outcome};
-use leastaction::atomic;
-use leastaction::plot::{Panel, PlotError, Series, Stroke, Vertical, stacked, time_series};
+use leastaction_learning::atomic;
+use leastaction_plot::{Panel, PlotError, Series, Stroke, Vertical, stacked, time_series};
 use std::path::Path;
 
 /// Draws the errors of the rollout over time (the paper's Figures 3 and 4), the potential of the springs, the drag, and the pulls of

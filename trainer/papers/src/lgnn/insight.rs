@@ -1,12 +1,12 @@
 //! What a model has learned, beside the truth.
 
 use super::{Model, ReproduceError};
-use leastaction::architecture::HostTypes;
-use leastaction::evaluate::particles::Driven;
-use leastaction::ground_truth::Truss;
-use leastaction::training::Samples;
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::particles::Particles;
+use leastaction_learning::architecture::HostTypes;
+use leastaction_learning::evaluate::particles::Driven;
+use leastaction_learning::ground_truth::Truss;
+use leastaction_learning::training::Samples;
 
 /// Points of a curve.
 const POINTS: usize = 200;

@@ -23,12 +23,12 @@ pub use speed::{LINEAR_SIZES, step_microseconds};
 pub use task::tasks;
 pub(super) use trial::floor;
 
-use leastaction::architecture::{GraphArchitecture, HostTypes, NamedGraph};
-use leastaction::evaluate::particles::Driven;
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::training::Samples;
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
+use leastaction_learning::architecture::{GraphArchitecture, HostTypes, NamedGraph};
+use leastaction_learning::evaluate::particles::Driven;
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::training::Samples;
 use serde::Serialize;
 use std::time::Instant;
 

@@ -2,11 +2,11 @@
 
 use super::super::training::{Ending, TrainingError, in_words};
 use super::{Case, Insight, Published};
-use leastaction::evaluate::rollouts::Rollouts;
-use leastaction::ground_truth::{GenerationError, IntegrationError, LgnnSystem};
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::energy::graph::GraphError;
 use leastaction_core::model::ModelError;
+use leastaction_learning::evaluate::rollouts::Rollouts;
+use leastaction_learning::ground_truth::{GenerationError, IntegrationError, LgnnSystem};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -137,7 +137,7 @@ pub enum ReproduceError {
     Rods(ConstraintError<f64>),
     /// The data has no accelerations.
     #[error(transparent)]
-    Samples(#[from] leastaction::training::SampleError),
+    Samples(#[from] leastaction_learning::training::SampleError),
 }
 
 impl From<ConstraintError<f64>> for ReproduceError {

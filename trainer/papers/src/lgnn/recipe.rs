@@ -1,10 +1,10 @@
 //! What is learned, and how.
 
 use crate::baselines::AccelerationModel;
-use leastaction::architecture::{GraphArchitecture, NamedGraph};
-use leastaction::ground_truth::LgnnSystem;
-use leastaction::training::{Levenberg, Samples};
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::{GraphArchitecture, NamedGraph};
+use leastaction_learning::ground_truth::LgnnSystem;
+use leastaction_learning::training::{Levenberg, Samples};
 
 /// Of 4 samples 3 are learned from, and one judges.
 pub(super) const JUDGES: usize = 4;

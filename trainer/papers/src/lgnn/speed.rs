@@ -1,14 +1,14 @@
 //! The time of a step as a system grows.
 
 use super::{LgnnSettings, LgnnSystem, Model, ReproduceError};
-use leastaction::architecture::HostTypes;
-use leastaction::ground_truth::lgnn_starts;
 use leastaction_core::constraints::Constrained;
 use leastaction_core::discrete::{
     Order,
     rattle::{ParticleState, Rattle},
 };
 use leastaction_core::energy::graph::Graph;
+use leastaction_learning::architecture::HostTypes;
+use leastaction_learning::ground_truth::lgnn_starts;
 use std::time::Instant;
 
 /// Numbers of springs that the time of a step is measured for.

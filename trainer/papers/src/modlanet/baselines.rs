@@ -4,10 +4,10 @@ use super::super::training::{Bounds, Limits, Recipe};
 use super::published;
 use super::{Experiment, Judge, Outcome, ReproduceError};
 use crate::baselines::{AccelerationModel, Follow, Hnn, Lnn, Mlp, Momenta};
-use leastaction::data::modlanet::ModlanetSet;
-use leastaction::ground_truth::ManyBody;
-use leastaction::training::{AdamSettings, Samples, Schedule};
 use leastaction_core::model::ModelError;
+use leastaction_learning::data::modlanet::ModlanetSet;
+use leastaction_learning::ground_truth::ManyBody;
+use leastaction_learning::training::{AdamSettings, Samples, Schedule};
 use serde::Serialize;
 
 /// Error a step of their predictions: that of the models is far above it.

@@ -2,8 +2,8 @@
 
 use super::super::{numbered, option_name};
 use super::{LongRun, Outcome, Pictured};
-use leastaction::ground_truth::ManyBody;
-use leastaction::plot::{
+use leastaction_learning::ground_truth::ManyBody;
+use leastaction_plot::{
     Angle, Panel, Phase, PlotError, Series, Stroke, Vertical, phase_portrait, time_series,
 };
 use std::path::Path;

@@ -2,9 +2,11 @@
 
 use super::{Options, Outcome, Pictured, Predicted, ReproduceError};
 use crate::baselines::{AccelerationModel, Follow};
-use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::ground_truth::{GenerationError, Horizon, ManyBody, ModlanetSettings, Motion, starts};
 use leastaction_core::model::ModelError;
+use leastaction_learning::evaluate::prediction::{Prediction, Truth};
+use leastaction_learning::ground_truth::{
+    GenerationError, Horizon, ManyBody, ModlanetSettings, Motion, starts,
+};
 
 /// Makes the stream of prediction starts another than that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;

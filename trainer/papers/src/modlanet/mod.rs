@@ -22,12 +22,14 @@ pub use task::{ModlanetData, tasks};
 use super::training::{Bounds, Ending};
 use crate::baselines::{AccelerationModel, Follow};
 use judge::Judge;
-use leastaction::architecture::ModularArchitecture;
-use leastaction::data::modlanet::{ModlanetRows, ModlanetSet};
-use leastaction::evaluate::prediction::TOLERANCE;
-use leastaction::ground_truth::{GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of};
-use leastaction::training::Samples;
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::ModularArchitecture;
+use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
+use leastaction_learning::evaluate::prediction::TOLERANCE;
+use leastaction_learning::ground_truth::{
+    GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of,
+};
+use leastaction_learning::training::Samples;
 use std::time::Instant;
 
 /// Runs a case; `tell` gets a line of progress now and then.

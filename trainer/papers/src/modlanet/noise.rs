@@ -3,10 +3,10 @@
 use super::recipe::best_of;
 use super::{Experiment, Outcome, ReproduceError, held_back};
 use crate::baselines::{AccelerationModel, Mlp};
-use leastaction::data::Rows;
-use leastaction::data::modlanet::{ModlanetRows, ModlanetSet};
-use leastaction::ground_truth::{ManyBody, noisy};
-use leastaction::training::Samples;
+use leastaction_learning::data::Rows;
+use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
+use leastaction_learning::ground_truth::{ManyBody, noisy};
+use leastaction_learning::training::Samples;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
@@ -77,7 +77,7 @@ fn few(rows: &ModlanetRows, count: usize, noise: f64, seed: u64) -> ModlanetRows
 mod tests {
     use super::super::{Case, Options, run};
     use super::*;
-    use leastaction::ground_truth::{ModlanetSettings, modlanet_set_of};
+    use leastaction_learning::ground_truth::{ModlanetSettings, modlanet_set_of};
 
     /// 202 rows to learn from, 101 to judge by.
     fn set() -> ModlanetSet {

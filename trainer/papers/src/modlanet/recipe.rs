@@ -1,17 +1,17 @@
 //! What is learned, and how.
 
 use crate::baselines::AccelerationModel;
-use leastaction::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
-use leastaction::data::modlanet::ModlanetRows;
-use leastaction::evaluate::learned::with_accelerations;
-use leastaction::ground_truth::ManyBody;
-use leastaction::training::{Levenberg, Samples};
 use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
     Input, ModularShape, NetworkShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
+use leastaction_learning::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
+use leastaction_learning::data::modlanet::ModlanetRows;
+use leastaction_learning::evaluate::learned::with_accelerations;
+use leastaction_learning::ground_truth::ManyBody;
+use leastaction_learning::training::{Levenberg, Samples};
 
 /// Hidden units of the pendulum's position; its potential is linear in the position, as the authors' is.
 const POSITION: [u16; 4] = [32, 0, 0, 0];

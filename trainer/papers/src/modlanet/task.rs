@@ -6,7 +6,7 @@ use super::super::task::{Task, TaskError, compared, with_seeds};
 use super::super::training::{Bounds, Limits};
 use super::super::{numbered, option_name};
 use super::{Baseline, Case, Options, Outcome, Predicted, Stepped, figures, run, run_baseline};
-use leastaction::data::modlanet::ModlanetSet;
+use leastaction_learning::data::modlanet::ModlanetSet;
 use std::path::Path;
 use std::sync::Arc;
 

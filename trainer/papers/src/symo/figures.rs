@@ -2,7 +2,7 @@
 
 use super::super::record::{Finished, Record};
 use super::super::{Overview, distinct};
-use leastaction::plot::{PlotError, Series, Stroke, log_log};
+use leastaction_plot::{PlotError, Series, Stroke, log_log};
 use std::path::Path;
 
 /// Test and integration error, energy and inertia against the number of trajectories, one picture a mechanism and measure, ours and

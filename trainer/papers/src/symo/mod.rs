@@ -12,14 +12,16 @@ pub use published::{NOISE, Published, published};
 pub use states::CaseError;
 pub use task::{SymoData, overview, tasks};
 
-use leastaction::architecture::{Architecture, RigidArchitecture};
-use leastaction::data::Dataset;
-use leastaction::data::symo::SymoSet;
-use leastaction::evaluate::{Beginning, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout};
-use leastaction::ground_truth::Mechanism;
-use leastaction::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::{Architecture, RigidArchitecture};
+use leastaction_learning::data::Dataset;
+use leastaction_learning::data::symo::SymoSet;
+use leastaction_learning::evaluate::{
+    Beginning, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout,
+};
+use leastaction_learning::ground_truth::Mechanism;
+use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
 use serde::Serialize;
 
 /// Which of the models: SyMo's two, and the baselines that are stepped by Runge–Kutta from logged velocities.

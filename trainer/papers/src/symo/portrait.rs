@@ -1,12 +1,12 @@
 //! A long free motion in phase space, learned and exact (Figure 1).
 
 use super::Case;
-use leastaction::architecture::Architecture;
-use leastaction::data::Dataset;
-use leastaction::evaluate::{Beginning, rollout};
-use leastaction::ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
-use leastaction::plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::data::Dataset;
+use leastaction_learning::evaluate::{Beginning, rollout};
+use leastaction_learning::ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
+use leastaction_plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
 use std::path::Path;
 use thiserror::Error;
 

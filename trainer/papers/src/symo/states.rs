@@ -2,17 +2,17 @@
 
 use super::{Case, Model, Outcome, Recipe};
 use crate::baselines::NeuralOde;
-use leastaction::architecture::Architecture;
-use leastaction::data::symo::SymoSet;
-use leastaction::evaluate::learned::{Forced, with_forced};
-use leastaction::evaluate::states::{Stepper, positions, state_energy_mse};
-use leastaction::evaluate::{inertia_mse, integration_errors};
-use leastaction::ground_truth::Exact;
-use leastaction::runge_kutta::RungeKutta;
-use leastaction::training::{LossKind, SampleError, Samples, objective};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::data::symo::SymoSet;
+use leastaction_learning::evaluate::learned::{Forced, with_forced};
+use leastaction_learning::evaluate::states::{Stepper, positions, state_energy_mse};
+use leastaction_learning::evaluate::{inertia_mse, integration_errors};
+use leastaction_learning::ground_truth::Exact;
+use leastaction_learning::runge_kutta::RungeKutta;
+use leastaction_learning::training::{LossKind, SampleError, Samples, objective};
 use std::time::Instant;
 use thiserror::Error;
 

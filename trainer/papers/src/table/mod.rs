@@ -9,7 +9,7 @@ pub use html::page;
 pub use text::text;
 
 use super::record::{Better, Finished, Measure, Record};
-use leastaction::evaluate::median;
+use leastaction_learning::evaluate::median;
 
 /// A table of a paper.
 #[derive(Clone, Debug, PartialEq)]

@@ -113,7 +113,7 @@ fn more_jobs_than_tasks_are_no_harm() {
 fn two_runs_do_not_share_results() {
     let bench = Bench::new();
     std::fs::create_dir_all(bench.at("out/lgnn")).unwrap();
-    let lock = leastaction::lock::Lock::new(&bench.at("out/lgnn")).unwrap();
+    let lock = leastaction_learning::lock::Lock::new(&bench.at("out/lgnn")).unwrap();
     bench.run(&format!("{SHORT} -o out")).bad(1, &["out/lgnn", "another process is writing to this folder"]);
     drop(lock);
     bench.run(&format!("{SHORT} -o out")).good();

@@ -8,11 +8,11 @@ use super::{interrupt, train};
 use clap::Args;
 use leastaction::cli::arguments::seed;
 use leastaction::cli::{Done, Failure, Output, folder, written};
-use leastaction::config::{Config, Coordinates, RigidConfig};
-use leastaction::ground_truth::{Mechanism, Settings, generate};
-use leastaction::model_file::{HostModel, Precision, decode};
-use leastaction::run::{Ending, Run};
-use leastaction::{atomic, data};
+use leastaction_learning::config::{Config, Coordinates, RigidConfig};
+use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
+use leastaction_learning::model_file::{HostModel, Precision, decode};
+use leastaction_learning::run::{Ending, Run};
+use leastaction_learning::{atomic, data};
 use portrait::{Forecast, forecast};
 use serde::Serialize;
 use std::fmt;
@@ -151,7 +151,7 @@ fn write_model(run: &Path, file: &Path, rust: &Path) -> Result<(HostModel, usize
     let (_, bytes) = encoded(run, Precision::Single)?;
     atomic::write(file, &bytes).map_err(|error| Failure::file(file, error))?;
     let failed = |error| Failure::file(file, error);
-    let source = leastaction::model_file::rust_source(&bytes).map_err(failed)?;
+    let source = leastaction_learning::model_file::rust_source(&bytes).map_err(failed)?;
     atomic::write(rust, source.as_bytes()).map_err(|error| Failure::file(rust, error))?;
     Ok((decode(&bytes).map_err(failed)?, bytes.len()))
 }

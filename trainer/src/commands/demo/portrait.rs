@@ -1,11 +1,11 @@
 //! Free motion, learned against true.
 
 use super::Failure;
-use leastaction::data::{Dataset, Trajectory};
-use leastaction::evaluate::{Beginning, integration_errors, rollout};
-use leastaction::ground_truth::{Drive, Mechanism, Settings, generate};
-use leastaction::model_file::HostModel;
-use leastaction::plot::{Angle, Phase, Series, Stroke, phase_portrait};
+use leastaction_learning::data::{Dataset, Trajectory};
+use leastaction_learning::evaluate::{Beginning, integration_errors, rollout};
+use leastaction_learning::ground_truth::{Drive, Mechanism, Settings, generate};
+use leastaction_learning::model_file::HostModel;
+use leastaction_plot::{Angle, Phase, Series, Stroke, phase_portrait};
 use serde::Serialize;
 use std::path::Path;
 

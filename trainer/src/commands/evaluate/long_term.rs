@@ -1,15 +1,15 @@
 //! Predictions over many seconds by accelerations, in ModLaNet's measures, beside the floor of single precision.
 
-use leastaction::atomic;
 use leastaction::cli::{Failure, FileKind, folder, replaceable};
-use leastaction::evaluate::learned::with_accelerations;
-use leastaction::evaluate::prediction::{Prediction, TOLERANCE, Truth};
-use leastaction::ground_truth::{
+use leastaction_learning::atomic;
+use leastaction_learning::evaluate::learned::with_accelerations;
+use leastaction_learning::evaluate::prediction::{Prediction, TOLERANCE, Truth};
+use leastaction_learning::ground_truth::{
     BadMechanism, Horizon, LgnnSettings, LgnnSystem, ManyBody, ModlanetSettings, Motion, Start, lgnn_starts,
     starts,
 };
-use leastaction::model_file::HostModel;
-use leastaction::plot::{Panel, Series, Vertical, time_series};
+use leastaction_learning::model_file::HostModel;
+use leastaction_plot::{Panel, Series, Vertical, time_series};
 use serde::Serialize;
 use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
@@ -180,7 +180,7 @@ impl Curves<'_> {
         atomic::write(file, text.as_bytes())
     }
 
-    fn draw(&self, file: &Path) -> Result<(), leastaction::plot::PlotError> {
+    fn draw(&self, file: &Path) -> Result<(), leastaction_plot::PlotError> {
         let series = |label: &str, values: &[f64]| {
             Series::new(label, values.iter().enumerate().map(|(k, value)| (k as f64 * self.h, *value)))
         };

@@ -6,17 +6,17 @@ mod report;
 use super::inspect::load_part;
 use super::system::{Kind, System};
 use clap::Args;
-use leastaction::architecture::Architecture;
 use leastaction::cli::arguments::{control, order, positive, seed};
 use leastaction::cli::{Done, Failure, Output, refuse};
-use leastaction::data::{self, Dataset, control_name};
-use leastaction::evaluate::{
-    Beginning, acceleration_mse, energy_mse, finished, inertia_mse, integration_errors, one_step_mse, rollout,
-};
-use leastaction::ground_truth::Mechanism;
-use leastaction::model_file::HostModel;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::data::{self, Dataset, control_name};
+use leastaction_learning::evaluate::{
+    Beginning, acceleration_mse, energy_mse, finished, inertia_mse, integration_errors, one_step_mse, rollout,
+};
+use leastaction_learning::ground_truth::Mechanism;
+use leastaction_learning::model_file::HostModel;
 use long_term::{Request, Scalable};
 use report::{Acceleration, Report, Steps};
 use std::path::PathBuf;

@@ -1,14 +1,16 @@
 //! What rounding the weights costs, on the log that they were learned from.
 
 use super::Precision;
-use leastaction::architecture::Architecture;
 use leastaction::cli::{Failure, Output};
-use leastaction::config::Config;
-use leastaction::data::{self, Dataset};
-use leastaction::evaluate::{Beginning, acceleration_mse, integration_errors, one_step_mse, rollout};
-use leastaction::training::Solved;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::config::Config;
+use leastaction_learning::data::{self, Dataset};
+use leastaction_learning::evaluate::{
+    Beginning, acceleration_mse, integration_errors, one_step_mse, rollout,
+};
+use leastaction_learning::training::Solved;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -4,10 +4,10 @@ mod accuracy;
 
 use accuracy::{Accuracy, Compared};
 use clap::{Args, ValueEnum};
-use leastaction::atomic;
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
-use leastaction::model_file::{self, Precision};
-use leastaction::run::{Best, Trained};
+use leastaction_learning::atomic;
+use leastaction_learning::model_file::{self, Precision};
+use leastaction_learning::run::{Best, Trained};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};

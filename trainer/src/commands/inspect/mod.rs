@@ -5,10 +5,10 @@ mod target;
 
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
-use leastaction::data::control_name;
-use leastaction::model_cost::{Cost, cost};
-use leastaction::model_file::{HostModel, Precision, decode};
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
+use leastaction_learning::data::control_name;
+use leastaction_learning::model_cost::{Cost, cost};
+use leastaction_learning::model_file::{HostModel, Precision, decode};
 use serde::Serialize;
 use shape::ShapeReport;
 use std::fmt;

@@ -1,11 +1,13 @@
 //! The shape of a model, in words.
 
-use leastaction::architecture::{Architecture, GraphArchitecture, ModularArchitecture, RigidArchitecture};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
 use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
+use leastaction_learning::architecture::{
+    Architecture, GraphArchitecture, ModularArchitecture, RigidArchitecture,
+};
 use serde::Serialize;
 
 /// What differs between the families.

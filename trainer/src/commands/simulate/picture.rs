@@ -2,10 +2,10 @@
 
 use super::{FORCE, POSITION, Request, Row, Scenario, Trace, unit};
 use leastaction::cli::Failure;
-use leastaction::ground_truth::Mechanism;
-use leastaction::plot::{Panel, Series, Stroke, Vertical, time_series};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_firmware_sim::wrap;
+use leastaction_learning::ground_truth::Mechanism;
+use leastaction_plot::{Panel, Series, Stroke, Vertical, time_series};
 use std::path::Path;
 
 /// Draws positions (true, of the model, wanted) and forces over time.

@@ -1,7 +1,7 @@
 //! The ticks of a run, as CSV.
 
-use leastaction::atomic;
 use leastaction_firmware_sim::Tick;
+use leastaction_learning::atomic;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;

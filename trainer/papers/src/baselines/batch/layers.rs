@@ -3,9 +3,9 @@
 use crate::baselines::layers_of;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use leastaction::training::ChunkRows;
 use leastaction_core::network::Dense;
 use leastaction_core::scalar::{LANES, Lanes, Scalar};
+use leastaction_learning::training::ChunkRows;
 use std::ops::Range;
 
 /// A network: hidden tanh layers and a linear output.

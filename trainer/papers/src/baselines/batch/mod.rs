@@ -9,7 +9,7 @@ pub(super) use layers::{Adjoint, Derivatives, Layers, Pass};
 
 use super::parameters_of;
 use faer::Mat;
-use leastaction::training::{ChunkRows, Failed, NormalEquations, Residuals};
+use leastaction_learning::training::{ChunkRows, Failed, NormalEquations, Residuals};
 use std::ops::Range;
 
 /// Residuals r of samples that are found together, all by one network.

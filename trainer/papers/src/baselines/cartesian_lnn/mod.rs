@@ -3,12 +3,12 @@
 
 use super::lagrangian::{acceleration_error, motion};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of};
-use leastaction::architecture::{NamedGraph, random_layers};
-use leastaction::evaluate::learned::Accelerations;
-use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
+use leastaction_learning::architecture::{NamedGraph, random_layers};
+use leastaction_learning::evaluate::learned::Accelerations;
+use leastaction_learning::evaluate::prediction::{Prediction, Truth};
+use leastaction_learning::training::{Objective, Samples};
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, Network};
 use leastaction_programs::{Builder, Node};

@@ -4,9 +4,9 @@ use super::*;
 use crate::baselines::oracle::{
     Dual, assert_close, check_normal_equations, moving, network, random, squareplus,
 };
-use leastaction::architecture::NamedGraph;
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::training::{Adam, AdamSettings, Schedule};
+use leastaction_learning::architecture::NamedGraph;
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::training::{Adam, AdamSettings, Schedule};
 use nalgebra::{DMatrix, DVector};
 
 /// Two bobs: 4 coordinates, 2 rods.

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::baselines::oracle::{assert_close, check_normal_equations, messages, random, squareplus, take};
-use leastaction::architecture::NamedGraph;
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::training::{Adam, AdamSettings, Schedule};
 use leastaction_core::energy::graph::Edge;
+use leastaction_learning::architecture::NamedGraph;
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::training::{Adam, AdamSettings, Schedule};
 use std::array::from_fn;
 
 /// Nodes, edges and sizes are pairwise distinct.

@@ -8,12 +8,12 @@ pub use momenta::Momenta;
 use super::batch::InBatches;
 use super::features::{adjoint, count, fixed, inputs};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
-use leastaction::architecture::random_layers;
-use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::ground_truth::{IntegrationError, Start, follow_flow};
-use leastaction::training::{Objective, Samples};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp, Tape};
+use leastaction_learning::architecture::random_layers;
+use leastaction_learning::evaluate::prediction::{Prediction, Truth};
+use leastaction_learning::ground_truth::{IntegrationError, Start, follow_flow};
+use leastaction_learning::training::{Objective, Samples};
 use slopes::Slopes;
 
 /// Units of a hidden layer at most.

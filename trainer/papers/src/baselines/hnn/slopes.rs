@@ -4,7 +4,7 @@ use super::Hnn;
 use crate::baselines::batch::{Adjoint, Batched, Derivatives, Layers, Pass, matrix};
 use crate::baselines::features::{count, fixed, inputs, moving};
 use faer::{Mat, MatRef};
-use leastaction::training::Samples;
+use leastaction_learning::training::Samples;
 use std::ops::Range;
 
 /// Residuals r_k = d_k·H_x − t_k at given inputs x of the network, directions d_k and targets t_k.

@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::baselines::oracle::{Dual, check_normal_equations, features, moving, network, random};
-use leastaction::ground_truth::{Horizon, ManyBody, ModlanetSettings, Motion, generate_many, starts};
-use leastaction::training::{Adam, AdamSettings, Levenberg};
+use leastaction_learning::ground_truth::{
+    Horizon, ManyBody, ModlanetSettings, Motion, generate_many, starts,
+};
+use leastaction_learning::training::{Adam, AdamSettings, Levenberg};
 use num_dual::DualNum;
 
 const N: usize = 3;

@@ -4,11 +4,11 @@ use super::*;
 use crate::baselines::oracle::{
     Dual, assert_close, check_normal_equations, messages, moving, random, squareplus, take,
 };
-use leastaction::architecture::NamedGraph;
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::training::{Adam, AdamSettings, Schedule};
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::Rod;
+use leastaction_learning::architecture::NamedGraph;
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::training::{Adam, AdamSettings, Schedule};
 use leastaction_programs::{Row, System, WIDTH};
 use nalgebra::{DMatrix, DVector};
 use std::array::from_fn;

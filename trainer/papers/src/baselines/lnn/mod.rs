@@ -3,11 +3,11 @@
 use super::features::{count, seen};
 use super::lagrangian::{acceleration_error, motion};
 use super::{AccelerationModel, Follow, coordinates_fit};
-use leastaction::evaluate::prediction::{Prediction, Truth};
-use leastaction::training::{Objective, Samples};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Dense};
+use leastaction_learning::evaluate::prediction::{Prediction, Truth};
+use leastaction_learning::training::{Objective, Samples};
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, Network};
 use leastaction_programs::{Builder, Node};

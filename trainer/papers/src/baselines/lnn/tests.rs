@@ -4,9 +4,9 @@ use super::*;
 use crate::baselines::oracle::{
     Dual, assert_close, check_normal_equations, features, moving, network, random,
 };
-use leastaction::ground_truth::{Horizon, ManyBody, ModlanetSettings, generate_many, starts};
-use leastaction::training::{Adam, AdamSettings, Levenberg, Schedule};
 use leastaction_core::linear::solve;
+use leastaction_learning::ground_truth::{Horizon, ManyBody, ModlanetSettings, generate_many, starts};
+use leastaction_learning::training::{Adam, AdamSettings, Levenberg, Schedule};
 use num_dual::DualNum;
 use std::array::from_fn;
 

@@ -250,6 +250,6 @@ fn save(
 ) -> Result<(), PlotError> {
     let svg = render(height, draw)
         .map_err(|error| PlotError::Draw { file: path.to_path_buf(), reason: error.to_string() })?;
-    crate::atomic::write(path, svg.as_bytes())
+    leastaction_data::atomic::write(path, svg.as_bytes())
         .map_err(|error| PlotError::Write { file: path.to_path_buf(), error })
 }

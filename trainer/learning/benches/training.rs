@@ -1,14 +1,16 @@
 //! What second-order training buys: one Levenberg–Marquardt iteration, and Levenberg–Marquardt against Adam alone on the same
 //! cart-pole data, network and loss.
 //!
-//! `cargo bench -p leastaction --bench training`
+//! `cargo bench -p leastaction-learning --bench training`
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use leastaction::architecture::{Architecture, RigidArchitecture};
-use leastaction::ground_truth::{Mechanism, symo_set};
-use leastaction::training::{Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::energy::rigid::Coordinate;
+use leastaction_learning::architecture::{Architecture, RigidArchitecture};
+use leastaction_learning::ground_truth::{Mechanism, symo_set};
+use leastaction_learning::training::{
+    Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective,
+};
 use std::time::{Duration, Instant};
 
 /// Training trajectories.

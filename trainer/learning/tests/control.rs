@@ -1,13 +1,13 @@
 //! A control that changes at every sample: held until the next or linear between them, from the generator to what is learned.
 
-use leastaction::config::{Config, Coordinates, RigidConfig};
-use leastaction::data::Dataset;
-use leastaction::evaluate::{one_step_mse, rollout_system};
-use leastaction::ground_truth::{Drive, Exact, Mechanism, Settings, generate};
-use leastaction::run::{Monitor, Plan, Row, Run, Trained};
-use leastaction::training::LossKind;
 use leastaction_core::forces::ControlKind::{self, Held, Linear};
 use leastaction_core::forces::{System, Viscous};
+use leastaction_learning::config::{Config, Coordinates, RigidConfig};
+use leastaction_learning::data::Dataset;
+use leastaction_learning::evaluate::{one_step_mse, rollout_system};
+use leastaction_learning::ground_truth::{Drive, Exact, Mechanism, Settings, generate};
+use leastaction_learning::run::{Monitor, Plan, Row, Run, Trained};
+use leastaction_learning::training::LossKind;
 use std::sync::atomic::AtomicBool;
 
 const KINDS: [ControlKind; 2] = [Held, Linear];

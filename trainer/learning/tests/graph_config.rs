@@ -1,10 +1,10 @@
 //! Configurations of graphs of particles: what they mean, and what is wrong with them, with file, line and key.
 
-use leastaction::architecture::{GraphArchitecture, Number};
-use leastaction::config::{Config, ConfigError, GRAPH_DEFAULTS};
 use leastaction_core::energy::graph::{Drag, Edge, Potential, Separation};
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
+use leastaction_learning::architecture::{GraphArchitecture, Number};
+use leastaction_learning::config::{Config, ConfigError, GRAPH_DEFAULTS};
 use std::path::Path;
 
 fn parse(text: &str) -> Result<Config, ConfigError> {

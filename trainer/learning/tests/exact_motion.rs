@@ -1,6 +1,8 @@
 //! Chains and attracting bodies against Lagrangians written down in Cartesian coordinates, textbook formulas and conserved quantities.
 
-use leastaction::ground_truth::{BadMechanism, Bodies, Chain, Extrapolation, Link, Motion, second_order};
+use leastaction_learning::ground_truth::{
+    BadMechanism, Bodies, Chain, Extrapolation, Link, Motion, second_order,
+};
 use proptest::prelude::*;
 
 const G: f64 = 9.8;

@@ -1,13 +1,13 @@
 //! Graphs of particles: losses on rods, model files.
 
-use leastaction::architecture::{Architecture, GraphArchitecture, HostTypes, NamedGraph};
-use leastaction::evaluate::learned::with_accelerations;
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, Motion, lgnn_set, lgnn_starts};
-use leastaction::model_file::{decode, encode};
-use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::particles::Particles;
+use leastaction_learning::architecture::{Architecture, GraphArchitecture, HostTypes, NamedGraph};
+use leastaction_learning::evaluate::learned::with_accelerations;
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, Motion, lgnn_set, lgnn_starts};
+use leastaction_learning::model_file::{decode, encode};
+use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 
 fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {
     let published = LgnnSettings::published(system, 3);

@@ -1,6 +1,6 @@
 //! Nodes on rods and springs: the exact motion against that in angles, and what it must keep.
 
-use leastaction::ground_truth::{
+use leastaction_learning::ground_truth::{
     Chain, Horizon, LgnnSettings, LgnnSystem, Link, Motion, Rod, Start, Truss, follow, lgnn_set, lgnn_starts,
 };
 use proptest::prelude::*;

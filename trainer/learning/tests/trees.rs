@@ -1,8 +1,8 @@
 //! Configurations of trees of elements: what they mean, and what is wrong with them, with file, line and key.
 
-use leastaction::architecture::{ModularArchitecture, Number};
-use leastaction::config::{Config, ConfigError, MODULAR_DEFAULTS};
 use leastaction_core::energy::modular::{Input, PairInput, TransformShape};
+use leastaction_learning::architecture::{ModularArchitecture, Number};
+use leastaction_learning::config::{Config, ConfigError, MODULAR_DEFAULTS};
 use std::path::Path;
 
 fn parse(text: &str) -> Result<Config, ConfigError> {

@@ -1,14 +1,14 @@
 //! The loss of the next state under explicit Runge–Kutta steps.
 
-use leastaction::architecture::{Architecture, GraphArchitecture, RigidArchitecture};
-use leastaction::ground_truth::{LgnnSystem, Mechanism, Settings, generate};
-use leastaction::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::LANES;
+use leastaction_learning::architecture::{Architecture, GraphArchitecture, RigidArchitecture};
+use leastaction_learning::ground_truth::{LgnnSystem, Mechanism, Settings, generate};
+use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
 
 const H: f64 = 0.1;
 /// Not a multiple of the samples that are evaluated side by side.

@@ -4,7 +4,7 @@ use super::RunError;
 use super::state::Row;
 use crate::config::{Config, ModelConfig};
 use crate::lock::{self, Lock};
-use crate::plot::{self, PlotError};
+use leastaction_plot::{self as plot, PlotError};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -123,10 +123,10 @@ const VERSION_1: [(&str, &str); 4] = [
     ("web", include_str!("../../tests/version_1/web.hex")),
 ];
 const VERSION_2: [&str; 4] = [
-    include_str!("../../../core/tests/golden/arm.hex"),
-    include_str!("../../../core/tests/golden/cartpole.hex"),
-    include_str!("../../../core/tests/golden/cartpole-f16.hex"),
-    include_str!("../../../core/tests/golden/web.hex"),
+    include_str!("../../../../core/tests/golden/arm.hex"),
+    include_str!("../../../../core/tests/golden/cartpole.hex"),
+    include_str!("../../../../core/tests/golden/cartpole-f16.hex"),
+    include_str!("../../../../core/tests/golden/web.hex"),
 ];
 
 /// Models that this repository ships, as they were in version 1, and as they are.
@@ -134,27 +134,27 @@ const SHIPPED: [(&str, &[u8], &[u8]); 5] = [
     (
         "cartpole.postcard",
         include_bytes!("../../tests/version_1/cartpole.postcard"),
-        include_bytes!("../../../firmware-sim/chip/models/cartpole.postcard"),
+        include_bytes!("../../../../firmware-sim/chip/models/cartpole.postcard"),
     ),
     (
         "cartpole-f16.postcard",
         include_bytes!("../../tests/version_1/cartpole-f16.postcard"),
-        include_bytes!("../../../firmware-sim/chip/models/cartpole-f16.postcard"),
+        include_bytes!("../../../../firmware-sim/chip/models/cartpole-f16.postcard"),
     ),
     (
         "double.postcard",
         include_bytes!("../../tests/version_1/double.postcard"),
-        include_bytes!("../../../firmware-sim/chip/models/double.postcard"),
+        include_bytes!("../../../../firmware-sim/chip/models/double.postcard"),
     ),
     (
         "pendulums.postcard",
         include_bytes!("../../tests/version_1/pendulums.postcard"),
-        include_bytes!("../../../firmware-sim/chip/models/pendulums.postcard"),
+        include_bytes!("../../../../firmware-sim/chip/models/pendulums.postcard"),
     ),
     (
         "example.postcard",
         include_bytes!("../../tests/version_1/example.postcard"),
-        include_bytes!("../../../firmware-sim/examples/cartpole.postcard"),
+        include_bytes!("../../../../firmware-sim/examples/cartpole.postcard"),
     ),
 ];
 

@@ -2,7 +2,7 @@
 //!
 //!     core/benches/evaluation/instructions.sh | cargo run --release --example plot_table -- FILE.svg TITLE "y label"
 
-use leastaction::plot::{Series, Stroke, log_log};
+use leastaction_plot::{Series, Stroke, log_log};
 use std::error::Error;
 use std::io::read_to_string;
 use std::path::Path;

@@ -1,18 +1,18 @@
 //! The examples of docs/trees.md, as they stand there, on exact motion.
 
-use leastaction::architecture::Architecture;
-use leastaction::config::Config;
-use leastaction::data::{self, Dataset, Rows, Trajectory};
-use leastaction::evaluate::acceleration_mse;
-use leastaction::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
-use leastaction::run::{Monitor, Plan, Row, Run, Trained};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::Laws;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::config::Config;
+use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
+use leastaction_learning::evaluate::acceleration_mse;
+use leastaction_learning::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
+use leastaction_learning::run::{Monitor, Plan, Row, Run, Trained};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-const PAGE: &str = include_str!("../../docs/trees.md");
+const PAGE: &str = include_str!("../../../docs/trees.md");
 
 /// The block of the page that begins with this file name.
 fn example(name: &str) -> &'static str {

@@ -1,14 +1,14 @@
 //! Our side of `tests/peers/modlanet_jax.py`: the acceleration loss of a double pendulum with its gradient, and its normal
 //! equations, in f64. Files and output: `tests/peers/README.md`.
 
-use leastaction::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
-use leastaction::data::modlanet;
-use leastaction::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
-use leastaction::training::{LossKind, NormalEquations, Samples, objective};
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
 use leastaction_core::network::{Activation, Dense};
+use leastaction_learning::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
+use leastaction_learning::data::modlanet;
+use leastaction_learning::ground_truth::{ManyBody, ModlanetSettings, modlanet_set_of};
+use leastaction_learning::training::{LossKind, NormalEquations, Samples, objective};
 use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;

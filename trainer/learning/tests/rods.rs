@@ -1,8 +1,5 @@
 //! The discrete losses on rods: those of RATTLE, and their derivatives.
 
-use leastaction::architecture::{GraphArchitecture, GraphType, HostTypes, NamedGraph, Number};
-use leastaction::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
-use leastaction::training::{LossKind, Objective, Samples, objective};
 use leastaction_core::constraints::Constrained;
 use leastaction_core::discrete::{
     Order,
@@ -15,6 +12,9 @@ use leastaction_core::energy::graph::{
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
+use leastaction_learning::architecture::{GraphArchitecture, GraphType, HostTypes, NamedGraph, Number};
+use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::training::{LossKind, Objective, Samples, objective};
 
 const KINDS: [LossKind; 2] = [LossKind::DelResidual, LossKind::NextPosition];
 const ORDERS: [(u8, Order); 2] = [(2, Order::Two), (4, Order::Four)];

@@ -1,15 +1,15 @@
 //! The examples of docs/graphs.md, as they stand there, on exact motion.
 
-use leastaction::architecture::GraphArchitecture;
-use leastaction::config::Config;
-use leastaction::data::{self, Dataset};
-use leastaction::evaluate::acceleration_mse;
-use leastaction::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, logged};
-use leastaction::run::{Monitor, Plan, Row, Run, Trained};
+use leastaction_learning::architecture::GraphArchitecture;
+use leastaction_learning::config::Config;
+use leastaction_learning::data::{self, Dataset};
+use leastaction_learning::evaluate::acceleration_mse;
+use leastaction_learning::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, logged};
+use leastaction_learning::run::{Monitor, Plan, Row, Run, Trained};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-const PAGE: &str = include_str!("../../docs/graphs.md");
+const PAGE: &str = include_str!("../../../docs/graphs.md");
 
 /// The block of the page that begins with this file name.
 fn example(name: &str) -> &'static str {

@@ -1,7 +1,7 @@
 //! Data by ModLaNet's protocol: its distribution, and the authors' own file where `LEASTACTION_REFERENCE` points to it.
 
-use leastaction::data::modlanet::{self, ModlanetRows};
-use leastaction::ground_truth::{
+use leastaction_learning::data::modlanet::{self, ModlanetRows};
+use leastaction_learning::ground_truth::{
     GenerationError, ManyBody, ModlanetSettings, Motion, circular_speed, generate_many, modlanet_set_of,
     starts,
 };
