@@ -3,7 +3,7 @@
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
-use leastaction_learning::model_cost::processor::{Coefficients, CostFactors, Evaluation, Fit, Processor};
+use leastaction_cost::processor::{Coefficients, CostFactors, Evaluation, Fit, Processor};
 use leastaction_learning::model_file::decode;
 use std::collections::BTreeMap;
 use std::error::Error;

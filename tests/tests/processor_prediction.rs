@@ -3,7 +3,7 @@
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
-use leastaction_learning::model_cost::processor::{Prediction, Processor};
+use leastaction_cost::processor::{Prediction, Processor};
 use leastaction_learning::model_file::decode;
 use shapes::{Measured, RandomModel};
 

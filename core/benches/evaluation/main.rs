@@ -8,7 +8,7 @@
 
 mod cases;
 mod chain;
-#[path = "../../../trainer/learning/src/model_cost/counted.rs"]
+#[path = "../../../trainer/cost/src/counted.rs"]
 mod counted;
 mod instructions;
 mod peak;

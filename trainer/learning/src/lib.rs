@@ -8,7 +8,6 @@ pub mod config;
 pub mod evaluate;
 pub mod ground_truth;
 pub mod import;
-pub mod model_cost;
 pub mod model_file;
 pub mod parallel;
 pub mod run;

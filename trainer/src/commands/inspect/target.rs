@@ -1,7 +1,7 @@
 //! What a model takes on a processor, in words.
 
 use clap::ValueEnum;
-use leastaction_learning::model_cost::processor::{Prediction, Processor, Taken};
+use leastaction_cost::processor::{Prediction, Processor, Taken};
 use serde::Serialize;
 use std::fmt;
 

@@ -1,10 +1,10 @@
 //! What a graph costs, whatever its size.
 
-use super::{Cost, LAYER, WORD, Work, network_weights, tape};
-use crate::architecture::GraphArchitecture;
+use crate::{Cost, LAYER, WORD, Work, network_weights, tape};
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::energy::graph::{Edge, GraphShape, Kinetic, NodeShape, Potential};
 use leastaction_core::model::{ModelError, Rod};
+use leastaction_learning::architecture::GraphArchitecture;
 
 /// Steps of order 2 that one of order 4 is composed of.
 pub(super) const COMPOSED: usize = 5;
@@ -97,7 +97,7 @@ impl Forces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ground_truth::LgnnSystem;
+    use leastaction_learning::ground_truth::LgnnSystem;
 
     #[test]
     fn three_pendulums_and_five_springs_by_hand() {

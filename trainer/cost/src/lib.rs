@@ -6,12 +6,12 @@ mod graph;
 mod operations;
 pub mod processor;
 
-use crate::architecture::{Architecture, ModularArchitecture, RigidArchitecture};
 use bytes::Bytes;
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::{Architecture, ModularArchitecture, RigidArchitecture};
 use serde::Serialize;
 
 /// Work and memory of one evaluation.

@@ -4,14 +4,14 @@
 //! stack and code grow with a shape, was fitted to images measured under emulation: `firmware-sim/chip/shapes.sh` measures, the example
 //! `fit_processors` of `leastaction-tests` fits, `processors.json` has the outcome.
 
-use super::counted::Operations;
-use super::graph::COMPOSED;
-use super::operations::{Evaluations, operations};
-use super::{Cost, cost};
-use crate::architecture::Architecture;
-use crate::model_file::{HostModel, Precision};
+use crate::counted::Operations;
+use crate::graph::COMPOSED;
+use crate::operations::{Evaluations, operations};
+use crate::{Cost, cost};
 use leastaction_core::energy::modular::TransformShape;
 use leastaction_core::network::NARROW;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::model_file::{HostModel, Precision};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

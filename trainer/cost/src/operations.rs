@@ -1,10 +1,6 @@
 //! What an evaluation does, counted by doing it.
 
-use super::counted::{Counted, Operations, count};
-use crate::architecture::{
-    Architecture, DEPTH, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
-    RigidArchitecture,
-};
+use crate::counted::{Counted, Operations, count};
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{Drive, acceleration, constrained_acceleration, constrained_workspace};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
@@ -18,6 +14,10 @@ use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Laws, Rod};
 use leastaction_core::scalar::Packed;
+use leastaction_learning::architecture::{
+    Architecture, DEPTH, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
+    RigidArchitecture,
+};
 
 type Real = Counted<f64>;
 
