@@ -1,0 +1,13 @@
+//! Energies, forces and constraints against plain formulas and exact derivatives.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod constraints;
+mod continuous;
+mod forces;
+mod graph;
+mod graph_union;
+mod modular;
+mod rigid;
+mod trigonometric;

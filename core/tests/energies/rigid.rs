@@ -1,0 +1,68 @@
+//! The rigid family against its printed formulas, exact derivatives, and finite differences.
+
+use crate::common::oracle::{self, at_states};
+use crate::common::shapes::{self, Model};
+use leastaction_core::energy::Learnable;
+use leastaction_core::lagrangian::Lagrangian;
+
+/// One generic check at all models of all sizes.
+macro_rules! everywhere {
+    ($check:path) => {
+        at_states(&shapes::of_one(), $check);
+        at_states(&shapes::of_two(), $check);
+        at_states(&shapes::of_three(), $check);
+    };
+}
+
+oracle::family_tests!(everywhere);
+
+#[test]
+fn first_derivatives_are_the_finite_differences() {
+    everywhere!(oracle::check_first_differences);
+}
+
+#[test]
+fn nothing_depends_on_a_cyclic_coordinate() {
+    fn check<const N: usize>(model: &Model<N>, q: &[f64; N], v: &[f64; N]) {
+        let rigid = model.in_f64();
+        let mut moved = *q;
+        for (i, kind) in model.coordinates.iter().enumerate() {
+            if *kind == shapes::Cyclic {
+                moved[i] += 17.0;
+                assert_eq!(rigid.gradient(q, v).l_q[i].abs(), 0.0);
+            }
+        }
+        assert_eq!(rigid.hessian(q, v), rigid.hessian(&moved, v));
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn every_parameter_is_visited_once_a_direction() {
+    fn check<const N: usize>(model: &Model<N>, q: &[f64; N], v: &[f64; N]) {
+        let rigid = model.in_f64();
+        let mut visits = vec![[0; 2]; model.weights.len()];
+        rigid.directional_gradient((q, v), (v, q), |position, _: f64| visits[position][0] += 1);
+        rigid.residual_gradient((q, v), q, v, |position, _: f64| visits[position][1] += 1);
+        assert!(visits.iter().all(|visits| *visits == [1, 2]), "{visits:?}");
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn a_block_that_does_not_fit_is_refused() {
+    let model = &shapes::of_two()[0];
+    let shape = model.shape();
+    let mut short = &model.weights[1..];
+    assert!(leastaction_core::energy::rigid::Rigid::<f64, 2, 13, 3>::take(&mut short, &shape).is_none());
+    let mut block = &model.weights[..];
+    assert!(
+        leastaction_core::energy::rigid::Rigid::<f64, 2, 6, 3>::take(&mut block, &shape).is_none(),
+        "too wide"
+    );
+    let mut block = &model.weights[..];
+    assert!(
+        leastaction_core::energy::rigid::Rigid::<f64, 2, 13, 1>::take(&mut block, &shape).is_none(),
+        "too deep"
+    );
+}

@@ -1,0 +1,15 @@
+//! The model file: golden files, sections, damage, writing.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod actuator;
+mod golden;
+mod graph_model;
+mod half;
+mod model;
+mod modular_model;
+mod section_contents;
+mod sections;
+mod training_range;
+mod writing;

@@ -1,0 +1,169 @@
+//! What sections of a model file say: laws of force, the step, the actuator.
+
+use crate::common::file::{self, Aligned, CARTPOLE, HEADER, golden_whole, web, web_header};
+use crate::common::sections::{Cartpole, out_of_range, refusal, with_content};
+use leastaction_core::discrete::{Galerkin, Midpoint, Order};
+use leastaction_core::forces::{Actuator, ControlKind, Forces, Viscous};
+use leastaction_core::linear::Matrix;
+use leastaction_core::model::{
+    ActuatorBytes, GraphModel, Header, LawNumbers, LoadForces, ModelError, RigidModel, Section, TrainedStep,
+    parse,
+};
+use leastaction_core::scalar::{Scalar, WeightFormat};
+
+type CartpoleUnder<'a, F> = RigidModel<'a, 2, 8, 2, f32, F>;
+
+// ---- Laws ----
+
+/// A program that knows no law.
+#[derive(Clone, Copy, Debug)]
+struct Frictionless;
+
+impl<S: Scalar, const N: usize> Forces<S, N> for Frictionless {
+    fn force(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> [S; N] {
+        [S::zero(); N]
+    }
+
+    fn derivatives(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
+        ([[S::zero(); N]; N], [[S::zero(); N]; N])
+    }
+
+    fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {
+        [[S::zero(); N]; N]
+    }
+}
+
+impl<S: Scalar, const N: usize> LoadForces<S, N> for Frictionless {
+    fn take<W: WeightFormat<Wide = S::Weight>>(_: &mut LawNumbers<'_, '_, W>, _: &[u8; N]) -> Self {
+        Self
+    }
+}
+
+#[test]
+fn laws_are_known_rising_and_compiled() {
+    let file = file::golden();
+    let with = |laws: &[u8]| with_content(&file, Section::Forces, laws);
+    for number in [1, 7, 255] {
+        assert_eq!(refusal(&with(&[number])), ModelError::Law { number });
+        assert_eq!(refusal(&with(&[0, number])), ModelError::Law { number });
+    }
+    assert_eq!(refusal(&with(&[0, 0])), ModelError::Malformed);
+    assert!(ModelError::Law { number: 7 }.to_string().contains("law of force 7 is not known"));
+    let file = Aligned::new(&file);
+    let refused = CartpoleUnder::<Frictionless>::load(file.bytes()).map(|_| ()).unwrap_err();
+    assert_eq!(refused, ModelError::Law { number: 0 });
+    assert!(refused.to_string().contains("viscous"), "{refused}");
+    let first = CartpoleUnder::<(Viscous<f32, 2>, Frictionless)>::load(file.bytes()).unwrap();
+    let second = CartpoleUnder::<(Frictionless, Viscous<f32, 2>)>::load(file.bytes()).unwrap();
+    let coefficients = [first.system.forces.0.coefficients, second.system.forces.1.coefficients];
+    assert_eq!(coefficients, [[0.125; 2]; 2]);
+    // A model of no law loads in a program of any.
+    let header = Header { laws: Default::default(), ..HEADER };
+    let weights = file::weights(&CARTPOLE);
+    let lawless = Aligned::new(&file::write(header, &weights[..weights.len() - 2]));
+    assert!(CartpoleUnder::<Frictionless>::load(lawless.bytes()).is_ok());
+    assert_eq!(Cartpole::load(lawless.bytes()).unwrap().system.forces, Viscous::none());
+}
+
+/// Graphs have their drag in their node types.
+#[test]
+fn a_graph_has_no_laws_yet() {
+    let header = Header { laws: HEADER.laws, ..web_header(web()) };
+    let weights = [file::web_weights(file::WEB_NUMBERS), vec![0.5; 2]].concat();
+    let file = Aligned::new(&file::write(header, &weights));
+    assert!(parse(file.bytes()).is_ok(), "the format allows it");
+    let refused = GraphModel::<2, 6, 5, 1>::load(file.bytes(), "pair", &mut [], &mut []).map(|_| ());
+    assert_eq!(refused, Err(ModelError::Law { number: 0 }));
+}
+
+// ---- Step ----
+
+#[test]
+fn steps_out_of_range_are_refused() {
+    let bytes = |order: u8, h: f32, control: u8| [&[order], &h.to_le_bytes()[..], &[control]].concat();
+    let with = |step: &[u8]| refusal(&with_content(&file::golden(), Section::Step, step));
+    for order in [0, 1, 3, 5, 6, 255] {
+        assert_eq!(with(&bytes(order, 0.05, 0)), out_of_range("order"));
+    }
+    for h in [0.0, -0.0, -0.1, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        assert_eq!(with(&bytes(2, h, 0)), out_of_range("step h"));
+    }
+    for control in 2..=255 {
+        assert_eq!(with(&bytes(4, 0.05, control)), out_of_range("kind of control"));
+    }
+    for length in [0, 1, 5, 7, 12] {
+        let long = [bytes(4, 0.05, 0), bytes(4, 0.05, 0)].concat();
+        assert_eq!(with(&long[..length]), ModelError::Malformed);
+    }
+}
+
+#[test]
+fn steps_are_what_was_written() {
+    for order in [Order::Two, Order::Four] {
+        for control in [ControlKind::Held, ControlKind::Linear] {
+            let step = TrainedStep { order, h: 0.015625, control };
+            assert_eq!(TrainedStep::from_bytes(&step.to_bytes()), Ok(step));
+            let header = Header { trained_step: Some(step), ..HEADER };
+            let file = Aligned::new(&file::write(header, &file::weights(&CARTPOLE)));
+            assert_eq!(Cartpole::load(file.bytes()).unwrap().step(), Ok(step));
+        }
+    }
+}
+
+/// A model is not stepped by an integrator of another order, nor with a step that it does not have.
+#[test]
+fn the_integrator_is_that_of_the_file() {
+    let file = Aligned::new(&file::golden());
+    let model = Cartpole::load(file.bytes()).unwrap();
+    assert_eq!(model.del::<f32, Galerkin>().unwrap().h(), 0.05);
+    assert_eq!(model.del::<f64, Galerkin>().unwrap().h(), f64::from(0.05_f32));
+    let error = model.del::<f32, Midpoint>().map(|_| ()).unwrap_err();
+    assert_eq!(error, ModelError::Order { found: 4, compiled: 2 });
+    assert!(error.to_string().contains("steps of order 4"), "{error}");
+    let stepless =
+        Aligned::new(&file::write(Header { trained_step: None, ..HEADER }, &file::weights(&CARTPOLE)));
+    let model = Cartpole::load(stepless.bytes()).unwrap();
+    assert_eq!(model.del::<f32, Galerkin>().map(|_| ()), Err(ModelError::NoStep));
+}
+
+// ---- Actuator ----
+
+#[test]
+fn actuators_out_of_range_are_refused() {
+    let with = |numbers: &[f32]| {
+        refusal(&with_content(&golden_whole(), Section::Actuator, &file::actuator(numbers)))
+    };
+    let not_finite = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+    for delay in [&not_finite[..], &[-0.1]].concat() {
+        assert_eq!(with(&[delay, 1.0, 0.0]), out_of_range("delay of the actuator"));
+    }
+    for gain in [&not_finite[..], &[0.0, -0.0]].concat() {
+        assert_eq!(with(&[0.0, 1.0, 0.0, gain, 0.0]), out_of_range("gain of the actuator"));
+    }
+    for offset in not_finite {
+        assert_eq!(with(&[0.0, 1.0, offset]), out_of_range("offset of the actuator"));
+    }
+    assert_eq!(with(&[0.0, 1.0]), out_of_range("length of the actuator"));
+    assert_eq!(ActuatorBytes::new(&[0; 3]), Err(ModelError::Malformed));
+    assert_eq!(ActuatorBytes::new(&[]), Err(ModelError::Malformed));
+}
+
+#[test]
+fn an_actuator_is_taken_for_a_step() {
+    let bytes = file::actuator(&file::ACTUATOR);
+    let actuator = ActuatorBytes::new(&bytes).unwrap();
+    assert_eq!((actuator.n(), actuator.delay()), (2, 0.125));
+    let (gain, offset) = ([2.0, 0.25], [-0.5, 0.0]);
+    for (h, whole, delay) in [(0.5, 0, 0.25), (0.125, 1, 0.0), (0.0625, 2, 0.0), (0.05, 2, 0.5)] {
+        let (steps, taken) = actuator.at_step::<2>(h).unwrap();
+        assert_eq!((steps, taken.gain, taken.offset), (whole, gain, offset));
+        assert!((taken.delay - delay).abs() < 1e-6, "{h}: {}", taken.delay);
+    }
+    let other = ModelError::Shape { what: "coordinates of the actuator", found: 2, compiled: 3 };
+    assert_eq!(actuator.at_step::<3>(0.1), Err(other));
+    for h in [0.0, -0.0, -0.1, f32::NAN, 1e-7] {
+        assert_eq!(actuator.at_step::<2>(h), Err(out_of_range("delay of the actuator")), "{h}");
+    }
+    let none = file::actuator(&[0.0, 1.0, 0.0]);
+    assert_eq!(ActuatorBytes::new(&none).unwrap().at_step::<1>(0.1), Ok((0, Actuator::ideal())));
+}

@@ -1,0 +1,170 @@
+//! Orders of accuracy under forces that see the load, and behind an actuator with a delay.
+
+use crate::common::forces::{actuator, all};
+use crate::common::log_log_slope;
+use leastaction_core::continuous::{acceleration, momentum};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
+use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE};
+use leastaction_core::forces::{Actuator, Forces, System, Viscous};
+use leastaction_core::lagrangian::Lagrangian;
+
+/// Time at which errors are compared, s; the steps divide it.
+const END: f64 = 0.8;
+const STEPS: [usize; 4] = [40, 80, 160, 320];
+
+type Point<const N: usize> = ([f64; N], [f64; N]);
+
+/// One Runge–Kutta step of length h under τ(s), s from 0 to h.
+fn runge_kutta<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
+    system: &System<L, F>,
+    (q, v): Point<N>,
+    h: f64,
+    tau: impl Fn(f64) -> [f64; N],
+) -> Point<N> {
+    let shift =
+        |x: &[f64; N], c: f64, y: &[f64; N]| -> [f64; N] { core::array::from_fn(|i| x[i] + c * y[i]) };
+    let rate = |q: &[f64; N], v: &[f64; N], s| acceleration(system, q, v, &tau(s)).unwrap();
+    let a1 = rate(&q, &v, 0.0);
+    let v2 = shift(&v, h / 2.0, &a1);
+    let a2 = rate(&shift(&q, h / 2.0, &v), &v2, h / 2.0);
+    let v3 = shift(&v, h / 2.0, &a2);
+    let a3 = rate(&shift(&q, h / 2.0, &v2), &v3, h / 2.0);
+    let v4 = shift(&v, h, &a3);
+    let a4 = rate(&shift(&q, h, &v3), &v4, h);
+    (
+        core::array::from_fn(|i| q[i] + h / 6.0 * (v[i] + 2.0 * v2[i] + 2.0 * v3[i] + v4[i])),
+        core::array::from_fn(|i| v[i] + h / 6.0 * (a1[i] + 2.0 * a2[i] + 2.0 * a3[i] + a4[i])),
+    )
+}
+
+/// The slope of the error of position and momentum together over the step.
+fn slope<const N: usize>(reference: impl Fn(usize) -> Point<N>, solve: impl Fn(usize) -> Point<N>) -> f64 {
+    log_log_slope(&STEPS.map(|steps| {
+        let ((q, p), (found_q, found_p)) = (reference(steps), solve(steps));
+        let pairs = q.iter().zip(&found_q).chain(p.iter().zip(&found_p));
+        (END / steps as f64, pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt())
+    }))
+}
+
+#[track_caller]
+fn assert_order(name: &str, order: f64, slope: f64) {
+    println!("{name}: slope {slope:.3}");
+    assert!((slope - order).abs() <= 0.2, "{name}: {slope} instead of {order}");
+}
+
+const START: Point<2> = ([0.2, 1.3], [-0.4, 2.1]);
+
+/// The commands at time t, smooth.
+fn command(t: f64) -> [f64; 2] {
+    [3.0 * (4.0 * t).sin(), 1.0 - 2.0 * (3.0 * t).cos()]
+}
+
+/// Steps of equal length, each under the control of its number.
+fn stepped<P: Path, L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(
+    system: &System<L, F>,
+    steps: usize,
+    control: impl Fn(i32, f64) -> Control<f64, 2>,
+) -> Point<2> {
+    let h = END / steps as f64;
+    let del = Del::<f64, P>::new(h);
+    let mut state = State::new(&system.lagrangian, START.0, START.1).unwrap();
+    for k in 0..steps as i32 {
+        let report = del.step(system, &mut state, &control(k, h)).unwrap();
+        assert!(report.iterations <= 12, "{report:?}");
+    }
+    (state.q(), state.p())
+}
+
+/// Damping and friction that sees the load, under a control that is linear in time.
+fn check_forced_orders<L: Lagrangian<f64, 2>>(name: &str, lagrangian: L) {
+    let system = System { lagrangian, forces: all() };
+    let tau = |t: f64| [4.0 - 9.0 * t, -1.0 + 5.0 * t];
+    const FINE: usize = 8_000;
+    let fine = (0..FINE).fold(START, |point, k| {
+        let h = END / FINE as f64;
+        runge_kutta(&system, point, h, |s| tau(k as f64 * h + s))
+    });
+    let reference = (fine.0, momentum(&system.lagrangian, &fine.0, &fine.1));
+    let control = |k: i32, h: f64| Control { start: tau(f64::from(k) * h), end: tau(f64::from(k + 1) * h) };
+    let of_two = slope(|_| reference, |steps| stepped::<Midpoint, _, _>(&system, steps, control));
+    let of_four = slope(|_| reference, |steps| stepped::<Galerkin, _, _>(&system, steps, control));
+    assert_order(&format!("{name}, midpoint"), 2.0, of_two);
+    assert_order(&format!("{name}, Galerkin"), 4.0, of_four);
+}
+
+#[test]
+fn friction_that_sees_the_load_keeps_the_orders() {
+    check_forced_orders("cart-pole", CARTPOLE);
+    check_forced_orders("acrobot", ACROBOT);
+}
+
+/// The motion under the true signal of an actuator: a step in pieces, before and after the jump or bend.
+fn delayed<L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(
+    system: &System<L, F>,
+    actuator: &Actuator<f64, 2>,
+    steps: usize,
+    held: bool,
+) -> Point<2> {
+    let h = END / steps as f64;
+    let sample = |k: i32| command(f64::from(k) * h);
+    let mut point = START;
+    let pieces = 6_400 / steps;
+    for k in 0..steps as i32 {
+        let [before, now, next] = [sample(k - 1), sample(k), sample(k + 1)];
+        for (from, to, late) in [(0.0, actuator.delay, false), (actuator.delay, 1.0, true)] {
+            let [a, b] = if late { [now, next] } else { [before, now] };
+            let tau = |s: f64| {
+                let part = s - actuator.delay + f64::from(!late);
+                let linear = core::array::from_fn(|i| a[i] + part * (b[i] - a[i]));
+                actuator.output(&if held { a } else { linear })
+            };
+            let piece = (to - from) / pieces as f64;
+            if piece > 0.0 {
+                for j in 0..pieces {
+                    let first = from + j as f64 * piece;
+                    point = runge_kutta(system, point, piece * h, |t| tau(first + t / h));
+                }
+            }
+        }
+    }
+    (point.0, momentum(&system.lagrangian, &point.0, &point.1))
+}
+
+/// Slopes of the error against the motion under the true delayed signal, of steps of orders 2 and 4.
+fn delayed_slopes<F: Forces<f64, 2> + Copy>(forces: F, delay: f64, held: bool) -> [f64; 2] {
+    let (system, actuator) = (System { lagrangian: CARTPOLE, forces }, actuator(delay));
+    let sample = |k: i32, h: f64| command(f64::from(k) * h);
+    let control = |k: i32, h: f64| {
+        let [before, now, next] = [sample(k - 1, h), sample(k, h), sample(k + 1, h)];
+        if held { actuator.held(&before, &now) } else { actuator.linear(&before, &now, &next) }
+    };
+    let reference = |steps| delayed(&system, &actuator, steps, held);
+    [
+        slope(reference, |steps| stepped::<Midpoint, _, _>(&system, steps, control)),
+        slope(reference, |steps| stepped::<Galerkin, _, _>(&system, steps, control)),
+    ]
+}
+
+/// The linear force of the same impulse and moment keeps order 2, and order 4 where the command is linear between samples. Of
+/// a command that is held, the step of order 4 keeps order 3, 4 where the jump is in the middle, and 2 under a law that is
+/// nonlinear in τ.
+#[test]
+fn orders_under_a_delayed_actuator() {
+    let viscous = Viscous { coefficients: [0.4, 0.9] };
+    for (delay, of_viscous, of_all) in
+        [(0.0, 4.0, 4.0), (0.3, 3.0, 2.0), (0.5, 4.0, 2.0), (0.8, 3.0, 2.0), (1.0, 4.0, 4.0)]
+    {
+        let [of_two, of_four] = delayed_slopes(viscous, delay, true);
+        assert_order(&format!("held, viscous, midpoint, delay {delay}"), 2.0, of_two);
+        assert_order(&format!("held, viscous, Galerkin, delay {delay}"), of_viscous, of_four);
+        let [of_two, of_four] = delayed_slopes(all::<f64, 2>(), delay, true);
+        assert_order(&format!("held, all, midpoint, delay {delay}"), 2.0, of_two);
+        assert_order(&format!("held, all, Galerkin, delay {delay}"), of_all, of_four);
+        let [of_two, of_four] = delayed_slopes(viscous, delay, false);
+        assert_order(&format!("linear, viscous, midpoint, delay {delay}"), 2.0, of_two);
+        assert_order(&format!("linear, viscous, Galerkin, delay {delay}"), 4.0, of_four);
+        let [of_two, of_four] = delayed_slopes(all::<f64, 2>(), delay, false);
+        assert_order(&format!("linear, all, midpoint, delay {delay}"), 2.0, of_two);
+        assert!(of_four > 3.8, "linear, all, Galerkin, delay {delay}: {of_four} instead of 4");
+    }
+}

@@ -1,0 +1,14 @@
+//! Discrete steps: convergence, order, conservation, rods.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod conservation;
+mod forced_order;
+mod interval;
+mod newton;
+mod order;
+mod rattle;
+mod rattle_order;
+mod rattle_start;
+mod rattle_state;

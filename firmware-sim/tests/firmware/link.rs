@@ -1,0 +1,279 @@
+//! Frames of the link, whole and damaged, and what the processor's end makes of them.
+
+use leastaction_core::model::{CATALOGUE, Entry, ModelError};
+use leastaction_firmware_sim::link::{
+    Answer, Broken, Done, Frame, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver, Refusal,
+    Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
+};
+use leastaction_firmware_sim::observer::{Order, OtherStep};
+use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
+use leastaction_firmware_sim::trajectory::reference::Cartpole;
+use leastaction_firmware_sim::{Outcome, Program};
+use proptest::prelude::*;
+use std::convert::Infallible;
+
+#[repr(align(4))]
+struct Aligned<const N: usize>([u8; N]);
+
+static CARTPOLE_FILE: Aligned<{ include_bytes!("../../chip/models/cartpole.postcard").len() }> =
+    Aligned(*include_bytes!("../../chip/models/cartpole.postcard"));
+static DOUBLE_FILE: Aligned<{ include_bytes!("../../chip/models/double.postcard").len() }> =
+    Aligned(*include_bytes!("../../chip/models/double.postcard"));
+
+/// The bytes of a frame as they go over the link.
+fn bytes(frame: &Frame) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let Ok(()) = frame.send(|byte| {
+        bytes.push(byte);
+        Ok::<(), Infallible>(())
+    });
+    bytes
+}
+
+/// All frames, and broken ones, that come of bytes.
+fn frames(bytes: &[u8]) -> Vec<Result<Frame, Broken>> {
+    let mut receiver = Receiver::default();
+    bytes.iter().filter_map(|byte| receiver.push(*byte)).collect()
+}
+
+/// A program whose every number is one that no default has.
+fn program() -> Program<2> {
+    let mut config = SwingUpConfig::cartpole();
+    config.setup.tick = 0.0125;
+    config.setup.devices.actuator.limit = [8.5, 0.25];
+    config.setup.devices.actuator.delay = 3;
+    config.setup.observer.order = Order::Four;
+    config.setup.observer.other_step = OtherStep::Accepted;
+    config.setup.observer.newton.max_iterations = 5;
+    (config.setup.observer.newton.stop, config.setup.observer.newton.accept) = (1e-6, 2e-3);
+    (config.setup.observer.memory, config.setup.observer.delay, config.setup.observer.patience) = (7, 2, 31);
+    (config.pump.effort, config.pump.energy_band, config.pump.rate_band) = (4.5, 0.03, 0.4);
+    (config.tolerance.q, config.tolerance.v, config.tolerance.u) = ([0.31, 0.21], [0.61, 0.62], 1.25);
+    (config.catch.angle, config.catch.force, config.catch.release) = (0.45, 1.4, 0.9);
+    config.program()
+}
+
+fn tick() -> Request<2> {
+    let measured = [Some(-0.25), None];
+    Request::Tick(Samples { sequence: 258, time: 2.57, elapsed: 3, measured })
+}
+
+#[test]
+fn requests_and_answers_come_back_as_they_went() {
+    let track = Request::Begin(TrackConfig::<2>::acrobot().program());
+    for sent in [Request::Begin(program()), track, tick(), Request::End] {
+        let received = frames(&bytes(&request(&sent).unwrap()));
+        assert_eq!(parse_request::<2>(received[0].as_ref().unwrap()), Ok(sent));
+    }
+    let one = Request::Begin(TrackConfig::<1>::pendulum().program());
+    assert_eq!(parse_request::<1>(&request(&one).unwrap()), Ok(one));
+
+    let mut outcome = Outcome::<2>::waiting();
+    (outcome.estimate.q, outcome.estimate.v) = ([f32::MIN_POSITIVE, -0.0], [1.0 / 3.0, f32::MAX]);
+    (outcome.command.u, outcome.newton.iterations, outcome.errors) = ([-1.0, 0.0], 4, 77);
+    let done = Answer::Done(Done { sequence: 258, outcome, instructions: 1_000_000 });
+    let refused = Refusal::Model(ModelRefusal { code: 35, numbers: [2, 1, u32::MAX] });
+    for sent in [Answer::Ready { processor: "cortex-m4f" }, done, Answer::Refused(refused)] {
+        let received = frames(&bytes(&answer(&sent).unwrap()));
+        assert_eq!(parse_answer(received[0].as_ref().unwrap()), Ok(sent));
+    }
+}
+
+#[test]
+fn a_tick_has_the_bytes_of_the_document() {
+    // Version, coordinates, a tick, its number 258, 2.57 s, 3 ticks, −0.25, nothing; the checksum.
+    let document = [2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
+    let sent = bytes(&request(&tick()).unwrap());
+    assert_eq!(sent[..12], [12, 2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
+    assert_eq!(sent[12..17], [1, 3, 0x80, 0xbe, 5], "zeros stand in the lengths of the blocks");
+    assert_eq!((sent.len(), sent.last()), (document.len() + 4 + 2, Some(&0)));
+    let sum = leastaction_core::model::checksum(&document);
+    assert_eq!(sent[17..21], sum.to_le_bytes());
+}
+
+#[test]
+fn a_zero_is_only_at_the_end() {
+    for sent in [Request::Begin(program()), tick(), Request::End] {
+        let bytes = bytes(&request(&sent).unwrap());
+        assert_eq!(bytes.iter().position(|byte| *byte == 0), Some(bytes.len() - 1));
+    }
+}
+
+#[test]
+fn every_truncation_is_refused_and_the_next_frame_is_read() {
+    let (long, next) =
+        (bytes(&request(&Request::Begin(program())).unwrap()), bytes(&request(&tick()).unwrap()));
+    for length in 1..long.len() {
+        // Its end is lost, with and without the 0 that ends it.
+        let cut: Vec<u8> = long[..length].iter().chain(&[0]).chain(&next).copied().collect();
+        let received = frames(&cut);
+        let first = received[0].as_ref().map_err(|_| Refusal::Frame).and_then(parse_request::<2>);
+        if length < long.len() - 1 {
+            assert_eq!((first, received.len()), (Err(Refusal::Frame), 2), "{length}");
+        }
+        assert_eq!(parse_request::<2>(received[1].as_ref().unwrap()), Ok(tick()), "{length}");
+        // Its beginning is lost.
+        let received = frames(&long[length..]);
+        assert!(
+            received
+                .iter()
+                .all(|frame| frame.as_ref().map_or(true, |frame| parse_request::<2>(frame).is_err()))
+        );
+    }
+    assert!(frames(&[0, 0, 0]).is_empty(), "zeros between frames are nothing");
+}
+
+#[test]
+fn every_changed_bit_is_refused() {
+    for sent in [Request::Begin(program()), tick()] {
+        let whole = bytes(&request(&sent).unwrap());
+        for bit in 0..8 * whole.len() {
+            let mut damaged = whole.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            damaged.push(0);
+            let received = frames(&damaged);
+            let good = |frame: &Result<Frame, Broken>| {
+                frame.as_ref().is_ok_and(|frame| parse_request::<2>(frame).is_ok())
+            };
+            assert!(!received.is_empty() && !received.iter().any(good), "bit {bit}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_read_without_harm(noise: Vec<u8>) {
+        for frame in frames(&noise).into_iter().flatten() {
+            prop_assert!(parse_request::<1>(&frame).is_err() && parse_request::<2>(&frame).is_err());
+        }
+    }
+}
+
+/// A line of which the world's words are known before.
+struct Script {
+    heard: std::vec::IntoIter<u8>,
+    said: Vec<u8>,
+}
+
+/// Nothing more is said.
+#[derive(Debug, PartialEq)]
+struct Silence;
+
+impl Port for Script {
+    type Error = Silence;
+
+    fn receive(&mut self) -> Result<u8, Silence> {
+        self.heard.next().ok_or(Silence)
+    }
+
+    fn send(&mut self, byte: u8) -> Result<(), Silence> {
+        self.said.push(byte);
+        Ok(())
+    }
+}
+
+/// What a processor with a model answers to some bytes, and how it ended.
+fn answers(model: Option<&[u8]>, heard: Vec<u8>) -> (Vec<Frame>, Result<(), Silence>) {
+    let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
+    let end = serve::<_, 32, 2>(&mut script, model, "tester");
+    (frames(&script.said).into_iter().map(Result::unwrap).collect(), end)
+}
+
+fn refusal(model: Option<&[u8]>, sent: &Frame) -> Refusal {
+    match parse_answer::<2>(&answers(model, bytes(sent)).0[0]) {
+        Ok(Answer::Refused(refusal)) => refusal,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_program_runs_tick_by_tick_as_it_does_in_place() {
+    let model = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
+    let mut firmware = program().start(&model.system).unwrap();
+    let readings = |i: u32| [Some(0.01 * i as f32), (!i.is_multiple_of(3)).then_some(3.0 - 0.02 * i as f32)];
+    let tick = |i| Samples { sequence: i, time: 0.0125 * i as f32, elapsed: 1, measured: readings(i) };
+    let mut heard = bytes(&request(&Request::Begin(program())).unwrap());
+    (0..40).for_each(|i| heard.extend(bytes(&request(&Request::Tick(tick(i))).unwrap())));
+    heard.extend(bytes(&request::<2>(&Request::End).unwrap()));
+    heard.push(99);
+    let (said, end) = answers(Some(&CARTPOLE_FILE.0), heard);
+    assert_eq!(end, Ok(()), "what comes after the end is not read");
+    assert_eq!(parse_answer::<2>(&said[0]), Ok(Answer::Ready { processor: "tester" }));
+    assert_eq!(said.len(), 41);
+    for (i, frame) in (0..).zip(&said[1..]) {
+        let Samples { time, elapsed, measured, .. } = tick(i);
+        let outcome = firmware.run(time, elapsed, &measured);
+        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
+    }
+}
+
+#[test]
+fn a_program_can_be_begun_again_and_a_damaged_frame_is_refused() {
+    let begin = bytes(&request(&Request::Begin(program())).unwrap());
+    let mut damaged = bytes(&request(&tick()).unwrap());
+    damaged[7] ^= 1;
+    let (said, end) = answers(Some(&CARTPOLE_FILE.0), [&begin[..], &damaged, &begin].concat());
+    assert_eq!(end, Err(Silence));
+    let said: Vec<_> = said.iter().map(|frame| parse_answer::<2>(frame).unwrap()).collect();
+    let ready = Answer::Ready { processor: "tester" };
+    assert_eq!(said, [ready, Answer::Refused(Refusal::Frame), ready]);
+}
+
+#[test]
+fn what_cannot_be_run_is_refused_with_its_reason() {
+    let begin = request(&Request::Begin(program())).unwrap();
+    let file = &CARTPOLE_FILE.0;
+    assert_eq!(refusal(None, &begin), Refusal::NoModel);
+    assert_eq!(refusal(Some(&DOUBLE_FILE.0), &begin), of_model(34, [0; 3]));
+    let Refusal::Model(damaged) = refusal(Some(&file[..file.len() - 4]), &begin) else { panic!("accepted") };
+    assert_eq!(damaged.code, 23);
+    assert!(damaged.numbers[0] != damaged.numbers[1] && damaged.numbers[2] == 0, "{damaged}");
+    assert_eq!(refusal(Some(file), &request(&tick()).unwrap()), Refusal::NotBegun);
+    let pendulum = request(&Request::Begin(TrackConfig::<1>::pendulum().program())).unwrap();
+    assert_eq!(refusal(Some(file), &pendulum), of_model(35, [2, 1, 0]));
+
+    let mut wrong = program();
+    wrong.tick = f32::NAN;
+    let wrong = request(&Request::Begin(wrong)).unwrap();
+    assert_eq!(refusal(Some(file), &wrong), Refusal::Program(ProgramFault::OutOfRange));
+
+    // The file names a step of 0.05 s and order 4.
+    let mut other = program();
+    other.observer.other_step = OtherStep::Refused;
+    let other = request(&Request::Begin(other)).unwrap();
+    assert_eq!(refusal(Some(file), &other), Refusal::Program(ProgramFault::OutOfRange));
+
+    let three = Frame::of(&(VERSION, 3_u8, Request::<2>::End)).unwrap();
+    assert_eq!(refusal(Some(file), &three), Refusal::Coordinates { supported: MAX_COORDINATES });
+    let newer = Frame::of(&(VERSION + 1, 2_u8, Request::<2>::End)).unwrap();
+    assert_eq!(refusal(Some(file), &newer), Refusal::Version { supported: VERSION });
+}
+
+/// A model is refused by this number of core's catalogue.
+fn of_model(code: u8, numbers: [u32; 3]) -> Refusal {
+    Refusal::Model(ModelRefusal { code, numbers })
+}
+
+#[test]
+fn refusals_of_models_are_core_s_own() {
+    let refusal = ModelRefusal::from(ModelError::NoSuchTree { trees: 3 });
+    assert_eq!(Refusal::Model(refusal), of_model(32, [3, 0, 0]));
+    assert_eq!(refusal.to_string(), "no tree in the file has that name (code 32: 3, 0, 0)");
+    let far = ModelRefusal::from(ModelError::NotFinite { index: usize::MAX });
+    assert_eq!(Refusal::Model(far), of_model(29, [u32::MAX, 0, 0]));
+    let unknown = ModelRefusal { code: 250, numbers: [0; 3] };
+    assert_eq!(unknown.to_string(), "refused (code 250: 0, 0, 0)");
+}
+
+/// LINK.md has every code, and no other.
+#[test]
+fn the_codes_that_are_written_down_are_core_s_catalogue() {
+    let text = include_str!("../../LINK.md");
+    let (_, table) = text.split_once("| code | name | why |\n|---|---|---|\n").unwrap();
+    let rows: Vec<&str> = table.lines().take_while(|line| line.starts_with('|')).collect();
+    let catalogue = CATALOGUE.iter();
+    let expected: Vec<String> = catalogue
+        .map(|Entry { code, name, message }| format!("| {code} | `{name}` | {} |", message.to_str().unwrap()))
+        .collect();
+    assert_eq!(rows, expected, "the table of codes:\n{}\n", expected.join("\n"));
+}

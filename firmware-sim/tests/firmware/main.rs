@@ -1,0 +1,15 @@
+//! The control loop, its devices and scenarios, and the link.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod determinism;
+mod devices;
+mod faults;
+mod link;
+mod observer;
+mod predict;
+mod regulator;
+mod setup;
+mod swing_up;
+mod track;

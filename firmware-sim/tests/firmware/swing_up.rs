@@ -1,0 +1,137 @@
+//! Swing-up and hold: pendulum by a weak joint, cart-pole by its cart, with exact and wrong models.
+
+use crate::common::{Exact, Perturbed};
+use core::f32::consts::PI;
+use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_firmware_sim::scenario::{SwingUpConfig, swing_up_cartpole, swing_up_pendulum};
+use leastaction_firmware_sim::{Mode, SetupError, wrap};
+
+const STARTS: u64 = 20;
+
+fn pendulum(model: &Exact<1>, config: &SwingUpConfig<1>) -> leastaction_firmware_sim::Summary<1> {
+    let plant = System::conservative(PENDULUM);
+    swing_up_pendulum(&plant, model, config, |tick| assert!(tick.applied[0].abs() <= 2.0)).unwrap()
+}
+
+fn cartpole(model: &Exact<2>, config: &SwingUpConfig<2>) -> leastaction_firmware_sim::Summary<2> {
+    let plant = System::conservative(CARTPOLE);
+    let within = |u: [f32; 2]| u[0].abs() <= 10.0 && u[1] == 0.0;
+    swing_up_cartpole(&plant, model, config, |tick| assert!(within(tick.applied))).unwrap()
+}
+
+#[test]
+fn pendulum_from_twenty_starts() {
+    for seed in 0..STARTS {
+        let mut config = SwingUpConfig::pendulum();
+        config.setup.seed = seed;
+        let summary = pendulum(&System::conservative(PENDULUM), &config);
+        assert!(summary.success, "seed {seed}: {summary:?}");
+        assert_eq!(summary.incidents.model, 0);
+    }
+}
+
+#[test]
+fn cartpole_from_twenty_starts() {
+    for seed in 0..STARTS {
+        let mut config = SwingUpConfig::cartpole();
+        config.setup.seed = seed;
+        let summary = cartpole(&System::conservative(CARTPOLE), &config);
+        assert!(summary.success, "seed {seed}: {summary:?}");
+        assert!(summary.max_q[0] < 1.5 && summary.newton.iterations <= 3, "seed {seed}: {summary:?}");
+    }
+}
+
+#[test]
+fn from_anywhere_and_with_a_slower_tick() {
+    for seed in 0..STARTS {
+        let mut config = SwingUpConfig::pendulum();
+        (config.setup.seed, config.setup.tick) = (seed, 0.02);
+        (config.setup.start.q_spread, config.setup.start.v_spread) = ([PI], [3.0]);
+        assert!(pendulum(&System::conservative(PENDULUM), &config).success, "pendulum, seed {seed}");
+        let mut config = SwingUpConfig::cartpole();
+        (config.setup.seed, config.setup.tick) = (seed, 0.02);
+        (config.setup.start.q_spread, config.setup.start.v_spread) = ([0.5, PI], [0.3, 3.0]);
+        assert!(cartpole(&System::conservative(CARTPOLE), &config).success, "cart-pole, seed {seed}");
+    }
+}
+
+#[test]
+fn with_a_model_five_percent_wrong_and_faulty_devices() {
+    for seed in 0..STARTS {
+        let model = Perturbed::new(&PENDULUM, 0.05, seed);
+        let mut config = SwingUpConfig::pendulum();
+        config.setup.seed = seed;
+        disturb(&mut config);
+        assert!(pendulum(&model.system(), &config).success, "pendulum, seed {seed}");
+        let model = Perturbed::new(&CARTPOLE, 0.05, seed).with_ripple(0.01);
+        let mut config = SwingUpConfig::cartpole();
+        config.setup.seed = seed;
+        disturb(&mut config);
+        assert!(cartpole(&model.system(), &config).success, "cart-pole, seed {seed}");
+    }
+}
+
+/// A tenth of the samples dropped, a fifth of the ticks late by up to half a tick, one in twenty missed.
+fn disturb<const N: usize>(config: &mut SwingUpConfig<N>) {
+    let devices = &mut config.setup.devices;
+    devices.encoders.iter_mut().for_each(|encoder| encoder.drop = 0.1);
+    (devices.clock.late, devices.clock.jitter, devices.clock.missed) = (0.2, 0.5, 0.05);
+}
+
+#[test]
+fn from_exactly_hanging_with_ideal_devices() {
+    let mut config = SwingUpConfig::cartpole();
+    config.setup = config.setup.perfect();
+    config.setup.start.q_spread = [0.0; 2];
+    config.setup.start.v_spread = [0.0; 2];
+    assert!(cartpole(&System::conservative(CARTPOLE), &config).success);
+}
+
+#[test]
+fn a_damped_plant_with_a_damped_model() {
+    let forces = Viscous { coefficients: [0.5, 0.01] };
+    let damped = System { lagrangian: CARTPOLE, forces };
+    let summary = swing_up_cartpole(&damped, &damped, &SwingUpConfig::cartpole(), |_| {}).unwrap();
+    assert!(summary.success, "{summary:?}");
+}
+
+#[test]
+fn it_swings_first_and_holds_last() {
+    let system = System::conservative(CARTPOLE);
+    let (mut modes, mut last) = (Vec::new(), f32::NAN);
+    let summary = swing_up_cartpole(&system, &system, &SwingUpConfig::cartpole(), |tick| {
+        if modes.last() != Some(&tick.mode) {
+            modes.push(tick.mode);
+        }
+        last = wrap(tick.q[1]);
+    })
+    .unwrap();
+    assert_eq!(modes.first(), Some(&Mode::Wait), "velocities are unknown at first");
+    assert_eq!(modes.get(1), Some(&Mode::Swing));
+    assert_eq!(modes.last(), Some(&Mode::Hold));
+    assert!(last.abs() < 0.02 && summary.settled_at.is_some_and(|t| t > 1.0));
+}
+
+#[test]
+fn without_force_it_fails() {
+    let mut config = SwingUpConfig::cartpole();
+    config.setup.devices.actuator.limit = [0.0; 2];
+    let summary = cartpole(&System::conservative(CARTPOLE), &config);
+    assert!(!summary.success && summary.max_force == [0.0; 2]);
+}
+
+#[test]
+fn a_short_track_makes_it_fail() {
+    let mut config = SwingUpConfig::cartpole();
+    config.setup.goal.bounds[0] = 0.3;
+    let summary = cartpole(&System::conservative(CARTPOLE), &config);
+    assert!(!summary.success && summary.settled_at.is_some());
+}
+
+#[test]
+fn a_model_that_hangs_upright_is_refused() {
+    let model = Perturbed::new(&PENDULUM, -2.0, 0);
+    let refused = swing_up_pendulum(&model.system(), &model.system(), &SwingUpConfig::pendulum(), |_| {});
+    assert!(matches!(refused, Err(SetupError::OutOfRange { .. })), "{refused:?}");
+}

@@ -1,0 +1,167 @@
+//! The examples of docs/trees.md, as they stand there, on exact motion.
+
+use leastaction_core::continuous::acceleration;
+use leastaction_core::forces::Viscous;
+use leastaction_core::model::Laws;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::config::Config;
+use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
+use leastaction_learning::evaluate::acceleration_mse;
+use leastaction_learning::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
+use leastaction_learning::run::{Monitor, Plan, Row, Run, Trained};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+const PAGE: &str = include_str!("../../../../docs/trees.md");
+
+/// The block of the page that begins with this file name.
+fn example(name: &str) -> &'static str {
+    let mut blocks = PAGE.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    blocks
+        .find(|block| block.starts_with(&format!("# {name}\n")))
+        .unwrap_or_else(|| panic!("no example {name}"))
+}
+
+struct Strict;
+
+impl Monitor for Strict {
+    fn row(&mut self, _: &Row) {}
+
+    fn warning(&mut self, message: &str) {
+        panic!("{message}");
+    }
+}
+
+/// Motions from starts that are spread widely.
+fn log(motion: &dyn Motion, spread: f64) -> Dataset {
+    let trajectories = (0..12).map(|id| trajectory(motion, spread, id)).collect();
+    Dataset { n: motion.coordinates(), h: 0.05, control: None, trajectories }
+}
+
+fn trajectory(motion: &dyn Motion, spread: f64, id: i64) -> Trajectory {
+    let n = motion.coordinates();
+    let wave = |i: usize, phase: f64| spread * (1.7 * id as f64 + 2.3 * i as f64 + phase).sin();
+    // Bodies are 3 m apart.
+    let place =
+        |i: usize| if motion.is_angle(i) { 0.0 } else { 1.5 * f64::from(i as u32 / 2 * (1 + i as u32 % 2)) };
+    let q = (0..n).map(|i| place(i) + wave(i, 0.3)).collect();
+    let start = Start { q, v: (0..n).map(|i| wave(i, 1.1)).collect() };
+    let (mut q, mut v, mut a) = (Vec::new(), Vec::new(), Vec::new());
+    let exact = |q: &[f64], v: &[f64], a: &mut [f64]| motion.acceleration(q, v, a);
+    let keep = |state: &[f64]| {
+        let mut out = vec![0.0; n];
+        motion.acceleration(&state[..n], &state[n..], &mut out).unwrap();
+        q.extend_from_slice(&state[..n]);
+        v.extend_from_slice(&state[n..]);
+        a.extend(out);
+    };
+    follow(exact, |_| Some(()), &start, Horizon { h: 0.05, samples: 20 }, 1e-10, keep).unwrap();
+    let rows = |values| Rows::from_flat(n, values).unwrap();
+    Trajectory { id, t0: 0.0, q: rows(q), v: Some(rows(v)), a: Some(rows(a)), u: None }
+}
+
+/// Trains an example in a folder; what came out.
+fn train(folder: &Path, name: &str, motion: &dyn Motion, spread: f64) -> Trained {
+    let text = example(name);
+    std::fs::write(folder.join(name), text).unwrap();
+    let config = Config::read(&folder.join(name)).unwrap();
+    data::write(&config.data.file, &log(motion, spread)).unwrap();
+    let plan = Plan::new(config, &log(motion, spread)).unwrap();
+    let run = folder.join("run");
+    Run::begin(plan, &run, true).unwrap().train(&mut Strict, &AtomicBool::new(false)).unwrap();
+    Trained::read(&run).unwrap()
+}
+
+/// The error of the accelerations, relative to their mean square.
+fn relative(architecture: &Architecture, weights: &[f64], motion: &dyn Motion, spread: f64) -> f64 {
+    let (error, square) = acceleration_mse(architecture, weights, &log(motion, spread)).unwrap().unwrap();
+    error.or_infinite() / square
+}
+
+/// The example is learned to this error; gives the model.
+fn learned(name: &str, motion: &dyn Motion, spread: f64, limit: f64) -> Trained {
+    let folder = tempfile::tempdir().unwrap();
+    let trained = train(folder.path(), name, motion, spread);
+    let error = relative(&trained.architecture, &trained.best.weights, motion, spread);
+    println!("{name}: {error:.1e}");
+    assert!(error < limit, "{name}: {error:e}");
+    trained
+}
+
+#[test]
+fn double_and_triple() {
+    let folder = tempfile::tempdir().unwrap();
+    let (two, three) = (Chain::uniform(2).unwrap(), Chain::uniform(3).unwrap());
+    let double = train(folder.path(), "double.toml", &two, 2.0);
+    let triple = train(folder.path(), "triple.toml", &three, 2.0);
+    let errors = [
+        relative(&double.architecture, &double.best.weights, &two, 2.0),
+        relative(&triple.architecture, &triple.best.weights, &three, 2.0),
+    ];
+    println!("double and triple: {errors:?}");
+    assert_eq!(double.best.weights, triple.best.weights);
+    assert!(errors[0] < 1e-6 && errors[1] < 1e-3, "{errors:?}");
+}
+
+#[test]
+fn a_cart_that_carries_a_chain() {
+    let chain = Chain::new(vec![Link::point(0.7, 0.6); 2], Some(3.0)).unwrap();
+    let trained = learned("cart.toml", &chain, 2.0, 1e-10);
+    let modular = trained.architecture.modular().unwrap().clone().with_numbers(&trained.best.weights);
+    assert!((modular.types[1].numbers[0].value - 0.7).abs() < 1e-3, "{:?}", modular.types[1]);
+}
+
+#[test]
+fn two_kinds_of_bobs() {
+    let chain = |count| {
+        let kinds = [Link::point(1.0, 1.0), Link::point(2.0, 0.5)];
+        Chain::new(kinds.into_iter().cycle().take(count).collect(), None).unwrap()
+    };
+    let trained = learned("ab.toml", &chain(2), 2.0, 1e-9);
+    let four = trained.architecture.modular().unwrap().with_tree_named("chain").unwrap().into();
+    let error = relative(&four, &trained.best.weights, &chain(4), 2.0);
+    assert!(error < 1e-8, "{error:e}");
+}
+
+#[test]
+fn rigid_links() {
+    let link = Link { mass: 1.5, length: 0.8, centre: 0.4, inertia: 0.08 };
+    let trained = learned("links.toml", &Chain::new(vec![link; 2], None).unwrap(), 2.0, 1e-10);
+    let modular = trained.architecture.modular().unwrap().clone().with_numbers(&trained.best.weights);
+    let [_, inertia, centre, ..] = modular.types[0].numbers;
+    assert!(
+        (inertia.value - 0.08).abs() < 1e-4 && (centre.value - 0.5).abs() < 1e-4,
+        "{inertia:?} {centre:?}"
+    );
+}
+
+#[test]
+fn bodies() {
+    learned("bodies.toml", &Bodies::uniform(3).unwrap(), 0.5, 1e-4);
+}
+
+/// Two pendulums on the end of one: coupled through it alone.
+#[test]
+fn a_fork() {
+    let config = Config::parse(example("fork.toml"), Path::new("fork.toml")).unwrap();
+    let (architecture, mut weights) = config.beginning().unwrap();
+    let modular = architecture.modular().unwrap();
+    // Gravity: U = g y.
+    weights[..3].copy_from_slice(&[0.0, 9.8, 0.0]);
+    let header = modular.header();
+    let tree = modular.tree_header();
+    let system =
+        header.system::<_, f64, Viscous<f64, 3>, 3, 1, 0, 0>(&tree, Laws::VISCOUS, &weights).unwrap();
+    let (q, v) = ([0.4, -0.9, 0.7], [0.3, 1.1, -0.6]);
+    let found = acceleration(&system, &q, &v, &[0.0; 3]).unwrap();
+    // A_jk as of a chain, but that the second and the third carry nothing and do not see each other.
+    let a = [[3.0, 1.0, 1.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1.0]];
+    let b = [3.0, 1.0, 1.0];
+    for j in 0..3 {
+        let coupling: f64 = (0..3)
+            .map(|k| a[j][k] * ((q[j] - q[k]).cos() * found[k] + (q[j] - q[k]).sin() * v[k] * v[k]))
+            .sum();
+        let residual = coupling + 9.8 * b[j] * q[j].sin();
+        assert!(residual.abs() < 1e-12, "{j}: {residual:e}");
+    }
+}

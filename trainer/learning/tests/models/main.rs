@@ -1,0 +1,10 @@
+//! Models of every family: from a configuration to training.
+
+mod control;
+mod documented_graphs;
+mod documented_trees;
+mod graph_config;
+mod graphs;
+mod next_state;
+mod rods;
+mod trees;

@@ -1,0 +1,6 @@
+//! Exact motions, and predictions measured against them.
+
+mod exact_motion;
+mod modlanet_protocol;
+mod prediction;
+mod truss;
