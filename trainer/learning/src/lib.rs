@@ -4,6 +4,7 @@
 //! from there to the chip; [`evaluate`] measures.
 
 pub mod architecture;
+pub mod checkpoint;
 pub mod config;
 pub mod evaluate;
 pub mod ground_truth;

@@ -115,7 +115,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         let message = error.to_string();
         match error {
-            RunError::Exists { .. } | RunError::Checkpoint(_) => Self::Input(message),
+            RunError::Exists { .. } | RunError::Resume(_) => Self::Input(message),
             _ => Self::Work(message),
         }
     }

@@ -1,8 +1,8 @@
 //! Why a run cannot begin or go on.
 
-use super::checkpoint::CheckpointError;
 use super::notice;
 use super::plan::Plan;
+use super::resume::ResumeError;
 use crate::atomic::remedy;
 use std::io;
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ pub enum RunError {
     },
     /// The checkpoint does not allow to go on.
     #[error("cannot resume: {0}")]
-    Checkpoint(#[from] CheckpointError),
+    Resume(#[from] ResumeError),
     /// The folder cannot be written to.
     #[error("{}: {error}; {}, or choose another folder", folder.display(), remedy(error))]
     Folder {

@@ -2,6 +2,7 @@
 
 use super::RunError;
 use super::state::Row;
+use crate::checkpoint;
 use crate::config::{Config, ModelConfig};
 use crate::lock::{self, Lock};
 use leastaction_plot::{self as plot, PlotError};
@@ -9,8 +10,6 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The checkpoint.
-pub(super) const CHECKPOINT: &str = "checkpoint.postcard";
 /// One line an iteration.
 const HISTORY: &str = "history.csv";
 /// The configuration as it was read, every key written out.
@@ -28,7 +27,7 @@ pub(super) struct Folder {
 
 impl Folder {
     pub fn checkpoint(&self) -> PathBuf {
-        self.path.join(CHECKPOINT)
+        self.path.join(checkpoint::FILE)
     }
 
     pub fn loss_curve(&self) -> PathBuf {

@@ -2,6 +2,7 @@
 
 use super::tests::{Warned, config, data, scaled};
 use super::*;
+use crate::checkpoint::Trained;
 use std::fs;
 
 static GO: AtomicBool = AtomicBool::new(false);
@@ -50,7 +51,7 @@ fn one_run_at_a_time_writes_to_a_folder() {
 fn a_run_that_is_refused_leaves_no_lock() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("missing");
-    assert!(matches!(Run::resume(plan(), &missing), Err(RunError::Checkpoint(_))));
+    assert!(matches!(Run::resume(plan(), &missing), Err(RunError::Resume(_))));
     fs::write(folder.path().join("mine"), "mine").unwrap();
     assert!(matches!(Run::begin(plan(), folder.path(), false), Err(RunError::Exists { .. })));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);

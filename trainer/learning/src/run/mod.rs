@@ -10,7 +10,6 @@
 //! least for L = 0, so that loss is refused; the other losses give energies up to one common factor, which
 //! [`Notice::UnknownScale`] says.
 
-mod checkpoint;
 mod error;
 mod fingerprint;
 mod folder;
@@ -19,25 +18,25 @@ mod folder_tests;
 mod notice;
 mod plan;
 mod range;
+mod resume;
 mod state;
 #[cfg(test)]
 mod tests;
 
-pub use checkpoint::{CheckpointError, Trained};
 pub use error::RunError;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};
-pub use state::{Best, Row};
+pub use resume::ResumeError;
+pub use state::Row;
 
+use crate::checkpoint::{Best, Checkpoint, State};
 use crate::config::TrainingConfig;
 use crate::lock::Lock;
 use crate::parallel;
 use crate::training::{Objective, Progress};
-use checkpoint::Checkpoint;
 use error::stuck;
 use folder::{Folder, History};
 use plan::Stage;
-use state::State;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -134,7 +133,7 @@ impl Run {
     /// [`RunError`] where there is no checkpoint, or it is of another configuration or other data.
     pub fn resume(plan: Plan, path: &Path) -> Result<Self, RunError> {
         let folder = Folder { path: path.to_owned() };
-        let read = || Checkpoint::read(&folder.checkpoint());
+        let read = || Checkpoint::read(&folder.checkpoint()).map_err(ResumeError::from);
         // Where there is none, no lock is left; and nobody writes another while there is a lock.
         read()?;
         let lock = folder.lock()?;

@@ -1,18 +1,9 @@
-//! Where a run is: all that it takes to go on bit for bit.
+//! How the state of a run changes: by an iteration, and from stage to stage.
 
 use super::plan::{Plan, Stage};
+use crate::checkpoint::{Best, Optimiser, State};
 use crate::config::{AdamConfig, OptimiserKind, TrainingConfig};
 use crate::training::{Adam, AdamSettings, Levenberg, Objective, Progress, Schedule};
-use serde::{Deserialize, Serialize};
-
-/// An optimiser with its state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum Optimiser {
-    /// Damped Gauss–Newton.
-    Levenberg(Levenberg),
-    /// Adam.
-    Adam(Adam),
-}
 
 impl Optimiser {
     fn new(stage: &Stage, weights: Vec<f64>, training: &TrainingConfig) -> Self {
@@ -55,24 +46,6 @@ fn adam_settings(training: &TrainingConfig) -> AdamSettings {
     AdamSettings { learning_rate, batch, schedule, decay: 0.0, seed: training.seed }
 }
 
-/// The best weights of a stage, and their losses.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Best {
-    /// The weight block.
-    pub weights: Vec<f64>,
-    /// The iteration that gave them.
-    pub iteration: u64,
-    /// Their training loss.
-    pub train: f64,
-    /// Their loss on the trajectories held back.
-    pub validation: Option<f64>,
-    /// Their error of the next position, where the DEL residual is minimised.
-    pub next_position: Option<f64>,
-    /// Whether they can solve none of the training samples, as was found when training ended: all samples then count as predicted by
-    /// a constant velocity.
-    pub solves_nothing: bool,
-}
-
 impl Best {
     /// These weights with their losses.
     fn new(stage: &Stage, optimiser: &Optimiser, iteration: u64) -> Self {
@@ -86,11 +59,6 @@ impl Best {
             next_position: loss(&stage.judge),
             solves_nothing: false,
         }
-    }
-
-    /// Whether it is of use: its training loss is a number, and not that of constant velocities alone.
-    pub fn is_a_model(&self) -> bool {
-        self.train.is_finite() && !self.solves_nothing && self.weights.iter().all(|weight| weight.is_finite())
     }
 
     /// What decides between weights: the error of the next position; where that is the loss, the validation loss, without one the
@@ -113,23 +81,6 @@ pub struct Row {
     pub train: f64,
     /// Loss on those held back.
     pub validation: Option<f64>,
-}
-
-/// The state of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct State {
-    /// Position in the plan's stages.
-    pub stage: usize,
-    /// Iterations done in this stage.
-    pub in_stage: u64,
-    /// Iterations done in all.
-    pub iteration: u64,
-    /// Seconds of training.
-    pub seconds: f64,
-    /// Of this stage.
-    pub optimiser: Optimiser,
-    /// Of this stage.
-    pub best: Best,
 }
 
 impl State {
@@ -155,7 +106,7 @@ impl State {
     }
 
     /// One iteration; the losses after it where it was one.
-    pub fn iterate(&mut self, stage: &Stage) -> (Progress, Option<Best>) {
+    pub(super) fn iterate(&mut self, stage: &Stage) -> (Progress, Option<Best>) {
         let progress = self.optimiser.iterate(&*stage.objective);
         if progress != Progress::Lower {
             return (progress, None);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::checkpoint::Trained;
 use crate::config::{Config, Coordinates, RigidConfig};
 use crate::data::Dataset;
 use crate::ground_truth::{Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};

@@ -1,11 +1,12 @@
 //! The examples of docs/graphs.md, as they stand there, on exact motion.
 
 use leastaction_learning::architecture::GraphArchitecture;
+use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset};
 use leastaction_learning::evaluate::acceleration_mse;
 use leastaction_learning::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, logged};
-use leastaction_learning::run::{Monitor, Plan, Row, Run, Trained};
+use leastaction_learning::run::{Monitor, Plan, Row, Run};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 

@@ -4,11 +4,12 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::Laws;
 use leastaction_learning::architecture::Architecture;
+use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::acceleration_mse;
 use leastaction_learning::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
-use leastaction_learning::run::{Monitor, Plan, Row, Run, Trained};
+use leastaction_learning::run::{Monitor, Plan, Row, Run};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 

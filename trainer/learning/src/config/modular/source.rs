@@ -2,8 +2,8 @@
 
 use super::Problem;
 use crate::architecture::{Architecture, ModularArchitecture};
+use crate::checkpoint::Trained;
 use crate::model_file::decode;
-use crate::run::Trained;
 use std::path::Path;
 
 /// A trained tree of elements: its shape, whose numbers are the trained ones, and its weights.

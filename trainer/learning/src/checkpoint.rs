@@ -1,0 +1,166 @@
+//! The checkpoint of a run: where it is, to go on bit for bit, and the best weights so far.
+
+use crate::architecture::Architecture;
+use crate::checksummed::{self, ReadError};
+use crate::model_file::Facts;
+use crate::training::{Adam, Levenberg};
+use leastaction_core::model::{CoordinateRange, TrainedStep};
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::path::Path;
+use thiserror::Error;
+
+/// Its name in the folder of a run.
+pub(crate) const FILE: &str = "checkpoint.postcard";
+
+/// The first bytes of the file: what it is, and the version of its layout.
+const MAGIC: &[u8] = b"LARUN\x05";
+
+/// Everything in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Checkpoint {
+    /// The configuration without what may change on resuming, as TOML.
+    pub identity: String,
+    /// Fingerprint of the data.
+    pub data: u64,
+    /// Of the model.
+    pub architecture: Architecture,
+    /// Of the model.
+    pub trained_step: Option<TrainedStep>,
+    /// What the data covered.
+    pub range: Vec<CoordinateRange>,
+    /// Where the run is.
+    pub state: State,
+}
+
+/// An optimiser with its state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Optimiser {
+    /// Damped Gauss–Newton.
+    Levenberg(Levenberg),
+    /// Adam.
+    Adam(Adam),
+}
+
+/// The best weights of a stage, and their losses.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// The weight block.
+    pub weights: Vec<f64>,
+    /// The iteration that gave them.
+    pub iteration: u64,
+    /// Their training loss.
+    pub train: f64,
+    /// Their loss on the trajectories held back.
+    pub validation: Option<f64>,
+    /// Their error of the next position, where the DEL residual is minimised.
+    pub next_position: Option<f64>,
+    /// Whether they can solve none of the training samples, as was found when training ended: all samples then count as predicted by
+    /// a constant velocity.
+    pub solves_nothing: bool,
+}
+
+impl Best {
+    /// Whether it is of use: its training loss is a number, and not that of constant velocities alone.
+    pub fn is_a_model(&self) -> bool {
+        self.train.is_finite() && !self.solves_nothing && self.weights.iter().all(|weight| weight.is_finite())
+    }
+}
+
+/// The state of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct State {
+    /// Position in the plan's stages.
+    pub stage: usize,
+    /// Iterations done in this stage.
+    pub in_stage: u64,
+    /// Iterations done in all.
+    pub iteration: u64,
+    /// Seconds of training.
+    pub seconds: f64,
+    /// Of this stage.
+    pub optimiser: Optimiser,
+    /// Of this stage.
+    pub best: Best,
+}
+
+/// A checkpoint that cannot be read.
+#[derive(Debug, Error)]
+#[error("{error}; {}", way_out(.0), error = .0)]
+pub struct CheckpointError(#[from] ReadError);
+
+fn way_out(error: &ReadError) -> &'static str {
+    match error {
+        ReadError::File { .. } => "is this the folder of a training run?",
+        ReadError::Damaged { .. } => "train again with --force",
+    }
+}
+
+impl Checkpoint {
+    pub fn write(&self, file: &Path) -> io::Result<()> {
+        checksummed::write(file, MAGIC, self)
+    }
+
+    pub fn read(file: &Path) -> Result<Self, CheckpointError> {
+        Ok(checksummed::read(file, MAGIC)?)
+    }
+
+    fn provenance(&self) -> String {
+        let Best { iteration, train, validation, .. } = &self.state.best;
+        let validation = validation.map_or(String::new(), |loss| format!(", validation loss {loss:.3e}"));
+        let config: toml::Table = toml::from_str(&self.identity).unwrap_or_default();
+        let setting = |key: &str| config.get("training").and_then(|training| training.get(key)).cloned();
+        let name =
+            |key: &str| setting(key).and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
+        let seed = setting("seed").and_then(|seed| seed.as_integer()).unwrap_or_default();
+        let (loss, optimiser) = (name("loss"), name("optimiser"));
+        format!(
+            "leastaction {}; {loss} by {optimiser}, seed {seed}, data {:016x}; iteration {iteration}, training loss {train:.3e}{validation}",
+            env!("CARGO_PKG_VERSION"),
+            self.data,
+        )
+    }
+}
+
+/// A trained model as a run holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trained {
+    /// Its shape.
+    pub architecture: Architecture,
+    /// The step that it was trained with, where the loss has one.
+    pub trained_step: Option<TrainedStep>,
+    /// What the training data covered of every coordinate.
+    pub range: Vec<CoordinateRange>,
+    /// The best weights and their losses.
+    pub best: Best,
+    /// Iterations of the run so far.
+    pub iterations: u64,
+    /// Where it comes from, for people: the same for the same run.
+    pub provenance: String,
+}
+
+impl Trained {
+    /// What a model file says of it beside its shape and weights.
+    pub fn facts(&self) -> Facts {
+        let Self { trained_step, range, provenance, .. } = self.clone();
+        Facts { range, ..Facts::new(trained_step, &provenance) }
+    }
+
+    /// The best model of the run in a folder.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] where there is no usable checkpoint.
+    pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
+        let checkpoint = Checkpoint::read(&folder.join(FILE))?;
+        let provenance = checkpoint.provenance();
+        let Checkpoint { architecture, trained_step, range, state, .. } = checkpoint;
+        Ok(Self {
+            architecture,
+            trained_step,
+            range,
+            best: state.best,
+            iterations: state.iteration,
+            provenance,
+        })
+    }
+}

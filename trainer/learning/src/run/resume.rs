@@ -1,0 +1,70 @@
+//! Whether a run can go on from a checkpoint.
+
+use super::plan::Plan;
+use crate::checkpoint::{Checkpoint, CheckpointError, State};
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A checkpoint that a run cannot go on from.
+#[derive(Debug, Error)]
+pub enum ResumeError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(#[from] CheckpointError),
+    /// The run began with another configuration.
+    #[error(
+        "this run began with another configuration: {differences}; set it back, or train in another folder"
+    )]
+    OtherConfiguration {
+        /// The keys that differ.
+        differences: String,
+    },
+    /// The run began with other data.
+    #[error("this run began with other data than {} now has; bring the data back, or train in another folder", file.display())]
+    OtherData {
+        /// The data file.
+        file: PathBuf,
+    },
+}
+
+impl Checkpoint {
+    /// Where a run of this plan is.
+    pub fn new(plan: &Plan, state: &State) -> Self {
+        Self {
+            identity: plan.config.identity().to_toml(),
+            data: plan.data_fingerprint,
+            architecture: plan.architecture.clone(),
+            trained_step: plan.trained_step,
+            range: plan.range.clone(),
+            state: state.clone(),
+        }
+    }
+
+    /// Refuses to go on with another configuration or other data.
+    pub fn check(&self, plan: &Plan) -> Result<(), ResumeError> {
+        let now = plan.config.identity().to_toml();
+        if self.identity != now {
+            return Err(ResumeError::OtherConfiguration { differences: differences(&self.identity, &now) });
+        }
+        if self.architecture != plan.architecture {
+            let differences = "the model that [model] from names has changed since".to_owned();
+            return Err(ResumeError::OtherConfiguration { differences });
+        }
+        if self.data != plan.data_fingerprint {
+            return Err(ResumeError::OtherData { file: plan.config.data.file.clone() });
+        }
+        Ok(())
+    }
+}
+
+/// Every line of the old TOML that the new one does not have, with the new value.
+fn differences(then: &str, now: &str) -> String {
+    let then = then.lines().filter(|line| !now.lines().any(|other| other == *line));
+    let key = |line: &str| line.split(" = ").next().unwrap_or_default().to_owned();
+    let describe = |line: &str| {
+        let new = now.lines().find(|other| key(other) == key(line)).unwrap_or("not set");
+        format!("`{line}` then, `{new}` now")
+    };
+    let list: Vec<_> = then.map(describe).collect();
+    if list.is_empty() { "a key was added".to_owned() } else { list.join("; ") }
+}
