@@ -65,6 +65,11 @@ impl<'a> Archive<'a> {
         Ok(Self { zip, keys, room: Cell::new(most), most })
     }
 
+    /// The names of all arrays.
+    pub(crate) fn keys(&self) -> &[String] {
+        &self.keys
+    }
+
     pub(crate) fn refuse_others(&self, allowed: &[&str], known: &'static str) -> Result<(), Fault> {
         let stranger = |key: &&String| !key.starts_with('_') && !allowed.contains(&key.as_str());
         match self.keys.iter().find(stranger) {

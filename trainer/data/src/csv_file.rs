@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use csv::ByteRecord;
 
+use crate::columns::{Column, Columns};
 use crate::csv_text::{Numbers, decoded, reader, separator};
 use crate::error::{Fault, Place, Problem};
 use crate::table::Table;
@@ -13,15 +14,17 @@ use leastaction_core::forces::ControlKind;
 
 const KNOWN: &str = "q0…, v0…, a0…, u0…, t, trajectory";
 
-/// The fields in the order of [`Columns::fields`].
+/// The fields in the order of [`Header::fields`].
 const FIELDS: [&str; 4] = ["q", "v", "a", "u"];
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
+/// The table of a file, whose columns are found by their names in this layout, or in one of the log's own.
+pub(crate) fn read(bytes: &[u8], named: Option<&Columns>) -> Result<Table, Fault> {
     let text = decoded(bytes)?;
-    let mut reader = reader(&text, separator(&text, is_known));
+    let known = |name: &[u8]| named.map_or_else(|| is_known(name), |named| is_named(name, named));
+    let mut reader = reader(&text, separator(&text, known));
     let mut records = reader.byte_records();
     let Some(header) = records.next() else { return Err((Place::File, Problem::Empty)) };
-    let columns = Columns::parse(&header.map_err(broken)?)?;
+    let columns = Header::parse(&header.map_err(broken)?, named)?;
     let mut cells = Cells::default();
     for record in records {
         cells.push(&columns, &record.map_err(broken)?)?;
@@ -62,19 +65,37 @@ fn stated(text: &[u8], name: &str) -> Option<(String, Place)> {
 }
 
 /// Where in a line each quantity stands.
-struct Columns {
+struct Header {
     names: Vec<String>,
-    n: usize,
     /// For q, v, a and u the positions of coordinates 0 to n − 1; empty when the field is not there.
     fields: [Vec<usize>; 4],
     t: Option<usize>,
     trajectory: Option<usize>,
 }
 
-impl Columns {
-    fn parse(header: &ByteRecord) -> Result<Self, Fault> {
-        let line = line_of(header);
-        Self::from_names(header.iter().map(text).collect()).map_err(|problem| (Place::Line(line), problem))
+impl Header {
+    fn parse(header: &ByteRecord, named: Option<&Columns>) -> Result<Self, Fault> {
+        let names: Vec<String> = header.iter().map(text).collect();
+        let found = match named {
+            Some(columns) => Self::named(names, columns),
+            None => Self::from_names(names),
+        };
+        found.map_err(|problem| (Place::Line(line_of(header)), problem))
+    }
+
+    /// The columns that a configuration names.
+    fn named(names: Vec<String>, columns: &Columns) -> Result<Self, Problem> {
+        let one = |column: &Column| {
+            let mut found = names.iter().enumerate().filter(|(_, name)| **name == column.name);
+            match (found.next(), found.next()) {
+                (Some((position, _)), None) => Ok(position),
+                (Some(_), Some(_)) => Err(Problem::Duplicate(format!("column {}", column.name))),
+                (None, _) => Err(Problem::NoColumn { name: column.name.clone(), known: names.clone() }),
+            }
+        };
+        let all = |columns: &[Column]| columns.iter().map(one).collect::<Result<Vec<_>, _>>();
+        let fields = [all(&columns.q)?, all(&columns.v)?, Vec::new(), all(&columns.u)?];
+        Ok(Self { fields, t: Some(one(&columns.t)?), trajectory: None, names })
     }
 
     fn from_names(names: Vec<String>) -> Result<Self, Problem> {
@@ -88,7 +109,7 @@ impl Columns {
             *positions = field_columns(&names, field, n)?;
         }
         let (t, trajectory) = (position(&names, "t"), position(&names, "trajectory"));
-        let columns = Self { names, n, fields, t, trajectory };
+        let columns = Self { names, fields, t, trajectory };
         columns.refuse_others()?;
         Ok(columns)
     }
@@ -117,6 +138,12 @@ fn is_known(name: &[u8]) -> bool {
     let name = text(name);
     let field = FIELDS.into_iter().any(|field| is_field(&name, field));
     field || name == "t" || name == "trajectory" || name.starts_with('_')
+}
+
+/// Whether a configuration names a column so.
+fn is_named(name: &[u8], columns: &Columns) -> bool {
+    let all = [std::slice::from_ref(&columns.t), &columns.q, &columns.v, &columns.u];
+    all.into_iter().flatten().any(|column| column.name.as_bytes() == name)
 }
 
 /// Refuses a column that stands twice, as columns with `_` may.
@@ -172,7 +199,7 @@ struct Cells {
 }
 
 impl Cells {
-    fn push(&mut self, columns: &Columns, record: &ByteRecord) -> Result<(), Fault> {
+    fn push(&mut self, columns: &Header, record: &ByteRecord) -> Result<(), Fault> {
         let line = line_of(record);
         let (found, expected) = (record.len(), columns.names.len());
         if found != expected {
@@ -204,9 +231,12 @@ impl Cells {
         Ok(())
     }
 
-    fn into_table(self, columns: &Columns, h: Option<(f64, Place)>) -> Result<Table, Fault> {
+    fn into_table(self, columns: &Header, h: Option<(f64, Place)>) -> Result<Table, Fault> {
         self.numbers.check()?;
-        let [q, v, a, u] = self.fields.map(|values| Rows::from_flat(columns.n, values));
+        let widths = columns.fields.iter().map(Vec::len);
+        let mut fields =
+            self.fields.into_iter().zip(widths).map(|(values, width)| Rows::from_flat(width, values));
+        let [q, v, a, u] = std::array::from_fn(|_| fields.next().flatten());
         let given = |rows: Option<Rows>| rows.filter(|rows| !rows.is_empty());
         Ok(Table {
             q: q.ok_or((Place::File, Problem::Empty))?,

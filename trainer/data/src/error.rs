@@ -125,6 +125,58 @@ pub enum Problem {
         /// The names of the layout.
         known: &'static str,
     },
+    /// A column that the configuration names and the file does not have.
+    #[error("there is no column {name:?}; the file has {}", list(known))]
+    NoColumn {
+        /// As configured.
+        name: String,
+        /// Of the file.
+        known: Vec<String>,
+    },
+    /// An array without such a column.
+    #[error("there is no column {index}; it has {found}, counted from 0")]
+    NoIndex {
+        /// As configured.
+        index: usize,
+        /// Columns of the array.
+        found: usize,
+    },
+    /// Files of different steps that are to be read as one log.
+    #[error("the step is {found} s where {} has {expected} s; name one for all of them: step under [data]", first.display())]
+    OtherStep {
+        /// Of this file (s).
+        found: f64,
+        /// Of the first one (s).
+        expected: f64,
+        /// The first file.
+        first: PathBuf,
+    },
+    /// Files of different numbers of coordinates that are to be read as one log.
+    #[error("there are {found} coordinates where {} has {expected}", first.display())]
+    OtherCoordinates {
+        /// Of this file.
+        found: usize,
+        /// Of the first one.
+        expected: usize,
+        /// The first file.
+        first: PathBuf,
+    },
+    /// Files that say different things of the control.
+    #[error("u is {found} between samples where {} has it {expected}; say control under [data]", first.display())]
+    OtherControl {
+        /// Of this file.
+        found: &'static str,
+        /// Of the first one.
+        expected: &'static str,
+        /// The first file.
+        first: PathBuf,
+    },
+    /// A pattern that no file matches.
+    #[error("no file is called so")]
+    NoFile,
+    /// A pattern that is none.
+    #[error("not a pattern of file names: {0}")]
+    Pattern(String),
     /// A name that stands twice.
     #[error("{0} stands twice; remove one")]
     Duplicate(String),
@@ -268,8 +320,21 @@ pub enum Problem {
 pub(crate) type Fault = (Place, Problem);
 
 /// Something the reader decided about a log that it accepted. Tell the user.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Note {
+    /// The stamps were uneven or another step was wanted.
+    Resampled {
+        /// The step now (s).
+        h: f64,
+        /// Median interval in the file (s).
+        median: f64,
+        /// Shortest interval (s).
+        shortest: f64,
+        /// Longest interval that is no gap (s).
+        longest: f64,
+        /// Samples with the stamp of the one before, which were left out.
+        repeated: usize,
+    },
     /// Samples are missing, so the trajectory was split before this place.
     Gap {
         /// First sample after the gap.
@@ -306,6 +371,17 @@ pub enum Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Resampled { h, median, shortest, longest, repeated } => {
+                write!(
+                    f,
+                    "resampled onto a step of {h} s; the stamps are {median:.3e} s apart in the median, {shortest:.3e} to {longest:.3e} s"
+                )?;
+                match repeated {
+                    0 => Ok(()),
+                    1 => f.write_str("; 1 with the time of the one before was left out"),
+                    _ => write!(f, "; {repeated} with the time of the one before were left out"),
+                }
+            }
             Self::Gap { place, trajectory, missing, continues_as } => write!(
                 f,
                 "trajectory {trajectory}{place}: samples missing: {missing}; it continues as trajectory {continues_as}"
@@ -322,6 +398,13 @@ impl fmt::Display for Note {
             }
         }
     }
+}
+
+/// Names, the first dozen of many.
+fn list(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let shown = names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
+    if names.len() > MOST { format!("{shown}, … ({} in all)", names.len()) } else { shown }
 }
 
 /// Trajectories by their ids, the first five of many.

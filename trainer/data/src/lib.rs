@@ -38,15 +38,19 @@ mod angles;
 mod archive;
 pub mod atomic;
 pub mod checksummed;
+mod columns;
 mod control;
 mod csv_file;
 mod csv_text;
 mod doubts;
 mod error;
 pub mod lock;
+mod logs;
 pub mod modlanet;
 mod npy_text;
 mod npz;
+mod npz_columns;
+mod resample;
 mod rows;
 pub mod symo;
 mod table;
@@ -55,9 +59,11 @@ mod time;
 use std::fs;
 use std::path::Path;
 
+pub use columns::{Column, Columns, UNITS, unit};
 pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use doubts::Doubt;
 pub use error::{DataError, Note, Place, Problem};
+pub use logs::{Reading, files, read_as, read_logs};
 pub use rows::Rows;
 
 use error::Fault;
@@ -258,7 +264,7 @@ pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note
     located(path, || {
         match format_of(path)? {
             Format::Npz => npz::read(bytes)?,
-            Format::Csv => csv_file::read(bytes)?,
+            Format::Csv => csv_file::read(bytes, None)?,
         }
         .into_dataset()
     })

@@ -24,9 +24,9 @@ pub(crate) struct Table {
 }
 
 /// One trajectory of the table.
-struct Run {
-    id: i64,
-    rows: Range<usize>,
+pub(crate) struct Run {
+    pub(crate) id: i64,
+    pub(crate) rows: Range<usize>,
 }
 
 impl Table {
@@ -42,14 +42,14 @@ impl Table {
         Ok((Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes))
     }
 
-    fn place(&self, key: &str, row: usize) -> Place {
+    pub(crate) fn place(&self, key: &str, row: usize) -> Place {
         match self.lines.as_ref().and_then(|lines| lines.get(row)) {
             Some(&line) => Place::Cell { line, column: key.to_owned() },
             None => Place::Row { key: key.to_owned(), row },
         }
     }
 
-    fn check_finite(&self) -> Result<(), Fault> {
+    pub(crate) fn check_finite(&self) -> Result<(), Fault> {
         let fields =
             [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())];
         for (key, field) in fields {
@@ -67,7 +67,7 @@ impl Table {
     }
 
     /// The stretches of equal id.
-    fn runs(&self) -> Result<Vec<Run>, Fault> {
+    pub(crate) fn runs(&self) -> Result<Vec<Run>, Fault> {
         let Some(ids) = &self.trajectory else {
             return self.long_enough(vec![Run { id: 0, rows: 0..self.q.len() }]);
         };
@@ -93,7 +93,7 @@ impl Table {
         }
     }
 
-    fn step(&self, runs: &[Run]) -> Result<f64, Fault> {
+    pub(crate) fn step(&self, runs: &[Run]) -> Result<f64, Fault> {
         let ranges: Vec<_> = runs.iter().map(|run| run.rows.clone()).collect();
         let stamps = self.t.as_deref().map(Stamps::new);
         let at_row = |(row, problem)| (self.place("t", row), problem);
@@ -117,7 +117,7 @@ impl Table {
     }
 
     /// Splits trajectories at gaps.
-    fn pieces(&self, runs: Vec<Run>, h: f64) -> Result<(Vec<Run>, Vec<Note>), Fault> {
+    pub(crate) fn pieces(&self, runs: Vec<Run>, h: f64) -> Result<(Vec<Run>, Vec<Note>), Fault> {
         let Some(t) = &self.t else { return Ok((runs, Vec::new())) };
         let stamps = Stamps::new(t);
         let mut fresh = runs.iter().map(|run| run.id).max().unwrap_or_default();
@@ -129,7 +129,7 @@ impl Table {
             for gap in gaps {
                 self.keep(Run { id, rows: start..gap.row }, run.id, &mut pieces, &mut notes);
                 start = gap.row;
-                fresh = fresh.checked_add(1).ok_or_else(|| no_fresh_id(self.place("trajectory", gap.row)))?;
+                fresh = self.id_after(fresh, gap.row)?;
                 id = fresh;
                 notes.push(Note::Gap {
                     place: self.place("t", gap.row),
@@ -141,6 +141,12 @@ impl Table {
             self.keep(Run { id, rows: start..run.rows.end }, run.id, &mut pieces, &mut notes);
         }
         if pieces.is_empty() { Err((Place::File, Problem::Empty)) } else { Ok((pieces, notes)) }
+    }
+
+    /// The next id that no trajectory has, for what begins at a row.
+    pub(crate) fn id_after(&self, largest: i64, row: usize) -> Result<i64, Fault> {
+        let problem = || Problem::NotInteger("the id after the largest one".to_owned());
+        largest.checked_add(1).ok_or_else(|| (self.place("trajectory", row), problem()))
     }
 
     fn keep(&self, piece: Run, trajectory: i64, pieces: &mut Vec<Run>, notes: &mut Vec<Note>) {
@@ -163,10 +169,6 @@ impl Table {
             u: self.u.as_ref().map(cut),
         }
     }
-}
-
-fn no_fresh_id(place: Place) -> Fault {
-    (place, Problem::NotInteger("the id after the largest one".to_owned()))
 }
 
 impl Place {

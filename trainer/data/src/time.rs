@@ -69,7 +69,7 @@ impl<'a> Stamps<'a> {
                 stretches += 1.0;
             }
         }
-        Ok(shortest_decimal(span / steps, self.rounding * stretches / steps))
+        Ok(rounded(span / steps, self.rounding * stretches / steps))
     }
 
     /// How many steps an interval spans.
@@ -129,7 +129,7 @@ fn is_single(t: f64) -> bool {
 }
 
 /// The decimal number of the fewest digits within `error` of `x`; `x` itself if none is.
-fn shortest_decimal(x: f64, error: f64) -> f64 {
+pub(crate) fn rounded(x: f64, error: f64) -> f64 {
     (0..17)
         .filter_map(|digits| format!("{x:.digits$e}").parse::<f64>().ok())
         .find(|candidate| (candidate - x).abs() <= error)

@@ -1,0 +1,332 @@
+//! Uneven samples onto one step.
+//!
+//! The new samples of a stretch without gaps lie at t₀, t₀ + h, t₀ + 2h, …, t₀ the stamp of its first sample. Between two samples
+//! positions, velocities and accelerations go along a straight line. A held control, u_j acting from t_j to t_{j+1}, is averaged over
+//! the step in which it acts, so that its impulse stays; one that is linear between samples goes along a straight line as well.
+
+use crate::error::{Fault, Note, Place, Problem};
+use crate::table::{Run, Table};
+use crate::time::rounded;
+use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
+use leastaction_core::forces::ControlKind;
+use std::ops::Range;
+
+/// An interval of more steps, and more median intervals, than these is a gap.
+const GAP: f64 = 2.5;
+
+/// The default step is the decimal number of the fewest digits within this part of the mean interval.
+const ROUNDING: f64 = 5e-3;
+
+/// The stamps of a trajectory, each once: repeated ones are left out.
+struct Stamped {
+    id: i64,
+    t: Vec<f64>,
+    rows: Vec<usize>,
+}
+
+impl Table {
+    /// As [`Table::into_dataset`]; where the stamps are uneven, or a step is wanted that is not theirs, resampled.
+    pub(crate) fn into_even(self, wanted: Option<f64>) -> Result<(Dataset, Vec<Note>), Fault> {
+        if self.t.is_none() && self.h.is_none() || self.q.is_empty() {
+            return self.into_dataset();
+        }
+        self.check_finite()?;
+        let found = self.runs().and_then(|runs| {
+            let h = self.step(&runs)?;
+            self.pieces(runs, h).map(|_| h)
+        });
+        match (found, wanted) {
+            (Ok(_), None) => self.into_dataset(),
+            (Ok(h), Some(wanted)) if h == wanted => self.into_dataset(),
+            (Err((_, Problem::ChangingStep { .. } | Problem::Unsorted { .. })) | Ok(_), _) => {
+                self.resampled(wanted)
+            }
+            (Err(fault), _) => Err(fault),
+        }
+    }
+
+    fn resampled(self, wanted: Option<f64>) -> Result<(Dataset, Vec<Note>), Fault> {
+        let runs = self.runs()?;
+        let fresh = runs.iter().map(|run| run.id).max().unwrap_or_default();
+        let stamped: Vec<Stamped> =
+            runs.into_iter().map(|run| self.stamped(run)).collect::<Result<_, _>>()?;
+        let intervals = Intervals::of(&stamped)?;
+        let mean = intervals.mean_step();
+        let h = wanted.unwrap_or_else(|| rounded(mean, ROUNDING * mean));
+        positive(h).map_err(|problem| (Place::File, problem))?;
+        let repeated = self.q.len() - stamped.iter().map(|run| run.t.len()).sum::<usize>();
+        let Intervals { shortest, median, .. } = intervals;
+        let longest_step = GAP * h.max(median);
+        let mut even =
+            Even { table: &self, h, fresh, longest_step, trajectories: Vec::new(), notes: Vec::new() };
+        stamped.iter().try_for_each(|run| even.take(run))?;
+        let Even { trajectories, mut notes, .. } = even;
+        if trajectories.is_empty() {
+            return Err((Place::File, Problem::Empty));
+        }
+        let longest = intervals.longest_within(longest_step);
+        notes.insert(0, Note::Resampled { h, median, shortest, longest, repeated });
+        Ok((Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes))
+    }
+
+    /// The stamps of a run, of equal ones the first.
+    fn stamped(&self, run: Run) -> Result<Stamped, Fault> {
+        let (mut t, mut rows) = (Vec::new(), Vec::new());
+        for row in run.rows.clone() {
+            let now = match (&self.t, &self.h) {
+                (Some(t), _) => t.get(row).copied().unwrap_or_default(),
+                (None, h) => (row - run.rows.start) as f64 * h.as_ref().map_or(0.0, |(h, _)| *h),
+            };
+            match t.last() {
+                Some(&before) if now < before => {
+                    return Err((self.place("t", row), Problem::Unsorted { before, after: now }));
+                }
+                Some(&before) if now == before => {}
+                _ => {
+                    t.push(now);
+                    rows.push(row);
+                }
+            }
+        }
+        Ok(Stamped { id: run.id, t, rows })
+    }
+}
+
+/// Of all samples and those before them (s).
+struct Intervals {
+    sorted: Vec<f64>,
+    median: f64,
+    shortest: f64,
+}
+
+impl Intervals {
+    fn of(runs: &[Stamped]) -> Result<Self, Fault> {
+        let mut sorted: Vec<f64> =
+            runs.iter().flat_map(|run| run.t.windows(2).map(|pair| pair[1] - pair[0])).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        match (sorted.get(sorted.len() / 2).copied(), sorted.first().copied()) {
+            (Some(median), Some(shortest)) => Ok(Self { sorted, median, shortest }),
+            _ => Err((Place::File, Problem::Empty)),
+        }
+    }
+
+    /// The mean step between samples, of which an interval around twice the median has two.
+    fn mean_step(&self) -> f64 {
+        let short = self.sorted.iter().take_while(|interval| **interval <= GAP * self.median);
+        let of_one = |(span, steps): (f64, f64), interval: &f64| {
+            (span + interval, steps + (interval / self.median).round().max(1.0))
+        };
+        let (span, steps) = short.fold((0.0, 0.0), of_one);
+        span / steps
+    }
+
+    /// The longest that is no gap.
+    fn longest_within(&self, limit: f64) -> f64 {
+        self.sorted.iter().rev().find(|interval| **interval <= limit).copied().unwrap_or(self.shortest)
+    }
+}
+
+/// Trajectories of one step in the making.
+struct Even<'a> {
+    table: &'a Table,
+    h: f64,
+    /// The largest id so far.
+    fresh: i64,
+    longest_step: f64,
+    trajectories: Vec<Trajectory>,
+    notes: Vec<Note>,
+}
+
+impl Even<'_> {
+    /// The stretches of a run between its gaps.
+    fn take(&mut self, run: &Stamped) -> Result<(), Fault> {
+        let (mut start, mut id) = (0, run.id);
+        for k in 1..=run.t.len() {
+            let interval = run.t.get(k).map(|t| t - run.t[k - 1]);
+            if interval.is_some_and(|interval| interval <= self.longest_step) {
+                continue;
+            }
+            self.keep(run, start..k, id);
+            let Some(interval) = interval else { break };
+            self.fresh = self.table.id_after(self.fresh, run.rows[k])?;
+            let missing = (interval / self.h).round() as u64 - 1;
+            let place = self.table.place("t", run.rows[k]);
+            self.notes.push(Note::Gap { place, trajectory: run.id, missing, continues_as: self.fresh });
+            (start, id) = (k, self.fresh);
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self, run: &Stamped, part: Range<usize>, id: i64) {
+        let (t, rows) = (&run.t[part.clone()], &run.rows[part.clone()]);
+        let span = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
+        // Rounding must not cost the last sample.
+        let samples = (span / self.h + 1e-6).floor() as usize + 1;
+        if samples < MIN_SAMPLES {
+            let place = self.table.place("t", rows.first().copied().unwrap_or_default());
+            self.notes.push(Note::Dropped { place, trajectory: run.id, samples });
+            return;
+        }
+        let grid = Grid { t, rows, h: self.h, samples };
+        let straight = |field: &Rows| grid.straight(field);
+        let table = self.table;
+        let u = table.u.as_ref().map(|u| match table.control.unwrap_or_default() {
+            ControlKind::Held => grid.averaged(u),
+            ControlKind::Linear => grid.straight(u),
+        });
+        let (q, v, a) = (straight(&table.q), table.v.as_ref().map(straight), table.a.as_ref().map(straight));
+        let t0 = t.first().copied().unwrap_or_default();
+        self.trajectories.push(Trajectory { id, t0, q, v, a, u });
+    }
+}
+
+/// The new samples of a stretch: its stamps (s), the rows of the file they belong to.
+struct Grid<'a> {
+    t: &'a [f64],
+    rows: &'a [usize],
+    h: f64,
+    samples: usize,
+}
+
+impl Grid<'_> {
+    fn at(&self, k: usize) -> f64 {
+        self.t[0] + k as f64 * self.h
+    }
+
+    fn row<'r>(&self, field: &'r Rows, j: usize) -> &'r [f64] {
+        self.rows.get(j).and_then(|row| field.get(*row)).unwrap_or_default()
+    }
+
+    /// Along straight lines between samples.
+    fn straight(&self, field: &Rows) -> Rows {
+        let (mut values, mut j) = (Vec::with_capacity(self.samples * field.width()), 0);
+        for k in 0..self.samples {
+            let now = self.at(k);
+            while j + 2 < self.t.len() && self.t[j + 1] <= now {
+                j += 1;
+            }
+            let part = ((now - self.t[j]) / (self.t[j + 1] - self.t[j])).clamp(0.0, 1.0);
+            let ends = self.row(field, j).iter().zip(self.row(field, j + 1));
+            values.extend(ends.map(|(from, to)| from + part * (to - from)));
+        }
+        Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
+    }
+
+    /// Means over every step, each sample acting until the next; the last one's is over what there is.
+    fn averaged(&self, field: &Rows) -> Rows {
+        let (mut values, mut j) = (Vec::with_capacity(self.samples * field.width()), 0);
+        for k in 0..self.samples {
+            let (from, to) = (self.at(k), self.at(k + 1));
+            while self.t.get(j + 1).is_some_and(|next| *next <= from) {
+                j += 1;
+            }
+            values.extend(self.mean(field, j, from, to));
+        }
+        Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
+    }
+
+    /// The mean over [from, to], sample j acting at its beginning.
+    fn mean(&self, field: &Rows, first: usize, from: f64, to: f64) -> Vec<f64> {
+        let mut sum = vec![0.0; field.width()];
+        let mut begin = from;
+        for j in first..self.t.len() {
+            let end = self.t.get(j + 1).map_or(to, |next| next.min(to));
+            for (sum, u) in sum.iter_mut().zip(self.row(field, j)) {
+                *sum += (end - begin) * u;
+            }
+            begin = end;
+            if end >= to {
+                break;
+            }
+        }
+        sum.iter().map(|sum| sum / (to - from)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(t: &[f64], q: &[f64], u: &[f64]) -> Table {
+        Table {
+            q: Rows::from_flat(1, q.to_vec()).unwrap(),
+            v: None,
+            a: None,
+            u: Rows::from_flat(1, u.to_vec()),
+            t: Some(t.to_vec()),
+            h: None,
+            trajectory: None,
+            control: None,
+            lines: None,
+        }
+    }
+
+    fn jittered(samples: usize, h: f64) -> Vec<f64> {
+        // A fixed pattern within 10% of the step.
+        (0..samples).map(|k| (k as f64 + 0.1 * ((k * 7 % 11) as f64 / 11.0 - 0.5)) * h).collect()
+    }
+
+    #[test]
+    fn a_straight_motion_stays_straight() {
+        let t = jittered(200, 2e-3);
+        let q: Vec<f64> = t.iter().map(|t| 3.0 * t - 1.0).collect();
+        let (data, notes) = table(&t, &q, &vec![0.0; 200]).into_even(None).unwrap();
+        assert_eq!(data.h, 2e-3);
+        let trajectory = &data.trajectories[0];
+        for (now, q) in data.times(trajectory).zip(trajectory.q.column(0)) {
+            assert!((q - (3.0 * now - 1.0)).abs() < 1e-12, "{now} {q}");
+        }
+        assert!(matches!(notes[..], [Note::Resampled { repeated: 0, .. }]), "{notes:?}");
+    }
+
+    #[test]
+    fn the_impulse_of_a_held_control_stays() {
+        let t = jittered(101, 1e-3);
+        let u: Vec<f64> = (0..101).map(|k| ((k * k) % 17) as f64).collect();
+        let impulse: f64 = t.windows(2).zip(&u).map(|(pair, u)| u * (pair[1] - pair[0])).sum();
+        let (data, _) = table(&t, &vec![0.0; 101], &u).into_even(Some(5e-3)).unwrap();
+        let even = data.trajectories[0].u.as_ref().unwrap();
+        let whole = even.len() - 1;
+        let found: f64 = even.column(0).take(whole).map(|u| u * data.h).sum();
+        // The last step is not whole: what acts after the last whole one is the rest.
+        let end = t[0] + whole as f64 * data.h;
+        let rest: f64 = t.windows(2).zip(&u).map(|(pair, u)| u * (pair[1] - pair[0].max(end)).max(0.0)).sum();
+        assert!((found + rest - impulse).abs() < 1e-12, "{found} + {rest} instead of {impulse}");
+    }
+
+    #[test]
+    fn gaps_split_and_repeated_stamps_are_left_out() {
+        let mut t = jittered(100, 0.01);
+        for late in &mut t[60..] {
+            *late += 0.2;
+        }
+        t[30] = t[29];
+        let q: Vec<f64> = (0..100).map(f64::from).collect();
+        let (data, notes) = table(&t, &q, &q).into_even(None).unwrap();
+        assert_eq!(data.trajectories.iter().map(|t| t.id).collect::<Vec<_>>(), [0, 1]);
+        assert!(matches!(notes[0], Note::Resampled { repeated: 1, .. }), "{notes:?}");
+        assert!(matches!(notes[1], Note::Gap { missing: 20, continues_as: 1, .. }), "{notes:?}");
+    }
+
+    #[test]
+    fn even_stamps_are_left_as_they_are() {
+        let t: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01).collect();
+        let q: Vec<f64> = t.iter().map(|t| (3.0 * t).sin()).collect();
+        let (data, notes) = table(&t, &q, &q).into_even(None).unwrap();
+        assert_eq!(data.trajectories[0].q.as_flat(), q);
+        assert!(notes.is_empty());
+        let (coarser, _) = table(&t, &q, &q).into_even(Some(0.02)).unwrap();
+        let every_other: Vec<f64> = q.iter().step_by(2).copied().collect();
+        for (found, expected) in coarser.trajectories[0].q.column(0).zip(every_other) {
+            assert!((found - expected).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn time_that_goes_back_is_refused_with_its_place() {
+        let t = [0.0, 0.01, 0.02, 0.015, 0.03];
+        let (place, problem) = table(&t, &t, &t).into_even(None).unwrap_err();
+        assert_eq!(place, Place::Row { key: "t".to_owned(), row: 3 });
+        assert!(matches!(problem, Problem::Unsorted { .. }));
+    }
+}
