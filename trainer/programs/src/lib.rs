@@ -23,6 +23,7 @@ mod reverse;
 mod row;
 mod schedule;
 mod single;
+mod sources;
 mod sparsity;
 mod system;
 
