@@ -4,7 +4,8 @@ use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};
 use crate::kernels::{self, Pair};
 use crate::reverse::WeightTerm;
-use crate::row::{Places, Row};
+use crate::picks::{PickSums, Picks};
+use crate::row::Row;
 use crate::schedule::Scheduler;
 use std::ops::Range;
 use wide::f64x8;
@@ -66,17 +67,22 @@ pub(crate) enum Step {
         index: Box<[u32]>,
         to: Slot,
     },
-    /// Of every row the places that its numbers are read from.
+    /// Rows read from here and there.
     Pick {
         x: Slot,
-        index: Box<[Places]>,
+        picks: Picks,
         to: Slot,
     },
-    /// The same of every summand of a row; those of a row end in the list where `ends` says.
+    /// The same of an input.
+    PickInput {
+        number: usize,
+        picks: Picks,
+        to: Slot,
+    },
+    /// Sums of such rows.
     PickSums {
         x: Slot,
-        ends: Box<[usize]>,
-        index: Box<[Places]>,
+        sums: PickSums,
         to: Slot,
     },
     /// Parameters one after the other.
@@ -135,7 +141,7 @@ impl Program {
     /// by side are the columns that layers are applied to. Many nodes or edges of one graph take the time of as many samples of a
     /// small system.
     pub fn of_one_sample(builder: &Builder, outputs: &[Node]) -> Self {
-        Scheduler::new(builder, outputs, &[]).for_one_sample().schedule(outputs, &[])
+        Scheduler::new(builder, outputs, &[]).for_one_sample(outputs).schedule(outputs, &[])
     }
 
     /// Numbers that a workspace keeps of every sample.
@@ -235,18 +241,9 @@ impl Step {
                 to.fill(Row::default());
                 slots[*x].iter().zip(index).for_each(|(x, i)| to[*i as usize].add_scaled(1.0, x));
             }),
-            Self::Pick { x, index, to } => write(slots, *to, |slots, to| {
-                let x = &slots[*x][..];
-                to.iter_mut().zip(index).for_each(|(to, index)| *to = Row::picked(x, index));
-            }),
-            Self::PickSums { x, ends, index, to } => write(slots, *to, |slots, to| {
-                let (x, mut start) = (&slots[*x][..], 0);
-                for (to, end) in to.iter_mut().zip(ends) {
-                    *to = Row::default();
-                    index[start..*end].iter().for_each(|index| to.add_scaled(1.0, &Row::picked(x, index)));
-                    start = *end;
-                }
-            }),
+            Self::Pick { x, picks, to } => write(slots, *to, |slots, to| picks.write(&slots[*x], to)),
+            Self::PickInput { number, picks, to } => picks.write(inputs[*number], &mut slots[*to]),
+            Self::PickSums { x, sums, to } => write(slots, *to, |slots, to| sums.write(&slots[*x], to)),
             Self::PackedParameters { range, to } => {
                 let places = slots[*to].iter_mut().flat_map(|row| &mut row.0);
                 places.zip(&weights[range.clone()]).for_each(|(to, w)| *to = *w);
@@ -270,11 +267,21 @@ fn write(slots: &mut [Vec<Row>], to: Slot, compute: impl FnOnce(&[Vec<Row>], &mu
     slots[to] = place;
 }
 
+/// Of two vectors number by number; where one of them is shorter it is repeated.
 fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64x8) -> f64x8) {
     write(slots, to, |slots, to| {
-        for ((to, x), y) in to.iter_mut().zip(&slots[x]).zip(&slots[y]) {
-            let (x, y) = (x.load(), y.load());
-            *to = Row::store(std::array::from_fn(|g| f(x[g], y[g])));
+        let (x, y) = (&slots[x], &slots[y]);
+        let (of_x, of_y) = (x.len() < to.len(), y.len() < to.len());
+        let part = if of_x { x.len() } else { y.len() };
+        for (k, to) in to.chunks_mut(part.max(1)).enumerate() {
+            let [x, y] = [(x, of_x), (y, of_y)].map(|(x, repeated)| {
+                let start = if repeated { 0 } else { k * part };
+                &x[start..start + to.len()]
+            });
+            for ((to, x), y) in to.iter_mut().zip(x).zip(y) {
+                let (x, y) = (x.load(), y.load());
+                *to = Row::store(std::array::from_fn(|g| f(x[g], y[g])));
+            }
         }
     });
 }
