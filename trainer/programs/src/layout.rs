@@ -150,9 +150,8 @@ fn form(builder: &Builder, node: Node, wanted: Option<usize>, forms: &[Form]) ->
             Form { units, alike: repeat(index.len(), units, |i| of(*x).place(index[i] as usize)) }
         }
         Operation::Scatter { x, index } => {
-            let own = |units: &usize| {
-                is_of_columns(index, *units) && builder.length(node).is_multiple_of(*units)
-            };
+            let own =
+                |units: &usize| is_of_columns(index, *units) && builder.length(node).is_multiple_of(*units);
             Form::of_units(wanted.or(Some(of(*x).units).filter(own)).unwrap_or(1))
         }
     }
@@ -190,9 +189,8 @@ fn wanted(builder: &Builder, needed: &[bool]) -> Vec<Option<usize>> {
         let own = match &builder.operations[at] {
             Operation::Linear { layer, .. } => Some(layer.inputs.max(1)),
             Operation::Transposed { layer, .. } => Some(layer.outputs.max(1)),
-            Operation::Gather { x, index } => wanted[at].filter(|units| {
-                builder.length(*x).is_multiple_of(*units) && is_of_columns(index, *units)
-            }),
+            Operation::Gather { x, index } => wanted[at]
+                .filter(|units| builder.length(*x).is_multiple_of(*units) && is_of_columns(index, *units)),
             Operation::Scatter { index, .. } => repeated_units(index).filter(|units| *units > 1),
             _ => wanted[at],
         };

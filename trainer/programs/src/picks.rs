@@ -18,8 +18,92 @@ enum Pick {
     Same(u32),
     /// The numbers of the first row from `by` on, then those of the second from its start on.
     Shifted { rows: [u32; 2], by: u8 },
+    /// The numbers of so many rows in turn, or every so manieth of them.
+    Turned { first: u32, step: u32, turn: u8 },
     /// These places of the list.
     Any(u32),
+}
+
+/// Rows of columns of several units, which become numbers one after the other, or the other way round.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    /// Units of a column.
+    units: usize,
+    /// Which of the rows is written.
+    part: usize,
+    /// Whether columns are written.
+    to_columns: bool,
+    read: fn(&[Row], usize, usize) -> Row,
+}
+
+impl Turn {
+    const fn to_columns<const UNITS: usize, const PART: usize>() -> Self {
+        Self { units: UNITS, part: PART, to_columns: true, read: turned::<UNITS, PART, true> }
+    }
+
+    const fn to_numbers<const UNITS: usize, const PART: usize>() -> Self {
+        Self { units: UNITS, part: PART, to_columns: false, read: turned::<UNITS, PART, false> }
+    }
+
+    /// The pick of this kind that a row may be.
+    fn of_row(self, turn: usize, row: &Places) -> Option<Pick> {
+        let of = |k: usize| turned_from(k, self.units, self.part, self.to_columns).0;
+        let read = |k: usize| (row[k] != NOWHERE).then_some(row[k] as usize / WIDTH);
+        let step = (1..WIDTH)
+            .find(|k| of(*k) == of(0) + 1)
+            .and_then(|k| read(k)?.checked_sub(read(0)?))
+            .unwrap_or(1);
+        let first = read(0)?.checked_sub(of(0) * step)?;
+        Some(Pick::Turned { first: first as u32, step: step as u32, turn: turn as u8 })
+    }
+}
+
+/// Turns of columns of the units that coordinates in space have.
+const TURNS: [Turn; 10] = [
+    Turn::to_columns::<2, 0>(),
+    Turn::to_columns::<2, 1>(),
+    Turn::to_columns::<3, 0>(),
+    Turn::to_columns::<3, 1>(),
+    Turn::to_columns::<3, 2>(),
+    Turn::to_numbers::<2, 0>(),
+    Turn::to_numbers::<2, 1>(),
+    Turn::to_numbers::<3, 0>(),
+    Turn::to_numbers::<3, 1>(),
+    Turn::to_numbers::<3, 2>(),
+];
+
+/// The row and the lane that lane k of a turned row is read from.
+const fn turned_from(k: usize, units: usize, part: usize, to_columns: bool) -> (usize, usize) {
+    if to_columns {
+        let number = part + units * k;
+        (number / WIDTH, number % WIDTH)
+    } else {
+        let number = WIDTH * part + k;
+        (number % units, number / units)
+    }
+}
+
+fn turned<const UNITS: usize, const PART: usize, const TO_COLUMNS: bool>(
+    x: &[Row],
+    first: usize,
+    step: usize,
+) -> Row {
+    // Rows after the last are read for lanes that nothing is read from.
+    let rows: [&Row; UNITS] = std::array::from_fn(|row| &x[(first + row * step).min(x.len() - 1)]);
+    Row(std::array::from_fn(|k| {
+        let (row, lane) = const { &turned_places(UNITS, PART, TO_COLUMNS) }[k];
+        rows[row].0[lane]
+    }))
+}
+
+const fn turned_places(units: usize, part: usize, to_columns: bool) -> [(usize, usize); WIDTH] {
+    let mut places = [(0, 0); WIDTH];
+    let mut k = 0;
+    while k < WIDTH {
+        places[k] = turned_from(k, units, part, to_columns);
+        k += 1;
+    }
+    places
 }
 
 impl Picks {
@@ -37,7 +121,8 @@ impl Picks {
         let mut others = Vec::new();
         let rows = places.as_chunks().0.iter().map(|row: &Places| {
             let fits = |pick: &Pick| (0..WIDTH).all(|k| !matters(row[k]) || pick.place(k) == Some(row[k]));
-            [Pick::Same(row[0]), shifted(row)].into_iter().find(fits).unwrap_or_else(|| {
+            let turned = TURNS.iter().enumerate().filter_map(|(turn, of)| of.of_row(turn, row));
+            [Pick::Same(row[0]), shifted(row)].into_iter().chain(turned).find(fits).unwrap_or_else(|| {
                 others.push(*row);
                 Pick::Any(others.len() as u32 - 1)
             })
@@ -53,6 +138,9 @@ impl Picks {
             Pick::Shifted { rows: [first, _], by: 0 } => x[first as usize],
             Pick::Shifted { rows: [first, second], by } => {
                 SHIFTS[usize::from(by)](&x[first as usize], &x[second as usize])
+            }
+            Pick::Turned { first, step, turn } => {
+                (TURNS[usize::from(turn)].read)(x, first as usize, step as usize)
             }
             Pick::Any(list) => Row::picked(x, &self.places[list as usize]),
         }
@@ -73,6 +161,11 @@ impl Pick {
                 let (k, by) = (k as u32, u32::from(by));
                 let own = WIDTH as u32 - by;
                 Some(if k < own { first * WIDTH as u32 + by + k } else { second * WIDTH as u32 + k - own })
+            }
+            Self::Turned { first, step, turn } => {
+                let turn = TURNS[usize::from(turn)];
+                let (row, lane) = turned_from(k, turn.units, turn.part, turn.to_columns);
+                Some((first + row as u32 * step) * WIDTH as u32 + lane as u32)
             }
             Self::Any(_) => None,
         }
@@ -148,15 +241,25 @@ mod tests {
     fn rows_are_read_from_where_they_are_said_to_be() {
         let width = WIDTH as u32;
         let of = |f: &dyn Fn(u32) -> u32| (0..width).map(f).collect::<Vec<_>>();
-        let shift = |by: u32| of(&|k| if k + by < width { width + k + by } else { 3 * width + k + by - width });
+        let shift =
+            |by: u32| of(&|k| if k + by < width { width + k + by } else { 3 * width + k + by - width });
         let mut lists: Vec<Vec<u32>> = (0..width).map(shift).collect();
-        lists.extend([of(&|_| 21), of(&|k| 3 * k + 1), of(&|k| k + k / 9), of(&|k| 63 - k)]);
+        lists.extend([of(&|_| 21), of(&|k| k + k / 9), of(&|k| 63 - k)]);
+        lists.extend((0..2).map(|part| of(&|k| 2 * k + part)));
+        lists.extend((0..3).map(|part| of(&|k| 3 * k + part)));
+        lists.extend((0..2).map(|part| of(&|k| (k % 2) * 2 * width + 8 * part + k / 2)));
+        let third = |part: u32, k: u32| width * ((width * part + k) % 3) + (width * part + k) / 3;
+        lists.extend((0..3).map(|part| of(&|k| third(part, k))));
         for list in &lists {
             let found = Picks::new(list).read(0, &rows(4));
             assert_eq!(found.0.map(|x| x as u32).to_vec(), *list);
         }
         let picks = Picks::new(&lists.concat());
-        assert_eq!(picks.places.len(), 3, "whole rows, shifted rows and single numbers need no list");
+        assert_eq!(
+            picks.places.len(),
+            2,
+            "whole rows, shifted and turned rows and single numbers need no list"
+        );
     }
 
     #[test]
@@ -166,7 +269,8 @@ mod tests {
         assert!(Picks::new(&places).places.is_empty());
         let mut sums = rows(2);
         PickSums::new(&[&places[..], &places].concat(), [2, 2].into()).write(&rows(2), &mut sums);
-        let expected: Vec<f64> = (0..WIDTH).map(|k| if k + 3 < WIDTH { 2.0 * (k + 5) as f64 } else { 0.0 }).collect();
+        let expected: Vec<f64> =
+            (0..WIDTH).map(|k| if k + 3 < WIDTH { 2.0 * (k + 5) as f64 } else { 0.0 }).collect();
         assert_eq!(sums[0].0.to_vec(), expected);
         assert_eq!(sums[1], Row::default());
     }

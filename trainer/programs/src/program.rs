@@ -3,8 +3,8 @@
 use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};
 use crate::kernels::{self, Pair};
-use crate::reverse::WeightTerm;
 use crate::picks::{PickSums, Picks};
+use crate::reverse::WeightTerm;
 use crate::row::Row;
 use crate::schedule::Scheduler;
 use std::ops::Range;
@@ -287,16 +287,8 @@ fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64
 }
 
 fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec<Row>]) {
-    let wanted = to.map(|to| to.is_some());
     let mut places = to.map(|to| to.map(|to| std::mem::take(&mut slots[to])));
-    for (i, x) in slots[x].iter().enumerate() {
-        let curve = function.curve(x, wanted);
-        for (place, value) in places.iter_mut().zip(&curve) {
-            if let Some(place) = place {
-                place[i] = *value;
-            }
-        }
-    }
+    function.write(&slots[x], places.each_mut().map(|place| place.as_deref_mut()));
     for (to, place) in to.into_iter().zip(places) {
         if let (Some(to), Some(place)) = (to, place) {
             slots[to] = place;

@@ -205,7 +205,8 @@ impl<'b> Scheduler<'b> {
             return;
         }
         let rearranged = self.rearranged.remove(&node).unwrap_or_default();
-        for slot in self.places[node.index()].into_iter().chain(rearranged.into_iter().map(|(_, slot)| slot)) {
+        for slot in self.places[node.index()].into_iter().chain(rearranged.into_iter().map(|(_, slot)| slot))
+        {
             self.free.entry(self.program.slots[slot]).or_default().push(slot);
         }
     }
@@ -282,9 +283,7 @@ impl<'b> Scheduler<'b> {
                 let (to, given) = (self.reserve(node), Form::of_units(1));
                 match self.layout.as_ref().map(|layout| layout.form(node)).filter(|form| *form != given) {
                     None => Step::Input { number, to },
-                    Some(form) => {
-                        Step::PickInput { number, picks: form.picks(length, (given, |i| i)), to }
-                    }
+                    Some(form) => Step::PickInput { number, picks: form.picks(length, (given, |i| i)), to },
                 }
             }
             Operation::Parameters(start) if self.layout.is_none() => {
