@@ -1,4 +1,5 @@
 use crate::row::{Row, WIDTH};
+use wide::f64x8;
 
 /// The factors of a small symmetric positive definite matrix of every sample, A = LDLᵀ, in storage that is used again; of as many
 /// rows of samples as there are.
@@ -47,9 +48,11 @@ impl Cholesky {
         let (n, rows) = (self.n, self.rows);
         let at = |i: usize, j: usize| (i * n + j) * rows;
         for (d, positive) in self.entries[at(k, k)..].iter_mut().zip(&mut self.positive) {
+            let (own, pivot) = (positive.load(), d.load());
             // What is no number is not positive either.
-            *positive = positive.zip(d, |own, d| if d > 0.0 && d < f64::INFINITY { own } else { 0.0 });
-            *d = d.zip(d, |d, _| 1.0 / d);
+            let is_number = pivot.map(|d| d.simd_gt(f64x8::ZERO) & d.simd_lt(f64x8::splat(f64::INFINITY)));
+            *positive = Row::store(std::array::from_fn(|g| own[g] & is_number[g]));
+            *d = Row::store(pivot.map(|d| f64x8::ONE / d));
         }
         for (i, row) in (k + 1..n).flat_map(|i| (0..rows).map(move |row| (i, row))) {
             let (own, inverse) = (self.entries[at(i, k) + row], self.entries[at(k, k) + row]);
@@ -76,8 +79,9 @@ impl Cholesky {
                 b[i * rows + row].add_product(entry(i, j, row), &x);
             }
         }
-        for (k, b) in b.iter_mut().enumerate() {
-            *b = b.zip(entry(k / rows, k / rows, k % rows), |x, inverse| x * inverse);
+        for (i, b) in b.chunks_mut(rows).enumerate() {
+            let inverse = &self.entries[(i * n + i) * rows..];
+            b.iter_mut().zip(inverse).for_each(|(b, inverse)| *b = b.product(inverse));
         }
         for (i, j) in above {
             for row in 0..rows {
