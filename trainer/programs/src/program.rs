@@ -42,6 +42,14 @@ pub(crate) enum Step {
         x: Slot,
         to: [Option<Slot>; ORDERS],
     },
+    /// The derivative of this order of a function, times another vector.
+    MapProduct {
+        function: Function,
+        order: usize,
+        x: Slot,
+        y: Slot,
+        to: Slot,
+    },
     Product {
         x: Slot,
         y: Slot,
@@ -227,6 +235,9 @@ impl Step {
                 kernels::transposed(layer, *columns, weights, &slots[*y], to);
             }),
             Self::Map { function, x, to } => map(*function, *x, *to, slots),
+            Self::MapProduct { function, order, x, y, to } => write(slots, *to, |slots, to| {
+                map_product((*function, *order), &slots[*x], &slots[*y], to);
+            }),
             Self::Product { x, y, to } => pairwise(slots, [*x, *y, *to], |x, y| x * y),
             Self::Sum { x, y, to } => pairwise(slots, [*x, *y, *to], |x, y| x + y),
             Self::Scaled { c, x, to } => {
@@ -284,6 +295,24 @@ fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64
             }
         }
     });
+}
+
+/// Rows of a function that are multiplied while they are in the cache.
+const MAPPED: usize = 32;
+
+/// f⁽ᵒʳᵈᵉʳ⁾(x)y; where y is shorter it is repeated.
+fn map_product((function, order): (Function, usize), x: &[Row], y: &[Row], to: &mut [Row]) {
+    let repeated = y.len() < to.len();
+    let part = if repeated { y.len() * (MAPPED / y.len()).max(1) } else { MAPPED };
+    for ((k, to), x) in to.chunks_mut(part).enumerate().zip(x.chunks(part)) {
+        let mut places = [const { None }; ORDERS];
+        places[order] = Some(&mut *to);
+        function.write(x, places);
+        let y = if repeated { y } else { &y[k * part..][..to.len()] };
+        for to in to.chunks_mut(y.len()) {
+            to.iter_mut().zip(y).for_each(|(to, y)| *to = to.product(y));
+        }
+    }
 }
 
 fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec<Row>]) {

@@ -1,13 +1,13 @@
 //! From a list of operations to the steps of a program: what no result needs is left out, and what is read no more makes room.
 
 use crate::builder::{Builder, Layer, Node, Operation};
-use crate::function::ORDERS;
+use crate::function::{Function, ORDERS};
 use crate::kernels::Pair;
 use crate::layout::{Form, Layout};
 use crate::program::{Program, Slot, Step};
 use crate::reverse::WeightTerm;
 use crate::row::{Row, WIDTH};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Nodes of a gradient's terms for one layer.
 type Pairs = Vec<Pair<Node>>;
@@ -34,6 +34,9 @@ pub(crate) struct Scheduler<'b> {
     maps: HashMap<(u32, Node), [Option<Node>; ORDERS]>,
     /// Where numbers lie, of one sample; none where samples lie side by side.
     layout: Option<Layout>,
+    /// Functions that nothing but one product reads, by that product: computed together.
+    factors: HashMap<Node, Node>,
+    is_factor: HashSet<Node>,
     /// Nodes in other forms than their own.
     rearranged: HashMap<Node, Vec<(Form, Slot)>>,
 }
@@ -77,6 +80,8 @@ impl<'b> Scheduler<'b> {
             ends: HashMap::new(),
             maps: HashMap::new(),
             layout: None,
+            factors: HashMap::new(),
+            is_factor: HashSet::new(),
             rearranged: HashMap::new(),
         }
     }
@@ -91,11 +96,14 @@ impl<'b> Scheduler<'b> {
 
     pub fn schedule(mut self, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Program {
         let order = std::mem::take(&mut self.order);
-        for (rank, node) in order.iter().enumerate() {
-            self.reads(*node).into_iter().for_each(|x| self.last_read[x.index()] = rank);
+        for node in &order {
             if let Operation::Map { function, order, x } = &self.builder.operations[node.index()] {
                 self.maps.entry((*function, *x)).or_default()[*order] = Some(*node);
             }
+        }
+        self.find_factors(&order, outputs, rows);
+        for (rank, node) in order.iter().enumerate() {
+            self.reads(*node).into_iter().for_each(|x| self.last_read[x.index()] = rank);
         }
         self.group(rows);
         outputs.iter().for_each(|node| self.last_read[node.index()] = usize::MAX);
@@ -155,12 +163,57 @@ impl<'b> Scheduler<'b> {
         self.gradients.entry(ready).or_default().push(gradient);
     }
 
+    /// Finds the functions that only one product reads, computed at numbers that no other derivative is computed at.
+    fn find_factors(&mut self, order: &[Node], outputs: &[Node], rows: &[Vec<WeightTerm>]) {
+        let mut readers = vec![0; self.ranks.len()];
+        let mut count = |node: Node| readers[node.index()] += 1;
+        outputs.iter().for_each(|node| count(*node));
+        rows.iter().flatten().for_each(|term| reads_of(term, &mut count));
+        order.iter().for_each(|node| self.builder.operations[node.index()].reads(&mut count));
+        for node in order {
+            let Operation::Product(a, b) = self.builder.operations[node.index()] else { continue };
+            let factor = [a, b].into_iter().find(|x| {
+                readers[x.index()] == 1 && self.is_computed_alone(*x) && self.form(*x) == self.form(*node)
+            });
+            self.is_factor.extend(factor);
+            self.factors.extend(factor.map(|factor| (*node, factor)));
+        }
+    }
+
+    /// Whether a node is a function, and no other derivative of it is needed.
+    fn is_computed_alone(&self, node: Node) -> bool {
+        match &self.builder.operations[node.index()] {
+            Operation::Map { function, x, .. } => self.maps[&(*function, *x)].iter().flatten().count() == 1,
+            _ => false,
+        }
+    }
+
+    /// How a node's numbers lie; several samples lie side by side in all of them alike.
+    fn form(&self, node: Node) -> Form {
+        self.layout.as_ref().map_or(Form::of_units(1), |layout| layout.form(node))
+    }
+
+    /// The function among the factors of a product that is computed with it, its order and argument, and the other factor.
+    fn factor(&self, product: Node) -> Option<(Function, usize, Node, Node)> {
+        let factor = self.factors.get(&product)?;
+        match (&self.builder.operations[product.index()], &self.builder.operations[factor.index()]) {
+            (Operation::Product(a, b), Operation::Map { function, order, x }) => {
+                let other = if a == factor { *b } else { *a };
+                Some((self.builder.functions[function], *order, *x, other))
+            }
+            _ => None,
+        }
+    }
+
     /// What the step that computes a node reads.
     fn reads(&self, node: Node) -> Vec<Node> {
         let operation = &self.builder.operations[node.index()];
         let mut read = Vec::new();
         match operation {
             Operation::Scatter { x, .. } => read.push(self.summands(*x).0),
+            Operation::Product(..) if self.factors.contains_key(&node) => {
+                read.extend(self.factor(node).into_iter().flat_map(|(_, _, x, other)| [x, other]));
+            }
             _ => operation.reads(|x| read.push(x)),
         }
         read
@@ -302,15 +355,22 @@ impl<'b> Scheduler<'b> {
                 let y = self.in_columns(y, layer.outputs.max(1));
                 Step::Transposed { layer, columns, y, to: self.reserve(node) }
             }
+            Operation::Map { .. } if self.is_factor.contains(&node) => return,
             Operation::Map { function, x, .. } => {
                 let nodes = self.maps.get(&(function, x)).copied().unwrap_or_default();
                 let to = nodes.map(|node| node.map(|node| self.reserve(node)));
                 Step::Map { function: self.builder.functions[&function], x: self.place(x), to }
             }
-            Operation::Product(x, y) => {
-                let [x, y] = self.alike(node, [x, y]);
-                Step::Product { x, y, to: self.reserve(node) }
-            }
+            Operation::Product(x, y) => match self.factor(node) {
+                Some((function, order, x, y)) => {
+                    let [x, y] = self.alike(node, [x, y]);
+                    Step::MapProduct { function, order, x, y, to: self.reserve(node) }
+                }
+                None => {
+                    let [x, y] = self.alike(node, [x, y]);
+                    Step::Product { x, y, to: self.reserve(node) }
+                }
+            },
             Operation::Sum(x, y) => {
                 let [x, y] = self.alike(node, [x, y]);
                 Step::Sum { x, y, to: self.reserve(node) }

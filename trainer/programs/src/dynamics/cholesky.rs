@@ -40,7 +40,8 @@ impl Cholesky {
 
     /// Whether those of all samples of a row are.
     pub fn are_positive(&self, row: usize) -> bool {
-        self.positive[row] == Row::splat(1.0)
+        let [first, second] = self.positive[row].load();
+        (first & second).simd_eq(f64x8::ONE).all()
     }
 
     /// Takes column k out of the rows below.
