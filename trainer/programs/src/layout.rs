@@ -36,7 +36,7 @@ impl Form {
     }
 
     /// The place of a number among those of all rows.
-    fn place(self, i: usize) -> usize {
+    pub fn place(self, i: usize) -> usize {
         let (column, unit) = (if self.alike { 0 } else { i / self.units }, i % self.units);
         (column / WIDTH * self.units + unit) * WIDTH + column % WIDTH
     }

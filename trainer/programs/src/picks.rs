@@ -73,6 +73,7 @@ const TURNS: [Turn; 10] = [
 ];
 
 /// The row and the lane that lane k of a turned row is read from.
+#[inline(always)]
 const fn turned_from(k: usize, units: usize, part: usize, to_columns: bool) -> (usize, usize) {
     if to_columns {
         let number = part + units * k;
@@ -89,21 +90,14 @@ fn turned<const UNITS: usize, const PART: usize, const TO_COLUMNS: bool>(
     step: usize,
 ) -> Row {
     // Rows after the last are read for lanes that nothing is read from.
-    let rows: [&Row; UNITS] = std::array::from_fn(|row| &x[(first + row * step).min(x.len() - 1)]);
-    Row(std::array::from_fn(|k| {
-        let (row, lane) = const { &turned_places(UNITS, PART, TO_COLUMNS) }[k];
-        rows[row].0[lane]
-    }))
-}
-
-const fn turned_places(units: usize, part: usize, to_columns: bool) -> [(usize, usize); WIDTH] {
-    let mut places = [(0, 0); WIDTH];
-    let mut k = 0;
-    while k < WIDTH {
-        places[k] = turned_from(k, units, part, to_columns);
-        k += 1;
+    let mut rows = [&x[first]; UNITS];
+    rows.iter_mut().enumerate().for_each(|(row, of)| *of = &x[(first + row * step).min(x.len() - 1)]);
+    let mut turned = Row::default();
+    for k in 0..WIDTH {
+        let (row, lane) = turned_from(k, UNITS, PART, TO_COLUMNS);
+        turned.0[k] = rows[row].0[lane];
     }
-    places
+    turned
 }
 
 impl Picks {

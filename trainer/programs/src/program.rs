@@ -3,6 +3,7 @@
 use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};
 use crate::kernels::{self, Pair};
+use crate::layout::Form;
 use crate::picks::{PickSums, Picks};
 use crate::reverse::WeightTerm;
 use crate::row::Row;
@@ -121,6 +122,7 @@ pub struct Program {
     pub(crate) slots: Vec<usize>,
     pub(crate) constants: Vec<(Slot, Vec<Row>)>,
     pub(crate) outputs: Vec<Slot>,
+    pub(crate) forms: Vec<Form>,
     pub(crate) inputs: usize,
     pub(crate) rows: usize,
 }
@@ -148,8 +150,16 @@ impl Program {
     /// The program for these vectors of one sample: inputs and outputs are numbers one after the other in rows, and what lies side
     /// by side are the columns that layers are applied to. Many nodes or edges of one graph take the time of as many samples of a
     /// small system.
-    pub fn of_one_sample(builder: &Builder, outputs: &[Node]) -> Self {
-        Scheduler::new(builder, outputs, &[]).for_one_sample(outputs).schedule(outputs, &[])
+    ///
+    /// The outputs of a group, vectors of one length, all lie in rows as [`Program::form`] says.
+    pub(crate) fn of_one_sample(builder: &Builder, groups: &[Vec<Node>]) -> Self {
+        let outputs = groups.concat();
+        Scheduler::new(builder, &outputs, &[]).for_one_sample(groups).schedule(&outputs, &[])
+    }
+
+    /// How an output lies in rows.
+    pub(crate) fn form(&self, output: usize) -> Form {
+        self.forms[output]
     }
 
     /// Numbers that a workspace keeps of every sample.

@@ -64,6 +64,7 @@ impl<'b> Scheduler<'b> {
             slots: Vec::new(),
             constants: Vec::new(),
             outputs: Vec::new(),
+            forms: Vec::new(),
             inputs: 0,
             rows: rows.len(),
         };
@@ -87,10 +88,17 @@ impl<'b> Scheduler<'b> {
     }
 
     /// The same for one sample, whose columns lie side by side.
-    pub fn for_one_sample(mut self, outputs: &[Node]) -> Self {
+    ///
+    /// The results of a group lie in rows as the first of them does.
+    pub fn for_one_sample(mut self, groups: &[Vec<Node>]) -> Self {
         let mut needed = vec![false; self.ranks.len()];
         self.order.iter().for_each(|node| needed[node.index()] = true);
-        self.layout = Some(Layout::new(self.builder, &needed, outputs));
+        let layout = Layout::new(self.builder, &needed, &groups.concat());
+        for group in groups {
+            let units = group.first().map_or(1, |node| layout.form(*node).units);
+            self.program.forms.extend(group.iter().map(|_| Form::of_units(units)));
+        }
+        self.layout = Some(layout);
         self
     }
 
@@ -112,7 +120,7 @@ impl<'b> Scheduler<'b> {
         }
         for rank in 0..=order.len() {
             if rank == self.first {
-                self.program.outputs = outputs.iter().map(|node| self.output(*node)).collect();
+                self.program.outputs = self.outputs(outputs);
                 self.program.first = self.program.steps.len();
             }
             if let Some(node) = order.get(rank) {
@@ -301,9 +309,10 @@ impl<'b> Scheduler<'b> {
         self.in_form(node, form)
     }
 
-    /// The slot of a result, its numbers one after the other.
-    fn output(&mut self, node: Node) -> Slot {
-        self.in_form(node, Form::of_units(1))
+    /// The slots of the results.
+    fn outputs(&mut self, outputs: &[Node]) -> Vec<Slot> {
+        self.program.forms.resize(outputs.len(), Form::of_units(1));
+        (0..outputs.len()).map(|k| self.in_form(outputs[k], self.program.forms[k])).collect()
     }
 
     /// Columns that a layer is applied to whose inputs are these: of one sample several lie side by side.

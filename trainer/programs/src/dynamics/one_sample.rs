@@ -23,7 +23,9 @@ pub struct OneSampleAccelerations {
 #[derive(Clone, Debug)]
 struct Group {
     size: usize,
-    blocks: usize,
+    /// The places of the blocks in the rows of a number of all blocks, ascending.
+    blocks: Vec<u32>,
+    rows: usize,
     /// The first output of their equations.
     first: usize,
     cholesky: Cholesky,
@@ -33,22 +35,17 @@ impl OneSampleAccelerations {
     /// Those of a system without constraints.
     pub fn new(system: &System) -> Self {
         let (n, (program, pattern)) = (system.n(), system.equation_of_motion_in_blocks());
-        let (mut groups, mut end, mut places, mut rows) =
-            (Vec::new(), 0, vec![0; n.next_multiple_of(WIDTH)], 0);
+        let (mut groups, mut places) = (Vec::new(), vec![NOWHERE; n.next_multiple_of(WIDTH)]);
+        let (mut first, mut rows) = (0, 0);
         for blocks in pattern.blocks_by_size() {
-            let group = Group {
-                size: blocks[0].len(),
-                blocks: blocks.len(),
-                first: end,
-                cholesky: Cholesky::default(),
-            };
-            for (b, i) in (0..blocks.len()).flat_map(|b| (0..group.size).map(move |i| (b, i))) {
-                places[blocks[b][i]] = (WIDTH * (rows + i * group.rows()) + b) as u32;
+            let group = Group::new(&program, first, &blocks);
+            for (block, place) in blocks.iter().zip(&group.blocks) {
+                let of = |i: usize| (WIDTH * (rows + i * group.rows)) as u32 + place;
+                block.iter().enumerate().for_each(|(i, coordinate)| places[*coordinate] = of(i));
             }
-            (end, rows) = (end + group.size * (1 + group.size), rows + group.size * group.rows());
-            groups.push(group);
+            (first, rows) = (first + group.size * (1 + group.size), rows + group.size * group.rows);
+            groups.push(Group { blocks: group.sorted(), ..group });
         }
-        places[n..].fill(NOWHERE);
         Self {
             n,
             groups,
@@ -75,7 +72,7 @@ impl OneSampleAccelerations {
         self.program.run_outputs(weights, &inputs, &mut self.workspace);
         let (mut solved, mut rest) = (true, &mut self.solved[..]);
         for group in &mut self.groups {
-            let (x, others) = rest.split_at_mut(group.size * group.rows());
+            let (x, others) = rest.split_at_mut(group.size * group.rows);
             solved &= group.solve(&self.workspace, &mut self.lu, x);
             rest = others;
         }
@@ -87,14 +84,29 @@ impl OneSampleAccelerations {
 }
 
 impl Group {
-    /// Rows of a number of all blocks.
-    const fn rows(&self) -> usize {
-        self.blocks.div_ceil(WIDTH)
+    /// That of these blocks, whose equations are the outputs from `first` on.
+    fn new(program: &Program, first: usize, blocks: &[Vec<usize>]) -> Self {
+        let (form, size) = (program.form(first), blocks[0].len());
+        let places = (0..blocks.len()).map(|block| form.place(block) as u32).collect();
+        Self { size, blocks: places, rows: form.rows(blocks.len()), first, cholesky: Cholesky::default() }
+    }
+
+    fn sorted(&self) -> Vec<u32> {
+        let mut blocks = self.blocks.clone();
+        blocks.sort_unstable();
+        blocks
+    }
+
+    /// The row and the lane of the blocks in these rows.
+    fn blocks_in(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
+        let [start, end] =
+            [row, row + 1].map(|row| self.blocks.partition_point(|b| (*b as usize) < WIDTH * row));
+        self.blocks[start..end].iter().map(|place| (*place as usize / WIDTH, *place as usize % WIDTH))
     }
 
     /// Writes v̇ of all blocks; `false` where one of them is singular.
     fn solve(&mut self, motion: &Workspace, lu: &mut Lu, x: &mut [Row]) -> bool {
-        let (size, first, rows) = (self.size, self.first, self.rows());
+        let (size, first, rows) = (self.size, self.first, self.rows);
         // Outputs: L_q − L_vq v + Q + τ, then the entries of M row by row.
         let mass = |i: usize, j: usize| motion.output(first + size * (1 + i) + j);
         let right = |i: usize| motion.output(first + i);
@@ -102,7 +114,7 @@ impl Group {
         x.chunks_mut(rows).enumerate().for_each(|(i, x)| x.copy_from_slice(right(i)));
         self.cholesky.solve(x);
         let others = (0..rows).filter(|row| !self.cholesky.are_positive(*row));
-        let others = others.flat_map(|row| (0..WIDTH.min(self.blocks - WIDTH * row)).map(move |k| (row, k)));
+        let others = others.flat_map(|row| self.blocks_in(row));
         let mut solved = true;
         for (row, k) in others.filter(|(row, k)| !self.cholesky.is_positive(*row, *k)) {
             solved &= lu.factor(size, |i, j| mass(i, j)[row].0[k]);
