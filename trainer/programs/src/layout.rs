@@ -213,3 +213,59 @@ fn fused(builder: &Builder, needed: &[bool], outputs: &[Node]) -> Vec<bool> {
     outputs.iter().for_each(|node| fused[node.index()] = false);
     fused
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builder::Layer;
+    use crate::program::{Program, Step};
+
+    /// A layer of many columns that are alike is applied to one of them.
+    #[test]
+    fn columns_that_are_alike_are_kept_once() {
+        let mut builder = Builder::new();
+        let [own, x] = [1, 80].map(|length| builder.input(length));
+        let columns = builder.repeated(own, 40);
+        let same = builder.linear(Layer::new(0, 1, 2), 40, columns);
+        let sum = builder.sum(same, x);
+        let program = Program::of_one_sample(&builder, &[vec![sum]]);
+        assert!(program.steps.iter().any(|step| matches!(step, Step::Linear { columns: 1, .. })));
+        let mut workspace = program.workspace();
+        let numbers = |r: usize| Row(std::array::from_fn(|k| (WIDTH * r + k) as f64));
+        let inputs: Vec<Row> = (0..5).map(numbers).collect();
+        program.run_outputs(&[2.0, 3.0, 0.5, -0.5], &[&[Row::splat(7.0)], &inputs], &mut workspace);
+        let form = program.form(0);
+        for i in 0..80 {
+            let (place, own) = (form.place(i), if i % 2 == 0 { 14.5 } else { 20.5 });
+            assert_eq!(workspace.output(0)[place / WIDTH].0[place % WIDTH], own + i as f64);
+        }
+    }
+
+    /// Coordinates that are squared and added up node by node lie in columns of one node each, so that rows are added as they are.
+    #[test]
+    fn sums_of_neighbours_want_them_in_columns() {
+        let mut builder = Builder::new();
+        let x = builder.input(60);
+        let squares = builder.product(x, x);
+        let sums = builder.scatter(squares, &(0..60).map(|i| i / 3).collect::<Vec<_>>(), 20);
+        let layout = Layout::new(&builder, &[true; 3], &[sums]);
+        assert_eq!([x, squares, sums].map(|node| layout.form(node).units), [3, 3, 1]);
+    }
+
+    /// What only sums read is not gathered.
+    #[test]
+    fn sums_read_what_is_gathered_for_them() {
+        let mut builder = Builder::new();
+        let x = builder.input(3);
+        let gathered = builder.gather(x, &[2, 0, 1, 1]);
+        let sums = builder.scatter(gathered, &[0, 0, 1, 0], 2);
+        let layout = |outputs: &[Node]| Layout::new(&builder, &[true; 3], outputs);
+        assert!(layout(&[sums]).is_fused(gathered) && !layout(&[sums, gathered]).is_fused(gathered));
+        let program = Program::of_one_sample(&builder, &[vec![sums]]);
+        assert_eq!(program.steps(), 2);
+        let (mut workspace, mut x) = (program.workspace(), Row::default());
+        x.0[..3].copy_from_slice(&[1.0, 10.0, 100.0]);
+        program.run_outputs(&[], &[&[x]], &mut workspace);
+        assert_eq!(workspace.output(0)[0].0[..2], [111.0, 10.0]);
+    }
+}

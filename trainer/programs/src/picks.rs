@@ -33,16 +33,16 @@ struct Turn {
     part: usize,
     /// Whether columns are written.
     to_columns: bool,
-    read: fn(&[Row], usize, usize) -> Row,
+    write: fn(&[Row], usize, usize, &mut Row),
 }
 
 impl Turn {
     const fn to_columns<const UNITS: usize, const PART: usize>() -> Self {
-        Self { units: UNITS, part: PART, to_columns: true, read: turned::<UNITS, PART, true> }
+        Self { units: UNITS, part: PART, to_columns: true, write: turned::<UNITS, PART, true> }
     }
 
     const fn to_numbers<const UNITS: usize, const PART: usize>() -> Self {
-        Self { units: UNITS, part: PART, to_columns: false, read: turned::<UNITS, PART, false> }
+        Self { units: UNITS, part: PART, to_columns: false, write: turned::<UNITS, PART, false> }
     }
 
     /// The pick of this kind that a row may be.
@@ -88,16 +88,15 @@ fn turned<const UNITS: usize, const PART: usize, const TO_COLUMNS: bool>(
     x: &[Row],
     first: usize,
     step: usize,
-) -> Row {
+    turned: &mut Row,
+) {
     // Rows after the last are read for lanes that nothing is read from.
     let mut rows = [&x[first]; UNITS];
     rows.iter_mut().enumerate().for_each(|(row, of)| *of = &x[(first + row * step).min(x.len() - 1)]);
-    let mut turned = Row::default();
     for k in 0..WIDTH {
         let (row, lane) = turned_from(k, UNITS, PART, TO_COLUMNS);
         turned.0[k] = rows[row].0[lane];
     }
-    turned
 }
 
 impl Picks {
@@ -124,25 +123,25 @@ impl Picks {
         Self { rows: rows.collect(), places: others.into() }
     }
 
-    /// A row from those that its places are in.
+    /// Reads a row from those that its places are in.
     #[inline(always)]
-    pub fn read(&self, row: usize, x: &[Row]) -> Row {
+    pub fn read(&self, row: usize, x: &[Row], to: &mut Row) {
         match self.rows[row] {
-            Pick::Same(place) => Row::splat(x[place as usize / WIDTH].0[place as usize % WIDTH]),
-            Pick::Shifted { rows: [first, _], by: 0 } => x[first as usize],
+            Pick::Same(place) => *to = Row::splat(x[place as usize / WIDTH].0[place as usize % WIDTH]),
+            Pick::Shifted { rows: [first, _], by: 0 } => *to = x[first as usize],
             Pick::Shifted { rows: [first, second], by } => {
-                SHIFTS[usize::from(by)](&x[first as usize], &x[second as usize])
+                SHIFTS[usize::from(by)](&x[first as usize], &x[second as usize], to);
             }
             Pick::Turned { first, step, turn } => {
-                (TURNS[usize::from(turn)].read)(x, first as usize, step as usize)
+                (TURNS[usize::from(turn)].write)(x, first as usize, step as usize, to);
             }
-            Pick::Any(list) => Row::picked(x, &self.places[list as usize]),
+            Pick::Any(list) => *to = Row::picked(x, &self.places[list as usize]),
         }
     }
 
     /// Reads as many rows as there are.
     pub fn write(&self, x: &[Row], to: &mut [Row]) {
-        to.iter_mut().enumerate().for_each(|(row, to)| *to = self.read(row, x));
+        to.iter_mut().enumerate().for_each(|(row, to)| self.read(row, x, to));
     }
 }
 
@@ -175,7 +174,7 @@ fn shifted(row: &Places) -> Pick {
 }
 
 /// By every number of places: the shift is known where it is compiled.
-const SHIFTS: [fn(&Row, &Row) -> Row; WIDTH] = [
+const SHIFTS: [fn(&Row, &Row, &mut Row); WIDTH] = [
     shift::<0>,
     shift::<1>,
     shift::<2>,
@@ -194,8 +193,9 @@ const SHIFTS: [fn(&Row, &Row) -> Row; WIDTH] = [
     shift::<15>,
 ];
 
-fn shift<const BY: usize>(first: &Row, second: &Row) -> Row {
-    Row(std::array::from_fn(|k| if k + BY < WIDTH { first.0[k + BY] } else { second.0[k + BY - WIDTH] }))
+fn shift<const BY: usize>(first: &Row, second: &Row, to: &mut Row) {
+    to.0[..WIDTH - BY].copy_from_slice(&first.0[BY..]);
+    to.0[WIDTH - BY..].copy_from_slice(&second.0[..BY]);
 }
 
 /// Sums of rows read from other rows.
@@ -214,10 +214,17 @@ impl PickSums {
 
     /// Writes as many sums as there are.
     pub fn write(&self, x: &[Row], to: &mut [Row]) {
-        let mut start = 0;
+        let (mut start, mut term) = (0, Row::default());
         for (to, end) in to.iter_mut().zip(&self.ends) {
-            *to = if start < *end { self.terms.read(start, x) } else { Row::default() };
-            (start + 1..*end).for_each(|term| to.add_scaled(1.0, &self.terms.read(term, x)));
+            if start == *end {
+                *to = Row::default();
+            } else {
+                self.terms.read(start, x, to);
+            }
+            for row in start + 1..*end {
+                self.terms.read(row, x, &mut term);
+                to.add_scaled(1.0, &term);
+            }
             start = *end;
         }
     }
@@ -245,7 +252,8 @@ mod tests {
         let third = |part: u32, k: u32| width * ((width * part + k) % 3) + (width * part + k) / 3;
         lists.extend((0..3).map(|part| of(&|k| third(part, k))));
         for list in &lists {
-            let found = Picks::new(list).read(0, &rows(4));
+            let mut found = Row::default();
+            Picks::new(list).read(0, &rows(4), &mut found);
             assert_eq!(found.0.map(|x| x as u32).to_vec(), *list);
         }
         let picks = Picks::new(&lists.concat());

@@ -334,3 +334,26 @@ fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_core::network::Activation;
+
+    /// A function that only a product needs takes no pass of its own, and other readers still get it.
+    #[test]
+    fn functions_are_multiplied_where_they_are_computed() {
+        let mut builder = Builder::new();
+        let [x, y] = [(); 2].map(|()| builder.input(40));
+        let function = builder.map(Function::Activation(Activation::Squareplus), x);
+        let product = builder.product(function, y);
+        let rows = [0.1, -1.0].map(|c| (0..40).map(|i| Row::splat(c * f64::from(i))).collect::<Vec<_>>());
+        let results = [vec![product], vec![product, function]].map(|outputs| {
+            let (program, mut workspace) = Program::new(&builder, &outputs, &[]).with_workspace();
+            program.run_outputs(&[], &rows.each_ref().map(Vec::as_slice), &mut workspace);
+            (program.steps(), workspace.output(0).to_vec())
+        });
+        assert_eq!((results[0].0, results[1].0), (3, 4));
+        assert_eq!(results[0].1, results[1].1);
+    }
+}

@@ -76,8 +76,10 @@ impl OneSampleAccelerations {
             solved &= group.solve(&self.workspace, &mut self.lu, x);
             rest = others;
         }
+        let mut own = Row::default();
         for (row, a) in a[..self.n].chunks_mut(WIDTH).enumerate() {
-            a.copy_from_slice(&self.coordinates.read(row, &self.solved).0[..a.len()]);
+            self.coordinates.read(row, &self.solved, &mut own);
+            a.copy_from_slice(&own.0[..a.len()]);
         }
         solved && a[..self.n].iter().fold(true, |finite, a| finite & a.is_finite())
     }
