@@ -121,8 +121,11 @@ fn squareplus<const WANTED: usize>(x: &[Row], to: [&mut [Row]; ORDERS]) {
     }
 }
 
+/// Writes derivatives of a function.
+type Writer = fn(&[Row], [&mut [Row]; ORDERS]);
+
 /// For every set of derivatives of [`squareplus`].
-const SQUAREPLUS: [fn(&[Row], [&mut [Row]; ORDERS]); 1 << ORDERS] = [
+const SQUAREPLUS: [Writer; 1 << ORDERS] = [
     squareplus::<0>,
     squareplus::<1>,
     squareplus::<2>,

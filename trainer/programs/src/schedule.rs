@@ -1,12 +1,15 @@
 //! From a list of operations to the steps of a program: what no result needs is left out, and what is read no more makes room.
 
+mod forms;
+mod fused;
+
 use crate::builder::{Builder, Layer, Node, Operation};
-use crate::function::{Function, ORDERS};
+use crate::function::ORDERS;
 use crate::kernels::Pair;
 use crate::layout::{Form, Layout};
 use crate::program::{Program, Slot, Step};
 use crate::reverse::WeightTerm;
-use crate::row::{Row, WIDTH};
+use crate::row::Row;
 use std::collections::{HashMap, HashSet};
 
 /// Nodes of a gradient's terms for one layer.
@@ -171,72 +174,6 @@ impl<'b> Scheduler<'b> {
         self.gradients.entry(ready).or_default().push(gradient);
     }
 
-    /// Finds the functions that only one product reads, computed at numbers that no other derivative is computed at.
-    fn find_factors(&mut self, order: &[Node], outputs: &[Node], rows: &[Vec<WeightTerm>]) {
-        let mut readers = vec![0; self.ranks.len()];
-        let mut count = |node: Node| readers[node.index()] += 1;
-        outputs.iter().for_each(|node| count(*node));
-        rows.iter().flatten().for_each(|term| reads_of(term, &mut count));
-        order.iter().for_each(|node| self.builder.operations[node.index()].reads(&mut count));
-        for node in order {
-            let Operation::Product(a, b) = self.builder.operations[node.index()] else { continue };
-            let factor = [a, b].into_iter().find(|x| {
-                readers[x.index()] == 1 && self.is_computed_alone(*x) && self.form(*x) == self.form(*node)
-            });
-            self.is_factor.extend(factor);
-            self.factors.extend(factor.map(|factor| (*node, factor)));
-        }
-    }
-
-    /// Whether a node is a function, and no other derivative of it is needed.
-    fn is_computed_alone(&self, node: Node) -> bool {
-        match &self.builder.operations[node.index()] {
-            Operation::Map { function, x, .. } => self.maps[&(*function, *x)].iter().flatten().count() == 1,
-            _ => false,
-        }
-    }
-
-    /// How a node's numbers lie; several samples lie side by side in all of them alike.
-    fn form(&self, node: Node) -> Form {
-        self.layout.as_ref().map_or(Form::of_units(1), |layout| layout.form(node))
-    }
-
-    /// The function among the factors of a product that is computed with it, its order and argument, and the other factor.
-    fn factor(&self, product: Node) -> Option<(Function, usize, Node, Node)> {
-        let factor = self.factors.get(&product)?;
-        match (&self.builder.operations[product.index()], &self.builder.operations[factor.index()]) {
-            (Operation::Product(a, b), Operation::Map { function, order, x }) => {
-                let other = if a == factor { *b } else { *a };
-                Some((self.builder.functions[function], *order, *x, other))
-            }
-            _ => None,
-        }
-    }
-
-    /// What the step that computes a node reads.
-    fn reads(&self, node: Node) -> Vec<Node> {
-        let operation = &self.builder.operations[node.index()];
-        let mut read = Vec::new();
-        match operation {
-            Operation::Scatter { x, .. } => read.push(self.summands(*x).0),
-            Operation::Product(..) if self.factors.contains_key(&node) => {
-                read.extend(self.factor(node).into_iter().flat_map(|(_, _, x, other)| [x, other]));
-            }
-            _ => operation.reads(|x| read.push(x)),
-        }
-        read
-    }
-
-    /// The vector that numbers to be added up are read from, and from where: what they are gathered from where nothing else needs them
-    /// gathered.
-    fn summands(&self, x: Node) -> (Node, Option<&'b [u32]>) {
-        let fused = self.layout.as_ref().is_some_and(|layout| layout.is_fused(x));
-        match &self.builder.operations[x.index()] {
-            Operation::Gather { x, index } if fused => (*x, Some(index)),
-            _ => (x, None),
-        }
-    }
-
     fn place(&self, node: Node) -> Slot {
         self.places[node.index()].unwrap_or_else(|| panic!("node {node:?} is read before it is written"))
     }
@@ -278,50 +215,6 @@ impl<'b> Scheduler<'b> {
         let slot = self.program.slots.len() - 1;
         self.program.constants.push((slot, rows));
         slot
-    }
-
-    /// The slot of a node in this form, where columns lie side by side.
-    fn in_form(&mut self, node: Node, form: Form) -> Slot {
-        let slot = self.place(node);
-        let Some(layout) = &self.layout else { return slot };
-        let (own, length) = (layout.form(node), self.builder.length(node));
-        if own == form {
-            return slot;
-        }
-        let done = self.rearranged.entry(node).or_default();
-        if let Some((_, slot)) = done.iter().find(|(other, _)| *other == form) {
-            return *slot;
-        }
-        let to = if let Some(known) = self.builder.known(node) {
-            self.constant(form.constant(&known))
-        } else {
-            let to = self.slot(form.rows(length));
-            self.program.steps.push(Step::Pick { x: slot, picks: form.picks(length, (own, |i| i)), to });
-            to
-        };
-        self.rearranged.entry(node).or_default().push((form, to));
-        to
-    }
-
-    /// The slot of a node in columns of so many units, where columns lie side by side.
-    fn in_columns(&mut self, node: Node, units: usize) -> Slot {
-        let form = self.layout.as_ref().map_or(Form::of_units(1), |layout| layout.form(node).in_units(units));
-        self.in_form(node, form)
-    }
-
-    /// The slots of the results.
-    fn outputs(&mut self, outputs: &[Node]) -> Vec<Slot> {
-        self.program.forms.resize(outputs.len(), Form::of_units(1));
-        (0..outputs.len()).map(|k| self.in_form(outputs[k], self.program.forms[k])).collect()
-    }
-
-    /// Columns that a layer is applied to whose inputs are these: of one sample several lie side by side.
-    fn columns(&self, columns: usize, x: Node, units: usize) -> usize {
-        match &self.layout {
-            None => columns,
-            Some(layout) if layout.form(x).in_units(units).alike => 1,
-            Some(_) => columns.div_ceil(WIDTH),
-        }
     }
 
     fn step(&mut self, at: usize) {
@@ -408,12 +301,6 @@ impl<'b> Scheduler<'b> {
             }
         };
         self.program.steps.push(step);
-    }
-
-    /// The slots of two nodes that are combined number by number.
-    fn alike(&mut self, node: Node, of: [Node; 2]) -> [Slot; 2] {
-        let units = self.layout.as_ref().map_or(1, |layout| layout.form(node).units);
-        of.map(|x| self.in_columns(x, units))
     }
 
     fn gradient(&mut self, gradient: &Gradient) {
