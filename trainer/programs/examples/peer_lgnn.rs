@@ -178,6 +178,8 @@ struct Ring<'m> {
     q: Vec<f64>,
     v: Vec<f64>,
     a: Vec<f64>,
+    /// v̇ before the last step.
+    before: Vec<f64>,
 }
 
 impl<'m> Ring<'m> {
@@ -197,6 +199,7 @@ impl<'m> Ring<'m> {
             q: states.iter().flat_map(|[x, y, ..]| [*x, *y]).collect(),
             v: states.iter().flat_map(|[.., x, y]| [*x, *y]).collect(),
             a: vec![0.0; 2 * n],
+            before: vec![0.0; 2 * n],
         };
         ring.accelerate()?;
         Ok(ring)
@@ -222,9 +225,9 @@ impl<'m> Ring<'m> {
         for ((q, v), a) in self.q.iter_mut().zip(&mut self.v).zip(&self.a) {
             *q += STEP * (*v + 0.5 * STEP * a);
         }
-        let before = self.a.clone();
+        std::mem::swap(&mut self.a, &mut self.before);
         self.accelerate()?;
-        for ((v, a), before) in self.v.iter_mut().zip(&self.a).zip(before) {
+        for ((v, a), before) in self.v.iter_mut().zip(&self.a).zip(&self.before) {
             *v += 0.5 * STEP * (before + a);
         }
         Ok(())

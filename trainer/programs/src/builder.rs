@@ -1,6 +1,7 @@
 use crate::function::Function;
 use crate::single::Variables;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// A vector in a list of operations: of as many numbers as [`Builder::length`] says, of every sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -20,18 +21,35 @@ impl Node {
 /// [`Dense`](leastaction_core::network::Dense).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Layer {
-    /// Position of its first number.
-    pub start: usize,
-    /// Inputs.
-    pub inputs: usize,
-    /// Outputs.
-    pub outputs: usize,
+    start: usize,
+    pub(crate) inputs: usize,
+    pub(crate) outputs: usize,
+    /// Inputs of the whole layer that come before these, and all that it has.
+    skipped: usize,
+    all: usize,
 }
 
 impl Layer {
+    /// The layer whose first number is at `start`.
+    pub const fn new(start: usize, inputs: usize, outputs: usize) -> Self {
+        Self { start, inputs, outputs, skipped: 0, all: inputs }
+    }
+
+    /// What it makes of some of its inputs: their columns of W, and b.
+    pub(crate) const fn of_inputs(&self, inputs: Range<usize>) -> Self {
+        let (skipped, count) = (self.skipped + inputs.start, inputs.end - inputs.start);
+        Self { inputs: count, skipped, ..*self }
+    }
+
+    /// Where the weights of a panel of so many outputs are, `first` the first of them.
+    pub(crate) const fn panel(&self, first: usize, width: usize) -> Range<usize> {
+        let start = self.start + first * self.all + self.skipped * width;
+        start..start + self.inputs * width
+    }
+
     /// Position of its first bias.
     pub(crate) const fn biases(&self) -> usize {
-        self.start + self.inputs * self.outputs
+        self.start + self.all * self.outputs
     }
 
     /// Position of the number after its last.
@@ -272,6 +290,9 @@ impl Builder {
         if let Some(known) = self.known(x) {
             return self.constant(&index.iter().map(|i| known[*i]).collect::<Vec<_>>());
         }
+        if let Some(before) = self.gathered_before(x, index) {
+            return before;
+        }
         let index = index.iter().map(|i| *i as u32).collect::<Box<[u32]>>();
         let length = index.len();
         self.push(Operation::Gather { x, index }, length)
@@ -282,6 +303,9 @@ impl Builder {
         assert!(index.len() == self.length(x) && index.iter().all(|i| *i < length), "entries to add to");
         if index.len() == length && index.iter().enumerate().all(|(i, at)| i == *at) {
             return x;
+        }
+        if index.is_empty() {
+            return self.zeros(length);
         }
         if let Some(known) = self.known(x) {
             let mut sums = vec![0.0; length];
@@ -323,7 +347,7 @@ impl Builder {
     }
 
     /// The entries `range` of a vector.
-    pub fn part(&mut self, x: Node, range: std::ops::Range<usize>) -> Node {
+    pub fn part(&mut self, x: Node, range: Range<usize>) -> Node {
         self.gather(x, &range.collect::<Vec<_>>())
     }
 }

@@ -45,10 +45,25 @@ impl Function {
         }
     }
 
+    /// Writes f and its derivatives at x, those for which there is a place.
+    pub(crate) fn write(self, x: &[Row], to: [Option<&mut [Row]>; ORDERS]) {
+        let wanted = to.each_ref().map(Option::is_some);
+        let mut to = to.map(Option::unwrap_or_default);
+        if self == Self::Activation(Activation::Squareplus) {
+            let set = (0..ORDERS).map(|order| usize::from(wanted[order]) << order).sum::<usize>();
+            return SQUAREPLUS[set](x, to);
+        }
+        for (i, x) in x.iter().enumerate() {
+            let curve = self.curve(x, wanted);
+            for (order, to) in to.iter_mut().enumerate().filter(|(order, _)| wanted[*order]) {
+                to[i] = curve[order];
+            }
+        }
+    }
+
     /// f and its derivatives at x; those that are not `wanted` may be anything.
-    pub(crate) fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
+    fn curve(self, x: &Row, wanted: [bool; ORDERS]) -> [Row; ORDERS] {
         match self {
-            Self::Activation(Activation::Squareplus) => squareplus(x),
             Self::Activation(activation) => activated(activation, x, wanted[3]),
             Self::Sine => {
                 let [sin, cos] = sin_cos(x);
@@ -81,26 +96,53 @@ impl Function {
     }
 }
 
-/// ½(z + √(z² + 4)) = max(z, 0) + 2/(|z| + √(z² + 4)), its derivatives by one division.
-fn squareplus(x: &Row) -> [Row; ORDERS] {
-    let mut curve = [Row::default(); ORDERS];
+/// Writes those derivatives of ½(z + √(z² + 4)) whose bits are set in `WANTED`.
+///
+/// The function is max(z, 0) + 2/(|z| + √(z² + 4)); its derivatives take one division.
+fn squareplus<const WANTED: usize>(x: &[Row], to: [&mut [Row]; ORDERS]) {
     let (zero, two) = (f64x8::ZERO, f64x8::splat(2.0));
-    for g in 0..GROUPS {
-        let z = x.group(g);
-        let root = z.mul_add(z, f64x8::splat(4.0)).sqrt();
-        let sum = root + z.abs();
-        let inverse = f64x8::ONE / (root * sum);
-        let of_root = inverse * sum;
-        let value = z.max(zero) + two * inverse * root;
-        let square = of_root * of_root;
-        let curvature = two * of_root * square;
-        let third = f64x8::splat(-3.0) * z * curvature * square;
-        for (row, own) in curve.iter_mut().zip([value, value * of_root, curvature, third]) {
-            row.set_group(g, own);
+    for (i, x) in x.iter().enumerate() {
+        for g in 0..GROUPS {
+            let z = x.group(g);
+            let root = z.mul_add(z, f64x8::splat(4.0)).sqrt();
+            let sum = root + z.abs();
+            let inverse = f64x8::ONE / (root * sum);
+            let of_root = inverse * sum;
+            let value = z.max(zero) + two * inverse * root;
+            let square = of_root * of_root;
+            let curvature = two * of_root * square;
+            let third = f64x8::splat(-3.0) * z * curvature * square;
+            for (order, own) in [value, value * of_root, curvature, third].into_iter().enumerate() {
+                if WANTED >> order & 1 == 1 {
+                    to[order][i].set_group(g, own);
+                }
+            }
         }
     }
-    curve
 }
+
+/// Writes derivatives of a function.
+type Writer = fn(&[Row], [&mut [Row]; ORDERS]);
+
+/// For every set of derivatives of [`squareplus`].
+const SQUAREPLUS: [Writer; 1 << ORDERS] = [
+    squareplus::<0>,
+    squareplus::<1>,
+    squareplus::<2>,
+    squareplus::<3>,
+    squareplus::<4>,
+    squareplus::<5>,
+    squareplus::<6>,
+    squareplus::<7>,
+    squareplus::<8>,
+    squareplus::<9>,
+    squareplus::<10>,
+    squareplus::<11>,
+    squareplus::<12>,
+    squareplus::<13>,
+    squareplus::<14>,
+    squareplus::<15>,
+];
 
 fn activated(activation: Activation, x: &Row, third: bool) -> [Row; ORDERS] {
     let mut curve = [Row::default(); ORDERS];

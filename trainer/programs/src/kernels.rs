@@ -191,8 +191,7 @@ impl Panel<'_> {
 
     /// Where its weights are in the weight block.
     fn weights(&self) -> Range<usize> {
-        let start = self.layer.start + self.first * self.layer.inputs;
-        start..start + self.width * self.layer.inputs
+        self.layer.panel(self.first, self.width)
     }
 
     /// Where its biases are in the weight block.

@@ -18,11 +18,13 @@ mod function;
 mod kernels;
 mod layout;
 pub mod losses;
+mod picks;
 mod program;
 mod reverse;
 mod row;
 mod schedule;
 mod single;
+mod sources;
 mod sparsity;
 mod system;
 

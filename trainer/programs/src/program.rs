@@ -3,8 +3,10 @@
 use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};
 use crate::kernels::{self, Pair};
+use crate::layout::Form;
+use crate::picks::{PickSums, Picks};
 use crate::reverse::WeightTerm;
-use crate::row::{Places, Row};
+use crate::row::Row;
 use crate::schedule::Scheduler;
 use std::ops::Range;
 use wide::f64x8;
@@ -41,6 +43,14 @@ pub(crate) enum Step {
         x: Slot,
         to: [Option<Slot>; ORDERS],
     },
+    /// The derivative of this order of a function, times another vector.
+    MapProduct {
+        function: Function,
+        order: usize,
+        x: Slot,
+        y: Slot,
+        to: Slot,
+    },
     Product {
         x: Slot,
         y: Slot,
@@ -66,17 +76,22 @@ pub(crate) enum Step {
         index: Box<[u32]>,
         to: Slot,
     },
-    /// Of every row the places that its numbers are read from.
+    /// Rows read from here and there.
     Pick {
         x: Slot,
-        index: Box<[Places]>,
+        picks: Picks,
         to: Slot,
     },
-    /// The same of every summand of a row; those of a row end in the list where `ends` says.
+    /// The same of an input.
+    PickInput {
+        number: usize,
+        picks: Picks,
+        to: Slot,
+    },
+    /// Sums of such rows.
     PickSums {
         x: Slot,
-        ends: Box<[usize]>,
-        index: Box<[Places]>,
+        sums: PickSums,
         to: Slot,
     },
     /// Parameters one after the other.
@@ -107,6 +122,7 @@ pub struct Program {
     pub(crate) slots: Vec<usize>,
     pub(crate) constants: Vec<(Slot, Vec<Row>)>,
     pub(crate) outputs: Vec<Slot>,
+    pub(crate) forms: Vec<Form>,
     pub(crate) inputs: usize,
     pub(crate) rows: usize,
 }
@@ -134,8 +150,16 @@ impl Program {
     /// The program for these vectors of one sample: inputs and outputs are numbers one after the other in rows, and what lies side
     /// by side are the columns that layers are applied to. Many nodes or edges of one graph take the time of as many samples of a
     /// small system.
-    pub fn of_one_sample(builder: &Builder, outputs: &[Node]) -> Self {
-        Scheduler::new(builder, outputs, &[]).for_one_sample().schedule(outputs, &[])
+    ///
+    /// The outputs of a group, vectors of one length, all lie in rows as [`Program::form`] says.
+    pub(crate) fn of_one_sample(builder: &Builder, groups: &[Vec<Node>]) -> Self {
+        let outputs = groups.concat();
+        Scheduler::new(builder, &outputs, &[]).for_one_sample(groups).schedule(&outputs, &[])
+    }
+
+    /// How an output lies in rows.
+    pub(crate) fn form(&self, output: usize) -> Form {
+        self.forms[output]
     }
 
     /// Numbers that a workspace keeps of every sample.
@@ -221,6 +245,9 @@ impl Step {
                 kernels::transposed(layer, *columns, weights, &slots[*y], to);
             }),
             Self::Map { function, x, to } => map(*function, *x, *to, slots),
+            Self::MapProduct { function, order, x, y, to } => write(slots, *to, |slots, to| {
+                map_product((*function, *order), &slots[*x], &slots[*y], to);
+            }),
             Self::Product { x, y, to } => pairwise(slots, [*x, *y, *to], |x, y| x * y),
             Self::Sum { x, y, to } => pairwise(slots, [*x, *y, *to], |x, y| x + y),
             Self::Scaled { c, x, to } => {
@@ -235,18 +262,9 @@ impl Step {
                 to.fill(Row::default());
                 slots[*x].iter().zip(index).for_each(|(x, i)| to[*i as usize].add_scaled(1.0, x));
             }),
-            Self::Pick { x, index, to } => write(slots, *to, |slots, to| {
-                let x = &slots[*x][..];
-                to.iter_mut().zip(index).for_each(|(to, index)| *to = Row::picked(x, index));
-            }),
-            Self::PickSums { x, ends, index, to } => write(slots, *to, |slots, to| {
-                let (x, mut start) = (&slots[*x][..], 0);
-                for (to, end) in to.iter_mut().zip(ends) {
-                    *to = Row::default();
-                    index[start..*end].iter().for_each(|index| to.add_scaled(1.0, &Row::picked(x, index)));
-                    start = *end;
-                }
-            }),
+            Self::Pick { x, picks, to } => write(slots, *to, |slots, to| picks.write(&slots[*x], to)),
+            Self::PickInput { number, picks, to } => picks.write(inputs[*number], &mut slots[*to]),
+            Self::PickSums { x, sums, to } => write(slots, *to, |slots, to| sums.write(&slots[*x], to)),
             Self::PackedParameters { range, to } => {
                 let places = slots[*to].iter_mut().flat_map(|row| &mut row.0);
                 places.zip(&weights[range.clone()]).for_each(|(to, w)| *to = *w);
@@ -270,29 +288,72 @@ fn write(slots: &mut [Vec<Row>], to: Slot, compute: impl FnOnce(&[Vec<Row>], &mu
     slots[to] = place;
 }
 
+/// Of two vectors number by number; where one of them is shorter it is repeated.
 fn pairwise(slots: &mut [Vec<Row>], [x, y, to]: [Slot; 3], f: impl Fn(f64x8, f64x8) -> f64x8) {
     write(slots, to, |slots, to| {
-        for ((to, x), y) in to.iter_mut().zip(&slots[x]).zip(&slots[y]) {
-            let (x, y) = (x.load(), y.load());
-            *to = Row::store(std::array::from_fn(|g| f(x[g], y[g])));
+        let (x, y) = (&slots[x], &slots[y]);
+        let (of_x, of_y) = (x.len() < to.len(), y.len() < to.len());
+        let part = if of_x { x.len() } else { y.len() };
+        for (k, to) in to.chunks_mut(part.max(1)).enumerate() {
+            let [x, y] = [(x, of_x), (y, of_y)].map(|(x, repeated)| {
+                let start = if repeated { 0 } else { k * part };
+                &x[start..start + to.len()]
+            });
+            for ((to, x), y) in to.iter_mut().zip(x).zip(y) {
+                let (x, y) = (x.load(), y.load());
+                *to = Row::store(std::array::from_fn(|g| f(x[g], y[g])));
+            }
         }
     });
 }
 
-fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec<Row>]) {
-    let wanted = to.map(|to| to.is_some());
-    let mut places = to.map(|to| to.map(|to| std::mem::take(&mut slots[to])));
-    for (i, x) in slots[x].iter().enumerate() {
-        let curve = function.curve(x, wanted);
-        for (place, value) in places.iter_mut().zip(&curve) {
-            if let Some(place) = place {
-                place[i] = *value;
-            }
+/// Rows of a function that are multiplied while they are in the cache.
+const MAPPED: usize = 32;
+
+/// f⁽ᵒʳᵈᵉʳ⁾(x)y; where y is shorter it is repeated.
+fn map_product((function, order): (Function, usize), x: &[Row], y: &[Row], to: &mut [Row]) {
+    let repeated = y.len() < to.len();
+    let part = if repeated { y.len() * (MAPPED / y.len()).max(1) } else { MAPPED };
+    for ((k, to), x) in to.chunks_mut(part).enumerate().zip(x.chunks(part)) {
+        let mut places = [const { None }; ORDERS];
+        places[order] = Some(&mut *to);
+        function.write(x, places);
+        let y = if repeated { y } else { &y[k * part..][..to.len()] };
+        for to in to.chunks_mut(y.len()) {
+            to.iter_mut().zip(y).for_each(|(to, y)| *to = to.product(y));
         }
     }
+}
+
+fn map(function: Function, x: Slot, to: [Option<Slot>; ORDERS], slots: &mut [Vec<Row>]) {
+    let mut places = to.map(|to| to.map(|to| std::mem::take(&mut slots[to])));
+    function.write(&slots[x], places.each_mut().map(|place| place.as_deref_mut()));
     for (to, place) in to.into_iter().zip(places) {
         if let (Some(to), Some(place)) = (to, place) {
             slots[to] = place;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_core::network::Activation;
+
+    /// A function that only a product needs takes no pass of its own, and other readers still get it.
+    #[test]
+    fn functions_are_multiplied_where_they_are_computed() {
+        let mut builder = Builder::new();
+        let [x, y] = [(); 2].map(|()| builder.input(40));
+        let function = builder.map(Function::Activation(Activation::Squareplus), x);
+        let product = builder.product(function, y);
+        let rows = [0.1, -1.0].map(|c| (0..40).map(|i| Row::splat(c * f64::from(i))).collect::<Vec<_>>());
+        let results = [vec![product], vec![product, function]].map(|outputs| {
+            let (program, mut workspace) = Program::new(&builder, &outputs, &[]).with_workspace();
+            program.run_outputs(&[], &rows.each_ref().map(Vec::as_slice), &mut workspace);
+            (program.steps(), workspace.output(0).to_vec())
+        });
+        assert_eq!((results[0].0, results[1].0), (3, 4));
+        assert_eq!(results[0].1, results[1].1);
     }
 }

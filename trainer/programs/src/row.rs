@@ -83,6 +83,13 @@ impl Row {
         *self = Self::store(std::array::from_fn(|g| sum[g] + c * x[g]));
     }
 
+    /// xy.
+    #[inline(always)]
+    pub(crate) fn product(&self, y: &Self) -> Self {
+        let (x, y) = (self.load(), y.load());
+        Self::store(std::array::from_fn(|g| x[g] * y[g]))
+    }
+
     /// self + xy.
     #[inline(always)]
     pub(crate) fn add_product(&mut self, x: &Self, y: &Self) {

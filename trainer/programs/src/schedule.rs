@@ -1,13 +1,16 @@
 //! From a list of operations to the steps of a program: what no result needs is left out, and what is read no more makes room.
 
+mod forms;
+mod fused;
+
 use crate::builder::{Builder, Layer, Node, Operation};
 use crate::function::ORDERS;
 use crate::kernels::Pair;
-use crate::layout::{self, Layout};
+use crate::layout::{Form, Layout};
 use crate::program::{Program, Slot, Step};
 use crate::reverse::WeightTerm;
-use crate::row::{Row, WIDTH};
-use std::collections::HashMap;
+use crate::row::Row;
+use std::collections::{HashMap, HashSet};
 
 /// Nodes of a gradient's terms for one layer.
 type Pairs = Vec<Pair<Node>>;
@@ -34,8 +37,11 @@ pub(crate) struct Scheduler<'b> {
     maps: HashMap<(u32, Node), [Option<Node>; ORDERS]>,
     /// Where numbers lie, of one sample; none where samples lie side by side.
     layout: Option<Layout>,
-    /// Nodes in columns of other units than their own.
-    rearranged: HashMap<Node, Vec<(usize, Slot)>>,
+    /// Functions that nothing but one product reads, by that product: computed together.
+    factors: HashMap<Node, Node>,
+    is_factor: HashSet<Node>,
+    /// Nodes in other forms than their own.
+    rearranged: HashMap<Node, Vec<(Form, Slot)>>,
 }
 
 enum Gradient {
@@ -61,6 +67,7 @@ impl<'b> Scheduler<'b> {
             slots: Vec::new(),
             constants: Vec::new(),
             outputs: Vec::new(),
+            forms: Vec::new(),
             inputs: 0,
             rows: rows.len(),
         };
@@ -77,26 +84,37 @@ impl<'b> Scheduler<'b> {
             ends: HashMap::new(),
             maps: HashMap::new(),
             layout: None,
+            factors: HashMap::new(),
+            is_factor: HashSet::new(),
             rearranged: HashMap::new(),
         }
     }
 
     /// The same for one sample, whose columns lie side by side.
-    pub fn for_one_sample(mut self) -> Self {
+    ///
+    /// The results of a group lie in rows as the first of them does.
+    pub fn for_one_sample(mut self, groups: &[Vec<Node>]) -> Self {
         let mut needed = vec![false; self.ranks.len()];
         self.order.iter().for_each(|node| needed[node.index()] = true);
-        self.layout = Some(Layout::new(self.builder, &needed));
+        let layout = Layout::new(self.builder, &needed, &groups.concat());
+        for group in groups {
+            let units = group.first().map_or(1, |node| layout.form(*node).units);
+            self.program.forms.extend(group.iter().map(|_| Form::of_units(units)));
+        }
+        self.layout = Some(layout);
         self
     }
 
     pub fn schedule(mut self, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Program {
         let order = std::mem::take(&mut self.order);
-        for (rank, node) in order.iter().enumerate() {
-            let operation = &self.builder.operations[node.index()];
-            operation.reads(|x| self.last_read[x.index()] = rank);
-            if let Operation::Map { function, order, x } = operation {
+        for node in &order {
+            if let Operation::Map { function, order, x } = &self.builder.operations[node.index()] {
                 self.maps.entry((*function, *x)).or_default()[*order] = Some(*node);
             }
+        }
+        self.find_factors(&order, outputs, rows);
+        for (rank, node) in order.iter().enumerate() {
+            self.reads(*node).into_iter().for_each(|x| self.last_read[x.index()] = rank);
         }
         self.group(rows);
         outputs.iter().for_each(|node| self.last_read[node.index()] = usize::MAX);
@@ -105,7 +123,7 @@ impl<'b> Scheduler<'b> {
         }
         for rank in 0..=order.len() {
             if rank == self.first {
-                self.program.outputs = outputs.iter().map(|node| self.in_columns(*node, 1)).collect();
+                self.program.outputs = self.outputs(outputs);
                 self.program.first = self.program.steps.len();
             }
             if let Some(node) = order.get(rank) {
@@ -163,7 +181,7 @@ impl<'b> Scheduler<'b> {
     /// Rows that a node's numbers take.
     fn rows(&self, node: Node) -> usize {
         let length = self.builder.length(node);
-        self.layout.as_ref().map_or(length, |layout| layout::rows(layout.units(node), length))
+        self.layout.as_ref().map_or(length, |layout| layout.form(node).rows(length))
     }
 
     /// A slot of so many rows, of those that are free if there is one.
@@ -181,58 +199,22 @@ impl<'b> Scheduler<'b> {
     }
 
     fn release(&mut self, node: Node) {
-        let constant = matches!(self.builder.operations[node.index()], Operation::Constant(_));
-        if let Some(slot) = self.places[node.index()]
-            && !constant
-        {
-            self.free.entry(self.rows(node)).or_default().push(slot);
+        if matches!(self.builder.operations[node.index()], Operation::Constant(_)) {
+            return;
         }
-        for (_, slot) in self.rearranged.remove(&node).unwrap_or_default() {
+        let rearranged = self.rearranged.remove(&node).unwrap_or_default();
+        for slot in self.places[node.index()].into_iter().chain(rearranged.into_iter().map(|(_, slot)| slot))
+        {
             self.free.entry(self.program.slots[slot]).or_default().push(slot);
         }
     }
 
-    /// A slot of its own, that nothing else is written to.
-    fn constant(&mut self, node: Node) {
-        let known = self.builder.known(node).unwrap_or_default();
-        let rows: Vec<Row> = match &self.layout {
-            None => known.into_iter().map(Row::splat).collect(),
-            Some(layout) => layout::arranged(layout.units(node), &known)
-                .as_chunks()
-                .0
-                .iter()
-                .map(|row| Row(*row))
-                .collect(),
-        };
+    /// A slot of its own, that nothing else is written to, for a constant.
+    fn constant(&mut self, rows: Vec<Row>) -> Slot {
         self.program.slots.push(rows.len());
         let slot = self.program.slots.len() - 1;
-        self.places[node.index()] = Some(slot);
         self.program.constants.push((slot, rows));
-    }
-
-    /// The slot of a node in columns of so many units, where columns lie side by side.
-    fn in_columns(&mut self, node: Node, units: usize) -> Slot {
-        let slot = self.place(node);
-        let Some(layout) = &self.layout else { return slot };
-        let (own, length) = (layout.units(node), self.builder.length(node));
-        if own == units {
-            return slot;
-        }
-        let done = self.rearranged.entry(node).or_default();
-        if let Some((_, slot)) = done.iter().find(|(other, _)| *other == units) {
-            return *slot;
-        }
-        let to = self.slot(layout::rows(units, length));
-        self.rearranged.entry(node).or_default().push((units, to));
-        let index: Vec<u32> = (0..length).map(|i| layout::place(own, i) as u32).collect();
-        let index = layout::rows_of(&layout::arranged(units, &index));
-        self.program.steps.push(Step::Pick { x: slot, index, to });
-        to
-    }
-
-    /// Columns that a layer is applied to: of one sample several lie side by side.
-    fn columns(&self, columns: usize) -> usize {
-        if self.layout.is_some() { columns.div_ceil(WIDTH) } else { columns }
+        slot
     }
 
     fn step(&mut self, at: usize) {
@@ -240,36 +222,57 @@ impl<'b> Scheduler<'b> {
         if self.places[at].is_some() {
             return;
         }
+        let length = self.builder.length(node);
         let step = match self.builder.operations[at].clone() {
-            Operation::Constant(_) => return self.constant(node),
+            Operation::Constant(_) => {
+                let known = self.builder.known(node).unwrap_or_default();
+                let rows = match &self.layout {
+                    None => known.into_iter().map(Row::splat).collect(),
+                    Some(layout) => layout.form(node).constant(&known),
+                };
+                self.places[at] = Some(self.constant(rows));
+                return;
+            }
             Operation::Input(number) => {
                 self.program.inputs = self.program.inputs.max(number + 1);
-                Step::Input { number, to: self.reserve(node) }
+                let (to, given) = (self.reserve(node), Form::of_units(1));
+                match self.layout.as_ref().map(|layout| layout.form(node)).filter(|form| *form != given) {
+                    None => Step::Input { number, to },
+                    Some(form) => Step::PickInput { number, picks: form.picks(length, (given, |i| i)), to },
+                }
             }
             Operation::Parameters(start) if self.layout.is_none() => {
                 Step::Parameters { start, to: self.reserve(node) }
             }
             Operation::Parameters(start) => {
-                let length = self.builder.length(node);
                 Step::PackedParameters { range: start..start + length, to: self.reserve(node) }
             }
             Operation::Linear { layer, columns, bias, x } => {
-                let (x, columns) = (self.in_columns(x, layer.inputs.max(1)), self.columns(columns));
+                let columns = self.columns(columns, x, layer.inputs.max(1));
+                let x = self.in_columns(x, layer.inputs.max(1));
                 Step::Linear { layer, columns, bias, x, to: self.reserve(node) }
             }
             Operation::Transposed { layer, columns, y } => {
-                let (y, columns) = (self.in_columns(y, layer.outputs.max(1)), self.columns(columns));
+                let columns = self.columns(columns, y, layer.outputs.max(1));
+                let y = self.in_columns(y, layer.outputs.max(1));
                 Step::Transposed { layer, columns, y, to: self.reserve(node) }
             }
+            Operation::Map { .. } if self.is_factor.contains(&node) => return,
             Operation::Map { function, x, .. } => {
                 let nodes = self.maps.get(&(function, x)).copied().unwrap_or_default();
                 let to = nodes.map(|node| node.map(|node| self.reserve(node)));
                 Step::Map { function: self.builder.functions[&function], x: self.place(x), to }
             }
-            Operation::Product(x, y) => {
-                let [x, y] = self.alike(node, [x, y]);
-                Step::Product { x, y, to: self.reserve(node) }
-            }
+            Operation::Product(x, y) => match self.factor(node) {
+                Some((function, order, x, y)) => {
+                    let [x, y] = self.alike(node, [x, y]);
+                    Step::MapProduct { function, order, x, y, to: self.reserve(node) }
+                }
+                None => {
+                    let [x, y] = self.alike(node, [x, y]);
+                    Step::Product { x, y, to: self.reserve(node) }
+                }
+            },
             Operation::Sum(x, y) => {
                 let [x, y] = self.alike(node, [x, y]);
                 Step::Sum { x, y, to: self.reserve(node) }
@@ -277,31 +280,27 @@ impl<'b> Scheduler<'b> {
             Operation::Scaled(c, x) => {
                 Step::Scaled { c: f64::from_bits(c), x: self.place(x), to: self.reserve(node) }
             }
+            Operation::Gather { x, .. } if self.summands(node).0 == x => return,
             Operation::Gather { x, index } => {
                 let (from, to) = (self.place(x), self.reserve(node));
                 match &self.layout {
                     None => Step::Gather { x: from, index, to },
-                    Some(layout) => Step::Pick { x: from, index: layout.picked(node, x, &index), to },
+                    Some(layout) => Step::Pick { x: from, picks: layout.picked(node, x, &index), to },
                 }
             }
             Operation::Scatter { x, index } => {
-                let (from, to) = (self.place(x), self.reserve(node));
+                let (x, from) = self.summands(x);
+                let (slot, to) = (self.place(x), self.reserve(node));
                 match &self.layout {
-                    None => Step::Scatter { x: from, index, to },
+                    None => Step::Scatter { x: slot, index, to },
                     Some(layout) => {
-                        let (ends, index) = layout.summed([node, x], self.builder.length(node), &index);
-                        Step::PickSums { x: from, ends, index, to }
+                        let place = |i: usize| from.map_or(i, |from| from[i] as usize);
+                        Step::PickSums { x: slot, sums: layout.summed([node, x], length, &index, place), to }
                     }
                 }
             }
         };
         self.program.steps.push(step);
-    }
-
-    /// The slots of two nodes that are combined number by number.
-    fn alike(&mut self, node: Node, of: [Node; 2]) -> [Slot; 2] {
-        let units = self.layout.as_ref().map_or(1, |layout| layout.units(node));
-        of.map(|x| self.in_columns(x, units))
     }
 
     fn gradient(&mut self, gradient: &Gradient) {

@@ -94,9 +94,9 @@ mod tests {
         let mut builder = Builder::new();
         let q = builder.input(2);
         let x = builder.part(q, 1..2);
-        let hidden = builder.linear(Layer { start: 0, inputs: 1, outputs: 3 }, 1, x);
+        let hidden = builder.linear(Layer::new(0, 1, 3), 1, x);
         let hidden = builder.map(Function::Sine, hidden);
-        let y = builder.linear(Layer { start: 6, inputs: 3, outputs: 2 }, 1, hidden);
+        let y = builder.linear(Layer::new(6, 3, 2), 1, hidden);
         let square = builder.dot(y, y);
         let one = builder.constant(&[1.0]);
         let gradient = builder.pull_back(square, one).of(&mut builder, q);

@@ -189,7 +189,7 @@ mod tests {
     fn an_entry_depends_on_what_it_is_computed_from() {
         let mut builder = Builder::new();
         let x = builder.input(4);
-        let layer = Layer { start: 0, inputs: 2, outputs: 3 };
+        let layer = Layer::new(0, 2, 3);
         let y = builder.linear(layer, 2, x);
         let sum = builder.scatter(y, &[0, 0, 1, 1, 2, 3], 5);
         let found = builder.dependence(sum, x);

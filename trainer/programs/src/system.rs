@@ -117,17 +117,18 @@ impl System {
     pub(crate) fn equation_of_motion_in_blocks(&self) -> (Program, Pattern) {
         let mut builder = self.builder.clone();
         let (motion, pattern) = self.motion(&mut builder);
-        let mut outputs = Vec::new();
+        let mut groups = Vec::new();
         for blocks in pattern.blocks_by_size() {
-            let size = blocks[0].len();
+            let (mut outputs, size) = (Vec::new(), blocks[0].len());
             let rows = (0..size).map(|i| blocks.iter().map(|block| block[i]).collect::<Vec<_>>());
             outputs.extend(rows.map(|rows| builder.gather(motion[0], &rows)).collect::<Vec<_>>());
             for (i, j) in (0..size * size).map(|k| (k / size, k % size)) {
                 let entries: Vec<_> = blocks.iter().map(|block| (block[i], block[j])).collect();
                 outputs.push(entries_of_mass(&mut builder, (&motion[1..], &pattern), &entries));
             }
+            groups.push(outputs);
         }
-        (Program::of_one_sample(&builder, &outputs), pattern)
+        (Program::of_one_sample(&builder, &groups), pattern)
     }
 
     /// Those of [`System::equation_of_motion`] with the rows of [`System::residual`], which share what both compute.

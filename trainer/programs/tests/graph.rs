@@ -245,7 +245,7 @@ fn mass_matrices_of_graphs_take_as_many_directions_as_dimensions() {
 
 #[test]
 fn accelerations_of_one_sample_are_those_of_samples_side_by_side() {
-    for nodes in [3, 40] {
+    for nodes in [3, 40, 67] {
         let (system, weights) = ring(nodes);
         let n = system.n();
         let x = |k: usize, i: usize| ((7 * i + 3 * k) as f64).sin();

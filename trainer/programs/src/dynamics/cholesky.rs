@@ -1,67 +1,93 @@
 use crate::row::{Row, WIDTH};
+use wide::f64x8;
 
-/// The factors of a small symmetric positive definite matrix of every sample, A = LDLᵀ, in storage that is used again.
+/// The factors of a small symmetric positive definite matrix of every sample, A = LDLᵀ, in storage that is used again; of as many
+/// rows of samples as there are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cholesky {
     n: usize,
+    rows: usize,
     /// L below the diagonal, 1/D on it; row by row.
     entries: Vec<Row>,
+    /// Whether all pivots are positive numbers, of every sample: 1, else 0.
+    positive: Vec<Row>,
 }
 
 impl Cholesky {
     /// Factors the matrix of these entries below and on the diagonal. Samples whose matrix is not positive definite are `false`; what
     /// is solved with them is no number.
     pub fn factor(&mut self, n: usize, entry: impl Fn(usize, usize) -> Row) -> [bool; WIDTH] {
-        self.n = n;
-        self.entries.clear();
-        self.entries
-            .extend((0..n * n).map(|k| if k % n <= k / n { entry(k / n, k % n) } else { Row::default() }));
-        let mut least = Row::splat(f64::INFINITY);
-        for k in 0..n {
-            let pivot = self.eliminate(k);
-            least = least.zip(&pivot, |least, d| if d < least { d } else { least });
-            // What is no number is not less either.
-            least = least.zip(&pivot, |least, d| if d < f64::INFINITY { least } else { 0.0 });
-        }
-        least.0.map(|d| d > 0.0)
+        self.factor_rows(n, 1, |i, j, place| place[0] = entry(i, j));
+        std::array::from_fn(|k| self.is_positive(0, k))
     }
 
-    /// Takes column k out of the rows below; returns its pivot.
-    fn eliminate(&mut self, k: usize) -> Row {
-        let n = self.n;
-        let pivot = self.entries[k * n + k];
-        let inverse = pivot.zip(&pivot, |d, _| 1.0 / d);
-        self.entries[k * n + k] = inverse;
-        for i in k + 1..n {
-            let own = self.entries[i * n + k];
+    /// The same of so many rows of samples: `write` writes entry (i, j) of all of them.
+    pub fn factor_rows(&mut self, n: usize, rows: usize, write: impl Fn(usize, usize, &mut [Row])) {
+        (self.n, self.rows) = (n, rows);
+        self.entries.resize(n * n * rows, Row::default());
+        for (i, j) in (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            write(i, j, &mut self.entries[(i * n + j) * rows..][..rows]);
+        }
+        self.positive.clear();
+        self.positive.resize(rows, Row::splat(1.0));
+        (0..n).for_each(|k| self.eliminate(k));
+    }
+
+    /// Whether the matrix of a sample is positive definite.
+    pub fn is_positive(&self, row: usize, sample: usize) -> bool {
+        self.positive[row].0[sample] > 0.0
+    }
+
+    /// Whether those of all samples of a row are.
+    pub fn are_positive(&self, row: usize) -> bool {
+        let [first, second] = self.positive[row].load();
+        (first & second).simd_eq(f64x8::ONE).all()
+    }
+
+    /// Takes column k out of the rows below.
+    fn eliminate(&mut self, k: usize) {
+        let (n, rows) = (self.n, self.rows);
+        let at = |i: usize, j: usize| (i * n + j) * rows;
+        for (d, positive) in self.entries[at(k, k)..].iter_mut().zip(&mut self.positive) {
+            let (own, pivot) = (positive.load(), d.load());
+            // What is no number is not positive either.
+            let is_number = pivot.map(|d| d.simd_gt(f64x8::ZERO) & d.simd_lt(f64x8::splat(f64::INFINITY)));
+            *positive = Row::store(std::array::from_fn(|g| own[g] & is_number[g]));
+            *d = Row::store(pivot.map(|d| f64x8::ONE / d));
+        }
+        for (i, row) in (k + 1..n).flat_map(|i| (0..rows).map(move |row| (i, row))) {
+            let (own, inverse) = (self.entries[at(i, k) + row], self.entries[at(k, k) + row]);
             let factor = own.zip(&inverse, |a, inverse| -a * inverse);
             // Those of column k that are not divided yet are at or below row i.
             for j in i..n {
-                let other = self.entries[j * n + k];
-                self.entries[j * n + i].add_product(&factor, &other);
+                let other = self.entries[at(j, k) + row];
+                self.entries[at(j, i) + row].add_product(&factor, &other);
             }
-            self.entries[i * n + k] = factor;
+            self.entries[at(i, k) + row] = factor;
         }
-        pivot
     }
 
-    /// Replaces b by A⁻¹b.
+    /// Replaces b by A⁻¹b; all rows of samples of its first number come first.
     pub fn solve(&self, b: &mut [Row]) {
-        let n = self.n;
+        let (n, rows) = (self.n, self.rows);
+        let entry = |i: usize, j: usize, row: usize| &self.entries[(i * n + j) * rows + row];
+        let below = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let above = (0..n).rev().flat_map(|i| (i + 1..n).map(move |j| (i, j)));
         // −L is what is kept.
-        for i in 0..n {
-            for j in 0..i {
-                let x = b[j];
-                b[i].add_product(&self.entries[i * n + j], &x);
+        for (i, j) in below {
+            for row in 0..rows {
+                let x = b[j * rows + row];
+                b[i * rows + row].add_product(entry(i, j, row), &x);
             }
         }
-        for (i, b) in b.iter_mut().enumerate() {
-            *b = b.zip(&self.entries[i * n + i], |x, inverse| x * inverse);
+        for (i, b) in b.chunks_mut(rows).enumerate() {
+            let inverse = &self.entries[(i * n + i) * rows..];
+            b.iter_mut().zip(inverse).for_each(|(b, inverse)| *b = b.product(inverse));
         }
-        for i in (0..n).rev() {
-            for j in i + 1..n {
-                let x = b[j];
-                b[i].add_product(&self.entries[j * n + i], &x);
+        for (i, j) in above {
+            for row in 0..rows {
+                let x = b[j * rows + row];
+                b[i * rows + row].add_product(entry(j, i, row), &x);
             }
         }
     }

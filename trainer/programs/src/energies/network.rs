@@ -3,6 +3,20 @@ use crate::function::Function;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::network::Activation;
 
+/// Numbers that are the same for all inputs of a kind.
+pub(crate) struct Kinds<'k> {
+    /// Those of every kind, `width` each, kind after kind.
+    pub table: Node,
+    pub width: usize,
+    /// The kind of every input.
+    pub of: &'k [usize],
+}
+
+/// The places of so many entries each of these items.
+pub(crate) fn entries(items: impl IntoIterator<Item = usize>, each: usize) -> Vec<usize> {
+    items.into_iter().flat_map(|item| item * each..(item + 1) * each).collect()
+}
+
 /// A multilayer perceptron in the weight block: hidden layers, each followed by the activation, and a linear output layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
@@ -32,7 +46,7 @@ impl Network {
         let mut inputs = inputs;
         let mut layers = Vec::new();
         for outputs in widths.iter().copied().chain([outputs]) {
-            let layer = Layer { start, inputs, outputs };
+            let layer = Layer::new(start, inputs, outputs);
             (start, inputs) = (layer.end(), outputs);
             layers.push(layer);
         }
@@ -51,13 +65,34 @@ impl Network {
 
     /// y of so many inputs x, one after the other; so are the outputs.
     pub fn outputs(&self, builder: &mut Builder, columns: usize, x: Node) -> Node {
-        let mut x = x;
-        for (i, layer) in self.layers.iter().enumerate() {
-            x = builder.linear(*layer, columns, x);
-            if i + 1 < self.layers.len() && self.activation != Activation::Identity {
-                x = builder.map(Function::Activation(self.activation), x);
+        let Some((first, others)) = self.layers.split_first() else { return x };
+        let y = builder.linear(*first, columns, x);
+        self.behind(builder, others, columns, y)
+    }
+
+    /// y of so many inputs x, each behind the numbers of its kind. What the first layer makes of those is computed once for a kind.
+    pub(crate) fn outputs_of_kinds(&self, builder: &mut Builder, kinds: &Kinds, x: Node) -> Node {
+        let (columns, width) = (kinds.of.len(), kinds.width);
+        let Some((first, others)) = self.layers.split_first().filter(|_| width > 0) else {
+            return self.outputs(builder, columns, x);
+        };
+        let of_kinds =
+            builder.linear(first.of_inputs(0..width), builder.length(kinds.table) / width, kinds.table);
+        let of_kinds = builder.gather(of_kinds, &entries(kinds.of.iter().copied(), first.outputs));
+        let own = builder.product_of(first.of_inputs(width..first.inputs), columns, x, false);
+        let y = builder.sum(of_kinds, own);
+        self.behind(builder, others, columns, y)
+    }
+
+    /// What follows a layer's outputs y.
+    fn behind(&self, builder: &mut Builder, layers: &[Layer], columns: usize, y: Node) -> Node {
+        let mut y = y;
+        for layer in layers {
+            if self.activation != Activation::Identity {
+                y = builder.map(Function::Activation(self.activation), y);
             }
+            y = builder.linear(*layer, columns, y);
         }
-        x
+        y
     }
 }

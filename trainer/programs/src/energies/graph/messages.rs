@@ -1,8 +1,9 @@
 //! One round of messages (LGNN): every node sums what its edges send it, every edge is updated by both of its nodes, and both
 //! have a potential.
 
-use super::{GraphEnergies, entries};
+use super::GraphEnergies;
 use crate::builder::{Builder, Node};
+use crate::energies::network::{Kinds, entries};
 use leastaction_core::energy::graph::{Edge, GraphShape, MessageShape};
 
 /// The messages of a graph.
@@ -88,17 +89,10 @@ impl GraphEnergies {
         let (width, types) = (self.numbers.embedding, self.numbers.node_types);
         let table: Vec<Node> = (0..types).map(|kind| self.numbers.embedding(builder, kind)).collect();
         let table = builder.joined(&table);
-        let sources = builder.joined(&[table, e]);
-        let inputs: Vec<usize> = messages
-            .sent
-            .iter()
-            .flat_map(|[edge, kind]| {
-                let of_edge = entries([*edge], messages.width).into_iter().map(|entry| types * width + entry);
-                entries([*kind], width).into_iter().chain(of_edge)
-            })
-            .collect();
-        let inputs = builder.gather(sources, &inputs);
-        let sent = self.network(messages.shape.message).outputs(builder, messages.sent.len(), inputs);
+        let [edges, kinds] = [0, 1].map(|of| messages.sent.iter().map(|sent| sent[of]).collect::<Vec<_>>());
+        let e = builder.gather(e, &entries(edges, messages.width));
+        let kinds = Kinds { table, width, of: &kinds };
+        let sent = self.network(messages.shape.message).outputs_of_kinds(builder, &kinds, e);
         let arriving =
             builder.gather(sent, &entries(messages.received.iter().map(|[message, _]| *message), width));
         let receivers = entries(messages.received.iter().map(|[_, receiver]| *receiver), width);

@@ -8,6 +8,7 @@ mod edges;
 mod messages;
 mod nodes;
 
+use super::network::{Kinds, entries};
 use super::{Energies, Network};
 use crate::builder::{Builder, Node};
 use edges::EdgeGroup;
@@ -182,21 +183,13 @@ impl Numbers {
     }
 }
 
-/// The places of so many entries each of these items.
-fn entries(items: impl IntoIterator<Item = usize>, each: usize) -> Vec<usize> {
-    items.into_iter().flat_map(|item| item * each..(item + 1) * each).collect()
-}
-
 /// The item of every entry, of so many each of `items` items.
 fn owners(items: usize, each: usize) -> Vec<usize> {
     (0..items * each).map(|entry| entry / each).collect()
 }
 
-/// `embedding` ‖ x for each of so many columns x.
-fn embedded(builder: &mut Builder, embedding: Node, columns: usize, x: Node) -> Node {
-    let (h, each) = (builder.length(embedding), builder.length(x) / columns);
-    let source = builder.joined(&[embedding, x]);
-    let index: Vec<usize> =
-        (0..columns).flat_map(|column| (0..h).chain(h + column * each..h + (column + 1) * each)).collect();
-    builder.gather(source, &index)
+/// f(`embedding` ‖ x) of so many inputs x.
+fn embedded(builder: &mut Builder, network: &Network, embedding: Node, (columns, x): (usize, Node)) -> Node {
+    let kinds = Kinds { table: embedding, width: builder.length(embedding), of: &vec![0; columns] };
+    network.outputs_of_kinds(builder, &kinds, x)
 }

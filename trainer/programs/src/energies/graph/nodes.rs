@@ -45,8 +45,8 @@ impl GraphEnergies {
                 let count = group.nodes.len();
                 let squares = squares(builder, v, count);
                 let embedding = self.numbers.kinetic_embedding(builder, group.kind);
-                let x = embedded(builder, embedding, count, squares);
-                self.total(builder, network, count, x)
+                let y = embedded(builder, self.network(network), embedding, (count, squares));
+                builder.total(y)
             }
         }
     }
@@ -61,8 +61,8 @@ impl GraphEnergies {
                 let uniform = self.uniform(builder, group, x);
                 let embedding = self.numbers.embedding(builder, group.kind);
                 let count = group.nodes.len();
-                let x = embedded(builder, embedding, count, x);
-                let own = self.total(builder, network, count, x);
+                let y = embedded(builder, self.network(network), embedding, (count, x));
+                let own = builder.total(y);
                 builder.sum(uniform, own)
             }
         }

@@ -1,0 +1,64 @@
+//! Vectors of one sample in the forms that the steps want which read them.
+
+use super::Scheduler;
+use crate::builder::Node;
+use crate::layout::Form;
+use crate::program::{Slot, Step};
+use crate::row::WIDTH;
+
+impl Scheduler<'_> {
+    /// How a node's numbers lie; several samples lie side by side in all of them alike.
+    pub(super) fn form(&self, node: Node) -> Form {
+        self.layout.as_ref().map_or(Form::of_units(1), |layout| layout.form(node))
+    }
+
+    /// The slot of a node in this form, where columns lie side by side.
+    pub(super) fn in_form(&mut self, node: Node, form: Form) -> Slot {
+        let slot = self.place(node);
+        let Some(layout) = &self.layout else { return slot };
+        let (own, length) = (layout.form(node), self.builder.length(node));
+        if own == form {
+            return slot;
+        }
+        let done = self.rearranged.entry(node).or_default();
+        if let Some((_, slot)) = done.iter().find(|(other, _)| *other == form) {
+            return *slot;
+        }
+        let to = if let Some(known) = self.builder.known(node) {
+            self.constant(form.constant(&known))
+        } else {
+            let to = self.slot(form.rows(length));
+            self.program.steps.push(Step::Pick { x: slot, picks: form.picks(length, (own, |i| i)), to });
+            to
+        };
+        self.rearranged.entry(node).or_default().push((form, to));
+        to
+    }
+
+    /// The slot of a node in columns of so many units, where columns lie side by side.
+    pub(super) fn in_columns(&mut self, node: Node, units: usize) -> Slot {
+        let form = self.layout.as_ref().map_or(Form::of_units(1), |layout| layout.form(node).in_units(units));
+        self.in_form(node, form)
+    }
+
+    /// The slots of the results.
+    pub(super) fn outputs(&mut self, outputs: &[Node]) -> Vec<Slot> {
+        self.program.forms.resize(outputs.len(), Form::of_units(1));
+        (0..outputs.len()).map(|k| self.in_form(outputs[k], self.program.forms[k])).collect()
+    }
+
+    /// Columns that a layer is applied to whose inputs are these: of one sample several lie side by side.
+    pub(super) fn columns(&self, columns: usize, x: Node, units: usize) -> usize {
+        match &self.layout {
+            None => columns,
+            Some(layout) if layout.form(x).in_units(units).alike => 1,
+            Some(_) => columns.div_ceil(WIDTH),
+        }
+    }
+
+    /// The slots of two nodes that are combined number by number.
+    pub(super) fn alike(&mut self, node: Node, of: [Node; 2]) -> [Slot; 2] {
+        let units = self.layout.as_ref().map_or(1, |layout| layout.form(node).units);
+        of.map(|x| self.in_columns(x, units))
+    }
+}

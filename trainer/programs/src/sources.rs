@@ -1,0 +1,82 @@
+//! Entries of gathered and added vectors, traced back to the vectors that they come from.
+
+use crate::builder::{Builder, Node, Operation};
+use crate::single::Variables;
+
+impl Builder {
+    /// The vector of these entries of a gathered, added or joined one, read from what that is computed from; `None` where that takes
+    /// more than a gather.
+    pub(crate) fn gathered_before(&mut self, x: Node, index: &[usize]) -> Option<Node> {
+        // What is a function of one number alone remains one, under its own name.
+        if matches!(self.variables[x.index()], Variables::One(_)) {
+            return None;
+        }
+        if self.vanish(x, index) {
+            return Some(self.zeros(index.len()));
+        }
+        let (x, index) = match &self.operations[x.index()] {
+            Operation::Gather { x, index: own } => (*x, index.iter().map(|i| own[*i] as usize).collect()),
+            Operation::Scatter { x: summands, index: own } => {
+                let of_entries = only_summands(own, self.length(x));
+                (*summands, index.iter().map(|k| of_entries[*k]).collect::<Option<_>>()?)
+            }
+            Operation::Sum(a, b) if self.vanish(*a, index) => (*b, index.to_vec()),
+            Operation::Sum(a, b) if self.vanish(*b, index) => (*a, index.to_vec()),
+            _ => return None,
+        };
+        Some(self.gather(x, &index))
+    }
+
+    /// Whether these entries are known to be 0.
+    fn vanish(&self, x: Node, entries: &[usize]) -> bool {
+        match &self.operations[x.index()] {
+            Operation::Constant(bits) => entries.iter().all(|k| f64::from_bits(bits[*k]) == 0.0),
+            Operation::Scatter { index, .. } => {
+                let mut has_summands = vec![false; self.length(x)];
+                index.iter().for_each(|k| has_summands[*k as usize] = true);
+                entries.iter().all(|k| !has_summands[*k])
+            }
+            Operation::Sum(a, b) => self.vanish(*a, entries) && self.vanish(*b, entries),
+            _ => false,
+        }
+    }
+}
+
+/// For each of so many sums the summand that is its only one.
+fn only_summands(index: &[u32], sums: usize) -> Vec<Option<usize>> {
+    let mut counts = vec![0; sums];
+    let mut last = vec![None; sums];
+    for (i, k) in index.iter().enumerate() {
+        counts[*k as usize] += 1;
+        last[*k as usize] = (counts[*k as usize] == 1).then_some(i);
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_joined_vectors_are_those_that_were_joined() {
+        let mut builder = Builder::new();
+        let [a, b] = [3, 2].map(|length| builder.input(length));
+        let joined = builder.joined(&[a, b]);
+        assert_eq!(builder.part(joined, 0..3), a);
+        assert_eq!(builder.part(joined, 3..5), b);
+        let (last, first) = (builder.gather(joined, &[4, 3]), builder.gather(b, &[1, 0]));
+        assert_eq!(last, first);
+        let mixed = builder.gather(joined, &[2, 3]);
+        assert!(matches!(builder.operations[mixed.index()], Operation::Gather { x, .. } if x == joined));
+    }
+
+    #[test]
+    fn entries_without_summands_are_zero() {
+        let mut builder = Builder::new();
+        let x = builder.input(2);
+        let sums = builder.scatter(x, &[3, 3], 4);
+        assert_eq!(builder.gather(sums, &[0, 2, 2]), builder.zeros(3));
+        let sum = builder.gather(sums, &[3]);
+        assert!(matches!(builder.operations[sum.index()], Operation::Gather { x, .. } if x == sums));
+    }
+}
