@@ -24,6 +24,10 @@ impl<'f> Chip<'f> {
         Self { system, trained_step, range, actuator }
     }
 
+    pub(crate) fn system(&self) -> &AnySystem<'f> {
+        &self.system
+    }
+
     /// Number of coordinates n.
     pub fn n(&self) -> usize {
         self.visit(Size)

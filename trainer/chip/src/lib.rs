@@ -36,4 +36,4 @@ pub use evaluator::Evaluator;
 pub use file::ModelFile;
 pub use motion::Motion;
 pub use particles::ParticleSystem;
-pub use sizes::{COORDINATES, Visitor};
+pub use sizes::{COORDINATES, OfSize, Visitor};

@@ -1,6 +1,6 @@
 //! The one place in which a size that a file says becomes a type.
 
-use crate::{ChipError, ParticleSystem, SystemOf};
+use crate::{Chip, ChipError, ParticleSystem, SystemOf};
 use leastaction_core::model::ModelError;
 
 /// A loader of systems in as many coordinates as it is asked for.
@@ -13,11 +13,19 @@ pub trait Visitor<'c> {
     /// What comes of it.
     type Output;
 
-    /// Visits a rigid model or a tree.
-    fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output;
+    /// Visits a rigid model or a tree. Other chips can be asked whether they are of the same size.
+    fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output
+    where
+        for<'f> Chip<'f>: OfSize<N>;
 
     /// Visits a graph in D dimensions.
     fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output;
+}
+
+/// The system of a chip where it has N coordinates, for each N of [`COORDINATES`].
+pub trait OfSize<const N: usize> {
+    /// The system; `None` where it has another number of coordinates, or is a graph.
+    fn of_size(&self) -> Option<&SystemOf<'_, N>>;
 }
 
 macro_rules! sizes {
@@ -31,6 +39,15 @@ macro_rules! sizes {
             Plane(Box<ParticleSystem<'f, 2>>),
             Space(Box<ParticleSystem<'f, 3>>),
         }
+
+        $(impl OfSize<$n> for Chip<'_> {
+            fn of_size(&self) -> Option<&SystemOf<'_, $n>> {
+                match self.system() {
+                    AnySystem::$size(system) => Some(system),
+                    _ => None,
+                }
+            }
+        })*
 
         impl<'f> AnySystem<'f> {
             /// The system of n coordinates.

@@ -3,7 +3,9 @@
 mod common;
 
 use common::{GraphSample, RigidSample, TREES, TreeSample, bytes, file, step};
-use leastaction_chip::{COORDINATES, ChipError, Control, ModelFile, ParticleSystem, Step, SystemOf, Visitor};
+use leastaction_chip::{
+    COORDINATES, ChipError, Control, ModelFile, OfSize, ParticleSystem, Step, SystemOf, Visitor,
+};
 use leastaction_core::discrete::{Order, StepError};
 use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::rigid::Inertia;
@@ -202,6 +204,14 @@ fn without_an_actuator_the_command_is_the_force() {
         actuators.held(&[1.5, 2.5]).err(),
         Some(ChipError::Length { what: "u", expected: 1, found: 2 })
     );
+}
+
+#[test]
+fn a_chip_is_of_one_size() {
+    let file = ModelFile::new(&arm("taa", [4, 0, 0, 0]).file(Order::Four)).unwrap();
+    let chip = file.chip(None).unwrap();
+    let (two, three) = (OfSize::<2>::of_size(&chip), OfSize::<3>::of_size(&chip));
+    assert!(two.is_none() && three.is_some_and(|system| system.forces.coefficients.iter().all(|c| *c > 0.0)));
 }
 
 /// Says which type it was given.
