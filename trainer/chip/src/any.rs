@@ -12,8 +12,11 @@ pub const UNITS: usize = 64;
 /// A Lagrangian in N coordinates of whichever family and shape a file has.
 pub struct AnyLagrangian<'f, const N: usize>(Box<dyn Lagrangian<f32, N> + Send + Sync + 'f>);
 
+/// All laws of force that a file can have.
+pub type ForcesOf<const N: usize> = Viscous<f32, N>;
+
 /// A model in N coordinates with the forces of its file: what the solvers of core step.
-pub type SystemOf<'f, const N: usize> = System<AnyLagrangian<'f, N>, Viscous<f32, N>>;
+pub type SystemOf<'f, const N: usize> = System<AnyLagrangian<'f, N>, ForcesOf<N>>;
 
 impl<'f, const N: usize> AnyLagrangian<'f, N> {
     /// The one behind the solvers from here on.
@@ -23,7 +26,7 @@ impl<'f, const N: usize> AnyLagrangian<'f, N> {
 
     /// The same system with its Lagrangian behind this type.
     pub(crate) fn erased<L: Lagrangian<f32, N> + Send + Sync + 'f>(
-        System { lagrangian, forces }: System<L, Viscous<f32, N>>,
+        System { lagrangian, forces }: System<L, ForcesOf<N>>,
     ) -> SystemOf<'f, N> {
         System { lagrangian: Self::new(lagrangian), forces }
     }

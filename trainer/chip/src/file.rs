@@ -1,10 +1,10 @@
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
-use crate::{AnyLagrangian, Chip, ChipError, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, LAYERS, RIGID_UNITS, SystemOf, UNITS};
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::forces::System;
 use leastaction_core::model::{
     Family, GraphHeader, GraphLayout, Laws, ModelError, ModularHeader, Parsed, RigidHeader, TreeHeader, parse,
 };
@@ -145,7 +145,7 @@ struct RigidLoader<'f> {
 
 impl<'f> Load<'f> for RigidLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, Viscous<f32, N>> =
+        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, ForcesOf<N>> =
             self.header.system(self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }
@@ -161,7 +161,7 @@ struct TreeLoader<'f> {
 
 impl<'f> Load<'f> for TreeLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, Viscous<f32, N>> =
+        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, ForcesOf<N>> =
             self.header.system(&self.tree, self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }

@@ -28,7 +28,7 @@ mod particles;
 mod sizes;
 
 pub use actuators::Actuators;
-pub use any::{AnyLagrangian, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+pub use any::{AnyLagrangian, ForcesOf, LAYERS, RIGID_UNITS, SystemOf, UNITS};
 pub use chip::Chip;
 pub use control::{Control, Step};
 pub use error::ChipError;
