@@ -69,5 +69,5 @@ macro_rules! sizes {
     };
 }
 
-// Each takes two seconds of a processor to compile.
+// Each takes two to three seconds of a processor to compile in release.
 sizes!(One = 1, Two = 2, Three = 3, Four = 4, Five = 5, Six = 6, Seven = 7, Eight = 8, Twelve = 12);
