@@ -20,6 +20,8 @@ mod interrupt;
 mod logs;
 #[path = "cli_commands/on_a_board.rs"]
 mod on_a_board;
+#[path = "cli_commands/on_chip.rs"]
+mod on_chip;
 #[path = "cli_commands/replaced.rs"]
 mod replaced;
 #[path = "cli_commands/resume.rs"]

@@ -1,5 +1,6 @@
 //! The command line: one file and one variant of [`Command`] each.
 
+mod chip;
 mod convert;
 mod demo;
 mod evaluate;

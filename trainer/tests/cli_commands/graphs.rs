@@ -82,6 +82,8 @@ fn bobs_on_two_rods_serve_on_four() {
         let report = done.json();
         assert!(report["acceleration_relative"].as_f64().unwrap() < 1e-9, "{report}");
         assert_eq!((report["graph"].as_str(), report.get("one_step_mse")), (Some(graph), None));
+        let chip = &report["chip"];
+        assert!(chip["one_step_mse"].as_f64() < Some(1e-6) && chip["rollouts_broken_off"] == 0, "{report}");
         let (learned, floor) = (&report["prediction"]["learned"], &report["prediction"]["single_precision"]);
         assert_eq!(report["prediction"]["count"].as_u64(), Some(count));
         let position = |of: &serde_json::Value| of["position"].as_f64().unwrap();

@@ -64,6 +64,39 @@ fn an_untrained_model_fails_but_is_reported() {
     assert!(outcome.stderr.contains("did not reach its goal") && outcome.stderr.contains("run.svg"));
 }
 
+/// A triple pendulum, whose motion no scenario knows exactly, beside itself: as a tree, and its smaller parts.
+#[test]
+fn a_model_file_can_be_the_plant() {
+    let bench = Bench::new();
+    bench.run("generate n-pendulum --count 3 -o triple.npz --trajectories 6 --h 0.01").good();
+    bench.write(
+        "triple.toml",
+        "[data]\nfile = \"triple.npz\"\n[model]\nfamily = \"modular\"\n[[model.types]]\nname = \"bob\"\ntransform = \"angle\"\n\
+         position = []\npotential = []\n[model.trees]\ntriple = [\"bob\", \"bob\", \"bob\"]\n[training]\n\
+         loss = \"acceleration\"\niterations = 20\n",
+    );
+    bench.run("train triple.toml -o run -q").good();
+    bench.model("run");
+    let words = "--scenario predict --seconds 0.5 --tick 0.01 --json -o out";
+    bench.run(&format!("simulate run.postcard {words}")).bad(2, &["no mechanism", "\"aaa\"", "--plant"]);
+    let report = bench.run(&format!("simulate run.postcard --plant run.postcard {words}")).good().json();
+    assert_eq!((report["system"].as_str(), report["success"].as_bool()), (Some("run.postcard"), Some(true)));
+    assert_eq!(report["max_error"].as_array().map(Vec::len), Some(3));
+    let moved = report["max_q"].as_array().unwrap().iter().any(|q| q.as_f64().unwrap() > 0.1);
+    assert!(moved && bench.text("out/trace.csv").starts_with("index,time,q0,q1,q2,v0"), "{report}");
+    let refused = |words: &str, said: &[&str]| {
+        bench.run(&format!("simulate run.postcard --plant {words}")).bad(2, said);
+    };
+    refused("run.postcard --scenario track", &["track", "leave out --plant"]);
+    refused("run.postcard --scenario predict --system pendulum", &["--system"]);
+    refused("no.postcard --scenario predict", &["no.postcard"]);
+    bench.log("");
+    bench.config("iterations = 1");
+    bench.run("train c.toml -o run --force -q").good();
+    bench.run("export run -o other.postcard").good();
+    refused("other.postcard --scenario predict", &["--plant", "\"aaa\"", "must be the same"]);
+}
+
 #[test]
 fn what_cannot_be_simulated_is_refused() {
     let bench = learned();

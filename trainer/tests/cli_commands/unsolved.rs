@@ -27,6 +27,8 @@ fn what_cannot_be_solved_is_counted_and_left_out() {
     assert!(broken > 0.0 && broken <= number("trajectories"), "{report}");
     assert!(number("one_step_mse").is_finite());
     assert_eq!(report["rollout_mse"].is_null(), broken == number("trajectories"), "{report}");
+    let chip = &report["chip"];
+    assert!(chip["one_step_unsolved"].as_f64() > Some(0.0) && chip["one_step_mse"].is_f64(), "{report}");
     let text = bench.run("evaluate run.postcard --data double.npz").good().stdout;
     assert!(!text.contains("inf") && text.contains("steps cannot be solved"), "{text}");
     assert!(text.contains("break off at a step"), "{text}");

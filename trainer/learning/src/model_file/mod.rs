@@ -118,6 +118,14 @@ impl HostModel {
     pub fn weights_f32(&self) -> Vec<f32> {
         self.weights.iter().map(|w| *w as f32).collect()
     }
+
+    /// The bytes of the model file, of the format's present version.
+    ///
+    /// # Errors
+    /// As [`encode_in`]; none for a model as it was read.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, EncodeError> {
+        encode_in(self.precision, &self.architecture, &self.weights, &self.facts)
+    }
 }
 
 /// The bytes of the model file with weights in single precision, a step and a text: see [`encode_in`].

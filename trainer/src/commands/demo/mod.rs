@@ -3,7 +3,7 @@
 mod portrait;
 
 use super::export::encoded;
-use super::simulate::{self, Request, Scenario, simulate};
+use super::simulate::{self, Plant, Request, Scenario, simulate};
 use super::{interrupt, train};
 use clap::Args;
 use leastaction::cli::arguments::seed;
@@ -86,7 +86,7 @@ impl Demo {
         say("simulate: swing-up in the firmware loop");
         let request = Request {
             model: &model,
-            mechanism: MECHANISM,
+            plant: Plant::Exact(MECHANISM),
             scenario: Scenario::SwingUp,
             seed: self.seed,
             seconds: None,

@@ -1,13 +1,16 @@
 //! `leastaction evaluate`.
 
 mod long_term;
+mod on_chip;
 mod report;
 
+use super::chip;
 use super::inspect::load_part;
 use super::system::{Kind, System};
 use clap::Args;
 use leastaction::cli::arguments::{control, order, positive, seed};
 use leastaction::cli::{Done, Failure, Output, refuse};
+use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use leastaction_learning::architecture::Architecture;
@@ -18,6 +21,7 @@ use leastaction_learning::evaluate::{
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use long_term::{Request, Scalable};
+use on_chip::OnChip;
 use report::{Acceleration, Report, Steps};
 use std::path::PathBuf;
 
@@ -27,6 +31,9 @@ use std::path::PathBuf;
 /// second sample on, with its velocity where the log has v, else that of the first two positions, under the logged control, held or
 /// linear between samples. What cannot be computed is counted, and left out of the errors. Angles of the log may be wrapped into one
 /// turn.
+///
+/// The same steps on the chip: in single precision, by the code that runs there, to the last bit. A graph is stepped by RATTLE, and
+/// keeps its rods.
 ///
 /// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid also predictions from random starts by the learned
 /// accelerations (weights as shipped, else in double precision; on the rods, where there are some), in ModLaNet's measures and beside
@@ -88,9 +95,11 @@ impl Evaluate {
         }
         let failed = |error| Failure::input(&self.model, error);
         let mut report = self.measure(&model, &log, symo).map_err(failed)?;
+        report.chip = on_chip(&model, report.order, &log)
+            .map_err(|error| output.note(&format!("note: steps on the chip are not measured: {error}")))
+            .ok();
         if report.steps.is_none() {
-            output
-                .note("note: positions are not stepped: of what has rods, accelerations alone are measured");
+            output.note("note: on rods, positions are stepped on the chip alone");
         }
         if let Some(Exact::Scalable(system)) = system {
             report.prediction = Some(self.request(&model, system).run(self.output.as_deref())?);
@@ -230,10 +239,19 @@ impl Evaluate {
                 acceleration_unsolved: solved.unsolved,
             }),
             steps: architecture.has_steps().then(steps).transpose()?,
+            chip: None,
             inertia_mse: system.map(inertia).transpose()?,
             prediction: None,
         })
     }
+}
+
+/// Steps in the chip's arithmetic; an error in words where it has not the size of the model.
+fn on_chip(model: &HostModel, order: u8, log: &Dataset) -> Result<OnChip, String> {
+    let order = Order::from_number(order).ok_or("there is no such order")?;
+    let file = chip::file(model)?;
+    let measured = OnChip::measure(&chip::meant(&file, model)?, order, log);
+    measured.map_err(|error| error.to_string())
 }
 
 /// Measures steps, and energies where they are to be compared with those of a mechanism.

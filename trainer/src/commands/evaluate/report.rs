@@ -1,6 +1,7 @@
 //! The measures, as JSON and in words.
 
 use super::long_term::LongTerm;
+use super::on_chip::OnChip;
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -25,6 +26,9 @@ pub struct Report {
     pub acceleration: Option<Acceleration>,
     #[serde(flatten)]
     pub steps: Option<Steps>,
+    /// None for a size that the chip's arithmetic is not compiled for here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chip: Option<OnChip>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia_mse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,6 +49,7 @@ impl fmt::Display for Report {
         )?;
         self.acceleration.iter().try_for_each(|acceleration| write!(f, "{acceleration}"))?;
         self.steps.iter().try_for_each(|steps| write!(f, "{steps}"))?;
+        self.chip.iter().try_for_each(|chip| write!(f, "{chip}"))?;
         self.inertia_mse.iter().try_for_each(|error| row(f, "inertia matrix", Some(*error)))?;
         self.prediction.iter().try_for_each(|prediction| write!(f, "\n{prediction}"))
     }
@@ -98,12 +103,12 @@ impl fmt::Display for Steps {
     }
 }
 
-fn row(f: &mut fmt::Formatter, name: &str, value: Option<f64>) -> fmt::Result {
+pub(super) fn row(f: &mut fmt::Formatter, name: &str, value: Option<f64>) -> fmt::Result {
     let value = value.map_or("none".to_owned(), |value| format!("{value:.3e}"));
     writeln!(f, "{name:<30} {value}")
 }
 
 /// What the rows above do not count.
-fn left_out(f: &mut fmt::Formatter, count: usize, what: &str) -> fmt::Result {
+pub(super) fn left_out(f: &mut fmt::Formatter, count: usize, what: &str) -> fmt::Result {
     if count == 0 { Ok(()) } else { writeln!(f, "  without {count}: these {what}") }
 }

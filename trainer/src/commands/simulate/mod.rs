@@ -1,11 +1,13 @@
 //! `leastaction simulate`.
 
 mod picture;
+mod plant;
 mod remote;
 mod scenario;
 mod trace;
 
 pub use picture::draw;
+pub use plant::Plant;
 pub use remote::{Emulated, Target};
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
@@ -24,7 +26,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Run a model in the fixed-step firmware loop against the exact mechanism.
+/// Run a model in the fixed-step firmware loop against a mechanism: an exact one, or that of another model file.
 ///
 /// The loop has quantised, noisy encoders and an actuator with one tick of delay; the firmware knows nothing but the
 /// model. Writes trace.csv (one line a tick) and run.svg; the same seed gives the same trace, bit for bit. Exit code 1
@@ -34,7 +36,13 @@ use std::time::Duration;
 /// tick over its serial line; the trace is the same, bit for bit. It takes QEMU, and images built by
 /// firmware-sim/chip/run.sh --build.
 ///
+/// With --plant, any rigid model or tree of up to 8, or of 12, coordinates is stepped beside the mechanism that another file
+/// describes, from within what the training data of the model covered: how far a small model is from a better one, before the
+/// robot says it.
+///
 /// Example: leastaction simulate model.postcard --scenario swing-up --seed 3
+///
+/// Example: leastaction simulate small.postcard --scenario predict --plant robot.postcard
 #[derive(Args)]
 pub struct Simulate {
     /// The model file.
@@ -45,13 +53,16 @@ pub struct Simulate {
     /// The mechanism that the loop acts on [default: by the model's coordinates].
     #[arg(long)]
     system: Option<SymoSystem>,
+    /// The model file of the mechanism that the loop acts on; for predict.
+    #[arg(long, value_name = "FILE", conflicts_with = "system")]
+    plant: Option<PathBuf>,
     /// Of the initial state and of all noise.
     #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Length of the run, s [default: 10; 5 for predict].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     seconds: Option<f32>,
-    /// Time from tick to tick, s [default: 0.01].
+    /// Time from tick to tick, s [default: 0.01; with --plant the model's own step].
     #[arg(long, value_parser = positive_f32, allow_negative_numbers = true)]
     tick: Option<f32>,
     /// Run the controller on an emulated board.
@@ -76,7 +87,7 @@ pub struct Report {
     /// What the loop did.
     pub scenario: Scenario,
     /// What it acted on.
-    pub system: &'static str,
+    pub system: String,
     /// Units of its positions and of the forces on them.
     #[serde(skip)]
     units: [String; 2],
@@ -128,14 +139,18 @@ impl Simulate {
     /// Runs the loop and writes trace and picture.
     pub fn run(self, output: Output) -> Done {
         let (model, _) = load(&self.model)?;
-        let mechanism = match self.system {
-            Some(system) => system.into(),
-            None => mechanism(&self.model, &model)?,
+        let plant_model = self.plant.as_deref().map(load).transpose()?;
+        let plant = match (self.plant.as_deref(), &plant_model) {
+            (Some(file), Some((model, _))) => Plant::Model { file, model },
+            _ => Plant::Exact(match self.system {
+                Some(system) => system.into(),
+                None => mechanism(&self.model, &model)?,
+            }),
         };
         let Self { scenario, seed, seconds, tick, .. } = self;
         let target = self.target()?;
         let on = target.as_ref();
-        let request = Request { model: &model, mechanism, scenario, seed, seconds, tick, on };
+        let request = Request { model: &model, plant, scenario, seed, seconds, tick, on };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;
@@ -187,7 +202,9 @@ fn mechanism(file: &Path, model: &HostModel) -> Result<Mechanism, Failure> {
         "aa" => Ok(Mechanism::Acrobot),
         other => Err(Failure::input(
             file,
-            format!("no mechanism has coordinates {other:?}; name one with --system"),
+            format!(
+                "no mechanism has coordinates {other:?}; name one with --system, or a model file with --plant"
+            ),
         )),
     }
 }
@@ -199,8 +216,8 @@ impl Report {
         Self {
             model: PathBuf::new(),
             scenario: request.scenario,
-            system: request.mechanism.name(),
-            units: [POSITION, FORCE].map(|units| units_of(request.mechanism, units)),
+            system: request.plant.name(),
+            units: [POSITION, FORCE].map(|units| units_of(&request.plant, units)),
             seed: request.seed,
             processor: "host".to_owned(),
             tick_instructions: None,
@@ -268,8 +285,8 @@ fn unit(kind: Coordinate, [translation, angle]: [&'static str; 2]) -> &'static s
 }
 
 /// The units of all coordinates, in order.
-fn units_of(mechanism: Mechanism, units: [&'static str; 2]) -> String {
-    let units: Vec<_> = mechanism.coordinates().iter().map(|kind| unit(*kind, units)).collect();
+fn units_of(plant: &Plant, units: [&'static str; 2]) -> String {
+    let units: Vec<_> = plant.coordinates().iter().map(|kind| unit(*kind, units)).collect();
     units.join(", ")
 }
 

@@ -1,6 +1,6 @@
 //! The picture of a run.
 
-use super::{FORCE, POSITION, Request, Row, Scenario, Trace, unit};
+use super::{FORCE, POSITION, Plant, Request, Row, Scenario, Trace, unit};
 use leastaction::cli::Failure;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_firmware_sim::wrap;
@@ -10,12 +10,11 @@ use std::path::Path;
 
 /// Draws positions (true, of the model, wanted) and forces over time.
 pub fn draw(file: &Path, request: &Request, trace: &Trace) -> Result<(), Failure> {
-    let mechanism = request.mechanism;
-    let coordinates = names(mechanism).iter().zip(mechanism.coordinates()).enumerate();
+    let coordinates = request.plant.labels().into_iter().zip(request.plant.coordinates()).enumerate();
     let positions: Vec<_> = coordinates
-        .map(|(i, (name, kind))| (*kind, label(name, *kind), position(request.scenario, trace, i, *kind)))
+        .map(|(i, (name, kind))| (kind, label(&name, kind), position(request.scenario, trace, i, kind)))
         .collect();
-    let (force_label, forces) = forces(mechanism, trace);
+    let (force_label, forces) = forces(&request.plant, trace);
     let panels: Vec<Panel> = positions
         .iter()
         .map(|(kind, label, series)| Panel::new(label, series).with_vertical(vertical(*kind)))
@@ -25,19 +24,14 @@ pub fn draw(file: &Path, request: &Request, trace: &Trace) -> Result<(), Failure
 }
 
 fn title(request: &Request) -> String {
-    let zero = if request.mechanism == Mechanism::Acrobot { "hanging" } else { "upright" };
-    let (scenario, system, seed) = (request.scenario, request.mechanism.name(), request.seed);
+    let zero = match request.plant {
+        Plant::Exact(Mechanism::Acrobot) => " (θ = 0: hanging)",
+        Plant::Exact(_) => " (θ = 0: upright)",
+        Plant::Model { .. } => "",
+    };
+    let (scenario, system, seed) = (request.scenario, request.plant.name(), request.seed);
     let processor = request.on.map_or_else(String::new, |target| format!(", on a {}", target.board.name()));
-    format!("{scenario} of the {system}, seed {seed}{processor} (θ = 0: {zero})")
-}
-
-/// What the coordinates are called.
-fn names(mechanism: Mechanism) -> &'static [&'static str] {
-    match mechanism {
-        Mechanism::Pendulum => &["θ"],
-        Mechanism::Cartpole => &["x", "θ"],
-        Mechanism::Acrobot => &["θ1", "θ2"],
-    }
+    format!("{scenario} of the {system}, seed {seed}{processor}{zero}")
 }
 
 fn label(name: &str, kind: Coordinate) -> String {
@@ -73,11 +67,11 @@ fn whole_turns(trace: &Trace, i: usize) -> f32 {
 }
 
 /// The forces that act, with the label of their axis.
-fn forces(mechanism: Mechanism, trace: &Trace) -> (String, Vec<Series>) {
+fn forces(plant: &Plant, trace: &Trace) -> (String, Vec<Series>) {
     let acts = |i: usize| trace.rows.iter().any(|row| row.applied.get(i).is_some_and(|u| *u != 0.0));
-    let coordinates = names(mechanism).iter().zip(mechanism.coordinates()).enumerate();
+    let coordinates = plant.labels().into_iter().zip(plant.coordinates()).enumerate();
     let acting: Vec<_> = coordinates.filter(|(i, _)| acts(*i)).collect();
-    let mut units: Vec<_> = acting.iter().map(|(_, (_, kind))| unit(**kind, FORCE)).collect();
+    let mut units: Vec<_> = acting.iter().map(|(_, (_, kind))| unit(*kind, FORCE)).collect();
     units.dedup();
     let series = acting
         .iter()

@@ -1,16 +1,17 @@
-//! The scenarios of the firmware loop, with the model's sizes made types.
+//! The scenarios of the firmware loop.
 
+use super::plant::{Plant, no_graphs, predict_beside};
 use super::remote::Target;
 use super::{Report, Trace};
+use crate::commands::chip;
 use clap::ValueEnum;
 use leastaction::cli::{Failure, Output};
+use leastaction_chip::{Chip, OfSize, SystemOf};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
-use leastaction_core::model::ModelError;
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on};
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary};
-use leastaction_learning::architecture::{MAX_WIDTH, RigidArchitecture};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use serde::Serialize;
@@ -44,8 +45,8 @@ impl fmt::Display for Scenario {
 pub struct Request<'a> {
     /// The model.
     pub model: &'a HostModel,
-    /// The plant.
-    pub mechanism: Mechanism,
+    /// What the loop acts on.
+    pub plant: Plant<'a>,
     /// What the loop does.
     pub scenario: Scenario,
     /// Of all noise.
@@ -61,7 +62,7 @@ pub struct Request<'a> {
 impl Request<'_> {
     /// The scenario's setup as asked for; the firmware steps the model by the order it was trained with, and a warning says where
     /// the tick is not its step.
-    fn adapt<const N: usize>(&self, setup: &mut Setup<N>) {
+    pub(super) fn adapt<const N: usize>(&self, setup: &mut Setup<N>) {
         setup.seed = self.seed;
         setup.seconds = self.seconds.unwrap_or(setup.seconds);
         setup.tick = self.tick.unwrap_or(setup.tick);
@@ -77,82 +78,94 @@ impl Request<'_> {
 
 /// Runs the loop and keeps its trace.
 pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
-    let architecture = &request.model.architecture;
-    let (found, needed) = (architecture.n(), request.mechanism.coordinates().len());
-    if found != needed {
-        let system = request.mechanism.name();
-        return Err(Failure::Input(format!(
-            "the model has {found} coordinates, the {system} has {needed}; choose another --system"
-        )));
-    }
     if request.on.is_some() && request.scenario == Scenario::Predict {
         return Err(Failure::Input(
             "predict has no controller to be run elsewhere; leave out --on, or take track or swing-up"
                 .to_owned(),
         ));
     }
-    let wide = architecture.widths().iter().any(|width| *width > 32);
-    match (request.mechanism, wide) {
-        (Mechanism::Pendulum, false) => pendulum::<32>(request, trace),
-        (Mechanism::Pendulum, true) => pendulum::<MAX_WIDTH>(request, trace),
-        (_, false) => two_coordinates::<32>(request, trace),
-        (_, true) => two_coordinates::<MAX_WIDTH>(request, trace),
+    let file = chip::file(request.model).map_err(Failure::Input)?;
+    let model = chip::meant(&file, request.model).map_err(Failure::Input)?;
+    match (request.plant, request.scenario) {
+        (Plant::Exact(mechanism), _) => beside_exact(request, &model, mechanism, trace),
+        (Plant::Model { model: plant, .. }, Scenario::Predict) => {
+            predict_beside(request, &model, plant, trace)
+        }
+        (Plant::Model { .. }, scenario) => Err(Failure::Input(format!(
+            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict"
+        ))),
     }
 }
 
-/// The shape, of the one family that the scenarios take.
-fn rigid<'a>(request: &'a Request) -> Result<&'a RigidArchitecture, Failure> {
-    let rigid = request.model.architecture.rigid();
-    rigid.ok_or_else(|| Failure::Input("the scenarios take models of the rigid family only".to_owned()))
+fn beside_exact(
+    request: &Request,
+    model: &Chip,
+    mechanism: Mechanism,
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    let (found, needed) = (model.n(), mechanism.coordinates().len());
+    if found != needed {
+        let system = mechanism.name();
+        return Err(Failure::Input(format!(
+            "the model has {found} coordinates, the {system} has {needed}; choose another --system"
+        )));
+    }
+    match mechanism {
+        Mechanism::Pendulum => pendulum(request, model.of_size().ok_or_else(no_graphs)?, trace),
+        Mechanism::Cartpole | Mechanism::Acrobot => {
+            two_coordinates(request, mechanism, model.of_size().ok_or_else(no_graphs)?, trace)
+        }
+    }
 }
 
-fn pendulum<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
-    let weights = request.model.weights_f32();
-    let model = rigid(request)?.system::<f32, 1, H>(&weights).map_err(refused)?;
+fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result<Report, Failure> {
     let plant = System::conservative(PENDULUM);
     match request.scenario {
         Scenario::Predict => {
             let mut config = Predict::<1>::pendulum();
             request.adapt(&mut config.setup);
-            reported(request, predict(&plant, &model, &config, |tick| trace.push(tick)))
+            reported(request, predict(&plant, model, &config, |tick| trace.push(tick)))
         }
         Scenario::Track => {
             let mut config = TrackConfig::<1>::pendulum();
             request.adapt(&mut config.setup);
             let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
+            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup);
             let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
+            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }
     }
 }
 
-fn two_coordinates<const H: usize>(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
-    let weights = request.model.weights_f32();
-    let model = rigid(request)?.system::<f32, 2, H>(&weights).map_err(refused)?;
-    let acrobot = request.mechanism == Mechanism::Acrobot;
+fn two_coordinates(
+    request: &Request,
+    mechanism: Mechanism,
+    model: &SystemOf<2>,
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    let acrobot = mechanism == Mechanism::Acrobot;
     let plant = System::conservative(if acrobot { ACROBOT } else { CARTPOLE });
     match (request.scenario, acrobot) {
         (Scenario::Predict, _) => {
             let mut config = if acrobot { Predict::<2>::acrobot() } else { Predict::<2>::cartpole() };
             request.adapt(&mut config.setup);
-            reported(request, predict(&plant, &model, &config, |tick| trace.push(tick)))
+            reported(request, predict(&plant, model, &config, |tick| trace.push(tick)))
         }
         (Scenario::Track, _) => {
             let mut config = if acrobot { TrackConfig::<2>::acrobot() } else { TrackConfig::<2>::cartpole() };
             request.adapt(&mut config.setup);
             let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
+            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }
         (Scenario::SwingUp, false) => {
             let mut config = SwingUpConfig::<2>::cartpole();
             request.adapt(&mut config.setup);
             let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(&model)), trace)
+            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }
         (Scenario::SwingUp, true) => {
             Err(Failure::Input("there is no swing-up of the acrobot; take predict or track".to_owned()))
@@ -179,7 +192,7 @@ fn closed_loop<P: firmware_sim::Mechanism<N>, R: Processor<N, Error = Infallible
     }
 }
 
-fn reported<const N: usize>(
+pub(super) fn reported<const N: usize>(
     request: &Request,
     summary: Result<Summary<N>, SetupError>,
 ) -> Result<Report, Failure> {
@@ -192,8 +205,4 @@ pub(super) fn misused(error: SetupError) -> Failure {
         SetupError::OutOfRange { .. } => Failure::Input(error.to_string()),
         _ => Failure::Work(error.to_string()),
     }
-}
-
-fn refused(error: ModelError) -> Failure {
-    Failure::Input(error.to_string())
 }

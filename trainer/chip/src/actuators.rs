@@ -1,0 +1,87 @@
+use crate::{ChipError, Control};
+use leastaction_core::forces;
+use leastaction_core::forces::Actuator;
+use leastaction_core::model::{ActuatorBytes, ModelError};
+use std::collections::VecDeque;
+
+/// From commands to the force that acts over each step, as the actuator of a file has it: gain, offset and delay.
+///
+/// Before the first command all commands were 0. Without an actuator in the file the command is the force.
+pub struct Actuators {
+    /// Of each coordinate; none where the command is the force.
+    each: Vec<Actuator<f32, 1>>,
+    /// The last commands, oldest first: the one before the first that is needed comes in front.
+    past: VecDeque<Vec<f32>>,
+    start: Vec<f32>,
+    end: Vec<f32>,
+}
+
+impl Actuators {
+    pub(crate) fn new(bytes: Option<ActuatorBytes>, n: usize, h: f32) -> Result<Self, ChipError> {
+        let (start, end) = (vec![0.0; n], vec![0.0; n]);
+        let Some(bytes) = bytes else {
+            return Ok(Self { each: Vec::new(), past: VecDeque::new(), start, end });
+        };
+        if bytes.n() != n {
+            let what = "coordinates of the actuator";
+            return Err(ModelError::Shape { what, found: bytes.n(), compiled: n }.into());
+        }
+        let (mut each, mut whole_steps) = (Vec::new(), 0);
+        let pairs = bytes.bytes().get(DELAY_BYTES..).unwrap_or_default().as_chunks::<PAIR_BYTES>().0;
+        for pair in pairs {
+            let own = [&bytes.delay().to_le_bytes()[..], pair].concat();
+            let (late, actuator) = ActuatorBytes::new(&own)?.at_step::<1>(h)?;
+            whole_steps = late;
+            each.push(actuator);
+        }
+        let past = VecDeque::from(vec![vec![0.0; n]; usize::from(whole_steps) + 1]);
+        Ok(Self { each, past, start, end })
+    }
+
+    /// The force over the step that begins when `u` is commanded, and that holds it.
+    ///
+    /// # Errors
+    /// [`ChipError::Length`].
+    pub fn held(&mut self, u: &[f32]) -> Result<Control<'_>, ChipError> {
+        self.over(u, u, |actuator, [before, now, _]| actuator.held(&[before], &[now]))
+    }
+
+    /// The force over the step between two samples of the command, linear between them.
+    ///
+    /// # Errors
+    /// [`ChipError::Length`].
+    pub fn linear(&mut self, start: &[f32], end: &[f32]) -> Result<Control<'_>, ChipError> {
+        self.over(start, end, |actuator, [before, now, next]| actuator.linear(&[before], &[now], &[next]))
+    }
+
+    /// `of` gets the command before the one that has arrived, that one, and the next.
+    fn over(
+        &mut self,
+        start: &[f32],
+        end: &[f32],
+        of: impl Fn(&Actuator<f32, 1>, [f32; 3]) -> forces::Control<f32, 1>,
+    ) -> Result<Control<'_>, ChipError> {
+        for x in [start, end] {
+            ChipError::check_length("u", self.start.len(), x.len())?;
+        }
+        if self.each.is_empty() {
+            self.start.copy_from_slice(start);
+            self.end.copy_from_slice(end);
+            return Ok(Control { start: &self.start, end: &self.end });
+        }
+        self.past.push_back(start.to_vec());
+        let command = |k: usize, i: usize| self.past.get(k).and_then(|u| u.get(i)).or(end.get(i));
+        for (i, actuator) in self.each.iter().enumerate() {
+            let arrived = [0, 1, 2].map(|k| command(k, i).copied().unwrap_or(0.0));
+            let forces::Control { start: [start], end: [end] } = of(actuator, arrived);
+            (self.start[i], self.end[i]) = (start, end);
+        }
+        self.past.pop_front();
+        Ok(Control { start: &self.start, end: &self.end })
+    }
+}
+
+/// Bytes of the delay in a file.
+const DELAY_BYTES: usize = 4;
+/// Bytes of gain and offset.
+const PAIR_BYTES: usize = 8;

@@ -1,0 +1,55 @@
+use leastaction_core::energy::MAX_HIDDEN;
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
+
+/// Hidden layers of a network at most: as many as a model file allows.
+pub const LAYERS: usize = MAX_HIDDEN;
+/// Units of a hidden layer of a rigid model at most. Layers take stack only for as many as they have.
+pub const RIGID_UNITS: usize = 1024;
+/// Units of a hidden layer of a network of an element, a node or an edge at most.
+pub const UNITS: usize = 64;
+
+/// A Lagrangian in N coordinates of whichever family and shape a file has.
+pub struct AnyLagrangian<'f, const N: usize>(Box<dyn Lagrangian<f32, N> + Send + Sync + 'f>);
+
+/// All laws of force that a file can have.
+pub type ForcesOf<const N: usize> = Viscous<f32, N>;
+
+/// A model in N coordinates with the forces of its file: what the solvers of core step.
+pub type SystemOf<'f, const N: usize> = System<AnyLagrangian<'f, N>, ForcesOf<N>>;
+
+impl<'f, const N: usize> AnyLagrangian<'f, N> {
+    /// The one behind the solvers from here on.
+    pub(crate) fn new(lagrangian: impl Lagrangian<f32, N> + Send + Sync + 'f) -> Self {
+        Self(Box::new(lagrangian))
+    }
+
+    /// The same system with its Lagrangian behind this type.
+    pub(crate) fn erased<L: Lagrangian<f32, N> + Send + Sync + 'f>(
+        System { lagrangian, forces }: System<L, ForcesOf<N>>,
+    ) -> SystemOf<'f, N> {
+        System { lagrangian: Self::new(lagrangian), forces }
+    }
+}
+
+impl<const N: usize> Lagrangian<f32, N> for AnyLagrangian<'_, N> {
+    fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
+        self.0.energies(q, v)
+    }
+
+    fn gradient(&self, q: &[f32; N], v: &[f32; N]) -> Gradient<f32, N> {
+        self.0.gradient(q, v)
+    }
+
+    fn dynamics(&self, q: &[f32; N], v: &[f32; N]) -> Dynamics<f32, N> {
+        self.0.dynamics(q, v)
+    }
+
+    fn linearization(&self, q: &[f32; N], v: &[f32; N]) -> Linearization<f32, N> {
+        self.0.linearization(q, v)
+    }
+
+    fn hessian(&self, q: &[f32; N], v: &[f32; N]) -> Hessian<f32, N> {
+        self.0.hessian(q, v)
+    }
+}

@@ -1,0 +1,156 @@
+use crate::coordinates::{Beginning, motion};
+use crate::particles::{ParticleEvaluator, ParticleMotion};
+use crate::sizes::AnySystem;
+use crate::{Actuators, ChipError, Control, Evaluator, Motion, ParticleSystem, Step, SystemOf, Visitor};
+use leastaction_core::model::{
+    ActuatorBytes, CoordinateRange, ModelError, Outside, TrainedStep, TrainingRange,
+};
+
+/// A model as the chip has it: evaluated and stepped in single precision by core itself, whatever its size.
+pub struct Chip<'f> {
+    system: AnySystem<'f>,
+    trained_step: Option<TrainedStep>,
+    range: Option<TrainingRange<'f>>,
+    actuator: Option<ActuatorBytes<'f>>,
+}
+
+impl<'f> Chip<'f> {
+    pub(crate) fn new(
+        system: AnySystem<'f>,
+        trained_step: Option<TrainedStep>,
+        range: Option<TrainingRange<'f>>,
+        actuator: Option<ActuatorBytes<'f>>,
+    ) -> Self {
+        Self { system, trained_step, range, actuator }
+    }
+
+    pub(crate) fn system(&self) -> &AnySystem<'f> {
+        &self.system
+    }
+
+    /// Number of coordinates n.
+    pub fn n(&self) -> usize {
+        self.visit(Size)
+    }
+
+    /// The step that the model was trained with, where it was.
+    pub fn trained_step(&self) -> Option<TrainedStep> {
+        self.trained_step
+    }
+
+    /// Hands the system itself to a visitor, its size being a type: for loops that are written for core's types.
+    pub fn visit<'c, V: Visitor<'c>>(&'c self, visitor: V) -> V::Output {
+        self.system.visit(visitor)
+    }
+
+    /// Evaluates energies and accelerations.
+    ///
+    /// # Errors
+    /// [`ChipError::Constraint`] for rods that cannot be; none of a file that was read.
+    pub fn evaluator(&self) -> Result<Box<dyn Evaluator + '_>, ChipError> {
+        self.visit(Evaluate)
+    }
+
+    /// The motion from a position and a velocity.
+    ///
+    /// # Errors
+    /// [`ChipError::Length`]; where a number is not finite, or positions are off their rods.
+    pub fn motion_at(&self, step: Step, q: &[f32], v: &[f32]) -> Result<Box<dyn Motion + '_>, ChipError> {
+        self.visit(Begin { step, beginning: Beginning::At { q, v } })
+    }
+
+    /// The motion from two positions one step apart and the control between them; it begins at the second. No velocity is
+    /// needed.
+    ///
+    /// # Errors
+    /// As [`Chip::motion_at`]; where the step between them cannot be solved.
+    pub fn motion_between(
+        &self,
+        step: Step,
+        q: [&[f32]; 2],
+        control: Control,
+    ) -> Result<Box<dyn Motion + '_>, ChipError> {
+        self.visit(Begin { step, beginning: Beginning::Between { q, control } })
+    }
+
+    /// From commands to forces in steps of h seconds, as the file has it.
+    ///
+    /// # Errors
+    /// [`ChipError::Model`] where the actuator is of another number of coordinates, or its delay is more than 65,535 steps.
+    pub fn actuators(&self, h: f32) -> Result<Actuators, ChipError> {
+        Actuators::new(self.actuator, self.n(), h)
+    }
+
+    /// What of a state and control lies outside of the training data, if anything; `None` also where the file does not say
+    /// what they covered.
+    ///
+    /// # Errors
+    /// [`ChipError::Length`]; [`ChipError::Model`] where the range is of another number of coordinates.
+    pub fn outside(&self, q: &[f32], v: &[f32], u: &[f32]) -> Result<Option<Outside>, ChipError> {
+        let n = self.n();
+        for (what, x) in [("q", q), ("v", v), ("u", u)] {
+            ChipError::check_length(what, n, x.len())?;
+        }
+        let Some(range) = self.range else { return Ok(None) };
+        if range.n() != n {
+            let what = "coordinates of the training range";
+            return Err(ModelError::Shape { what, found: range.n(), compiled: n }.into());
+        }
+        let (each, _) = range.bytes().as_chunks::<{ CoordinateRange::BYTES }>();
+        for (coordinate, (((range, q), v), u)) in each.iter().zip(q).zip(v).zip(u).enumerate() {
+            let outside = TrainingRange::new(range)?.outside(&[*q], &[*v], &[*u])?;
+            if let Some(Outside { quantity, .. }) = outside {
+                return Ok(Some(Outside { coordinate, quantity }));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Counts coordinates.
+struct Size;
+
+impl Visitor<'_> for Size {
+    type Output = usize;
+
+    fn coordinates<const N: usize>(self, _: &SystemOf<N>) -> usize {
+        N
+    }
+
+    fn particles<const D: usize>(self, particles: &ParticleSystem<D>) -> usize {
+        particles.n()
+    }
+}
+
+/// Makes evaluators.
+struct Evaluate;
+
+impl<'c> Visitor<'c> for Evaluate {
+    type Output = Result<Box<dyn Evaluator + 'c>, ChipError>;
+
+    fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
+        Ok(Box::new(system))
+    }
+
+    fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output {
+        Ok(Box::new(ParticleEvaluator::new(particles)?))
+    }
+}
+
+/// Begins motions.
+struct Begin<'b> {
+    step: Step,
+    beginning: Beginning<'b>,
+}
+
+impl<'c> Visitor<'c> for Begin<'_> {
+    type Output = Result<Box<dyn Motion + 'c>, ChipError>;
+
+    fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
+        motion(system, self.step, self.beginning)
+    }
+
+    fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output {
+        Ok(Box::new(ParticleMotion::new(particles, self.step, self.beginning)?))
+    }
+}

@@ -1,0 +1,89 @@
+//! Systems in generalised coordinates behind the interfaces of slices.
+
+use crate::control::{array, write};
+use crate::{ChipError, Control, Evaluator, Motion, Step, SystemOf};
+use leastaction_core::continuous::{acceleration, inverse_dynamics};
+use leastaction_core::discrete::{Del, Galerkin, Midpoint, Order, Path, Report, State};
+use leastaction_core::lagrangian::{Energies, Lagrangian};
+use leastaction_core::linear;
+
+impl<const N: usize> Evaluator for &SystemOf<'_, N> {
+    fn energies(&mut self, q: &[f32], v: &[f32]) -> Result<Energies<f32>, ChipError> {
+        Ok(self.lagrangian.energies(&array("q", q)?, &array("v", v)?))
+    }
+
+    fn acceleration(&mut self, q: &[f32], v: &[f32], tau: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+        let a = acceleration(*self, &array("q", q)?, &array("v", v)?, &array::<N>("tau", tau)?)?;
+        write("the acceleration", &a, to)
+    }
+
+    fn inverse_dynamics(&mut self, q: &[f32], v: &[f32], a: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+        let tau = inverse_dynamics(*self, &array("q", q)?, &array("v", v)?, &array::<N>("a", a)?)?;
+        write("the force", &tau, to)
+    }
+}
+
+/// What a motion begins with.
+#[derive(Clone, Copy)]
+pub(crate) enum Beginning<'b> {
+    /// A position and a velocity.
+    At { q: &'b [f32], v: &'b [f32] },
+    /// Two positions one step apart, the motion being at the second, and the control between them.
+    Between { q: [&'b [f32]; 2], control: Control<'b> },
+}
+
+/// Begins the motion of a system.
+pub(crate) fn motion<'c, const N: usize>(
+    system: &'c SystemOf<'c, N>,
+    step: Step,
+    beginning: Beginning,
+) -> Result<Box<dyn Motion + 'c>, ChipError> {
+    Ok(match step.order {
+        Order::Two => Box::new(DelMotion::<Midpoint, N>::new(system, step.h, beginning)?),
+        Order::Four => Box::new(DelMotion::<Galerkin, N>::new(system, step.h, beginning)?),
+    })
+}
+
+/// A state with its integrator.
+struct DelMotion<'c, P, const N: usize> {
+    system: &'c SystemOf<'c, N>,
+    del: Del<f32, P>,
+    state: State<f32, N>,
+    q: [f32; N],
+    p: [f32; N],
+}
+
+impl<'c, P: Path, const N: usize> DelMotion<'c, P, N> {
+    fn new(system: &'c SystemOf<'c, N>, h: f32, beginning: Beginning) -> Result<Self, ChipError> {
+        let del = Del::new(h);
+        let state = match beginning {
+            Beginning::At { q, v } => State::new(&system.lagrangian, array("q", q)?, array("v", v)?)?,
+            Beginning::Between { q: [q0, q1], control } => {
+                del.start(system, &array("q", q0)?, &array("q", q1)?, &control.sized()?)?
+            }
+        };
+        Ok(Self { system, del, q: state.q(), p: state.p(), state })
+    }
+}
+
+impl<P: Path, const N: usize> Motion for DelMotion<'_, P, N> {
+    fn q(&self) -> &[f32] {
+        &self.q
+    }
+
+    fn p(&self) -> &[f32] {
+        &self.p
+    }
+
+    fn velocity(&self, to: &mut [f32]) -> Result<(), ChipError> {
+        // The kinetic energies of rigid models and of trees are quadratic in v.
+        let mass = self.system.lagrangian.linearization(&self.q, &[0.0; N]).l_vv;
+        write("the velocity", &linear::solve(mass, self.p)?, to)
+    }
+
+    fn step(&mut self, control: Control) -> Result<Report<f32>, ChipError> {
+        let report = self.del.step(self.system, &mut self.state, &control.sized()?)?;
+        (self.q, self.p) = (self.state.q(), self.state.p());
+        Ok(report)
+    }
+}

@@ -1,0 +1,168 @@
+use crate::particles::{ParticleSystem, RodsOf};
+use crate::sizes::{AnySystem, Load};
+use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+use leastaction_core::energy::graph::Edge;
+use leastaction_core::energy::modular::{MAX_TYPES, Modular};
+use leastaction_core::energy::rigid::Rigid;
+use leastaction_core::forces::System;
+use leastaction_core::model::{
+    Family, GraphHeader, GraphLayout, Laws, ModelError, ModularHeader, Parsed, RigidHeader, TreeHeader, parse,
+};
+
+/// A model file in memory, validated, its weights widened to single precision.
+pub struct ModelFile {
+    words: Vec<u32>,
+    length: usize,
+    weights: Vec<f32>,
+    /// Edges and rods of each graph, in order.
+    graphs: Vec<Lists>,
+}
+
+/// The lists of a graph.
+struct Lists {
+    edges: Vec<Edge>,
+    plane: RodsOf<2>,
+    space: RodsOf<3>,
+}
+
+impl ModelFile {
+    /// Reads a file of the format's present version; `bytes` may lie at any address.
+    ///
+    /// # Errors
+    /// [`ChipError::Model`]: what is wrong with the bytes.
+    pub fn new(bytes: &[u8]) -> Result<Self, ChipError> {
+        let mut file = Self::aligned(bytes);
+        let Parsed { header, weights } = file.parsed()?;
+        let weights = weights.iter().collect();
+        let graphs = match header.family {
+            Family::Graph(graph) => graph.graphs().map(|layout| Lists::new(&graph, layout)).collect(),
+            _ => Vec::new(),
+        };
+        (file.weights, file.graphs) = (weights, graphs);
+        Ok(file)
+    }
+
+    fn aligned(bytes: &[u8]) -> Self {
+        let mut words = vec![0_u32; bytes.len().div_ceil(size_of::<u32>())];
+        bytemuck::cast_slice_mut::<u32, u8>(&mut words)
+            .iter_mut()
+            .zip(bytes)
+            .for_each(|(to, from)| *to = *from);
+        Self { words, length: bytes.len(), weights: Vec::new(), graphs: Vec::new() }
+    }
+
+    fn parsed(&self) -> Result<Parsed<'_>, ModelError> {
+        parse(bytemuck::cast_slice(&self.words).get(..self.length).unwrap_or_default())
+    }
+
+    /// The model; of several trees or graphs the one of that name, the first where none is named.
+    ///
+    /// # Errors
+    /// [`ChipError::Model`] where there is none of that name, or layers, units or types are more than are compiled here;
+    /// [`ChipError::Coordinates`] for more coordinates.
+    pub fn chip(&self, part: Option<&str>) -> Result<Chip<'_>, ChipError> {
+        let Parsed { header, .. } = self.parsed()?;
+        let (system, is_first) = match header.family {
+            Family::Rigid(rigid) => (self.rigid(rigid, header.laws)?, true),
+            Family::Modular(modular) => self.tree(modular, header.laws, part)?,
+            Family::Graph(graph) => self.graph(&graph, header.laws, part)?,
+            other => return Err(ModelError::OtherFamily { found: other.name() }.into()),
+        };
+        // The range of the training data is that of the first.
+        let range = header.range.filter(|_| is_first);
+        Ok(Chip::new(system, header.trained_step, range, header.actuator))
+    }
+
+    fn rigid<'f>(&'f self, header: RigidHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
+        AnySystem::load(header.n(), RigidLoader { header, laws, weights: &self.weights })
+    }
+
+    fn tree<'f>(
+        &'f self,
+        header: ModularHeader<'f>,
+        laws: Laws<'f>,
+        name: Option<&str>,
+    ) -> Result<(AnySystem<'f>, bool), ChipError> {
+        let none = ModelError::NoSuchTree { trees: header.trees().count() };
+        let (index, tree) = named(header.trees(), |tree| tree.name, name).ok_or(none)?;
+        let tree = *tree;
+        let n = tree.coordinates(&header.shape).ok_or(none)?;
+        let system = AnySystem::load(n, TreeLoader { header, tree, laws, weights: &self.weights })?;
+        Ok((system, index == 0))
+    }
+
+    fn graph<'f>(
+        &'f self,
+        header: &GraphHeader<'f>,
+        laws: Laws,
+        name: Option<&str>,
+    ) -> Result<(AnySystem<'f>, bool), ChipError> {
+        let none = ModelError::NoSuchGraph { graphs: header.graphs().count() };
+        // Graphs have their drag in their node types, and no other law yet.
+        if let Some(law) = laws.iter().next() {
+            return Err(ModelError::Law { number: law as u8 }.into());
+        }
+        let (index, layout) = named(header.graphs(), |graph| graph.name, name).ok_or(none)?;
+        let Lists { edges, plane, space } = self.graphs.get(index).ok_or(none)?;
+        let (nodes, weights) = (layout.nodes, self.weights.as_slice());
+        let system = if header.shape.dimension == 3 {
+            AnySystem::Space(Box::new(ParticleSystem::new(header.types(weights)?, (nodes, edges), space)?))
+        } else {
+            AnySystem::Plane(Box::new(ParticleSystem::new(header.types(weights)?, (nodes, edges), plane)?))
+        };
+        Ok((system, index == 0))
+    }
+}
+
+impl Lists {
+    /// Rods in as many dimensions as the graph has.
+    fn new(header: &GraphHeader, layout: &GraphLayout) -> Self {
+        let is_in_space = header.shape.dimension == 3;
+        let rods = |dimensions| layout.rods().filter(move |_| is_in_space == (dimensions == 3));
+        Self {
+            edges: layout.edges().collect(),
+            plane: rods(2).map(|rod| rod.constraint()).collect(),
+            space: rods(3).map(|rod| rod.constraint()).collect(),
+        }
+    }
+}
+
+/// The part of that name and its place, the first where none is named.
+fn named<'p, P: 'p>(
+    mut parts: impl Iterator<Item = &'p P>,
+    name_of: impl Fn(&'p P) -> &'p str,
+    name: Option<&str>,
+) -> Option<(usize, &'p P)> {
+    parts.by_ref().enumerate().find(|(_, part)| name.is_none_or(|name| name_of(part) == name))
+}
+
+/// Loads rigid models.
+struct RigidLoader<'f> {
+    header: RigidHeader<'f>,
+    laws: Laws<'f>,
+    weights: &'f [f32],
+}
+
+impl<'f> Load<'f> for RigidLoader<'f> {
+    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
+        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, ForcesOf<N>> =
+            self.header.system(self.laws, self.weights)?;
+        Ok(AnyLagrangian::erased(system))
+    }
+}
+
+/// Loads trees.
+struct TreeLoader<'f> {
+    header: ModularHeader<'f>,
+    tree: TreeHeader<'f>,
+    laws: Laws<'f>,
+    weights: &'f [f32],
+}
+
+impl<'f> Load<'f> for TreeLoader<'f> {
+    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
+        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, ForcesOf<N>> =
+            self.header.system(&self.tree, self.laws, self.weights)?;
+        Ok(AnyLagrangian::erased(system))
+    }
+}

@@ -1,0 +1,39 @@
+//! The chip's arithmetic on the host: a model file of any size, evaluated and stepped with the same bits.
+//!
+//! On the chip sizes are types; here a file says them. `leastaction-core` itself is compiled for each number of coordinates
+//! that a program can meet ([`COORDINATES`]), and for graphs of any size, behind an interface of slices: there is one source
+//! of bits, and nothing to keep in step with it.
+//!
+//! ```text
+//! bytes ─► ModelFile ─► Chip ─► Evaluator: T, V, v̇, inverse dynamics
+//!                            ├► Motion: steps of the discrete Euler–Lagrange equation, RATTLE for graphs
+//!                            ├► Actuators: commands to forces
+//!                            └► Visitor: the system itself, its size being a type again
+//! ```
+//!
+//! The solvers are compiled once a size, not once a size and family: they see a Lagrangian through [`AnyLagrangian`], whose
+//! methods are called at run time. That changes no bit: neither the order of operations nor their rounding depends on how a
+//! function is called.
+
+mod actuators;
+mod any;
+mod chip;
+mod control;
+mod coordinates;
+mod error;
+mod evaluator;
+mod file;
+mod motion;
+mod particles;
+mod sizes;
+
+pub use actuators::Actuators;
+pub use any::{AnyLagrangian, ForcesOf, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+pub use chip::Chip;
+pub use control::{Control, Step};
+pub use error::ChipError;
+pub use evaluator::Evaluator;
+pub use file::ModelFile;
+pub use motion::Motion;
+pub use particles::ParticleSystem;
+pub use sizes::{COORDINATES, OfSize, Visitor};

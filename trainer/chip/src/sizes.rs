@@ -1,0 +1,73 @@
+//! The one place in which a size that a file says becomes a type.
+
+use crate::{Chip, ChipError, ParticleSystem, SystemOf};
+use leastaction_core::model::ModelError;
+
+/// A loader of systems in as many coordinates as it is asked for.
+pub(crate) trait Load<'f> {
+    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError>;
+}
+
+/// What is done with a system, its size being a type. `'c` is how long the [`Chip`](crate::Chip) is borrowed.
+pub trait Visitor<'c> {
+    /// What comes of it.
+    type Output;
+
+    /// Visits a rigid model or a tree. Other chips can be asked whether they are of the same size.
+    fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output
+    where
+        for<'f> Chip<'f>: OfSize<N>;
+
+    /// Visits a graph in D dimensions.
+    fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output;
+}
+
+/// The system of a chip where it has N coordinates, for each N of [`COORDINATES`].
+pub trait OfSize<const N: usize> {
+    /// The system; `None` where it has another number of coordinates, or is a graph.
+    fn of_size(&self) -> Option<&SystemOf<'_, N>>;
+}
+
+macro_rules! sizes {
+    ($($size:ident = $n:literal),*) => {
+        /// Numbers of coordinates that core is compiled for here; graphs may have any.
+        pub const COORDINATES: [usize; [$($n),*].len()] = [$($n),*];
+
+        /// A system of any size.
+        pub(crate) enum AnySystem<'f> {
+            $($size(SystemOf<'f, $n>),)*
+            Plane(Box<ParticleSystem<'f, 2>>),
+            Space(Box<ParticleSystem<'f, 3>>),
+        }
+
+        $(impl OfSize<$n> for Chip<'_> {
+            fn of_size(&self) -> Option<&SystemOf<'_, $n>> {
+                match self.system() {
+                    AnySystem::$size(system) => Some(system),
+                    _ => None,
+                }
+            }
+        })*
+
+        impl<'f> AnySystem<'f> {
+            /// The system of n coordinates.
+            pub fn load(n: usize, loader: impl Load<'f>) -> Result<Self, ChipError> {
+                match n {
+                    $($n => Ok(Self::$size(loader.load()?)),)*
+                    found => Err(ChipError::Coordinates { found }),
+                }
+            }
+
+            pub fn visit<'c, V: Visitor<'c>>(&'c self, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$size(system) => visitor.coordinates(system),)*
+                    Self::Plane(particles) => visitor.particles(particles),
+                    Self::Space(particles) => visitor.particles(particles),
+                }
+            }
+        }
+    };
+}
+
+// Each takes two to three seconds of a processor to compile in release.
+sizes!(One = 1, Two = 2, Three = 3, Four = 4, Five = 5, Six = 6, Seven = 7, Eight = 8, Twelve = 12);

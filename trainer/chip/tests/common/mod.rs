@@ -1,0 +1,221 @@
+//! Model files of random shapes, written by core.
+
+#![allow(dead_code, reason = "every test uses its own part")]
+
+use leastaction_core::discrete::Order;
+use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::graph::{
+    Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, NodeShape, Potential, Separation,
+};
+use leastaction_core::energy::modular::{
+    Input, ModularShape, PairInput, PairShape, TransformShape, TypeShape,
+};
+use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::{
+    Family, GraphHeader, GraphLayout, Header, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, RigidHeader, Rod,
+    TrainedStep, TreeHeader, write,
+};
+use leastaction_core::network::Activation;
+
+/// A repeatable stream of numbers.
+#[derive(Clone, Debug)]
+pub struct Random(pub u64);
+
+impl Random {
+    /// In ±1.
+    pub fn signed(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+    }
+
+    pub fn vector(&mut self, n: usize, size: f32) -> Vec<f32> {
+        (0..n).map(|_| size * self.signed()).collect()
+    }
+}
+
+/// The step of all files.
+pub fn step(order: Order) -> TrainedStep {
+    TrainedStep { order, h: 0.01, control: ControlKind::Held }
+}
+
+/// The bytes of a file.
+pub fn file(header: &Header, weights: &[f32]) -> Vec<u8> {
+    let block: Vec<u8> = weights.iter().flat_map(|w| w.to_le_bytes()).collect();
+    bytes(header, &block)
+}
+
+/// The bytes of a file with a weight block of any precision.
+pub fn bytes(header: &Header, block: &[u8]) -> Vec<u8> {
+    let mut memory = vec![0; block.len() + 65_536];
+    write(header, block, &mut memory).unwrap().to_vec()
+}
+
+/// A rigid model.
+#[derive(Clone, Debug)]
+pub struct RigidSample {
+    pub coordinates: String,
+    pub widths: [u16; 4],
+    pub activation: Activation,
+    pub inertia: Inertia,
+    pub is_damped: bool,
+    pub seed: u64,
+}
+
+impl RigidSample {
+    pub fn header(&self, order: Order) -> Header<'_> {
+        let Self { coordinates, widths, activation, inertia, is_damped, .. } = self;
+        let rigid = RigidHeader { coordinates, widths: *widths, activation: *activation, inertia: *inertia };
+        let laws = if *is_damped { Laws::VISCOUS } else { Laws::NONE };
+        Header { laws, trained_step: Some(step(order)), ..Header::new(Family::Rigid(rigid)) }
+    }
+
+    pub fn weights(&self) -> Vec<f32> {
+        let Family::Rigid(rigid) = self.header(Order::Two).family else { unreachable!() };
+        let mut random = Random(self.seed);
+        let mut weights = random.vector(rigid.parameters().unwrap(), 0.5);
+        let damping = random.vector(rigid.n(), 0.5).into_iter().map(f32::abs);
+        weights.extend(damping.filter(|_| self.is_damped));
+        weights
+    }
+
+    pub fn file(&self, order: Order) -> Vec<u8> {
+        file(&self.header(order), &self.weights())
+    }
+}
+
+/// A chain of learned links, rods and slides, with a pair potential.
+#[derive(Clone, Debug)]
+pub struct TreeSample {
+    pub elements: Vec<u8>,
+    pub width: u16,
+    pub pair: PairInput,
+    pub is_damped: bool,
+    pub seed: u64,
+}
+
+/// What the trees of a sample are called: the first has one element.
+pub const TREES: [&str; 2] = ["link", "chain"];
+
+impl TreeSample {
+    /// A chain of n elements of alternating types.
+    pub fn chain(n: usize, width: u16, pair: PairInput, is_damped: bool, seed: u64) -> Self {
+        let elements = (0..n).flat_map(|i| [((i as u64 + seed) % 3) as u8, i as u8]).collect();
+        Self { elements, width, pair, is_damped, seed }
+    }
+
+    fn shape(&self) -> ModularShape {
+        let network = |inputs, outputs, activation| {
+            NetworkShape::new(inputs, &[self.width, 3], outputs, activation).unwrap()
+        };
+        let networks = [
+            network(2, 2, Activation::Tanh),
+            network(2, 1, Activation::Softplus),
+            network(self.pair.features() as u8, 1, Activation::Squareplus),
+        ];
+        let learned = TransformShape::Network { position: 0, velocity: None, input: Input::Angle };
+        let types = [
+            TypeShape { transform: learned, potential: Some(1) },
+            TypeShape { transform: TransformShape::Rod, potential: Some(1) },
+            TypeShape { transform: TransformShape::Slide, potential: None },
+        ];
+        ModularShape::new(&networks, &types, Some(PairShape { network: 2, input: self.pair })).unwrap()
+    }
+
+    pub fn header(&self, order: Order) -> Header<'_> {
+        let mut trees = [TreeHeader::default(); MAX_TREES];
+        trees[0] = TreeHeader { name: TREES[0], elements: &[1, 0] };
+        trees[1] = TreeHeader { name: TREES[1], elements: &self.elements };
+        let modular = ModularHeader { shape: self.shape(), names: "link,rod,slide", trees };
+        let laws = if self.is_damped { Laws::VISCOUS } else { Laws::NONE };
+        Header { laws, trained_step: Some(step(order)), ..Header::new(Family::Modular(modular)) }
+    }
+
+    pub fn weights(&self) -> Vec<f32> {
+        let Family::Modular(modular) = self.header(Order::Two).family else { unreachable!() };
+        let kinds = [[1.5, 0.25, 0.5, 0.0], [0.75, 0.5, 1.0, 1.5], [2.0, 0.0, 1.0, 0.0]];
+        let numbers = [kinds.concat(), vec![9.5, 0.25]].concat();
+        let mut random = Random(self.seed);
+        let mut weights = random.vector(modular.parameters().unwrap() - numbers.len(), 0.5);
+        weights.extend(numbers);
+        weights.extend([0.5, 0.125, 0.25].iter().filter(|_| self.is_damped));
+        weights
+    }
+
+    pub fn file(&self, order: Order) -> Vec<u8> {
+        file(&self.header(order), &self.weights())
+    }
+}
+
+/// Particles in a row, springs between neighbours; the second graph of the file hangs from the origin by rods instead of half
+/// of them.
+#[derive(Clone, Debug)]
+pub struct GraphSample {
+    pub dimension: u8,
+    nodes: Vec<u8>,
+    edges: Vec<u8>,
+    rods: Vec<u8>,
+    pub width: u16,
+    pub seed: u64,
+}
+
+/// What the graphs of a sample are called.
+pub const GRAPHS: [&str; 2] = ["free", "hanging"];
+
+impl GraphSample {
+    pub fn row(dimension: u8, nodes: u16, width: u16, seed: u64) -> Self {
+        let edge = |i: u16| Edge { kind: 0, ends: [i, i + 1] }.to_bytes();
+        let rod = |i: u16| Rod { from: i.checked_sub(1), to: i, length: 1.0 }.to_bytes().unwrap();
+        Self {
+            dimension,
+            nodes: vec![0; nodes.into()],
+            edges: (0..nodes - 1).flat_map(edge).collect(),
+            rods: (0..nodes.div_ceil(2)).flat_map(rod).collect(),
+            width,
+            seed,
+        }
+    }
+
+    /// Each node 1 m from the one before it, along a slope.
+    pub fn positions(&self) -> Vec<f32> {
+        let slope = [0.6, -0.8, 0.0];
+        let dimension = usize::from(self.dimension);
+        let place = |i: usize| (0..dimension).map(move |k| slope[k] * (i + 1) as f32);
+        (0..self.nodes.len()).flat_map(place).collect()
+    }
+
+    fn shape(&self) -> GraphShape {
+        let networks = [
+            NetworkShape::new(1, &[self.width], 1, Activation::Squareplus).unwrap(),
+            NetworkShape::new(self.dimension, &[self.width, 3], 1, Activation::Tanh).unwrap(),
+        ];
+        let node =
+            NodeShape { kinetic: Kinetic::Mass, potential: Potential::Network(1), drag: Drag::Viscous };
+        let edge = EdgeShape { separation: Separation::Distance, potential: Some(0), embedding: None };
+        GraphShape::new(self.dimension, &networks, &[node], &[edge]).unwrap()
+    }
+
+    pub fn header(&self, order: Order) -> Header<'_> {
+        let mut graphs = [GraphLayout::default(); MAX_GRAPHS];
+        let Self { nodes, edges, rods, .. } = self;
+        graphs[0] = GraphLayout { name: GRAPHS[0], nodes, edges, rods: &[] };
+        graphs[1] = GraphLayout { name: GRAPHS[1], nodes, edges, rods };
+        let graph = GraphHeader { shape: self.shape(), node_names: "bob", edge_names: "spring", graphs };
+        Header { trained_step: Some(step(order)), ..Header::new(Family::Graph(graph)) }
+    }
+
+    pub fn weights(&self) -> Vec<f32> {
+        let shape = self.shape();
+        let mut random = Random(self.seed);
+        let field = [0.0, 9.5, 0.25];
+        let numbers = [vec![1.5, 0.25], field[..self.dimension.into()].to_vec()].concat();
+        let mut weights = random.vector(shape.parameters().unwrap() - numbers.len() - EDGE_NUMBERS, 0.5);
+        weights.extend(numbers);
+        weights.extend([-0.75, 0.125]);
+        weights
+    }
+
+    pub fn file(&self, order: Order) -> Vec<u8> {
+        file(&self.header(order), &self.weights())
+    }
+}
