@@ -18,6 +18,8 @@ mod import;
 mod interrupt;
 #[path = "cli_commands/logs.rs"]
 mod logs;
+#[path = "cli_commands/named_columns.rs"]
+mod named_columns;
 #[path = "cli_commands/on_a_board.rs"]
 mod on_a_board;
 #[path = "cli_commands/on_chip.rs"]

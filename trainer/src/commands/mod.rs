@@ -9,6 +9,7 @@ mod generate;
 mod import;
 mod inspect;
 mod interrupt;
+mod notes;
 mod progress;
 mod reproduce;
 mod simulate;

@@ -1,11 +1,11 @@
 //! `leastaction train`.
 
 use super::interrupt;
+use super::notes::tell;
 use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output, print};
 use leastaction_learning::config::{Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
-use leastaction_learning::data;
 use leastaction_learning::run::{Ending, Plan, PlanError, Run};
 use serde::Serialize;
 use std::fmt;
@@ -144,9 +144,9 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
 
 /// Reads the data that a configuration file names and prepares the losses, telling what should be known.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
-    let (data, notes) = data::read(&config.data.file)?;
-    notes.iter().for_each(|note| output.note(&format!("note: {note}")));
-    let log = config.data.file.clone();
+    let (data, notes) = config.data.read()?;
+    tell(&notes, output);
+    let log = PathBuf::from(config.data.file.to_string());
     let plan = Plan::new(config, &data).map_err(|error| match error {
         PlanError::Data(_) => Failure::input(&log, error),
         _ => Failure::input(file, error),

@@ -62,7 +62,7 @@ fn printed_defaults_are_a_configuration() {
     let bench = Bench::new();
     let printed = bench.run("train --print-defaults").good().stdout;
     bench.write("c.toml", &printed);
-    assert_eq!(Config::read(&bench.at("c.toml")).unwrap().data.file, bench.at("data.npz"));
+    assert_eq!(Config::read(&bench.at("c.toml")).unwrap().data.file, bench.at("data.npz").into());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
 //! explained.
 
+mod data;
 mod error;
 mod fields;
 mod graph;
@@ -11,6 +12,7 @@ mod problem;
 mod read;
 mod rigid;
 
+pub use data::{ColumnsConfig, DataConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
 pub use graph::{
@@ -24,7 +26,6 @@ pub use rigid::RigidConfig;
 
 use crate::architecture::Architecture;
 use crate::training::LossKind;
-use leastaction_core::forces::ControlKind;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -44,23 +45,6 @@ pub struct Config {
     pub model: ModelConfig,
     /// `[training]`.
     pub training: TrainingConfig,
-}
-
-/// The log.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DataConfig {
-    /// `.npz` or `.csv`; relative to the configuration file.
-    pub file: PathBuf,
-    /// Only the first so many trajectories, at least 1.
-    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_positive")]
-    pub trajectories: Option<usize>,
-    /// Part of the trajectories held back from the end, in [0, 1).
-    #[serde(default = "validation", deserialize_with = "fields::fraction")]
-    pub validation: f64,
-    /// What u does between samples; else what the log says, and held where it says nothing.
-    #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::control_kind")]
-    pub control: Option<ControlKind>,
 }
 
 /// Loss, optimiser and when to stop.
@@ -121,10 +105,6 @@ pub struct AdamConfig {
     pub plateau_patience: u32,
 }
 
-fn validation() -> f64 {
-    0.1
-}
-
 impl Default for TrainingConfig {
     fn default() -> Self {
         Self {
@@ -154,17 +134,8 @@ impl Default for AdamConfig {
 
 impl Config {
     /// The defaults for a log, and a model of this shape; [`Coordinates`] give a rigid one.
-    pub fn new(file: impl Into<PathBuf>, model: impl Into<ModelConfig>) -> Self {
-        Self {
-            data: DataConfig {
-                file: file.into(),
-                trajectories: None,
-                validation: validation(),
-                control: None,
-            },
-            model: model.into(),
-            training: TrainingConfig::default(),
-        }
+    pub fn new(file: impl Into<LogFiles>, model: impl Into<ModelConfig>) -> Self {
+        Self { data: DataConfig::new(file), model: model.into(), training: TrainingConfig::default() }
     }
 
     /// Reads a configuration file; paths become relative to the working folder.
@@ -188,7 +159,7 @@ impl Config {
     fn parse_in(text: &str, file: &Path, folder: Option<&Path>) -> Result<Self, ConfigError> {
         let mut config = read::parse(text).map_err(|error| ConfigError::invalid(file, text, &error))?;
         if let Some(folder) = folder {
-            config.data.file = folder.join(&config.data.file);
+            config.data.file = config.data.file.map(|file| folder.join(file));
         }
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
@@ -220,7 +191,7 @@ impl Config {
         }
         Self {
             model,
-            data: DataConfig { file: PathBuf::new(), ..self.data.clone() },
+            data: DataConfig { file: PathBuf::new().into(), ..self.data.clone() },
             training: TrainingConfig {
                 iterations: defaults.iterations,
                 target: defaults.target,

@@ -83,9 +83,10 @@ impl Folder {
             ModelConfig::Modular(modular) => modular.from.as_mut(),
             ModelConfig::Rigid(_) | ModelConfig::Graph(_) => None,
         };
-        for file in std::iter::once(&mut config.data.file).chain(model) {
-            *file = fs::canonicalize(&*file).unwrap_or_else(|_| file.clone());
+        if let Some(from) = model {
+            *from = full(from);
         }
+        config.data.file = config.data.file.map(full);
         let path = self.path.join(CONFIG);
         if Config::read(&path).is_ok_and(|there| there == config) {
             return Ok(());
@@ -113,6 +114,11 @@ impl Folder {
             .collect();
         plot::loss_curve(&self.loss_curve(), "Loss", &curves)
     }
+}
+
+/// The full path of a file, or of a pattern of names.
+fn full(path: &Path) -> PathBuf {
+    fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned())
 }
 
 /// The history on its way to the disk. Rows that could not be written are kept and written with the next.

@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 use crate::checkpoint::{Checkpoint, CheckpointError, State};
-use std::path::PathBuf;
+use crate::config::LogFiles;
 use thiserror::Error;
 
 /// A checkpoint that a run cannot go on from.
@@ -20,10 +20,12 @@ pub enum ResumeError {
         differences: String,
     },
     /// The run began with other data.
-    #[error("this run began with other data than {} now has; bring the data back, or train in another folder", file.display())]
+    #[error(
+        "this run began with other data than {file} now has; bring the data back, or train in another folder"
+    )]
     OtherData {
         /// The data file.
-        file: PathBuf,
+        file: LogFiles,
     },
 }
 

@@ -34,7 +34,7 @@ impl Monitor for Strict {
 fn train(name: &str, log: &Dataset) -> Trained {
     let folder = tempfile::tempdir().unwrap();
     let config = Config::parse(example(name), Path::new(name)).unwrap();
-    data::write(folder.path().join(&config.data.file), log).unwrap();
+    data::write(folder.path().join(&config.data.file.0[0]), log).unwrap();
     let plan = Plan::new(config, log).unwrap();
     assert_eq!(plan.notices(), []);
     let run = folder.path().join("run");

@@ -66,7 +66,7 @@ fn train(folder: &Path, name: &str, motion: &dyn Motion, spread: f64) -> Trained
     let text = example(name);
     std::fs::write(folder.join(name), text).unwrap();
     let config = Config::read(&folder.join(name)).unwrap();
-    data::write(&config.data.file, &log(motion, spread)).unwrap();
+    data::write(&config.data.file.0[0], &log(motion, spread)).unwrap();
     let plan = Plan::new(config, &log(motion, spread)).unwrap();
     let run = folder.join("run");
     Run::begin(plan, &run, true).unwrap().train(&mut Strict, &AtomicBool::new(false)).unwrap();

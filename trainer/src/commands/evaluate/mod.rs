@@ -6,6 +6,7 @@ mod report;
 
 use super::chip;
 use super::inspect::load_part;
+use super::notes::tell;
 use super::system::{Kind, System};
 use clap::Args;
 use leastaction::cli::arguments::{control, order, positive, seed};
@@ -14,7 +15,8 @@ use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use leastaction_learning::architecture::Architecture;
-use leastaction_learning::data::{self, Dataset, control_name};
+use leastaction_learning::config::{Config, DataConfig};
+use leastaction_learning::data::{Dataset, control_name};
 use leastaction_learning::evaluate::{
     Beginning, acceleration_mse, energy_mse, finished, inertia_mse, integration_errors, one_step_mse, rollout,
 };
@@ -23,7 +25,7 @@ use leastaction_learning::model_file::HostModel;
 use long_term::{Request, Scalable};
 use on_chip::OnChip;
 use report::{Acceleration, Report, Steps};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Measure a model on logged motion.
 ///
@@ -47,9 +49,12 @@ use std::path::PathBuf;
 pub struct Evaluate {
     /// The model file.
     model: PathBuf,
-    /// The log, .npz or .csv.
+    /// The log, .npz or .csv; *, ? and ** stand for several.
+    #[arg(long, value_name = "FILE", required_unless_present = "config")]
+    data: Option<PathBuf>,
+    /// Take names and units of columns, step and control of the log from [data] of this configuration; without --data the log too.
     #[arg(long, value_name = "FILE")]
-    data: PathBuf,
+    config: Option<PathBuf>,
     /// Order of the steps, 2 or 4 [default: that of the model, else 4].
     #[arg(long, value_parser = order)]
     order: Option<u8>,
@@ -80,10 +85,13 @@ impl Evaluate {
     /// Reads and measures.
     pub fn run(self, output: Output) -> Done {
         let (model, _) = load_part(&self.model, self.tree.as_deref())?;
-        let (mut log, notes) = data::read(&self.data).map_err(|error| Failure::Input(error.to_string()))?;
-        notes.iter().for_each(|note| output.note(&format!("note: {note}")));
-        self.check(&model, &log, output)?;
-        self.take_control(&model, &mut log, output)?;
+        let mut config = self.log()?;
+        config.control = config.control.or(model.facts.trained_step.map(|step| step.control));
+        let (mut log, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
+        tell(&notes, output);
+        let file = PathBuf::from(config.file.to_string());
+        self.check(&model, (&file, &log), output)?;
+        self.take_control(&model, (&file, &mut log), output)?;
         prepare(&mut log, &model.architecture.coordinates(), output);
         let system = self.system.map(|system| self.exact(system, &model)).transpose()?;
         let symo = match system {
@@ -95,6 +103,7 @@ impl Evaluate {
         }
         let failed = |error| Failure::input(&self.model, error);
         let mut report = self.measure(&model, &log, symo).map_err(failed)?;
+        report.data = file;
         report.chip = on_chip(&model, report.order, &log)
             .map_err(|error| output.note(&format!("note: steps on the chip are not measured: {error}")))
             .ok();
@@ -107,7 +116,20 @@ impl Evaluate {
         output.report(&report)
     }
 
-    fn check(&self, model: &HostModel, log: &Dataset, output: Output) -> Done {
+    /// The log and how it is read.
+    fn log(&self) -> Result<DataConfig, Failure> {
+        let configured = self.config.as_deref().map(Config::read).transpose()?.map(|config| config.data);
+        let named = self.data.as_ref().map(DataConfig::new);
+        let mut log = match (configured, named) {
+            (Some(configured), Some(named)) => DataConfig { file: named.file, ..configured },
+            (Some(one), None) | (None, Some(one)) => one,
+            (None, None) => return Err(Failure::Input("name the log with --data".to_owned())),
+        };
+        log.control = self.control.or(log.control);
+        Ok(log)
+    }
+
+    fn check(&self, model: &HostModel, (file, log): (&Path, &Dataset), output: Output) -> Done {
         let n = model.architecture.n();
         if log.n != n {
             let message = match model.architecture.part() {
@@ -119,7 +141,7 @@ impl Evaluate {
                     )
                 }
             };
-            return Err(Failure::input(&self.data, message));
+            return Err(Failure::input(file, message));
         }
         if let Some(trained) =
             model.facts.trained_step.filter(|d| (f64::from(d.h) - log.h).abs() > 1e-6 * log.h)
@@ -133,14 +155,14 @@ impl Evaluate {
     }
 
     /// Decides what u does between samples, and tells where the model was trained for another thing.
-    fn take_control(&self, model: &HostModel, log: &mut Dataset, output: Output) -> Done {
+    fn take_control(&self, model: &HostModel, (file, log): (&Path, &mut Dataset), output: Output) -> Done {
         let trained = model.facts.trained_step.map(|step| step.control);
         if let Some(asked) = self.control {
             log.set_control(asked).map_err(|stated| {
                 let (asked, stated) = (control_name(asked), control_name(stated));
                 let message =
                     format!("--control {asked}: the log says that its u is {stated} between samples");
-                Failure::input(&self.data, message)
+                Failure::input(file, message)
             })?;
         }
         let kind = log.control.or(trained).unwrap_or_default();
@@ -225,7 +247,7 @@ impl Evaluate {
         let acceleration = acceleration_mse(architecture, weights, log)?;
         Ok(Report {
             model: self.model.clone(),
-            data: self.data.clone(),
+            data: PathBuf::new(),
             tree: part("tree"),
             graph: part("graph"),
             order,

@@ -5,8 +5,8 @@ use leastaction::cli::{Failure, Output};
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use leastaction_learning::architecture::Architecture;
-use leastaction_learning::config::Config;
-use leastaction_learning::data::{self, Dataset};
+use leastaction_learning::config::{Config, DataConfig};
+use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::{
     Beginning, acceleration_mse, integration_errors, one_step_mse, rollout,
 };
@@ -61,11 +61,12 @@ impl Compared<'_> {
         precision: Precision,
         output: Output,
     ) -> Result<Option<Accuracy>, Failure> {
-        let log = match data {
-            Some(file) => file.to_owned(),
-            None => Config::read(&run.join("config.toml"))?.data.file,
+        let config = match data {
+            Some(file) => DataConfig::new(file),
+            None => Config::read(&run.join("config.toml"))?.data,
         };
-        let mut set = match data::read(&log) {
+        let log = PathBuf::from(config.file.to_string());
+        let mut set = match config.read() {
             Ok((set, _)) => set,
             Err(error) if data.is_some() => return Err(Failure::Input(error.to_string())),
             Err(error) => {

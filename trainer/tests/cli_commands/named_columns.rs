@@ -1,0 +1,81 @@
+//! Logs with names, units and time stamps of their own, from training to firmware.
+
+use crate::support::Bench;
+use leastaction_learning::config::Config;
+use leastaction_learning::data;
+use std::fmt::Write;
+
+/// The pendulum's log in degrees and milliseconds, with a column more and stamps that jitter, in two files.
+fn robot_logs(bench: &Bench) {
+    bench.run("generate pendulum -o data.npz --trajectories 6 --samples 40 --control held").good();
+    let (log, _) = data::read(bench.at("data.npz")).unwrap();
+    for (k, trajectory) in log.trajectories.iter().enumerate() {
+        let mut text = "stamp;angle;mode;torque\n".to_owned();
+        for (j, (t, q)) in log.times(trajectory).zip(trajectory.q.column(0)).enumerate() {
+            let late = 1e-4 * log.h * ((j * 7 % 5) as f64);
+            let torque = trajectory.u.as_ref().unwrap()[j][0];
+            writeln!(text, "{:?};{:?};3;{torque:?}", 1e3 * (t + late), -q.to_degrees()).unwrap();
+        }
+        bench.write(&format!("robot-{k}.csv"), &text);
+    }
+}
+
+const DATA: &str = r#"[data]
+file = "robot-*.csv"
+validation = 0.25
+step = STEP
+[data.columns]
+t = { name = "stamp", unit = "ms" }
+q = { name = "angle", unit = "deg", sign = -1 }
+u = "torque"
+[model]
+coordinates = "a"
+hidden = [6]
+[training]
+order = 2
+iterations = 15
+"#;
+
+#[test]
+fn a_robots_own_files_are_learned_from() {
+    let bench = Bench::new();
+    robot_logs(&bench);
+    let (exact, _) = data::read(bench.at("data.npz")).unwrap();
+    bench.write("c.toml", &DATA.replace("STEP", &format!("{:?}", exact.h)));
+    let done = bench.run("train c.toml -o run -q").good();
+    assert!(done.stderr.contains("robot-0.csv: resampled onto a step of"), "{}", done.stderr);
+    bench.run("export run -o m.postcard").good();
+    let evaluated = bench.run("evaluate m.postcard --config c.toml --json").good().json();
+    assert_eq!(evaluated["trajectories"], 6);
+    let by_run = bench.run("evaluate m.postcard --config run/config.toml --json").good().json();
+    assert_eq!(by_run["one_step_mse"], evaluated["one_step_mse"]);
+    let one = bench.run("evaluate m.postcard --config c.toml --data robot-1.csv --json").good().json();
+    assert_eq!(one["trajectories"], 1);
+    let of_exact = bench.run("evaluate m.postcard --data data.npz --json").good().json();
+    let [found, expected] = [&evaluated, &of_exact].map(|report| report["one_step_mse"].as_f64().unwrap());
+    assert!(found > 0.0 && expected < 1e-4, "{found:e} {expected:e}");
+    let kept = Config::read(&bench.at("run/config.toml")).unwrap();
+    assert_eq!(kept.data.columns, Config::read(&bench.at("c.toml")).unwrap().data.columns);
+    bench.run("train c.toml -o run -q --resume").good();
+}
+
+#[test]
+fn what_cannot_be_read_is_named() {
+    let bench = Bench::new();
+    robot_logs(&bench);
+    let with = |from: &str, to: &str| bench.write("c.toml", &DATA.replace("STEP", "0.1").replace(from, to));
+    let refused = |words: &[&str]| drop(bench.run("train c.toml -o run -q").bad(2, words));
+    with("\"torque\"", "\"tau\"");
+    refused(&["robot-0.csv, line 1: there is no column \"tau\"; the file has stamp, angle, mode, torque"]);
+    with("unit = \"deg\"", "unit = \"grad\"");
+    refused(&["c.toml", "\"grad\" is no unit that is known here", "deg"]);
+    with("unit = \"deg\"", "unit = \"counts\"");
+    refused(&["counts need per_turn"]);
+    with("sign = -1", "sign = 0");
+    refused(&["sign is 0; it is 1 or -1"]);
+    with("robot-*", "machine-*");
+    refused(&["machine-*.csv: no file is called so"]);
+    with("t = {", "actuation = [[1.0, 0.0]]\nt = {");
+    refused(&["actuation has 2 columns where 1 are needed"]);
+    bench.run("evaluate m.postcard").bad(2, &["--data"]);
+}
