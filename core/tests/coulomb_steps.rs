@@ -182,19 +182,25 @@ fn the_bound_on_updates_stays() {
 const FREE: Trigonometric<'static, 1> =
     Trigonometric { inertia: &[(0, 0, Wave { amplitude: 0.5, wave: [0.0] })], potential: &[] };
 
-/// Near rest a midpoint step turns v into v(1 − a)/(1 + a), and energy is lost at every step whatever a is.
+/// Near rest a midpoint step turns v into v(1 − a)/(1 + a), a step of order 4 into v(1 − a + a²/3)/(1 + a + a²/3), and energy is
+/// lost at every step whatever a is.
 #[test]
 fn a_stiff_step_rings_and_loses_energy() {
+    check_ringing::<Midpoint>(|a| (1.0 - a) / (1.0 + a));
+    check_ringing::<Galerkin>(|a| (1.0 - a + a * a / 3.0) / (1.0 + a + a * a / 3.0));
+}
+
+fn check_ringing<P: Path>(factor: impl Fn(f64) -> f64) {
     for a in [0.3, 0.9, 1.1, 3.0, 20.0] {
         let system = System { lagrangian: FREE, forces: as_stiff::<f64, _, 1>(&FREE, [0.4], 0.02, a) };
         let width = system.forces.coordinates[0].width;
-        let del = Del::<f64, Midpoint>::new(0.02);
+        let del = Del::<f64, P>::new(0.02);
         let mut state = State::new(&FREE, [0.0], [1e-4 * width]).unwrap();
         for _ in 0..20 {
             let before = state.p()[0];
             del.step(&system, &mut state, &Control::none()).unwrap();
             let ratio = state.p()[0] / before;
-            assert!((ratio - (1.0 - a) / (1.0 + a)).abs() < 1e-6, "a = {a}: {ratio}");
+            assert!((ratio - factor(a)).abs() < 1e-6, "order {}, a = {a}: {ratio}", P::ORDER);
         }
         let mut moving = State::new(&FREE, [0.0], [3.0 * width + 0.2]).unwrap();
         for _ in 0..100 {

@@ -10,8 +10,8 @@ use crate::scalar::{Real, Scalar};
 ///
 /// A step of order 2 sees the friction at the mean velocity, and so turns v into v(1 − a)/(1 + a) near v = 0, with
 /// a = h c (M⁻¹)_ii/(2ε): beyond a = 1 the velocity (not the increment) changes its sign at every step, and it dies out
-/// more slowly the larger a is. [`Coulomb::stiffness`] is a; keep it at most 1 by a shorter step or a larger width. Energy
-/// is lost whatever a is.
+/// more slowly the larger a is. [`Coulomb::stiffness`] is a; keep it at most 1 (3 at order 4) by a shorter step or a larger
+/// width. Energy is lost whatever a is: see [`crate::discrete`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coulomb<S, const N: usize> {
     /// The friction of each coordinate.

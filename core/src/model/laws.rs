@@ -115,8 +115,15 @@ impl<'a> Laws<'a> {
     /// # Errors
     /// [`ModelError::Law`] for a number that is no law, [`ModelError::Malformed`] where they do not rise.
     pub fn new(numbers: &'a [u8]) -> Result<Self, ModelError> {
+        Self::known(numbers, |_| true)
+    }
+
+    /// [`Laws::new`] for a program that knows some laws, and refuses the others before anything else, so that it need not hold
+    /// code for them.
+    #[inline(always)]
+    pub(super) fn known(numbers: &'a [u8], knows: impl Fn(Law) -> bool) -> Result<Self, ModelError> {
         for number in numbers {
-            let known = Law::ALL.iter().any(|law| *law as u8 == *number);
+            let known = Law::ALL.iter().any(|law| *law as u8 == *number && knows(*law));
             if !known {
                 return Err(ModelError::Law { number: *number });
             }
@@ -131,21 +138,36 @@ impl<'a> Laws<'a> {
 
     /// The laws in order.
     pub fn iter(&self) -> impl Iterator<Item = Law> + use<'a> {
-        self.0.iter().filter_map(|number| Law::ALL.into_iter().find(|law| *law as u8 == *number))
+        self.iter_known(|_| true)
+    }
+
+    /// Those that a program knows, in order.
+    #[inline(always)]
+    fn iter_known<K: Fn(Law) -> bool>(self, knows: K) -> impl Iterator<Item = Law> + use<'a, K> {
+        Law::ALL.into_iter().filter(move |law| knows(*law) && self.contains(*law))
     }
 
     /// Whether it is among them.
+    #[allow(
+        clippy::manual_contains,
+        reason = "a search by words would take a quarter kilobyte for two bytes"
+    )]
     pub fn contains(&self, law: Law) -> bool {
-        self.0.contains(&(law as u8))
+        self.0.iter().any(|number| *number == law as u8)
     }
 
     /// Numbers in the weight block, of so many groups; `None` on overflow.
     pub fn parameters(&self, groups: usize) -> Option<usize> {
-        self.iter().try_fold(0usize, |sum, law| sum.checked_add(law.parameters(groups)))
+        self.parameters_knowing(groups, |_| true)
     }
 
-    /// Checks the numbers of those that the program knows; all end the weight block. It refuses the others anyway, and need not
-    /// hold the code that checks them.
+    /// [`Laws::parameters`] where a program knows all of them.
+    #[inline(always)]
+    pub(super) fn parameters_knowing(&self, groups: usize, knows: impl Fn(Law) -> bool) -> Option<usize> {
+        self.iter_known(knows).try_fold(0usize, |sum, law| sum.checked_add(law.parameters(groups)))
+    }
+
+    /// Checks their numbers, which end the weight block, where a program knows all of them.
     #[inline(always)]
     pub(super) fn validate<W: FileWeightFormat>(
         &self,
@@ -153,12 +175,10 @@ impl<'a> Laws<'a> {
         mut numbers: &[W],
         knows: impl Fn(Law) -> bool,
     ) -> Result<(), ModelError> {
-        for law in self.iter() {
+        for law in self.iter_known(knows) {
             let own = numbers.split_at_checked(law.parameters(groups));
             let (own, rest) = expected(own, (numbers, &[]));
-            if knows(law) {
-                law.validate(own)?;
-            }
+            law.validate(own)?;
             numbers = rest;
         }
         Ok(())

@@ -154,7 +154,7 @@ pub fn parse_as<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     parse_knowing(bytes, |_| true)
 }
 
-/// [`parse_as`] for a program that knows some laws: the numbers of the others, for which it refuses the file, are not checked.
+/// [`parse_as`] for a program that knows some laws, and refuses a file with others.
 #[inline(always)]
 pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     bytes: &'a [u8],
@@ -190,9 +190,9 @@ fn finish<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     if !rest.is_empty() {
         return Err(ModelError::TrailingBytes { bytes: rest.len() });
     }
-    let laws = Laws::new(sections.get(Section::Forces).unwrap_or(&[]))?;
+    let laws = Laws::known(sections.get(Section::Forces).unwrap_or(&[]), &knows)?;
     let (energies, groups) = (shape.parameters()?, shape.groups());
-    let needed = sum(energies, laws.parameters(groups))?;
+    let needed = sum(energies, laws.parameters_knowing(groups, &knows))?;
     let weights: &[W] = numbers(unpadded(sections.required(Section::Weights)?)?, needed)?;
     let (of_energies, of_laws) = expected(weights.split_at_checked(energies), (weights, &[]));
     shape.validate(of_energies)?;
