@@ -1,10 +1,12 @@
 //! The families of [`leastaction_core::energy`], their Lagrangians written down for any size.
 
+mod friction;
 mod graph;
 mod modular;
 mod network;
 mod rigid;
 
+pub use friction::{Friction, FrictionNumber, MOST_LOAD, WIDTHS, WithFriction};
 pub use graph::GraphEnergies;
 pub use modular::ModularEnergies;
 pub use network::Network;
