@@ -2,6 +2,7 @@
 #![no_std]
 #![no_main]
 
+use core::hint::black_box;
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::model::RigidModel;

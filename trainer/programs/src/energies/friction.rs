@@ -149,6 +149,10 @@ impl<E: Energies> WithFriction<E> {
         self.groups.iter().any(|group| number(group) != FrictionNumber::Known(0.0))
     }
 
+    fn is_dry(&self) -> bool {
+        self.has(|friction| friction.constant) || self.has(|friction| friction.load)
+    }
+
     /// c + c_load τ²/(√(τ² + τ_s²) + τ_s), without the second term where there is none.
     fn level(&self, builder: &mut Builder, tau: Node) -> Node {
         let constant = self.of_coordinates(builder, 1);
@@ -182,6 +186,14 @@ impl<E: Energies> Energies for WithFriction<E> {
         self.model.energies(builder, q, v)
     }
 
+    /// Half the width of the change of sign.
+    fn bends(&self, builder: &mut Builder) -> Option<Node> {
+        self.is_dry().then(|| {
+            let width = self.of_coordinates(builder, 3);
+            builder.scaled(0.5, width)
+        })
+    }
+
     fn force(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
         let mut force = self.model.force(builder, q, v, tau);
         if self.has(|friction| friction.viscous) {
@@ -189,7 +201,7 @@ impl<E: Energies> Energies for WithFriction<E> {
             let drag = builder.product(b, v);
             force = builder.difference(force, drag);
         }
-        if self.has(|friction| friction.constant) || self.has(|friction| friction.load) {
+        if self.is_dry() {
             let level = self.level(builder, tau);
             let width = self.of_coordinates(builder, 3);
             let inverse = builder.map(Function::Reciprocal, width);

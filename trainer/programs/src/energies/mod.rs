@@ -27,4 +27,9 @@ pub trait Energies {
         let n = builder.length(v);
         builder.zeros(n)
     }
+    /// How far from rest a force like friction bends, of each coordinate, m/s or rad/s: Newton's method looks again where a velocity
+    /// changes its sign from further away ([`leastaction_core::forces::Forces::trusted_part`]). `None` where no force does.
+    fn bends(&self, _: &mut Builder) -> Option<Node> {
+        None
+    }
 }
