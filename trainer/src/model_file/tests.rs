@@ -39,9 +39,8 @@ fn a_law_that_is_not_known_here_is_refused() {
     let numbers = [&weights[..], &[0.5, 0.1, 0.2, 0.1, 0.01, 0.0, 1.0, 0.1]].concat();
     let block = rounded(&numbers, Precision::Single).unwrap();
     let laws = leastaction_core::model::Laws::FRICTION;
-    let written = architecture
-        .with_header(|family| assemble(&Header { laws, ..Header::new(family) }, &block))
-        .unwrap();
+    let written =
+        architecture.with_header(|family| assemble(&Header { laws, ..Header::new(family) }, &block)).unwrap();
     assert_eq!(decode(&written).map(|_| ()), Err(ModelError::Law { number: 1 }));
 }
 
