@@ -154,7 +154,8 @@ tool header | diff include/leastaction.h - ||
 if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax-only -x c++ include/leastaction.h; fi
 "${host[@]}" fmt --check
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
-for family in ${families/ graph / graph graph,rods }; do
+checked=${families/ graph / graph graph,rods }
+for family in ${checked/ rigid / rigid rigid,friction }; do
     features=(--no-default-features --features "$family")
     "${host[@]}" test --quiet --lib "${features[@]}"
     "${host[@]}" clippy --version >/dev/null 2>&1 || continue
@@ -169,6 +170,9 @@ wrong=$(LEASTACTION_HIDDEN=many "${host[@]}" check --quiet --lib 2>&1) && fail "
 cart='0.125 0.25' arm='0.125 0.25 0.375'
 check rigid cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check rigid,half cartpole-f16 "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check rigid,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+# The same file without dry friction, by the same library: what it does is what the library without the feature does.
+check rigid,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
 for with in graph graph,rods; do
     check $with web pair '0.125 0.25 0.375 0.5' LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \

@@ -21,7 +21,7 @@ while [ $# -gt 0 ]; do
     esac
 done
 
-images=(rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 rigid-f16_2) bare_images=(bare_acceleration bare_step)
+images=(rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 rigid-f16_2 rigid-dry_2) bare_images=(bare_acceleration bare_step)
 case " ${boards[*]} ${images[*]} ${bare_images[*]} bare " in
     *" ${only:-bare} "*) ;;
     *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare" >&2; exit 2 ;;

@@ -11,7 +11,7 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Entry, ModelError, entry_of};
 use leastaction_firmware_sim::damage::{Damage, Refusals};
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
+    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, dry, newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion, fingerprint};
 use std::fmt::{self, Write};
@@ -50,7 +50,7 @@ struct Aligned<T: ?Sized>(T);
 /// A run whose fingerprint every target must give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// rigid, modular, graph, or rigid-f16.
+    /// rigid, modular, graph, rigid-f16 or rigid-dry.
     pub family: &'static str,
     /// 2 or 4.
     pub order: u8,
@@ -60,8 +60,8 @@ impl Reference {
     /// All of them.
     pub fn all() -> impl Iterator<Item = Self> {
         let orders = |family| [2, 4].map(|order| Self { family, order });
-        let half = Self { family: "rigid-f16", order: 2 };
-        ["rigid", "modular", "graph"].into_iter().flat_map(orders).chain([half])
+        let others = ["rigid-f16", "rigid-dry"].map(|family| Self { family, order: 2 });
+        ["rigid", "modular", "graph"].into_iter().flat_map(orders).chain(others)
     }
 
     /// The fingerprint of so many steps.
@@ -73,6 +73,10 @@ impl Reference {
             ("rigid", order) => {
                 let model = Cartpole::load(&CARTPOLE.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
+            }
+            ("rigid-dry", order) => {
+                let model = Cartpole::load(&CARTPOLE.0).map_err(Refused::Model)?;
+                free(&dry(&model), order, steps)
             }
             ("rigid-f16", order) => {
                 let model = HalfCartpole::load(&HALF_CARTPOLE.0).map_err(Refused::Model)?;

@@ -7,7 +7,7 @@ use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::forces::{Coulomb, Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::Model;
 
@@ -16,11 +16,15 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     halt()
 }
 
+/// All laws of force.
+pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
+
 /// Everything continuous.
 #[inline(never)]
-fn evaluate<L, const N: usize>(system: &System<L, Viscous<f32, N>>, [q, v, u]: &[[f32; N]; 3]) -> f32
+fn evaluate<L, F, const N: usize>(system: &System<L, F>, [q, v, u]: &[[f32; N]; 3]) -> f32
 where
     L: Lagrangian<f32, N>,
+    F: Forces<f32, N>,
 {
     let a = acceleration(system, q, v, u).unwrap_or(*q);
     let force = inverse_dynamics(system, q, v, &a);
@@ -33,8 +37,8 @@ where
 }
 
 #[inline(never)]
-fn step<L: Lagrangian<f32, N>, P: Path, const N: usize>(
-    system: &System<L, Viscous<f32, N>>,
+fn step<L: Lagrangian<f32, N>, F: Forces<f32, N>, P: Path, const N: usize>(
+    system: &System<L, F>,
     [q, v, u]: &[[f32; N]; 3],
 ) -> Option<State<f32, N>> {
     let (del, u) = (Del::<f32, P>::new(0.01), Control::held(*u));
@@ -47,14 +51,15 @@ fn step<L: Lagrangian<f32, N>, P: Path, const N: usize>(
 
 /// Everything.
 #[inline(never)]
-pub fn everything<L, const N: usize>(system: &System<L, Viscous<f32, N>>)
+pub fn everything<L, F, const N: usize>(system: &System<L, F>)
 where
     L: Lagrangian<f32, N>,
+    F: Forces<f32, N>,
 {
     let at = &black_box([[0.1; N]; 3]);
     black_box(evaluate(system, at));
-    black_box(step::<L, Midpoint, N>(system, at));
-    black_box(step::<L, Galerkin, N>(system, at));
+    black_box(step::<L, F, Midpoint, N>(system, at));
+    black_box(step::<L, F, Galerkin, N>(system, at));
 }
 
 /// What a file says beside its mechanism.

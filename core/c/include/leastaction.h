@@ -212,6 +212,11 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_ORDER = 45,
     /**
+     * A number of dry friction is out of range; `what`: which. The coordinate of a rigid model or the element type of a modular
+     * one; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the number as a float.
+     */
+    LEASTACTION_STATUS_FRICTION = 46,
+    /**
      * The tree was refused for a reason that this list does not know.
      */
     LEASTACTION_STATUS_OTHER_TREE_ERROR = 49,

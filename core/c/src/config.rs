@@ -46,14 +46,18 @@ const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 // What a model takes where pointers have 32 bits, and 2 words beyond; with 64 bits it takes fewer words. Where that ceases to
 // be so, a build fails (`contents.rs`).
 
+/// Words of dry friction: four numbers a coordinate.
+#[cfg(any(feature = "rigid", feature = "modular"))]
+const FRICTION: usize = if cfg!(feature = "friction") { 4 * LEASTACTION_COORDINATES } else { 0 };
+
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "rigid")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + 12;
+    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + FRICTION + 12;
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "modular")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + 15;
+    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + FRICTION + 15;
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_MODEL_WORDS: usize =

@@ -18,6 +18,10 @@ compile_error!("choose the family of models by a feature: rigid, modular or grap
 compile_error!("choose one family: --no-default-features --features rigid, modular or graph");
 #[cfg(all(feature = "rods", not(feature = "graph")))]
 compile_error!("rods are of graphs: --no-default-features --features graph,rods");
+#[cfg(all(feature = "friction", feature = "graph"))]
+compile_error!(
+    "graphs have no dry friction: --no-default-features --features rigid,friction or modular,friction"
+);
 
 mod arguments;
 mod config;

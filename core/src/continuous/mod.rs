@@ -44,8 +44,9 @@ fn finite<R: Real, const N: usize>(x: [R; N]) -> Result<[R; N], SolveError> {
 
 /// The control force τ that produces the acceleration v̇ (inverse dynamics): τ + Q(q, v, τ) = M v̇ − L_q + L_vq v.
 ///
-/// Where Q sees τ the equation is implicit and solved by Newton's method with ∂Q/∂τ; friction that grows with the load more
-/// slowly than the load itself leaves one solution.
+/// Where Q sees τ the equation is implicit. It has one solution where friction grows more slowly than the load, |∂Q/∂τ| < 1;
+/// [`Forces::control`] gives it where one law sees τ, and Newton's method with ∂Q/∂τ starts there: at least one update, which
+/// takes away rounding, and at most 16, of which several laws that see τ need more.
 ///
 /// # Errors
 /// Where 1 + ∂Q/∂τ is singular, a number is not finite, or 16 updates do not solve the equation.
@@ -63,8 +64,8 @@ where
     let inertial = linear::multiply(&d.mass, acceleration);
     let total = core::array::from_fn(|i| inertial[i] - d.l_q[i] + d.l_vq_v[i]);
     let size = core::array::from_fn(|i| inertial[i].abs() + d.l_q[i].abs() + d.l_vq_v[i].abs());
-    let zero = [R::zero(); N];
-    let mut load = Load { forces: &system.forces, q, v, total, size, tau: zero, left: zero };
+    let tau = system.forces.control(q, v, &total);
+    let mut load = Load { forces: &system.forces, q, v, total, size, tau, left: [R::zero(); N] };
     Newton { max_iterations: 16, ..Newton::new() }.solve(&mut load)?;
     Ok(finite(load.tau)?)
 }

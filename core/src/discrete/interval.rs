@@ -178,8 +178,25 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     /// The path with w and s changed by these amounts.
     #[must_use]
     pub fn moved(&self, dw: &[R; N], ds: &[R; N]) -> Self {
-        let one = R::one();
-        Self { w: add_scaled(&self.w, one, dw), s: add_scaled(&self.s, one, ds), ..*self }
+        self.moved_by(R::one(), dw, ds)
+    }
+
+    /// The path with w and s changed by a part of these amounts.
+    #[must_use]
+    #[inline(always)]
+    pub(super) fn moved_by(&self, part: R, dw: &[R; N], ds: &[R; N]) -> Self {
+        Self { w: add_scaled(&self.w, part, dw), s: add_scaled(&self.s, part, ds), ..*self }
+    }
+
+    /// The part of a change of w and s after which Newton's method looks again, by what the laws of force say of the velocities at
+    /// all Gauss points.
+    #[inline(always)]
+    pub(super) fn trusted_part<F: Forces<R, N>>(&self, forces: &F, dw: &[R; N], ds: &[R; N]) -> R {
+        P::points().as_ref().iter().fold(R::one(), |least, point| {
+            let dv = if P::BUBBLE { add_scaled(dw, point.bubble_rate(), ds) } else { *dw };
+            let part = forces.trusted_part(&self.point(point).1, &dv);
+            if part < least { part } else { least }
+        })
     }
 
     /// Position and velocity at a Gauss point.

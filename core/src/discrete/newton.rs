@@ -161,7 +161,8 @@ where
         } else {
             self.linearised.update(&self.left, P::BUBBLE)?
         };
-        self.interval = self.interval.moved(&dw, &ds);
+        let part = self.interval.trusted_part(&self.system.forces, &dw, &ds);
+        self.interval = self.interval.moved_by(part, &dw, &ds);
         Ok(())
     }
 }

@@ -8,15 +8,17 @@
 
 mod actuator;
 mod control;
+mod coulomb;
 mod pair;
 mod viscous;
 
 pub use actuator::{Actuator, ControlKind};
 pub use control::Control;
+pub use coulomb::{Coulomb, DryFriction};
 pub use viscous::Viscous;
 
-use crate::linear::Matrix;
-use crate::scalar::Scalar;
+use crate::linear::{Matrix, add_scaled};
+use crate::scalar::{Real, Scalar};
 
 /// A force Q(q, v, τ) beside the control force τ, with its derivatives.
 ///
@@ -29,6 +31,31 @@ pub trait Forces<S: Scalar, const N: usize> {
     fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>);
     /// ∂Q/∂τ, entry \[i\]\[j\] = ∂Q_i/∂τ_j: what inverse dynamics needs, in which τ is the unknown.
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N>;
+
+    /// A τ with τ + Q(q, v, τ) = `total`, from which inverse dynamics starts: total − Q(q, v, 0), which is exact where Q does not
+    /// see τ. A law that does has the solution for itself, and together with laws that do not see τ it remains exact.
+    fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
+    where
+        S: Real,
+    {
+        add_scaled(total, -S::one(), &self.force(q, v, &[S::zero(); N]))
+    }
+
+    /// The part of a change dv of the velocity, in (0, 1], after which Newton's method looks again: 1, but for a law that
+    /// bends so sharply that its derivatives would lead past the solution for ever.
+    #[inline(always)]
+    fn trusted_part(&self, _v: &[S; N], _dv: &[S; N]) -> S
+    where
+        S: Real,
+    {
+        S::one()
+    }
+}
+
+/// The smaller of two numbers; `a` where `b` is none.
+#[inline(always)]
+fn smaller<R: Real>(a: R, b: R) -> R {
+    if b < a { b } else { a }
 }
 
 impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
@@ -42,6 +69,21 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
 
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
         (**self).load_derivative(q, v, tau)
+    }
+
+    fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
+    where
+        S: Real,
+    {
+        (**self).control(q, v, total)
+    }
+
+    #[inline(always)]
+    fn trusted_part(&self, v: &[S; N], dv: &[S; N]) -> S
+    where
+        S: Real,
+    {
+        (**self).trusted_part(v, dv)
     }
 }
 

@@ -1,6 +1,6 @@
-use super::Forces;
+use super::{Forces, smaller};
 use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
 
 /// Two laws that act together.
 impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> for (A, B) {
@@ -17,5 +17,24 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
         let (a, b) = self;
         add_scaled_matrix(&a.load_derivative(q, v, tau), S::one(), &b.load_derivative(q, v, tau))
+    }
+
+    /// Each in turn, the other's force taken away: exact where at most one of them sees τ, whichever it is.
+    fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
+    where
+        S: Real,
+    {
+        let (a, b) = self;
+        let without = |force: [S; N]| add_scaled(total, -S::one(), &force);
+        let tau = a.control(q, v, &without(b.force(q, v, &[S::zero(); N])));
+        b.control(q, v, &without(a.force(q, v, &tau)))
+    }
+
+    #[inline(always)]
+    fn trusted_part(&self, v: &[S; N], dv: &[S; N]) -> S
+    where
+        S: Real,
+    {
+        smaller(self.0.trusted_part(v, dv), self.1.trusted_part(v, dv))
     }
 }

@@ -21,7 +21,7 @@ const fn entry(code: u8, name: &'static str, message: &'static CStr) -> Entry {
 }
 
 /// All reasons, by their numbers.
-pub const CATALOGUE: [Entry; 43] = [
+pub const CATALOGUE: [Entry; 44] = [
     entry(8, "no_step", c"the file does not say a step and an order"),
     entry(20, "too_short", c"not a whole model file"),
     entry(21, "not_a_model", c"not a leastaction model file (it does not begin with LACT)"),
@@ -49,6 +49,7 @@ pub const CATALOGUE: [Entry; 43] = [
     entry(43, "tree_coordinates", c"the tree has not the coordinates that the program was built for"),
     entry(44, "law", c"a law of force that the program was not built for"),
     entry(45, "order", c"the model was trained with steps of another order"),
+    entry(46, "friction", c"a number of dry friction is out of range"),
     entry(49, "other_tree_error", c"the tree was refused"),
     entry(50, "graph_empty", c"a graph without nodes"),
     entry(51, "graph_too_many_nodes", c"more nodes than an edge can name"),
@@ -118,6 +119,10 @@ impl ModelError {
             Self::MissingSection { what } => Coded::bare(38).about(what),
             Self::Law { number } => Coded::new(44, [number.into(), 0, 0]),
             Self::Order { found, compiled } => Coded::new(45, [found.into(), compiled.into(), 0]),
+            Self::Friction { number, group, value } => {
+                let numbers = [group.into(), number as usize, value.to_bits() as usize];
+                Coded::new(46, numbers).about(number.name().0)
+            }
             Self::Tree(error) => error.coded(),
             Self::Graph(error) => error.coded(),
         }

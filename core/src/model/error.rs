@@ -1,4 +1,4 @@
-use super::Law;
+use super::{FrictionNumber, Law};
 use crate::energy::SizeError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
@@ -105,6 +105,15 @@ pub enum ModelError {
         /// Its number in the file.
         number: u8,
     },
+    /// A number of dry friction is out of range.
+    Friction {
+        /// Which number of its group.
+        number: FrictionNumber,
+        /// The coordinate of a rigid model, the element type of a modular one; from 0.
+        group: u16,
+        /// The number.
+        value: f32,
+    },
     /// The file does not say a step and an order: the model was not trained for one.
     NoStep,
     /// The model was trained with an integrator of another order.
@@ -186,6 +195,10 @@ impl fmt::Display for ModelError {
                 }
                 None => write!(f, "law of force {number} is not known to this build"),
             },
+            Self::Friction { number, group, value } => {
+                let (name, range) = number.name();
+                write!(f, "{name} of the dry friction of group {group} is {value}: it must be {range}")
+            }
             Self::NoStep => write!(f, "the file does not say a step: the model was not trained for one"),
             Self::Order { found, compiled } => {
                 write!(

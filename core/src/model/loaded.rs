@@ -1,9 +1,10 @@
 //! Models ready for the solvers: a family's system over the weights of a file, with what else the file says.
 
 use super::laws::load_forces;
+use super::parse::parse_knowing;
 use super::{
-    ActuatorBytes, GraphHeader, GraphSystem, LawNumbers, Laws, LoadForces, ModelError, ModularHeader,
-    ParsedAs, RigidHeader, Sections, ShapeHeader, TrainedStep, TrainingRange, TreeHeader, parse_as,
+    ActuatorBytes, GraphHeader, GraphSystem, Law, LawNumbers, Laws, LoadForces, ModelError, ModularHeader,
+    ParsedAs, RigidHeader, Sections, ShapeHeader, TrainedStep, TrainingRange, TreeHeader,
 };
 use crate::constraints::Holonomic;
 use crate::discrete::rattle::Rattle;
@@ -59,9 +60,10 @@ impl<'a, M> Model<'a, M> {
     /// The one way to load: the file, then the system that a family makes of it, and whether that is the first of the file.
     fn read<H: ShapeHeader<'a>, W: FileWeightFormat>(
         bytes: &'a [u8],
+        knows: impl Fn(Law) -> bool,
         system: impl FnOnce(&ParsedAs<'a, H, W>) -> Result<(M, bool), ModelError>,
     ) -> Result<Self, ModelError> {
-        let parsed = parse_as::<H, W>(bytes)?;
+        let parsed = parse_knowing::<H, W>(bytes, knows)?;
         let (system, covered) = system(&parsed)?;
         let ParsedAs { trained_step, sections, .. } = parsed;
         Ok(Self { system, trained_step, sections, covered })
@@ -117,7 +119,7 @@ impl<'a, const N: usize, const H: usize, const L: usize, W: FileWeightFormat, F:
     /// # Errors
     /// See [`ModelError`].
     pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
-        Self::read(bytes, |parsed: &ParsedAs<RigidHeader, W>| {
+        Self::read(bytes, F::knows, |parsed: &ParsedAs<RigidHeader, W>| {
             Ok((parsed.shape.system(parsed.laws, parsed.weights)?, true))
         })
     }
@@ -138,7 +140,7 @@ impl<
     /// # Errors
     /// See [`ModelError`].
     pub fn load(bytes: &'a [u8], name: &str) -> Result<Self, ModelError> {
-        Self::read(bytes, |parsed: &ParsedAs<ModularHeader, W>| {
+        Self::read(bytes, F::knows, |parsed: &ParsedAs<ModularHeader, W>| {
             let tree = parsed.shape.tree(name)?;
             let first = parsed.shape.trees().next().is_some_and(|first| first.name == name);
             Ok((parsed.shape.system(tree, parsed.laws, parsed.weights)?, first))
@@ -161,15 +163,19 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: File
         edges: &'a mut [Edge],
         rods: &'a mut [Holonomic<f32, D>],
     ) -> Result<Self, ModelError> {
-        Self::read(bytes, |parsed: &ParsedAs<GraphHeader, W>| {
-            let header = parsed.shape;
-            // Graphs have their drag in their node types, and no other law yet.
-            LawNumbers::new(parsed.laws, parsed.weights, 0).finish()?;
-            let layout = header.layout(name)?;
-            let first = header.graphs().next().is_some_and(|first| first.name == name);
-            let graph = header.graph(layout, parsed.weights, edges)?;
-            Ok((GraphSystem { graph, rods: layout.constraints(rods)? }, first))
-        })
+        Self::read(
+            bytes,
+            |_| false,
+            |parsed: &ParsedAs<GraphHeader, W>| {
+                let header = parsed.shape;
+                // Graphs have their drag in their node types, and no other law yet.
+                LawNumbers::new(parsed.laws, parsed.weights, 0).finish()?;
+                let layout = header.layout(name)?;
+                let first = header.graphs().next().is_some_and(|first| first.name == name);
+                let graph = header.graph(layout, parsed.weights, edges)?;
+                Ok((GraphSystem { graph, rods: layout.constraints(rods)? }, first))
+            },
+        )
     }
 
     /// RATTLE with the step and the order that the model was trained with.

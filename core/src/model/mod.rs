@@ -25,7 +25,7 @@ pub use catalogue::{CATALOGUE, Coded, Entry, entry_of};
 pub use error::ModelError;
 pub use graph::{GraphHeader, GraphLayout, GraphSystem, MAX_GRAPHS, ORIGIN, Rod};
 pub use header::{FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader, TreeHeader};
-pub use laws::{Law, LawNumbers, Laws, LoadForces};
+pub use laws::{FrictionNumber, Law, LawNumbers, Laws, LoadForces};
 pub use loaded::{GraphModel, Model, ModularModel, RigidModel};
 pub use parse::{Parsed, ParsedAs, ShapeHeader, parse, parse_as};
 pub use range::{CoordinateRange, Interval, Outside, TrainingRange};

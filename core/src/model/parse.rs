@@ -3,7 +3,7 @@
 
 use super::header::sum;
 use super::{
-    ActuatorBytes, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Laws, MAGIC, MAX_PADDING,
+    ActuatorBytes, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Law, Laws, MAGIC, MAX_PADDING,
     ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections, TrainedStep, TrainingRange,
     checksum,
 };
@@ -137,8 +137,8 @@ fn either<'a, H: ShapeHeader<'a>>(
     begun: Begun<'a>,
     family: impl Fn(H) -> Family<'a>,
 ) -> Result<Parsed<'a>, ModelError> {
-    match finish::<H, f32>(&begun) {
-        Err(ModelError::Precision { .. }) => finish::<H, f16>(&begun)?.whole(family),
+    match finish::<H, f32>(&begun, |_| true) {
+        Err(ModelError::Precision { .. }) => finish::<H, f16>(&begun, |_| true)?.whole(family),
         single => single?.whole(family),
     }
 }
@@ -151,9 +151,18 @@ fn either<'a, H: ShapeHeader<'a>>(
 pub fn parse_as<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     bytes: &'a [u8],
 ) -> Result<ParsedAs<'a, H, W>, ModelError> {
+    parse_knowing(bytes, |_| true)
+}
+
+/// [`parse_as`] for a program that knows some laws, and refuses a file with others.
+#[inline(always)]
+pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
+    bytes: &'a [u8],
+    knows: impl Fn(Law) -> bool,
+) -> Result<ParsedAs<'a, H, W>, ModelError> {
     let begun = begin(bytes)?;
     if begun.family == H::FAMILY.0 {
-        return finish(&begun);
+        return finish(&begun, knows);
     }
     let names = [RigidHeader::FAMILY, ModularHeader::FAMILY, GraphHeader::FAMILY];
     let found = names.iter().find(|(number, _)| *number == begun.family).ok_or(ModelError::Malformed)?;
@@ -174,19 +183,20 @@ fn take<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<(T, &'a [u8]), ModelE
 
 fn finish<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     begun: &Begun<'a>,
+    knows: impl Fn(Law) -> bool,
 ) -> Result<ParsedAs<'a, H, W>, ModelError> {
     let Begun { sections, shape, .. } = *begun;
     let (shape, rest) = take::<H>(shape)?;
     if !rest.is_empty() {
         return Err(ModelError::TrailingBytes { bytes: rest.len() });
     }
-    let laws = Laws::new(sections.get(Section::Forces).unwrap_or(&[]))?;
+    let laws = Laws::known(sections.get(Section::Forces).unwrap_or(&[]), &knows)?;
     let (energies, groups) = (shape.parameters()?, shape.groups());
-    let needed = sum(energies, laws.parameters(groups))?;
+    let needed = sum(energies, laws.parameters_knowing(groups, &knows))?;
     let weights: &[W] = numbers(unpadded(sections.required(Section::Weights)?)?, needed)?;
     let (of_energies, of_laws) = expected(weights.split_at_checked(energies), (weights, &[]));
     shape.validate(of_energies)?;
-    laws.validate(groups, of_laws)?;
+    laws.validate(groups, of_laws, knows)?;
     let trained_step = sections.get(Section::Step).map(TrainedStep::from_bytes).transpose()?;
     Ok(ParsedAs { shape, laws, trained_step, weights, sections })
 }

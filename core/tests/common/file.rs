@@ -73,6 +73,16 @@ pub fn weights(header: &RigidHeader) -> Vec<f32> {
     [exact(header.parameters().unwrap()), vec![0.125; header.n()]].concat()
 }
 
+/// c, c_load, τ_s and ε of both coordinates.
+pub const FRICTION: [[f32; 4]; 2] = [[0.5, 0.25, 0.75, 0.0625], [0.015625, 0.0, 1.0, 0.125]];
+
+/// The cart-pole of the golden file with dry friction of these numbers.
+pub fn with_friction(friction: &[f32]) -> Vec<u8> {
+    write(FRICTION_HEADER, &[&weights(&CARTPOLE), friction].concat())
+}
+
+pub const FRICTION_HEADER: Header<'static> = Header { laws: Laws::FRICTION, ..HEADER };
+
 /// Multiples of 1/64 in ±1.
 fn exact(count: usize) -> Vec<f32> {
     let mut random = super::Random(2022);

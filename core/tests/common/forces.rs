@@ -1,6 +1,6 @@
 //! Laws of force that see positions, velocities and the load, and an actuator.
 
-use leastaction_core::forces::{Actuator, Forces, Viscous};
+use leastaction_core::forces::{Actuator, Coulomb, DryFriction, Forces, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::scalar::Scalar;
 
@@ -98,6 +98,26 @@ pub type All<S, const N: usize> = (Viscous<S, N>, (LoadFriction<N>, Coupling));
 pub fn all<S: Scalar, const N: usize>() -> All<S, N> {
     let coefficients = core::array::from_fn(|i| S::constant(0.1 + 0.25 * i as f64));
     (Viscous { coefficients }, (LoadFriction::some(), Coupling(0.03)))
+}
+
+pub type Dry<S, const N: usize> = (Viscous<S, N>, Coulomb<S, N>);
+
+/// Dry friction of up to eight coordinates, no two numbers the same.
+pub fn coulomb<S: Scalar, const N: usize>() -> Coulomb<S, N> {
+    let number = |start: f64, i: usize, step: f64| S::constant(start + step * i as f64);
+    Coulomb {
+        coordinates: core::array::from_fn(|i| DryFriction {
+            constant: number(0.3, i, 0.17),
+            load: number(0.25, i, 0.09),
+            smoothing: number(0.6, i, -0.06),
+            width: number(0.45, i, 0.11),
+        }),
+    }
+}
+
+/// Viscous damping and dry friction.
+pub fn dry<S: Scalar, const N: usize>() -> Dry<S, N> {
+    (all().0, coulomb())
 }
 
 /// One that scales, shifts and turns round; its delay in steps.

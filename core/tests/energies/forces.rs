@@ -1,8 +1,8 @@
 //! Forces Q(q, v, τ): derivatives, sums, dissipation, inverse dynamics.
 
 use crate::common::dual::{Dual, unit};
-use crate::common::forces::{LoadFriction, all};
-use crate::common::{Random, assert_matrices_close, assert_vectors_close, shapes};
+use crate::common::forces::{LoadFriction, all, coulomb, dry};
+use crate::common::{Random, assert_matrices_close, assert_vectors_close, graphs, shapes, trees};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
 use leastaction_core::discrete::StepError;
 use leastaction_core::energy::trigonometric::CARTPOLE;
@@ -56,6 +56,8 @@ fn derivatives_are_those_of_dual_numbers() {
         check_derivatives("friction", law.1.0, &dual.1.0, seed);
         check_derivatives::<_, _, N>("coupling", law.1.1, &dual.1.1, seed);
         check_derivatives("all", law, &dual, seed);
+        check_derivatives("dry friction", coulomb::<f64, N>(), &coulomb::<Dual, N>(), seed);
+        check_derivatives("damping and dry friction", dry::<f64, N>(), &dry::<Dual, N>(), seed);
         let reference = &law;
         check_derivatives("a reference", reference, &dual, seed);
     }
@@ -117,8 +119,19 @@ fn damping_and_friction_only_dissipate() {
 
 /// M a − L_q + L_vq v = τ + Q(q, v, τ).
 fn check_inverse<L: Lagrangian<f64, N>, const N: usize>(lagrangian: L) {
+    check_inverse_under(&lagrangian, all());
+    check_inverse_under_dry_friction(&lagrangian);
+}
+
+fn check_inverse_under_dry_friction<L: Lagrangian<f64, N>, const N: usize>(lagrangian: &L) {
+    let (viscous, coulomb) = dry();
+    check_inverse_under(lagrangian, (viscous, coulomb));
+    check_inverse_under(lagrangian, (coulomb, viscous));
+}
+
+fn check_inverse_under<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(lagrangian: &L, forces: F) {
     let mut random = Random(12);
-    let system = System { lagrangian, forces: all() };
+    let system = System { lagrangian, forces };
     for _ in 0..20 {
         let (q, v, tau) = (random.array(2.0), random.array(2.0), random.array(5.0));
         let a = acceleration(&system, &q, &v, &tau).unwrap();
@@ -126,13 +139,20 @@ fn check_inverse<L: Lagrangian<f64, N>, const N: usize>(lagrangian: L) {
         let force = system.forces.force(&q, &v, &tau);
         let left: [f64; N] = core::array::from_fn(|i| dot(&d.mass[i], &a) - d.l_q[i] + d.l_vq_v[i]);
         assert_vectors_close("the equation", &left, &core::array::from_fn(|i| tau[i] + force[i]), 1e-12);
-        assert_vectors_close("τ", &inverse_dynamics(&system, &q, &v, &a).unwrap(), &tau, 1e-12);
+        // Of the terms that cancel.
+        let sizes = d.mass.map(|row| row.iter().zip(&a).map(|(m, a)| (m * a).abs()).sum::<f64>());
+        let size = sizes.into_iter().fold(1.0, f64::max);
+        assert_vectors_close("τ", &inverse_dynamics(&system, &q, &v, &a).unwrap(), &tau, 1e-12 * size);
     }
 }
 
 #[test]
 fn inverse_dynamics_inverts_acceleration_also_where_friction_sees_the_load() {
     shapes::for_each_model!(check_inverse);
+    for tree in trees::of_three() {
+        check_inverse_under_dry_friction(&tree.in_f64());
+    }
+    check_inverse_under_dry_friction(&graphs::FixedModel::<2, 8>(graphs::flat()).in_f64());
 }
 
 /// A law that cancels the control: no force has any effect.

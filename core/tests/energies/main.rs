@@ -5,6 +5,7 @@ mod common;
 
 mod constraints;
 mod continuous;
+mod coulomb;
 mod forces;
 mod graph;
 mod graph_union;

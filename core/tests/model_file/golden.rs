@@ -61,6 +61,11 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
         (5, "inertia 1: Cholesky, epsilon 1e-3"),
     ];
     before.extend(DAMPED);
+    let [start, end] = file::place(bytes, Section::Forces);
+    let dry = end - start > 1;
+    if dry {
+        before.push((1, "law 1: coulomb"));
+    }
     if file::place(bytes, Section::Step)[0] != before.iter().map(|(length, _)| length).sum::<usize>() + 10 {
         before.extend([
             (1, "section 3: actuator"),
@@ -70,12 +75,18 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
             (8, "of the angle: gain, offset"),
         ]);
     }
-    let weights = vec![
+    let mut weights = vec![
         (each * 28, "layer 3 to 7: panel of 4, panels of 1, biases"),
         (each * 40, "layer 7 to 5: panel of 4, panel of 1, biases"),
         (each * 24, "layer 5 to 4: panel of 4, biases"),
         (each * 2, "viscous: c of each coordinate"),
     ];
+    if dry {
+        weights.extend([
+            (each * 4, "coulomb, of x: c, c_load, tau_s, epsilon"),
+            (each * 4, "coulomb, of the angle: the same"),
+        ]);
+    }
     Parts { before, weights }.text(bytes)
 }
 
@@ -174,6 +185,12 @@ fn the_rigid_file_is_unchanged() {
 fn the_rigid_file_in_half_precision_is_unchanged() {
     let file = file::write_half(file::HEADER, &file::weights(&CARTPOLE));
     file::assert_golden("cartpole-f16.hex", &file, &cartpole_text(&file, 2));
+}
+
+#[test]
+fn the_file_with_dry_friction_is_unchanged() {
+    let file = file::with_friction(file::FRICTION.as_flattened());
+    file::assert_golden("cartpole-friction.hex", &file, &cartpole_text(&file, 4));
 }
 
 #[test]

@@ -1,15 +1,19 @@
 //! What sections of a model file say: laws of force, the step, the actuator.
 
-use crate::common::file::{self, Aligned, CARTPOLE, HEADER, golden_whole, web, web_header};
+use crate::common::file::{
+    self, Aligned, CARTPOLE, FRICTION, FRICTION_HEADER, HEADER, arm, arm_header, golden_whole, web,
+    web_header,
+};
+use crate::common::forces::Dry;
 use crate::common::sections::{Cartpole, out_of_range, refusal, with_content};
 use leastaction_core::discrete::{Galerkin, Midpoint, Order};
-use leastaction_core::forces::{Actuator, ControlKind, Forces, Viscous};
+use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{
-    ActuatorBytes, GraphModel, Header, LawNumbers, LoadForces, ModelError, RigidModel, Section, TrainedStep,
-    parse,
+    ActuatorBytes, FrictionNumber, GraphModel, Header, Law, LawNumbers, Laws, LoadForces, ModelError,
+    ModularModel, RigidModel, Section, TrainedStep, parse,
 };
-use leastaction_core::scalar::{Scalar, WeightFormat};
+use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 
 type CartpoleUnder<'a, F> = RigidModel<'a, 2, 8, 2, f32, F>;
 
@@ -34,6 +38,10 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Frictionless {
 }
 
 impl<S: Scalar, const N: usize> LoadForces<S, N> for Frictionless {
+    fn knows(_: Law) -> bool {
+        false
+    }
+
     fn take<W: WeightFormat<Wide = S::Weight>>(_: &mut LawNumbers<'_, '_, W>, _: &[u8; N]) -> Self {
         Self
     }
@@ -43,7 +51,7 @@ impl<S: Scalar, const N: usize> LoadForces<S, N> for Frictionless {
 fn laws_are_known_rising_and_compiled() {
     let file = file::golden();
     let with = |laws: &[u8]| with_content(&file, Section::Forces, laws);
-    for number in [1, 7, 255] {
+    for number in [2, 7, 255] {
         assert_eq!(refusal(&with(&[number])), ModelError::Law { number });
         assert_eq!(refusal(&with(&[0, number])), ModelError::Law { number });
     }
@@ -63,6 +71,116 @@ fn laws_are_known_rising_and_compiled() {
     let lawless = Aligned::new(&file::write(header, &weights[..weights.len() - 2]));
     assert!(CartpoleUnder::<Frictionless>::load(lawless.bytes()).is_ok());
     assert_eq!(Cartpole::load(lawless.bytes()).unwrap().system.forces, Viscous::none());
+}
+
+/// Of the file with dry friction.
+type DryCartpole<'a> = CartpoleUnder<'a, Dry<f32, 2>>;
+
+#[test]
+fn dry_friction_is_what_was_written() {
+    let whole = Aligned::new(&file::with_friction(FRICTION.as_flattened()));
+    let model = DryCartpole::load(whole.bytes()).unwrap();
+    let (viscous, Coulomb { coordinates }) = model.system.forces;
+    let found = coordinates.map(|of| [of.constant, of.load, of.smoothing, of.width]);
+    assert_eq!((viscous.coefficients, found), ([0.125; 2], FRICTION));
+    assert_eq!(parse(whole.bytes()).unwrap().header, FRICTION_HEADER);
+    // The program has to be compiled for it, and the laws of its pair rise.
+    let refused = ModelError::Law { number: 1 };
+    assert_eq!(Cartpole::load(whole.bytes()).map(|_| ()).unwrap_err(), refused);
+    assert_eq!(
+        CartpoleUnder::<(Coulomb<f32, 2>, Viscous<f32, 2>)>::load(whole.bytes()).map(|_| ()),
+        Err(refused)
+    );
+    assert!(refused.to_string().contains("coulomb"), "{refused}");
+    // A file without it has none.
+    let damped = Aligned::new(&file::golden());
+    assert_eq!(DryCartpole::load(damped.bytes()).unwrap().system.forces.1, Coulomb::none());
+    // Nor damping, where it has only this law.
+    let alone = Header { laws: Laws::COULOMB, ..HEADER };
+    let weights = file::weights(&CARTPOLE);
+    let weights = [&weights[..weights.len() - 2], FRICTION.as_flattened()].concat();
+    let alone = Aligned::new(&file::write(alone, &weights));
+    assert_eq!(
+        DryCartpole::load(alone.bytes()).unwrap().system.forces,
+        (Viscous::none(), model.system.forces.1)
+    );
+}
+
+/// Of the modular family the numbers are those of an element's type.
+#[test]
+fn dry_friction_of_a_tree_is_that_of_its_types() {
+    let friction: Vec<f32> = (1..=12).map(|k| k as f32 / 16.0).collect();
+    let header = Header { laws: Laws::FRICTION, ..arm_header(arm()) };
+    let weights = [file::arm_weights(file::ARM_NUMBERS), friction].concat();
+    let whole = Aligned::new(&file::write(header, &weights));
+    let model = ModularModel::<3, 3, 5, 2, f32, Dry<f32, 3>>::load(whole.bytes(), "arm").unwrap();
+    let numbers = |of: DryFriction<f32>| [of.constant, of.load, of.smoothing, of.width].map(|x| 16.0 * x);
+    let found = model.system.forces.1.coordinates.map(numbers);
+    assert_eq!(found, [[1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0], [9.0, 10.0, 11.0, 12.0]]);
+    let link = ModularModel::<1, 3, 5, 2, f32, Dry<f32, 1>>::load(whole.bytes(), "link").unwrap();
+    assert_eq!(link.system.forces.1.coordinates.map(numbers), [[5.0, 6.0, 7.0, 8.0]]);
+}
+
+#[test]
+fn dry_friction_out_of_range_is_refused_with_its_numbers() {
+    use FrictionNumber::{Constant, Load, Smoothing, Width};
+    let wrong = [
+        (Constant, &[-1.0, -1e-30][..]),
+        (Load, &[-0.5, 1.0, 7.0][..]),
+        (Smoothing, &[0.0, -0.0, -0.1][..]),
+        (Width, &[0.0, -0.0, -0.1][..]),
+    ];
+    for (number, values) in wrong {
+        for (group, value) in (0..2).flat_map(|group| values.iter().map(move |value| (group, *value))) {
+            let mut friction = FRICTION;
+            friction[usize::from(group)][number as usize] = value;
+            let file = file::with_friction(friction.as_flattened());
+            let error = ModelError::Friction { number, group, value };
+            assert_eq!(refusal(&file), error);
+            let file = Aligned::new(&file);
+            assert_eq!(DryCartpole::load(file.bytes()).map(|_| ()), Err(error));
+            let numbers = [group.into(), number as usize, value.to_bits() as usize];
+            assert_eq!((error.coded().code, error.coded().numbers), (46, numbers));
+            let says = format!("the dry friction of group {group} is {value}: it must be");
+            assert!(error.to_string().contains(&says), "{error}");
+            // A program without it refuses it as a law.
+            assert_eq!(Cartpole::load(file.bytes()).map(|_| ()).unwrap_err(), ModelError::Law { number: 1 });
+        }
+    }
+    let first = file::weights(&CARTPOLE).len();
+    for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for index in 0..8 {
+            let mut friction = FRICTION.concat();
+            friction[index] = value;
+            let refused = refusal(&file::with_friction(&friction));
+            assert_eq!(refused, ModelError::NotFinite { index: first + index });
+        }
+    }
+    for length in [0, 1, 4, 7, 9, 12] {
+        let refused = refusal(&file::with_friction(&[0.5; 12][..length]));
+        assert_eq!(refused, ModelError::WeightCount { found: first + length, needed: first + 8 });
+    }
+    let error = ModelError::Friction { number: Load, group: 1, value: 1.5 };
+    assert_eq!(
+        error.to_string(),
+        "c_load of the dry friction of group 1 is 1.5: it must be 0 or more and below 1"
+    );
+}
+
+/// Numbers that half precision rounds out of their range are refused as such.
+#[test]
+fn dry_friction_in_half_precision() {
+    type Half<'a> = RigidModel<'a, 2, 8, 2, f16, Dry<f32, 2>>;
+    let written = |friction: [[f32; 4]; 2]| {
+        let weights = [file::weights(&CARTPOLE), friction.concat()].concat();
+        Aligned::new(&file::write_half(FRICTION_HEADER, &weights))
+    };
+    let file = written(FRICTION);
+    let found = Half::load(file.bytes()).unwrap().system.forces.1.coordinates;
+    assert_eq!(found.map(|of| [of.constant, of.load, of.smoothing, of.width]), FRICTION);
+    let rounded = written([[0.5, 0.9999, 0.75, 0.0625], FRICTION[1]]);
+    let refused = ModelError::Friction { number: FrictionNumber::Load, group: 0, value: 1.0 };
+    assert_eq!(Half::load(rounded.bytes()).map(|_| ()), Err(refused));
 }
 
 /// Graphs have their drag in their node types.

@@ -1,6 +1,6 @@
 //! Orders of accuracy under forces that see the load, and behind an actuator with a delay.
 
-use crate::common::forces::{actuator, all};
+use crate::common::forces::{actuator, all, dry};
 use crate::common::log_log_slope;
 use leastaction_core::continuous::{acceleration, momentum};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
@@ -76,8 +76,8 @@ fn stepped<P: Path, L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(
 }
 
 /// Damping and friction that sees the load, under a control that is linear in time.
-fn check_forced_orders<L: Lagrangian<f64, 2>>(name: &str, lagrangian: L) {
-    let system = System { lagrangian, forces: all() };
+fn check_forced_orders<L: Lagrangian<f64, 2>, F: Forces<f64, 2>>(name: &str, lagrangian: L, forces: F) {
+    let system = System { lagrangian, forces };
     let tau = |t: f64| [4.0 - 9.0 * t, -1.0 + 5.0 * t];
     const FINE: usize = 8_000;
     let fine = (0..FINE).fold(START, |point, k| {
@@ -94,8 +94,13 @@ fn check_forced_orders<L: Lagrangian<f64, 2>>(name: &str, lagrangian: L) {
 
 #[test]
 fn friction_that_sees_the_load_keeps_the_orders() {
-    check_forced_orders("cart-pole", CARTPOLE);
-    check_forced_orders("acrobot", ACROBOT);
+    check_forced_orders("cart-pole", CARTPOLE, all());
+    check_forced_orders("acrobot", ACROBOT, all());
+    // So wide a change of sign that these steps resolve it.
+    let (viscous, mut friction) = dry::<f64, 2>();
+    friction.coordinates.iter_mut().for_each(|friction| friction.width *= 4.0);
+    check_forced_orders("cart-pole, dry", CARTPOLE, (viscous, friction));
+    check_forced_orders("acrobot, dry", ACROBOT, (viscous, friction));
 }
 
 /// The motion under the true signal of an actuator: a step in pieces, before and after the jump or bend.

@@ -15,7 +15,7 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::particles::Particles;
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, newton,
+    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, dry, newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion};
 
@@ -49,6 +49,12 @@ where
 pub fn cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Cartpole::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
+}
+
+/// The same with damping and dry friction.
+pub fn dry_cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
+    let model = load(|| Cartpole::load(black_box(file)))?;
+    free::<_, _, P, 2>(black_box(&dry(&model)), newton())
 }
 
 /// The same with weights in half precision.

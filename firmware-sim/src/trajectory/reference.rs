@@ -2,6 +2,8 @@
 
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::Newton;
+use leastaction_core::energy::rigid::Rigid;
+use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
 use leastaction_core::model::{GraphModel, ModularModel, RigidModel};
 use leastaction_core::scalar::f16;
 
@@ -10,6 +12,9 @@ pub const STEP: f32 = 0.01;
 
 /// A cart-pole: layers 2 → 32 → 32 → 4.
 pub type Cartpole<'a> = RigidModel<'a, 2, 32, 2>;
+
+/// The same with damping, and dry friction that grows with the load.
+pub type DryCartpole<'a> = System<Rigid<'a, f32, 2, 32, 2>, (Viscous<f32, 2>, Coulomb<f32, 2>)>;
 
 /// The same with weights in half precision.
 pub type HalfCartpole<'a> = RigidModel<'a, 2, 32, 2, f16>;
@@ -28,6 +33,13 @@ pub const GRAPH: &str = "three";
 
 /// Bobs of the graph.
 pub const BOBS: usize = 3;
+
+/// The cart-pole with friction of 0.1 N and 0.005 N m, known to the program as its other numbers are to the file.
+pub fn dry<'a>(Cartpole { system, .. }: &Cartpole<'a>) -> DryCartpole<'a> {
+    let friction = |constant| DryFriction { constant, load: 0.2, smoothing: 0.05, width: 0.1 };
+    let friction = Coulomb { coordinates: [friction(0.1), friction(0.005)] };
+    System { lagrangian: system.lagrangian, forces: (Viscous { coefficients: [0.05, 0.002] }, friction) }
+}
 
 /// Newton's method with two updates in every step, for a short and constant running time.
 pub fn newton() -> Newton<f32> {

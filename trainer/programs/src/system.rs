@@ -18,6 +18,7 @@ pub struct System {
     energies: [Node; 2],
     lagrangian: Node,
     force: Node,
+    bends: Option<Node>,
 }
 
 /// L_q + Q and L_v with their derivatives, as outputs of a program: vectors of n rows.
@@ -72,7 +73,8 @@ impl System {
         let energies = model.energies(&mut builder, q, v);
         let lagrangian = builder.difference(energies[0], energies[1]);
         let force = model.force(&mut builder, q, v, tau);
-        Self { builder, n, parameters: model.parameters(), q, v, tau, energies, lagrangian, force }
+        let bends = model.bends(&mut builder);
+        Self { builder, n, parameters: model.parameters(), q, v, tau, energies, lagrangian, force, bends }
     }
 
     /// Number of coordinates n.
@@ -83,6 +85,11 @@ impl System {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> usize {
         self.parameters
+    }
+
+    /// Inputs q, v; output [`Energies::bends`], n rows, where a force does.
+    pub(crate) fn bends(&self) -> Option<Program> {
+        self.bends.map(|bends| Program::new(&self.builder, &[bends], &[]))
     }
 
     /// Inputs q, v; outputs T and V, J, one row each.

@@ -38,7 +38,7 @@ fn fixed(graph: Graph<f32, 2, 6, 8, 2>) {
     let Ok(lagrangian) = Fixed::<_, 2, 6, 8, 2, 4>::new(graph) else { return };
     let at = &black_box([0.1_f32; 4]);
     black_box((lagrangian.force(at, at, at), lagrangian.derivatives(at, at, at)));
-    everything(&System::conservative(lagrangian));
+    everything(&System { lagrangian, forces: lagrangian });
 }
 
 #[unsafe(no_mangle)]

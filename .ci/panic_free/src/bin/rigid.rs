@@ -1,11 +1,12 @@
-//! A learned cart-pole, and one by formulas.
+//! A learned cart-pole, without and with dry friction, and one by formulas.
 #![no_std]
 #![no_main]
 
+use core::hint::black_box;
 use leastaction_core::energy::trigonometric::CARTPOLE;
-use leastaction_core::forces::System;
+use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::model::RigidModel;
-use panic_free::{Flash, everything, halt, said};
+use panic_free::{Flash, Friction, everything, halt, said};
 
 static FLASH: Flash = Flash::new();
 
@@ -15,6 +16,12 @@ extern "C" fn _start() -> ! {
         everything(&model.system);
         said::<_, 2>(&model);
     }
-    everything(&System::conservative(CARTPOLE));
+    if let Ok(model) = RigidModel::<2, 32, 2, f32, Friction<2>>::load(FLASH.bytes()) {
+        everything(&model.system);
+        let (mass, tau) = black_box(([[1.0; 2]; 2], [0.1; 2]));
+        let _ = black_box(model.system.forces.1.stiffness(0.01, mass, &tau));
+        let _ = black_box(model.system.forces.load_derivative(&tau, &tau, &tau));
+    }
+    everything::<_, Viscous<f32, 2>, 2>(&System::conservative(CARTPOLE));
     halt()
 }

@@ -29,6 +29,15 @@ type Weight = f32;
 #[cfg(feature = "half")]
 type Weight = leastaction_core::scalar::f16;
 
+/// The laws of force that the library is built for; a file may have fewer.
+#[cfg(not(any(feature = "friction", feature = "graph")))]
+type Laws = leastaction_core::forces::Viscous<f32, { crate::config::LEASTACTION_COORDINATES }>;
+#[cfg(feature = "friction")]
+type Laws = (
+    leastaction_core::forces::Viscous<f32, { crate::config::LEASTACTION_COORDINATES }>,
+    leastaction_core::forces::Coulomb<f32, { crate::config::LEASTACTION_COORDINATES }>,
+);
+
 /// Bytes of the name of a tree or graph at most, the zero at its end apart.
 #[cfg_attr(feature = "rigid", allow(dead_code, reason = "this family has no names"))]
 const MAX_NAME: usize = 64;

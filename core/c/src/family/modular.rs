@@ -1,11 +1,11 @@
-use super::Weight;
+use super::{Laws, Weight};
 use crate::config::{
     LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L, LEASTACTION_TYPES as E,
 };
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
 use leastaction_core::energy::modular::Modular;
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::forces::System;
 use leastaction_core::model::ModularModel;
 
 pub(crate) const FAMILY: &CStr = c"modular";
@@ -20,9 +20,9 @@ impl Lists {
 }
 
 /// A tree of elements.
-pub(crate) type Mechanism = ModularModel<'static, N, E, H, L, Weight>;
+pub(crate) type Mechanism = ModularModel<'static, N, E, H, L, Weight, Laws>;
 
-type Parts<'a> = System<&'a Modular<'static, Weight, N, E, H, L>, &'a Viscous<f32, N>>;
+type Parts<'a> = System<&'a Modular<'static, Weight, N, E, H, L>, &'a Laws>;
 
 /// # Safety
 /// `name` is NULL, or bytes up to a zero.

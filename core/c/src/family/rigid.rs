@@ -1,9 +1,9 @@
-use super::Weight;
+use super::{Laws, Weight};
 use crate::config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
 use leastaction_core::energy::rigid::Rigid;
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::forces::System;
 use leastaction_core::model::RigidModel;
 
 pub(crate) const FAMILY: &CStr = c"rigid";
@@ -18,9 +18,9 @@ impl Lists {
 }
 
 /// A rigid mechanism.
-pub(crate) type Mechanism = RigidModel<'static, N, H, L, Weight>;
+pub(crate) type Mechanism = RigidModel<'static, N, H, L, Weight, Laws>;
 
-type Parts<'a> = System<&'a Rigid<'static, Weight, N, H, L>, &'a Viscous<f32, N>>;
+type Parts<'a> = System<&'a Rigid<'static, Weight, N, H, L>, &'a Laws>;
 
 /// # Safety
 /// None: a rigid model has no name to read.

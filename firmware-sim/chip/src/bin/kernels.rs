@@ -5,6 +5,7 @@
 use core::hint::black_box;
 use leastaction_chip::instructions::mean;
 use leastaction_chip::{image, print};
+use leastaction_core::forces::{Coulomb, DryFriction, Forces, Viscous};
 use leastaction_core::network::{Activation, Dense, Jet};
 use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use leastaction_fpu as fpu;
@@ -47,6 +48,26 @@ fn activation(name: &[u8], activation: Activation) {
 fn scalar(name: &[u8], mut f: impl FnMut(f32) -> f32) {
     let x = black_box(0.7_f32);
     print::number(name, mean(CALLS, || _ = black_box(f(black_box(x)))));
+}
+
+/// Prints the instructions of a law of force, its value, divided by its N coordinates.
+#[inline(always)]
+fn law<F: Forces<f32, N>, const N: usize>(name: &[u8], law: &F) {
+    let at = [core::array::from_fn(|i| 0.3 - 0.1 * i as f32); 3];
+    let count = mean(CALLS, || {
+        let [q, v, tau] = black_box(&at);
+        black_box(black_box(law).force(q, v, tau));
+    });
+    print::number(name, count / N as u32);
+}
+
+/// Laws of force of six coordinates: none, damping, and damping with dry friction that grows with the load.
+fn laws() {
+    const N: usize = 6;
+    let viscous = Viscous { coefficients: [0.1; N] };
+    let friction = DryFriction { constant: 0.5, load: 0.2, smoothing: 0.1, width: 0.05 };
+    law::<_, N>(b"viscous", &viscous);
+    law::<_, N>(b"viscous_and_dry", &(viscous, Coulomb { coordinates: [friction; N] }));
 }
 
 /// Prints the instructions of our elementary functions, and of micromath's.
@@ -156,6 +177,7 @@ fn run() -> Result<(), &'static [u8]> {
     activation(b"squareplus", Activation::Squareplus);
     activation(b"isru", Activation::Isru);
     elementary();
+    laws();
     Ok(())
 }
 

@@ -10,7 +10,7 @@ pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, TYPE_NUMBER
 pub use rigid::{HostSystem, RigidArchitecture, largest_factor};
 
 use leastaction_core::energy::NetworkShape;
-use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
+use leastaction_core::model::{Family as FamilyHeader, Header, Law, Laws, ModelError};
 use leastaction_core::network::Dense;
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, GraphEnergies, ModularEnergies};
@@ -69,8 +69,11 @@ impl Architecture {
     /// The shape that a model file has; of several trees the first.
     ///
     /// # Errors
-    /// [`ModelError::OtherFamily`] for a family that this program does not know.
+    /// [`ModelError::OtherFamily`] for a family that this program does not know, [`ModelError::Law`] for a law of force.
     pub fn from_header(header: &FamilyHeader, laws: Laws, weights: &[f64]) -> Result<Self, ModelError> {
+        if let Some(law) = laws.iter().find(|law| *law != Law::Viscous) {
+            return Err(ModelError::Law { number: law as u8 });
+        }
         match header {
             FamilyHeader::Rigid(rigid) => Ok(RigidArchitecture::from_header(rigid, laws).into()),
             FamilyHeader::Modular(modular) => Ok(ModularArchitecture::from_header(modular, weights).into()),

@@ -32,6 +32,18 @@ proptest! {
     }
 }
 
+/// A law that this program cannot evaluate is not left out in silence.
+#[test]
+fn a_law_that_is_not_known_here_is_refused() {
+    let (architecture, weights, _) = example("");
+    let numbers = [&weights[..], &[0.5, 0.1, 0.2, 0.1, 0.01, 0.0, 1.0, 0.1]].concat();
+    let block = rounded(&numbers, Precision::Single).unwrap();
+    let laws = leastaction_core::model::Laws::FRICTION;
+    let written =
+        architecture.with_header(|family| assemble(&Header { laws, ..Header::new(family) }, &block)).unwrap();
+    assert_eq!(decode(&written).map(|_| ()), Err(ModelError::Law { number: 1 }));
+}
+
 #[test]
 fn the_chip_loads_it_in_place() {
     let (_, _, bytes) = example("somewhere");

@@ -81,6 +81,31 @@ impl Interval {
         Self { q0: q0.to_vec(), w: w.to_vec(), s, tau: tau.map(<[Row]>::to_vec) }
     }
 
+    /// The part of what is taken from w and s of a sample after which Newton's method looks again: up to rest where a velocity at a Gauss
+    /// point changes its sign from beyond where forces bend.
+    pub(crate) fn trusted_part(
+        &self,
+        order: Order,
+        bends: &[Row],
+        [of_w, of_s]: [&[f64]; 2],
+        sample: usize,
+    ) -> f64 {
+        let rate = |point: &GaussPoint| point.bubble(1.0).momentum;
+        let mut least = 1.0_f64;
+        for rate in order.points().iter().map(rate) {
+            for (i, bend) in bends.iter().enumerate() {
+                let change = |x: &[f64]| x.get(i).copied().unwrap_or_default();
+                let v = self.w[i].0[sample] + rate * self.s[i].0[sample];
+                let taken = change(of_w) + rate * change(of_s);
+                let turns = (v > 0.0) != (v - taken > 0.0);
+                if turns && v.abs() > bend.0[sample] {
+                    least = least.min((v / taken).abs());
+                }
+            }
+        }
+        least
+    }
+
     /// Position, velocity and τ at a Gauss point.
     pub(crate) fn at(&self, point: &GaussPoint, h: f64) -> [Vec<Row>; 3] {
         let bubble = point.bubble(h);
@@ -157,6 +182,7 @@ pub(crate) struct Integrals {
     n: usize,
     first: (Program, Workspace),
     second: (Program, Workspace),
+    bends: Option<(Program, Workspace)>,
     at: DerivativeOutputs,
 }
 
@@ -164,7 +190,16 @@ impl Integrals {
     pub fn new(system: &System, h: f64, order: Order) -> Self {
         let (second, at) = system.derivatives();
         let first = system.force_and_momentum().with_workspace();
-        Self { h, order, n: system.n(), first, second: second.with_workspace(), at }
+        let bends = system.bends().map(Program::with_workspace);
+        Self { h, order, n: system.n(), first, second: second.with_workspace(), bends, at }
+    }
+
+    /// How far from rest forces bend ([`Energies::bends`](crate::energies::Energies::bends)), n rows.
+    pub fn bends(&mut self, weights: &[f64]) -> Option<Vec<Row>> {
+        let (program, workspace) = self.bends.as_mut()?;
+        let nothing = vec![Row::default(); self.n];
+        program.run(weights, &[&nothing, &nothing], workspace, &mut []);
+        Some(workspace.output(0).to_vec())
     }
 
     /// The balance from first derivatives alone.

@@ -119,6 +119,7 @@ impl Newton {
         equations.measure(&linearised.balance, &linearised.scale, self, &mut progress, true);
         let mut balance = linearised.balance.clone();
         let mut singular = equations.factor(&linearised, factors);
+        let bends = equations.integrals.bends(equations.weights);
         for _ in 0..self.max_iterations {
             progress.failed =
                 progress.failed.or(Failures(std::array::from_fn(|k| singular.0[k] && !progress.done[k])));
@@ -127,7 +128,7 @@ impl Newton {
                 break;
             }
             let before = progress.residual;
-            update(equations, &balance, interval, factors, &progress.done);
+            update(equations, &balance, interval, (factors, bends.as_deref()), &progress.done);
             balance = equations.integrals.balance(equations.weights, interval);
             equations.measure(&balance, &linearised.scale, self, &mut progress, false);
             let slow = (0..WIDTH).any(|k| !progress.done[k] && progress.residual[k] > SLOW * before[k]);
@@ -143,19 +144,20 @@ impl Newton {
     }
 }
 
-/// Moves w and s of the samples that are not done.
+/// Moves w and s of the samples that are not done, as far as forces that bend let the matrix be trusted.
 fn update(
     equations: &Equations,
     balance: &Balance,
     interval: &mut Interval,
-    factors: &mut Factors,
+    (factors, bends): (&mut Factors, Option<&[Row]>),
     done: &[bool; WIDTH],
 ) {
-    let n = interval.q0.len();
+    let (n, order) = (interval.q0.len(), equations.integrals.order);
     for (sample, lu) in factors.iter_mut().enumerate().filter(|(sample, _)| !done[*sample]) {
         let change = lu.solve(|i| equations.left(balance, i, sample));
         let (of_w, of_s) = if equations.p0.is_some() { change.split_at(n) } else { (&[][..], change) };
-        interval.w.iter_mut().zip(of_w).for_each(|(w, change)| w.0[sample] -= change);
-        interval.s.iter_mut().zip(of_s).for_each(|(s, change)| s.0[sample] -= change);
+        let part = bends.map_or(1.0, |bends| interval.trusted_part(order, bends, [of_w, of_s], sample));
+        interval.w.iter_mut().zip(of_w).for_each(|(w, change)| w.0[sample] -= part * change);
+        interval.s.iter_mut().zip(of_s).for_each(|(s, change)| s.0[sample] -= part * change);
     }
 }

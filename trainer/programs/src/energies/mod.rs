@@ -1,10 +1,12 @@
 //! The families of [`leastaction_core::energy`], their Lagrangians written down for any size.
 
+mod friction;
 mod graph;
 mod modular;
 mod network;
 mod rigid;
 
+pub use friction::{Friction, FrictionNumber, MOST_LOAD, WIDTHS, WithFriction};
 pub use graph::GraphEnergies;
 pub use modular::ModularEnergies;
 pub use network::Network;
@@ -24,5 +26,10 @@ pub trait Energies {
     fn force(&self, builder: &mut Builder, _: Node, v: Node, _: Node) -> Node {
         let n = builder.length(v);
         builder.zeros(n)
+    }
+    /// How far from rest a force like friction bends, of each coordinate, m/s or rad/s: Newton's method looks again where a velocity
+    /// changes its sign from further away ([`leastaction_core::forces::Forces::trusted_part`]). `None` where no force does.
+    fn bends(&self, _: &mut Builder) -> Option<Node> {
+        None
     }
 }

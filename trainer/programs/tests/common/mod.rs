@@ -39,11 +39,11 @@ impl<const N: usize> Numbers<N> {
         Self { weights, vectors }
     }
 
-    fn of(&self, vector: usize, sample: usize) -> [f64; N] {
+    pub fn of(&self, vector: usize, sample: usize) -> [f64; N] {
         std::array::from_fn(|i| self.vectors[vector][i].0[sample])
     }
 
-    fn run(&self, program: &Program, inputs: &[usize]) -> (Workspace, Vec<Vec<Row>>) {
+    pub fn run(&self, program: &Program, inputs: &[usize]) -> (Workspace, Vec<Vec<Row>>) {
         let inputs: Vec<&[Row]> = inputs.iter().map(|i| &self.vectors[*i][..]).collect();
         let mut rows = vec![vec![Row::default(); self.weights.len()]; program.rows()];
         let mut workspace = program.workspace();
@@ -115,7 +115,7 @@ pub fn check<L, F, const N: usize>(
     check_gradients(&system, core, numbers, size);
 }
 
-fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
+pub fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     system: &System,
     forces::System { lagrangian: core, forces }: &forces::System<L, F>,
     numbers: &Numbers<N>,

@@ -21,6 +21,12 @@ type Weight = f32;
 #[cfg(feature = "half")]
 type Weight = leastaction_core::scalar::f16;
 
+/// The laws of force that the program is built for.
+#[cfg(not(any(feature = "friction", feature = "graph")))]
+type Laws = leastaction_core::forces::Viscous<f32, N>;
+#[cfg(feature = "friction")]
+type Laws = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
+
 type Vector = [f32; N];
 
 const STEPS: usize = 200;
@@ -117,7 +123,7 @@ fn trace(mechanism: &impl Mechanism, trained_step: Option<TrainedStep>, q: &Vect
 
 #[cfg(not(any(feature = "modular", feature = "graph")))]
 fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
-    let model = leastaction_core::model::RigidModel::<N, H, L, Weight>::load(file).map_err(words)?;
+    let model = leastaction_core::model::RigidModel::<N, H, L, Weight, Laws>::load(file).map_err(words)?;
     trace(&model.system, model.trained_step, q)
 }
 
@@ -125,7 +131,7 @@ fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
 fn trace_file(file: &[u8], name: &str, q: &Vector) -> Result<u64, String> {
     use config::LEASTACTION_TYPES as K;
     let model =
-        leastaction_core::model::ModularModel::<N, K, H, L, Weight>::load(file, name).map_err(words)?;
+        leastaction_core::model::ModularModel::<N, K, H, L, Weight, Laws>::load(file, name).map_err(words)?;
     trace(&model.system, model.trained_step, q)
 }
 

@@ -1,0 +1,162 @@
+use super::{Forces, smaller};
+use crate::linear::{Matrix, SolveError, solve_many};
+use crate::scalar::{Real, Scalar};
+
+/// Dry friction of every coordinate, with a smooth sign and growing with the load:
+/// Q_i = −(c_i + c_load,i (√(τ_i² + τ_s,i²) − τ_s,i)) tanh(v_i/ε_i), N or N m.
+///
+/// It only dissipates, v·Q ≤ 0. It does not stick: below ε a coordinate under a constant force creeps. True stiction is a
+/// set-valued law, out of reach of a smooth solver.
+///
+/// A step of order 2 sees the friction at the mean velocity, and so turns v into v(1 − a)/(1 + a) near v = 0, with
+/// a = h c (M⁻¹)_ii/(2ε): beyond a = 1 the velocity (not the increment) changes its sign at every step, and it dies out
+/// more slowly the larger a is. [`Coulomb::stiffness`] is a; keep it at most 1 (3 at order 4) by a shorter step or a larger
+/// width. Energy is lost whatever a is: see [`crate::discrete`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coulomb<S, const N: usize> {
+    /// The friction of each coordinate.
+    pub coordinates: [DryFriction<S>; N],
+}
+
+/// Dry friction of one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DryFriction<S> {
+    /// c ≥ 0, the friction at no load, N or N m.
+    pub constant: S,
+    /// 0 ≤ c_load < 1, by how much friction grows with the load.
+    pub load: S,
+    /// τ_s > 0, the load below which it hardly grows, N or N m.
+    pub smoothing: S,
+    /// ε > 0, the width of the change of sign, m/s or rad/s.
+    pub width: S,
+}
+
+impl<S: Scalar> DryFriction<S> {
+    /// No friction.
+    pub fn none() -> Self {
+        Self { constant: S::zero(), load: S::zero(), smoothing: S::one(), width: S::one() }
+    }
+
+    /// tanh(v/ε).
+    #[inline(always)]
+    fn direction(&self, v: S) -> S {
+        (v / self.width).tanh()
+    }
+
+    /// √(τ² + τ_s²), not below τ_s where squares vanish.
+    #[inline(always)]
+    fn smooth_load(&self, tau: S) -> S {
+        (tau * tau + self.smoothing * self.smoothing).sqrt().max(self.smoothing)
+    }
+
+    /// c + c_load (√(τ² + τ_s²) − τ_s). The difference is τ²/(√… + τ_s): it does not cancel, and is never negative.
+    #[inline(always)]
+    fn level(&self, tau: S) -> S {
+        self.constant + self.load * (tau * tau / (self.smooth_load(tau) + self.smoothing))
+    }
+
+    #[inline(always)]
+    fn force(&self, v: S, tau: S) -> S {
+        -(self.level(tau) * self.direction(v))
+    }
+
+    /// ∂Q/∂v = −level (1 − tanh²)/ε.
+    fn velocity_derivative(&self, v: S, tau: S) -> S {
+        let direction = self.direction(v);
+        -(self.level(tau) * (S::one() - direction) * (S::one() + direction) / self.width)
+    }
+
+    /// ∂Q/∂τ = −c_load τ/√(τ² + τ_s²) tanh(v/ε), above −1 and below 1.
+    fn load_derivative(&self, v: S, tau: S) -> S {
+        -(self.load * tau / self.smooth_load(tau) * self.direction(v))
+    }
+}
+
+impl<R: Real> DryFriction<R> {
+    /// The τ with τ + Q(v, τ) = `total`.
+    ///
+    /// With k = c_load tanh(v/ε), ρ = total + c tanh(v/ε) and σ = ρ − kτ_s it is τ = σ + k√(τ² + τ_s²), and squared
+    /// (1 − k²)τ² − 2στ + σ² − k²τ_s² = 0. Of its roots (σ ± kr)/(1 − k²), r = √(σ² + (1 − k²)τ_s²), the one with + is meant;
+    /// where kσ < 0 it is written ρ(ρ − 2kτ_s)/(σ − kr), the product of both roots over the other, so that nothing cancels.
+    fn control(&self, v: R, total: R) -> R {
+        let direction = self.direction(v);
+        let (k, rho, s) = (self.load * direction, total + self.constant * direction, self.smoothing);
+        let (sigma, rest) = (rho - k * s, (R::one() - k) * (R::one() + k));
+        let root = (sigma * sigma + rest * s * s).sqrt();
+        if k * sigma < R::zero() {
+            rho * (rho - (k + k) * s) / (sigma - k * root)
+        } else {
+            (sigma + k * root) / rest
+        }
+    }
+
+    /// tanh(v/ε) is convex on one side of 0 and concave on the other: Newton's method converges from 0 itself, but may jump to
+    /// and fro between the flat parts on both sides. So a change of sign from beyond half the width ends at 0.
+    fn trusted_part(&self, v: R, dv: R) -> R {
+        let acts = self.constant + self.load > R::zero();
+        let turns = (v > R::zero()) != (v + dv > R::zero());
+        if acts && turns && v.abs() > self.width.half() { v.abs() / dv.abs() } else { R::one() }
+    }
+}
+
+impl<S: Scalar, const N: usize> Coulomb<S, N> {
+    /// No friction.
+    pub fn none() -> Self {
+        Self { coordinates: [DryFriction::none(); N] }
+    }
+}
+
+impl<R: Real, const N: usize> Coulomb<R, N> {
+    /// a_i = h c_i (M⁻¹)_ii/(2ε_i) at the load τ, c_i with what it grew by: how stiff friction is for steps of h seconds.
+    ///
+    /// # Errors
+    /// Where M is singular, or a number is not finite.
+    pub fn stiffness(&self, h: R, mass: Matrix<R, N>, tau: &[R; N]) -> Result<[R; N], SolveError> {
+        let identity =
+            core::array::from_fn(|i| core::array::from_fn(|j| if i == j { R::one() } else { R::zero() }));
+        let inverse: Matrix<R, N> = solve_many(mass, identity)?;
+        Ok(core::array::from_fn(|i| {
+            let friction = &self.coordinates[i];
+            (h * friction.level(tau[i]) * inverse[i][i] / friction.width).half()
+        }))
+    }
+}
+
+impl<S: Scalar, const N: usize> Forces<S, N> for Coulomb<S, N> {
+    fn force(&self, _: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
+        core::array::from_fn(|i| self.coordinates[i].force(v[i], tau[i]))
+    }
+
+    fn derivatives(&self, _: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
+        let slopes = core::array::from_fn(|i| self.coordinates[i].velocity_derivative(v[i], tau[i]));
+        ([[S::zero(); N]; N], diagonal(slopes))
+    }
+
+    fn load_derivative(&self, _: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N> {
+        diagonal(core::array::from_fn(|i| self.coordinates[i].load_derivative(v[i], tau[i])))
+    }
+
+    fn control(&self, _: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
+    where
+        S: Real,
+    {
+        core::array::from_fn(|i| self.coordinates[i].control(v[i], total[i]))
+    }
+
+    fn trusted_part(&self, v: &[S; N], dv: &[S; N]) -> S
+    where
+        S: Real,
+    {
+        let parts = self.coordinates.iter().zip(v).zip(dv);
+        parts.map(|((friction, v), dv)| friction.trusted_part(*v, *dv)).fold(S::one(), smaller)
+    }
+}
+
+/// The matrix with these entries in its diagonal.
+fn diagonal<S: Scalar, const N: usize>(entries: [S; N]) -> Matrix<S, N> {
+    let mut matrix = [[S::zero(); N]; N];
+    for (i, (row, entry)) in matrix.iter_mut().zip(entries).enumerate() {
+        row[i] = entry;
+    }
+    matrix
+}
