@@ -19,6 +19,12 @@
 //! that separates thousands. The text is UTF-8, or UTF-16 with a byte order mark. A name that begins with
 //! `_` is ignored; any other name is an error, so that a misspelt one is not lost in silence.
 //!
+//! **Columns of other names and units** are read by a [`Reading`] that names them ([`Columns`]); all others are then ignored. [`read_logs`] makes
+//! one log of several files. Both resample uneven stamps, and all stamps where a step is named: the new samples of a stretch without gaps
+//! lie at t₀, t₀ + h, …; positions, velocities and accelerations go along straight lines between samples, a held control is averaged over the
+//! step in which it acts, a linear one goes along straight lines. An interval of more than 2.5 steps and 2.5 median intervals is a gap;
+//! of samples with one stamp the first is kept. The default step is the shortest decimal number within half a percent of the mean one.
+//!
 //! **Control.** `control` says what u does between samples. `held`: u_k acts from t_k to t_{k+1}, as a controller's output does; the
 //! last u of a trajectory is then unused. `linear`: u goes along a straight line from u_k to u_{k+1}, as a sensor of the force sees
 //! it. A file need not say it; then what reads the file decides, and takes it for held where nothing else is said.
@@ -52,6 +58,7 @@ mod npz;
 mod npz_columns;
 mod resample;
 mod rows;
+pub mod survey;
 pub mod symo;
 mod table;
 mod time;

@@ -18,11 +18,16 @@ pub enum FileKind {
     RustModule,
     /// A log of motion, by its name.
     Log,
+    /// A configuration that `leastaction look` wrote.
+    Configuration,
     /// A table that begins with these names.
     Table(&'static str),
     /// A picture.
     Picture,
 }
+
+/// How a configuration of `leastaction look` begins.
+pub const CONFIGURATION_HEAD: &str = "# Guessed by names";
 
 impl FileKind {
     fn name(self) -> &'static str {
@@ -30,6 +35,7 @@ impl FileKind {
             Self::Model => "model file",
             Self::RustModule => "Rust module of `leastaction export`",
             Self::Log => "log of motion",
+            Self::Configuration => "configuration of `leastaction look`",
             Self::Table(_) => "table of this command",
             Self::Picture => "picture (SVG)",
         }
@@ -40,6 +46,7 @@ impl FileKind {
         match self {
             Self::Model => Some(&MAGIC),
             Self::RustModule => Some(RUST_HEAD.as_bytes()),
+            Self::Configuration => Some(CONFIGURATION_HEAD.as_bytes()),
             Self::Log if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) => {
                 Some(b"PK\x03\x04")
             }

@@ -9,6 +9,7 @@ mod generate;
 mod import;
 mod inspect;
 mod interrupt;
+mod look;
 mod notes;
 mod progress;
 mod reproduce;
@@ -38,6 +39,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Generate(generate::Generate),
+    Look(look::Look),
     Train(train::Train),
     Export(export::Export),
     Inspect(inspect::Inspect),
@@ -56,6 +58,7 @@ pub fn main() -> ExitCode {
     let output = Output { json: cli.json };
     let done = match cli.command {
         Command::Generate(command) => command.run(output),
+        Command::Look(command) => command.run(output),
         Command::Train(command) => command.run(output),
         Command::Export(command) => command.run(output),
         Command::Inspect(command) => command.run(output),

@@ -79,3 +79,48 @@ fn what_cannot_be_read_is_named() {
     refused(&["actuation has 2 columns where 1 are needed"]);
     bench.run("evaluate m.postcard").bad(2, &["--data"]);
 }
+
+#[test]
+fn a_look_at_unknown_logs_writes_a_configuration_that_trains() {
+    let bench = Bench::new();
+    robot_logs(&bench);
+    let done = bench.run("look robot-*.csv -o robot.toml --json").good();
+    let report = done.json();
+    assert_eq!(report["files"].as_array().unwrap().len(), 6);
+    assert_eq!(report["files"][0]["time_unit"], "ms");
+    assert!((report["files"][0]["rate"].as_f64().unwrap() - 10.0).abs() < 0.1, "{report}");
+    let of = |name: &str| {
+        report["columns"].as_array().unwrap().iter().find(|column| column["column"] == name).cloned().unwrap()
+    };
+    assert_eq!((&of("stamp")["taken_for"], &of("angle")["taken_for"]), (&"t".into(), &"q0".into()));
+    assert_eq!(
+        (&of("torque")["taken_for"], &of("mode")["taken_for"]),
+        (&"u0".into(), &serde_json::Value::Null)
+    );
+    assert!(
+        done.stderr.contains("note: angle reaches") && done.stderr.contains("degrees"),
+        "{}",
+        done.stderr
+    );
+    let config = Config::read(&bench.at("robot.toml")).unwrap();
+    assert_eq!(config.data.validation, 0.2);
+    let trained = bench.run("train robot.toml -o run -q --json");
+    assert!(trained.code == Some(0), "{}", trained.stderr);
+    // It may be written again, but nothing else is.
+    bench.run("look robot-*.csv -o robot.toml").good();
+    bench.write("mine.toml", "[data]\nfile = \"a.csv\"\n");
+    bench.run("look robot-*.csv -o mine.toml").bad(2, &["mine.toml"]);
+}
+
+#[test]
+fn logs_without_known_names_are_looked_at_and_nothing_is_written() {
+    let bench = Bench::new();
+    bench.write("a.csv", "alpha,beta,note\n1,2,x\n2,3,y\n3,5,z\n");
+    let done = bench.run("look a.csv").good();
+    assert!(done.stdout.contains("no numbers: note") && done.stdout.contains("beta"), "{}", done.stdout);
+    bench.run("look a.csv -o c.toml").bad(2, &["no configuration is written", "[data.columns]"]);
+    assert!(!bench.at("c.toml").exists());
+    bench.write("empty.csv", "");
+    bench.run("look empty.csv").bad(2, &["empty.csv: no samples"]);
+    bench.run("look b.txt").bad(2, &["b.txt"]);
+}

@@ -1,0 +1,66 @@
+//! What the time stamps of a log are like.
+
+/// Intervals of more medians than this are gaps.
+const GAP: f64 = 2.5;
+
+/// The clock of a log, in the units of its stamps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// From the first to the last stamp.
+    pub duration: f64,
+    /// Median interval.
+    pub median: f64,
+    /// Shortest interval above 0.
+    pub shortest: f64,
+    /// Longest interval that is no gap.
+    pub longest: f64,
+    /// Root mean square of interval − median over the median, gaps left out.
+    pub jitter: f64,
+    /// Intervals of more than 2.5 medians.
+    pub gaps: usize,
+    /// Stamps that are those of the sample before.
+    pub repeated: usize,
+    /// Stamps before that of the sample before.
+    pub backwards: usize,
+}
+
+impl Clock {
+    /// Of these stamps; `None` where there are no two that differ.
+    #[must_use]
+    pub fn of(stamps: &[f64]) -> Option<Self> {
+        let intervals =
+            || stamps.windows(2).map(|pair| pair[1] - pair[0]).filter(|interval| interval.is_finite());
+        let mut forward: Vec<f64> = intervals().filter(|interval| *interval > 0.0).collect();
+        forward.sort_unstable_by(f64::total_cmp);
+        let (median, shortest) = (*forward.get(forward.len() / 2)?, *forward.first()?);
+        let steps = || forward.iter().copied().filter(|interval| *interval <= GAP * median);
+        let square: f64 = steps().map(|interval| (interval / median - 1.0).powi(2)).sum();
+        let count = steps().count();
+        Some(Self {
+            duration: stamps.last()? - stamps.first()?,
+            median,
+            shortest,
+            longest: steps().next_back()?,
+            jitter: (square / count as f64).sqrt(),
+            gaps: forward.len() - count,
+            repeated: intervals().filter(|interval| *interval == 0.0).count(),
+            backwards: intervals().filter(|interval| *interval < 0.0).count(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_repeats_and_jitter_are_counted() {
+        let stamps = [0.0, 1.0, 2.1, 3.0, 3.0, 4.0, 9.0, 10.0, 9.5, 10.5];
+        let clock = Clock::of(&stamps).unwrap();
+        assert_eq!((clock.gaps, clock.repeated, clock.backwards), (1, 1, 1));
+        assert_eq!(clock.median, 1.0);
+        assert!((clock.longest - 1.1).abs() < 1e-12 && (clock.shortest - 0.9).abs() < 1e-12);
+        assert!((clock.jitter - (0.02_f64 / 6.0).sqrt()).abs() < 1e-12, "{}", clock.jitter);
+        assert!(Clock::of(&[1.0, 1.0]).is_none() && Clock::of(&[]).is_none());
+    }
+}

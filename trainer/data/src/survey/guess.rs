@@ -1,0 +1,201 @@
+//! What columns may be, by their names.
+
+use super::{RawLog, Signal};
+
+/// Which columns may be t, q, v and u; a person confirms it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Guess {
+    /// Time.
+    pub t: Option<String>,
+    /// Positions.
+    pub q: Vec<String>,
+    /// Velocities; none, or one a position.
+    pub v: Vec<String>,
+    /// Forces of the drives; none, or one a position.
+    pub u: Vec<String>,
+}
+
+/// The unit of time stamps, by their median interval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// Up to half a unit.
+    Seconds,
+    /// Up to 500.
+    Milliseconds,
+    /// Up to 500,000.
+    Microseconds,
+    /// Above.
+    Nanoseconds,
+}
+
+impl TimeUnit {
+    /// The unit in which this median interval is one of a log between 2 Hz and 1 MHz.
+    #[must_use]
+    pub fn of(median: f64) -> Self {
+        match median {
+            ..0.5 => Self::Seconds,
+            0.5..500.0 => Self::Milliseconds,
+            500.0..5e5 => Self::Microseconds,
+            _ => Self::Nanoseconds,
+        }
+    }
+
+    /// As configurations name it, and what one is in s.
+    #[must_use]
+    pub fn name(self) -> (&'static str, f64) {
+        match self {
+            Self::Seconds => ("s", 1.0),
+            Self::Milliseconds => ("ms", 1e-3),
+            Self::Microseconds => ("us", 1e-6),
+            Self::Nanoseconds => ("ns", 1e-9),
+        }
+    }
+}
+
+/// Names, and parts of names, of positions, velocities and forces; a name that is one goes before one that has one.
+const POSITIONS: [&str; 5] = ["q", "pos", "angle", "theta", "enc"];
+const VELOCITIES: [&str; 5] = ["v", "vel", "qd", "dq", "speed"];
+const FORCES: [&str; 5] = ["u", "tau", "torque", "effort", "force"];
+const TIMES: [&str; 4] = ["t", "time", "stamp", "sec"];
+
+/// Of groups that are alike those as measured are preferred for motion, and those as commanded for forces.
+const MEASURED: [&str; 2] = ["meas", "raw"];
+const COMMANDED: [&str; 4] = ["con", "cmd", "com", "des"];
+
+/// Columns that differ by a number alone.
+struct Group<'a> {
+    stem: String,
+    names: Vec<&'a str>,
+}
+
+impl Guess {
+    /// Of the columns of a log.
+    #[must_use]
+    pub fn of(log: &RawLog) -> Self {
+        let groups = groups(log);
+        let t =
+            groups.iter().filter(|group| is_time(log, group)).min_by_key(|group| rank(&group.stem, &TIMES));
+        let t = t.map(|group| group.names[0].to_owned());
+        let motion = |kind: &[&str], prefer: &[&str], n: Option<usize>| {
+            let fits = |group: &&Group<'_>| {
+                n.is_none_or(|n| group.names.len() == n)
+                    && rank(&group.stem, kind).is_some()
+                    && t.as_deref() != Some(group.names[0])
+                    && moves(log, group)
+            };
+            let preferred = |group: &Group<'_>| !prefer.iter().any(|part| group.stem.contains(part));
+            let found =
+                groups.iter().filter(fits).min_by_key(|group| (preferred(group), rank(&group.stem, kind)));
+            found.map_or(Vec::new(), |group| group.names.iter().map(|name| (*name).to_owned()).collect())
+        };
+        let q = motion(&POSITIONS, &MEASURED, None);
+        let n = Some(q.len()).filter(|n| *n > 0);
+        let of_q =
+            |kind: &[&str], prefer: &[&str]| if n.is_some() { motion(kind, prefer, n) } else { Vec::new() };
+        Self { v: of_q(&VELOCITIES, &MEASURED), u: of_q(&FORCES, &COMMANDED), t, q }
+    }
+}
+
+/// The columns by their names without digits, brackets and what separates words.
+fn groups(log: &RawLog) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for name in &log.names {
+        let stem: String = name.chars().filter(|c| c.is_alphabetic()).collect::<String>().to_lowercase();
+        match groups.iter_mut().find(|group| group.stem == stem) {
+            Some(group) => group.names.push(name),
+            None => groups.push(Group { stem, names: vec![name] }),
+        }
+    }
+    groups
+}
+
+/// 0 where the stem is one of the words, 1 where it begins with one of more than one letter, 2 where it has one; else `None`.
+fn rank(stem: &str, words: &[&str]) -> Option<u8> {
+    let long = || words.iter().filter(|word| word.len() > 1);
+    if words.contains(&stem) {
+        Some(0)
+    } else if long().any(|word| stem.starts_with(word)) {
+        Some(1)
+    } else {
+        long().any(|word| stem.contains(word)).then_some(2)
+    }
+}
+
+fn is_time(log: &RawLog, group: &Group<'_>) -> bool {
+    let rises =
+        |column: &[f64]| column.windows(2).filter(|pair| pair[1] > pair[0]).count() * 2 > column.len();
+    group.names.len() == 1
+        && rank(&group.stem, &TIMES).is_some()
+        && log.column(group.names[0]).is_some_and(rises)
+}
+
+/// Whether any of the columns changes.
+fn moves(log: &RawLog, group: &Group<'_>) -> bool {
+    let changes =
+        |name: &&str| log.column(name).and_then(Signal::of).is_some_and(|signal| !signal.is_constant());
+    group.names.iter().any(changes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log(names: &[&str], constant: &[&str]) -> RawLog {
+        let column = |name: &&str| -> Vec<f64> {
+            let slope = if constant.contains(name) { 0.0 } else { 1.0 };
+            (0..20).map(|k| slope * f64::from(k)).collect()
+        };
+        RawLog {
+            columns: names.iter().map(column).collect(),
+            names: names.iter().map(|name| (*name).to_owned()).collect(),
+            others: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_drive_with_commanded_and_measured_torques() {
+        let names = [
+            "time",
+            "pos_filt1",
+            "pos_filt2",
+            "pos_meas1",
+            "pos_meas2",
+            "vel_meas1",
+            "vel_meas2",
+            "tau_fric1",
+            "tau_fric2",
+            "tau_meas1",
+            "tau_meas2",
+            "tau_con1",
+            "tau_con2",
+        ];
+        let guess = Guess::of(&log(&names, &["tau_fric1", "tau_fric2"]));
+        assert_eq!(guess.t.as_deref(), Some("time"));
+        assert_eq!(
+            (guess.q, guess.v),
+            (vec!["pos_meas1".into(), "pos_meas2".into()], vec!["vel_meas1".into(), "vel_meas2".into()])
+        );
+        assert_eq!(guess.u, ["tau_con1", "tau_con2"]);
+    }
+
+    #[test]
+    fn names_of_other_habits() {
+        let guess = Guess::of(&log(&["t", "q[0]", "q[1]", "q[2]", "tau[0]", "tau[1]", "tau[2]"], &[]));
+        assert_eq!((guess.q.len(), guess.v.len(), guess.u.len()), (3, 0, 3));
+        let guess = Guess::of(&log(&["stamp_ns", "position", "velocity", "effort"], &[]));
+        assert_eq!(
+            (guess.t.as_deref(), &guess.q[..], &guess.u[..]),
+            (Some("stamp_ns"), &["position".into()][..], &["effort".into()][..])
+        );
+        let guess = Guess::of(&log(&["temperature", "mode"], &[]));
+        assert_eq!(guess, Guess::default());
+    }
+
+    #[test]
+    fn the_unit_of_time_follows_from_the_interval() {
+        assert_eq!(TimeUnit::of(2e-3).name().0, "s");
+        assert_eq!(TimeUnit::of(2.0).name().0, "ms");
+        assert_eq!(TimeUnit::of(2e3).name().0, "us");
+        assert_eq!(TimeUnit::of(2e6).name().0, "ns");
+    }
+}

@@ -1,0 +1,129 @@
+//! All columns of numbers that a file has.
+
+use crate::archive::Archive;
+use crate::csv_text::{Numbers, decoded, reader, separator};
+use crate::error::{Fault, Place, Problem};
+use crate::{DataError, Format, Rows, format_of, located};
+use std::fs;
+use std::path::Path;
+
+/// The columns of numbers of a file, as they stand there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawLog {
+    /// Names: of a two-dimensional array `name[i]`.
+    pub names: Vec<String>,
+    /// One list a name, all of one length; NaN where there is no number.
+    pub columns: Vec<Vec<f64>>,
+    /// Names of columns that hold something else.
+    pub others: Vec<String>,
+}
+
+/// A column holds numbers where at least this part of its cells does.
+const NUMBERS: f64 = 0.5;
+
+impl RawLog {
+    /// Reads a `.csv` or `.npz` file.
+    ///
+    /// # Errors
+    /// [`DataError`] with the file, the place in it and the problem.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        located(path, || {
+            let format = format_of(path)?;
+            let bytes = fs::read(path).map_err(|error| (Place::File, error.into()))?;
+            match format {
+                Format::Csv => of_csv(&bytes),
+                Format::Npz => of_npz(&bytes),
+            }
+        })
+    }
+
+    /// Samples of every column.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// The column of a name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let at = self.names.iter().position(|known| known == name)?;
+        self.columns.get(at).map(Vec::as_slice)
+    }
+}
+
+fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
+    let text = decoded(bytes)?;
+    let any = |name: &[u8]| name.first().is_some_and(u8::is_ascii_alphabetic);
+    let mut reader = reader(&text, separator(&text, any));
+    let mut records = reader.byte_records();
+    let broken = |error: csv::Error| {
+        let place = error.position().map_or(Place::File, |position| Place::Line(position.line()));
+        (place, Problem::NotCsv(error.to_string()))
+    };
+    let Some(header) = records.next() else { return Err((Place::File, Problem::Empty)) };
+    let text = |cell: &[u8]| String::from_utf8_lossy(cell).into_owned();
+    let names: Vec<String> = header.map_err(broken)?.iter().map(text).collect();
+    let mut columns = vec![Vec::new(); names.len()];
+    let mut numbers = Numbers::default();
+    for record in records {
+        let record = record.map_err(broken)?;
+        for (column, cell) in columns.iter_mut().zip(record.iter().map(Some).chain(std::iter::repeat(None))) {
+            let number = cell.and_then(|cell| numbers.read(text(cell), || Place::File).ok());
+            column.push(number.unwrap_or(f64::NAN));
+        }
+    }
+    let log = RawLog { names, columns, others: Vec::new() }.of_numbers();
+    if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
+}
+
+fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
+    let archive = Archive::open(bytes)?;
+    let mut parts: Vec<(String, Rows)> = Vec::new();
+    let mut others = Vec::new();
+    for key in archive.keys() {
+        let rows = archive.get(key).ok().flatten().and_then(|array| {
+            let width = match *array.shape.as_slice() {
+                [_] => 1,
+                [_, width] => width,
+                _ => return None,
+            };
+            Rows::from_flat(width, array.reals().ok()?)
+        });
+        match rows {
+            Some(rows) => parts.push((key.clone(), rows)),
+            None => others.push(key.clone()),
+        }
+    }
+    // The most common length is that of the log.
+    let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
+    let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
+    let mut log = RawLog { names: Vec::new(), columns: Vec::new(), others };
+    for (key, rows) in &parts {
+        if Some(rows.len()) != samples {
+            log.others.push(key.clone());
+            continue;
+        }
+        for i in 0..rows.width() {
+            log.names.push(if rows.width() == 1 { key.clone() } else { format!("{key}[{i}]") });
+            log.columns.push(rows.column(i).collect());
+        }
+    }
+    if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
+}
+
+impl RawLog {
+    /// Columns that are mostly no numbers go to the others.
+    fn of_numbers(self) -> Self {
+        let (mut names, mut columns, mut others) = (Vec::new(), Vec::new(), self.others);
+        for (name, column) in self.names.into_iter().zip(self.columns) {
+            let numbers = column.iter().filter(|x| x.is_finite()).count();
+            if numbers as f64 >= NUMBERS * column.len() as f64 && !name.is_empty() {
+                names.push(name);
+                columns.push(column);
+            } else {
+                others.push(name);
+            }
+        }
+        Self { names, columns, others }
+    }
+}

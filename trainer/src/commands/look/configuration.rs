@@ -1,0 +1,81 @@
+//! A first configuration.
+
+use super::report::Report;
+use leastaction::cli::CONFIGURATION_HEAD;
+use leastaction_learning::data::survey::Guess;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// A step of a mechanism's model: shorter ones tell noise from motion worse (s).
+const SHORTEST_STEP: f64 = 0.01;
+
+/// The text, which trains as it stands; why there is none where the columns cannot be guessed.
+pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Result<String, String> {
+    let Some(t) = &guess.t else {
+        return Err("no column is named as time is; write [data.columns] by hand".to_owned());
+    };
+    if guess.q.is_empty() {
+        return Err("no column is named as positions are; write [data.columns] by hand".to_owned());
+    }
+    let mut text = format!(
+        "{CONFIGURATION_HEAD}: check the columns and their units, and what each coordinate is.\n[data]\n"
+    );
+    let seen = report.files.len();
+    line(&mut text, format_args!("file = {}", list(&relative(files, at), true)));
+    line(&mut text, format_args!("# Trajectories held back: whole files from the end."));
+    line(&mut text, format_args!("validation = {}", if seen >= 3 { 0.2 } else { 0.0 }));
+    if let Some(step) = step(report) {
+        line(&mut text, format_args!("step = {step}"));
+    }
+    line(&mut text, format_args!("\n[data.columns]"));
+    match report.files.first().and_then(|file| file.time_unit) {
+        Some(unit) if unit != "s" => {
+            line(&mut text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)))
+        }
+        _ => line(&mut text, format_args!("t = {}", quoted(t))),
+    }
+    for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
+        if !names.is_empty() {
+            line(&mut text, format_args!("{letter} = {}", list(names, false)));
+        }
+    }
+    line(&mut text, format_args!("\n[model]"));
+    let angles = vec!["\"angle\""; guess.q.len()].join(", ");
+    line(
+        &mut text,
+        format_args!("# \"translation\", \"angle\" or \"cyclic\".\ncoordinates = [{angles}]\ndamping = true"),
+    );
+    Ok(text)
+}
+
+/// A hundredth of a second, or the sampling interval where that is longer; none where samples lie at the same even step as that.
+fn step(report: &Report) -> Option<f64> {
+    let longest = report.files.iter().filter_map(|file| file.rate).map(|rate| 1.0 / rate).fold(0.0, f64::max);
+    (longest > 0.0 && longest < SHORTEST_STEP).then_some(SHORTEST_STEP)
+}
+
+/// Paths as seen from the configuration.
+fn relative(files: &[PathBuf], at: &Path) -> Vec<String> {
+    let folder = at.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let full = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let seen = |file: &PathBuf| match folder {
+        None => file.clone(),
+        Some(folder) => full(file).strip_prefix(full(folder)).map_or_else(|_| full(file), Path::to_owned),
+    };
+    files.iter().map(|file| seen(file).display().to_string()).collect()
+}
+
+fn list(names: &[String], one_alone: bool) -> String {
+    let all: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+    if one_alone && all.len() == 1 { all.concat() } else { format!("[{}]", all.join(", ")) }
+}
+
+/// As a string of TOML, which strings of JSON are.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+fn line(text: &mut String, line: std::fmt::Arguments<'_>) {
+    // Writing to a string does not fail.
+    let _ = writeln!(text, "{line}");
+}

@@ -1,0 +1,174 @@
+//! What was seen in logs.
+
+use leastaction_learning::data::survey::{Clock, Signal, TimeUnit};
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// All of it.
+#[derive(Serialize)]
+pub struct Report {
+    /// Every file.
+    pub files: Vec<File>,
+    /// Every column of numbers.
+    pub columns: Vec<Column>,
+    /// Columns of something else.
+    pub others: Vec<String>,
+    /// What was written.
+    pub configuration: Option<PathBuf>,
+}
+
+/// A file, times in s.
+#[derive(Serialize)]
+pub struct File {
+    /// Its name.
+    pub file: PathBuf,
+    /// Its rows.
+    pub samples: usize,
+    /// Unit of its stamps.
+    pub time_unit: Option<&'static str>,
+    /// From first to last.
+    pub seconds: Option<f64>,
+    /// By the median interval, Hz.
+    pub rate: Option<f64>,
+    /// Root mean square of interval − median over the median.
+    pub jitter: Option<f64>,
+    /// The longest interval that is no gap.
+    pub longest: Option<f64>,
+    /// Intervals of more than 2.5 medians.
+    pub gaps: usize,
+    /// Stamps that stand twice.
+    pub repeated: usize,
+    /// Stamps that go back.
+    pub backwards: usize,
+}
+
+impl File {
+    pub fn new(file: &Path, samples: usize, clock: Option<Clock>) -> Self {
+        let unit = clock.map(|clock| TimeUnit::of(clock.median).name());
+        let seconds = |of: fn(&Clock) -> f64| clock.zip(unit).map(|(clock, (_, unit))| of(&clock) * unit);
+        Self {
+            file: file.to_owned(),
+            samples,
+            time_unit: unit.map(|(name, _)| name),
+            seconds: seconds(|clock| clock.duration),
+            rate: seconds(|clock| clock.median).map(|median| 1.0 / median),
+            jitter: clock.map(|clock| clock.jitter),
+            longest: seconds(|clock| clock.longest),
+            gaps: clock.map_or(0, |clock| clock.gaps),
+            repeated: clock.map_or(0, |clock| clock.repeated),
+            backwards: clock.map_or(0, |clock| clock.backwards),
+        }
+    }
+}
+
+/// A column, in its units.
+#[derive(Serialize)]
+pub struct Column {
+    /// Its name.
+    pub column: String,
+    /// What it is taken for.
+    pub taken_for: Option<String>,
+    /// The least number.
+    pub least: f64,
+    /// The greatest.
+    pub greatest: f64,
+    /// The step of an encoder.
+    pub grid: Option<f64>,
+    /// Standard deviation from sample to sample.
+    pub noise: f64,
+    /// Cells without a number.
+    pub missing: usize,
+}
+
+impl Column {
+    pub fn new(name: &str, signal: Signal, taken_for: Option<String>) -> Self {
+        let Signal { least, greatest, missing, grid, noise } = signal;
+        Self { column: name.to_owned(), taken_for, least, greatest, grid, noise, missing }
+    }
+
+    fn is(&self, letter: char) -> bool {
+        self.taken_for.as_deref().is_some_and(|role| role.starts_with(letter))
+    }
+}
+
+/// A joint hardly turns further, rad.
+const FAR: f64 = 60.0;
+
+impl Report {
+    /// What should be looked at before training.
+    pub fn doubts(&self) -> Vec<String> {
+        let far = |column: &&Column| column.is('q') && column.greatest.abs().max(column.least.abs()) > FAR;
+        let still = |column: &&Column| column.is('q') && column.greatest == column.least;
+        let missing = |column: &&Column| column.taken_for.is_some() && column.missing > 0;
+        let mut doubts = Vec::new();
+        if let Some(Column { column, greatest, least, .. }) = self.columns.iter().find(far) {
+            let most = greatest.abs().max(least.abs());
+            doubts.push(format!("{column} reaches {most:.4}; if it is in degrees or counts, give its unit under [data.columns]"));
+        }
+        if let Some(Column { column, .. }) = self.columns.iter().find(still) {
+            doubts.push(format!("{column} does not move: nothing can be learned of it"));
+        }
+        if let Some(Column { column, missing, .. }) = self.columns.iter().find(missing) {
+            doubts.push(format!("{column} has {missing} cells without a number; remove those samples"));
+        }
+        if let Some(File { file, backwards, .. }) = self.files.iter().find(|file| file.backwards > 0) {
+            doubts.push(format!(
+                "{}: time goes back {backwards} times; sort the samples or cut the file there",
+                file.display()
+            ));
+        }
+        doubts
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let width =
+            self.files.iter().map(|file| file.file.display().to_string().chars().count()).max().unwrap_or(0);
+        writeln!(f, "{:width$}  samples        s       Hz   jitter  gaps  repeated", "file")?;
+        self.files.iter().try_for_each(|file| file.line(f, width))?;
+        let width = self.columns.iter().map(|column| column.column.chars().count()).max().unwrap_or(0).max(6);
+        writeln!(f, "\n{:width$}  taken for        least     greatest         grid        noise", "column")?;
+        self.columns.iter().try_for_each(|column| column.line(f, width))?;
+        if !self.others.is_empty() {
+            writeln!(f, "no numbers: {}", self.others.join(", "))?;
+        }
+        match &self.configuration {
+            Some(file) => writeln!(
+                f,
+                "\nwritten: {}; check its columns and kinds of coordinates, then: leastaction train {}",
+                file.display(),
+                file.display()
+            ),
+            None => Ok(()),
+        }
+    }
+}
+
+impl File {
+    fn line(&self, f: &mut fmt::Formatter, width: usize) -> fmt::Result {
+        let name = self.file.display().to_string();
+        let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
+        let seconds = or_dash(self.seconds.map(|seconds| format!("{seconds:.2}")));
+        let rate = or_dash(self.rate.map(|rate| format!("{rate:.1}")));
+        let jitter = or_dash(self.jitter.map(|jitter| format!("{:.2}%", 100.0 * jitter)));
+        let Self { samples, gaps, repeated, .. } = self;
+        writeln!(
+            f,
+            "{name:width$}  {samples:7}  {seconds:>7}  {rate:>7}  {jitter:>7}  {gaps:4}  {repeated:8}"
+        )
+    }
+}
+
+impl Column {
+    fn line(&self, f: &mut fmt::Formatter, width: usize) -> fmt::Result {
+        let Self { column, least, greatest, noise, .. } = self;
+        let role = self.taken_for.as_deref().unwrap_or("");
+        let grid = self.grid.map_or("–".to_owned(), |grid| format!("{grid:.3e}"));
+        writeln!(
+            f,
+            "{column:width$}  {role:9}  {least:>11.4e}  {greatest:>11.4e}  {grid:>11}  {noise:>11.3e}"
+        )
+    }
+}
