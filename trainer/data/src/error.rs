@@ -269,6 +269,14 @@ pub enum Problem {
     /// A step that is not a positive number.
     #[error("the step h is {0} s; it must be positive and finite")]
     BadStep(f64),
+    /// A step to resample onto that is far below the interval between samples.
+    #[error("a step of {h} s is less than a tenth of the {median:.3e} s between samples; name a longer one")]
+    FineStep {
+        /// As wanted (s).
+        h: f64,
+        /// Of the intervals (s).
+        median: f64,
+    },
     /// A trajectory the discrete Euler-Lagrange equation cannot use.
     #[error("trajectory {id} has {samples} samples; at least 3 are needed")]
     TooShort {

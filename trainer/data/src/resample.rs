@@ -17,6 +17,9 @@ const GAP: f64 = 2.5;
 /// The default step is the decimal number of the fewest digits within this part of the mean interval.
 const ROUNDING: f64 = 5e-3;
 
+/// A step of less than this part of the median interval invents most of its samples.
+const FINEST: f64 = 0.1;
+
 /// The stamps of a trajectory, each once: repeated ones are left out.
 struct Stamped {
     id: i64,
@@ -54,6 +57,9 @@ impl Table {
         let mean = intervals.mean_step();
         let h = wanted.unwrap_or_else(|| rounded(mean, ROUNDING * mean));
         positive(h).map_err(|problem| (Place::File, problem))?;
+        if h < FINEST * intervals.median {
+            return Err((Place::File, Problem::FineStep { h, median: intervals.median }));
+        }
         let repeated = self.q.len() - stamped.iter().map(|run| run.t.len()).sum::<usize>();
         let Intervals { shortest, median, .. } = intervals;
         let longest_step = GAP * h.max(median);
@@ -320,6 +326,13 @@ mod tests {
         for (found, expected) in coarser.trajectories[0].q.column(0).zip(every_other) {
             assert!((found - expected).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_step_far_below_the_interval_is_refused() {
+        let t = jittered(50, 0.01);
+        let (_, problem) = table(&t, &t, &t).into_even(Some(1e-9)).unwrap_err();
+        assert!(matches!(problem, Problem::FineStep { h: 1e-9, .. }), "{problem}");
     }
 
     #[test]

@@ -58,3 +58,30 @@ fn text() {
     accepted.iter().for_each(|(_, data)| holds_together(data));
     assert!(!accepted.is_empty() && accepted.len() < 4 * whole.len(), "{}", accepted.len());
 }
+
+/// Uneven stamps, names of their own, and a look at what is there: the same.
+#[test]
+fn logs_of_robots() {
+    const WHOLE: &str = "time;enc;tau;mode\n0.00;100;0.5;on\n0.01;101;0.5;on\n0.021;103;-1;on\n0.03;104;-1;on\n0.041;106;2;on\n0.08;107;2;on\n";
+    let folder = tempfile::tempdir().unwrap();
+    let columns = data::Columns {
+        t: data::Column::si("time"),
+        q: vec![data::Column { name: "enc".to_owned(), scale: 1e-3 }],
+        v: Vec::new(),
+        u: vec![data::Column::si("tau")],
+        actuation: None,
+    };
+    let reading = data::Reading { columns: Some(columns), ..data::Reading::default() };
+    let read = |bit: usize| {
+        let mut bytes = WHOLE.as_bytes().to_vec();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let path = folder.path().join(format!("{bit}.csv"));
+        fs::write(&path, bytes).unwrap();
+        let looked = data::survey::RawLog::read(&path);
+        assert!(looked.is_err() || looked.is_ok_and(|log| data::survey::Guess::of(&log).q.len() <= 4));
+        data::read_as(&path, &reading).ok()
+    };
+    let accepted: Vec<_> = (0..8 * WHOLE.len()).into_par_iter().filter_map(read).collect();
+    accepted.iter().for_each(|(data, _)| holds_together(data));
+    assert!(!accepted.is_empty() && accepted.len() < 8 * WHOLE.len(), "{}", accepted.len());
+}
