@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::error::Note;
+use crate::note::Note;
 use crate::{Dataset, Trajectory};
 
 /// What rounding and noise may add to a turn, rad.

@@ -53,6 +53,7 @@ mod error;
 pub mod lock;
 mod logs;
 pub mod modlanet;
+mod note;
 mod npy_text;
 mod npz;
 mod npz_columns;
@@ -69,8 +70,9 @@ use std::path::Path;
 pub use columns::{Column, Columns, UNITS, unit};
 pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use doubts::Doubt;
-pub use error::{DataError, Note, Place, Problem};
+pub use error::{DataError, Place, Problem};
 pub use logs::{Reading, files, read_as, read_logs};
+pub use note::Note;
 pub use rows::Rows;
 
 use error::Fault;

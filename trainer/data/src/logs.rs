@@ -1,7 +1,8 @@
 //! Several files as one log, read as a configuration says.
 
 use crate::columns::Columns;
-use crate::error::{Fault, Note, Place, Problem};
+use crate::error::{Fault, Place, Problem};
+use crate::note::Note;
 use crate::{DataError, Dataset, Format, control_name, csv_file, format_of, located, npz, npz_columns};
 use leastaction_core::forces::ControlKind;
 use std::fs;

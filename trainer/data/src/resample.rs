@@ -4,7 +4,8 @@
 //! positions, velocities and accelerations go along a straight line. A held control, u_j acting from t_j to t_{j+1}, is averaged over
 //! the step in which it acts, so that its impulse stays; one that is linear between samples goes along a straight line as well.
 
-use crate::error::{Fault, Note, Place, Problem};
+use crate::error::{Fault, Place, Problem};
+use crate::note::Note;
 use crate::table::{Run, Table};
 use crate::time::rounded;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};

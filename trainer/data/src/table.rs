@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use leastaction_core::forces::ControlKind;
 
-use crate::error::{Fault, Note, Place, Problem};
+use crate::error::{Fault, Place, Problem};
+use crate::note::Note;
 use crate::time::Stamps;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
 

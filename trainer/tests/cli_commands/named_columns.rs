@@ -20,30 +20,23 @@ fn robot_logs(bench: &Bench) {
     }
 }
 
-const DATA: &str = r#"[data]
-file = "robot-*.csv"
-validation = 0.25
-step = STEP
-[data.columns]
-t = { name = "stamp", unit = "ms" }
-q = { name = "angle", unit = "deg", sign = -1 }
-u = "torque"
-[model]
-coordinates = "a"
-hidden = [6]
-[training]
-order = 2
-iterations = 15
-"#;
+/// The configuration of the page, for a step.
+fn configuration(step: f64) -> String {
+    const PAGE: &str = include_str!("../../../docs/logs.md");
+    let block = PAGE.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let changed = block.replace("step = 0.1 ", &format!("step = {step:?} "));
+    assert!(changed != block || step == 0.1);
+    changed
+}
 
 #[test]
 fn a_robots_own_files_are_learned_from() {
     let bench = Bench::new();
     robot_logs(&bench);
     let (exact, _) = data::read(bench.at("data.npz")).unwrap();
-    bench.write("c.toml", &DATA.replace("STEP", &format!("{:?}", exact.h)));
+    bench.write("c.toml", &configuration(exact.h));
     let done = bench.run("train c.toml -o run -q").good();
-    assert!(done.stderr.contains("robot-0.csv: resampled onto a step of"), "{}", done.stderr);
+    assert!(done.stderr.contains("note: 6 files were resampled onto a step of"), "{}", done.stderr);
     bench.run("export run -o m.postcard").good();
     let evaluated = bench.run("evaluate m.postcard --config c.toml --json").good().json();
     assert_eq!(evaluated["trajectories"], 6);
@@ -63,7 +56,7 @@ fn a_robots_own_files_are_learned_from() {
 fn what_cannot_be_read_is_named() {
     let bench = Bench::new();
     robot_logs(&bench);
-    let with = |from: &str, to: &str| bench.write("c.toml", &DATA.replace("STEP", "0.1").replace(from, to));
+    let with = |from: &str, to: &str| bench.write("c.toml", &configuration(0.1).replace(from, to));
     let refused = |words: &[&str]| drop(bench.run("train c.toml -o run -q").bad(2, words));
     with("\"torque\"", "\"tau\"");
     refused(&["robot-0.csv, line 1: there is no column \"tau\"; the file has stamp, angle, mode, torque"]);

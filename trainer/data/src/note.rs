@@ -1,0 +1,95 @@
+//! What a reader decided about a log that it accepted.
+
+use crate::error::Place;
+use std::fmt;
+
+/// Something the reader decided about a log that it accepted. Tell the user.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Note {
+    /// The stamps were uneven or another step was wanted.
+    Resampled {
+        /// The step now (s).
+        h: f64,
+        /// Median interval in the file (s).
+        median: f64,
+        /// Shortest interval (s).
+        shortest: f64,
+        /// Longest interval that is no gap (s).
+        longest: f64,
+        /// Samples with the stamp of the one before, which were left out.
+        repeated: usize,
+    },
+    /// Samples are missing, so the trajectory was split before this place.
+    Gap {
+        /// First sample after the gap.
+        place: Place,
+        /// Id in the file.
+        trajectory: i64,
+        /// Steps without a sample.
+        missing: u64,
+        /// Id of what follows the gap.
+        continues_as: i64,
+    },
+    /// A piece between gaps with fewer than 3 samples was left out.
+    Dropped {
+        /// Its first sample.
+        place: Place,
+        /// Id in the file.
+        trajectory: i64,
+        /// In the piece.
+        samples: usize,
+    },
+    /// Whole turns were added to an angle, so that it goes on across the seam of its range.
+    Seams {
+        /// From 0.
+        coordinate: usize,
+        /// Whether the coordinate was not known to be an angle, but moves as one.
+        cyclic: bool,
+        /// In all trajectories.
+        seams: usize,
+        /// Ids of the trajectories that have some.
+        trajectories: Vec<i64>,
+    },
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Resampled { h, median, shortest, longest, repeated } => {
+                write!(
+                    f,
+                    "resampled onto a step of {h} s; the stamps are {median:.3e} s apart in the median, {shortest:.3e} to {longest:.3e} s"
+                )?;
+                match repeated {
+                    0 => Ok(()),
+                    1 => f.write_str("; 1 with the time of the one before was left out"),
+                    _ => write!(f, "; {repeated} with the time of the one before were left out"),
+                }
+            }
+            Self::Gap { place, trajectory, missing, continues_as } => write!(
+                f,
+                "trajectory {trajectory}{place}: samples missing: {missing}; it continues as trajectory {continues_as}"
+            ),
+            Self::Dropped { place, trajectory, samples } => write!(
+                f,
+                "trajectory {trajectory}{place}: left out a piece of {samples} samples between gaps; 3 are needed"
+            ),
+            Self::Seams { coordinate, cyclic, seams, trajectories } => {
+                let taken = if *cyclic { ", a cyclic coordinate taken for an angle," } else { "" };
+                let plural = if *seams == 1 { "" } else { "s" };
+                write!(f, "q{coordinate}{taken} jumps by 2π {seams} time{plural}, in {}", few(trajectories))?;
+                f.write_str("; whole turns were added there, so that it goes on across the seam")
+            }
+        }
+    }
+}
+
+/// Trajectories by their ids, the first five of many.
+fn few(ids: &[i64]) -> String {
+    const MOST: usize = 5;
+    let shown: Vec<String> = ids.iter().take(MOST).map(i64::to_string).collect();
+    let (plural, rest) =
+        (if ids.len() == 1 { "y" } else { "ies" }, if ids.len() > MOST { ", …" } else { "" });
+    let count = if ids.len() > MOST { format!("{} ", ids.len()) } else { String::new() };
+    format!("{count}trajector{plural} {}{rest}", shown.join(", "))
+}
