@@ -58,6 +58,15 @@ pub fn transpose<S: Scalar, const N: usize>(a: &[[S; N]; N]) -> [[S; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
 }
 
+/// The matrix with these entries in its diagonal.
+pub fn diagonal<S: Scalar, const N: usize>(entries: [S; N]) -> Matrix<S, N> {
+    let mut matrix = [[S::zero(); N]; N];
+    for (i, (row, entry)) in matrix.iter_mut().zip(entries).enumerate() {
+        row[i] = entry;
+    }
+    matrix
+}
+
 /// a + cb.
 #[inline]
 pub fn add_scaled<S: Scalar, const N: usize>(a: &[S; N], c: S, b: &[S; N]) -> [S; N] {

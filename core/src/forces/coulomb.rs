@@ -1,5 +1,5 @@
 use super::{Forces, smaller};
-use crate::linear::{Matrix, SolveError, solve_many};
+use crate::linear::{Matrix, SolveError, diagonal, solve_many};
 use crate::scalar::{Real, Scalar};
 
 /// Dry friction of every coordinate, with a smooth sign and growing with the load:
@@ -112,9 +112,7 @@ impl<R: Real, const N: usize> Coulomb<R, N> {
     /// # Errors
     /// Where M is singular, or a number is not finite.
     pub fn stiffness(&self, h: R, mass: Matrix<R, N>, tau: &[R; N]) -> Result<[R; N], SolveError> {
-        let identity =
-            core::array::from_fn(|i| core::array::from_fn(|j| if i == j { R::one() } else { R::zero() }));
-        let inverse: Matrix<R, N> = solve_many(mass, identity)?;
+        let inverse = solve_many(mass, diagonal([R::one(); N]))?;
         Ok(core::array::from_fn(|i| {
             let friction = &self.coordinates[i];
             (h * friction.level(tau[i]) * inverse[i][i] / friction.width).half()
@@ -150,13 +148,4 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Coulomb<S, N> {
         let parts = self.coordinates.iter().zip(v).zip(dv);
         parts.map(|((friction, v), dv)| friction.trusted_part(*v, *dv)).fold(S::one(), smaller)
     }
-}
-
-/// The matrix with these entries in its diagonal.
-fn diagonal<S: Scalar, const N: usize>(entries: [S; N]) -> Matrix<S, N> {
-    let mut matrix = [[S::zero(); N]; N];
-    for (i, (row, entry)) in matrix.iter_mut().zip(entries).enumerate() {
-        row[i] = entry;
-    }
-    matrix
 }

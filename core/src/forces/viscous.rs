@@ -1,5 +1,5 @@
 use super::Forces;
-use crate::linear::Matrix;
+use crate::linear::{Matrix, diagonal};
 use crate::scalar::Scalar;
 
 /// Linear viscous damping in every coordinate, Q_i = −c_i v_i, c_i ≥ 0 in N s/m or N m s/rad. All zero: no damping.
@@ -22,12 +22,7 @@ impl<S: Scalar, const N: usize> Forces<S, N> for Viscous<S, N> {
     }
 
     fn derivatives(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>) {
-        let zero = [[S::zero(); N]; N];
-        let mut q_v = zero;
-        for (i, row) in q_v.iter_mut().enumerate() {
-            row[i] = -self.coefficients[i];
-        }
-        (zero, q_v)
+        ([[S::zero(); N]; N], diagonal(self.coefficients.map(|c| -c)))
     }
 
     fn load_derivative(&self, _: &[S; N], _: &[S; N], _: &[S; N]) -> Matrix<S, N> {
