@@ -217,36 +217,16 @@ impl<'b> Scheduler<'b> {
         slot
     }
 
+    /// Computes a node, where no other step does.
     fn step(&mut self, at: usize) {
         let node = Node::new(at);
         if self.places[at].is_some() {
             return;
         }
-        let length = self.builder.length(node);
         let step = match self.builder.operations[at].clone() {
-            Operation::Constant(_) => {
-                let known = self.builder.known(node).unwrap_or_default();
-                let rows = match &self.layout {
-                    None => known.into_iter().map(Row::splat).collect(),
-                    Some(layout) => layout.form(node).constant(&known),
-                };
-                self.places[at] = Some(self.constant(rows));
-                return;
-            }
-            Operation::Input(number) => {
-                self.program.inputs = self.program.inputs.max(number + 1);
-                let (to, given) = (self.reserve(node), Form::of_units(1));
-                match self.layout.as_ref().map(|layout| layout.form(node)).filter(|form| *form != given) {
-                    None => Step::Input { number, to },
-                    Some(form) => Step::PickInput { number, picks: form.picks(length, (given, |i| i)), to },
-                }
-            }
-            Operation::Parameters(start) if self.layout.is_none() => {
-                Step::Parameters { start, to: self.reserve(node) }
-            }
-            Operation::Parameters(start) => {
-                Step::PackedParameters { range: start..start + length, to: self.reserve(node) }
-            }
+            Operation::Constant(_) => return self.known(node),
+            Operation::Input(number) => self.input(node, number),
+            Operation::Parameters(start) => self.parameters(node, start),
             Operation::Linear { layer, columns, bias, x } => {
                 let columns = self.columns(columns, x, layer.inputs.max(1));
                 let x = self.in_columns(x, layer.inputs.max(1));
@@ -263,16 +243,7 @@ impl<'b> Scheduler<'b> {
                 let to = nodes.map(|node| node.map(|node| self.reserve(node)));
                 Step::Map { function: self.builder.functions[&function], x: self.place(x), to }
             }
-            Operation::Product(x, y) => match self.factor(node) {
-                Some((function, order, x, y)) => {
-                    let [x, y] = self.alike(node, [x, y]);
-                    Step::MapProduct { function, order, x, y, to: self.reserve(node) }
-                }
-                None => {
-                    let [x, y] = self.alike(node, [x, y]);
-                    Step::Product { x, y, to: self.reserve(node) }
-                }
-            },
+            Operation::Product(x, y) => self.product(node, [x, y]),
             Operation::Sum(x, y) => {
                 let [x, y] = self.alike(node, [x, y]);
                 Step::Sum { x, y, to: self.reserve(node) }
@@ -281,26 +252,66 @@ impl<'b> Scheduler<'b> {
                 Step::Scaled { c: f64::from_bits(c), x: self.place(x), to: self.reserve(node) }
             }
             Operation::Gather { x, .. } if self.summands(node).0 == x => return,
-            Operation::Gather { x, index } => {
-                let (from, to) = (self.place(x), self.reserve(node));
-                match &self.layout {
-                    None => Step::Gather { x: from, index, to },
-                    Some(layout) => Step::Pick { x: from, picks: layout.picked(node, x, &index), to },
-                }
-            }
-            Operation::Scatter { x, index } => {
-                let (x, from) = self.summands(x);
-                let (slot, to) = (self.place(x), self.reserve(node));
-                match &self.layout {
-                    None => Step::Scatter { x: slot, index, to },
-                    Some(layout) => {
-                        let place = |i: usize| from.map_or(i, |from| from[i] as usize);
-                        Step::PickSums { x: slot, sums: layout.summed([node, x], length, &index, place), to }
-                    }
-                }
-            }
+            Operation::Gather { x, index } => self.gather(node, x, index),
+            Operation::Scatter { x, index } => self.scatter(node, x, index),
         };
         self.program.steps.push(step);
+    }
+
+    /// Places a constant.
+    fn known(&mut self, node: Node) {
+        let known = self.builder.known(node).unwrap_or_default();
+        let rows = match &self.layout {
+            None => known.into_iter().map(Row::splat).collect(),
+            Some(layout) => layout.form(node).constant(&known),
+        };
+        self.places[node.index()] = Some(self.constant(rows));
+    }
+
+    fn input(&mut self, node: Node, number: usize) -> Step {
+        self.program.inputs = self.program.inputs.max(number + 1);
+        let (to, given, form) = (self.reserve(node), Form::of_units(1), self.form(node));
+        if form == given {
+            return Step::Input { number, to };
+        }
+        Step::PickInput { number, picks: form.picks(self.builder.length(node), (given, |i| i)), to }
+    }
+
+    fn parameters(&mut self, node: Node, start: usize) -> Step {
+        let (range, to) = (start..start + self.builder.length(node), self.reserve(node));
+        match self.layout {
+            None => Step::Parameters { start, to },
+            Some(_) => Step::PackedParameters { range, to },
+        }
+    }
+
+    fn product(&mut self, node: Node, factors: [Node; 2]) -> Step {
+        let Some((function, order, x, y)) = self.factor(node) else {
+            let [x, y] = self.alike(node, factors);
+            return Step::Product { x, y, to: self.reserve(node) };
+        };
+        let [x, y] = self.alike(node, [x, y]);
+        Step::MapProduct { function, order, x, y, to: self.reserve(node) }
+    }
+
+    fn gather(&mut self, node: Node, x: Node, index: Box<[u32]>) -> Step {
+        let (from, to) = (self.place(x), self.reserve(node));
+        match &self.layout {
+            None => Step::Gather { x: from, index, to },
+            Some(layout) => Step::Pick { x: from, picks: layout.picked(node, x, &index), to },
+        }
+    }
+
+    fn scatter(&mut self, node: Node, x: Node, index: Box<[u32]>) -> Step {
+        let (x, from) = self.summands(x);
+        let (slot, to, length) = (self.place(x), self.reserve(node), self.builder.length(node));
+        match &self.layout {
+            None => Step::Scatter { x: slot, index, to },
+            Some(layout) => {
+                let place = |i: usize| from.map_or(i, |from| from[i] as usize);
+                Step::PickSums { x: slot, sums: layout.summed([node, x], length, &index, place), to }
+            }
+        }
     }
 
     fn gradient(&mut self, gradient: &Gradient) {

@@ -37,8 +37,7 @@ impl Scheduler<'_> {
 
     /// The slot of a node in columns of so many units, where columns lie side by side.
     pub(super) fn in_columns(&mut self, node: Node, units: usize) -> Slot {
-        let form = self.layout.as_ref().map_or(Form::of_units(1), |layout| layout.form(node).in_units(units));
-        self.in_form(node, form)
+        self.in_form(node, self.form(node).in_units(units))
     }
 
     /// The slots of the results.
@@ -58,7 +57,7 @@ impl Scheduler<'_> {
 
     /// The slots of two nodes that are combined number by number.
     pub(super) fn alike(&mut self, node: Node, of: [Node; 2]) -> [Slot; 2] {
-        let units = self.layout.as_ref().map_or(1, |layout| layout.form(node).units);
+        let units = self.form(node).units;
         of.map(|x| self.in_columns(x, units))
     }
 }
