@@ -1,33 +1,21 @@
 //! The examples of docs/graphs.md, as they stand there, on exact motion.
 
+use crate::page::{self, Strict};
 use leastaction_learning::architecture::GraphArchitecture;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset};
 use leastaction_learning::evaluate::acceleration_mse;
 use leastaction_learning::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, logged};
-use leastaction_learning::run::{Monitor, Plan, Row, Run};
+use leastaction_learning::run::{Plan, Run};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 const PAGE: &str = include_str!("../../../../docs/graphs.md");
 
-/// The block of the page that begins with this file name.
+/// The example of the page that begins with this file name.
 fn example(name: &str) -> &'static str {
-    let mut blocks = PAGE.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
-    blocks
-        .find(|block| block.starts_with(&format!("# {name}\n")))
-        .unwrap_or_else(|| panic!("no example {name}"))
-}
-
-struct Strict;
-
-impl Monitor for Strict {
-    fn row(&mut self, _: &Row) {}
-
-    fn warning(&mut self, message: &str) {
-        panic!("{message}");
-    }
+    page::example(PAGE, name)
 }
 
 /// Trains an example; no notice is left to give.

@@ -1,5 +1,6 @@
 //! The examples of docs/trees.md, as they stand there, on exact motion.
 
+use crate::page::{self, Strict};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::Laws;
@@ -9,28 +10,15 @@ use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::acceleration_mse;
 use leastaction_learning::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
-use leastaction_learning::run::{Monitor, Plan, Row, Run};
+use leastaction_learning::run::{Plan, Run};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 const PAGE: &str = include_str!("../../../../docs/trees.md");
 
-/// The block of the page that begins with this file name.
+/// The example of the page that begins with this file name.
 fn example(name: &str) -> &'static str {
-    let mut blocks = PAGE.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
-    blocks
-        .find(|block| block.starts_with(&format!("# {name}\n")))
-        .unwrap_or_else(|| panic!("no example {name}"))
-}
-
-struct Strict;
-
-impl Monitor for Strict {
-    fn row(&mut self, _: &Row) {}
-
-    fn warning(&mut self, message: &str) {
-        panic!("{message}");
-    }
+    page::example(PAGE, name)
 }
 
 /// Motions from starts that are spread widely.

@@ -6,5 +6,6 @@ mod documented_trees;
 mod graph_config;
 mod graphs;
 mod next_state;
+mod page;
 mod rods;
 mod trees;
