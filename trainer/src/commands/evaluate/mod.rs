@@ -18,12 +18,11 @@ use leastaction_learning::architecture::Architecture;
 use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::{Dataset, control_name};
 use leastaction_learning::evaluate::{
-    Beginning, acceleration_mse, energy_mse, finished, inertia_mse, integration_errors, one_step_mse, rollout,
+    Beginning, acceleration_mse, energy_mse, finished, inertia_mse, one_step_mse, rollout,
 };
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use long_term::{Request, Scalable};
-use on_chip::OnChip;
 use report::{Acceleration, Report, Steps};
 use std::path::{Path, PathBuf};
 
@@ -102,8 +101,7 @@ impl Evaluate {
             output.note("note: the log is forced, so that its energy changes: energy is not compared");
         }
         let failed = |error| Failure::input(&self.model, error);
-        let mut report = self.measure(&model, &log, symo).map_err(failed)?;
-        report.data = file;
+        let mut report = self.measure(&model, (file, &log), symo).map_err(failed)?;
         report.chip = on_chip(&model, report.order, &log)
             .map_err(|error| output.note(&format!("note: steps on the chip are not measured: {error}")))
             .ok();
@@ -165,7 +163,7 @@ impl Evaluate {
                 Failure::input(file, message)
             })?;
         }
-        let kind = log.control.or(trained).unwrap_or_default();
+        let kind = log.control_kind();
         log.control = Some(kind);
         if let Some(trained) = trained.filter(|trained| *trained != kind && log.control_changes()) {
             let (trained, kind) = (control_name(trained), control_name(kind));
@@ -231,7 +229,7 @@ impl Evaluate {
     fn measure(
         &self,
         model: &HostModel,
-        log: &Dataset,
+        (data, log): (PathBuf, &Dataset),
         system: Option<Mechanism>,
     ) -> Result<Report, ModelError> {
         let (architecture, weights) = (&model.architecture, &model.weights);
@@ -247,7 +245,7 @@ impl Evaluate {
         let acceleration = acceleration_mse(architecture, weights, log)?;
         Ok(Report {
             model: self.model.clone(),
-            data: PathBuf::new(),
+            data,
             tree: part("tree"),
             graph: part("graph"),
             order,
@@ -269,10 +267,10 @@ impl Evaluate {
 }
 
 /// Steps in the chip's arithmetic; an error in words where it has not the size of the model.
-fn on_chip(model: &HostModel, order: u8, log: &Dataset) -> Result<OnChip, String> {
+fn on_chip(model: &HostModel, order: u8, log: &Dataset) -> Result<Steps, String> {
     let order = Order::from_number(order).ok_or("there is no such order")?;
     let file = chip::file(model)?;
-    let measured = OnChip::measure(&chip::meant(&file, model)?, order, log);
+    let measured = on_chip::steps(&chip::meant(&file, model)?, order, log);
     measured.map_err(|error| error.to_string())
 }
 
@@ -285,17 +283,9 @@ fn steps(
 ) -> Result<Steps, ModelError> {
     let one_step = one_step_mse(architecture, weights, order, log)?;
     let (runs, motions) = finished(&rollout(architecture, weights, order, (log, Beginning::Velocity))?, log);
-    let is_measured = !runs.is_empty();
-    let errors = is_measured.then(|| integration_errors(&runs, &motions));
-    Ok(Steps {
-        one_step_mse: one_step.mean_square,
-        one_step_unsolved: one_step.unsolved,
-        rollout_mse: errors.as_ref().map(|errors| errors.mean),
-        rollout_median: errors.as_ref().map(|errors| errors.median),
-        rollout_mse_100: errors.as_ref().map(|errors| errors.first_100),
-        rollouts_broken_off: log.trajectories.len() - runs.len(),
-        energy_mse: mechanism.filter(|_| is_measured).map(|system| energy_mse(system, &runs, &motions)),
-    })
+    let energy = mechanism.filter(|_| !runs.is_empty()).map(|system| energy_mse(system, &runs, &motions));
+    let steps = Steps::new(one_step, (&runs, &motions), log.trajectories.len());
+    Ok(Steps { energy_mse: energy, ..steps })
 }
 
 /// Has angles go on across their seams, and tells of what is doubtful.

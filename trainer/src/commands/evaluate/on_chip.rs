@@ -1,50 +1,28 @@
 //! Steps along a log in the chip's arithmetic: what single precision costs, for a model of any size.
 
-use super::report::{left_out, row};
+use super::report::Steps;
 use leastaction_chip::{Chip, ChipError, Control, Motion, Step};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
-use leastaction_learning::evaluate::{finished, integration_errors};
+use leastaction_learning::evaluate::finished;
 use leastaction_learning::parallel;
-use serde::Serialize;
-use std::fmt;
+use leastaction_learning::training::Solved;
 
-/// Errors of the chip's steps.
-#[derive(Serialize)]
-pub struct OnChip {
-    /// Of the steps that can be solved; none: none could.
-    pub one_step_mse: Option<f64>,
-    /// Steps that cannot.
-    pub one_step_unsolved: usize,
-    /// Of the rollouts that reach the end, here and below; none: none did.
-    pub rollout_mse: Option<f64>,
-    pub rollout_median: Option<f64>,
-    pub rollout_mse_100: Option<f64>,
-    /// Rollouts that do not.
-    pub rollouts_broken_off: usize,
-}
-
-impl OnChip {
-    /// Steps a model along a log: from every pair of positions, and over whole trajectories from the second sample.
-    pub fn measure(chip: &Chip, order: Order, log: &Dataset) -> Result<Self, ChipError> {
-        let step = Step { order, h: log.h as f32 };
-        let tracks: Vec<_> =
-            log.trajectories.iter().map(|t| Track::new(chip, step, t, log)).collect::<Result<_, _>>()?;
-        let one_steps = parallel::map(tracks.len(), &|k| tracks[k].one_steps());
-        let solved: Vec<f64> = one_steps.iter().flatten().flatten().copied().collect();
-        let runs = parallel::map(tracks.len(), &|k| tracks[k].run());
-        let (runs, motions) = finished(&runs, log);
-        let errors = (!runs.is_empty()).then(|| integration_errors(&runs, &motions));
-        Ok(Self {
-            one_step_mse: (!solved.is_empty()).then(|| solved.iter().sum::<f64>() / solved.len() as f64),
-            one_step_unsolved: one_steps.iter().map(Vec::len).sum::<usize>() - solved.len(),
-            rollout_mse: errors.as_ref().map(|errors| errors.mean),
-            rollout_median: errors.as_ref().map(|errors| errors.median),
-            rollout_mse_100: errors.as_ref().map(|errors| errors.first_100),
-            rollouts_broken_off: log.trajectories.len() - runs.len(),
-        })
-    }
+/// Steps a model along a log: from every pair of positions, and over whole trajectories from the second sample.
+pub fn steps(chip: &Chip, order: Order, log: &Dataset) -> Result<Steps, ChipError> {
+    let step = Step { order, h: log.h as f32 };
+    let tracks: Vec<_> =
+        log.trajectories.iter().map(|t| Track::new(chip, step, t, log)).collect::<Result<_, _>>()?;
+    let one_steps = parallel::map(tracks.len(), &|k| tracks[k].one_steps());
+    let solved: Vec<f64> = one_steps.iter().flatten().flatten().copied().collect();
+    let one_step = Solved {
+        mean_square: (!solved.is_empty()).then(|| solved.iter().sum::<f64>() / solved.len() as f64),
+        unsolved: one_steps.iter().map(Vec::len).sum::<usize>() - solved.len(),
+    };
+    let runs = parallel::map(tracks.len(), &|k| tracks[k].run());
+    let (runs, motions) = finished(&runs, log);
+    Ok(Steps::new(one_step, (&runs, &motions), log.trajectories.len()))
 }
 
 /// A trajectory in single precision.
@@ -123,16 +101,4 @@ impl<'l> Track<'l> {
 /// The rows, rounded to single precision.
 fn singles(rows: &Rows) -> Vec<Vec<f32>> {
     rows.iter().map(|row| row.iter().map(|x| *x as f32).collect()).collect()
-}
-
-impl fmt::Display for OnChip {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        writeln!(f, "on the chip, in single precision")?;
-        row(f, "  position, one step ahead", self.one_step_mse)?;
-        left_out(f, self.one_step_unsolved, "steps cannot be solved")?;
-        row(f, "  position, whole trajectories", self.rollout_mse)?;
-        row(f, "    median over trajectories", self.rollout_median)?;
-        row(f, "    first 100 steps", self.rollout_mse_100)?;
-        left_out(f, self.rollouts_broken_off, "trajectories break off at a step that cannot be solved")
-    }
 }

@@ -1,7 +1,9 @@
 //! The measures, as JSON and in words.
 
 use super::long_term::LongTerm;
-use super::on_chip::OnChip;
+use leastaction_learning::data::Dataset;
+use leastaction_learning::evaluate::integration_errors;
+use leastaction_learning::training::Solved;
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -28,7 +30,7 @@ pub struct Report {
     pub steps: Option<Steps>,
     /// None for a size that the chip's arithmetic is not compiled for here.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub chip: Option<OnChip>,
+    pub chip: Option<Steps>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia_mse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,8 +50,11 @@ impl fmt::Display for Report {
             "{part}{trajectories} trajectories, {samples} samples; order {order}, step {h} s{control}; mean squared errors"
         )?;
         self.acceleration.iter().try_for_each(|acceleration| write!(f, "{acceleration}"))?;
-        self.steps.iter().try_for_each(|steps| write!(f, "{steps}"))?;
-        self.chip.iter().try_for_each(|chip| write!(f, "{chip}"))?;
+        self.steps.iter().try_for_each(|steps| steps.write(f, ""))?;
+        if let Some(chip) = &self.chip {
+            writeln!(f, "on the chip, in single precision")?;
+            chip.write(f, "  ")?;
+        }
         self.inertia_mse.iter().try_for_each(|error| row(f, "inertia matrix", Some(*error)))?;
         self.prediction.iter().try_for_each(|prediction| write!(f, "\n{prediction}"))
     }
@@ -91,8 +96,23 @@ impl fmt::Display for Acceleration {
     }
 }
 
-impl fmt::Display for Steps {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+impl Steps {
+    /// Of single steps, and of the rollouts that reach the end, of so many, with the motions that they should be.
+    pub fn new(one_step: Solved, (runs, motions): (&[Vec<f64>], &Dataset), rollouts: usize) -> Self {
+        let errors = (!runs.is_empty()).then(|| integration_errors(runs, motions));
+        Self {
+            one_step_mse: one_step.mean_square,
+            one_step_unsolved: one_step.unsolved,
+            rollout_mse: errors.as_ref().map(|errors| errors.mean),
+            rollout_median: errors.as_ref().map(|errors| errors.median),
+            rollout_mse_100: errors.as_ref().map(|errors| errors.first_100),
+            rollouts_broken_off: rollouts - runs.len(),
+            energy_mse: None,
+        }
+    }
+
+    fn write(&self, f: &mut fmt::Formatter, indent: &str) -> fmt::Result {
+        let row = |f: &mut fmt::Formatter, name, value| row(f, &format!("{indent}{name}"), value);
         row(f, "position, one step ahead", self.one_step_mse)?;
         left_out(f, self.one_step_unsolved, "steps cannot be solved")?;
         row(f, "position, whole trajectories", self.rollout_mse)?;
@@ -103,12 +123,12 @@ impl fmt::Display for Steps {
     }
 }
 
-pub(super) fn row(f: &mut fmt::Formatter, name: &str, value: Option<f64>) -> fmt::Result {
+fn row(f: &mut fmt::Formatter, name: &str, value: Option<f64>) -> fmt::Result {
     let value = value.map_or("none".to_owned(), |value| format!("{value:.3e}"));
     writeln!(f, "{name:<30} {value}")
 }
 
 /// What the rows above do not count.
-pub(super) fn left_out(f: &mut fmt::Formatter, count: usize, what: &str) -> fmt::Result {
+fn left_out(f: &mut fmt::Formatter, count: usize, what: &str) -> fmt::Result {
     if count == 0 { Ok(()) } else { writeln!(f, "  without {count}: these {what}") }
 }
