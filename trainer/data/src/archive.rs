@@ -132,6 +132,15 @@ impl<'a> Array<'a> {
         Ok(Self { zip, index, key: key.to_owned(), kind, shape })
     }
 
+    /// Of an array \[samples\] or \[samples, columns\]; `None` for another shape.
+    pub(crate) fn samples_and_columns(&self) -> Option<(usize, usize)> {
+        match *self.shape.as_slice() {
+            [samples] => Some((samples, 1)),
+            [samples, columns] if columns > 0 => Some((samples, columns)),
+            _ => None,
+        }
+    }
+
     pub(crate) fn fault(&self, problem: Problem) -> Fault {
         (Place::Key(self.key.clone()), problem)
     }

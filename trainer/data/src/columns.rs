@@ -93,18 +93,23 @@ impl Columns {
 }
 
 impl Table {
-    /// The same in SI units, with u as generalised forces.
-    pub(crate) fn in_si(self, columns: &Columns) -> Result<Self, Fault> {
+    /// The same in SI units, where every name is that of one column.
+    pub(crate) fn scaled(self, columns: &Columns) -> Self {
         let t = self.t.map(|t| t.into_iter().map(|t| t * columns.t.scale).collect());
-        let q = scaled(self.q, &columns.q);
-        let v = self.v.map(|v| scaled(v, &columns.v));
-        let u = self.u.map(|u| scaled(u, &columns.u));
-        let n = q.width();
-        if let Some(v) = v.as_ref().filter(|v| v.width() != n) {
+        let q = scaled(&self.q, &columns.q);
+        let v = self.v.map(|v| scaled(&v, &columns.v));
+        let u = self.u.map(|u| scaled(&u, &columns.u));
+        Self { t, q, v, u, ..self }
+    }
+
+    /// The same with u as generalised forces.
+    pub(crate) fn driven(self, actuation: Option<&[Vec<f64>]>) -> Result<Self, Fault> {
+        let n = self.q.width();
+        if let Some(v) = self.v.as_ref().filter(|v| v.width() != n) {
             return Err(inconsistent("v", v.width(), n));
         }
-        let u = u.map(|u| acting(u, columns.actuation.as_deref(), n)).transpose()?;
-        Ok(Self { t, q, v, u, ..self })
+        let u = self.u.map(|u| acting(u, actuation, n)).transpose()?;
+        Ok(Self { u, ..self })
     }
 }
 
@@ -112,14 +117,10 @@ fn inconsistent(name: &'static str, found: usize, expected: usize) -> Fault {
     (Place::File, Problem::Inconsistent { name, what: "columns", found, expected })
 }
 
-/// Every column by its own scale; where one name gave several columns, all by that one.
-fn scaled(rows: Rows, columns: &[Column]) -> Rows {
-    let mut scales = columns.iter().map(|column| column.scale).collect::<Vec<_>>();
-    if let [one] = scales[..] {
-        scales = vec![one; rows.width()];
-    }
-    let mut scale = scales.into_iter().cycle();
-    rows.map(|x| x * scale.next().unwrap_or(1.0))
+/// Every column by its own scale.
+fn scaled(rows: &Rows, columns: &[Column]) -> Rows {
+    let mut scales = columns.iter().map(|column| column.scale).cycle();
+    rows.map(|x| x * scales.next().unwrap_or(1.0))
 }
 
 /// B u, or u itself where B is not given.

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use csv::ByteRecord;
 
 use crate::columns::{Column, Columns};
-use crate::csv_text::{Numbers, decoded, reader, separator};
+use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
 use crate::error::{Fault, Place, Problem};
 use crate::table::Table;
 use crate::{Dataset, Rows, Trajectory, control_name, control_of_name};
@@ -19,9 +19,9 @@ const FIELDS: [&str; 4] = ["q", "v", "a", "u"];
 
 /// The table of a file, whose columns are found by their names in this layout, or in one of the log's own.
 pub(crate) fn read(bytes: &[u8], named: Option<&Columns>) -> Result<Table, Fault> {
-    let text = decoded(bytes)?;
+    let content = decoded(bytes)?;
     let known = |name: &[u8]| named.map_or_else(|| is_known(name), |named| is_named(name, named));
-    let mut reader = reader(&text, separator(&text, known));
+    let mut reader = reader(&content, separator(&content, known));
     let mut records = reader.byte_records();
     let Some(header) = records.next() else { return Err((Place::File, Problem::Empty)) };
     let columns = Header::parse(&header.map_err(broken)?, named)?;
@@ -29,13 +29,12 @@ pub(crate) fn read(bytes: &[u8], named: Option<&Columns>) -> Result<Table, Fault
     for record in records {
         cells.push(&columns, &record.map_err(broken)?)?;
     }
-    let control = stated_control(&text)?;
-    Ok(Table { control, ..cells.into_table(&columns, stated_step(&text)?)? })
-}
-
-fn broken(error: csv::Error) -> Fault {
-    let place = error.position().map_or(Place::File, |position| Place::Line(position.line()));
-    (place, Problem::NotCsv(error.to_string()))
+    let control = stated_control(&content)?;
+    let table = Table { control, ..cells.into_table(&columns, stated_step(&content)?)? };
+    Ok(match named {
+        Some(named) => table.scaled(named),
+        None => table,
+    })
 }
 
 /// The value of a comment `# h = …` before the header line.
@@ -182,10 +181,6 @@ fn position(names: &[String], name: &str) -> Option<usize> {
 
 fn line_of(record: &ByteRecord) -> u64 {
     record.position().map_or(1, csv::Position::line)
-}
-
-fn text(cell: &[u8]) -> String {
-    String::from_utf8_lossy(cell).into_owned()
 }
 
 /// The samples read so far.

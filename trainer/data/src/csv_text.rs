@@ -102,3 +102,14 @@ fn may_be_thousands(whole: &str, rest: &str) -> bool {
         && rest.len() == 3
         && digits(rest)
 }
+
+/// What the reader of cells says, at its line.
+pub(crate) fn broken(error: csv::Error) -> Fault {
+    let place = error.position().map_or(Place::File, |position| Place::Line(position.line()));
+    (place, Problem::NotCsv(error.to_string()))
+}
+
+/// A cell as text.
+pub(crate) fn text(cell: &[u8]) -> String {
+    String::from_utf8_lossy(cell).into_owned()
+}

@@ -50,6 +50,7 @@ mod csv_file;
 mod csv_text;
 mod doubts;
 mod error;
+mod intervals;
 pub mod lock;
 mod logs;
 pub mod modlanet;
@@ -72,11 +73,12 @@ pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use doubts::Doubt;
 pub use error::{DataError, Place, Problem};
 pub use logs::{Reading, files, read_as, read_logs};
-pub use note::Note;
+pub use note::{Note, Resampled};
 pub use rows::Rows;
 
 use error::Fault;
 use leastaction_core::forces::ControlKind;
+use table::Table;
 
 /// The fewest samples of a trajectory: one discrete Euler-Lagrange equation.
 pub const MIN_SAMPLES: usize = 3;
@@ -257,11 +259,10 @@ fn positive(h: f64) -> Result<(), Problem> {
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
-    let bytes = located(path, || {
-        format_of(path)?;
-        fs::read(path).map_err(|error| (Place::File, error.into()))
-    })?;
-    decode(path, &bytes)
+    located(path, || {
+        let (format, bytes) = content(path)?;
+        table(format, &bytes, None)?.into_dataset()
+    })
 }
 
 /// As [`read`], of the content of a file; `path` tells the format and stands in errors.
@@ -270,13 +271,28 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
 /// As [`read`].
 pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
-    located(path, || {
-        match format_of(path)? {
-            Format::Npz => npz::read(bytes)?,
-            Format::Csv => csv_file::read(bytes, None)?,
-        }
-        .into_dataset()
-    })
+    located(path, || table(format_of(path)?, bytes, None)?.into_dataset())
+}
+
+/// A file and what its name says that it is.
+fn content(path: &Path) -> Result<(Format, Vec<u8>), Fault> {
+    let format = format_of(path)?;
+    Ok((format, fs::read(path).map_err(|error| (Place::File, error.into()))?))
+}
+
+/// What a file holds, in SI units, under the names of this layout or of its own.
+fn table(format: Format, bytes: &[u8], columns: Option<&Columns>) -> Result<Table, Fault> {
+    let Some(columns) = columns else {
+        return match format {
+            Format::Npz => npz::read(bytes),
+            Format::Csv => csv_file::read(bytes, None),
+        };
+    };
+    let table = match format {
+        Format::Npz => npz_columns::read(bytes, columns)?,
+        Format::Csv => csv_file::read(bytes, Some(columns))?,
+    };
+    table.driven(columns.actuation.as_deref())
 }
 
 /// Writes a data set, by the extension `.npz` or `.csv`; the file is replaced in one step or not at all.

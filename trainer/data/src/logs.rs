@@ -3,9 +3,8 @@
 use crate::columns::Columns;
 use crate::error::{Fault, Place, Problem};
 use crate::note::Note;
-use crate::{DataError, Dataset, Format, control_name, csv_file, format_of, located, npz, npz_columns};
+use crate::{DataError, Dataset, content, control_name, located, table};
 use leastaction_core::forces::ControlKind;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How files become one log.
@@ -92,18 +91,9 @@ fn alike(all: &Dataset, log: &Dataset, first: &Path) -> Result<(), Fault> {
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read_as(path: &Path, reading: &Reading) -> Result<(Dataset, Vec<Note>), DataError> {
     located(path, || {
-        let format = format_of(path)?;
-        let bytes = fs::read(path).map_err(|error| (Place::File, error.into()))?;
-        let columns = reading.columns.as_ref();
-        let mut table = match (format, columns) {
-            (Format::Csv, columns) => csv_file::read(&bytes, columns)?,
-            (Format::Npz, None) => npz::read(&bytes)?,
-            (Format::Npz, Some(columns)) => npz_columns::read(&bytes, columns)?,
-        };
+        let (format, bytes) = content(path)?;
+        let mut table = table(format, &bytes, reading.columns.as_ref())?;
         drop(bytes);
-        if let Some(columns) = columns {
-            table = table.in_si(columns)?;
-        }
         // What a file says of itself goes before; that it contradicts the configuration is said by who knows both.
         table.control = table.control.or(reading.control);
         table.into_even(reading.step)

@@ -7,18 +7,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Note {
     /// The stamps were uneven or another step was wanted.
-    Resampled {
-        /// The step now (s).
-        h: f64,
-        /// Median interval in the file (s).
-        median: f64,
-        /// Shortest interval (s).
-        shortest: f64,
-        /// Longest interval that is no gap (s).
-        longest: f64,
-        /// Samples with the stamp of the one before, which were left out.
-        repeated: usize,
-    },
+    Resampled(Resampled),
     /// Samples are missing, so the trajectory was split before this place.
     Gap {
         /// First sample after the gap.
@@ -55,17 +44,7 @@ pub enum Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Resampled { h, median, shortest, longest, repeated } => {
-                write!(
-                    f,
-                    "resampled onto a step of {h} s; the stamps are {median:.3e} s apart in the median, {shortest:.3e} to {longest:.3e} s"
-                )?;
-                match repeated {
-                    0 => Ok(()),
-                    1 => f.write_str("; 1 with the time of the one before was left out"),
-                    _ => write!(f, "; {repeated} with the time of the one before were left out"),
-                }
-            }
+            Self::Resampled(resampled) => resampled.fmt(f),
             Self::Gap { place, trajectory, missing, continues_as } => write!(
                 f,
                 "trajectory {trajectory}{place}: samples missing: {missing}; it continues as trajectory {continues_as}"
@@ -80,6 +59,53 @@ impl fmt::Display for Note {
                 write!(f, "q{coordinate}{taken} jumps by 2π {seams} time{plural}, in {}", few(trajectories))?;
                 f.write_str("; whole turns were added there, so that it goes on across the seam")
             }
+        }
+    }
+}
+
+/// How samples came onto one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resampled {
+    /// The step now (s).
+    pub h: f64,
+    /// Median interval in the file (s).
+    pub median: f64,
+    /// Shortest interval (s).
+    pub shortest: f64,
+    /// Longest interval that is no gap (s).
+    pub longest: f64,
+    /// Samples with the stamp of the one before, which were left out.
+    pub repeated: usize,
+}
+
+impl Resampled {
+    /// Of several files that came onto one step: the median of their medians, the shortest and longest interval. `None` for no file.
+    #[must_use]
+    pub fn together(files: &[Self]) -> Option<Self> {
+        let mut medians: Vec<f64> = files.iter().map(|file| file.median).collect();
+        medians.sort_unstable_by(f64::total_cmp);
+        let both = |a: Self, b: Self| Self {
+            shortest: a.shortest.min(b.shortest),
+            longest: a.longest.max(b.longest),
+            repeated: a.repeated + b.repeated,
+            ..a
+        };
+        let all = files.iter().copied().reduce(both)?;
+        Some(Self { median: *medians.get(medians.len() / 2)?, ..all })
+    }
+}
+
+impl fmt::Display for Resampled {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { h, median, shortest, longest, repeated } = self;
+        write!(
+            f,
+            "resampled onto a step of {h} s; the stamps are {median:.3e} s apart in the median, {shortest:.3e} to {longest:.3e} s"
+        )?;
+        match repeated {
+            0 => Ok(()),
+            1 => f.write_str("; 1 with the time of the one before was left out"),
+            _ => write!(f, "; {repeated} with the time of the one before were left out"),
         }
     }
 }

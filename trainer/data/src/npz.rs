@@ -36,12 +36,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
 /// A field \[samples, n\], or \[samples\] when n = 1; of the given (samples, n) if any.
 fn rows(array: Option<Array<'_>>, size: Option<(usize, usize)>) -> Result<Option<Rows>, Fault> {
     let Some(array) = array else { return Ok(None) };
-    let found = match *array.shape.as_slice() {
-        [samples] => Some((samples, 1)),
-        [samples, n] if n > 0 => Some((samples, n)),
-        _ => None,
-    };
-    match (found, size) {
+    match (array.samples_and_columns(), size) {
         (Some(found), Some((samples, n))) if found != (samples, n) => {
             Err(array.wrong_shape(format!("[{samples}, {n}] as of q")))
         }

@@ -28,7 +28,7 @@ struct Arrays<'a> {
 }
 
 impl Arrays<'_> {
-    /// Columns side by side; `None` where none is named.
+    /// Columns side by side, in SI units; `None` where none is named.
     fn rows(&mut self, columns: &[Column], samples: Option<usize>) -> Result<Option<Rows>, Fault> {
         let parts = columns.iter().map(|column| self.column(column)).collect::<Result<Vec<_>, _>>()?;
         let Some(first) = parts.first() else { return Ok(None) };
@@ -43,18 +43,23 @@ impl Arrays<'_> {
         Ok(Rows::from_flat(width, (0..samples).flat_map(row).collect()))
     }
 
+    /// A column, or all of an array, in SI units.
     fn column(&mut self, column: &Column) -> Result<Rows, Fault> {
         let (key, index) = indexed(&column.name);
         if !self.read.contains_key(key) {
             let rows = self.unpack(key, &column.name)?;
             self.read.insert(key.to_owned(), rows);
         }
-        let Some(rows) = self.read.get(key) else { return Err((Place::File, Problem::Empty)) };
+        let fault = |problem| (Place::Key(key.to_owned()), problem);
+        let rows = self.read.get(key).ok_or_else(|| fault(Problem::Empty))?;
+        let scaled = |x: f64| x * column.scale;
         match index {
-            None => Ok(rows.clone()),
-            Some(index) if index < rows.width() => Ok(Rows::from_flat(1, rows.column(index).collect())
-                .ok_or((Place::Key(key.to_owned()), Problem::Empty))?),
-            Some(index) => Err((Place::Key(key.to_owned()), Problem::NoIndex { index, found: rows.width() })),
+            None => Ok(rows.map(scaled)),
+            Some(index) if index < rows.width() => {
+                let one = rows.column(index).map(scaled).collect();
+                Rows::from_flat(1, one).ok_or_else(|| fault(Problem::Empty))
+            }
+            Some(index) => Err(fault(Problem::NoIndex { index, found: rows.width() })),
         }
     }
 
@@ -63,10 +68,8 @@ impl Arrays<'_> {
             let known = self.archive.keys().to_vec();
             return Err((Place::File, Problem::NoColumn { name: name.to_owned(), known }));
         };
-        let width = match *array.shape.as_slice() {
-            [_] => 1,
-            [_, width] if width > 0 => width,
-            _ => return Err(array.wrong_shape("[samples] or [samples, columns]".to_owned())),
+        let Some((_, width)) = array.samples_and_columns() else {
+            return Err(array.wrong_shape("[samples] or [samples, columns]".to_owned()));
         };
         Rows::from_flat(width, array.reals()?).ok_or((Place::Key(key.to_owned()), Problem::Empty))
     }

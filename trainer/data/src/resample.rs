@@ -5,15 +5,13 @@
 //! the step in which it acts, so that its impulse stays; one that is linear between samples goes along a straight line as well.
 
 use crate::error::{Fault, Place, Problem};
-use crate::note::Note;
+use crate::intervals::{GAP, Intervals};
+use crate::note::{Note, Resampled};
 use crate::table::{Run, Table};
 use crate::time::rounded;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
 use leastaction_core::forces::ControlKind;
 use std::ops::Range;
-
-/// An interval of more steps, and more median intervals, than these is a gap.
-const GAP: f64 = 2.5;
 
 /// The default step is the decimal number of the fewest digits within this part of the mean interval.
 const ROUNDING: f64 = 5e-3;
@@ -31,21 +29,13 @@ struct Stamped {
 impl Table {
     /// As [`Table::into_dataset`]; where the stamps are uneven, or a step is wanted that is not theirs, resampled.
     pub(crate) fn into_even(self, wanted: Option<f64>) -> Result<(Dataset, Vec<Note>), Fault> {
-        if self.t.is_none() && self.h.is_none() || self.q.is_empty() {
-            return self.into_dataset();
-        }
         self.check_finite()?;
-        let found = self.runs().and_then(|runs| {
-            let h = self.step(&runs)?;
-            self.pieces(runs, h).map(|_| h)
-        });
-        match (found, wanted) {
-            (Ok(_), None) => self.into_dataset(),
-            (Ok(h), Some(wanted)) if h == wanted => self.into_dataset(),
-            (Err((_, Problem::ChangingStep { .. } | Problem::Unsorted { .. })) | Ok(_), _) => {
+        match self.uniform() {
+            Ok(even) if wanted.is_none_or(|wanted| wanted == even.h) => Ok(self.dataset(even)),
+            Ok(_) | Err((_, Problem::ChangingStep { .. } | Problem::Unsorted { .. })) => {
                 self.resampled(wanted)
             }
-            (Err(fault), _) => Err(fault),
+            Err(fault) => Err(fault),
         }
     }
 
@@ -54,7 +44,10 @@ impl Table {
         let fresh = runs.iter().map(|run| run.id).max().unwrap_or_default();
         let stamped: Vec<Stamped> =
             runs.into_iter().map(|run| self.stamped(run)).collect::<Result<_, _>>()?;
-        let intervals = Intervals::of(&stamped)?;
+        let of_run = |run: &Stamped| run.t.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
+        let Some(intervals) = Intervals::of(stamped.iter().flat_map(of_run)) else {
+            return Err((Place::File, Problem::Empty));
+        };
         let mean = intervals.mean_step();
         let h = wanted.unwrap_or_else(|| rounded(mean, ROUNDING * mean));
         positive(h).map_err(|problem| (Place::File, problem))?;
@@ -71,8 +64,8 @@ impl Table {
         if trajectories.is_empty() {
             return Err((Place::File, Problem::Empty));
         }
-        let longest = intervals.longest_within(longest_step);
-        notes.insert(0, Note::Resampled { h, median, shortest, longest, repeated });
+        let longest = intervals.up_to(longest_step).last().copied().unwrap_or(shortest);
+        notes.insert(0, Note::Resampled(Resampled { h, median, shortest, longest, repeated }));
         Ok((Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes))
     }
 
@@ -96,40 +89,6 @@ impl Table {
             }
         }
         Ok(Stamped { id: run.id, t, rows })
-    }
-}
-
-/// Of all samples and those before them (s).
-struct Intervals {
-    sorted: Vec<f64>,
-    median: f64,
-    shortest: f64,
-}
-
-impl Intervals {
-    fn of(runs: &[Stamped]) -> Result<Self, Fault> {
-        let mut sorted: Vec<f64> =
-            runs.iter().flat_map(|run| run.t.windows(2).map(|pair| pair[1] - pair[0])).collect();
-        sorted.sort_unstable_by(f64::total_cmp);
-        match (sorted.get(sorted.len() / 2).copied(), sorted.first().copied()) {
-            (Some(median), Some(shortest)) => Ok(Self { sorted, median, shortest }),
-            _ => Err((Place::File, Problem::Empty)),
-        }
-    }
-
-    /// The mean step between samples, of which an interval around twice the median has two.
-    fn mean_step(&self) -> f64 {
-        let short = self.sorted.iter().take_while(|interval| **interval <= GAP * self.median);
-        let of_one = |(span, steps): (f64, f64), interval: &f64| {
-            (span + interval, steps + (interval / self.median).round().max(1.0))
-        };
-        let (span, steps) = short.fold((0.0, 0.0), of_one);
-        span / steps
-    }
-
-    /// The longest that is no gap.
-    fn longest_within(&self, limit: f64) -> f64 {
-        self.sorted.iter().rev().find(|interval| **interval <= limit).copied().unwrap_or(self.shortest)
     }
 }
 
@@ -283,7 +242,7 @@ mod tests {
         for (now, q) in data.times(trajectory).zip(trajectory.q.column(0)) {
             assert!((q - (3.0 * now - 1.0)).abs() < 1e-12, "{now} {q}");
         }
-        assert!(matches!(notes[..], [Note::Resampled { repeated: 0, .. }]), "{notes:?}");
+        assert!(matches!(notes[..], [Note::Resampled(Resampled { repeated: 0, .. })]), "{notes:?}");
     }
 
     #[test]
@@ -311,7 +270,7 @@ mod tests {
         let q: Vec<f64> = (0..100).map(f64::from).collect();
         let (data, notes) = table(&t, &q, &q).into_even(None).unwrap();
         assert_eq!(data.trajectories.iter().map(|t| t.id).collect::<Vec<_>>(), [0, 1]);
-        assert!(matches!(notes[0], Note::Resampled { repeated: 1, .. }), "{notes:?}");
+        assert!(matches!(notes[0], Note::Resampled(Resampled { repeated: 1, .. })), "{notes:?}");
         assert!(matches!(notes[1], Note::Gap { missing: 20, continues_as: 1, .. }), "{notes:?}");
     }
 

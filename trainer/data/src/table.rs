@@ -24,6 +24,13 @@ pub(crate) struct Table {
     pub(crate) lines: Option<Vec<u64>>,
 }
 
+/// A table of one step.
+pub(crate) struct Uniform {
+    pub(crate) h: f64,
+    pieces: Vec<Run>,
+    notes: Vec<Note>,
+}
+
 /// One trajectory of the table.
 pub(crate) struct Run {
     pub(crate) id: i64,
@@ -32,15 +39,22 @@ pub(crate) struct Run {
 
 impl Table {
     pub(crate) fn into_dataset(self) -> Result<(Dataset, Vec<Note>), Fault> {
-        if self.q.is_empty() {
-            return Err((Place::File, Problem::Empty));
-        }
         self.check_finite()?;
+        let even = self.uniform()?;
+        Ok(self.dataset(even))
+    }
+
+    /// The step of the stamps, and what lies between gaps.
+    pub(crate) fn uniform(&self) -> Result<Uniform, Fault> {
         let runs = self.runs()?;
         let h = self.step(&runs)?;
         let (pieces, notes) = self.pieces(runs, h)?;
+        Ok(Uniform { h, pieces, notes })
+    }
+
+    pub(crate) fn dataset(&self, Uniform { h, pieces, notes }: Uniform) -> (Dataset, Vec<Note>) {
         let trajectories = pieces.iter().map(|piece| self.trajectory(piece)).collect();
-        Ok((Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes))
+        (Dataset { n: self.q.width(), h, control: self.control, trajectories }, notes)
     }
 
     pub(crate) fn place(&self, key: &str, row: usize) -> Place {
@@ -50,7 +64,11 @@ impl Table {
         }
     }
 
+    /// Refuses a table without samples, or with a number that is none.
     pub(crate) fn check_finite(&self) -> Result<(), Fault> {
+        if self.q.is_empty() {
+            return Err((Place::File, Problem::Empty));
+        }
         let fields =
             [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())];
         for (key, field) in fields {
@@ -94,7 +112,7 @@ impl Table {
         }
     }
 
-    pub(crate) fn step(&self, runs: &[Run]) -> Result<f64, Fault> {
+    fn step(&self, runs: &[Run]) -> Result<f64, Fault> {
         let ranges: Vec<_> = runs.iter().map(|run| run.rows.clone()).collect();
         let stamps = self.t.as_deref().map(Stamps::new);
         let at_row = |(row, problem)| (self.place("t", row), problem);
@@ -118,7 +136,7 @@ impl Table {
     }
 
     /// Splits trajectories at gaps.
-    pub(crate) fn pieces(&self, runs: Vec<Run>, h: f64) -> Result<(Vec<Run>, Vec<Note>), Fault> {
+    fn pieces(&self, runs: Vec<Run>, h: f64) -> Result<(Vec<Run>, Vec<Note>), Fault> {
         let Some(t) = &self.t else { return Ok((runs, Vec::new())) };
         let stamps = Stamps::new(t);
         let mut fresh = runs.iter().map(|run| run.id).max().unwrap_or_default();

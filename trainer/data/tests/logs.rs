@@ -57,7 +57,7 @@ fn columns_are_named_scaled_and_turned() {
         }
         let u = trajectory.u.as_ref().unwrap();
         assert!(u.iter().all(|u| (u[0] - 3.0).abs() < 1e-12 && u[1] == 0.0));
-        assert!(matches!(notes[..], [Note::Resampled { .. }]), "{notes:?}");
+        assert!(matches!(notes[..], [Note::Resampled(_)]), "{notes:?}");
     }
 }
 
@@ -135,6 +135,10 @@ fn arrays_of_an_archive_are_named_with_an_index() {
     let (turned, _) = read(&["q[1]", "q[0]"]).unwrap();
     assert_eq!((all.n, all.h, all.control), (2, 0.01, Some(ControlKind::Linear)));
     assert_eq!((&all.trajectories[0].q[3], &turned.trajectories[0].q[3]), (&[3.0, 6.0][..], &[6.0, 3.0][..]));
+    let mut mixed = of(&["q", "q[0]"]);
+    mixed.q[1].scale = -2.0;
+    let (mixed, _) = read_as(&file, &Reading { columns: Some(mixed), ..Reading::default() }).unwrap();
+    assert_eq!(mixed.trajectories[0].q[3], [3.0, 6.0, -6.0]);
     assert!(read(&["q[2]"]).unwrap_err().to_string().contains("there is no column 2; it has 2"));
     assert!(read(&["joint"]).unwrap_err().to_string().contains("the file has q, t, h, trajectory"));
 }
@@ -154,7 +158,7 @@ fn hardware_logs_are_read_as_they_are() {
     };
     let (data, notes) = read_logs(&all, &Reading { columns: Some(columns), ..Reading::default() }).unwrap();
     assert_eq!((all.len(), data.n, data.h), (10, 2, 2e-3));
-    assert!(notes.iter().any(|(_, note)| matches!(note, Note::Resampled { .. })));
+    assert!(notes.iter().any(|(_, note)| matches!(note, Note::Resampled(_))));
     let seconds: f64 = data.trajectories.iter().map(|t| t.samples() as f64 * data.h).sum();
     assert!((60.0..100.0).contains(&seconds), "{seconds}");
 }

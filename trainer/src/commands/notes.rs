@@ -1,18 +1,19 @@
 //! What was decided about a log while it was read.
 
 use leastaction::cli::Output;
-use leastaction_learning::data::Note;
+use leastaction_learning::data::{Note, Resampled};
 use std::path::PathBuf;
 
 /// Tells every note, with its file where there are several; that many files were resampled is one note.
 pub fn tell(notes: &[(PathBuf, Note)], output: Output) {
     let several = notes.iter().any(|(file, _)| *file != notes[0].0);
-    let together = resampled(notes);
+    let resampled: Vec<Resampled> = notes.iter().filter_map(|(_, note)| of_resampling(note)).collect();
+    let together = Resampled::together(&resampled).filter(|_| resampled.len() > 1);
     if let Some(together) = &together {
-        output.note(&format!("note: {together}"));
+        output.note(&format!("note: {} files were {together}", resampled.len()));
     }
     for (file, note) in notes {
-        if together.is_some() && matches!(note, Note::Resampled { .. }) {
+        if together.is_some() && of_resampling(note).is_some() {
             continue;
         }
         let of = if several { format!("{}: ", file.display()) } else { String::new() };
@@ -20,27 +21,9 @@ pub fn tell(notes: &[(PathBuf, Note)], output: Output) {
     }
 }
 
-/// What is common to the notes of files that were resampled, where there are several: the step, and of the intervals the median of medians,
-/// the shortest and the longest.
-fn resampled(notes: &[(PathBuf, Note)]) -> Option<String> {
-    let mut medians = Vec::new();
-    let mut all: Option<Note> = None;
-    for (_, note) in notes {
-        let Note::Resampled { median, shortest, longest, repeated, .. } = note else { continue };
-        medians.push(*median);
-        let Note::Resampled { shortest: least, longest: most, repeated: sum, .. } =
-            all.get_or_insert(note.clone())
-        else {
-            continue;
-        };
-        if medians.len() > 1 {
-            (*least, *most, *sum) = (least.min(*shortest), most.max(*longest), *sum + repeated);
-        }
+fn of_resampling(note: &Note) -> Option<Resampled> {
+    match note {
+        Note::Resampled(resampled) => Some(*resampled),
+        _ => None,
     }
-    medians.sort_unstable_by(f64::total_cmp);
-    let middle = *medians.get(medians.len() / 2)?;
-    if let Some(Note::Resampled { median, .. }) = &mut all {
-        *median = middle;
-    }
-    all.filter(|_| medians.len() > 1).map(|note| format!("{} files were {note}", medians.len()))
 }

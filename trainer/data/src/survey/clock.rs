@@ -1,7 +1,6 @@
 //! What the time stamps of a log are like.
 
-/// Intervals of more medians than this are gaps.
-const GAP: f64 = 2.5;
+use crate::intervals::Intervals;
 
 /// The clock of a log, in the units of its stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,19 +29,16 @@ impl Clock {
     pub fn of(stamps: &[f64]) -> Option<Self> {
         let intervals =
             || stamps.windows(2).map(|pair| pair[1] - pair[0]).filter(|interval| interval.is_finite());
-        let mut forward: Vec<f64> = intervals().filter(|interval| *interval > 0.0).collect();
-        forward.sort_unstable_by(f64::total_cmp);
-        let (median, shortest) = (*forward.get(forward.len() / 2)?, *forward.first()?);
-        let steps = || forward.iter().copied().filter(|interval| *interval <= GAP * median);
-        let square: f64 = steps().map(|interval| (interval / median - 1.0).powi(2)).sum();
-        let count = steps().count();
+        let forward = Intervals::of(intervals().filter(|interval| *interval > 0.0))?;
+        let (median, steps) = (forward.median, forward.steps());
+        let square: f64 = steps.iter().map(|interval| (interval / median - 1.0).powi(2)).sum();
         Some(Self {
             duration: stamps.last()? - stamps.first()?,
             median,
-            shortest,
-            longest: steps().next_back()?,
-            jitter: (square / count as f64).sqrt(),
-            gaps: forward.len() - count,
+            shortest: forward.shortest,
+            longest: *steps.last()?,
+            jitter: (square / steps.len() as f64).sqrt(),
+            gaps: forward.count() - steps.len(),
             repeated: intervals().filter(|interval| *interval == 0.0).count(),
             backwards: intervals().filter(|interval| *interval < 0.0).count(),
         })

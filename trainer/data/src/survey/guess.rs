@@ -15,40 +15,14 @@ pub struct Guess {
     pub u: Vec<String>,
 }
 
-/// The unit of time stamps, by their median interval.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TimeUnit {
-    /// Up to half a unit.
-    Seconds,
-    /// Up to 500.
-    Milliseconds,
-    /// Up to 500,000.
-    Microseconds,
-    /// Above.
-    Nanoseconds,
-}
-
-impl TimeUnit {
-    /// The unit in which this median interval is one of a log between 2 Hz and 1 MHz.
-    #[must_use]
-    pub fn of(median: f64) -> Self {
-        match median {
-            ..0.5 => Self::Seconds,
-            0.5..500.0 => Self::Milliseconds,
-            500.0..5e5 => Self::Microseconds,
-            _ => Self::Nanoseconds,
-        }
-    }
-
-    /// As configurations name it, and what one is in s.
-    #[must_use]
-    pub fn name(self) -> (&'static str, f64) {
-        match self {
-            Self::Seconds => ("s", 1.0),
-            Self::Milliseconds => ("ms", 1e-3),
-            Self::Microseconds => ("us", 1e-6),
-            Self::Nanoseconds => ("ns", 1e-9),
-        }
+/// The unit, as [`crate::unit`] knows it, in which this median interval of time stamps is one of a log between 2 Hz and 1 MHz.
+#[must_use]
+pub fn time_unit(median: f64) -> &'static str {
+    match median {
+        ..0.5 => "s",
+        0.5..500.0 => "ms",
+        500.0..5e5 => "us",
+        _ => "ns",
     }
 }
 
@@ -193,9 +167,9 @@ mod tests {
 
     #[test]
     fn the_unit_of_time_follows_from_the_interval() {
-        assert_eq!(TimeUnit::of(2e-3).name().0, "s");
-        assert_eq!(TimeUnit::of(2.0).name().0, "ms");
-        assert_eq!(TimeUnit::of(2e3).name().0, "us");
-        assert_eq!(TimeUnit::of(2e6).name().0, "ns");
+        assert_eq!(time_unit(2e-3), "s");
+        assert_eq!(time_unit(2.0), "ms");
+        assert_eq!(time_unit(2e3), "us");
+        assert_eq!(time_unit(2e6), "ns");
     }
 }

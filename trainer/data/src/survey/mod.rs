@@ -6,6 +6,6 @@ mod raw;
 mod signal;
 
 pub use clock::Clock;
-pub use guess::{Guess, TimeUnit};
+pub use guess::{Guess, time_unit};
 pub use raw::RawLog;
 pub use signal::Signal;

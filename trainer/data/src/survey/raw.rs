@@ -1,10 +1,9 @@
 //! All columns of numbers that a file has.
 
 use crate::archive::Archive;
-use crate::csv_text::{Numbers, decoded, reader, separator};
+use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
 use crate::error::{Fault, Place, Problem};
-use crate::{DataError, Format, Rows, format_of, located};
-use std::fs;
+use crate::{DataError, Format, Rows, content, located};
 use std::path::Path;
 
 /// The columns of numbers of a file, as they stand there.
@@ -28,8 +27,7 @@ impl RawLog {
     /// [`DataError`] with the file, the place in it and the problem.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         located(path, || {
-            let format = format_of(path)?;
-            let bytes = fs::read(path).map_err(|error| (Place::File, error.into()))?;
+            let (format, bytes) = content(path)?;
             match format {
                 Format::Csv => of_csv(&bytes),
                 Format::Npz => of_npz(&bytes),
@@ -52,16 +50,11 @@ impl RawLog {
 }
 
 fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
-    let text = decoded(bytes)?;
+    let content = decoded(bytes)?;
     let any = |name: &[u8]| name.first().is_some_and(u8::is_ascii_alphabetic);
-    let mut reader = reader(&text, separator(&text, any));
+    let mut reader = reader(&content, separator(&content, any));
     let mut records = reader.byte_records();
-    let broken = |error: csv::Error| {
-        let place = error.position().map_or(Place::File, |position| Place::Line(position.line()));
-        (place, Problem::NotCsv(error.to_string()))
-    };
     let Some(header) = records.next() else { return Err((Place::File, Problem::Empty)) };
-    let text = |cell: &[u8]| String::from_utf8_lossy(cell).into_owned();
     let names: Vec<String> = header.map_err(broken)?.iter().map(text).collect();
     let mut columns = vec![Vec::new(); names.len()];
     let mut numbers = Numbers::default();
@@ -82,11 +75,7 @@ fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
     let mut others = Vec::new();
     for key in archive.keys() {
         let rows = archive.get(key).ok().flatten().and_then(|array| {
-            let width = match *array.shape.as_slice() {
-                [_] => 1,
-                [_, width] => width,
-                _ => return None,
-            };
+            let (_, width) = array.samples_and_columns()?;
             Rows::from_flat(width, array.reals().ok()?)
         });
         match rows {

@@ -1,6 +1,7 @@
 //! What was seen in logs.
 
-use leastaction_learning::data::survey::{Clock, Signal, TimeUnit};
+use leastaction_learning::data::survey::{Clock, Signal, time_unit};
+use leastaction_learning::data::unit;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -45,12 +46,13 @@ pub struct File {
 
 impl File {
     pub fn new(file: &Path, samples: usize, clock: Option<Clock>) -> Self {
-        let unit = clock.map(|clock| TimeUnit::of(clock.median).name());
-        let seconds = |of: fn(&Clock) -> f64| clock.zip(unit).map(|(clock, (_, unit))| of(&clock) * unit);
+        let time_unit = clock.map(|clock| time_unit(clock.median));
+        let second = time_unit.and_then(unit);
+        let seconds = |of: fn(&Clock) -> f64| Some(of(&clock?) * second?);
         Self {
             file: file.to_owned(),
             samples,
-            time_unit: unit.map(|(name, _)| name),
+            time_unit,
             seconds: seconds(|clock| clock.duration),
             rate: seconds(|clock| clock.median).map(|median| 1.0 / median),
             jitter: clock.map(|clock| clock.jitter),
