@@ -57,10 +57,16 @@ impl NormalEquations {
     /// Adds the normal equations of the penalty λ|θ|² on the mean square.
     pub fn add_decay(&mut self, decay: f64, weights: &[f64]) {
         let decay = decay * self.rows as f64;
-        for (i, w) in weights.iter().enumerate() {
+        for (i, w) in weights.iter().take(self.gradient.len()).enumerate() {
             self.gram[(i, i)] += decay;
             self.gradient[i] += decay * w;
         }
+    }
+
+    /// Adds the normal equations of the penalty c(w − w₀)² on the sum of squares, w − w₀ being `difference`.
+    pub fn add_penalty(&mut self, position: usize, c: f64, difference: f64) {
+        self.gram[(position, position)] += c;
+        self.gradient[position] += c * difference;
     }
 
     /// Adds another part.

@@ -52,6 +52,32 @@ pub trait Objective: Sync {
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations>;
     /// Brings weights that have a range (damping ≥ 0) back into it.
     fn project(&self, weights: &mut [f64]);
+    /// How many numbers the normal equations are of: the first. Those that follow belong to single samples, and are eliminated.
+    fn shared(&self) -> usize {
+        self.parameters()
+    }
+    /// All numbers, from those of an earlier objective or of the model alone.
+    fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
+        weights
+    }
+    /// Prepares an iteration from these numbers; whether the loss at them is another one since.
+    fn settle(&self, _weights: &mut [f64]) -> bool {
+        false
+    }
+    /// Solves the numbers of single samples anew, after the shared ones have moved.
+    fn complete(&self, _weights: &mut [f64]) {}
+    /// What decides between weights, over samples that they were not learned from.
+    fn held_back_loss(&self, weights: &[f64]) -> f64 {
+        self.loss(weights)
+    }
+    /// Whether its numbers are of different kinds and units: steps then do not depend on these units.
+    fn is_of_many_units(&self) -> bool {
+        false
+    }
+    /// An iteration that lowers the loss by less than this part of it is the last.
+    fn tolerance(&self) -> f64 {
+        0.0
+    }
 }
 
 /// An error over what can be computed.
