@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt: damped Gauss–Newton on the normal equations.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in
-//! Marquardt's method", 1999.
+//! Marquardt's method", 1999. Steps are of the free numbers θ of [`Bounds`](super::Bounds), from the weights and back to weights.
 
 use super::{NormalEquations, Objective};
 use crate::parallel;
@@ -43,9 +43,9 @@ pub enum Progress {
 }
 
 impl Levenberg {
-    /// Starts at these weights.
+    /// Starts at these weights, those out of their range or at its end a little inside.
     pub fn new(objective: &dyn Objective, weights: Vec<f64>) -> Self {
-        let weights = objective.enter(weights);
+        let weights = objective.enter(objective.bounds().within(weights));
         let loss = objective.loss(&weights);
         Self { weights, loss, mu: 1e-2, raise: 2.0, decay: 0.0 }
     }
@@ -106,9 +106,11 @@ impl Levenberg {
         }
         let Some(mut equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
         equations.add_decay(self.decay, &self.weights);
+        let theta = objective.bounds().free(&self.weights);
+        equations.scale(objective.bounds().slopes_at(&theta));
         let (scales, before) = (self.damping(objective, &equations), self.loss);
         while self.mu < MU_LIMIT {
-            if self.try_step(objective, &equations, &scales) {
+            if self.try_step(objective, &theta, (&equations, &scales)) {
                 let falls = before - self.loss > objective.tolerance() * before;
                 return if falls { Progress::Lower } else { Progress::Converged };
             }
@@ -129,11 +131,17 @@ impl Levenberg {
         vec![mean_diagonal(equations); equations.gradient.len()]
     }
 
-    fn try_step(&mut self, objective: &dyn Objective, equations: &NormalEquations, scales: &[f64]) -> bool {
+    fn try_step(
+        &mut self,
+        objective: &dyn Objective,
+        theta: &[f64],
+        (equations, scales): (&NormalEquations, &[f64]),
+    ) -> bool {
         let damping: Vec<f64> = scales.iter().map(|scale| self.mu * scale).collect();
         let Some(step) = damped_step(equations, &damping) else { return false };
-        let mut trial = self.weights.clone();
-        trial.iter_mut().zip(&step).for_each(|(w, s)| *w += s);
+        let mut trial = theta.to_vec();
+        trial.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
+        let mut trial = objective.bounds().weights(&trial);
         objective.project(&mut trial);
         objective.complete(&mut trial);
         let loss = objective.loss(&trial);

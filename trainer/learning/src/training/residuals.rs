@@ -1,7 +1,7 @@
 //! Sums over samples: fixed parts, each computed in order on one thread, added as a fixed tree. Results do not depend on the number
 //! of threads.
 
-use super::{NormalEquations, Objective, Solved};
+use super::{Bounds, NormalEquations, Objective, Solved, bounds};
 use crate::parallel;
 use faer::Mat;
 use leastaction_programs::{Row, WIDTH};
@@ -96,6 +96,11 @@ pub trait Residuals: Sync {
     /// As [`Objective::tolerance`].
     fn tolerance(&self) -> f64 {
         0.0
+    }
+
+    /// As [`Objective::bounds`]: none where every number is a weight.
+    fn bounds(&self) -> &Bounds {
+        &bounds::NONE
     }
 }
 
@@ -265,6 +270,10 @@ impl<R: Residuals> Objective for R {
 
     fn tolerance(&self) -> f64 {
         Residuals::tolerance(self)
+    }
+
+    fn bounds(&self) -> &Bounds {
+        Residuals::bounds(self)
     }
 }
 

@@ -5,7 +5,7 @@ use super::scales::Amounts;
 use super::starts;
 use crate::architecture::Architecture;
 use crate::parallel::{self, Pool};
-use crate::training::{ChunkRows, Failed, Residuals};
+use crate::training::{Bounds, ChunkRows, Failed, NormalEquations, Residuals};
 use leastaction_core::model::ModelError;
 use leastaction_programs::losses::RungeKutta;
 use leastaction_programs::steps::{ExplicitSteps, State};
@@ -44,6 +44,7 @@ pub struct WindowLoss {
     /// How far windows move, of every coordinate.
     motion: Vec<f64>,
     steppers: Pool<ExplicitSteps>,
+    bounds: Bounds,
     project: Projection,
 }
 
@@ -56,7 +57,9 @@ pub struct WindowModel {
     pub system: System,
     /// Positions of the weights that are known.
     pub fixed: Vec<usize>,
-    /// Brings weights that have a range back into it.
+    /// Ranges of the others, which the optimisers see as free numbers.
+    pub bounds: Bounds,
+    /// Brings weights that have a range of another kind back into it.
     pub project: Projection,
 }
 
@@ -75,6 +78,7 @@ impl WindowModel {
         Ok(Self {
             system: System::new(&*architecture.energies()?),
             fixed: architecture.fixed_positions(),
+            bounds: Bounds::new(architecture.ranges()),
             project: Box::new(move |weights: &mut [f64]| own.project(weights)),
         })
     }
@@ -91,7 +95,7 @@ impl WindowLoss {
         of: Range<usize>,
         settings: WindowSettings,
     ) -> Result<Self, TooShort> {
-        let WindowModel { system, mut fixed, project } = model;
+        let WindowModel { system, mut fixed, bounds, project } = model;
         let WindowSettings { steps, order, calibration } = settings;
         let (n, h, start) = (logs.n, logs.h, system.parameters());
         let layout =
@@ -111,6 +115,7 @@ impl WindowLoss {
             noise,
             motion,
             steppers: Pool::new(make),
+            bounds,
             project,
         })
     }
@@ -276,7 +281,7 @@ impl Residuals for WindowLoss {
         Ok(())
     }
 
-    fn add_penalty(&self, weights: &[f64], sum: &mut crate::training::NormalEquations) {
+    fn add_penalty(&self, weights: &[f64], sum: &mut NormalEquations) {
         let unit = self.unit(weights);
         for Prior { position, centre, weight } in self.priors.iter().copied() {
             if !self.fixed.contains(&position) {
@@ -338,6 +343,10 @@ impl Residuals for WindowLoss {
 
     fn tolerance(&self) -> f64 {
         1e-5
+    }
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
     fn project(&self, weights: &mut [f64]) {
