@@ -74,8 +74,12 @@ impl Numbers {
             tau[2] = Row(tau[2].0.map(|u| u + self.offset));
             tau
         });
-        let gain = ControlTangent { coordinate: 0, change: self.control[step].each_ref().map(|rows| rows[0]) };
-        let offset = ControlTangent { coordinate: 2, change: [Row::splat(1.0); 2] };
+        let gain = ControlTangent {
+            number: 0,
+            coordinate: 0,
+            change: self.control[step].each_ref().map(|rows| rows[0]),
+        };
+        let offset = ControlTangent { number: 1, coordinate: 2, change: [Row::splat(1.0); 2] };
         (tau, vec![gain, offset])
     }
 
@@ -155,7 +159,8 @@ fn a_sample_that_fails_leaves_the_others_alone() {
     assert!((0..WIDTH).all(|sample| failures.0[sample] == (sample == 4)));
     for sample in (0..WIDTH).filter(|sample| *sample != 4) {
         assert!((0..2 * N).all(|i| state[i].0[sample] == other[i].0[sample]));
-        let same = |i: usize| tangents.of(i).iter().zip(others.of(i)).all(|(a, b)| a.0[sample] == b.0[sample]);
+        let same =
+            |i: usize| tangents.of(i).iter().zip(others.of(i)).all(|(a, b)| a.0[sample] == b.0[sample]);
         assert!((0..2 * N).all(same), "sample {sample}");
     }
 }

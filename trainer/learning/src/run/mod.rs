@@ -19,6 +19,7 @@ mod notice;
 mod plan;
 mod range;
 mod resume;
+mod stages;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -36,7 +37,7 @@ use crate::parallel;
 use crate::training::{Objective, Progress};
 use error::stuck;
 use folder::{Folder, History};
-use plan::Stage;
+use stages::Stage;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -3,8 +3,9 @@
 use super::plan::PlanError;
 use crate::architecture::Architecture;
 use crate::config::Config;
+use crate::config::TrainingLoss;
 use crate::data::{Dataset, Doubt, Note};
-use crate::training::LossKind;
+use crate::windows::Noise;
 
 /// Something the user should know before training begins.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +16,13 @@ pub enum Notice {
     NoWarmUp,
     /// Validation was asked for, but there is only one trajectory.
     NoValidation,
+    /// The positions are noisy, and so windows are trained on.
+    Noisy {
+        /// Of the noisiest coordinate.
+        noise: Noise,
+        /// Length of a window, s.
+        window: f64,
+    },
     /// What was changed in the data.
     Changed(Note),
     /// What the data can hardly mean.
@@ -32,6 +40,13 @@ impl std::fmt::Display for Notice {
             Self::NoValidation => {
                 f.write_str("no validation: the data is one trajectory, and trajectories are held back whole")
             }
+            Self::Noisy { noise: Noise { coordinate, deviation, part }, window } => write!(
+                f,
+                "coordinate {coordinate} has noise of {deviation:.1e} (m or rad), {:.0}% of its second differences: training is on windows \
+                 of {window} s, each from a start state of its own; [training] loss = \"windows\" says so without this note, \
+                 \"next-position\" trains on single steps nonetheless",
+                100.0 * part.min(1.0),
+            ),
             Self::Changed(note) => note.fmt(f),
             Self::Doubtful(doubt) => doubt.fmt(f),
         }
@@ -62,10 +77,10 @@ pub(super) fn prepared(
 }
 
 /// Whether a loss reads a field of the data: q, v, a or u.
-fn reads(loss: LossKind, field: &str) -> bool {
+fn reads(loss: Option<TrainingLoss>, field: &str) -> bool {
     match field {
-        "v" => !loss.is_discrete(),
-        "a" => loss == LossKind::Acceleration,
+        "v" => loss.is_some_and(TrainingLoss::reads_velocities),
+        "a" => loss == Some(TrainingLoss::Acceleration),
         _ => true,
     }
 }

@@ -86,7 +86,7 @@ fn without_force_there_is_no_warm_up_and_no_scale() {
     assert_eq!(plan.notices(), [Notice::UnknownScale, Notice::NoWarmUp]);
     assert_eq!(plan.iterations(), 4);
     let mut residual = config();
-    residual.training.loss = crate::training::LossKind::DelResidual;
+    residual.training.loss = Some(crate::training::LossKind::DelResidual.into());
     assert_eq!(Plan::new(residual, &free).err(), Some(PlanError::Unforced));
 }
 
@@ -130,7 +130,7 @@ fn free_motion_is_learned_from_a_part_of_the_samples_first() {
     let plan = Plan::new(config, &data).unwrap();
     assert_eq!(plan.notices(), [Notice::UnknownScale]);
     let [first, last] = &plan.stages[..] else { panic!("two stages") };
-    assert_eq!(first.name, plan::WARM_UP);
+    assert_eq!(first.name, stages::WARM_UP);
     assert_eq!(first.objective.samples(), (4 * plan.parameters()).div_ceil(3));
     assert_eq!(last.objective.samples(), 36 * 99);
     let folder = tempfile::tempdir().unwrap();
@@ -145,7 +145,7 @@ fn a_force_in_a_trajectory_held_back_does_not_count() {
     let mut mixed = data(4, false);
     mixed.trajectories[3] = data(4, true).trajectories[3].clone();
     let mut residual = config();
-    residual.training.loss = crate::training::LossKind::DelResidual;
+    residual.training.loss = Some(crate::training::LossKind::DelResidual.into());
     assert_eq!(Plan::new(residual, &mixed).err(), Some(PlanError::Unforced));
 }
 
@@ -194,7 +194,8 @@ fn noise_does_not_keep_the_next_position_from_being_learned() {
 fn of_the_residual_the_weights_that_predict_best_are_kept() {
     let (log, folder) = (noisy(40, true, 0.1), tempfile::tempdir().unwrap());
     let mut config = config();
-    (config.training.loss, config.training.iterations) = (crate::training::LossKind::DelResidual, 20);
+    (config.training.loss, config.training.iterations) =
+        (Some(crate::training::LossKind::DelResidual.into()), 20);
     let mut run = Run::begin(Plan::new(config, &log).unwrap(), folder.path(), false).unwrap();
     let mut monitor = Warned::default();
     run.train(&mut monitor, &AtomicBool::new(false)).unwrap();
@@ -279,7 +280,7 @@ fn numbers_that_the_loss_does_not_read_are_only_told_of() {
     let plan = Plan::new(config(), &data).unwrap();
     assert!(matches!(plan.notices(), [Notice::Doubtful(crate::data::Doubt::Value { field: "v", .. })]));
     let mut next_state = config();
-    next_state.training.loss = crate::training::LossKind::NextState;
+    next_state.training.loss = Some(crate::training::LossKind::NextState.into());
     assert!(matches!(Plan::new(next_state, &data).err(), Some(PlanError::Data(_))));
 }
 

@@ -1,4 +1,5 @@
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A number of sensors or actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -9,7 +10,7 @@ pub enum Setting {
     Learned,
 }
 
-/// Sensors and actuators: q̃ = q + z + noise, z a zero offset of every coordinate and log, and τ_i(t) = g_i u_i(t − d_i) + o_i.
+/// Sensors and actuators: q̃ = q + z + noise, z a zero offset of every coordinate and log, and τ_i(t) = g_i u_i(t − d) + o_i.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Calibration {
     /// Whether z is learned, m or rad; else it is 0.
@@ -45,8 +46,34 @@ const MOST_DELAY: f64 = 0.2;
 /// A learned g at least.
 const LEAST_GAIN: f64 = 0.05;
 
-/// Where the numbers of a calibration are: of all coordinates g, o and d, then of every log z of all coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The numbers of sensors and actuators, as they were learned or are known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Calibrated {
+    /// g of every coordinate.
+    pub gain: Vec<f64>,
+    /// o of every coordinate, N or N m.
+    pub offset: Vec<f64>,
+    /// d, s.
+    pub delay: f64,
+    /// z of every log, of every coordinate, m or rad.
+    pub zeros: Vec<Vec<f64>>,
+}
+
+impl Calibrated {
+    /// The actuator as a model file has it: d, then g and o of every coordinate, in single precision; nothing where the command is the
+    /// force.
+    pub fn actuator_bytes(&self) -> Vec<u8> {
+        let pairs = || self.gain.iter().zip(&self.offset);
+        if self.delay == 0.0 && pairs().all(|pair| pair == (&1.0, &0.0)) {
+            return Vec::new();
+        }
+        let numbers = std::iter::once(self.delay).chain(pairs().flat_map(|(gain, offset)| [*gain, *offset]));
+        numbers.flat_map(|x| (x as f32).to_le_bytes()).collect()
+    }
+}
+
+/// Where the numbers of a calibration are: of all coordinates g and then o, d, and of every log z of all coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationLayout {
     /// Position of the first.
     pub start: usize,
@@ -79,14 +106,19 @@ impl CalibrationLayout {
         self.start + self.n + i
     }
 
-    /// Position of d_i.
-    pub fn delay(&self, i: usize) -> usize {
-        self.start + 2 * self.n + i
+    /// Position of d.
+    pub fn delay(&self) -> usize {
+        self.start + 2 * self.n
+    }
+
+    /// Numbers that the control depends on: g, o and d.
+    pub(super) fn controls(&self) -> usize {
+        2 * self.n + 1
     }
 
     /// Position of z_i of a log.
     pub fn zero(&self, log: usize, i: usize) -> usize {
-        self.start + 3 * self.n + log * self.n + i
+        self.start + self.controls() + log * self.n + i
     }
 
     /// The position after the last.
@@ -101,22 +133,35 @@ impl CalibrationLayout {
             Setting::Known(known) => known,
             Setting::Learned => otherwise,
         };
-        let of = [start(gain, 1.0), start(offset, 0.0), start(delay, 0.0)];
-        let mut numbers: Vec<f64> = of.into_iter().flat_map(|x| std::iter::repeat_n(x, self.n)).collect();
+        let mut numbers = vec![start(gain, 1.0); self.n];
+        numbers.extend(vec![start(offset, 0.0); self.n]);
+        numbers.push(start(delay, 0.0));
         numbers.resize(self.end() - self.start, 0.0);
         numbers
     }
 
-    /// The settings of g, o and d with their first positions.
-    fn settings(&self) -> [(Setting, usize); 3] {
+    /// The numbers, from those that windows share.
+    pub fn read(&self, weights: &[f64]) -> Calibrated {
+        let of = |range: Range<usize>| weights.get(range).unwrap_or_default().to_vec();
+        Calibrated {
+            gain: of(self.gain(0)..self.offset(0)),
+            offset: of(self.offset(0)..self.delay()),
+            delay: weights.get(self.delay()).copied().unwrap_or_default(),
+            zeros: (0..self.logs).map(|log| of(self.zero(log, 0)..self.zero(log + 1, 0))).collect(),
+        }
+    }
+
+    /// The settings of g, o and d with their positions.
+    fn settings(&self) -> [(Setting, Range<usize>); 3] {
         let Calibration { gain, offset, delay, .. } = self.calibration;
-        [(gain, self.gain(0)), (offset, self.offset(0)), (delay, self.delay(0))]
+        let [of_gain, of_offset] = [self.gain(0), self.offset(0)].map(|first| first..first + self.n);
+        [(gain, of_gain), (offset, of_offset), (delay, self.delay()..self.delay() + 1)]
     }
 
     /// Positions of what is not learned, `learned` saying of which logs z is.
     pub(super) fn fixed(&self, learned: impl Fn(usize) -> bool) -> Vec<usize> {
         let known = self.settings().into_iter().filter(|(setting, _)| *setting != Setting::Learned);
-        let mut fixed: Vec<usize> = known.flat_map(|(_, first)| first..first + self.n).collect();
+        let mut fixed: Vec<usize> = known.flat_map(|(_, positions)| positions).collect();
         let logs = (0..self.logs).filter(|log| !self.calibration.zero || !learned(*log));
         fixed.extend(logs.flat_map(|log| self.zero(log, 0)..self.zero(log + 1, 0)));
         fixed
@@ -127,10 +172,10 @@ impl CalibrationLayout {
         let offset = 0.05 * self.control.max(f64::MIN_POSITIVE.sqrt());
         let sizes = [(1.0, GAIN_SIZE), (0.0, offset), (0.0, DELAY_SIZE)];
         let mut priors = Vec::new();
-        for ((setting, first), (centre, size)) in self.settings().into_iter().zip(sizes) {
+        for ((setting, positions), (centre, size)) in self.settings().into_iter().zip(sizes) {
             if setting == Setting::Learned {
                 let prior = |position| Prior { position, centre, weight: 1.0 / (size * size) };
-                priors.extend((first..first + self.n).map(prior));
+                priors.extend(positions.map(prior));
             }
         }
         if self.calibration.zero {
@@ -147,9 +192,9 @@ impl CalibrationLayout {
             if self.calibration.gain == Setting::Learned {
                 weights[self.gain(i)] = weights[self.gain(i)].max(LEAST_GAIN);
             }
-            if self.calibration.delay == Setting::Learned {
-                weights[self.delay(i)] = weights[self.delay(i)].clamp(0.0, MOST_DELAY);
-            }
+        }
+        if self.calibration.delay == Setting::Learned {
+            weights[self.delay()] = weights[self.delay()].clamp(0.0, MOST_DELAY);
         }
     }
 }

@@ -250,6 +250,23 @@ impl Residuals for WindowLoss {
         Ok((sum + penalty) * self.unit(weights))
     }
 
+    /// Windows that reach their ends, and how many do not.
+    fn solved(&self, weights: &[f64], samples: Range<usize>) -> (f64, usize) {
+        let (mut sum, mut unsolved) = (0.0, 0);
+        for first in samples.clone().step_by(WIDTH) {
+            let (lanes, starts) = (self.lanes(weights, first), self.starts(weights, first));
+            let (residuals, failures) = self.steppers.with(|stepper| lanes.residuals(stepper, &starts));
+            for lane in 0..(samples.end - first).min(WIDTH) {
+                if failures.0[lane] {
+                    unsolved += 1;
+                } else {
+                    sum += residuals.iter().map(|row| pseudo_huber(row.0[lane])).sum::<f64>();
+                }
+            }
+        }
+        (sum * self.unit(weights), unsolved)
+    }
+
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
         let (n, count) = (self.n(), samples.len());
         let lanes = self.lanes(weights, samples.start);

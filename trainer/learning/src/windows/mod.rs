@@ -15,10 +15,12 @@ mod calibration;
 mod elimination;
 mod logs;
 mod loss;
+mod noise;
 mod rollout;
 mod scales;
 mod starts;
 
-pub use calibration::{Calibration, CalibrationLayout, Setting};
+pub use calibration::{Calibrated, Calibration, CalibrationLayout, Setting};
 pub use logs::{TooShort, WindowLogs};
 pub use loss::{WindowLoss, WindowModel, WindowSettings};
+pub use noise::{Noise, noise_of};

@@ -58,10 +58,10 @@ impl Lanes<'_> {
         let (n, held) = (self.n(), self.logs.control == ControlKind::Held);
         let number = |position: usize| self.numbers[position];
         let mut tau = [vec![Row::default(); n], vec![Row::default(); n]];
-        let mut tangents: [Vec<ControlTangent>; 3] = Default::default();
+        let mut tangents = Vec::new();
         for i in 0..n {
-            let [gain, offset, delay] =
-                [self.layout.gain(i), self.layout.offset(i), self.layout.delay(i)].map(number);
+            let places = [self.layout.gain(i), self.layout.offset(i), self.layout.delay()];
+            let [gain, offset, delay] = places.map(number);
             let mut change = [[Row::default(); 2]; 3];
             for end in 0..2 {
                 let sample = step + if held { 0 } else { end };
@@ -75,11 +75,11 @@ impl Lanes<'_> {
                 change[1][end] = Row::splat(1.0);
                 change[2][end] = Row(u[1].0.map(|slope| gain * slope));
             }
-            for (tangents, change) in tangents.iter_mut().zip(change) {
-                tangents.push(ControlTangent { coordinate: i, change });
+            for (place, change) in places.into_iter().zip(change) {
+                tangents.push(ControlTangent { number: place - self.layout.start, coordinate: i, change });
             }
         }
-        (tau, tangents.concat())
+        (tau, tangents)
     }
 
     /// (q̂_i + z_i − q̃_i)/s_i at a sample.
@@ -105,8 +105,8 @@ impl Lanes<'_> {
         for step in 0..self.steps {
             let (tau, controls) = self.control(step);
             let carried = tangents.as_deref_mut().map(|tangents| {
-                let count = tangents.controls();
-                (tangents, &controls[..count])
+                let controls = if tangents.controls() > 0 { &controls[..] } else { &[] };
+                (tangents, controls)
             });
             let failed = stepper.step(self.numbers, &mut state, [&tau[0], &tau[1]], carried);
             failures = failures.or(failed);
@@ -150,7 +150,7 @@ impl Lanes<'_> {
         let n = self.n();
         let (weights, controls, zeros) = match of {
             In::Starts => (0, 0, 0),
-            In::All => (self.layout.start, 3 * n, n),
+            In::All => (self.layout.start, self.layout.controls(), n),
         };
         let mut rows = Rows::new(weights + controls + zeros + 2 * n);
         let mut tangents = Tangents::at_start(n, weights, controls);

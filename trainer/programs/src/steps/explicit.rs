@@ -1,5 +1,5 @@
-use super::tangents::{ControlTangent, Tangents, add_products, moved};
 use super::State;
+use super::tangents::{ControlTangent, Tangents, add_products, moved};
 use crate::dynamics::{Failures, MotionSolver, Rods};
 use crate::losses::RungeKutta;
 use crate::program::{Program, Workspace};
@@ -128,18 +128,22 @@ impl ExplicitSteps {
         for (i, (row, inverse)) in rows.iter_mut().zip(compliance.chunks_exact(n)).enumerate() {
             let along = |column: usize| {
                 let mut sum = Row::default();
-                workspace.output(column).iter().zip(inverse).for_each(|(x, inverse)| sum.add_product(x, inverse));
+                workspace
+                    .output(column)
+                    .iter()
+                    .zip(inverse)
+                    .for_each(|(x, inverse)| sum.add_product(x, inverse));
                 sum
             };
             for (j, moved) in tangents.rows().iter().enumerate() {
                 add_products(row, &along(j), moved);
             }
-            for (place, control) in row[tangents.weights()..].iter_mut().zip(controls) {
+            for control in controls {
                 let k = control.coordinate;
                 let mut slope = along(2 * n + k);
                 slope.add_scaled(1.0, &compliance[i * n + k]);
                 let change = control.change[0].zip(&control.change[1], |a, b| a + time * (b - a));
-                place.add_product(&slope, &change);
+                row[tangents.weights() + control.number].add_product(&slope, &change);
             }
         }
     }

@@ -11,10 +11,12 @@ pub struct Tangents {
     rows: Vec<Vec<Row>>,
 }
 
-/// How the control moves with one number.
+/// How the control of one coordinate moves with one number.
 #[derive(Clone, Debug)]
 pub struct ControlTangent {
-    /// The only coordinate whose τ moves.
+    /// Which of the numbers that the control depends on.
+    pub number: usize,
+    /// The coordinate whose τ moves.
     pub coordinate: usize,
     /// ∂τ at the start and at the end of a step.
     pub change: [Row; 2],
