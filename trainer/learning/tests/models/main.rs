@@ -9,3 +9,4 @@ mod next_state;
 mod page;
 mod rods;
 mod trees;
+mod windows;
