@@ -4,6 +4,7 @@
 mod data;
 mod error;
 mod fields;
+mod friction;
 mod graph;
 mod model;
 mod modular;
@@ -15,6 +16,7 @@ mod rigid;
 pub use data::{ColumnsConfig, DataConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
+pub use friction::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
 pub use graph::{
     EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
 };
@@ -163,7 +165,9 @@ impl Config {
         }
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
-            ModelConfig::Rigid(_) => {}
+            ModelConfig::Rigid(rigid) => {
+                rigid.architecture().map_err(located)?;
+            }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();
                 from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
@@ -219,8 +223,11 @@ impl Config {
             }
             ModelConfig::Modular(modular) => {
                 let assembled = modular.assemble()?;
-                let weights = assembled.initial_weights(seed);
-                Ok((assembled.architecture.into(), weights))
+                let (family, weights) =
+                    (assembled.architecture.clone().into(), assembled.initial_weights(seed));
+                let architecture = Architecture { family, friction: assembled.friction };
+                let weights = architecture.with_friction(weights);
+                Ok((architecture, weights))
             }
             ModelConfig::Graph(graph) => {
                 let architecture = graph.assemble()?;
