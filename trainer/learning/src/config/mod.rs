@@ -5,6 +5,7 @@ mod calibration;
 mod data;
 mod error;
 mod fields;
+mod friction;
 mod graph;
 mod loss;
 mod model;
@@ -18,6 +19,7 @@ pub use calibration::{CalibrationConfig, SettingConfig};
 pub use data::{ColumnsConfig, DataConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
+pub use friction::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
 pub use graph::{
     EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
 };
@@ -182,7 +184,9 @@ impl Config {
         }
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
-            ModelConfig::Rigid(_) => {}
+            ModelConfig::Rigid(rigid) => {
+                rigid.architecture().map_err(located)?;
+            }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();
                 from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
@@ -239,8 +243,11 @@ impl Config {
             }
             ModelConfig::Modular(modular) => {
                 let assembled = modular.assemble()?;
-                let weights = assembled.initial_weights(seed);
-                Ok((assembled.architecture.into(), weights))
+                let (family, weights) =
+                    (assembled.architecture.clone().into(), assembled.initial_weights(seed));
+                let architecture = Architecture { family, friction: assembled.friction };
+                let weights = architecture.with_friction(weights);
+                Ok((architecture, weights))
             }
             ModelConfig::Graph(graph) => {
                 let architecture = graph.assemble()?;

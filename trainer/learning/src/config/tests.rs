@@ -152,7 +152,10 @@ fn sensors_and_actuators_are_learned_or_known() {
     assert_eq!((calibration.delay, calibration.offset), (Setting::Known(0.008), Setting::Known(0.0)));
     assert_eq!(parse(&config.to_toml()).unwrap(), config);
     for (lines, expected) in [
-        ("gain = 0.0", "c.toml:6: \"gain = 0.0\": `gain` must be \"learned\" or a finite number other than 0"),
+        (
+            "gain = 0.0",
+            "c.toml:6: \"gain = 0.0\": `gain` must be \"learned\" or a finite number other than 0",
+        ),
         ("\ndelay = -1", "c.toml:7: \"delay = -1\": `delay` must be"),
         ("zero = 0.1", "subtract a known one from the column"),
         ("offset = \"learnt\"", "expected \"learned\" or a number"),

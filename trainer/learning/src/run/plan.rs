@@ -2,8 +2,8 @@
 
 use super::fingerprint;
 use super::notice::{Notice, prepared};
-use super::range;
 use super::stages::{self, Stage};
+use super::{range, ringing};
 use crate::architecture::{Architecture, Family};
 use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
@@ -117,6 +117,8 @@ pub struct Plan {
     pub(super) trained_step: Option<TrainedStep>,
     /// What the data covered, training and validation.
     pub(super) range: Vec<CoordinateRange>,
+    /// Some positions of the data, for what is said of the trained model.
+    pub(super) positions: Vec<Vec<f64>>,
     pub(super) data_fingerprint: u64,
     /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
     pub(super) calibration: Option<CalibrationLayout>,
@@ -157,6 +159,7 @@ impl Plan {
             initial,
             trained_step: Order::from_number(order).filter(|_| loss.is_discrete()).map(step),
             range: range::of(&architecture, &data),
+            positions: ringing::positions(&data),
             data_fingerprint: fingerprint::of_data(&data, loss),
             calibration,
             stages,

@@ -142,7 +142,8 @@ fn sensors_and_actuators_are_found() {
 /// Where nothing is to be learned the numbers stay as they are known.
 #[test]
 fn what_is_known_stays() {
-    let known = Calibration { gain: Setting::Known(0.5), delay: Setting::Known(0.01), ..Calibration::default() };
+    let known =
+        Calibration { gain: Setting::Known(0.5), delay: Setting::Known(0.01), ..Calibration::default() };
     let loss = loss(&logs(IDEAL), known, false);
     let fit = Levenberg::new(&loss, weights(&model())).run(&loss, 3, |_, _| ());
     let found = loss.layout().read(&fit.weights);
