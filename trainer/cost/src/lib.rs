@@ -11,7 +11,7 @@ use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::{Architecture, ModularArchitecture, RigidArchitecture};
+use leastaction_learning::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture};
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
@@ -46,10 +46,10 @@ pub struct Cost {
 /// Where there is no such graph.
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
     let bytes = Bytes::of(architecture.n());
-    let evaluations = match architecture {
-        Architecture::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
-        Architecture::Modular(modular) => Evaluations::modular(modular, &bytes),
-        Architecture::Graph(graph) => return graph::cost(graph),
+    let evaluations = match &architecture.family {
+        Family::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
+        Family::Modular(modular) => Evaluations::modular(modular, &bytes),
+        Family::Graph(graph) => return graph::cost(graph),
     };
     Ok(Cost {
         state_bytes: bytes.state,

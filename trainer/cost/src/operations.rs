@@ -15,7 +15,7 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Laws, Rod};
 use leastaction_core::scalar::Packed;
 use leastaction_learning::architecture::{
-    Architecture, DEPTH, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
+    Architecture, DEPTH, Family, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
     RigidArchitecture,
 };
 
@@ -34,17 +34,17 @@ pub struct Evaluations {
 /// Counts at a state of no importance; `None` where the shape is beyond what was measured on chips, which for rigid and modular
 /// models is of 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
-    match architecture {
-        Architecture::Graph(graph) if graph.dimension() == 3 => particles::<3>(graph, weights),
-        Architecture::Graph(graph) => particles::<2>(graph, weights),
-        Architecture::Rigid(rigid) => match rigid.n() {
+    match &architecture.family {
+        Family::Graph(graph) if graph.dimension() == 3 => particles::<3>(graph, weights),
+        Family::Graph(graph) => particles::<2>(graph, weights),
+        Family::Rigid(rigid) => match rigid.n() {
             1 => of_rigid::<1>(rigid, weights),
             2 => of_rigid::<2>(rigid, weights),
             3 => of_rigid::<3>(rigid, weights),
             4 => of_rigid::<4>(rigid, weights),
             _ => None,
         },
-        Architecture::Modular(modular) => match modular.n() {
+        Family::Modular(modular) => match modular.n() {
             1 => of_tree::<1>(modular, weights),
             2 => of_tree::<2>(modular, weights),
             3 => of_tree::<3>(modular, weights),

@@ -10,7 +10,7 @@ mod systems;
 
 pub use systems::{Beginning, FreeAccelerations, rollout};
 
-use crate::architecture::{Architecture, GraphArchitecture};
+use crate::architecture::{Architecture, Family, GraphArchitecture};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
 use crate::parallel;
@@ -207,9 +207,9 @@ pub fn acceleration_mse(
 ) -> Result<Option<(Solved, f64)>, ModelError> {
     let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
     let square = samples.mean_square();
-    let error = match architecture {
-        Architecture::Graph(graph) => graph_error(graph, weights, &samples)?,
-        Architecture::Rigid(_) | Architecture::Modular(_) => {
+    let error = match &architecture.family {
+        Family::Graph(graph) => graph_error(graph, weights, &samples)?,
+        Family::Rigid(_) | Family::Modular(_) => {
             objective(architecture, samples, LossKind::Acceleration, 4)?.solved(weights)
         }
     };

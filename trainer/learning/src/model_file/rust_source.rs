@@ -1,7 +1,7 @@
 //! A model file as a Rust source file, for programs without a file system.
 
 use super::{HostModel, Precision, decode};
-use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture, NamedGraph};
+use crate::architecture::{Family, GraphArchitecture, ModularArchitecture, NamedGraph};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::{ModelError, TrainedStep};
 use std::fmt::{self, Write};
@@ -46,10 +46,10 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
     } else {
         writeln!(to)?;
     }
-    let imports = match model.architecture {
-        Architecture::Rigid(_) => "ModelError, RigidModel",
-        Architecture::Modular(_) => "ModelError, ModularModel",
-        Architecture::Graph(_) => "GraphModel, ModelError",
+    let imports = match &model.architecture.family {
+        Family::Rigid(_) => "ModelError, RigidModel",
+        Family::Modular(_) => "ModelError, ModularModel",
+        Family::Graph(_) => "GraphModel, ModelError",
     };
     if model.architecture.graph().is_some() {
         writeln!(to, "use leastaction_core::constraints::Holonomic;")?;
@@ -74,11 +74,11 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
     writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
     writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
-    match architecture {
-        Architecture::Rigid(_) => {
+    match &architecture.family {
+        Family::Rigid(_) => {
             writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, L{weight}>;")
         }
-        Architecture::Modular(modular) => {
+        Family::Modular(modular) => {
             writeln!(to, "/// Element types.\npub const E: usize = {};", modular.types.len())?;
             writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
             write_trees(to, modular)?;
@@ -86,7 +86,7 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
             writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L{weight}>;")?;
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
-        Architecture::Graph(graph) => write_graphs(to, graph, weight),
+        Family::Graph(graph) => write_graphs(to, graph, weight),
     }
 }
 
@@ -148,10 +148,10 @@ fn write_integrator(to: &mut String, TrainedStep { order, h, .. }: TrainedStep) 
 
 fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result {
     let length = bytes.len();
-    let (edges, lists) = match model.architecture {
-        Architecture::Rigid(_) => ("", ""),
-        Architecture::Modular(_) => ("", ", TREE"),
-        Architecture::Graph(_) => {
+    let (edges, lists) = match &model.architecture.family {
+        Family::Rigid(_) => ("", ""),
+        Family::Modular(_) => ("", ", TREE"),
+        Family::Graph(_) => {
             ("edges: &'a mut [Edge; EDGES], rods: &'a mut [Rod; RODS]", ", GRAPH, edges, rods")
         }
     };
@@ -159,7 +159,7 @@ fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result 
     writeln!(to, "\n/// Validates the model, once; the weights stay where they are.")?;
     writeln!(to, "pub fn load{lifetime}({edges}) -> Result<{model_type}, ModelError> {{")?;
     writeln!(to, "    Model::load(&FILE.0{lists})\n}}")?;
-    if matches!(model.architecture, Architecture::Modular(_)) {
+    if matches!(model.architecture.family, Family::Modular(_)) {
         writeln!(to, "\n/// The same with another tree of the file; `M` is the number of its coordinates.")?;
         writeln!(to, "pub fn load_tree<const M: usize>(name: &str) -> Result<Tree<M>, ModelError> {{")?;
         writeln!(to, "    Tree::load(&FILE.0, name)\n}}")?;

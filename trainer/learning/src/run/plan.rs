@@ -3,7 +3,7 @@
 use super::fingerprint;
 use super::notice::{Notice, prepared};
 use super::range;
-use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
+use crate::architecture::{Architecture, Family, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
 use crate::data::{Dataset, Doubt, control_name};
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
@@ -202,14 +202,14 @@ impl Plan {
 
 fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), PlanError> {
     let (model, data) = (architecture.n(), data.n);
-    match architecture {
+    match &architecture.family {
         _ if model == data => Ok(()),
-        Architecture::Rigid(_) => Err(PlanError::Coordinates { model, data }),
-        Architecture::Graph(graph) => {
+        Family::Rigid(_) => Err(PlanError::Coordinates { model, data }),
+        Family::Graph(graph) => {
             let (graph, dimension) = (graph.graph()?.name.clone(), graph.dimension());
             Err(PlanError::Graph { graph, dimension, model, data })
         }
-        Architecture::Modular(modular) => {
+        Family::Modular(modular) => {
             let names =
                 modular.kinds().filter_map(|kind| modular.types.get(kind)).map(|kind| kind.name.as_str());
             let (tree, elements) = (modular.tree_name().to_owned(), names.collect::<Vec<_>>().join(", "));
@@ -220,10 +220,10 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
 
 /// Refuses what free motion does not determine.
 fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanError> {
-    let (types, of, open) = match architecture {
-        Architecture::Rigid(_) => return Ok(()),
-        Architecture::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
-        Architecture::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
+    let (types, of, open) = match &architecture.family {
+        Family::Rigid(_) => return Ok(()),
+        Family::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
+        Family::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
     };
     if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
 }

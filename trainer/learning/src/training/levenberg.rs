@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt: damped Gauss–Newton on the normal equations.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in
-//! Marquardt's method", 1999.
+//! Marquardt's method", 1999. Steps are of the free numbers θ of [`Bounds`](super::Bounds), from the weights and back to weights.
 
 use super::{NormalEquations, Objective};
 use crate::parallel;
@@ -41,8 +41,9 @@ pub enum Progress {
 }
 
 impl Levenberg {
-    /// Starts at these weights.
+    /// Starts at these weights, those out of their range or at its end a little inside.
     pub fn new(objective: &dyn Objective, weights: Vec<f64>) -> Self {
+        let weights = objective.bounds().within(weights);
         let loss = objective.loss(&weights);
         Self { weights, loss, mu: 1e-2, raise: 2.0, decay: 0.0 }
     }
@@ -100,9 +101,11 @@ impl Levenberg {
     pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
         let Some(mut equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
         equations.add_decay(self.decay, &self.weights);
+        let theta = objective.bounds().free(&self.weights);
+        equations.scale(objective.bounds().slopes_at(&theta));
         let scale = mean_diagonal(&equations);
         while self.mu < MU_LIMIT {
-            if self.try_step(objective, &equations, scale) {
+            if self.try_step(objective, &theta, (&equations, scale)) {
                 return Progress::Lower;
             }
             self.mu *= self.raise;
@@ -111,9 +114,15 @@ impl Levenberg {
         Progress::Converged
     }
 
-    fn try_step(&mut self, objective: &dyn Objective, equations: &NormalEquations, scale: f64) -> bool {
+    fn try_step(
+        &mut self,
+        objective: &dyn Objective,
+        theta: &[f64],
+        (equations, scale): (&NormalEquations, f64),
+    ) -> bool {
         let Some(step) = damped_step(equations, self.mu * scale) else { return false };
-        let mut trial: Vec<f64> = self.weights.iter().zip(&step).map(|(w, s)| w + s).collect();
+        let trial: Vec<f64> = theta.iter().zip(&step).map(|(x, s)| x + s).collect();
+        let mut trial = objective.bounds().weights(&trial);
         objective.project(&mut trial);
         let loss = objective.loss(&trial);
         let decrease = self.cost(self.loss, &self.weights) - self.cost(loss, &trial);

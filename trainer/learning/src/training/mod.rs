@@ -5,6 +5,7 @@
 
 mod adam;
 mod blocks;
+mod bounds;
 mod levenberg;
 mod normal;
 mod objective;
@@ -12,6 +13,7 @@ mod residuals;
 mod samples;
 
 pub use adam::{Adam, AdamSettings, Schedule};
+pub use bounds::{Bounds, LEAST, MARGIN, Range};
 pub use levenberg::{Levenberg, Progress};
 pub use normal::NormalEquations;
 pub(crate) use objective::order_of;

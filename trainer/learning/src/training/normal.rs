@@ -63,6 +63,19 @@ impl NormalEquations {
         }
     }
 
+    /// Those in θ, dw/dθ of some weights being these slopes by position; of all others it is 1.
+    pub(super) fn scale(&mut self, slopes: impl Iterator<Item = (usize, f64)>) {
+        for (position, slope) in slopes {
+            self.gradient[position] *= slope;
+            // None where the gradient alone is summed. The diagonal is in the row and in the column.
+            let columns = self.gram.ncols().min(position + 1);
+            (0..columns).for_each(|j| self.gram[(position, j)] *= slope);
+            if columns > 0 {
+                self.gram.col_as_slice_mut(position)[position..].iter_mut().for_each(|entry| *entry *= slope);
+            }
+        }
+    }
+
     /// Adds another part.
     pub fn merge(&mut self, other: &Self) {
         // None where the gradient alone is summed.

@@ -1,7 +1,7 @@
 //! A loss over all samples, as the optimisers see it, and those of a learned Lagrangian.
 
 use super::blocks::Blocks;
-use super::{NormalEquations, Samples};
+use super::{Bounds, NormalEquations, Samples, bounds};
 use crate::architecture::Architecture;
 use leastaction_core::model::ModelError;
 use leastaction_programs::System;
@@ -52,6 +52,10 @@ pub trait Objective: Sync {
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations>;
     /// Brings weights that have a range (damping ≥ 0) back into it.
     fn project(&self, weights: &mut [f64]);
+    /// The ranges of weights that the optimisers see as free numbers θ; everything else sees the weights.
+    fn bounds(&self) -> &Bounds {
+        &bounds::NONE
+    }
 }
 
 /// An error over what can be computed.
@@ -91,9 +95,11 @@ pub fn objective(
     let rods = architecture.rods()?;
     check_rods(&system, &rods, kind)?;
     let make = move || loss(kind, &system, &rods, (h, order));
-    let (fixed, architecture) = (architecture.fixed_positions(), architecture.clone());
+    let (fixed, bounds) = (architecture.fixed_positions(), Bounds::new(architecture.ranges()));
+    let architecture = architecture.clone();
     let project = Box::new(move |weights: &mut [f64]| architecture.project(weights));
-    Ok(Box::new(Blocks::new(make, (parameters, fixed), samples, project)))
+    let blocks = Blocks::new(make, (parameters, fixed), samples, project);
+    Ok(Box::new(blocks.with_bounds(bounds)))
 }
 
 /// The objective of any loss over samples, for a model of so many weights, all of which are learned. `make` gives a loss to every

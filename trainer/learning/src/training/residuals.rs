@@ -1,7 +1,7 @@
 //! Sums over samples: fixed parts, each computed in order on one thread, added as a fixed tree. Results do not depend on the number
 //! of threads.
 
-use super::{NormalEquations, Objective, Solved};
+use super::{Bounds, NormalEquations, Objective, Solved, bounds};
 use crate::parallel;
 use faer::Mat;
 use leastaction_programs::{Row, WIDTH};
@@ -65,6 +65,10 @@ pub trait Residuals: Sync {
     }
     /// As [`Objective::project`]: nothing where every number is a weight.
     fn project(&self, _weights: &mut [f64]) {}
+    /// As [`Objective::bounds`]: none where every number is a weight.
+    fn bounds(&self) -> &Bounds {
+        &bounds::NONE
+    }
 }
 
 /// Workspace for the rows of one chunk.
@@ -202,6 +206,10 @@ impl<R: Residuals> Objective for R {
 
     fn project(&self, weights: &mut [f64]) {
         Residuals::project(self, weights);
+    }
+
+    fn bounds(&self) -> &Bounds {
+        Residuals::bounds(self)
     }
 }
 

@@ -106,7 +106,8 @@ fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Res
 
 fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
-    let damping: Vec<f64> = architecture.damping_positions().iter().map(|i| model.weights[*i]).collect();
+    let friction = architecture.friction_of_coordinates(&model.weights);
+    let damping: Vec<f64> = friction.iter().map(|friction| friction.viscous).collect();
     // Every modular model has the numbers, most of them 0.
     let damped = architecture.rigid().is_some() || damping.iter().any(|damping| *damping != 0.0);
     Report {

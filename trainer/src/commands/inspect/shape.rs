@@ -6,7 +6,7 @@ use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
 use leastaction_learning::architecture::{
-    Architecture, GraphArchitecture, ModularArchitecture, RigidArchitecture,
+    Architecture, Family, GraphArchitecture, ModularArchitecture, RigidArchitecture,
 };
 use serde::Serialize;
 
@@ -82,10 +82,10 @@ pub struct Tree {
 impl ShapeReport {
     /// Of a model.
     pub fn of(architecture: &Architecture) -> Self {
-        match architecture {
-            Architecture::Rigid(rigid) => Self::rigid(rigid),
-            Architecture::Modular(modular) => Self::modular(modular),
-            Architecture::Graph(graph) => Self::graph(graph),
+        match &architecture.family {
+            Family::Rigid(rigid) => Self::rigid(rigid),
+            Family::Modular(modular) => Self::modular(modular),
+            Family::Graph(graph) => Self::graph(graph),
         }
     }
 

@@ -133,7 +133,6 @@ impl Assembly {
         let Source { architecture, weights } = source;
         let shape = &architecture.shape;
         let types: Vec<_> = shape.types.iter().copied().zip(architecture.types.iter().cloned()).collect();
-        let numbers = ModularArchitecture::numbers_of(types.len());
         let mut trees = architecture.trees.clone();
         if architecture.tree < trees.len() {
             trees.swap(0, architecture.tree);
@@ -145,7 +144,7 @@ impl Assembly {
             pair: shape.pair,
             coefficients: Some(architecture.coefficients),
             trees,
-            trained: weights.get(..weights.len().saturating_sub(numbers)).unwrap_or_default().to_vec(),
+            trained: weights.get(..architecture.numbers_start()).unwrap_or_default().to_vec(),
         }
     }
 

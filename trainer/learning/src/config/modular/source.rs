@@ -1,7 +1,7 @@
 //! The trained model that a new one begins from.
 
 use super::Problem;
-use crate::architecture::{Architecture, ModularArchitecture};
+use crate::architecture::{Architecture, Family, ModularArchitecture};
 use crate::checkpoint::Trained;
 use crate::model_file::decode;
 use std::path::Path;
@@ -18,10 +18,8 @@ impl Source {
     pub fn read(path: &Path) -> Result<Self, Problem> {
         let (architecture, weights) = if path.is_dir() { run(path) } else { file(path) }
             .map_err(|message| Problem::From { message })?;
-        match architecture {
-            Architecture::Modular(modular) => {
-                Ok(Self { architecture: modular.with_numbers(&weights), weights })
-            }
+        match architecture.family {
+            Family::Modular(modular) => Ok(Self { architecture: modular.with_numbers(&weights), weights }),
             other => Err(Problem::OtherFamily { file: path.to_owned(), found: other.name() }),
         }
     }
