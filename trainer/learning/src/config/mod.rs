@@ -1,6 +1,7 @@
 //! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
 //! explained.
 
+mod bodies;
 mod data;
 mod error;
 mod fields;
@@ -12,6 +13,7 @@ mod problem;
 mod read;
 mod rigid;
 
+pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use data::{ColumnsConfig, DataConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
@@ -35,6 +37,8 @@ pub const DEFAULTS: &str = include_str!("defaults.toml");
 pub const MODULAR_DEFAULTS: &str = include_str!("modular.toml");
 /// A configuration for graphs of particles, every key of `[model]` explained.
 pub const GRAPH_DEFAULTS: &str = include_str!("graph.toml");
+/// A configuration for rigid bodies on joints, every key of `[model]` explained.
+pub const BODIES_DEFAULTS: &str = include_str!("bodies.toml");
 
 /// What to learn, from what, and how.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -172,6 +176,9 @@ impl Config {
             ModelConfig::Graph(graph) => {
                 graph.assemble().map_err(located)?;
             }
+            ModelConfig::Bodies(bodies) => {
+                bodies.architecture().map_err(located)?;
+            }
         }
         Ok(config)
     }
@@ -225,6 +232,11 @@ impl Config {
             ModelConfig::Graph(graph) => {
                 let architecture = graph.assemble()?;
                 let weights = architecture.beginning(seed);
+                Ok((architecture.into(), weights))
+            }
+            ModelConfig::Bodies(bodies) => {
+                let architecture = bodies.architecture()?;
+                let weights = architecture.initial_weights();
                 Ok((architecture.into(), weights))
             }
         }

@@ -3,7 +3,7 @@
 use super::fingerprint;
 use super::notice::{Notice, prepared};
 use super::range;
-use crate::architecture::{Architecture, Family, GraphArchitecture, ModularArchitecture};
+use crate::architecture::{Architecture, BodiesArchitecture, Family, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
 use crate::data::{Dataset, Doubt, control_name};
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
@@ -51,6 +51,17 @@ pub enum PlanError {
         /// Coordinates of a node.
         dimension: usize,
         /// Of the graph.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// The data has another number of coordinates than there are bodies.
+    #[error(
+        "[model] has {model} bodies, one a coordinate, but the data has {data} coordinates; name the bodies in the order of q, or \
+         set chain = {data}"
+    )]
+    Bodies {
+        /// Of the model.
         model: usize,
         /// Of the data.
         data: usize,
@@ -142,7 +153,8 @@ impl Plan {
         check_gauge(&architecture, forced)?;
         let scale = forced
             || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
-            || architecture.graph().is_some_and(GraphArchitecture::shows_scale);
+            || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
+            || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale);
         let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
         let enough = enough_triples(&parts.0, architecture.learned_parameters()?);
         let mut kinds = kinds(&config.training, laws.is_some(), (scale, enough.is_some()), &mut notices)?;
@@ -205,6 +217,7 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
     match &architecture.family {
         _ if model == data => Ok(()),
         Family::Rigid(_) => Err(PlanError::Coordinates { model, data }),
+        Family::Bodies(_) => Err(PlanError::Bodies { model, data }),
         Family::Graph(graph) => {
             let (graph, dimension) = (graph.graph()?.name.clone(), graph.dimension());
             Err(PlanError::Graph { graph, dimension, model, data })
@@ -224,6 +237,7 @@ fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanErro
         Family::Rigid(_) => return Ok(()),
         Family::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
         Family::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
+        Family::Bodies(bodies) => ("bodies", "tree", !bodies.shows_scale()),
     };
     if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
 }
