@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{GRAPHS, GraphSample, Random, RigidSample, TREES, TreeSample, bytes, step};
+use common::{BodiesSample, GRAPHS, GraphSample, Random, RigidSample, TREES, TreeSample, bytes, step};
 use leastaction_chip::{Chip, Control, Friction, ModelFile, Motion, Step};
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{
@@ -16,7 +16,7 @@ use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{GraphModel, Law, Laws, LoadForces, ModularModel, RigidModel};
+use leastaction_core::model::{BodiesModel, GraphModel, Law, Laws, LoadForces, ModularModel, RigidModel};
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::f16;
@@ -161,6 +161,14 @@ fn same_tree_with<F: LoadForces<f32, N>, const N: usize>(sample: &TreeSample) {
     same(&file.chip(Some(TREES[1])).unwrap(), &core.system, sample.seed ^ 77);
 }
 
+/// Loads bodies both ways.
+fn same_bodies<const N: usize>(is_damped: bool, seed: u64) {
+    let bytes = BodiesSample::chain(N, is_damped, seed).file(Order::Four);
+    let words = aligned(&bytes);
+    let core = BodiesModel::<N>::load(flash(&words, &bytes)).unwrap();
+    same(&ModelFile::new(&bytes).unwrap().chip(None).unwrap(), &core.system, seed ^ 77);
+}
+
 /// Loads a graph both ways.
 fn same_graph<const D: usize>(sample: &GraphSample, part: usize) {
     let bytes = sample.file(Order::Four);
@@ -296,6 +304,13 @@ proptest! {
         same_tree::<1>(&one);
         same_tree::<3>(&three);
         same_tree::<7>(&seven);
+    }
+
+    #[test]
+    fn bodies_have_the_bits_of_core(is_damped: bool, seed: u64) {
+        same_bodies::<1>(is_damped, seed);
+        same_bodies::<3>(is_damped, seed);
+        same_bodies::<7>(is_damped, seed);
     }
 
     #[test]

@@ -50,6 +50,7 @@ pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
         Family::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
         Family::Modular(modular) => Evaluations::modular(modular, &bytes),
         Family::Graph(graph) => return graph::cost(graph),
+        Family::Bodies(bodies) => Evaluations::bodies(bodies.n(), &bytes),
     };
     let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
     Ok(Cost {
@@ -111,6 +112,17 @@ impl Evaluations {
             handle_bytes: networks * (depth + 1) * LAYER + modular.n() * 5 * WORD + bytes.damping,
             dynamics,
             linearization: dynamics,
+        }
+    }
+
+    /// No layer; the arrays are those of the bodies in motion, and of the sums over what each carries.
+    fn bodies(n: usize, bytes: &Bytes) -> Self {
+        let frames = n * BODY * WORD;
+        let work = Work { multiply_adds: 0, stack_bytes: frames + 3 * n * n * WORD };
+        Self {
+            handle_bytes: (n * JOINT).next_multiple_of(WORD) + bytes.damping + 2 * WORD,
+            dynamics: work,
+            linearization: work,
         }
     }
 
@@ -186,6 +198,10 @@ fn ends(tangents: usize, n: usize) -> usize {
     4 * n * n * jet(tangents)
 }
 
+/// Numbers of a body in motion: its own, of its frame, of the sums over what it carries, of its rotor.
+const BODY: usize = 9 + 9 + 7 + 3;
+/// Bytes of a joint and its parent.
+const JOINT: usize = 3;
 const WORD: usize = 4;
 /// Two slices and a length.
 const LAYER: usize = 5 * WORD;

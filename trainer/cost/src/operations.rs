@@ -47,6 +47,8 @@ pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evalua
             4 => of_rigid::<4>(rigid, weights),
             _ => None,
         },
+        // Bodies were not measured yet.
+        Family::Bodies(_) => None,
         Family::Modular(modular) => match modular.n() {
             1 => of_tree::<1>(modular, weights),
             2 => of_tree::<2>(modular, weights),

@@ -4,8 +4,9 @@ mod common;
 
 use common::Numbers;
 use leastaction_core::energy::bodies::{
-    BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS, Joint, TreeBody, TreeError,
+    BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint, PlanarBodies, TreeBody, TreeError,
 };
+use leastaction_core::forces;
 use leastaction_programs::energies::{BodiesEnergies, Energies};
 use leastaction_programs::{System, WIDTH, Workspace};
 
@@ -30,7 +31,7 @@ fn weights(bodies: usize, seed: u64) -> Vec<f64> {
     let mut weights = common::random_weights(GRAVITY_PARAMETERS + BODY_PARAMETERS * bodies, seed);
     for body in weights[GRAVITY_PARAMETERS..].chunks_exact_mut(BODY_PARAMETERS) {
         for positive in [3, 6, 7] {
-            body[positive] = 1.0 + body[positive];
+            body[positive] += 1.0;
         }
     }
     weights
@@ -116,6 +117,20 @@ fn energies_are_the_printed_formulas() {
     check_energies([body(Joint::Prismatic, None), body(Joint::Prismatic, Some(0)), CHAIN[0]], 3);
 }
 
+fn check_against_core<const N: usize>(bodies: [TreeBody; N], seed: u64) {
+    let numbers = Numbers::<N>::new(weights(N, seed), 2.0, seed);
+    let lagrangian = PlanarBodies::take(&mut &numbers.weights[..], BodyTree::new(bodies).unwrap()).unwrap();
+    let core = forces::System::conservative(lagrangian);
+    common::check_values(&System::new(&model(&bodies)), &core, &numbers, 10.0);
+}
+
+#[test]
+fn values_and_derivatives_are_cores() {
+    check_against_core([CHAIN[0]], 8);
+    check_against_core(CHAIN, 9);
+    check_against_core(BRANCHED, 10);
+}
+
 /// Rows ∂/∂θ y·(L_q − L_vq v − M a) against differences of the equation of motion, number by number.
 #[test]
 fn gradients_are_the_differences_of_the_equation_of_motion() {
@@ -137,10 +152,10 @@ fn gradients_are_the_differences_of_the_equation_of_motion() {
         };
         (0..N).map(|i| y[i] * (of(0, i) - inertial(i))).sum()
     };
-    for at in 0..weights.len() {
+    for (at, row) in rows[0].iter().enumerate() {
         for sample in [0, WIDTH - 1] {
             let expected = (work(at, STEP, sample) - work(at, -STEP, sample)) / (2.0 * STEP);
-            close(rows[0][at].0[sample], expected, 1e-8);
+            close(row.0[sample], expected, 1e-8);
         }
     }
 }

@@ -6,7 +6,12 @@
 //!
 //! T = Σ ½m|ẋ|² + ½I φ̇² + ½J(φ̇_parent + g q̇)²,  V = −Σ m γ·x.
 
+mod motion;
+mod planar;
 mod tree;
+mod vector;
 
 pub use super::modular::TreeError;
-pub use tree::{BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint, TreeBody, Vector};
+pub use planar::PlanarBodies;
+pub use tree::{BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint, TreeBody};
+pub use vector::Vector;

@@ -1,10 +1,7 @@
 //! Which body hangs from which, by what joint, and the numbers of a body.
 
-use super::TreeError;
+use super::{TreeError, Vector};
 use serde::{Deserialize, Serialize};
-
-/// A point or a direction of the plane.
-pub type Vector<S> = [S; 2];
 
 /// How a body moves on its parent.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

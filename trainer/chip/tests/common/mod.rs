@@ -4,6 +4,7 @@
 
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS};
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, NodeShape, Potential, Separation,
 };
@@ -13,8 +14,8 @@ use leastaction_core::energy::modular::{
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    Family, GraphHeader, GraphLayout, Header, Law, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, RigidHeader,
-    Rod, TrainedStep, TreeHeader, write,
+    BodiesHeader, Family, GraphHeader, GraphLayout, Header, Law, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader,
+    RigidHeader, Rod, TrainedStep, TreeHeader, write,
 };
 use leastaction_core::network::Activation;
 
@@ -149,6 +150,42 @@ impl TreeSample {
         let mut weights = random.vector(modular.parameters().unwrap() - numbers.len(), 0.5);
         weights.extend(numbers);
         weights.extend(numbers_of_laws(self.laws, kinds.len(), &mut random));
+        weights
+    }
+
+    pub fn file(&self, order: Order) -> Vec<u8> {
+        file(&self.header(order), &self.weights())
+    }
+}
+
+/// A chain of rigid bodies that turn and slide.
+#[derive(Clone, Debug)]
+pub struct BodiesSample {
+    bodies: Vec<u8>,
+    pub is_damped: bool,
+    pub seed: u64,
+}
+
+impl BodiesSample {
+    /// A chain of n bodies of alternating joints.
+    pub fn chain(n: usize, is_damped: bool, seed: u64) -> Self {
+        let bodies = (0..n).flat_map(|i| [((i as u64 + seed) % 2) as u8, i as u8]).collect();
+        Self { bodies, is_damped, seed }
+    }
+
+    pub fn header(&self, order: Order) -> Header<'_> {
+        let laws = if self.is_damped { Laws::VISCOUS } else { Laws::NONE };
+        let family = Family::Bodies(BodiesHeader::planar(&self.bodies));
+        Header { laws, trained_step: Some(step(order)), ..Header::new(family) }
+    }
+
+    pub fn weights(&self) -> Vec<f32> {
+        let (mut random, n) = (Random(self.seed), self.bodies.len() / 2);
+        let mut weights = random.vector(GRAVITY_PARAMETERS + BODY_PARAMETERS * n, 0.5);
+        for body in weights[GRAVITY_PARAMETERS..].chunks_exact_mut(BODY_PARAMETERS) {
+            [3, 6, 7].into_iter().for_each(|positive| body[positive] += 1.0);
+        }
+        weights.extend(random.vector(n, 0.5).into_iter().map(f32::abs).filter(|_| self.is_damped));
         weights
     }
 

@@ -1,6 +1,6 @@
 //! What a family has of its own: energies, and the forces that its numbers are for.
 
-use super::{GraphArchitecture, ModularArchitecture, NamedGraph, RigidArchitecture};
+use super::{BodiesArchitecture, GraphArchitecture, ModularArchitecture, NamedGraph, RigidArchitecture};
 use crate::training::Range;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use leastaction_programs::energies::{Energies, GraphEnergies, ModularEnergies};
@@ -15,6 +15,14 @@ pub enum Family {
     Modular(ModularArchitecture),
     /// A graph of particles.
     Graph(GraphArchitecture),
+    /// A tree of rigid bodies on joints.
+    Bodies(BodiesArchitecture),
+}
+
+impl From<BodiesArchitecture> for Family {
+    fn from(bodies: BodiesArchitecture) -> Self {
+        Self::Bodies(bodies)
+    }
 }
 
 impl From<GraphArchitecture> for Family {
@@ -51,6 +59,7 @@ impl Family {
                 Ok(ModularArchitecture::from_header(modular, laws, weights).into())
             }
             FamilyHeader::Graph(graph) => Ok(GraphArchitecture::from_header(graph, weights).into()),
+            FamilyHeader::Bodies(bodies) => Ok(BodiesArchitecture::from_header(bodies, weights).into()),
             other => Err(ModelError::OtherFamily { found: other.name() }),
         }
     }
@@ -61,6 +70,7 @@ impl Family {
             Self::Rigid(rigid) => read(FamilyHeader::Rigid(rigid.header())),
             Self::Modular(modular) => read(FamilyHeader::Modular(modular.header())),
             Self::Graph(graph) => graph.with_header(|header| read(FamilyHeader::Graph(header))),
+            Self::Bodies(bodies) => read(FamilyHeader::Bodies(bodies.header())),
         }
     }
 
@@ -70,6 +80,7 @@ impl Family {
             Self::Rigid(_) => "rigid",
             Self::Modular(_) => "modular",
             Self::Graph(_) => "graph",
+            Self::Bodies(_) => "bodies",
         }
     }
 
@@ -79,6 +90,7 @@ impl Family {
             Self::Rigid(rigid) => rigid.n(),
             Self::Modular(modular) => modular.n(),
             Self::Graph(graph) => graph.n(),
+            Self::Bodies(bodies) => bodies.n(),
         }
     }
 
@@ -95,7 +107,7 @@ impl Family {
         match self {
             Self::Rigid(rigid) => rigid.laws(),
             Self::Modular(modular) => modular.laws(),
-            Self::Graph(_) => Laws::NONE,
+            Self::Graph(_) | Self::Bodies(_) => Laws::NONE,
         }
     }
 
@@ -105,6 +117,7 @@ impl Family {
             Self::Rigid(rigid) => rigid.n(),
             Self::Modular(modular) => modular.types.len(),
             Self::Graph(_) => 0,
+            Self::Bodies(bodies) => bodies.n(),
         }
     }
 
@@ -114,6 +127,7 @@ impl Family {
             Self::Rigid(rigid) => (0..rigid.n()).collect(),
             Self::Modular(modular) => modular.type_of_coordinates(),
             Self::Graph(_) => Vec::new(),
+            Self::Bodies(bodies) => (0..bodies.n()).collect(),
         }
     }
 
@@ -123,6 +137,7 @@ impl Family {
             Self::Rigid(rigid) => rigid.initial_weights(seed),
             Self::Modular(modular) => modular.initial_weights(seed),
             Self::Graph(graph) => graph.initial_weights(seed),
+            Self::Bodies(bodies) => bodies.initial_weights(),
         }
     }
 
@@ -132,6 +147,7 @@ impl Family {
             Self::Rigid(_) => Vec::new(),
             Self::Modular(modular) => modular.fixed_positions(),
             Self::Graph(graph) => graph.fixed_positions(),
+            Self::Bodies(bodies) => bodies.fixed_positions(),
         }
     }
 
@@ -139,6 +155,7 @@ impl Family {
     pub(super) fn ranges(&self) -> Vec<(usize, Range)> {
         match self {
             Self::Rigid(_) | Self::Modular(_) | Self::Graph(_) => Vec::new(),
+            Self::Bodies(bodies) => bodies.ranges(),
         }
     }
 
@@ -148,6 +165,8 @@ impl Family {
             Self::Rigid(rigid) => rigid.project(weights),
             Self::Modular(modular) => modular.project(weights),
             Self::Graph(graph) => graph.project(weights),
+            // Ranges hold them.
+            Self::Bodies(_) => {}
         }
     }
 
@@ -166,6 +185,7 @@ impl Family {
                 let NamedGraph { nodes, edges, .. } = graph.graph()?;
                 Ok(Box::new(GraphEnergies::new(&graph.shape, nodes, edges, 0)?))
             }
+            Self::Bodies(bodies) => Ok(Box::new(bodies.energies()?)),
         }
     }
 }

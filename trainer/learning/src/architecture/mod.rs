@@ -1,5 +1,6 @@
 //! The shape of a model on the host, where widths and the number of coordinates are known only at run time.
 
+mod bodies;
 mod family;
 mod friction;
 mod graph;
@@ -7,6 +8,7 @@ mod lgnn;
 mod modular;
 mod rigid;
 
+pub use bodies::{BodiesArchitecture, BodyNumbers};
 pub use family::Family;
 pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTHS};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
@@ -76,7 +78,7 @@ impl Architecture {
     pub fn rigid(&self) -> Option<&RigidArchitecture> {
         match &self.family {
             Family::Rigid(rigid) => Some(rigid),
-            Family::Modular(_) | Family::Graph(_) => None,
+            _ => None,
         }
     }
 
@@ -84,7 +86,7 @@ impl Architecture {
     pub fn modular(&self) -> Option<&ModularArchitecture> {
         match &self.family {
             Family::Modular(modular) => Some(modular),
-            Family::Rigid(_) | Family::Graph(_) => None,
+            _ => None,
         }
     }
 
@@ -92,14 +94,22 @@ impl Architecture {
     pub fn graph(&self) -> Option<&GraphArchitecture> {
         match &self.family {
             Family::Graph(graph) => Some(graph),
-            Family::Rigid(_) | Family::Modular(_) => None,
+            _ => None,
+        }
+    }
+
+    /// The shape, if it is of the family of bodies.
+    pub fn bodies(&self) -> Option<&BodiesArchitecture> {
+        match &self.family {
+            Family::Bodies(bodies) => Some(bodies),
+            _ => None,
         }
     }
 
     /// What a model of several mechanisms calls them, tree or graph, and the name of the one that is meant.
     pub fn part(&self) -> Option<(&'static str, &str)> {
         match &self.family {
-            Family::Rigid(_) => None,
+            Family::Rigid(_) | Family::Bodies(_) => None,
             Family::Modular(modular) => Some(("tree", modular.tree_name())),
             Family::Graph(graph) => Some(("graph", graph.graph().map_or("", |graph| &graph.name))),
         }
@@ -108,7 +118,7 @@ impl Architecture {
     /// The names of all trees or graphs.
     pub fn parts(&self) -> Vec<&str> {
         match &self.family {
-            Family::Rigid(_) => Vec::new(),
+            Family::Rigid(_) | Family::Bodies(_) => Vec::new(),
             Family::Modular(modular) => modular.trees.iter().map(|tree| tree.name.as_str()).collect(),
             Family::Graph(graph) => graph.graphs.iter().map(|graph| graph.name.as_str()).collect(),
         }
@@ -118,7 +128,7 @@ impl Architecture {
     #[must_use]
     pub fn with_part_named(&self, name: &str) -> Option<Self> {
         match &self.family {
-            Family::Rigid(_) => None,
+            Family::Rigid(_) | Family::Bodies(_) => None,
             Family::Modular(modular) => self.with_family(modular.with_tree_named(name)?),
             Family::Graph(graph) => self.with_family(graph.with_graph_named(name)?),
         }
@@ -163,6 +173,7 @@ impl Architecture {
             Family::Rigid(rigid) => rigid.coordinates.clone(),
             Family::Modular(modular) => modular.coordinates(),
             Family::Graph(graph) => "t".repeat(graph.n()),
+            Family::Bodies(bodies) => bodies.coordinates(),
         }
     }
 
@@ -172,6 +183,7 @@ impl Architecture {
             Family::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
             Family::Modular(modular) => modular.shape.networks.iter().flat_map(hidden).collect(),
             Family::Graph(graph) => graph.shape.networks.iter().flat_map(hidden).collect(),
+            Family::Bodies(_) => Vec::new(),
         }
     }
 
@@ -183,6 +195,7 @@ impl Architecture {
                 modular.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0)
             }
             Family::Graph(graph) => graph.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
+            Family::Bodies(_) => 0,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
 //! explained.
 
+mod bodies;
 mod calibration;
 mod data;
 mod error;
@@ -15,6 +16,7 @@ mod problem;
 mod read;
 mod rigid;
 
+pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
 pub use data::{ColumnsConfig, DataConfig, LogFiles};
 pub use error::ConfigError;
@@ -40,6 +42,8 @@ pub const DEFAULTS: &str = include_str!("defaults.toml");
 pub const MODULAR_DEFAULTS: &str = include_str!("modular.toml");
 /// A configuration for graphs of particles, every key of `[model]` explained.
 pub const GRAPH_DEFAULTS: &str = include_str!("graph.toml");
+/// A configuration for rigid bodies on joints, every key of `[model]` explained.
+pub const BODIES_DEFAULTS: &str = include_str!("bodies.toml");
 
 /// What to learn, from what, and how.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -195,6 +199,9 @@ impl Config {
             ModelConfig::Graph(graph) => {
                 graph.assemble().map_err(located)?;
             }
+            ModelConfig::Bodies(bodies) => {
+                bodies.architecture().map_err(located)?;
+            }
         }
         Ok(config)
     }
@@ -252,6 +259,11 @@ impl Config {
             ModelConfig::Graph(graph) => {
                 let architecture = graph.assemble()?;
                 let weights = architecture.beginning(seed);
+                Ok((architecture.into(), weights))
+            }
+            ModelConfig::Bodies(bodies) => {
+                let architecture = bodies.architecture()?;
+                let weights = architecture.initial_weights();
                 Ok((architecture.into(), weights))
             }
         }

@@ -245,6 +245,26 @@ pub enum Problem {
         /// All names.
         known: String,
     },
+    /// No body.
+    #[error("no bodies: add chain = 2, for a chain of two, or a [[model.bodies]] with a joint")]
+    NoBodies,
+    /// Bodies twice.
+    #[error("chain and [[model.bodies]] both say which bodies there are; leave one of them out")]
+    ChainAndBodies,
+    /// A gear ratio of no chain.
+    #[error("only a chain has one gear ratio; give every one of [[model.bodies]] its own")]
+    GearWithoutChain,
+    /// A body on one that does not come before it.
+    #[error(
+        "body {body} sits on body {on}, which does not come before it: bodies count from 0, parents first; without `on` a body \
+         sits on the ground"
+    )]
+    OnBody {
+        /// The body, from 0.
+        body: usize,
+        /// What it sits on.
+        on: u64,
+    },
     /// No node type.
     #[error("no node types: add a [[model.node_types]] with a name and a mass")]
     NoNodeTypes,

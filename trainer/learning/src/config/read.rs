@@ -1,5 +1,6 @@
 //! From the text of a file to a configuration.
 
+use super::bodies::BodiesConfig;
 use super::graph::GraphConfig;
 use super::modular::ModularConfig;
 use super::problem::{ShapeError, Step};
@@ -17,6 +18,7 @@ enum Family {
     Rigid,
     Modular,
     Graph,
+    Bodies,
 }
 
 /// A file with a model of a known family.
@@ -49,6 +51,7 @@ pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
         Family::Rigid => read::<RigidConfig>(document),
         Family::Modular => read::<ModularConfig>(document),
         Family::Graph => read::<GraphConfig>(document),
+        Family::Bodies => read::<BodiesConfig>(document),
     }
 }
 

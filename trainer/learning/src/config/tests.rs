@@ -18,7 +18,9 @@ fn defaults() -> Config {
 fn rigid(config: &Config) -> &RigidConfig {
     match &config.model {
         ModelConfig::Rigid(rigid) => rigid,
-        ModelConfig::Modular(_) | ModelConfig::Graph(_) => panic!("not a rigid model"),
+        ModelConfig::Modular(_) | ModelConfig::Graph(_) | ModelConfig::Bodies(_) => {
+            panic!("not a rigid model")
+        }
     }
 }
 

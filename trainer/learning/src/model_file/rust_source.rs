@@ -50,6 +50,7 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
         Family::Rigid(_) => "ModelError, RigidModel",
         Family::Modular(_) => "ModelError, ModularModel",
         Family::Graph(_) => "GraphModel, ModelError",
+        Family::Bodies(_) => "BodiesModel, ModelError",
     };
     if model.architecture.graph().is_some() {
         writeln!(to, "use leastaction_core::constraints::Holonomic;")?;
@@ -78,8 +79,10 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     let of = |n: &str| if friction.is_empty() { String::new() } else { format!("{friction}<{n}>") };
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
-    writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
-    writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
+    if architecture.bodies().is_none() {
+        writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
+        writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
+    }
     match &architecture.family {
         Family::Rigid(_) => {
             write_friction(to, model)?;
@@ -103,6 +106,9 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
         Family::Graph(graph) => write_graphs(to, graph, weight),
+        Family::Bodies(_) => {
+            writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}>;")
+        }
     }
 }
 
@@ -179,7 +185,7 @@ fn write_integrator(to: &mut String, TrainedStep { order, h, .. }: TrainedStep) 
 fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result {
     let length = bytes.len();
     let (edges, lists) = match &model.architecture.family {
-        Family::Rigid(_) => ("", ""),
+        Family::Rigid(_) | Family::Bodies(_) => ("", ""),
         Family::Modular(_) => ("", ", TREE"),
         Family::Graph(_) => {
             ("edges: &'a mut [Edge; EDGES], rods: &'a mut [Rod; RODS]", ", GRAPH, edges, rods")

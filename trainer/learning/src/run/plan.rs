@@ -57,6 +57,17 @@ pub enum PlanError {
         /// Of the data.
         data: usize,
     },
+    /// The data has another number of coordinates than there are bodies.
+    #[error(
+        "[model] has {model} bodies, one a coordinate, but the data has {data} coordinates; name the bodies in the order of q, or \
+         set chain = {data}"
+    )]
+    Bodies {
+        /// Of the model.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
     /// Masses that nothing determines.
     #[error(
         "[[model.{types}]]: every mass of the {of} is learned, but no sample is forced (u is zero or missing), and free motion does \
@@ -202,6 +213,7 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
     match &architecture.family {
         _ if model == data => Ok(()),
         Family::Rigid(_) => Err(PlanError::Coordinates { model, data }),
+        Family::Bodies(_) => Err(PlanError::Bodies { model, data }),
         Family::Graph(graph) => {
             let (graph, dimension) = (graph.graph()?.name.clone(), graph.dimension());
             Err(PlanError::Graph { graph, dimension, model, data })
@@ -221,6 +233,7 @@ fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanErro
         Family::Rigid(_) => return Ok(()),
         Family::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
         Family::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
+        Family::Bodies(bodies) => ("bodies", "tree", !bodies.shows_scale()),
     };
     if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
 }

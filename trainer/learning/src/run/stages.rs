@@ -2,7 +2,7 @@
 
 use super::notice::Notice;
 use super::plan::PlanError;
-use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
+use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
@@ -62,6 +62,7 @@ fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
     data.is_forced()
         || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
         || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
+        || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
 }
 
 /// Whether training begins with trained weights.

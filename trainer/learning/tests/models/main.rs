@@ -1,5 +1,6 @@
 //! Models of every family: from a configuration to training.
 
+mod bodies;
 mod control;
 mod documented_graphs;
 mod documented_trees;

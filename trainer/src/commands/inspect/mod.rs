@@ -255,7 +255,7 @@ impl Report {
             ["step, order 2", "step, order 4"]
         };
         match &self.shape {
-            ShapeReport::Rigid { .. } => {}
+            ShapeReport::Rigid { .. } | ShapeReport::Bodies { .. } => {}
             ShapeReport::Modular { tree, .. } => {
                 writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
             }
