@@ -78,12 +78,16 @@ fn logs(robot: Robot) -> Dataset {
 }
 
 fn loss(data: &Dataset, calibration: Calibration, known: bool) -> WindowLoss {
+    loss_over(data, STEPS, calibration, known)
+}
+
+fn loss_over(data: &Dataset, steps: usize, calibration: Calibration, known: bool) -> WindowLoss {
     let architecture = model();
     let mut model = WindowModel::new(&architecture).unwrap();
     if known {
         model.fixed = (0..architecture.parameters().unwrap()).collect();
     }
-    let settings = WindowSettings { steps: STEPS, order: 4, calibration };
+    let settings = WindowSettings { steps, order: 4, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     WindowLoss::new(model, &logs, 0..LOGS, settings).unwrap()
 }
@@ -157,13 +161,13 @@ fn a_model_is_learned_through_noise() {
     let noise = 0.02;
     let noisy = logs(Robot { noise, ..IDEAL });
     assert!(noise_of(&noisy).is_some() && noise_of(&logs(IDEAL)).is_none());
-    let start: Vec<f64> = weights(&model()).iter().map(|w| 0.7 * w).collect();
-    let (training, truth) =
-        (loss(&noisy, Calibration::default(), false), loss(&logs(IDEAL), Calibration::default(), false));
+    let start = model().initial_weights(9);
+    let long = |data: &Dataset| loss_over(data, 3 * STEPS, Calibration::default(), false);
+    let (training, truth) = (long(&noisy), long(&logs(IDEAL)));
     let before = Objective::held_back_loss(&truth, &start).sqrt();
     let fit = Levenberg::new(&training, start).run(&training, 40, |_, _| ());
     let after = Objective::held_back_loss(&truth, &fit.weights[..Objective::shared(&truth)]).sqrt();
-    assert!(after < 0.5 * noise && after < 0.2 * before, "from {before} to {after}");
+    assert!(after < 0.3 * noise && after < 0.1 * before, "from {before} to {after}");
 }
 
 #[test]
@@ -186,8 +190,7 @@ fn windows_that_cannot_be_computed_are_counted() {
     let loss = loss(&logs(IDEAL), Calibration::default(), false);
     let mut all = Objective::enter(&loss, weights(&model()));
     assert_eq!(Objective::solved(&loss, &all).unsolved, 0);
-    // Without inertia.
-    all[..loss.layout().start].fill(-1e4);
+    all[..loss.layout().start].fill(f64::NAN);
     let solved = Objective::solved(&loss, &all);
     assert_eq!(solved.unsolved, Objective::samples(&loss));
     assert!(Objective::loss(&loss, &all).is_finite());
