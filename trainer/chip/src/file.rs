@@ -1,14 +1,15 @@
+use crate::forces::is_dry;
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
-use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, Friction, LAYERS, RIGID_UNITS, SystemOf, UNITS};
 use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
-use leastaction_core::forces::System;
+use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{
-    BodiesHeader, Family, GraphHeader, GraphLayout, Laws, ModelError, ModularHeader, Parsed, RigidHeader,
-    TreeHeader, parse,
+    BodiesHeader, Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader, Parsed,
+    RigidHeader, TreeHeader, parse,
 };
 
 /// A model file in memory, validated, its weights widened to single precision.
@@ -152,7 +153,16 @@ struct RigidLoader<'f> {
 
 impl<'f> Load<'f> for RigidLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, ForcesOf<N>> =
+        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+    }
+}
+
+impl<'f> RigidLoader<'f> {
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+    {
+        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, F> =
             self.header.system(self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }
@@ -167,8 +177,16 @@ struct BodiesLoader<'f> {
 
 impl<'f> Load<'f> for BodiesLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        let system: System<PlanarBodies<'f, f32, N>, ForcesOf<N>> =
-            self.header.system(self.laws, self.weights)?;
+        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+    }
+}
+
+impl<'f> BodiesLoader<'f> {
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+    {
+        let system: System<PlanarBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }
 }
@@ -183,7 +201,16 @@ struct TreeLoader<'f> {
 
 impl<'f> Load<'f> for TreeLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, ForcesOf<N>> =
+        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+    }
+}
+
+impl<'f> TreeLoader<'f> {
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+    {
+        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, F> =
             self.header.system(&self.tree, self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }

@@ -10,7 +10,7 @@ use bytes::Bytes;
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
-use leastaction_core::model::ModelError;
+use leastaction_core::model::{Law, ModelError};
 use leastaction_learning::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture};
 use serde::Serialize;
 
@@ -52,9 +52,10 @@ pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
         Family::Graph(graph) => return graph::cost(graph),
         Family::Bodies(bodies) => Evaluations::bodies(bodies.n(), &bytes),
     };
+    let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
     Ok(Cost {
         state_bytes: bytes.state,
-        handle_bytes: evaluations.handle_bytes,
+        handle_bytes: evaluations.handle_bytes + dry,
         acceleration: evaluations.dynamics,
         step_order_2: evaluations.newton::<Midpoint>(bytes.newton_order_2),
         step_order_4: evaluations.newton::<Galerkin>(bytes.newton_order_4),

@@ -8,6 +8,7 @@ pub mod rollouts;
 pub mod states;
 mod systems;
 
+pub(crate) use systems::masses_at;
 pub use systems::{Beginning, FreeAccelerations, rollout};
 
 use crate::architecture::{Architecture, Family, GraphArchitecture};

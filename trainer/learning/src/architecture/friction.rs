@@ -84,6 +84,31 @@ impl FrictionArchitecture {
         self.viscous.iter().chain(self.dry.iter().flatten()).copied()
     }
 
+    /// The same with the numbers that end a weight block.
+    #[must_use]
+    pub fn with_numbers(mut self, weights: &[f64]) -> Self {
+        let start = weights.len().saturating_sub(self.count());
+        let numbers = self.viscous.iter_mut().chain(self.dry.iter_mut().flatten());
+        numbers
+            .zip(weights.get(start..).unwrap_or_default())
+            .for_each(|(number, value)| number.value = *value);
+        self
+    }
+
+    /// The same for more groups, of which the new ones have no friction.
+    #[must_use]
+    pub fn with_groups(mut self, groups: usize) -> Self {
+        const NONE: [Number; DRY_NUMBERS] =
+            [Number::known(0.0), Number::known(0.0), Number::known(1.0), Number::known(1.0)];
+        if !self.viscous.is_empty() {
+            self.viscous.resize(groups, Number::known(0.0));
+        }
+        if !self.dry.is_empty() {
+            self.dry.resize(groups, NONE);
+        }
+        self
+    }
+
     /// How many.
     pub fn count(&self) -> usize {
         self.viscous.len() + DRY_NUMBERS * self.dry.len()

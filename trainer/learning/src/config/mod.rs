@@ -5,6 +5,7 @@ mod bodies;
 mod data;
 mod error;
 mod fields;
+mod friction;
 mod graph;
 mod model;
 mod modular;
@@ -17,6 +18,7 @@ pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use data::{ColumnsConfig, DataConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
+pub use friction::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
 pub use graph::{
     EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
 };
@@ -167,7 +169,9 @@ impl Config {
         }
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
-            ModelConfig::Rigid(_) => {}
+            ModelConfig::Rigid(rigid) => {
+                rigid.architecture().map_err(located)?;
+            }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();
                 from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
@@ -226,8 +230,11 @@ impl Config {
             }
             ModelConfig::Modular(modular) => {
                 let assembled = modular.assemble()?;
-                let weights = assembled.initial_weights(seed);
-                Ok((assembled.architecture.into(), weights))
+                let (family, weights) =
+                    (assembled.architecture.clone().into(), assembled.initial_weights(seed));
+                let architecture = Architecture { family, friction: assembled.friction };
+                let weights = architecture.with_friction(weights);
+                Ok((architecture, weights))
             }
             ModelConfig::Graph(graph) => {
                 let architecture = graph.assemble()?;
@@ -236,8 +243,8 @@ impl Config {
             }
             ModelConfig::Bodies(bodies) => {
                 let architecture = bodies.architecture()?;
-                let weights = architecture.initial_weights();
-                Ok((architecture.into(), weights))
+                let weights = architecture.initial_weights(seed);
+                Ok((architecture, weights))
             }
         }
     }

@@ -180,6 +180,30 @@ pub enum Problem {
         /// Of space.
         needed: usize,
     },
+    /// Not as many numbers of friction as there are groups of coordinates.
+    #[error("`{key}` has {found} numbers; it must have {needed}, one for each {what}, or one alone for all")]
+    FrictionCount {
+        /// The key.
+        key: &'static str,
+        /// Given.
+        found: usize,
+        /// Groups.
+        needed: usize,
+        /// Coordinate or element type.
+        what: &'static str,
+    },
+    /// A number of dry friction where there is none.
+    #[error("`{key}` means nothing without dry friction; add coulomb = \"learned\", or leave it out")]
+    NoDryFriction {
+        /// The key.
+        key: &'static str,
+    },
+    /// Viscous damping at two keys.
+    #[error("viscous damping is given by `{key}` too; leave one of them out")]
+    DampingTwice {
+        /// The other key.
+        key: &'static str,
+    },
     /// A type that does not exist.
     #[error("no {what} is called {name:?}; there are: {known}")]
     UnknownType {

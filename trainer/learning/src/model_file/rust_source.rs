@@ -3,7 +3,7 @@
 use super::{HostModel, Precision, decode};
 use crate::architecture::{Family, GraphArchitecture, ModularArchitecture, NamedGraph};
 use leastaction_core::discrete::Order;
-use leastaction_core::model::{ModelError, TrainedStep};
+use leastaction_core::model::{Law, ModelError, TrainedStep};
 use std::fmt::{self, Write};
 
 /// Bytes in a line of the literal.
@@ -56,6 +56,9 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
         writeln!(to, "use leastaction_core::constraints::Holonomic;")?;
         writeln!(to, "use leastaction_core::energy::graph::Edge;")?;
     }
+    if is_dry(model) {
+        writeln!(to, "use leastaction_core::forces::{{Coulomb, Viscous}};")?;
+    }
     writeln!(to, "use leastaction_core::model::{{{imports}}};")?;
     if model.precision == Precision::Half {
         writeln!(to, "use leastaction_core::scalar::f16;")?;
@@ -67,10 +70,13 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     let architecture = &model.architecture;
     let widest = architecture.widths().into_iter().max().unwrap_or(0);
     let kinds = architecture.coordinates();
-    let weight = match model.precision {
-        Precision::Half => ", f16",
-        Precision::Single => "",
+    let (weight, friction) = match (model.precision, is_dry(model)) {
+        (Precision::Half, false) => (", f16", ""),
+        (Precision::Half, true) => (", f16", ", Friction"),
+        (Precision::Single, false) => ("", ""),
+        (Precision::Single, true) => (", f32", ", Friction"),
     };
+    let of = |n: &str| if friction.is_empty() { String::new() } else { format!("{friction}<{n}>") };
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
     if architecture.bodies().is_none() {
@@ -79,21 +85,47 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     }
     match &architecture.family {
         Family::Rigid(_) => {
-            writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, L{weight}>;")
+            write_friction(to, model)?;
+            let forces = of("N");
+            writeln!(
+                to,
+                "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, L{weight}{forces}>;"
+            )
         }
         Family::Modular(modular) => {
             writeln!(to, "/// Element types.\npub const E: usize = {};", modular.types.len())?;
             writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
             write_trees(to, modular)?;
+            write_friction(to, model)?;
+            let forces = of("M");
             writeln!(to, "\n/// A tree of `M` coordinates.")?;
-            writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L{weight}>;")?;
+            writeln!(
+                to,
+                "pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L{weight}{forces}>;"
+            )?;
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
         Family::Graph(graph) => write_graphs(to, graph, weight),
         Family::Bodies(_) => {
-            writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}>;")
+            write_friction(to, model)?;
+            let forces = of("N");
+            writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}{forces}>;")
         }
     }
+}
+
+/// Whether the model has dry friction, which a program must be compiled for.
+fn is_dry(model: &HostModel) -> bool {
+    model.architecture.laws().contains(Law::Coulomb)
+}
+
+/// The type of the forces, where it is not viscous damping alone.
+fn write_friction(to: &mut String, model: &HostModel) -> fmt::Result {
+    if !is_dry(model) {
+        return Ok(());
+    }
+    writeln!(to, "\n/// Viscous damping and dry friction of M coordinates.")?;
+    writeln!(to, "pub type Friction<const M: usize> = (Viscous<f32, M>, Coulomb<f32, M>);")
 }
 
 /// All graphs, with their nodes and edges.

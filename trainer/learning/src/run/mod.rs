@@ -19,6 +19,7 @@ mod notice;
 mod plan;
 mod range;
 mod resume;
+mod ringing;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -205,6 +206,9 @@ impl Run {
         }
         if !is_a_model && !is_interrupted {
             return Err(self.stuck());
+        }
+        if let Some(notice) = ringing::notice(&self.plan, &self.state.best.weights) {
+            monitor.warning(&notice.to_string());
         }
         self.say_what_was_not_learned(unsolved.map_or(0, |(unsolved, _)| unsolved), monitor);
         if self.saved.is_some()

@@ -6,7 +6,7 @@ use crate::config::Config;
 use crate::data::{Dataset, Doubt, Note};
 use crate::training::LossKind;
 
-/// Something the user should know before training begins.
+/// Something the user should know before training begins, or when it ends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
     /// No sample is forced: the energies come out up to a common factor.
@@ -19,6 +19,15 @@ pub enum Notice {
     Changed(Note),
     /// What the data can hardly mean.
     Doubtful(Doubt),
+    /// The dry friction that was learned is stiff for the step.
+    Rings {
+        /// The coordinate, from 0.
+        coordinate: usize,
+        /// a = h c (M⁻¹)_ii/(2ε).
+        stiffness: f64,
+        /// That does not ring.
+        most: f64,
+    },
 }
 
 impl std::fmt::Display for Notice {
@@ -34,6 +43,12 @@ impl std::fmt::Display for Notice {
             }
             Self::Changed(note) => note.fmt(f),
             Self::Doubtful(doubt) => doubt.fmt(f),
+            Self::Rings { coordinate, stiffness, most } => write!(
+                f,
+                "the dry friction of coordinate {} (counted from 1) is stiff for this step: a = h c/(2 m ε) is {stiffness:.2}, and beyond {most} the velocity \
+                 changes its sign at every step near rest; take a shorter step or a larger width",
+                coordinate + 1
+            ),
         }
     }
 }

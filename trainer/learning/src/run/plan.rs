@@ -2,7 +2,7 @@
 
 use super::fingerprint;
 use super::notice::{Notice, prepared};
-use super::range;
+use super::{range, ringing};
 use crate::architecture::{Architecture, BodiesArchitecture, Family, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
 use crate::data::{Dataset, Doubt, control_name};
@@ -134,6 +134,8 @@ pub struct Plan {
     pub(super) trained_step: Option<TrainedStep>,
     /// What the data covered, training and validation.
     pub(super) range: Vec<CoordinateRange>,
+    /// Some positions of the data, for what is said of the trained model.
+    pub(super) positions: Vec<Vec<f64>>,
     pub(super) data_fingerprint: u64,
     pub(super) stages: Vec<Stage>,
     notices: Vec<Notice>,
@@ -176,6 +178,7 @@ impl Plan {
             initial,
             trained_step: Order::from_number(order).filter(|_| loss.is_discrete()).map(step),
             range: range::of(&architecture, &data),
+            positions: ringing::positions(&data),
             data_fingerprint: fingerprint::of_data(&data, loss),
             stages,
             notices,
