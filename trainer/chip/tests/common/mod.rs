@@ -162,21 +162,20 @@ impl TreeSample {
 #[derive(Clone, Debug)]
 pub struct BodiesSample {
     bodies: Vec<u8>,
-    pub is_damped: bool,
+    pub laws: Laws<'static>,
     pub seed: u64,
 }
 
 impl BodiesSample {
     /// A chain of n bodies of alternating joints.
-    pub fn chain(n: usize, is_damped: bool, seed: u64) -> Self {
+    pub fn chain(n: usize, laws: Laws<'static>, seed: u64) -> Self {
         let bodies = (0..n).flat_map(|i| [((i as u64 + seed) % 2) as u8, i as u8]).collect();
-        Self { bodies, is_damped, seed }
+        Self { bodies, laws, seed }
     }
 
     pub fn header(&self, order: Order) -> Header<'_> {
-        let laws = if self.is_damped { Laws::VISCOUS } else { Laws::NONE };
         let family = Family::Bodies(BodiesHeader::planar(&self.bodies));
-        Header { laws, trained_step: Some(step(order)), ..Header::new(family) }
+        Header { laws: self.laws, trained_step: Some(step(order)), ..Header::new(family) }
     }
 
     pub fn weights(&self) -> Vec<f32> {
@@ -185,7 +184,7 @@ impl BodiesSample {
         for body in weights[GRAVITY_PARAMETERS..].chunks_exact_mut(BODY_PARAMETERS) {
             [3, 6, 7].into_iter().for_each(|positive| body[positive] += 1.0);
         }
-        weights.extend(random.vector(n, 0.5).into_iter().map(f32::abs).filter(|_| self.is_damped));
+        weights.extend(numbers_of_laws(self.laws, n, &mut random));
         weights
     }
 

@@ -263,8 +263,8 @@ impl Config {
             }
             ModelConfig::Bodies(bodies) => {
                 let architecture = bodies.architecture()?;
-                let weights = architecture.initial_weights();
-                Ok((architecture.into(), weights))
+                let weights = architecture.initial_weights(seed);
+                Ok((architecture, weights))
             }
         }
     }

@@ -107,7 +107,9 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
         }
         Family::Graph(graph) => write_graphs(to, graph, weight),
         Family::Bodies(_) => {
-            writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}>;")
+            write_friction(to, model)?;
+            let forces = of("N");
+            writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}{forces}>;")
         }
     }
 }

@@ -11,7 +11,7 @@ use leastaction_learning::config::{BODIES_DEFAULTS, Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::model_file::{decode, encode, rust_source};
 use leastaction_learning::run::{Plan, Run};
-use leastaction_learning::training::Range;
+use leastaction_learning::training::{Range, linear_start};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -20,7 +20,7 @@ fn parse(text: &str) -> Result<Config, ConfigError> {
 }
 
 /// After two lines of `[data]` and the two of `[model]` that name the family.
-fn config(rest: &str) -> String {
+fn config_of(rest: &str) -> String {
     format!("[data]\nfile = \"data.npz\"\n[model]\nfamily = \"bodies\"\n{rest}\n")
 }
 
@@ -29,7 +29,7 @@ fn architecture(text: &str) -> BodiesArchitecture {
 }
 
 fn error(rest: &str) -> String {
-    parse(&config(rest)).unwrap_err().to_string()
+    parse(&config_of(rest)).unwrap_err().to_string()
 }
 
 fn numbers(architecture: &BodiesArchitecture) -> Vec<BodyParameters<Number>> {
@@ -42,7 +42,7 @@ const ARM: &str = "[[model.bodies]]\nmass = 2\n[[model.bodies]]\njoint = \"prism
 fn printed_defaults_are_the_defaults() {
     let least =
         "[[model.bodies]]\n[[model.bodies]]\non = 0\nat = [\"learned\", 0]\nrotor = \"learned\"\ngear = 6";
-    assert_eq!(architecture(BODIES_DEFAULTS), architecture(&config(least)));
+    assert_eq!(architecture(BODIES_DEFAULTS), architecture(&config_of(least)));
     let on = BODIES_DEFAULTS.replace("# chain = ", "chain = ").replace("# gear = ", "gear = ");
     assert!(parse(&on).unwrap_err().to_string().contains("leave one of them out"));
     let printed = parse(BODIES_DEFAULTS).unwrap();
@@ -53,7 +53,7 @@ fn printed_defaults_are_the_defaults() {
 fn numbers_are_known_or_learned() {
     let text = "gravity = [0, { learn = -9 }]\n[[model.bodies]]\nat = [0.2, { learn = 0.1 }]\nangle = -1\nmass = { learn = 3 }\n\
                 centre = [\"learned\", \"learned\"]\ninertia = 0.5\nrotor = \"learned\"\ngear = \"learned\"";
-    let text = config(text);
+    let text = config_of(text);
     let found = architecture(&text);
     assert_eq!(found.gravity, [Number::known(0.0), Number::learned(-9.0)]);
     let expected = BodyParameters {
@@ -78,7 +78,7 @@ fn numbers_are_known_or_learned() {
 #[test]
 fn trees_branch_and_slide() {
     let text = format!("{ARM}[[model.bodies]]\non = 0\n");
-    let found = architecture(&config(&text));
+    let found = architecture(&config_of(&text));
     let body = |joint, parent| TreeBody { joint, parent };
     let tree = [body(Joint::Revolute, None), body(Joint::Prismatic, Some(0)), body(Joint::Revolute, Some(0))];
     assert_eq!(found.bodies().collect::<Vec<_>>(), tree);
@@ -88,7 +88,7 @@ fn trees_branch_and_slide() {
 /// The short form: everything that a chain can show is learned.
 #[test]
 fn a_chain_is_written_in_short() {
-    let found = architecture(&config("chain = 3\ngear = 6.0"));
+    let found = architecture(&config_of("chain = 3\ngear = 6.0"));
     assert_eq!((found.n(), found.coordinates().as_str()), (3, "aaa"));
     let [first, second, third] = numbers(&found).try_into().unwrap();
     assert!(first.mass.learned && first.centre[0].learned && first.inertia.learned);
@@ -183,7 +183,7 @@ fn shown(weights: &[f64]) -> [f64; 6] {
 #[test]
 fn a_chain_learns_the_machine_that_it_sees() {
     let training = "[training]\nloss = \"acceleration\"\niterations = 60\nwarm_up = 0";
-    let config = parse(&config(&format!("chain = 2\n{training}"))).unwrap();
+    let config = parse(&config_of(&format!("chain = 2\n{training}"))).unwrap();
     let (folder, data) = (tempfile::tempdir().unwrap(), log(6));
     let plan = Plan::new(config, &data).unwrap();
     assert_eq!((plan.parameters(), plan.learned_parameters()), (20, 8));
@@ -196,10 +196,44 @@ fn a_chain_learns_the_machine_that_it_sees() {
     }
 }
 
+/// Torques alone, lengths and friction included, lead from usual numbers to what motion shows, whatever the size of the machine.
+#[test]
+fn least_squares_of_torques_find_what_motion_shows() {
+    const B: [f64; 2] = [0.02, 0.01];
+    const C: [f64; 2] = [0.15, 0.1];
+    let tanh = |v: f64| (v / 0.1).tanh();
+    let model = "chain = 2\n[model.friction]\nviscous = \"learned\"\ncoulomb = \"learned\"\nwidth = 0.1";
+    let architecture = parse(&config_of(model)).unwrap().beginning().unwrap().0;
+    for scale in [1.0, 30.0] {
+        let [mut q, mut v, mut a, mut u] = [const { Vec::new() }; 4];
+        for t in &log(6).trajectories {
+            let of = |rows: &Option<Rows>| rows.as_ref().unwrap().as_flat().to_vec();
+            let velocities = of(&t.v);
+            let friction = velocities.iter().enumerate().map(|(k, v)| B[k % 2] * v + C[k % 2] * tanh(*v));
+            u.extend(of(&t.u).iter().zip(friction).map(|(u, friction)| scale * u + friction));
+            q.extend(t.q.as_flat());
+            v.extend(velocities);
+            a.extend(of(&t.a));
+        }
+        let found = linear_start(&architecture, [&q, &v, &a, &u]).unwrap();
+        let expected = shown(&machine().initial_weights());
+        for (found, expected) in shown(&found).iter().zip(expected) {
+            let expected = scale * expected;
+            assert!((found / expected - 1.0).abs() < 1e-4, "{found} instead of {expected}");
+        }
+        for (group, found) in architecture.friction_of_coordinates(&found).iter().enumerate() {
+            assert!((found.viscous / B[group] - 1.0).abs() < 1e-3, "{found:?}");
+            assert!((found.dry.unwrap().constant / C[group] - 1.0).abs() < 1e-3, "{found:?}");
+        }
+    }
+    let short = linear_start(&architecture, [&[0.0; 4], &[0.0; 4], &[0.0; 4], &[0.0; 3]]);
+    assert!(short.is_err(), "a torque is missing");
+}
+
 #[test]
 fn a_model_of_another_number_of_bodies_is_refused() {
     let plan = |rest: &str, data: &Dataset| {
-        let config = parse(&config(&format!("{rest}\n[training]\nloss = \"acceleration\""))).unwrap();
+        let config = parse(&config_of(&format!("{rest}\n[training]\nloss = \"acceleration\""))).unwrap();
         Plan::new(config, data).err().map(|error| error.to_string())
     };
     let mut data = log(3);

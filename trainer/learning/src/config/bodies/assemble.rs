@@ -1,7 +1,7 @@
 //! From a configuration to the shape of a model.
 
 use super::{BodiesConfig, BodyConfig, BodyNumber, LEARNED, ZERO};
-use crate::architecture::{BodiesArchitecture, MAX_TREE_COORDINATES, Number};
+use crate::architecture::{Architecture, BodiesArchitecture, MAX_TREE_COORDINATES, Number};
 use crate::config::parts::Range;
 use crate::config::problem::{Problem, ShapeError};
 use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
@@ -79,11 +79,21 @@ impl BodyConfig {
 }
 
 impl BodiesConfig {
-    /// The model that these bodies are.
+    /// The shape of the model, with friction.
     ///
     /// # Errors
     /// [`ShapeError`]: what cannot be, and where.
-    pub fn architecture(&self) -> Result<BodiesArchitecture, ShapeError> {
+    pub fn architecture(&self) -> Result<Architecture, ShapeError> {
+        let family = self.tree()?;
+        let friction = self.friction.assemble(family.n(), "body")?;
+        Ok(Architecture { family: family.into(), friction })
+    }
+
+    /// The model that these bodies are.
+    ///
+    /// # Errors
+    /// As [`BodiesConfig::architecture`].
+    fn tree(&self) -> Result<BodiesArchitecture, ShapeError> {
         let gravity = pair("gravity", self.gravity, USUAL_GRAVITY);
         let gravity = gravity.map_err(|problem| problem.at(["gravity".into()]))?;
         let each = self.every()?;

@@ -5,6 +5,7 @@ mod values;
 
 pub use values::{BodyNumber, JointKind};
 
+use super::friction::FrictionConfig;
 use serde::{Deserialize, Serialize};
 
 /// A tree of rigid bodies on joints, or in short a chain.
@@ -23,6 +24,9 @@ pub struct BodiesConfig {
     /// The bodies, in the order of q, parents first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodyConfig>,
+    /// Friction of the joints.
+    #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
+    pub friction: FrictionConfig,
 }
 
 fn gravity() -> [BodyNumber; 2] {
@@ -76,6 +80,12 @@ impl Default for BodyConfig {
 impl BodiesConfig {
     /// A chain of so many bodies on revolute joints.
     pub fn chain(n: usize) -> Self {
-        Self { gravity: gravity(), chain: Some(n), gear: None, bodies: Vec::new() }
+        Self {
+            gravity: gravity(),
+            chain: Some(n),
+            gear: None,
+            bodies: Vec::new(),
+            friction: FrictionConfig::default(),
+        }
     }
 }
