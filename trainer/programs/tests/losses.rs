@@ -7,9 +7,11 @@ use leastaction_core::discrete::{Control, Del, Galerkin, Interval, Midpoint, New
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
 use leastaction_core::forces::{ControlKind, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
-use leastaction_programs::dynamics::Order;
+use leastaction_programs::dynamics::{Accelerations, Order};
 use leastaction_programs::energies::{Energies, RigidEnergies};
-use leastaction_programs::losses::{AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, RungeKutta};
+use leastaction_programs::losses::{
+    AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, RungeKutta, TorqueLoss,
+};
 use leastaction_programs::{Row, System, WIDTH};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -150,6 +152,34 @@ fn accelerations() {
 }
 
 #[test]
+fn torques() {
+    for n in [1, 2, 5] {
+        let model = model(n);
+        let (system, weights) = (System::new(&model), weights(&model, 3));
+        check_derivatives(&mut TorqueLoss::new(&system), &weights, &block(n, 5), 1e-6);
+    }
+}
+
+/// A motion takes the torque that makes it, and M times what it is accelerated by beyond that.
+#[test]
+fn torques_are_those_that_accelerate() {
+    let model = model(3);
+    let (system, weights, mut block) = (System::new(&model), weights(&model, 3), block(3, 5));
+    let (mut accelerations, mut a) = (Accelerations::new(&system), vec![Row::default(); 3]);
+    let state = [&block.states[0][..], &block.states[1], &block.controls[0]];
+    assert!(!accelerations.evaluate(&weights, state, &mut a, None).any(WIDTH));
+    block.states[2] = a;
+    let mut loss = TorqueLoss::new(&system);
+    let balanced = evaluate(&mut loss, &weights, &block);
+    assert!(balanced.iter().all(|r| r.0.iter().all(|r| r.abs() < 1e-11)), "{balanced:?}");
+    block.states[2][1].0.iter_mut().for_each(|a| *a += 1.0);
+    for (i, found) in evaluate(&mut loss, &weights, &block).iter().enumerate() {
+        let mass = accelerations.mass(i, 1);
+        assert!((0..WIDTH).all(|k| (found.0[k] - mass.0[k]).abs() < 1e-11), "{found:?} {mass:?}");
+    }
+}
+
+#[test]
 fn next_states() {
     for n in [1, 2, 5] {
         let model = model(n);
@@ -192,11 +222,12 @@ fn what_fails_fails_alone() {
     let good = block(2, 5);
     let mut bad = good.clone();
     bad.states[0][0].0[7] = f64::NAN;
-    let losses: [Box<dyn Loss>; 4] = [
+    let losses: [Box<dyn Loss>; 5] = [
         Box::new(DelLoss::new(&system, H, Order::Four, true)),
         Box::new(DelLoss::new(&system, H, Order::Two, false)),
         Box::new(AccelerationLoss::new(&system)),
         Box::new(NextStateLoss::new(&system, H, RungeKutta::ThreeEighths)),
+        Box::new(TorqueLoss::new(&system)),
     ];
     for mut loss in losses {
         check_failures(&mut *loss, &weights, [&good, &bad], &[7]);

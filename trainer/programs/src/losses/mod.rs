@@ -10,12 +10,14 @@ mod del;
 mod next_state;
 mod rods;
 mod runge_kutta;
+mod torque;
 
 pub use acceleration::AccelerationLoss;
 pub use del::DelLoss;
 pub use next_state::NextStateLoss;
 pub use rods::RodsLoss;
 pub use runge_kutta::RungeKutta;
+pub use torque::TorqueLoss;
 
 use crate::dynamics::Failures;
 use crate::row::Row;
@@ -24,11 +26,11 @@ use leastaction_core::forces::ControlKind;
 /// Samples side by side, n rows each.
 #[derive(Clone, Debug, Default)]
 pub struct Block {
-    /// (q₋, q, q₊) of the discrete losses; (q, v, v̇) of the acceleration loss.
+    /// (q₋, q, q₊) of the discrete losses; (q, v, v̇) of the losses of accelerations and torques.
     pub states: [Vec<Row>; 3],
     /// v₊, of the loss of the next state.
     pub next_velocity: Vec<Row>,
-    /// Controls at the same times: of the loss of the next state u and u₊ are the first two, of that of accelerations u is the first.
+    /// Controls at the same times: of the loss of the next state u and u₊ are the first two, of those of accelerations and torques u is the first.
     pub controls: [Vec<Row>; 3],
     /// What they do between these times.
     pub control: ControlKind,
