@@ -121,3 +121,72 @@ fn percentile(mut values: Vec<f64>, part: f64) -> f64 {
     // Both may be infinite.
     if low == high { low } else { low + (at - at.floor()) * (high - low) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::STEP;
+    use super::super::predictor::ConstantVelocity;
+    use super::*;
+
+    /// Two joints, the first accelerated evenly by so much, rad/s², the second at rest; slower than 0.2 rad/s before `moving`.
+    fn log(acceleration: f64, samples: usize, moving: usize) -> Log {
+        let t = |k: usize| k as f64 * STEP;
+        let rows =
+            |of: &dyn Fn(usize) -> f64| Rows::from_rows(2, (0..samples).map(|k| [of(k), 0.3])).unwrap();
+        let v = (0..samples).map(|k| [if k < moving { 0.19 } else { 0.2 }, 0.0]);
+        Log {
+            file: "log.csv".into(),
+            q: rows(&|k| 0.5 * acceleration * t(k) * t(k)),
+            v: Rows::from_rows(2, v).unwrap(),
+            measured: rows(&|_| 0.0),
+            commanded: None,
+        }
+    }
+
+    #[test]
+    fn a_window_has_104_samples_and_moves() {
+        let of =
+            |samples: usize, moving: usize| windows(Machine::DoublePendulum, &log(1.0, samples, moving), 100);
+        assert_eq!(of(103, 0), []);
+        assert_eq!(of(104, 0), [0]);
+        assert_eq!(of(154, 0), [0, 25, 50]);
+        // A window sees sample s + 103, not the next.
+        assert_eq!((of(154, 103), of(154, 104), of(154, 129)), (vec![0, 25, 50], vec![25, 50], vec![50]));
+    }
+
+    /// Of a constant velocity on an even acceleration the error k steps on is ½a(kh)², half of the joints have it, and Σ k⁴ has a closed
+    /// form.
+    #[test]
+    fn the_error_is_the_root_mean_square_over_joints_and_samples() {
+        let errors = window_errors(&ConstantVelocity, &log(3.0, 160, 0), &[0, 50], &[0.0; 2]);
+        for (horizon, steps) in HORIZONS.into_iter().enumerate() {
+            let k = steps as f64;
+            let fourth = k * (k + 1.0) * (2.0 * k + 1.0) * (3.0 * k * k + 3.0 * k - 1.0) / 30.0;
+            let exact = 1.5 * STEP * STEP * (fourth / (2.0 * (k + 1.0))).sqrt();
+            for error in &errors {
+                assert!((error[horizon] - exact).abs() < 1e-12, "{error:?} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_prediction_that_breaks_off_is_infinitely_wrong() {
+        struct Broken;
+        impl Predictor for Broken {
+            fn motion(&self) -> Box<super::super::predictor::Motion<'_>> {
+                Box::new(|_, a| a.fill(leastaction_programs::Row::splat(f64::NAN)))
+            }
+        }
+        assert_eq!(window_errors(&Broken, &log(1.0, 104, 0), &[0], &[0.0; 2]), [[f64::INFINITY; 3]]);
+    }
+
+    #[test]
+    fn few_numbers_of_many_errors() {
+        let errors: Vec<[f64; 3]> = (0..11).map(|k| [f64::from(k), 1.0, f64::INFINITY]).collect();
+        let summary = Summary::of(&errors);
+        assert_eq!((summary.medians, summary.windows), ([5.0, 1.0, f64::INFINITY], 11));
+        assert_eq!(summary.percentiles, [9.0, 1.0, f64::INFINITY]);
+        assert_eq!(Summary::of(&errors[..2]).percentiles[0], 0.9);
+        assert!(Summary::of(&[]).medians[0].is_nan());
+    }
+}
