@@ -2,10 +2,12 @@
 //! [`Learnable`] derivatives in the weights.
 //!
 //! - [`rigid`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
+//! - [`bodies`]: trees of rigid bodies on joints, by their masses, lengths and inertias;
 //! - [`modular`]: a tree of reusable elements (ModLaNet);
 //! - [`graph`]: particles with potentials of their own, of pairs and of messages (LGNN), any number of them;
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
 
+pub mod bodies;
 mod distance;
 pub mod graph;
 mod list;

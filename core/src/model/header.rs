@@ -1,4 +1,6 @@
-use super::{ActuatorBytes, GraphHeader, Laws, ModelError, ShapeHeader, TrainedStep, TrainingRange};
+use super::{
+    ActuatorBytes, BodiesHeader, GraphHeader, Laws, ModelError, ShapeHeader, TrainedStep, TrainingRange,
+};
 use crate::energy::modular::{self, TreeElement, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
 use crate::energy::{MAX_HIDDEN, NetworkShape};
@@ -14,7 +16,7 @@ pub const FORMAT_VERSION: u8 = 2;
 /// Coordinates at most.
 const MAX_COORDINATES: usize = 16;
 /// Coordinates of a tree at most.
-const MAX_TREE_COORDINATES: usize = 64;
+pub(super) const MAX_TREE_COORDINATES: usize = 64;
 /// Trees in one file at most.
 pub const MAX_TREES: usize = 8;
 
@@ -78,6 +80,8 @@ pub enum Family<'a> {
     Modular(ModularHeader<'a>),
     /// Particles with energies of nodes and edges.
     Graph(GraphHeader<'a>),
+    /// A tree of rigid bodies on joints.
+    Bodies(BodiesHeader<'a>),
 }
 
 /// The shape of a modular model, types and trees apart: one set of types serves many trees.
@@ -143,16 +147,18 @@ impl Family<'_> {
             Self::Rigid(_) => RigidHeader::FAMILY.1,
             Self::Modular(_) => ModularHeader::FAMILY.1,
             Self::Graph(_) => GraphHeader::FAMILY.1,
+            Self::Bodies(_) => BodiesHeader::FAMILY.1,
         }
     }
 
-    /// Groups of coordinates that laws have numbers of their own for: coordinates of the rigid family, element types of the
-    /// modular one, node types of graphs.
+    /// Groups of coordinates that laws have numbers of their own for: coordinates of the rigid family and of bodies,
+    /// element types of the modular one, node types of graphs.
     pub fn groups(&self) -> usize {
         match self {
             Self::Rigid(rigid) => rigid.groups(),
             Self::Modular(modular) => modular.groups(),
             Self::Graph(graph) => graph.groups(),
+            Self::Bodies(bodies) => bodies.groups(),
         }
     }
 
@@ -162,6 +168,7 @@ impl Family<'_> {
             Self::Rigid(rigid) => rigid.parameters(),
             Self::Modular(modular) => modular.parameters(),
             Self::Graph(graph) => graph.parameters(),
+            Self::Bodies(bodies) => bodies.parameters(),
         }
     }
 }

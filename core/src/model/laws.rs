@@ -6,8 +6,8 @@ use crate::expected::expected;
 use crate::forces::{Coulomb, DryFriction, Forces, Viscous};
 use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 
-/// Laws that a model file can have; each has numbers for every *group* of coordinates: a coordinate of the rigid family, an
-/// element type of the modular one.
+/// Laws that a model file can have; each has numbers for every *group* of coordinates: a coordinate of the rigid family or of
+/// bodies, an element type of the modular one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Law {

@@ -3,12 +3,13 @@
 use super::laws::load_forces;
 use super::parse::parse_knowing;
 use super::{
-    ActuatorBytes, GraphHeader, GraphSystem, Law, LawNumbers, Laws, LoadForces, ModelError, ModularHeader,
-    ParsedAs, RigidHeader, Sections, ShapeHeader, TrainedStep, TrainingRange, TreeHeader,
+    ActuatorBytes, BodiesHeader, GraphHeader, GraphSystem, Law, LawNumbers, Laws, LoadForces, ModelError,
+    ModularHeader, ParsedAs, RigidHeader, Sections, ShapeHeader, TrainedStep, TrainingRange, TreeHeader,
 };
 use crate::constraints::Holonomic;
 use crate::discrete::rattle::Rattle;
 use crate::discrete::{Del, Path};
+use crate::energy::bodies::PlanarBodies;
 use crate::energy::graph::Edge;
 use crate::energy::modular::Modular;
 use crate::energy::rigid::{Rigid, RigidShape};
@@ -55,6 +56,12 @@ pub type ModularModel<
 /// `W` as of a [`RigidModel`].
 pub type GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> =
     Model<'a, GraphSystem<'a, D, K, H, L, W>>;
+
+/// A tree of N rigid bodies on joints.
+///
+/// `W` and `F` as of a [`RigidModel`].
+pub type BodiesModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
+    Model<'a, System<PlanarBodies<'a, W, N>, F>>;
 
 impl<'a, M> Model<'a, M> {
     /// The one way to load: the file, then the system that a family makes of it, and whether that is the first of the file.
@@ -148,6 +155,18 @@ impl<
     }
 }
 
+impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<f32, N>> BodiesModel<'a, N, W, F> {
+    /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        Self::read(bytes, F::knows, |parsed: &ParsedAs<BodiesHeader, W>| {
+            Ok((parsed.shape.system(parsed.laws, parsed.weights)?, true))
+        })
+    }
+}
+
 impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: FileWeightFormat>
     GraphModel<'a, D, K, H, L, W>
 {
@@ -211,11 +230,44 @@ impl RigidHeader<'_> {
         let needed = self.parameters()?;
         let lagrangian = Rigid::take(&mut block, &shape)
             .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
-        // A coordinate is a group of its own.
-        let groups = core::array::from_fn(|i| i as u8);
-        let forces = load_forces(LawNumbers::new(laws, block, N), &groups)?;
-        Ok(System { lagrangian, forces })
+        Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
     }
+}
+
+impl BodiesHeader<'_> {
+    /// The system of this tree and these laws over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in
+    /// training.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the block or the compiled number of bodies does not fit, or the program has not all laws.
+    pub fn system<'w, W, S, F, const N: usize>(
+        &self,
+        laws: Laws,
+        weights: &'w [W],
+    ) -> Result<System<PlanarBodies<'w, W, N>, F>, ModelError>
+    where
+        W: WeightFormat,
+        S: Scalar<Weight = W::Wide>,
+        F: LoadForces<S, N>,
+    {
+        let (tree, needed, mut block) = (self.tree()?, self.parameters()?, weights);
+        let lagrangian = PlanarBodies::take(&mut block, tree)
+            .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
+        Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
+    }
+}
+
+/// The forces of a file's laws where a coordinate is a group of its own.
+fn forces_of_coordinates<
+    S: Scalar,
+    W: WeightFormat<Wide = S::Weight>,
+    F: LoadForces<S, N>,
+    const N: usize,
+>(
+    laws: Laws,
+    numbers: &[W],
+) -> Result<F, ModelError> {
+    load_forces(LawNumbers::new(laws, numbers, N), &core::array::from_fn(|i| i as u8))
 }
 
 impl ModularHeader<'_> {

@@ -3,15 +3,16 @@
 
 use super::header::sum;
 use super::{
-    ActuatorBytes, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Law, Laws, MAGIC, MAX_PADDING,
-    ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections, TrainedStep, TrainingRange,
-    checksum,
+    ActuatorBytes, BodiesHeader, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Law, Laws, MAGIC,
+    MAX_PADDING, ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections, TrainedStep,
+    TrainingRange, checksum,
 };
 use crate::expected::expected;
 use crate::scalar::{FileWeightFormat, Weights, f16};
 use serde::Deserialize;
 
-/// The shape of one family, as it stands in a file: [`RigidHeader`], [`ModularHeader`] or [`GraphHeader`].
+/// The shape of one family, as it stands in a file: [`RigidHeader`], [`ModularHeader`], [`GraphHeader`] or
+/// [`BodiesHeader`].
 pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// What the family is in a file, and what it is called.
     const FAMILY: (u32, &'static str);
@@ -46,6 +47,7 @@ macro_rules! shape_header {
 shape_header!(RigidHeader, 0, "rigid");
 shape_header!(ModularHeader, 1, "modular");
 shape_header!(GraphHeader, 2, "graph");
+shape_header!(BodiesHeader, 3, "bodies");
 
 /// A validated file: its header and its weights, in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,6 +130,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
         0 => either(begun, Family::Rigid),
         1 => either(begun, Family::Modular),
         2 => either(begun, Family::Graph),
+        3 => either(begun, Family::Bodies),
         _ => Err(ModelError::Malformed),
     }
 }
@@ -164,7 +167,7 @@ pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     if begun.family == H::FAMILY.0 {
         return finish(&begun, knows);
     }
-    let names = [RigidHeader::FAMILY, ModularHeader::FAMILY, GraphHeader::FAMILY];
+    let names = [RigidHeader::FAMILY, ModularHeader::FAMILY, GraphHeader::FAMILY, BodiesHeader::FAMILY];
     let found = names.iter().find(|(number, _)| *number == begun.family).ok_or(ModelError::Malformed)?;
     Err(ModelError::OtherFamily { found: found.1 })
 }

@@ -38,6 +38,7 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
         Family::Rigid(shape) => file.energies(&shape)?,
         Family::Modular(shape) => file.energies(&shape)?,
         Family::Graph(shape) => file.energies(&shape)?,
+        Family::Bodies(shape) => file.energies(&shape)?,
     }
     file.optional(Section::Forces, header.laws.numbers())?;
     file.optional(Section::Actuator, header.actuator.map_or(&[], |actuator| actuator.bytes()))?;

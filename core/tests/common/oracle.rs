@@ -58,8 +58,16 @@ pub fn check_energies<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v:
 
 pub fn check_derivatives<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
     let weights = constant_weights(model);
-    let expected = dual::derivatives(&model.energies_over::<Dual>(&weights), q, v);
-    let energies = model.energies_in_f64();
+    check_lagrangian((&model.energies_in_f64(), &model.energies_over::<Dual>(&weights)), q, v);
+}
+
+/// All derivatives against those of the same energies in [`Dual`].
+pub fn check_lagrangian<const N: usize>(
+    (energies, exact): (&impl Lagrangian<f64, N>, &impl Lagrangian<Dual, N>),
+    q: &[f64; N],
+    v: &[f64; N],
+) {
+    let expected = dual::derivatives(exact, q, v);
     let (g, d, h) = (energies.gradient(q, v), energies.dynamics(q, v), energies.hessian(q, v));
     for (name, l_q, l_v) in
         [("gradient", g.l_q, g.l_v), ("dynamics", d.l_q, d.l_v), ("hessian", h.l_q, h.l_v)]
@@ -89,9 +97,17 @@ pub fn check_first_differences<M: Learned<N>, const N: usize>(model: &M, q: &[f6
     }
 }
 
-/// And the mass matrix is positive definite.
 pub fn check_symmetry<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
-    let h = model.energies_in_f64().hessian(q, v);
+    check_second_derivatives(&model.energies_in_f64(), q, v);
+}
+
+/// They are symmetric, and the mass matrix is positive definite.
+pub fn check_second_derivatives<const N: usize>(
+    energies: &impl Lagrangian<f64, N>,
+    q: &[f64; N],
+    v: &[f64; N],
+) {
+    let h = energies.hessian(q, v);
     assert_matrices_close("l_qq", &h.l_qq, &linear::transpose(&h.l_qq), 1e-14);
     assert_matrices_close("l_vv", &h.l_vv, &linear::transpose(&h.l_vv), 1e-14);
     let kinetic = linear::dot(v, &linear::multiply(&h.l_vv, v));

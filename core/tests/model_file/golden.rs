@@ -1,5 +1,6 @@
 //! The model file is what it was, byte for byte, and what its bytes are.
 
+use crate::common::crane;
 use crate::common::file::{self, CARTPOLE};
 use leastaction_core::model::Section;
 
@@ -175,6 +176,25 @@ fn web_text() -> String {
     Parts { before, weights }.text(&file::golden_web())
 }
 
+fn crane_text() -> String {
+    let mut before = vec![
+        (1, "section 1: energies"),
+        (4, HEAD),
+        (1, "family 3: bodies"),
+        (1, "2 dimensions"),
+        (7, "6 bytes: prismatic on the ground, revolute on body 0, prismatic on body 1"),
+    ];
+    before.extend(DAMPED);
+    let weights = vec![
+        (4 * 2, "gravity in x and y"),
+        (4 * 9, "cart: place in x and y, angle, mass, centre in x and y, moment of inertia, rotor, gear"),
+        (4 * 9, "jib: the same"),
+        (4 * 9, "trolley: the same"),
+        (4 * 3, "viscous: c of each coordinate"),
+    ];
+    Parts { before, weights }.text(&crane::golden())
+}
+
 #[test]
 fn the_rigid_file_is_unchanged() {
     let file = file::golden();
@@ -201,6 +221,11 @@ fn the_modular_file_is_unchanged() {
 #[test]
 fn the_graph_file_is_unchanged() {
     file::assert_golden("web.hex", &file::golden_web(), &web_text());
+}
+
+#[test]
+fn the_file_of_bodies_is_unchanged() {
+    file::assert_golden("crane.hex", &crane::golden(), &crane_text());
 }
 
 #[test]

@@ -4,6 +4,7 @@
 mod common;
 
 mod actuator;
+mod bodies_model;
 mod golden;
 mod graph_model;
 mod half;

@@ -1,5 +1,6 @@
 //! The writer of model files.
 
+use crate::common::crane;
 use crate::common::file::{self, Aligned, CARTPOLE, HEADER, arm, arm_header, web, web_header};
 use leastaction_core::model::{
     ActuatorBytes, Family, Header, TrainedStep, TrainingRange, WriteError, parse, write,
@@ -20,6 +21,7 @@ fn core_writes_what_the_tests_write() {
         (HEADER, rigid.clone()),
         (arm_header(arm()), file::arm_weights(file::ARM_NUMBERS)),
         (web_header(web()), file::web_weights(file::WEB_NUMBERS)),
+        (crane::HEADER, crane::weights(crane::NUMBERS)),
     ];
     for (header, weights) in cases {
         for units in ["", "m", "m,", "m,r", "m,rad"] {

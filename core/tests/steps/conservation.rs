@@ -2,7 +2,7 @@
 //! reversibility.
 
 use crate::common::shapes::{Angle, Cyclic, Model};
-use crate::common::trees;
+use crate::common::{bodies, trees};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
@@ -144,6 +144,20 @@ fn energy_of_a_learned_tree_over_a_million_steps_of_order_2_in_f32() {
     tree_trend::<Midpoint>(true).assert_drift_free("two learned links, order 2", 4e-3);
 }
 
+#[test]
+fn energy_of_bodies_over_a_million_steps_of_order_2_in_f64() {
+    let pendulum = bodies::double_pendulum();
+    Trend::of::<f64, Midpoint, 2>(pendulum.in_f64(), &pendulum.in_f64(), [0.9, -0.6], 0.01)
+        .assert_drift_free("geared double pendulum, order 2, f64", 2e-4);
+}
+
+#[test]
+fn energy_of_bodies_over_a_million_steps_of_order_4_in_f32() {
+    let pendulum = bodies::double_pendulum().rounded();
+    Trend::of::<f32, Galerkin, 2>(pendulum.over(&pendulum.single()), &pendulum.in_f64(), [0.9, -0.6], 0.01)
+        .assert_random_walk("geared double pendulum, order 4", 1e-5);
+}
+
 /// Damping takes energy out at every step, and leaves the mechanism at rest at the bottom.
 #[test]
 fn damping_dissipates() {
@@ -225,6 +239,16 @@ fn momentum_of_a_slide_that_carries_a_learned_link_is_conserved() {
     check_cyclic_momentum::<f64, Galerkin, _>("tree f64", tree.in_f64(), 0);
     check_cyclic_momentum::<f32, Midpoint, _>("tree f32", tree.over(&single), 0);
     check_cyclic_momentum::<f32, Galerkin, _>("tree f32", tree.over(&single), 0);
+}
+
+#[test]
+fn momentum_of_a_geared_cart_that_carries_a_body_is_conserved() {
+    let tree = bodies::cart_and_pole();
+    let single = tree.single();
+    check_cyclic_momentum::<f64, Midpoint, _>("bodies f64", tree.in_f64(), 0);
+    check_cyclic_momentum::<f64, Galerkin, _>("bodies f64", tree.in_f64(), 0);
+    check_cyclic_momentum::<f32, Midpoint, _>("bodies f32", tree.over(&single), 0);
+    check_cyclic_momentum::<f32, Galerkin, _>("bodies f32", tree.over(&single), 0);
 }
 
 /// 500 steps forth; then the last two positions in reverse order, and 500 steps back.

@@ -1,6 +1,6 @@
 //! Orders of accuracy, as slopes of the global error at a fixed time over the step, on nonlinear systems.
 
-use crate::common::{Random, log_log_slope, trees};
+use crate::common::{Random, bodies, log_log_slope, trees};
 use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step, momentum, rk4_step};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, Trigonometric};
@@ -143,6 +143,22 @@ fn cart_with_a_learned_link_and_a_rod() {
         ..motion
     };
     forced.assert_discrete_orders("forced cart, link, rod");
+}
+
+#[test]
+fn a_tree_of_bodies_that_turn_and_slide() {
+    let tree = &bodies::of_five()[0];
+    let mut random = Random(32);
+    let motion = Motion {
+        system: System::conservative(tree.in_f64()),
+        q: random.array(1.0),
+        v: random.array(1.5),
+        u: [0.0; 5],
+        u_rate: [0.0; 5],
+    };
+    motion.assert_discrete_orders("five bodies");
+    Motion { u: random.array(1.0), u_rate: random.array(3.0), ..motion }
+        .assert_discrete_orders("five forced bodies");
 }
 
 #[test]

@@ -1,11 +1,13 @@
 //! The families of [`leastaction_core::energy`], their Lagrangians written down for any size.
 
+mod bodies;
 mod friction;
 mod graph;
 mod modular;
 mod network;
 mod rigid;
 
+pub use bodies::BodiesEnergies;
 pub use friction::{Friction, FrictionNumber, MOST_LOAD, WIDTHS, WithFriction};
 pub use graph::GraphEnergies;
 pub use modular::ModularEnergies;

@@ -1,0 +1,57 @@
+//! Vectors of the plane.
+
+use crate::scalar::Scalar;
+
+/// A point or a direction of the plane.
+pub type Vector<S> = [S; 2];
+
+/// a + b.
+#[inline(always)]
+pub(super) fn add<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+/// ca.
+#[inline(always)]
+pub(super) fn scale<S: Scalar>(c: S, a: Vector<S>) -> Vector<S> {
+    [c * a[0], c * a[1]]
+}
+
+/// a·b.
+#[inline(always)]
+pub(super) fn dot<S: Scalar>(a: Vector<S>, b: Vector<S>) -> S {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// a × b.
+#[inline(always)]
+pub(super) fn cross<S: Scalar>(a: Vector<S>, b: Vector<S>) -> S {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// a, a quarter turn ahead.
+#[inline(always)]
+pub(super) fn across<S: Scalar>(a: Vector<S>) -> Vector<S> {
+    [-a[1], a[0]]
+}
+
+/// The vector of these components along an axis and across it.
+#[inline(always)]
+pub(super) fn turned<S: Scalar>(axis: Vector<S>, [along, aside]: Vector<S>) -> Vector<S> {
+    [axis[0] * along - axis[1] * aside, axis[1] * along + axis[0] * aside]
+}
+
+/// A linear and an angular part, the angular one about a joint: momentum (kg m/s, kg m²/s) or its derivative.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wrench<S> {
+    pub linear: Vector<S>,
+    pub angular: S,
+}
+
+impl<S: Scalar> Wrench<S> {
+    /// The same about a joint from which this one is at `step`.
+    #[inline(always)]
+    pub fn about(self, step: Vector<S>) -> Self {
+        Self { angular: self.angular + cross(step, self.linear), ..self }
+    }
+}

@@ -1,0 +1,103 @@
+use super::ModelError;
+use super::header::{MAX_TREE_COORDINATES, require};
+use crate::energy::bodies::{
+    BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint, TreeBody, TreeError,
+};
+use crate::expected::expected;
+use crate::scalar::FileWeightFormat;
+use serde::{Deserialize, Serialize};
+
+/// Dimensions of the space that the bodies of this format move in.
+const DIMENSIONS: u8 = 2;
+
+/// The shape of a tree of rigid bodies on joints.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BodiesHeader<'a> {
+    /// Dimensions of space: 2.
+    pub dimensions: u8,
+    /// Two bytes a body ([`TreeBody::to_bytes`]).
+    pub bodies: &'a [u8],
+}
+
+impl TreeBody {
+    /// Bytes of a body in a model file.
+    pub const BYTES: usize = 2;
+
+    /// As a model file has it: the joint, 0 revolute, 1 prismatic; and 0 (it sits on the ground) or 1 + the body that it sits on.
+    /// `None` on body 255, whose number a byte does not hold.
+    pub fn to_bytes(self) -> Option<[u8; Self::BYTES]> {
+        let parent = match self.parent {
+            None => 0,
+            Some(parent) => parent.checked_add(1)?,
+        };
+        Some([self.joint as u8, parent])
+    }
+
+    /// From a model file; `None` for a joint that does not exist.
+    pub fn from_bytes([joint, parent]: [u8; Self::BYTES]) -> Option<Self> {
+        let joint = match joint {
+            0 => Joint::Revolute,
+            1 => Joint::Prismatic,
+            _ => return None,
+        };
+        Some(Self { joint, parent: parent.checked_sub(1) })
+    }
+}
+
+impl<'a> BodiesHeader<'a> {
+    /// A tree in the plane, of two bytes a body.
+    pub const fn planar(bodies: &'a [u8]) -> Self {
+        Self { dimensions: DIMENSIONS, bodies }
+    }
+
+    /// Number of coordinates n, one a body.
+    pub fn n(&self) -> usize {
+        self.bodies.len() / TreeBody::BYTES
+    }
+
+    /// Groups of coordinates: one each.
+    pub(super) fn groups(&self) -> usize {
+        self.n()
+    }
+
+    /// The bodies in order, `None` for one whose joint does not exist.
+    pub fn bodies(&self) -> impl Iterator<Item = Option<TreeBody>> + use<'a> {
+        let (bodies, _) = self.bodies.as_chunks();
+        bodies.iter().map(|bytes| TreeBody::from_bytes(*bytes))
+    }
+
+    /// The tree, which must have N bodies.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for a joint that does not exist, [`ModelError::Tree`] for what is no tree of N bodies.
+    pub fn tree<const N: usize>(&self) -> Result<BodyTree<N>, ModelError> {
+        require(self.bodies().all(|body| body.is_some()), "joint of a body")?;
+        BodyTree::new(self.bodies().flatten()).map_err(ModelError::Tree)
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        require(self.dimensions == DIMENSIONS, "dimensions of the space of bodies")?;
+        require(self.bodies.len().is_multiple_of(TreeBody::BYTES), "length of a tree")?;
+        require(self.n() <= MAX_TREE_COORDINATES, "number of coordinates of a tree")?;
+        Ok(GRAVITY_PARAMETERS + BODY_PARAMETERS * self.n())
+    }
+
+    pub(super) fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
+        match self.tree::<0>() {
+            // Any number of bodies will do.
+            Ok(_) | Err(ModelError::Tree(TreeError::Coordinates { .. })) => {}
+            Err(error) => return Err(error),
+        }
+        let (numbers, _) = expected(weights.get(GRAVITY_PARAMETERS..), &[]).as_chunks();
+        numbers.iter().try_for_each(|numbers| check(&BodyParameters::from_array(numbers.map(W::wide))))
+    }
+}
+
+/// Checks the numbers of a body, which are finite.
+fn check(body: &BodyParameters<f32>) -> Result<(), ModelError> {
+    require(body.mass > 0.0, "mass of a body")?;
+    require(body.inertia > 0.0, "moment of inertia of a body")?;
+    require(body.rotor >= 0.0, "inertia of a rotor")
+}
