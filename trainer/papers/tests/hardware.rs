@@ -36,7 +36,7 @@ fn a_robots_own_parameters_predict_it_and_calibration_finds_its_zeros() {
     let (_folder, data) = simulated(3, 5.0);
     let rows = rows(&data, Split::of(vec![1, 2], 3).unwrap(), &KNOWN);
     let still = medians(&rows, "constant velocity", false);
-    let [as_is, calibrated] = [false, true].map(|c| medians(&rows, "identified parameters", c));
+    let [as_is, calibrated] = [false, true].map(|c| medians(&rows, "baseline: identified parameters", c));
     assert!(still[1] > 0.2 && as_is[1] > 0.01, "{still:?} {as_is:?}");
     assert!(calibrated.iter().zip([0.002, 0.006, 0.01]).all(|(error, most)| *error < most), "{calibrated:?}");
     let robot = data.baseline.as_deref().unwrap();
@@ -81,7 +81,7 @@ fn the_published_figures_of_the_real_double_pendulum() {
         assert!(rows.iter().all(|row| row.details["windows"] == windows));
         // The start states show to the printed digits; stiff friction to a few hundredths: it depends on the step that it was integrated by.
         for (model, expected, tolerance) in
-            [("constant velocity", still[k], 2e-3), ("identified parameters", identified[k], 0.03)]
+            [("constant velocity", still[k], 2e-3), ("baseline: identified parameters", identified[k], 0.03)]
         {
             let found = medians(&rows, model, false);
             for (found, expected) in found.iter().zip(expected) {

@@ -4,6 +4,7 @@ use super::identified::Identified;
 use super::log::Log;
 use super::machine::Machine;
 use super::predictor::{ConstantVelocity, Predictor};
+use super::rigid_bodies;
 use super::rivals::Rival;
 use crate::task::TaskError;
 
@@ -91,12 +92,15 @@ const NETWORK: Entry = Entry {
     fit: |_| Err("no model".into()),
 };
 
+/// Ours, by simple physics.
+const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 2.0, ..NETWORK };
+
 /// What is known beforehand.
 const KNOWN: Entry = Entry { is_seeded: false, expected_seconds: 0.5, ..NETWORK };
 
 /// What is identified elsewhere, and stands in the table where its numbers are known.
 const IDENTIFIED: Entry = Entry {
-    model: "identified parameters",
+    model: "baseline: identified parameters",
     fit: |training| {
         let identified = training.baseline.ok_or("no identified parameters are known")?;
         Ok(Fitted::known(identified.clone()))
@@ -105,12 +109,18 @@ const IDENTIFIED: Entry = Entry {
 };
 
 /// The other rows of the table, in order.
-const ENTRIES: [Entry; 5] = [
+const ENTRIES: [Entry; 7] = [
     Entry {
         model: "constant velocity",
         has_zeros: false,
         fit: |_| Ok(Fitted::known(ConstantVelocity)),
         ..KNOWN
+    },
+    Entry { model: "rigid bodies, viscous", fit: |training| rigid_bodies::fit(training, false), ..BODIES },
+    Entry {
+        model: "rigid bodies, viscous + Coulomb",
+        fit: |training| rigid_bodies::fit(training, true),
+        ..BODIES
     },
     Entry { model: "L-NODE", fit: |training| Rival::LNode.fit(training, false), ..NETWORK },
     Entry { model: "L-NODE with friction", fit: |training| Rival::LNode.fit(training, true), ..NETWORK },

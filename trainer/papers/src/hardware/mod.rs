@@ -22,9 +22,11 @@ mod machine;
 mod parameters;
 mod polynomial;
 mod predictor;
+mod rigid_bodies;
 mod rivals;
 mod rollout;
 mod split;
+mod states;
 mod task;
 mod window;
 

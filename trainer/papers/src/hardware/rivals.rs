@@ -3,12 +3,11 @@
 use super::entries::{Fitted, Training};
 use super::grid::STEP;
 use super::log::Log;
-use super::polynomial::Polynomial;
 use super::predictor::Learned;
+use super::states::{dataset, smoothed};
 use crate::task::TaskError;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_learning::architecture::RigidArchitecture;
-use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::training::{Levenberg, Objective, Samples, objective_of};
 use leastaction_programs::System;
 use leastaction_programs::energies::{Energies, Friction, FrictionNumber, WithFriction};
@@ -19,8 +18,6 @@ use std::time::Instant;
 const WIDTH: u16 = 16;
 /// Iterations of Levenberg–Marquardt at most, and for a first look.
 const ITERATIONS: [usize; 2] = [60, 10];
-/// Samples on each side of one that its smoothed state is taken from, and the degree of the polynomial through them.
-const SMOOTHED: (usize, usize) = (4, 3);
 /// θ of friction before anything is learned: b = 0.01 N m s/rad, c = 0.05 N m, ε = 0.2 rad/s.
 const FRICTION: [f64; 3] = [-4.6, -3.0, -0.75];
 
@@ -94,41 +91,4 @@ fn network(training: &Training, has_friction: bool) -> Result<(Box<dyn Energies>
     let groups = WithFriction::new(energies, vec![friction; n], (0..n).collect());
     (0..n).for_each(|_| weights.extend(FRICTION));
     Ok((Box::new(groups.ok_or("friction of as many joints as there are")?), weights))
-}
-
-/// Logs as trajectories of the grid's step: positions, the drives' velocities, measured torques.
-fn dataset(logs: &[&Log]) -> Dataset {
-    let n = logs.first().map_or(1, |log| log.joints());
-    let trajectory = |(id, log): (i64, &&Log)| Trajectory {
-        id,
-        t0: 0.0,
-        q: log.q.clone(),
-        v: Some(log.v.clone()),
-        a: None,
-        u: Some(log.measured.clone()),
-    };
-    Dataset { n, h: STEP, control: None, trajectories: (0..).zip(logs).map(trajectory).collect() }
-}
-
-/// Positions, velocities and accelerations of cubics through nine samples, with the mean of the torque before and after.
-fn smoothed(logs: &[&Log]) -> Samples {
-    let n = logs.first().map_or(1, |log| log.joints());
-    let mut samples = Samples { n, h: STEP, ..Samples::default() };
-    let (half, degree) = SMOOTHED;
-    let cubic = Polynomial::new(half, degree);
-    for log in logs {
-        for start in 0..(log.samples() + 1).saturating_sub(cubic.samples()) {
-            let state = cubic.at(&log.q, start);
-            samples.states.iter_mut().zip(state).for_each(|(all, own)| all.extend(own));
-            let torque = mean(&log.measured, start + half);
-            samples.controls.iter_mut().for_each(|all| all.extend(&torque));
-        }
-    }
-    samples
-}
-
-/// Of the torques of the steps before and after a sample.
-fn mean(torques: &Rows, sample: usize) -> Vec<f64> {
-    let of = |k: usize| torques.get(k).unwrap_or_default();
-    of(sample - 1).iter().zip(of(sample)).map(|(before, after)| 0.5 * (before + after)).collect()
 }

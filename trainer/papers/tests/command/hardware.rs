@@ -43,8 +43,11 @@ fn rows_have_their_keys_and_stand_on_a_page() {
     }
     let of = |row: &serde_json::Value| (row["model"].clone(), row["calibrated"].clone());
     let found: Vec<_> = rows.iter().map(of).collect();
-    let expected =
-        [("constant velocity", false), ("identified parameters", false), ("identified parameters", true)];
+    let expected = [
+        ("constant velocity", false),
+        ("baseline: identified parameters", false),
+        ("baseline: identified parameters", true),
+    ];
     assert_eq!(found, expected.map(|(model, calibrated)| (model.into(), calibrated.into())));
     let page = bench.text("out/hardware.html");
     for words in ["double-pendulum, logs 1, 2", "as is", "calibrated", "--test 1,2"] {
@@ -71,7 +74,7 @@ fn without_a_choice_there_are_both_splits_and_a_baseline_of_ones_own() {
     );
     write(&bench, "own.yml", robot::PARAMETERS);
     let names = bench.run("hardware --data . --list --baseline own.yml").good().stdout;
-    assert!(names.contains("double-pendulum-1-identified-parameters-0"), "{names}");
+    assert!(names.contains("double-pendulum-1-baseline-identified-parameters-0"), "{names}");
 }
 
 #[test]
