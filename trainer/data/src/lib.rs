@@ -53,6 +53,7 @@ mod error;
 mod intervals;
 pub mod lock;
 mod logs;
+mod measured;
 pub mod modlanet;
 mod note;
 mod npy_text;
@@ -73,6 +74,7 @@ pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use doubts::Doubt;
 pub use error::{DataError, Place, Problem};
 pub use logs::{Reading, files, read_as, read_logs};
+pub use measured::{Measured, read_measured};
 pub use note::{Note, Resampled};
 pub use rows::Rows;
 
@@ -288,11 +290,15 @@ fn table(format: Format, bytes: &[u8], columns: Option<&Columns>) -> Result<Tabl
             Format::Csv => csv_file::read(bytes, None),
         };
     };
-    let table = match format {
-        Format::Npz => npz_columns::read(bytes, columns)?,
-        Format::Csv => csv_file::read(bytes, Some(columns))?,
-    };
-    table.driven(columns.actuation.as_deref())
+    named(format, bytes, columns)?.driven(columns.actuation.as_deref())
+}
+
+/// What a file holds under names of its own, in SI units.
+fn named(format: Format, bytes: &[u8], columns: &Columns) -> Result<Table, Fault> {
+    match format {
+        Format::Npz => npz_columns::read(bytes, columns),
+        Format::Csv => csv_file::read(bytes, Some(columns)),
+    }
 }
 
 /// Writes a data set, by the extension `.npz` or `.csv`; the file is replaced in one step or not at all.

@@ -20,10 +20,10 @@ const ROUNDING: f64 = 5e-3;
 const FINEST: f64 = 0.1;
 
 /// The stamps of a trajectory, each once: repeated ones are left out.
-struct Stamped {
+pub(crate) struct Stamped {
     id: i64,
-    t: Vec<f64>,
-    rows: Vec<usize>,
+    pub(crate) t: Vec<f64>,
+    pub(crate) rows: Vec<usize>,
 }
 
 impl Table {
@@ -70,7 +70,7 @@ impl Table {
     }
 
     /// The stamps of a run, of equal ones the first.
-    fn stamped(&self, run: Run) -> Result<Stamped, Fault> {
+    pub(crate) fn stamped(&self, run: Run) -> Result<Stamped, Fault> {
         let (mut t, mut rows) = (Vec::new(), Vec::new());
         for row in run.rows.clone() {
             let now = match (&self.t, &self.h) {

@@ -72,8 +72,8 @@ impl Table {
         let fields =
             [("q", Some(&self.q)), ("v", self.v.as_ref()), ("a", self.a.as_ref()), ("u", self.u.as_ref())];
         for (key, field) in fields {
-            let values = field.map_or(&[][..], Rows::as_flat);
-            self.check_values(key, values, self.q.width())?;
+            let (values, width) = field.map_or((&[][..], 1), |rows| (rows.as_flat(), rows.width()));
+            self.check_values(key, values, width)?;
         }
         self.check_values("t", self.t.as_deref().unwrap_or_default(), 1)
     }

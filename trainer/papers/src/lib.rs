@@ -1,11 +1,13 @@
 //! The papers' experiments, ours beside theirs: tasks that give records, which become tables and pages.
 //!
-//! A paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]); [`baselines`] are the models that they compare with.
+//! A paper's module has its protocol ([`modlanet`], [`lgnn`], [`symo`], [`chnn`]), [`hardware`] that of logs that robots wrote;
+//! [`baselines`] are the models that they compare with.
 //! The command is `leastaction-papers`.
 
 pub mod baselines;
 pub mod chnn;
 pub mod folder;
+pub mod hardware;
 mod interrupted;
 pub mod lgnn;
 pub mod modlanet;
@@ -17,7 +19,7 @@ pub mod task;
 mod training;
 
 pub use interrupted::Interrupted;
-pub use papers::{CHNN, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
+pub use papers::{CHNN, HARDWARE, LGNN, MODLANET, Overview, PAPERS, PageError, Paper, SYMO};
 pub use training::{Bounds, Ending, Limits, Recipe, TrainingError};
 
 /// A system with its number of elements: 2-pendulum.

@@ -2,6 +2,7 @@
 
 mod chnn;
 mod compared;
+mod hardware;
 mod lgnn;
 mod merge;
 mod modlanet;
@@ -28,6 +29,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Chnn(chnn::Chnn),
+    Hardware(hardware::Hardware),
     Lgnn(lgnn::Lgnn),
     Modlanet(modlanet::Modlanet),
     Symo(symo::Symo),
@@ -40,6 +42,7 @@ pub fn main() -> ExitCode {
     let output = Output { json: cli.json };
     let done = match cli.command {
         Command::Chnn(chnn) => chnn.run(output),
+        Command::Hardware(hardware) => hardware.run(output),
         Command::Lgnn(lgnn) => lgnn.run(output),
         Command::Modlanet(modlanet) => modlanet.run(output),
         Command::Symo(symo) => symo.run(output),

@@ -1,7 +1,10 @@
 //! The command as people use it: exit codes, files, messages.
 
 mod baselines;
+mod hardware;
 mod results;
+#[path = "../robot/mod.rs"]
+mod robot;
 #[path = "../../../tests/cli_commands/support.rs"]
 mod support;
 

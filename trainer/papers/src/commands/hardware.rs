@@ -1,0 +1,83 @@
+//! `leastaction-papers hardware`.
+
+use super::selection::{Selection, given};
+use clap::Args;
+use leastaction::cli::{Done, Failure, Output};
+use leastaction_papers::HARDWARE;
+use leastaction_papers::hardware::{HardwareError, Machine, MachineData, Split, tasks};
+use leastaction_papers::task::Task;
+use std::path::PathBuf;
+
+/// Machines of hardware: a double pendulum and a pendulum, learned from some of their logs and predicted along the others.
+///
+/// Prints the median window error after 0.1, 0.5 and 1 s (rad), as is and with the encoders' zeros calibrated from the first 2 s of a tested
+/// log, of ours and of what it is compared with. The logs are not part of this program: DIR has a folder of .csv files for
+/// each machine, double-pendulum and pendulum. With -o also as a page.
+///
+/// Example: leastaction-papers hardware --data DIR --machine double-pendulum --test 1,3,5 --json
+#[derive(Args)]
+pub struct Hardware {
+    /// Where the machines' logs are; of a machine any number, in the layout of the published ones.
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Only this machine; by default all that DIR has a folder of.
+    #[arg(long)]
+    machine: Option<Machine>,
+    /// Test these logs, counted from 0 in order of name, and learn from all others. By default of the double pendulum the last three of
+    /// ten and then 1, 3 and 5, of the pendulum every log in turn.
+    #[arg(long, value_name = "LOG,…", value_delimiter = ',', requires = "machine")]
+    test: Vec<usize>,
+    /// Identified parameters of the double pendulum, lines of `name: number`; by default model_parameters.yml beside its logs.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+impl Hardware {
+    /// Learns, predicts and prints.
+    pub fn run(self, output: Output) -> Done {
+        let mut all = Vec::new();
+        for machine in self.machines()? {
+            all.extend(self.tasks(machine).map_err(unreadable)?);
+        }
+        self.selection.run(&HARDWARE, all, output)
+    }
+
+    fn machines(&self) -> Result<Vec<Machine>, Failure> {
+        if self.baseline.is_some() && self.machine == Some(Machine::Pendulum) {
+            return Err(Failure::Input("--baseline is of the double pendulum; leave it out".to_owned()));
+        }
+        let is_there = |machine: &Machine| self.data.join(machine.name()).is_dir();
+        let machines = match self.machine {
+            Some(machine) => vec![machine],
+            None => Machine::ALL.into_iter().filter(is_there).collect(),
+        };
+        if machines.is_empty() {
+            let names = Machine::ALL.map(Machine::name).join(" or ");
+            return Err(Failure::input(&self.data, format!("there is no folder {names} with logs")));
+        }
+        Ok(machines)
+    }
+
+    fn tasks(&self, machine: Machine) -> Result<Vec<Box<dyn Task>>, HardwareError> {
+        let data = MachineData::read(&self.data, machine, self.baseline.as_deref())?;
+        let splits = match &self.test[..] {
+            [] => Split::usual(machine, data.logs.len()),
+            test => vec![Split::of(test.to_vec(), data.logs.len())?],
+        };
+        let seeds: Vec<u64> = self.selection.seeds().collect();
+        Ok(tasks(&data, &splits, &seeds, (self.selection.quick, &self.arguments())))
+    }
+
+    /// The options beside machine, tested logs and seed.
+    fn arguments(&self) -> String {
+        let baseline = given("baseline", self.baseline.as_ref().map(|file| file.display()));
+        given("data", Some(self.data.display())) + &baseline + &self.selection.arguments()
+    }
+}
+
+/// Logs or a baseline that cannot be used: the input is at fault.
+fn unreadable(error: HardwareError) -> Failure {
+    Failure::Input(error.to_string())
+}

@@ -1,0 +1,140 @@
+//! The models that stand in the table: one item each.
+
+use super::identified::Identified;
+use super::log::Log;
+use super::machine::Machine;
+use super::predictor::{ConstantVelocity, Predictor};
+use super::rigid_bodies;
+use super::rivals::Rival;
+use crate::task::TaskError;
+
+/// What a model may learn from.
+pub struct Training<'t> {
+    /// Which machine.
+    pub machine: Machine,
+    /// The training logs, in order of name; never a tested one.
+    pub logs: Vec<&'t Log>,
+    /// What others identified, where it is known.
+    pub baseline: Option<&'t Identified>,
+    /// Of the initial weights.
+    pub seed: u64,
+    /// Fewer iterations, for a first look.
+    pub quick: bool,
+    /// Says how far it is.
+    pub tell: &'t (dyn Fn(&str) + Sync),
+}
+
+impl<'t> Training<'t> {
+    /// The logs to learn from and those to judge by: the last one is held back where there are several.
+    pub fn split(&self) -> [&[&'t Log]; 2] {
+        match self.logs.split_last() {
+            Some((_, rest)) if !rest.is_empty() => {
+                let (learned, judges) = self.logs.split_at(rest.len());
+                [learned, judges]
+            }
+            _ => [&self.logs, &self.logs],
+        }
+    }
+}
+
+/// What a model has become.
+pub struct Fitted {
+    /// Predicts the tested logs.
+    pub predictor: Box<dyn Predictor>,
+    /// Numbers that were learned.
+    pub parameters: usize,
+    /// Time that it took, s.
+    pub seconds: f64,
+}
+
+impl Fitted {
+    /// What needs no training.
+    fn known(predictor: impl Predictor + 'static) -> Self {
+        Self { predictor: Box::new(predictor), parameters: 0, seconds: 0.0 }
+    }
+}
+
+/// A row of the table.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// As in the table and, in small letters, in the names of tasks.
+    pub model: &'static str,
+    /// Whether it is what `leastaction train` gives with the configuration that the look at the logs writes.
+    pub is_default: bool,
+    /// Whether it is ours.
+    pub is_ours: bool,
+    /// Whether it depends on the zeros of the encoders, so that there is a calibrated row as well.
+    pub has_zeros: bool,
+    /// Whether it depends on the seed.
+    pub is_seeded: bool,
+    /// Seconds that it takes to learn from ten logs, roughly.
+    pub expected_seconds: f64,
+    /// Learns from training logs.
+    pub fit: fn(&Training) -> Result<Fitted, TaskError>,
+}
+
+impl Entry {
+    /// In the names of tasks.
+    pub fn label(&self) -> String {
+        let words = self.model.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+        words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
+    }
+}
+
+/// A network of another kind.
+const NETWORK: Entry = Entry {
+    model: "",
+    is_default: false,
+    is_ours: false,
+    has_zeros: true,
+    is_seeded: true,
+    expected_seconds: 30.0,
+    fit: |_| Err("no model".into()),
+};
+
+/// Ours, by simple physics.
+const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 2.0, ..NETWORK };
+
+/// What is known beforehand.
+const KNOWN: Entry = Entry { is_seeded: false, expected_seconds: 0.5, ..NETWORK };
+
+/// What is identified elsewhere, and stands in the table where its numbers are known.
+const IDENTIFIED: Entry = Entry {
+    model: "baseline: identified parameters",
+    fit: |training| {
+        let identified = training.baseline.ok_or("no identified parameters are known")?;
+        Ok(Fitted::known(identified.clone()))
+    },
+    ..KNOWN
+};
+
+/// The other rows of the table, in order.
+const ENTRIES: [Entry; 7] = [
+    Entry {
+        model: "constant velocity",
+        has_zeros: false,
+        fit: |_| Ok(Fitted::known(ConstantVelocity)),
+        ..KNOWN
+    },
+    Entry { model: "rigid bodies, viscous", fit: |training| rigid_bodies::fit(training, false), ..BODIES },
+    Entry {
+        model: "rigid bodies, viscous + Coulomb",
+        fit: |training| rigid_bodies::fit(training, true),
+        ..BODIES
+    },
+    Entry { model: "L-NODE", fit: |training| Rival::LNode.fit(training, false), ..NETWORK },
+    Entry { model: "L-NODE with friction", fit: |training| Rival::LNode.fit(training, true), ..NETWORK },
+    Entry { model: "DeLaN, torque loss", fit: |training| Rival::Delan.fit(training, false), ..NETWORK },
+    Entry {
+        model: "DeLaN, torque loss, with friction",
+        fit: |training| Rival::Delan.fit(training, true),
+        ..NETWORK
+    },
+];
+
+/// The rows of a table, with identified parameters or without.
+pub fn entries(has_baseline: bool) -> Vec<Entry> {
+    let (first, rest) = ENTRIES.split_at(1);
+    let identified = Some(IDENTIFIED).filter(|_| has_baseline);
+    first.iter().copied().chain(identified).chain(rest.iter().copied()).collect()
+}

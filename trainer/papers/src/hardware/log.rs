@@ -1,0 +1,79 @@
+//! The logs of a machine on the grid.
+
+use super::error::HardwareError;
+use super::grid::Grid;
+use super::machine::Machine;
+use leastaction_learning::data::{Rows, read_measured};
+use std::path::{Path, PathBuf};
+
+/// A log, sample k at t₀ + 10k ms.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    /// Its file.
+    pub file: PathBuf,
+    /// Positions, interpolated linearly, \[samples\]\[n\] (rad).
+    pub q: Rows,
+    /// Velocities as the drives give them, interpolated linearly (rad/s).
+    pub v: Rows,
+    /// Measured torques, the mean over every step (N m).
+    pub measured: Rows,
+    /// The same of commanded torques, where they are logged.
+    pub commanded: Option<Rows>,
+}
+
+impl Log {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`HardwareError::Log`], [`HardwareError::Sparse`].
+    pub fn read(file: &Path, machine: Machine) -> Result<Self, HardwareError> {
+        let samples = read_measured(file, &machine.columns())?;
+        let grid = Grid::new(file, &samples)?;
+        // Every column that was asked for is there.
+        let none = || samples.q.slice(0..0);
+        let (v, u) = (samples.v.clone().unwrap_or_else(none), samples.u.clone().unwrap_or_else(none));
+        let (n, torques) = (machine.joints(), grid.averaged(&u));
+        Ok(Self {
+            file: file.to_owned(),
+            q: grid.straight(&samples.q),
+            v: grid.straight(&v),
+            measured: columns(&torques, 0, n),
+            commanded: machine.logs_commands().then(|| columns(&torques, n, n)),
+        })
+    }
+
+    /// Samples on the grid.
+    pub fn samples(&self) -> usize {
+        self.q.len()
+    }
+
+    /// Joints n.
+    pub fn joints(&self) -> usize {
+        self.q.width()
+    }
+}
+
+/// So many columns from one on.
+fn columns(rows: &Rows, first: usize, count: usize) -> Rows {
+    let values = rows.iter().flat_map(|row| row.iter().skip(first).take(count).copied()).collect();
+    Rows::from_flat(count, values).unwrap_or_else(|| rows.slice(0..0))
+}
+
+/// All logs of a machine in `data`/machine, `.csv` files in the order of their names.
+///
+/// # Errors
+/// [`HardwareError`].
+pub fn read_logs(data: &Path, machine: Machine) -> Result<Vec<Log>, HardwareError> {
+    let folder = data.join(machine.name());
+    let failed = |error| HardwareError::Io { path: folder.clone(), error };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(&folder).map_err(failed)? {
+        files.push(entry.map_err(failed)?.path());
+    }
+    files.retain(|file| file.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("csv")));
+    files.sort();
+    if files.len() < 2 {
+        return Err(HardwareError::TooFew { folder, found: files.len() });
+    }
+    files.iter().map(|file| Log::read(file, machine)).collect()
+}

@@ -1,0 +1,66 @@
+//! The machines whose logs are known: where their columns are, and which of their motion counts.
+
+use leastaction_learning::data::{Column, Columns};
+use serde::Serialize;
+
+/// A machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Machine {
+    /// Two links, a drive at each joint; q₁ from hanging, q₂ relative to link 1.
+    DoublePendulum,
+    /// One link and a drive; q from hanging.
+    Pendulum,
+}
+
+/// cos q of a pendulum below which it is about to fall either way.
+const UPRIGHT: f64 = -0.9;
+
+impl Machine {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::DoublePendulum, Self::Pendulum];
+
+    /// On the command line, and the folder of its logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::DoublePendulum => "double-pendulum",
+            Self::Pendulum => "pendulum",
+        }
+    }
+
+    /// Joints n.
+    pub const fn joints(self) -> usize {
+        match self {
+            Self::DoublePendulum => 2,
+            Self::Pendulum => 1,
+        }
+    }
+
+    /// Whether its drives log the commanded torque beside the measured one.
+    pub const fn logs_commands(self) -> bool {
+        matches!(self, Self::DoublePendulum)
+    }
+
+    /// Its columns: u is the measured torque of every joint and then, where it is logged, the commanded one.
+    pub fn columns(self) -> Columns {
+        let of = |names: &[&str]| names.iter().map(|name| Column::si(*name)).collect();
+        let [q, v, u]: [&[&str]; 3] = match self {
+            Self::DoublePendulum => [
+                &["pos_meas1", "pos_meas2"],
+                &["vel_meas1", "vel_meas2"],
+                &["tau_meas1", "tau_meas2", "tau_con1", "tau_con2"],
+            ],
+            Self::Pendulum => [&["position"], &["velocity"], &["torque"]],
+        };
+        Columns { t: Column::si("time"), q: of(q), v: of(v), u: of(u), actuation: None }
+    }
+
+    /// Whether a window through these positions, \[samples\]\[n\], counts. A pendulum near its upright position falls either way,
+    /// whatever the model: windows that pass it are left out. Those of the double pendulum all count.
+    pub fn counts<'q>(self, mut positions: impl Iterator<Item = &'q [f64]>) -> bool {
+        match self {
+            Self::DoublePendulum => true,
+            Self::Pendulum => positions.all(|q| q.iter().all(|q| q.cos() >= UPRIGHT)),
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Machines of hardware: logs that robots wrote, models that learn from some of them, and their errors on the others.
+//!
+//! **Window error.** The grid of a log is t₀ + 10k ms; positions are interpolated linearly, torques averaged over each step, logs counted
+//! from 0 in order of name. A window starts at grid sample s = 0, 25, 50, … while s + 104 samples exist, and counts where max |v| over
+//! it is at least 0.2 rad/s. Its start state at sample s + 3 is that of a quadratic through the positions s … s + 6. The motion is predicted
+//! under the logged torque; the error to a horizon is the root mean square over all joints and all samples from s + 3 to s + 3 + 10, 50 or
+//! 100. A row has the median over windows that start at 2 s or later, and the 90th percentile.
+//!
+//! As is: nothing of a tested log is used but the start states. Calibrated: the zero offsets of its encoders are estimated from its first
+//! 2 s.
+//!
+//! Data flows one way: files → [`Log`] → windows → [`Predictor`] → [`Summary`]. What is in the table is a list of [`Entry`].
+
+mod calibration;
+mod data;
+mod entries;
+mod error;
+mod grid;
+mod identified;
+mod log;
+mod machine;
+mod parameters;
+mod polynomial;
+mod predictor;
+mod rigid_bodies;
+mod rivals;
+mod rollout;
+mod split;
+mod states;
+mod task;
+mod window;
+
+pub use calibration::zero_offsets;
+pub use data::MachineData;
+pub use entries::{Entry, Fitted, Training, entries};
+pub use error::HardwareError;
+pub use grid::STEP;
+pub use identified::Identified;
+pub use log::{Log, read_logs};
+pub use machine::Machine;
+pub use predictor::{ConstantVelocity, Learned, Motion, Predictor};
+pub use rollout::{Run, roll_out};
+pub use split::Split;
+pub use task::Outcome;
+pub use window::{HORIZONS, Summary};
+
+use super::task::Task;
+use task::Experiment;
+
+/// The tasks of all models on a machine's logs with these splits; those that depend on a seed with every one of `seeds`. `arguments` are the options
+/// beside machine, tested logs and seed, as on the command line.
+pub fn tasks(
+    data: &MachineData,
+    splits: &[Split],
+    seeds: &[u64],
+    (quick, arguments): (bool, &str),
+) -> Vec<Box<dyn Task>> {
+    let mut tasks: Vec<Box<dyn Task>> = Vec::new();
+    for split in splits {
+        for entry in entries(data.baseline.is_some()) {
+            let seeds = &seeds[..if entry.is_seeded { seeds.len() } else { seeds.len().min(1) }];
+            tasks.extend(seeds.iter().map(|seed| -> Box<dyn Task> {
+                let (data, split, arguments) = (data.clone(), split.clone(), arguments.to_owned());
+                Box::new(Experiment { entry, data, split, seed: *seed, quick, arguments })
+            }));
+        }
+    }
+    tasks
+}

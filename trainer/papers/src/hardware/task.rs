@@ -1,0 +1,197 @@
+//! A model on the logs of a machine as a task, its rows as records.
+
+use super::calibration::zero_offsets;
+use super::data::MachineData;
+use super::entries::{Entry, Fitted, Training};
+use super::log::Log;
+use super::split::Split;
+use super::window::{CALIBRATED, HORIZONS, Summary, window_errors, windows};
+use crate::record::{Measure, Record};
+use crate::task::{Task, TaskError};
+use serde::Serialize;
+use std::path::Path;
+
+/// A row of `--json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Name of the machine.
+    pub machine: &'static str,
+    /// Name of the model.
+    pub model: &'static str,
+    /// Whether it is what `train` gives with the configuration that the look at the logs writes.
+    pub default: bool,
+    /// The tested logs, counted from 0 in order of name.
+    pub test: Vec<usize>,
+    /// Whether the zero offsets of a tested log's encoders are estimated from its first 2 s.
+    pub calibrated: bool,
+    /// Median window error after 0.1 s, rad.
+    pub error_100ms: f64,
+    /// After 0.5 s.
+    pub error_500ms: f64,
+    /// After 1 s.
+    pub error_1s: f64,
+    /// 90th percentile after 0.1 s, rad.
+    pub p90_100ms: f64,
+    /// After 0.5 s.
+    pub p90_500ms: f64,
+    /// After 1 s.
+    pub p90_1s: f64,
+    /// Windows that count.
+    pub windows: usize,
+    /// The offsets of every tested log that was calibrated, rad.
+    pub zero_offsets: Vec<Vec<f64>>,
+    /// Numbers that were learned.
+    pub parameters: usize,
+    /// Training time, s, of all trainings together.
+    pub train_seconds: f64,
+    /// Of the initial weights.
+    pub seed: u64,
+}
+
+/// A model on a machine's logs.
+pub(super) struct Experiment {
+    pub entry: Entry,
+    pub data: MachineData,
+    pub split: Split,
+    pub seed: u64,
+    pub quick: bool,
+    /// The options beside those that name the case, as on the command line.
+    pub arguments: String,
+}
+
+/// As is and calibrated.
+#[derive(Default)]
+struct Errors {
+    windows: [Vec<[f64; 3]>; 2],
+    offsets: Vec<Vec<f64>>,
+    parameters: usize,
+    seconds: f64,
+}
+
+impl Task for Experiment {
+    fn name(&self) -> String {
+        let machine = self.data.machine.name();
+        format!("{machine}-{}-{}-{}", self.split.label(), self.entry.label(), self.seed)
+    }
+
+    fn command(&self) -> String {
+        let test = match &self.split.folds[..] {
+            [test] => format!(" --test {}", test.iter().map(usize::to_string).collect::<Vec<_>>().join(",")),
+            _ => String::new(),
+        };
+        let (machine, label) = (self.data.machine.name(), self.entry.label());
+        let case = format!("--machine {machine}{test} --only {label}-{}", self.seed);
+        format!("leastaction-papers hardware {case} --seed {}{}", self.seed, self.arguments)
+    }
+
+    fn data(&self) -> String {
+        format!("{} logs in {}", self.data.logs.len(), self.data.folder.display())
+    }
+
+    fn settings(&self) -> String {
+        let (machine, data) = (self.data.machine, (self.data(), self.data.baseline_name()));
+        serde_json::to_string(&(machine, &self.split, self.entry.model, self.seed, self.quick, data))
+            .unwrap_or_default()
+    }
+
+    fn options(&self) -> String {
+        self.arguments.clone()
+    }
+
+    fn expected_seconds(&self) -> f64 {
+        self.entry.expected_seconds * self.split.folds.len() as f64
+    }
+
+    fn run(&self, _: Option<&Path>, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Record>, TaskError> {
+        let mut errors = Errors::default();
+        for test in &self.split.folds {
+            let fitted = self.fit(test, tell)?;
+            test.iter().for_each(|log| self.judge(&fitted, &self.data.logs[*log], &mut errors));
+            errors.parameters = fitted.parameters;
+            errors.seconds += fitted.seconds;
+        }
+        let kinds: &[bool] = if self.entry.has_zeros { &[false, true] } else { &[false] };
+        kinds.iter().map(|calibrated| Ok(self.record(&self.outcome(&errors, *calibrated))?)).collect()
+    }
+}
+
+impl Experiment {
+    /// Learns from all logs but these.
+    fn fit(&self, test: &[usize], tell: &(dyn Fn(&str) + Sync)) -> Result<Fitted, TaskError> {
+        let logs = self.data.logs.iter().enumerate();
+        let logs = logs.filter(|(k, _)| !test.contains(k)).map(|(_, log)| log).collect();
+        (self.entry.fit)(&Training {
+            machine: self.data.machine,
+            logs,
+            baseline: self.data.baseline.as_deref(),
+            seed: self.seed,
+            quick: self.quick,
+            tell,
+        })
+    }
+
+    /// Adds the windows of a tested log.
+    fn judge(&self, fitted: &Fitted, log: &Log, errors: &mut Errors) {
+        let [.., steps] = HORIZONS;
+        let mut starts = windows(self.data.machine, log, steps);
+        starts.retain(|start| *start >= CALIBRATED);
+        let predictor = &*fitted.predictor;
+        errors.windows[0].extend(window_errors(predictor, log, &starts, &vec![0.0; log.joints()]));
+        if self.entry.has_zeros {
+            let offsets = zero_offsets(self.data.machine, predictor, log);
+            errors.windows[1].extend(window_errors(predictor, log, &starts, &offsets));
+            errors.offsets.push(offsets);
+        }
+    }
+
+    fn outcome(&self, errors: &Errors, calibrated: bool) -> Outcome {
+        let summary = Summary::of(&errors.windows[usize::from(calibrated)]);
+        let ([error_100ms, error_500ms, error_1s], [p90_100ms, p90_500ms, p90_1s]) =
+            (summary.medians, summary.percentiles);
+        Outcome {
+            machine: self.data.machine.name(),
+            model: self.entry.model,
+            default: self.entry.is_default,
+            test: self.split.tested(),
+            calibrated,
+            error_100ms,
+            error_500ms,
+            error_1s,
+            p90_100ms,
+            p90_500ms,
+            p90_1s,
+            windows: summary.windows,
+            zero_offsets: if calibrated { errors.offsets.clone() } else { Vec::new() },
+            parameters: errors.parameters,
+            train_seconds: errors.seconds,
+            seed: self.seed,
+        }
+    }
+
+    fn record(&self, row: &Outcome) -> Result<Record, serde_json::Error> {
+        let measures = [
+            ("0.1 s", row.error_100ms),
+            ("0.5 s", row.error_500ms),
+            ("1 s", row.error_1s),
+            ("90% 0.1 s", row.p90_100ms),
+            ("90% 0.5 s", row.p90_500ms),
+            ("90% 1 s", row.p90_1s),
+        ];
+        let calibrated = if row.calibrated { "calibrated" } else { "as is" };
+        Ok(Record {
+            table: format!("{}, {}", self.data.machine.name(), self.split.name),
+            subject: vec![("zeros".to_owned(), calibrated.to_owned())],
+            model: row.model.to_owned(),
+            is_ours: self.entry.is_ours,
+            parameters: row.parameters,
+            paper_parameters: None,
+            seed: row.seed,
+            train_seconds: row.train_seconds,
+            measures: measures.map(|(name, error)| Measure::error(name, error, None)).into(),
+            note: (row.windows == 0).then(|| "no window of the tested logs counts".to_owned()),
+            pictures: Vec::new(),
+            details: serde_json::to_value(row)?,
+            is_summary: false,
+        })
+    }
+}
