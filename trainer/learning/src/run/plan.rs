@@ -5,10 +5,11 @@ use super::notice::{Notice, prepared};
 use super::stages::{self, Stage};
 use super::{range, ringing};
 use crate::architecture::{Architecture, Family};
+use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
-use crate::training::SampleError;
-use crate::windows::{self, CalibrationLayout, TooShort};
+use crate::training::{Progress, SampleError, linear_start};
+use crate::windows::{self, CalibrationLayout, TooShort, WindowLogs};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
@@ -143,7 +144,7 @@ impl Plan {
     /// # Errors
     /// [`PlanError`]: the data and the configuration do not fit each other.
     pub fn new(mut config: Config, data: &Dataset) -> Result<Self, PlanError> {
-        let (architecture, initial) = config.beginning()?;
+        let (architecture, mut initial) = config.beginning()?;
         check_coordinates(&architecture, data)?;
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
@@ -161,6 +162,7 @@ impl Plan {
                 check_gauge(&architecture, data.is_forced())?;
                 let of = (&data, training);
                 let (stages, layout) = stages::of_windows(&config, &architecture, of, &mut notices)?;
+                initial = first_guess(&architecture, &data.split(training).0, initial, &stages)?;
                 (stages, Some(layout))
             }
         };
@@ -178,6 +180,19 @@ impl Plan {
             config,
             architecture,
         })
+    }
+
+    /// What training ends with, in memory alone; `None` where no stage has a finite loss.
+    pub fn train(&self) -> Option<Trained> {
+        let mut state = State::new(self)?;
+        while let Some(stage) = self.stages.get(state.stage) {
+            let over = state.in_stage >= stage.iterations;
+            if (over || state.iterate(stage).0 != Progress::Lower) && !state.next_stage(self) {
+                break;
+            }
+        }
+        let trained = Trained::from(Checkpoint::new(self, &state));
+        trained.best.is_a_model().then_some(trained)
     }
 
     /// What the user should know.
@@ -249,6 +264,20 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
         return count;
     }
     count - ((fraction * count as f64).round() as usize).clamp(1, count - 1)
+}
+
+/// Where windows begin: of rigid bodies by least squares on smoothed states, if that predicts the first stage's windows better.
+fn first_guess(
+    architecture: &Architecture,
+    data: &Dataset,
+    initial: Vec<f64>,
+    stages: &[Stage],
+) -> Result<Vec<f64>, ModelError> {
+    let (Some(_), Some(stage)) = (architecture.bodies(), stages.first()) else { return Ok(initial) };
+    let states = WindowLogs::new(data).smoothed();
+    let guess = linear_start(architecture, states.each_ref().map(Vec::as_slice))?;
+    let loss = |weights: &[f64]| stage.objective.held_back_loss(weights);
+    Ok(if loss(&guess) < loss(&initial) { guess } else { initial })
 }
 
 /// What is minimised, which the configuration then says: what it says, or else windows where positions are noisy, and the next position.

@@ -4,7 +4,7 @@ use super::identified::Identified;
 use super::log::Log;
 use super::machine::Machine;
 use super::predictor::{ConstantVelocity, Predictor};
-use super::rigid_bodies;
+use super::rigid_bodies::Chain;
 use super::rivals::Rival;
 use crate::task::TaskError;
 
@@ -108,18 +108,32 @@ const IDENTIFIED: Entry = Entry {
     ..KNOWN
 };
 
+const VISCOUS: Chain = Chain { dry: false, load: false, commanded: false, zeros: false };
+const COULOMB: Chain = Chain { dry: true, ..VISCOUS };
+const COMMANDED: Chain = Chain { commanded: true, ..COULOMB };
+const LOADED: Chain = Chain { load: true, ..COMMANDED };
+const ZEROS: Chain = Chain { zeros: true, ..COMMANDED };
+
 /// The other rows of the table, in order.
-const ENTRIES: [Entry; 7] = [
+const ENTRIES: [Entry; 10] = [
     Entry {
         model: "constant velocity",
         has_zeros: false,
         fit: |_| Ok(Fitted::known(ConstantVelocity)),
         ..KNOWN
     },
-    Entry { model: "rigid bodies, viscous", fit: |training| rigid_bodies::fit(training, false), ..BODIES },
+    Entry { model: "rigid bodies, viscous", fit: |training| VISCOUS.fit(training), ..BODIES },
+    Entry { model: "rigid bodies, viscous + Coulomb", fit: |training| COULOMB.fit(training), ..BODIES },
     Entry {
-        model: "rigid bodies, viscous + Coulomb",
-        fit: |training| rigid_bodies::fit(training, true),
+        model: "… commanded torque, gain and delay learned",
+        fit: |training| COMMANDED.fit(training),
+        ..BODIES
+    },
+    Entry { model: "… friction grows with the load", fit: |training| LOADED.fit(training), ..BODIES },
+    Entry {
+        model: "… and zero offsets learned",
+        is_default: true,
+        fit: |training| ZEROS.fit(training),
         ..BODIES
     },
     Entry { model: "L-NODE", fit: |training| Rival::LNode.fit(training, false), ..NETWORK },

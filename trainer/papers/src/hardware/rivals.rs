@@ -10,7 +10,7 @@ use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_learning::architecture::RigidArchitecture;
 use leastaction_learning::training::{Levenberg, Objective, Samples, objective_of};
 use leastaction_programs::System;
-use leastaction_programs::energies::{Energies, Friction, FrictionNumber, WithFriction};
+use leastaction_programs::energies::{DryLaw, Energies, FrictionLaws, WithFriction};
 use leastaction_programs::losses::{NextStateLoss, RungeKutta, TorqueLoss};
 use std::time::Instant;
 
@@ -18,8 +18,10 @@ use std::time::Instant;
 const WIDTH: u16 = 16;
 /// Iterations of Levenberg–Marquardt at most, and for a first look.
 const ITERATIONS: [usize; 2] = [60, 10];
-/// θ of friction before anything is learned: b = 0.01 N m s/rad, c = 0.05 N m, ε = 0.2 rad/s.
-const FRICTION: [f64; 3] = [-4.6, -3.0, -0.75];
+/// b before anything is learned, N m s/rad.
+const VISCOUS: f64 = 0.01;
+/// c (N m), c_load, τ_s (N m) and ε (rad/s) before anything is learned.
+const DRY: [f64; 4] = [0.05, 0.0, 0.1, 0.2];
 
 /// Which of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,9 +88,9 @@ fn network(training: &Training, has_friction: bool) -> Result<(Box<dyn Energies>
     if !has_friction {
         return Ok((Box::new(energies), weights));
     }
-    let learned = FrictionNumber::Learned;
-    let friction = Friction { viscous: learned, constant: learned, width: learned, ..Friction::NONE };
-    let groups = WithFriction::new(energies, vec![friction; n], (0..n).collect());
-    (0..n).for_each(|_| weights.extend(FRICTION));
+    let laws = FrictionLaws { viscous: true, dry: DryLaw::Unloaded };
+    let groups = WithFriction::new(energies, laws, n, (0..n).collect());
+    weights.extend(vec![VISCOUS; n]);
+    (0..n).for_each(|_| weights.extend(DRY));
     Ok((Box::new(groups.ok_or("friction of as many joints as there are")?), weights))
 }
