@@ -170,7 +170,7 @@ impl Config {
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
             ModelConfig::Rigid(rigid) => {
-                rigid.architecture().map_err(located)?;
+                rigid.friction().map_err(located)?;
             }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();

@@ -3,7 +3,7 @@
 use super::fields::{self, Coordinates, InertiaKind};
 use super::friction::FrictionConfig;
 use super::problem::{Problem, ShapeError};
-use crate::architecture::{Architecture, RigidArchitecture, largest_factor};
+use crate::architecture::{Architecture, FrictionArchitecture, RigidArchitecture, largest_factor};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
@@ -80,8 +80,7 @@ impl RigidConfig {
                 Inertia::Factor { rows, epsilon: self.epsilon }
             }
         };
-        self.friction.check_damping("damping", *damping)?;
-        let friction = self.friction.assemble(n, "coordinate")?;
+        let friction = self.friction()?;
         let family = RigidArchitecture {
             widths: hidden.clone(),
             activation: *activation,
@@ -90,6 +89,12 @@ impl RigidConfig {
             ..plain
         };
         Ok(Architecture { family: family.into(), friction })
+    }
+
+    /// The friction of the coordinates.
+    pub(super) fn friction(&self) -> Result<FrictionArchitecture, ShapeError> {
+        self.friction.check_damping("damping", self.damping)?;
+        self.friction.assemble(self.coordinates.0.len(), "coordinate")
     }
 
     /// The same with the rows that are asked for.

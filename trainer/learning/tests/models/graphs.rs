@@ -3,7 +3,7 @@
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::{Architecture, Family, GraphArchitecture, HostTypes, NamedGraph};
+use leastaction_learning::architecture::{Family, GraphArchitecture, HostTypes, NamedGraph};
 use leastaction_learning::evaluate::learned::with_accelerations;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, Motion, lgnn_set, lgnn_starts};
 use leastaction_learning::model_file::{decode, encode};

@@ -4,6 +4,8 @@ mod bodies;
 mod control;
 mod documented_graphs;
 mod documented_trees;
+mod friction;
+mod friction_config;
 mod graph_config;
 mod graphs;
 mod next_state;

@@ -96,7 +96,11 @@ impl ModularConfig {
         for (name, elements) in &self.trees {
             model.add_tree(name, elements)?;
         }
-        let damped = self.types.iter().any(|kind| kind.damping.is_some());
+        let damped = self
+            .types
+            .iter()
+            .filter_map(|kind| kind.damping)
+            .any(|damping| damping.learned || damping.value != 0.0);
         self.friction.check_damping("damping", damped)?;
         if !self.friction.is_none() {
             model.take(self.friction.assemble(model.types.len(), "element type")?);
