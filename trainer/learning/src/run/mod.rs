@@ -10,6 +10,7 @@
 //! least for L = 0, so that loss is refused; the other losses give energies up to one common factor, which
 //! [`Notice::UnknownScale`] says.
 
+mod choose;
 mod error;
 mod fingerprint;
 mod folder;
@@ -25,6 +26,7 @@ mod state;
 #[cfg(test)]
 mod tests;
 
+pub use choose::held_back_error;
 pub use error::RunError;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};

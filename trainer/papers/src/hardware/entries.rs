@@ -4,7 +4,7 @@ use super::identified::Identified;
 use super::log::Log;
 use super::machine::Machine;
 use super::predictor::{ConstantVelocity, Predictor};
-use super::rigid_bodies::Chain;
+use super::rigid_bodies::{Chain, Torque};
 use super::rivals::Rival;
 use crate::task::TaskError;
 
@@ -108,11 +108,11 @@ const IDENTIFIED: Entry = Entry {
     ..KNOWN
 };
 
-const VISCOUS: Chain = Chain { dry: false, load: false, commanded: false, zeros: false };
+const VISCOUS: Chain = Chain { dry: false, load: false, torque: Torque::Measured, zeros: false };
 const COULOMB: Chain = Chain { dry: true, ..VISCOUS };
-const COMMANDED: Chain = Chain { commanded: true, ..COULOMB };
+const COMMANDED: Chain = Chain { torque: Torque::Commanded, ..COULOMB };
 const LOADED: Chain = Chain { load: true, ..COMMANDED };
-const ZEROS: Chain = Chain { zeros: true, ..COMMANDED };
+const DEFAULT: Chain = Chain { zeros: true, torque: Torque::Better, ..LOADED };
 
 /// The other rows of the table, in order.
 const ENTRIES: [Entry; 10] = [
@@ -131,9 +131,9 @@ const ENTRIES: [Entry; 10] = [
     },
     Entry { model: "… friction grows with the load", fit: |training| LOADED.fit(training), ..BODIES },
     Entry {
-        model: "… and zero offsets learned",
+        model: "… and zero offsets learned, commanded or measured torque",
         is_default: true,
-        fit: |training| ZEROS.fit(training),
+        fit: |training| DEFAULT.fit(training),
         ..BODIES
     },
     Entry { model: "L-NODE", fit: |training| Rival::LNode.fit(training, false), ..NETWORK },
