@@ -1,13 +1,14 @@
+use crate::forces::is_dry;
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
-use crate::forces::is_dry;
 use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, Friction, LAYERS, RIGID_UNITS, SystemOf, UNITS};
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{
-    Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader, Parsed, RigidHeader, TreeHeader, parse,
+    Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader, Parsed, RigidHeader,
+    TreeHeader, parse,
 };
 
 /// A model file in memory, validated, its weights widened to single precision.

@@ -310,7 +310,14 @@ fn twelve_coordinates_have_the_bits_of_core() {
     let inertia = Inertia::Factor { rows: 20, epsilon: 0.1 };
     let (coordinates, widths) = ("ataaataacaaa".to_owned(), [17, 9, 0, 0]);
     let activation = Activation::Tanh;
-    same_rigid::<12>(&RigidSample { coordinates, widths, activation, inertia, laws: Laws::FRICTION, seed: 5 });
+    same_rigid::<12>(&RigidSample {
+        coordinates,
+        widths,
+        activation,
+        inertia,
+        laws: Laws::FRICTION,
+        seed: 5,
+    });
     same_tree::<12>(&TreeSample::chain(12, 11, PairInput::Distance, Laws::FRICTION, 5));
 }
 

@@ -13,8 +13,8 @@ use leastaction_core::energy::modular::{
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    Family, GraphHeader, GraphLayout, Header, Law, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, RigidHeader, Rod,
-    TrainedStep, TreeHeader, write,
+    Family, GraphHeader, GraphLayout, Header, Law, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, RigidHeader,
+    Rod, TrainedStep, TreeHeader, write,
 };
 use leastaction_core::network::Activation;
 
