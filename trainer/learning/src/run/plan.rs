@@ -153,13 +153,12 @@ impl Plan {
             Some(kind) => {
                 let parts = data.split(training);
                 let held_back = (!parts.1.trajectories.is_empty()).then_some(parts.1);
-                let forced = parts.0.is_forced();
-                check_gauge(&architecture, forced)?;
+                check_gauge(&architecture, is_forced(&architecture, &parts.0))?;
                 let parts = (&parts.0, held_back.as_ref());
                 (stages::of_samples(&config, kind, &architecture, parts, &mut notices)?, None)
             }
             None => {
-                check_gauge(&architecture, data.is_forced())?;
+                check_gauge(&architecture, is_forced(&architecture, &data))?;
                 let of = (&data, training);
                 let (stages, layout) = stages::of_windows(&config, &architecture, of, &mut notices)?;
                 initial = first_guess(&architecture, &data.split(training).0, initial, &stages)?;
@@ -240,6 +239,11 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
             Err(PlanError::Tree { tree, elements, model, data })
         }
     }
+}
+
+/// Whether a known force acts, as a known friction does.
+pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
+    data.is_forced() || architecture.friction.shows_scale()
 }
 
 /// Refuses what free motion does not determine.

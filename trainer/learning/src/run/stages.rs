@@ -1,7 +1,7 @@
 //! The stages of a run, each with its loss.
 
 use super::notice::Notice;
-use super::plan::PlanError;
+use super::plan::{PlanError, is_forced};
 use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
@@ -59,7 +59,7 @@ pub(super) fn of_samples(
 
 /// Whether energies are known, not only up to one common factor.
 fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
-    data.is_forced()
+    is_forced(architecture, data)
         || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
         || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
         || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
