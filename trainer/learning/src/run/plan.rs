@@ -151,7 +151,8 @@ impl Plan {
         check_coordinates(&architecture, data)?;
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let parts = split(&data, config.data.validation, &mut notices);
-        let forced = parts.0.is_forced();
+        // A known friction is a known force.
+        let forced = parts.0.is_forced() || architecture.friction.shows_scale();
         check_gauge(&architecture, forced)?;
         let scale = forced
             || architecture.modular().is_some_and(ModularArchitecture::shows_scale)

@@ -90,6 +90,16 @@ fn without_force_there_is_no_warm_up_and_no_scale() {
     assert_eq!(Plan::new(residual, &free).err(), Some(PlanError::Unforced));
 }
 
+#[test]
+fn a_known_friction_shows_the_scale_and_a_learned_one_does_not() {
+    let notices = |friction: &str| Plan::new(rubbing(friction), &data(4, false)).unwrap().notices().to_vec();
+    assert_eq!(notices("friction = { viscous = 0.1 }\n"), []);
+    assert_eq!(notices("friction = { coulomb = 0.1 }\n"), []);
+    for friction in ["friction = \"learned\"\n", "friction = { viscous = 0.0 }\n"] {
+        assert_eq!(notices(friction), [Notice::UnknownScale, Notice::NoWarmUp]);
+    }
+}
+
 /// A free chain of pendulums, and the beginning of a configuration for it.
 fn chain(count: usize, trajectories: usize) -> (Dataset, Config) {
     let system = ManyBody::Pendulum(count);
