@@ -4,7 +4,7 @@
 //! discrete Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
 //!
 //! Data flows one way through the rooms of this crate:
-//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] → [`continuous`] and [`discrete`] → [`model`].
+//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] → [`continuous`] and [`discrete`] → [`observer`] and [`model`].
 //!
 //! # Notation
 //!
@@ -40,6 +40,7 @@ pub mod linear;
 pub mod model;
 pub mod network;
 mod newton;
+pub mod observer;
 pub mod particles;
 pub mod scalar;
 #[cfg(feature = "nalgebra")]

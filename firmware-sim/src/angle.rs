@@ -1,8 +1,8 @@
-use core::f32::consts::TAU;
+use leastaction_core::scalar::Real;
 
 /// The angle in [−π, π] that differs from `x` by whole turns, rad.
 pub fn wrap(x: f32) -> f32 {
-    x - TAU * libm::roundf(x / TAU)
+    x.short_way()
 }
 
 /// `x` with the components that are angles (where `angle` is true) wrapped.

@@ -1,11 +1,13 @@
 use crate::Mechanism;
 use crate::control::{Command, Controller};
-use crate::devices::{ActuatorConfig, DelayLine};
-use crate::observer::{Observer, ObserverConfig};
+use crate::devices::ActuatorConfig;
+use crate::observer::{ObserverConfig, ObserverOf};
 use crate::tick::Mode;
-use crate::wire::{ReportWire, StateWire};
+use crate::wire::{ReportWire, StateWire, array};
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::discrete::{Report, StepError};
+use leastaction_core::discrete::{Control, Report, StepError};
+use leastaction_core::linear;
+use leastaction_core::observer::Commands;
 use leastaction_core::scalar::all_finite;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +17,12 @@ pub struct Outcome<const N: usize> {
     /// Estimated position and velocity now.
     #[serde(with = "StateWire")]
     pub estimate: ContinuousState<f32, N>,
+    /// What the encoders should have read by the model, zeros included, before the readings were taken; rad or m, not wrapped.
+    #[serde(with = "array")]
+    pub predicted: [f32; N],
+    /// What the encoders read more than there is, as far as it was learned; rad or m.
+    #[serde(with = "array")]
+    pub zeros: [f32; N],
     /// Force and mode.
     pub command: Command<N>,
     /// The model's last step.
@@ -30,6 +38,8 @@ impl<const N: usize> Outcome<N> {
         let zero = [0.0; N];
         Self {
             estimate: ContinuousState { q: zero, v: zero },
+            predicted: zero,
+            zeros: zero,
             command: Command { u: zero, mode: Mode::Wait },
             newton: Report { iterations: 0, residual: 0.0 },
             errors: 0,
@@ -45,14 +55,13 @@ const MOST_ELAPSED: u32 = 256;
 /// It steps the model ahead over the commands that are already decided, so that the controller sees the state its force
 /// will meet. Where a step of the model fails it holds the last good state, commands no force in that tick, and
 /// counts the error.
-#[derive(Clone, Debug)]
-pub struct Firmware<'a, M, C, const N: usize> {
+pub struct Firmware<'a, M: Mechanism<N>, C, const N: usize> {
     model: &'a M,
     controller: C,
-    observer: Observer<'a, M, N>,
+    observer: ObserverOf<'a, M, N>,
     limit: ActuatorConfig<N>,
-    line: DelayLine<N>,
-    force: [f32; N],
+    line: Commands<f32, N>,
+    force: Control<f32, N>,
     last: Outcome<N>,
 }
 
@@ -67,9 +76,8 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         observer: &ObserverConfig,
         limit: ActuatorConfig<N>,
     ) -> Self {
-        let line = DelayLine::new(observer.delay);
-        let observer = Observer::new(model, h, angle, observer);
-        Self { model, controller, observer, limit, line, force: [0.0; N], last: Outcome::waiting() }
+        let (line, observer) = (observer.commands(), observer.observer(model, h, angle));
+        Self { model, controller, observer, limit, line, force: Control::none(), last: Outcome::waiting() }
     }
 
     /// The last outcome.
@@ -90,8 +98,25 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         if command.is_err() {
             outcome.errors += 1;
         }
-        outcome.command = command.unwrap_or(Command { u: [0.0; N], mode: Mode::Safe });
-        self.force = self.line.advance(Some(outcome.command.u));
+        self.give(outcome, command.unwrap_or(Command { u: [0.0; N], mode: Mode::Safe }))
+    }
+
+    /// Runs on samples and the command of a log, which takes the place of the controller's.
+    pub fn replay(&mut self, elapsed: u32, measured: &[Option<f32>; N], u: [f32; N]) -> Outcome<N> {
+        let mut outcome = Outcome { errors: 0, ..self.last };
+        let estimated = self.estimate(elapsed, measured, &mut outcome);
+        outcome.errors += u32::from(estimated.is_err());
+        let mode = match estimated {
+            Err(_) => Mode::Safe,
+            Ok(()) if self.observer.trusted() => Mode::Open,
+            Ok(()) => Mode::Wait,
+        };
+        self.give(outcome, Command { u, mode })
+    }
+
+    fn give(&mut self, outcome: Outcome<N>, command: Command<N>) -> Outcome<N> {
+        let outcome = Outcome { command, ..outcome };
+        self.force = self.line.advance(Some(command.u));
         self.last = outcome;
         outcome
     }
@@ -115,15 +140,25 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
                 Err(error) => result = result.and(Err(error)),
             }
         }
+        outcome.predicted = self.predicted(measured);
         let corrected = self.observer.correct(measured);
-        if let Some(estimate) = self.observer.ahead(core::iter::empty())? {
+        outcome.zeros = self.observer.zeros();
+        if let Some(estimate) = self.observer.estimate()? {
             outcome.estimate = estimate;
         }
         result.and(corrected)
     }
 
+    /// What the encoders should read: where there is no estimate yet, what they do.
+    fn predicted(&self, measured: &[Option<f32>; N]) -> [f32; N] {
+        match self.observer.state() {
+            Some(state) => linear::add_scaled(&state.q(), 1.0, &self.observer.zeros()),
+            None => measured.map(Option::unwrap_or_default),
+        }
+    }
+
     fn command(&mut self, t: f32) -> Result<Command<N>, StepError<f32>> {
-        let state = match self.observer.ahead(self.line.decided())? {
+        let state = match self.observer.ahead(&self.line)? {
             Some(state) if self.observer.trusted() => state,
             _ => return Ok(Outcome::waiting().command),
         };

@@ -1,6 +1,6 @@
 use crate::error::{SetupError, require};
 use leastaction_core::continuous::{self, ContinuousState};
-use leastaction_core::discrete::{Control, Del, Path, Report, State, StepError};
+use leastaction_core::discrete::StepError;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::{Energies, Hessian, Lagrangian};
 use leastaction_core::linear;
@@ -71,31 +71,6 @@ pub trait Mechanism<const N: usize> {
         h: f32,
     ) -> Result<ContinuousState<f32, N>, StepError<f32>> {
         Ok(continuous::rk4_step(self.system(), state, u, h)?)
-    }
-
-    /// The discrete state at rest or in motion at (q, v).
-    fn state(&self, q: [f32; N], v: [f32; N]) -> Result<State<f32, N>, StepError<f32>> {
-        State::new(&self.system().lagrangian, q, v)
-    }
-
-    /// The discrete state at q₁ from two positions and the control held between them.
-    fn start<P: Path>(
-        &self,
-        del: &Del<f32, P>,
-        [q0, q1]: [&[f32; N]; 2],
-        u: &[f32; N],
-    ) -> Result<State<f32, N>, StepError<f32>> {
-        del.start(self.system(), q0, q1, &Control::held(*u))
-    }
-
-    /// One discrete Euler–Lagrange step under a held control; on error the state is what it was.
-    fn del_step<P: Path>(
-        &self,
-        del: &Del<f32, P>,
-        state: &mut State<f32, N>,
-        u: &[f32; N],
-    ) -> Result<Report<f32>, StepError<f32>> {
-        del.step(self.system(), state, &Control::held(*u))
     }
 }
 

@@ -13,6 +13,16 @@ pub trait Processor<const N: usize> {
     /// # Errors
     /// Where there is no outcome; a run ends there.
     fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Result<Outcome<N>, Self::Error>;
+    /// Runs on the samples and the command of a log, which takes the place of the controller's.
+    ///
+    /// # Errors
+    /// As [`Processor::run`].
+    fn replay(
+        &mut self,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        u: [f32; N],
+    ) -> Result<Outcome<N>, Self::Error>;
     /// The last outcome.
     fn last(&self) -> &Outcome<N>;
     /// Where the mechanism should be at time t, s.
@@ -24,6 +34,15 @@ impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for Firm
 
     fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Result<Outcome<N>, Infallible> {
         Ok(self.run(t, elapsed, measured))
+    }
+
+    fn replay(
+        &mut self,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        u: [f32; N],
+    ) -> Result<Outcome<N>, Infallible> {
+        Ok(self.replay(elapsed, measured, u))
     }
 
     fn last(&self) -> &Outcome<N> {

@@ -1,6 +1,6 @@
 use crate::control::{
-    CartPump, Catch, Controller, Gains, JointPump, PumpConfig, Reference, Regulator, SwingUp, TaskController,
-    Tolerance, Track,
+    CartPump, Catch, Controller, Gains, JointPump, Listen, PumpConfig, Reference, Regulator, SwingUp,
+    TaskController, Tolerance, Track,
 };
 use crate::devices::ActuatorConfig;
 use crate::error::{SetupError, require};
@@ -45,6 +45,8 @@ pub enum Task<const N: usize> {
         /// When the regulator takes over.
         catch: Catch,
     },
+    /// Estimating the state under the commands of somebody else.
+    Listen,
 }
 
 impl<const N: usize> Task<N> {
@@ -52,7 +54,7 @@ impl<const N: usize> Task<N> {
     pub fn reference(&self, t: f32) -> [f32; N] {
         match self {
             Self::Track { reference, .. } => reference.at(t).q,
-            Self::SwingUp { .. } => [0.0; N],
+            Self::SwingUp { .. } | Self::Listen => [0.0; N],
         }
     }
 
@@ -60,12 +62,13 @@ impl<const N: usize> Task<N> {
         match self {
             Self::Track { reference, gains } => reference.validate().and_then(|()| gains.validate()),
             Self::SwingUp { catch, .. } => catch.validate(),
+            Self::Listen => Ok(()),
         }
     }
 }
 
 impl<const N: usize> Program<N> {
-    fn validate(&self) -> Result<(), SetupError> {
+    pub(crate) fn validate(&self) -> Result<(), SetupError> {
         require("tick", self.tick, self.tick.is_finite() && self.tick > 0.0, "finite and positive, s")?;
         self.actuator.validate()?;
         self.observer.validate()?;
@@ -77,6 +80,23 @@ impl<const N: usize> Program<N> {
         self.validate()?;
         self.observer.check_step(self.tick, model.trained_step())?;
         require_quadratic(model, &self.task.reference(0.0))
+    }
+
+    /// A program that estimates the state under the commands of somebody else, as of a log.
+    pub fn listening(tick: f32, angle: [bool; N], observer: ObserverConfig) -> Self {
+        Self { tick, angle, actuator: ActuatorConfig::new([0.0; N]), observer, task: Task::Listen }
+    }
+
+    /// The firmware over a model without a controller, whatever the task is.
+    ///
+    /// # Errors
+    /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
+    pub fn listen<'m, M: Mechanism<N>>(
+        &self,
+        model: &'m M,
+    ) -> Result<Firmware<'m, M, Listen, N>, SetupError> {
+        self.check(model)?;
+        Ok(self.firmware(model, Listen))
     }
 
     pub(crate) fn firmware<'m, M: Mechanism<N>, C: Controller<M, N>>(
@@ -96,6 +116,7 @@ impl<const N: usize> Program<N> {
         self.check(model)?;
         match self.task {
             Task::Track { reference, gains } => Ok(TaskController::Track(self.track(reference, gains))),
+            Task::Listen => Ok(TaskController::Listen(Listen)),
             Task::SwingUp { pump: config, tolerance, catch } => {
                 let pump = pump(model, 0.0, config)?;
                 let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, self.tick)?;
@@ -105,7 +126,7 @@ impl<const N: usize> Program<N> {
     }
 
     pub(crate) fn track(&self, reference: Reference<N>, gains: Gains) -> Track<N> {
-        let delay = f32::from(self.observer.delay) * self.tick;
+        let delay = self.observer.delay * self.tick;
         Track { reference, gains, angle: self.angle, delay, middle: 0.5 * self.tick }
     }
 

@@ -47,7 +47,7 @@ fn logged_velocities_do_not_enter_the_model() {
     let log = log(4);
     for loss in [LossKind::NextPosition, LossKind::DelResidual] {
         let mut config = with_threads(0);
-        config.training.loss = loss;
+        config.training.loss = Some(loss.into());
         let expected = model_file(config.clone(), &log);
         for value in [None, Some(0.0), Some(-1e300)] {
             assert_eq!(

@@ -109,6 +109,10 @@ impl Real for f32 {
     fn abs(self) -> Self {
         f32::from_bits(self.to_bits() & 0x7fff_ffff)
     }
+    #[inline]
+    fn short_way(self) -> Self {
+        self - TURN * libm::roundf(self / TURN)
+    }
     #[inline(always)]
     fn is_finite(self) -> bool {
         f32::is_finite(self)

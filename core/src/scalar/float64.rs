@@ -59,6 +59,10 @@ impl Real for f64 {
     fn abs(self) -> Self {
         f64::from_bits(self.to_bits() & !(1 << 63))
     }
+    #[inline]
+    fn short_way(self) -> Self {
+        self - TURN * libm::round(self / TURN)
+    }
     #[inline(always)]
     fn is_finite(self) -> bool {
         f64::is_finite(self)

@@ -110,6 +110,8 @@ pub trait Real: Scalar + PartialOrd {
     const EPSILON: Self;
     /// |x|.
     fn abs(self) -> Self;
+    /// x − 2π round(x/2π), the angle in [−π, π] (and by rounding a little beyond) that differs from x rad by whole turns.
+    fn short_way(self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// The value in double precision, for reports on the host.

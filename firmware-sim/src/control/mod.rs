@@ -11,7 +11,7 @@ pub use pump::{CartPump, JointPump, Pump, PumpConfig};
 pub use regulator::{Regulator, Tolerance};
 pub use riccati::{Linear, riccati};
 pub use swing_up::{Catch, SwingUp};
-pub use task::TaskController;
+pub use task::{Listen, TaskController};
 pub use track::{Gains, Reference, Setpoint, Track};
 
 use crate::tick::Mode;

@@ -1,10 +1,9 @@
 use crate::error::{SetupError, require};
+use crate::observer::whole_and_rest;
 use crate::wire::array;
-use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-/// Longest delay of a command, ticks.
-pub const MAX_DELAY: u8 = 8;
+pub use leastaction_core::observer::MAX_DELAY;
 
 /// The actuators of all coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,21 +11,23 @@ pub struct ActuatorConfig<const N: usize> {
     /// Largest force, N or N m, ≥ 0; 0 where a coordinate is not actuated.
     #[serde(with = "array")]
     pub limit: [f32; N],
-    /// Ticks from a command to its effect, at most [`MAX_DELAY`].
-    pub delay: u8,
+    /// Ticks from a command to its effect, or any part of one, at most [`MAX_DELAY`]. The rest beyond whole ticks counts from when a
+    /// tick is due: a command that comes later still acts at once.
+    pub delay: f32,
 }
 
 impl<const N: usize> ActuatorConfig<N> {
     /// Actuators of these limits, one tick late.
     pub const fn new(limit: [f32; N]) -> Self {
-        Self { limit, delay: 1 }
+        Self { limit, delay: 1.0 }
     }
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
         for limit in self.limit {
             require("actuator limit", limit, limit.is_finite() && limit >= 0.0, "finite and not negative")?;
         }
-        require("actuator delay", f32::from(self.delay), self.delay <= MAX_DELAY, "at most 8 ticks")
+        let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.delay);
+        require("actuator delay", self.delay, sensible, "from 0 to 8 ticks")
     }
 
     /// `u` within the limits.
@@ -35,39 +36,8 @@ impl<const N: usize> ActuatorConfig<N> {
     }
 }
 
-/// Commands on their way: what goes in comes out `delay` ticks later. The actuator has one, and the observer mirrors it.
-#[derive(Clone, Debug)]
-pub struct DelayLine<const N: usize> {
-    pending: Deque<[f32; N], { MAX_DELAY as usize + 1 }>,
-    last: [f32; N],
-}
-
-impl<const N: usize> DelayLine<N> {
-    /// A line of the given delay in ticks (at most [`MAX_DELAY`]), at rest.
-    pub fn new(delay: u8) -> Self {
-        let rest = [0.0; N];
-        let mut pending = Deque::new();
-        debug_assert!(delay <= MAX_DELAY, "configurations of a longer delay are refused");
-        for _ in 0..delay.min(MAX_DELAY) {
-            let kept = pending.push_back(rest);
-            debug_assert!(kept.is_ok(), "the queue holds MAX_DELAY + 1");
-        }
-        Self { pending, last: rest }
-    }
-
-    /// Takes this tick's command, or the last one again where there is none, and gives the force of this tick.
-    pub fn advance(&mut self, command: Option<[f32; N]>) -> [f32; N] {
-        self.last = command.unwrap_or(self.last);
-        let kept = self.pending.push_back(self.last);
-        debug_assert!(kept.is_ok(), "the one free place is filled here and freed on the next line");
-        self.pending.pop_front().unwrap_or(self.last)
-    }
-
-    /// The forces of the coming ticks that are already decided, soonest first: one for every tick of delay.
-    pub fn decided(&self) -> impl Iterator<Item = &[f32; N]> {
-        self.pending.iter()
-    }
-}
+/// Commands on their way: what goes in comes out so many ticks later.
+pub type DelayLine<const N: usize> = leastaction_core::observer::DelayLine<f32, N>;
 
 /// Actuators with a delay line and saturation; between ticks they hold the force.
 #[derive(Clone, Debug)]
@@ -80,12 +50,17 @@ pub struct Actuator<const N: usize> {
 impl<const N: usize> Actuator<N> {
     /// Actuators at rest.
     pub fn new(config: ActuatorConfig<N>) -> Self {
-        Self { config, line: DelayLine::new(config.delay), force: [0.0; N] }
+        Self { config, line: DelayLine::new(whole_and_rest(config.delay).0), force: [0.0; N] }
     }
 
     /// The force acting now, N or N m.
     pub fn force(&self) -> [f32; N] {
         self.force
+    }
+
+    /// The part of a tick after which a command that is due in it takes effect.
+    pub fn rest(&self) -> f32 {
+        whole_and_rest(self.config.delay).1
     }
 
     /// Begins a tick: takes a command, if there is one, and applies the one that is due.

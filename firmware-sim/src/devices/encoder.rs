@@ -10,6 +10,8 @@ pub struct EncoderConfig {
     pub angle: bool,
     /// One count, rad or m; 0: infinitely fine.
     pub resolution: f32,
+    /// What it reads more than there is, rad or m.
+    pub zero: f32,
     /// Standard deviation of Gaussian noise before quantisation, rad or m, ≥ 0.
     pub noise: f32,
     /// Probability that a sample does not arrive, 0 to 1.
@@ -19,12 +21,12 @@ pub struct EncoderConfig {
 impl EncoderConfig {
     /// An absolute encoder on a shaft: 4,096 counts per turn, noise 1 mrad, nothing dropped.
     pub const fn rotary() -> Self {
-        Self { angle: true, resolution: TAU / 4096.0, noise: 1e-3, drop: 0.0 }
+        Self { angle: true, resolution: TAU / 4096.0, zero: 0.0, noise: 1e-3, drop: 0.0 }
     }
 
     /// A linear encoder: 20,000 counts per metre, noise 0.2 mm, nothing dropped.
     pub const fn linear() -> Self {
-        Self { angle: false, resolution: 1.0 / 20_000.0, noise: 2e-4, drop: 0.0 }
+        Self { angle: false, resolution: 1.0 / 20_000.0, zero: 0.0, noise: 2e-4, drop: 0.0 }
     }
 
     /// The same encoder without noise, quantisation or drops.
@@ -35,15 +37,16 @@ impl EncoderConfig {
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
         let amount = |x: f32| x.is_finite() && x >= 0.0;
-        let Self { resolution, noise, drop, .. } = *self;
+        let Self { resolution, zero, noise, drop, .. } = *self;
         require("encoder resolution", resolution, amount(resolution), "finite and not negative")?;
+        require("encoder zero", zero, zero.is_finite(), "finite")?;
         require("encoder noise", noise, amount(noise), "finite and not negative")?;
         require("encoder drop probability", drop, (0.0..=1.0).contains(&drop), "from 0 to 1")
     }
 
     /// What the encoder reads at x with a noise of so many standard deviations.
     fn read(&self, x: f32, deviation: f32) -> f32 {
-        let noisy = x + self.noise * deviation;
+        let noisy = x + self.zero + self.noise * deviation;
         let reading = if self.resolution > 0.0 {
             libm::roundf(noisy / self.resolution) * self.resolution
         } else {

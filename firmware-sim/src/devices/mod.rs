@@ -29,12 +29,12 @@ impl<const N: usize> Devices<N> {
         Self { encoders, actuator: ActuatorConfig::new(limit), clock: ClockConfig::perfect() }
     }
 
-    /// The same mechanism with ideal devices: exact encoders, no delay, a perfect clock. The limits stay.
+    /// The same mechanism with ideal devices: exact encoders (whose zeros stay), no delay, a perfect clock. The limits stay.
     #[must_use]
     pub fn perfect(self) -> Self {
         Self {
             encoders: self.encoders.map(EncoderConfig::perfect),
-            actuator: ActuatorConfig { delay: 0, ..self.actuator },
+            actuator: ActuatorConfig { delay: 0.0, ..self.actuator },
             clock: ClockConfig::perfect(),
         }
     }

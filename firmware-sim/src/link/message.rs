@@ -6,7 +6,7 @@ use crate::wire::array;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages: the first byte of every document.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// What the world asks of a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +17,23 @@ pub enum Request<const N: usize> {
     Tick(Samples<N>),
     /// To end.
     End,
+    /// To run a tick of a log.
+    Log(LoggedSamples<N>),
+}
+
+/// What the firmware is told at the beginning of a tick of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoggedSamples<const N: usize> {
+    /// The number of the request; its answer has the same.
+    pub sequence: u32,
+    /// Ticks since the one before.
+    pub elapsed: u32,
+    /// Encoder readings, rad or m; `None` where missing.
+    #[serde(with = "array")]
+    pub measured: [Option<f32>; N],
+    /// The command that was given, N or N m.
+    #[serde(with = "array")]
+    pub command: [f32; N],
 }
 
 /// What the firmware is told at the beginning of a tick.

@@ -11,7 +11,8 @@ mod serve;
 
 pub use frame::{Broken, Frame, MAX_FRAME, Receiver};
 pub use message::{
-    Answer, Done, MAX_COORDINATES, Request, Samples, VERSION, answer, parse_answer, parse_request, request,
+    Answer, Done, LoggedSamples, MAX_COORDINATES, Request, Samples, VERSION, answer, parse_answer,
+    parse_request, request,
 };
 pub use refusal::{ModelRefusal, ProgramFault, Refusal};
 pub use serve::{Port, serve};

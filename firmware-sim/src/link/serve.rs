@@ -1,5 +1,5 @@
 use super::frame::{Frame, Receiver};
-use super::message::{Answer, Done, Request, Samples, answer, parse_request};
+use super::message::{Answer, Done, LoggedSamples, Request, Samples, answer, parse_request};
 use super::refusal::Refusal;
 use crate::control::Controller;
 use crate::error::SetupError;
@@ -55,7 +55,9 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
                 let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
                 link.program(model.as_ref(), |model| program.start(model))?
             }
-            (Ok(Request::Tick(_)), _) | (_, Ok(Request::Tick(_))) => link.refuse(Refusal::NotBegun)?,
+            (Ok(Request::Tick(_) | Request::Log(_)), _) | (_, Ok(Request::Tick(_) | Request::Log(_))) => {
+                link.refuse(Refusal::NotBegun)?
+            }
             (Err(Refusal::Coordinates { .. }), Err(refusal)) | (Err(refusal), Err(_)) => {
                 link.refuse(refusal)?
             }
@@ -130,9 +132,15 @@ impl<P: Port> Link<'_, P> {
         self.send(&ready)?;
         loop {
             let frame = self.receive()?;
-            let Ok(Request::Tick(samples)) = parse_request::<N>(&frame) else { return Ok(frame) };
-            let Samples { sequence, time, elapsed, measured } = samples;
-            let (instructions, outcome) = self.port.count(|| firmware.run(time, elapsed, &measured));
+            let (sequence, (instructions, outcome)) = match parse_request::<N>(&frame) {
+                Ok(Request::Tick(Samples { sequence, time, elapsed, measured })) => {
+                    (sequence, self.port.count(|| firmware.run(time, elapsed, &measured)))
+                }
+                Ok(Request::Log(LoggedSamples { sequence, elapsed, measured, command })) => {
+                    (sequence, self.port.count(|| firmware.replay(elapsed, &measured, command)))
+                }
+                _ => return Ok(frame),
+            };
             self.send(&Answer::Done(Done { sequence, outcome, instructions }))?;
         }
     }

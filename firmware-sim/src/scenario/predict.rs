@@ -10,7 +10,7 @@ use crate::summary::{Goal, Recorder, Summary};
 use crate::tick::{Mode, Tick};
 use core::f32::consts::{PI, TAU};
 use leastaction_core::continuous::ContinuousState;
-use leastaction_core::discrete::{Report, State, StepError};
+use leastaction_core::discrete::{Control, Report, State, StepError};
 use leastaction_core::scalar::Scalar;
 
 /// A force on every coordinate, u_i = amplitude · sin(2πft), held over each tick.
@@ -99,7 +99,7 @@ impl Predict<2> {
 /// The model's side of the comparison.
 struct Forecast<'a, M, const N: usize> {
     model: &'a M,
-    integrator: Integrator,
+    integrator: Integrator<f32>,
     state: Option<State<f32, N>>,
     position: [f32; N],
     velocity: [f32; N],
@@ -123,10 +123,11 @@ impl<'a, M: Mechanism<N>, const N: usize> Forecast<'a, M, N> {
     /// One tick under a force. The first takes the plant's position q₁ instead of a velocity: positions suffice.
     fn advance(&mut self, u: &[f32; N], q1: &[f32; N]) -> Result<(), StepError<f32>> {
         self.mode = Mode::Safe;
+        let u = Control::held(*u);
         let state = match self.state {
-            None => self.integrator.start(self.model, [&self.position, q1], u)?,
+            None => self.integrator.start(self.model.system(), [&self.position, q1], &u)?,
             Some(mut state) => {
-                self.newton = self.integrator.step(self.model, &mut state, u)?;
+                self.newton = self.integrator.step(self.model.system(), &mut state, &u)?;
                 state
             }
         };

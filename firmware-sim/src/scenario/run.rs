@@ -37,6 +37,15 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
         let moved = self.plant.advance(fraction * self.h, &self.actuator.force());
         self.errors += u32::from(moved.is_err());
     }
+
+    /// Takes the command of a tick that came so late, and lets the rest of the tick go by; the force that acts from then on.
+    fn act(&mut self, command: Option<[f32; N]>, lateness: f32) -> [f32; N] {
+        let effect = lateness.max(self.actuator.rest());
+        self.pass(effect - lateness);
+        let applied = self.actuator.advance(command);
+        self.pass(1.0 - effect);
+        applied
+    }
 }
 
 /// A processor in its world, tick by tick.
@@ -59,8 +68,7 @@ impl<P: Mechanism<N>, R: Processor<N>, const N: usize> Loop<'_, P, R, N> {
         let measured = if arrival.missed { [None; N] } else { measured };
         let outcome = self.run(time, &arrival, &measured)?;
         let command = (!arrival.missed).then_some(outcome.command.u);
-        let applied = self.world.actuator.advance(command);
-        self.world.pass(1.0 - arrival.lateness);
+        let applied = self.world.act(command, arrival.lateness);
         let reference = self.processor.reference(time);
         Ok(Tick {
             index,

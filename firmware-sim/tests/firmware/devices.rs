@@ -93,7 +93,7 @@ fn a_missed_tick_repeats_the_last_command() {
 
 #[test]
 fn actuators_saturate() {
-    let mut actuator = Actuator::new(ActuatorConfig { limit: [2.0, 0.0], delay: 0 });
+    let mut actuator = Actuator::new(ActuatorConfig { limit: [2.0, 0.0], delay: 0.0 });
     assert_eq!(actuator.advance(Some([5.0, 1.0])), [2.0, 0.0]);
     assert_eq!(actuator.advance(Some([-5.0, -1.0])), [-2.0, 0.0]);
     assert_eq!(actuator.advance(Some([1.5, 0.0])), actuator.force());
@@ -117,4 +117,10 @@ proptest! {
         prop_assert!((f64::from(x) - f64::from(y)).sin().abs() < 2e-4);
         prop_assert!((f64::from(x) - f64::from(y)).cos() > 0.99);
     }
+}
+
+#[test]
+fn an_encoder_reads_its_zero_more() {
+    let config = EncoderConfig { zero: 0.02, ..EncoderConfig::linear().perfect() };
+    assert_eq!(Encoders::new([config], 1).sample(&[0.5]), [Some(0.52)]);
 }

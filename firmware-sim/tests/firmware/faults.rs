@@ -70,10 +70,20 @@ fn missed_ticks_repeat_the_command() {
 }
 
 #[test]
+fn a_part_of_a_tick_of_delay_counts_too() {
+    let (exact, _) = tracking(|c| (c.setup.devices.actuator.delay, c.setup.observer.delay) = (2.0, 2.0));
+    let (known, _) = tracking(|c| (c.setup.devices.actuator.delay, c.setup.observer.delay) = (1.6, 1.6));
+    let (unknown, _) = tracking(|c| (c.setup.devices.actuator.delay, c.setup.observer.delay) = (1.6, 0.0));
+    let worst = |summary: &Summary<2>| summary.rms_error[0].max(summary.rms_error[1]);
+    assert!(worst(&known) < 1.5 * worst(&exact), "{known:?} {exact:?}");
+    assert!(worst(&unknown) > 5.0 * worst(&known), "{unknown:?} {known:?}");
+}
+
+#[test]
 fn an_unknown_delay_costs_accuracy_and_a_known_one_does_not() {
     let (plain, _) = tracking(|_| {});
-    let (unknown, _) = tracking(|c| c.setup.devices.actuator.delay = 4);
-    let (known, _) = tracking(|c| (c.setup.devices.actuator.delay, c.setup.observer.delay) = (4, 4));
+    let (unknown, _) = tracking(|c| c.setup.devices.actuator.delay = 4.0);
+    let (known, _) = tracking(|c| (c.setup.devices.actuator.delay, c.setup.observer.delay) = (4.0, 4.0));
     assert!(unknown.rms_error[1] > 3.0 * plain.rms_error[1], "{unknown:?}");
     assert!(known.rms_error[1] < 2.0 * plain.rms_error[1], "{known:?}");
 }
@@ -164,9 +174,9 @@ fn a_configuration_out_of_range_is_named() {
         ("start", |c| c.setup.start.q[1] = f32::NAN),
         ("encoder drop probability", |c| c.setup.devices.encoders[0].drop = 1.5),
         ("actuator limit", |c| c.setup.devices.actuator.limit[0] = -1.0),
-        ("actuator delay", |c| c.setup.devices.actuator.delay = 9),
+        ("actuator delay", |c| c.setup.devices.actuator.delay = 9.0),
         ("observer memory", |c| c.setup.observer.memory = 0),
-        ("observer delay", |c| c.setup.observer.delay = 9),
+        ("observer delay", |c| c.setup.observer.delay = f32::NAN),
         ("reference frequency", |c| c.reference.frequency[0] = 0.0),
     ];
     let system = System::conservative(CARTPOLE);
@@ -187,7 +197,7 @@ proptest! {
         seed in any::<u64>(),
         (drop, noise, resolution) in (0.0_f32..=1.0, 0.0_f32..0.3, 0.0_f32..0.5),
         (late, jitter, missed) in (0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0),
-        (actual, assumed) in (0_u8..=8, 0_u8..=8),
+        (actual, assumed) in (0.0_f32..=8.0, 0.0_f32..=8.0),
         (limit, tick) in (0.0_f32..100.0, 0.002_f32..0.1),
     ) {
         let system = System::conservative(CARTPOLE);

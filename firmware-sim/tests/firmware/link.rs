@@ -41,12 +41,13 @@ fn program() -> Program<2> {
     let mut config = SwingUpConfig::cartpole();
     config.setup.tick = 0.0125;
     config.setup.devices.actuator.limit = [8.5, 0.25];
-    config.setup.devices.actuator.delay = 3;
+    config.setup.devices.actuator.delay = 3.25;
     config.setup.observer.order = Order::Four;
     config.setup.observer.other_step = OtherStep::Accepted;
     config.setup.observer.newton.max_iterations = 5;
     (config.setup.observer.newton.stop, config.setup.observer.newton.accept) = (1e-6, 2e-3);
-    (config.setup.observer.memory, config.setup.observer.delay, config.setup.observer.patience) = (7, 2, 31);
+    (config.setup.observer.memory, config.setup.observer.delay, config.setup.observer.patience) =
+        (7, 2.5, 31);
     (config.pump.effort, config.pump.energy_band, config.pump.rate_band) = (4.5, 0.03, 0.4);
     (config.tolerance.q, config.tolerance.v, config.tolerance.u) = ([0.31, 0.21], [0.61, 0.62], 1.25);
     (config.catch.angle, config.catch.force, config.catch.release) = (0.45, 1.4, 0.9);
@@ -82,9 +83,9 @@ fn requests_and_answers_come_back_as_they_went() {
 #[test]
 fn a_tick_has_the_bytes_of_the_document() {
     // Version, coordinates, a tick, its number 258, 2.57 s, 3 ticks, −0.25, nothing; the checksum.
-    let document = [2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
+    let document = [3, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
     let sent = bytes(&request(&tick()).unwrap());
-    assert_eq!(sent[..12], [12, 2, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
+    assert_eq!(sent[..12], [12, 3, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
     assert_eq!(sent[12..17], [1, 3, 0x80, 0xbe, 5], "zeros stand in the lengths of the blocks");
     assert_eq!((sent.len(), sent.last()), (document.len() + 4 + 2, Some(&0)));
     let sum = leastaction_core::model::checksum(&document);

@@ -10,6 +10,7 @@ mod link;
 mod observer;
 mod predict;
 mod regulator;
+mod replay;
 mod setup;
 mod swing_up;
 mod track;

@@ -8,7 +8,7 @@ use leastaction_core::linear::Matrix;
 use leastaction_core::model::TrainedStep;
 use leastaction_firmware_sim::control::{CartPump, Regulator, TaskController, Tolerance};
 use leastaction_firmware_sim::link::{Answer, Broken, Frame, Receiver, Refusal, Request};
-use leastaction_firmware_sim::observer::{Observer, ObserverConfig, OtherStep};
+use leastaction_firmware_sim::observer::{ObserverConfig, ObserverOf, OtherStep};
 use leastaction_firmware_sim::scenario::{
     Predict, RunError, SwingUpConfig, TrackConfig, predict, swing_up_cartpole, swing_up_pendulum, track,
 };
@@ -170,7 +170,7 @@ fn what_moves_between_tasks_can_be_sent() {
     fn send<T: Send>() {}
     type Model = System<Trigonometric<'static, 2>, Viscous<f32, 2>>;
     send::<Firmware<'static, Model, TaskController<CartPump, 2>, 2>>();
-    send::<Observer<'static, Model, 2>>();
+    send::<ObserverOf<'static, Model, 2>>();
     send::<(Program<2>, Outcome<2>, Tick<2>, Summary<2>, SwingUpConfig<2>)>();
     send::<(Request<2>, Answer<'static, 2>, Frame, Receiver)>();
     send::<(SetupError, RunError<Broken>, Refusal)>();

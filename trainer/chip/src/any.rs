@@ -1,5 +1,6 @@
+use crate::ForcesOf;
 use leastaction_core::energy::MAX_HIDDEN;
-use leastaction_core::forces::{System, Viscous};
+use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 
 /// Hidden layers of a network at most: as many as a model file allows.
@@ -12,9 +13,6 @@ pub const UNITS: usize = 64;
 /// A Lagrangian in N coordinates of whichever family and shape a file has.
 pub struct AnyLagrangian<'f, const N: usize>(Box<dyn Lagrangian<f32, N> + Send + Sync + 'f>);
 
-/// All laws of force that a file can have.
-pub type ForcesOf<const N: usize> = Viscous<f32, N>;
-
 /// A model in N coordinates with the forces of its file: what the solvers of core step.
 pub type SystemOf<'f, const N: usize> = System<AnyLagrangian<'f, N>, ForcesOf<N>>;
 
@@ -26,9 +24,9 @@ impl<'f, const N: usize> AnyLagrangian<'f, N> {
 
     /// The same system with its Lagrangian behind this type.
     pub(crate) fn erased<L: Lagrangian<f32, N> + Send + Sync + 'f>(
-        System { lagrangian, forces }: System<L, ForcesOf<N>>,
+        System { lagrangian, forces }: System<L, impl Into<ForcesOf<N>>>,
     ) -> SystemOf<'f, N> {
-        System { lagrangian: Self::new(lagrangian), forces }
+        System { lagrangian: Self::new(lagrangian), forces: forces.into() }
     }
 }
 

@@ -1,12 +1,15 @@
+use crate::forces::is_dry;
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
-use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, Friction, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
-use leastaction_core::forces::System;
+use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{
-    Family, GraphHeader, GraphLayout, Laws, ModelError, ModularHeader, Parsed, RigidHeader, TreeHeader, parse,
+    BodiesHeader, Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader, Parsed,
+    RigidHeader, TreeHeader, parse,
 };
 
 /// A model file in memory, validated, its weights widened to single precision.
@@ -66,6 +69,7 @@ impl ModelFile {
             Family::Rigid(rigid) => (self.rigid(rigid, header.laws)?, true),
             Family::Modular(modular) => self.tree(modular, header.laws, part)?,
             Family::Graph(graph) => self.graph(&graph, header.laws, part)?,
+            Family::Bodies(bodies) => (self.bodies(bodies, header.laws)?, true),
             other => return Err(ModelError::OtherFamily { found: other.name() }.into()),
         };
         // The range of the training data is that of the first.
@@ -75,6 +79,10 @@ impl ModelFile {
 
     fn rigid<'f>(&'f self, header: RigidHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
         AnySystem::load(header.n(), RigidLoader { header, laws, weights: &self.weights })
+    }
+
+    fn bodies<'f>(&'f self, header: BodiesHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
+        AnySystem::load(header.n(), BodiesLoader { header, laws, weights: &self.weights })
     }
 
     fn tree<'f>(
@@ -145,8 +153,40 @@ struct RigidLoader<'f> {
 
 impl<'f> Load<'f> for RigidLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, ForcesOf<N>> =
+        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+    }
+}
+
+impl<'f> RigidLoader<'f> {
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+    {
+        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, F> =
             self.header.system(self.laws, self.weights)?;
+        Ok(AnyLagrangian::erased(system))
+    }
+}
+
+/// Loads trees of bodies.
+struct BodiesLoader<'f> {
+    header: BodiesHeader<'f>,
+    laws: Laws<'f>,
+    weights: &'f [f32],
+}
+
+impl<'f> Load<'f> for BodiesLoader<'f> {
+    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
+        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+    }
+}
+
+impl<'f> BodiesLoader<'f> {
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+    {
+        let system: System<PlanarBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }
 }
@@ -161,7 +201,16 @@ struct TreeLoader<'f> {
 
 impl<'f> Load<'f> for TreeLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, ForcesOf<N>> =
+        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+    }
+}
+
+impl<'f> TreeLoader<'f> {
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+    {
+        let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, F> =
             self.header.system(&self.tree, self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }

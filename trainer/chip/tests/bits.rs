@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::{GRAPHS, GraphSample, Random, RigidSample, TREES, TreeSample, bytes, step};
-use leastaction_chip::{Chip, Control, ModelFile, Motion, Step};
+use common::{BodiesSample, GRAPHS, GraphSample, Random, RigidSample, TREES, TreeSample, bytes, step};
+use leastaction_chip::{Chip, Control, Friction, ModelFile, Motion, Step};
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{
     Baumgarte, Drive, acceleration, constrained_acceleration, constrained_inverse_dynamics,
@@ -14,9 +14,9 @@ use leastaction_core::discrete::{Control as CoreControl, Del, Galerkin, Midpoint
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::rigid::Inertia;
-use leastaction_core::forces::{Forces, System};
+use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{GraphModel, ModularModel, RigidModel};
+use leastaction_core::model::{BodiesModel, GraphModel, Law, Laws, LoadForces, ModularModel, RigidModel};
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::f16;
@@ -127,22 +127,55 @@ fn same_motion<P: Path, L, F, const N: usize>(
     assert_eq!(stepped(&mut *ours, controls), stepped_by_core(&del, system, theirs, controls));
 }
 
-/// Loads a rigid model both ways.
+/// Loads a rigid model both ways; core is compiled for the laws of the file.
 fn same_rigid<const N: usize>(sample: &RigidSample) {
+    if sample.laws.contains(Law::Coulomb) {
+        same_rigid_with::<Friction<N>, N>(sample);
+    } else {
+        same_rigid_with::<Viscous<f32, N>, N>(sample);
+    }
+}
+
+fn same_rigid_with<F: LoadForces<f32, N>, const N: usize>(sample: &RigidSample) {
     let bytes = sample.file(Order::Four);
     let words = aligned(&bytes);
-    let core = RigidModel::<N, 40, 4>::load(flash(&words, &bytes)).unwrap();
+    let core = RigidModel::<N, 40, 4, f32, F>::load(flash(&words, &bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.chip(None).unwrap(), &core.system, sample.seed ^ 77);
 }
 
-/// Loads a chain both ways.
+/// Loads a chain both ways; core is compiled for the laws of the file.
 fn same_tree<const N: usize>(sample: &TreeSample) {
+    if sample.laws.contains(Law::Coulomb) {
+        same_tree_with::<Friction<N>, N>(sample);
+    } else {
+        same_tree_with::<Viscous<f32, N>, N>(sample);
+    }
+}
+
+fn same_tree_with<F: LoadForces<f32, N>, const N: usize>(sample: &TreeSample) {
     let bytes = sample.file(Order::Four);
     let words = aligned(&bytes);
-    let core = ModularModel::<N, 3, 24, 2>::load(flash(&words, &bytes), TREES[1]).unwrap();
+    let core = ModularModel::<N, 3, 24, 2, f32, F>::load(flash(&words, &bytes), TREES[1]).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.chip(Some(TREES[1])).unwrap(), &core.system, sample.seed ^ 77);
+}
+
+/// Loads bodies both ways; core is compiled for the laws of the file.
+fn same_bodies<const N: usize>(laws: Laws<'static>, seed: u64) {
+    let sample = BodiesSample::chain(N, laws, seed);
+    if laws.contains(Law::Coulomb) {
+        same_bodies_with::<Friction<N>, N>(&sample);
+    } else {
+        same_bodies_with::<Viscous<f32, N>, N>(&sample);
+    }
+}
+
+fn same_bodies_with<F: LoadForces<f32, N>, const N: usize>(sample: &BodiesSample) {
+    let bytes = sample.file(Order::Four);
+    let words = aligned(&bytes);
+    let core = BodiesModel::<N, f32, F>::load(flash(&words, &bytes)).unwrap();
+    same(&ModelFile::new(&bytes).unwrap().chip(None).unwrap(), &core.system, sample.seed ^ 77);
 }
 
 /// Loads a graph both ways.
@@ -234,6 +267,10 @@ fn activations() -> impl Strategy<Value = Activation> {
     prop_oneof![Just(Activation::Tanh), Just(Activation::Softplus), Just(Activation::Isru)]
 }
 
+fn laws() -> impl Strategy<Value = Laws<'static>> {
+    prop_oneof![Just(Laws::NONE), Just(Laws::VISCOUS), Just(Laws::COULOMB), Just(Laws::FRICTION)]
+}
+
 fn widths() -> impl Strategy<Value = [u16; 4]> {
     (1..40_u16, 0..20_u16, 0..20_u16).prop_map(|(a, b, c)| match (b, c) {
         (0, c) => [a, c, 0, 0],
@@ -243,22 +280,22 @@ fn widths() -> impl Strategy<Value = [u16; 4]> {
 
 fn rigid(n: usize) -> impl Strategy<Value = RigidSample> {
     let letters = prop::collection::vec(prop_oneof!["t", "a", "c"], n).prop_map(|letters| letters.concat());
-    (letters, widths(), activations(), 0..3_u8, any::<bool>(), any::<u64>()).prop_map(
-        move |(coordinates, widths, activation, inertia, is_damped, seed)| {
+    (letters, widths(), activations(), 0..3_u8, laws(), any::<u64>()).prop_map(
+        move |(coordinates, widths, activation, inertia, laws, seed)| {
             let inertia = match inertia {
                 0 => Inertia::Diagonal,
                 1 => Inertia::Cholesky { epsilon: 0.1 },
                 _ => Inertia::Factor { rows: (n as u64 + seed % n as u64) as u8, epsilon: 0.1 },
             };
-            RigidSample { coordinates, widths, activation, inertia, is_damped, seed }
+            RigidSample { coordinates, widths, activation, inertia, laws, seed }
         },
     )
 }
 
 fn chain(n: usize) -> impl Strategy<Value = TreeSample> {
     let pair = prop_oneof![Just(PairInput::Distance), Just(PairInput::Difference), Just(PairInput::Concat)];
-    (1..24_u16, pair, any::<bool>(), any::<u64>())
-        .prop_map(move |(width, pair, is_damped, seed)| TreeSample::chain(n, width, pair, is_damped, seed))
+    (1..24_u16, pair, laws(), any::<u64>())
+        .prop_map(move |(width, pair, laws, seed)| TreeSample::chain(n, width, pair, laws, seed))
 }
 
 proptest! {
@@ -279,6 +316,13 @@ proptest! {
     }
 
     #[test]
+    fn bodies_have_the_bits_of_core(laws in laws(), seed: u64) {
+        same_bodies::<1>(laws, seed);
+        same_bodies::<3>(laws, seed);
+        same_bodies::<7>(laws, seed);
+    }
+
+    #[test]
     fn graphs_have_the_bits_of_core(nodes in 2..9_u16, width in 1..16_u16, part in 0..2_usize, seed: u64) {
         same_graph::<2>(&GraphSample::row(2, nodes, width, seed), part);
         same_graph::<3>(&GraphSample::row(3, nodes, width, seed), part);
@@ -290,19 +334,26 @@ fn twelve_coordinates_have_the_bits_of_core() {
     let inertia = Inertia::Factor { rows: 20, epsilon: 0.1 };
     let (coordinates, widths) = ("ataaataacaaa".to_owned(), [17, 9, 0, 0]);
     let activation = Activation::Tanh;
-    same_rigid::<12>(&RigidSample { coordinates, widths, activation, inertia, is_damped: true, seed: 5 });
-    same_tree::<12>(&TreeSample::chain(12, 11, PairInput::Distance, true, 5));
+    same_rigid::<12>(&RigidSample {
+        coordinates,
+        widths,
+        activation,
+        inertia,
+        laws: Laws::FRICTION,
+        seed: 5,
+    });
+    same_tree::<12>(&TreeSample::chain(12, 11, PairInput::Distance, Laws::FRICTION, 5));
 }
 
 #[test]
 fn weights_in_half_precision_have_the_bits_of_core() {
     let inertia = Inertia::Cholesky { epsilon: 0.1 };
     let (coordinates, widths, activation) = ("ata".to_owned(), [13, 6, 0, 0], Activation::Softplus);
-    let sample = RigidSample { coordinates, widths, activation, inertia, is_damped: true, seed: 9 };
+    let sample = RigidSample { coordinates, widths, activation, inertia, laws: Laws::FRICTION, seed: 9 };
     let block: Vec<u8> = sample.weights().iter().flat_map(|w| f16::from_f32(*w).to_le_bytes()).collect();
     let bytes = bytes(&sample.header(Order::Four), &block);
     let words = aligned(&bytes);
-    let core = RigidModel::<3, 13, 2, f16>::load(flash(&words, &bytes)).unwrap();
+    let core = RigidModel::<3, 13, 2, f16, Friction<3>>::load(flash(&words, &bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.chip(None).unwrap(), &core.system, 9);
 }

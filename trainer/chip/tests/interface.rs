@@ -11,7 +11,7 @@ use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::Actuator;
 use leastaction_core::model::{
-    ActuatorBytes, CoordinateRange, Header, Interval, ModelError, Outside, TrainingRange,
+    ActuatorBytes, CoordinateRange, Header, Interval, Laws, ModelError, Outside, TrainingRange,
 };
 use leastaction_core::network::Activation;
 
@@ -21,7 +21,7 @@ fn arm(coordinates: &str, widths: [u16; 4]) -> RigidSample {
         widths,
         activation: Activation::Tanh,
         inertia: Inertia::Cholesky { epsilon: 0.1 },
-        is_damped: true,
+        laws: Laws::FRICTION,
         seed: 3,
     }
 }
@@ -57,7 +57,7 @@ fn too_many_coordinates_are_refused_with_the_limit() {
         "the model has 9 coordinates; the chip's arithmetic, in which sizes are types, is compiled here for 1, 2, 3, 4, 5, \
          6, 7, 8, 12"
     );
-    let tree = TreeSample::chain(16, 4, PairInput::Distance, false, 0).file(Order::Two);
+    let tree = TreeSample::chain(16, 4, PairInput::Distance, Laws::NONE, 0).file(Order::Two);
     assert_eq!(refusal(&tree, Some(TREES[1])), ChipError::Coordinates { found: 16 });
 }
 
@@ -68,7 +68,7 @@ fn too_many_units_are_refused_with_the_limit() {
         ChipError::Model(ModelError::Shape { what, found, compiled })
     };
     assert_eq!(refusal(&arm("a", [1025, 0, 0, 0]).file(Order::Four), None), too_wide(1025, 1024));
-    let tree = TreeSample::chain(2, 65, PairInput::Distance, false, 0).file(Order::Two);
+    let tree = TreeSample::chain(2, 65, PairInput::Distance, Laws::NONE, 0).file(Order::Two);
     assert_eq!(refusal(&tree, None), too_wide(65, 64));
     assert_eq!(refusal(&GraphSample::row(3, 4, 65, 0).file(Order::Two), None), too_wide(65, 64));
 }
@@ -83,7 +83,7 @@ fn the_widest_model_that_is_taken_can_be_stepped() {
 
 #[test]
 fn a_part_that_is_not_there_is_refused() {
-    let tree = TreeSample::chain(3, 4, PairInput::Distance, false, 0).file(Order::Two);
+    let tree = TreeSample::chain(3, 4, PairInput::Distance, Laws::NONE, 0).file(Order::Two);
     assert_eq!(refusal(&tree, Some("leg")), ChipError::Model(ModelError::NoSuchTree { trees: 2 }));
     let graph = GraphSample::row(2, 3, 4, 0).file(Order::Two);
     assert_eq!(refusal(&graph, Some("leg")), ChipError::Model(ModelError::NoSuchGraph { graphs: 2 }));
@@ -211,7 +211,7 @@ fn a_chip_is_of_one_size() {
     let file = ModelFile::new(&arm("taa", [4, 0, 0, 0]).file(Order::Four)).unwrap();
     let chip = file.chip(None).unwrap();
     let (two, three) = (OfSize::<2>::of_size(&chip), OfSize::<3>::of_size(&chip));
-    assert!(two.is_none() && three.is_some_and(|system| system.forces.coefficients.iter().all(|c| *c > 0.0)));
+    assert!(two.is_none() && three.is_some_and(|system| system.forces.damping().iter().all(|c| *c > 0.0)));
 }
 
 /// Says which type it was given.

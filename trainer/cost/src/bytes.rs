@@ -1,7 +1,7 @@
 //! What the arrays of a solver take on a controller, whatever the number of coordinates.
 
 use leastaction_core::discrete::{Galerkin, Linearised, Midpoint, Path, Solved, State};
-use leastaction_core::forces::Viscous;
+use leastaction_core::forces::{Coulomb, Viscous};
 
 /// Bytes of what has as many entries as there are coordinates, or pairs of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +10,8 @@ pub(super) struct Bytes {
     pub state: usize,
     /// Viscous damping.
     pub damping: usize,
+    /// Dry friction.
+    pub dry: usize,
     /// What Newton's method has at hand in a step of order 2.
     pub newton_order_2: usize,
     /// The same of order 4.
@@ -24,6 +26,7 @@ impl Bytes {
         Self {
             state: at(|bytes| bytes.state),
             damping: at(|bytes| bytes.damping),
+            dry: at(|bytes| bytes.dry),
             newton_order_2: at(|bytes| bytes.newton_order_2),
             newton_order_4: at(|bytes| bytes.newton_order_4),
         }
@@ -33,6 +36,7 @@ impl Bytes {
         Self {
             state: size_of::<State<f32, N>>(),
             damping: size_of::<Viscous<f32, N>>(),
+            dry: size_of::<Coulomb<f32, N>>(),
             newton_order_2: newton::<Midpoint, N>(),
             newton_order_4: newton::<Galerkin, N>(),
         }

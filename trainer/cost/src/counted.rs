@@ -193,6 +193,9 @@ impl<R: Real> Real for Counted<R> {
     fn abs(self) -> Self {
         Self(self.0.abs())
     }
+    fn short_way(self) -> Self {
+        Self(self.0.short_way())
+    }
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }

@@ -10,8 +10,8 @@ use bytes::Bytes;
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
-use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::{Architecture, ModularArchitecture, RigidArchitecture};
+use leastaction_core::model::{Law, ModelError};
+use leastaction_learning::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture};
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
@@ -46,14 +46,16 @@ pub struct Cost {
 /// Where there is no such graph.
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
     let bytes = Bytes::of(architecture.n());
-    let evaluations = match architecture {
-        Architecture::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
-        Architecture::Modular(modular) => Evaluations::modular(modular, &bytes),
-        Architecture::Graph(graph) => return graph::cost(graph),
+    let evaluations = match &architecture.family {
+        Family::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
+        Family::Modular(modular) => Evaluations::modular(modular, &bytes),
+        Family::Graph(graph) => return graph::cost(graph),
+        Family::Bodies(bodies) => Evaluations::bodies(bodies.n(), &bytes),
     };
+    let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
     Ok(Cost {
         state_bytes: bytes.state,
-        handle_bytes: evaluations.handle_bytes,
+        handle_bytes: evaluations.handle_bytes + dry,
         acceleration: evaluations.dynamics,
         step_order_2: evaluations.newton::<Midpoint>(bytes.newton_order_2),
         step_order_4: evaluations.newton::<Galerkin>(bytes.newton_order_4),
@@ -110,6 +112,17 @@ impl Evaluations {
             handle_bytes: networks * (depth + 1) * LAYER + modular.n() * 5 * WORD + bytes.damping,
             dynamics,
             linearization: dynamics,
+        }
+    }
+
+    /// No layer; the arrays are those of the bodies in motion, and of the sums over what each carries.
+    fn bodies(n: usize, bytes: &Bytes) -> Self {
+        let frames = n * BODY * WORD;
+        let work = Work { multiply_adds: 0, stack_bytes: frames + 3 * n * n * WORD };
+        Self {
+            handle_bytes: (n * JOINT).next_multiple_of(WORD) + bytes.damping + 2 * WORD,
+            dynamics: work,
+            linearization: work,
         }
     }
 
@@ -185,6 +198,10 @@ fn ends(tangents: usize, n: usize) -> usize {
     4 * n * n * jet(tangents)
 }
 
+/// Numbers of a body in motion: its own, of its frame, of the sums over what it carries, of its rotor.
+const BODY: usize = 9 + 9 + 7 + 3;
+/// Bytes of a joint and its parent.
+const JOINT: usize = 3;
 const WORD: usize = 4;
 /// Two slices and a length.
 const LAYER: usize = 5 * WORD;

@@ -12,10 +12,10 @@ use leastaction_core::energy::graph::Graph;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{Laws, Rod};
+use leastaction_core::model::{Law, Rod};
 use leastaction_core::scalar::Packed;
 use leastaction_learning::architecture::{
-    Architecture, DEPTH, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
+    Architecture, DEPTH, Family, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
     RigidArchitecture,
 };
 
@@ -31,20 +31,25 @@ pub struct Evaluations {
     pub step_order_4: Operations,
 }
 
-/// Counts at a state of no importance; `None` where the shape is beyond what was measured on chips, which for rigid and modular
-/// models is of 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
+/// Counts at a state of no importance; `None` where the shape is beyond what was measured on chips, which is without dry friction and
+/// for rigid and modular models of 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
-    match architecture {
-        Architecture::Graph(graph) if graph.dimension() == 3 => particles::<3>(graph, weights),
-        Architecture::Graph(graph) => particles::<2>(graph, weights),
-        Architecture::Rigid(rigid) => match rigid.n() {
+    if architecture.laws().contains(Law::Coulomb) {
+        return None;
+    }
+    match &architecture.family {
+        Family::Graph(graph) if graph.dimension() == 3 => particles::<3>(graph, weights),
+        Family::Graph(graph) => particles::<2>(graph, weights),
+        Family::Rigid(rigid) => match rigid.n() {
             1 => of_rigid::<1>(rigid, weights),
             2 => of_rigid::<2>(rigid, weights),
             3 => of_rigid::<3>(rigid, weights),
             4 => of_rigid::<4>(rigid, weights),
             _ => None,
         },
-        Architecture::Modular(modular) => match modular.n() {
+        // Bodies were not measured yet.
+        Family::Bodies(_) => None,
+        Family::Modular(modular) => match modular.n() {
             1 => of_tree::<1>(modular, weights),
             2 => of_tree::<2>(modular, weights),
             3 => of_tree::<3>(modular, weights),
@@ -80,7 +85,7 @@ fn of_rigid<const N: usize>(rigid: &RigidArchitecture, weights: &[f64]) -> Optio
 fn of_tree<const N: usize>(modular: &ModularArchitecture, weights: &[f64]) -> Option<Evaluations> {
     let (header, tree) = (modular.header(), modular.tree_header());
     let system: System<Modular<f64, N, MAX_TYPES, MAX_ELEMENT_UNITS, DEPTH>, Viscous<Real, N>> =
-        header.system(&tree, Laws::VISCOUS, weights).ok()?;
+        header.system(&tree, modular.laws(), weights).ok()?;
     steps(&system)
 }
 

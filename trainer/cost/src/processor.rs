@@ -245,7 +245,7 @@ impl CostFactors {
 }
 
 fn moved_by_network(architecture: &Architecture) -> bool {
-    let Architecture::Modular(modular) = architecture else { return false };
+    let Some(modular) = architecture.modular() else { return false };
     modular.shape.types.iter().any(|of| matches!(of.transform, TransformShape::Network { .. }))
 }
 

@@ -4,6 +4,7 @@ use crate::architecture::Architecture;
 use crate::checksummed::{self, ReadError};
 use crate::model_file::Facts;
 use crate::training::{Adam, Levenberg};
+use crate::windows::{Calibrated, CalibrationLayout};
 use leastaction_core::model::{CoordinateRange, TrainedStep};
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -14,7 +15,7 @@ use thiserror::Error;
 pub(crate) const FILE: &str = "checkpoint.postcard";
 
 /// The first bytes of the file: what it is, and the version of its layout.
-const MAGIC: &[u8] = b"LARUN\x05";
+const MAGIC: &[u8] = b"LARUN\x06";
 
 /// Everything in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,8 @@ pub(crate) struct Checkpoint {
     pub trained_step: Option<TrainedStep>,
     /// What the data covered.
     pub range: Vec<CoordinateRange>,
+    /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
+    pub calibration: Option<CalibrationLayout>,
     /// Where the run is.
     pub state: State,
 }
@@ -131,8 +134,10 @@ pub struct Trained {
     pub trained_step: Option<TrainedStep>,
     /// What the training data covered of every coordinate.
     pub range: Vec<CoordinateRange>,
-    /// The best weights and their losses.
+    /// The best weights of the model and their losses.
     pub best: Best,
+    /// Sensors and actuators, of a loss over windows.
+    pub calibrated: Option<Calibrated>,
     /// Iterations of the run so far.
     pub iterations: u64,
     /// Where it comes from, for people: the same for the same run.
@@ -142,8 +147,9 @@ pub struct Trained {
 impl Trained {
     /// What a model file says of it beside its shape and weights.
     pub fn facts(&self) -> Facts {
-        let Self { trained_step, range, provenance, .. } = self.clone();
-        Facts { range, ..Facts::new(trained_step, &provenance) }
+        let Self { trained_step, range, provenance, calibrated, .. } = self.clone();
+        let actuator = calibrated.as_ref().map_or(Vec::new(), Calibrated::actuator_bytes);
+        Facts { range, actuator, ..Facts::new(trained_step, &provenance) }
     }
 
     /// The best model of the run in a folder.
@@ -153,12 +159,17 @@ impl Trained {
     pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
         let checkpoint = Checkpoint::read(&folder.join(FILE))?;
         let provenance = checkpoint.provenance();
-        let Checkpoint { architecture, trained_step, range, state, .. } = checkpoint;
+        let Checkpoint { architecture, trained_step, range, calibration, state, .. } = checkpoint;
+        let mut best = state.best;
+        let calibrated = calibration.map(|layout| layout.read(&best.weights));
+        // What follows the weight block belongs to the logs.
+        calibration.iter().for_each(|layout| best.weights.truncate(layout.start));
         Ok(Self {
             architecture,
             trained_step,
             range,
-            best: state.best,
+            best,
+            calibrated,
             iterations: state.iteration,
             provenance,
         })

@@ -8,9 +8,10 @@ pub mod rollouts;
 pub mod states;
 mod systems;
 
+pub(crate) use systems::masses_at;
 pub use systems::{Beginning, FreeAccelerations, rollout};
 
-use crate::architecture::{Architecture, GraphArchitecture};
+use crate::architecture::{Architecture, Family, GraphArchitecture};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
 use crate::parallel;
@@ -207,9 +208,9 @@ pub fn acceleration_mse(
 ) -> Result<Option<(Solved, f64)>, ModelError> {
     let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
     let square = samples.mean_square();
-    let error = match architecture {
-        Architecture::Graph(graph) => graph_error(graph, weights, &samples)?,
-        Architecture::Rigid(_) | Architecture::Modular(_) => {
+    let error = match &architecture.family {
+        Family::Graph(graph) => graph_error(graph, weights, &samples)?,
+        Family::Rigid(_) | Family::Modular(_) | Family::Bodies(_) => {
             objective(architecture, samples, LossKind::Acceleration, 4)?.solved(weights)
         }
     };

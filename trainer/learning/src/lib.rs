@@ -14,6 +14,7 @@ pub mod parallel;
 pub mod run;
 pub mod runge_kutta;
 pub mod training;
+pub mod windows;
 
 pub use leastaction_data as data;
 pub use leastaction_data::{atomic, checksummed, lock};

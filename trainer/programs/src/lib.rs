@@ -26,6 +26,7 @@ mod schedule;
 mod single;
 mod sources;
 mod sparsity;
+pub mod steps;
 mod system;
 
 pub use builder::{Builder, Layer, Node};

@@ -78,21 +78,21 @@ impl Row {
 
     /// self + cx.
     #[inline(always)]
-    pub(crate) fn add_scaled(&mut self, c: f64, x: &Self) {
+    pub fn add_scaled(&mut self, c: f64, x: &Self) {
         let (sum, x, c) = (self.load(), x.load(), f64x8::splat(c));
         *self = Self::store(std::array::from_fn(|g| sum[g] + c * x[g]));
     }
 
     /// xy.
     #[inline(always)]
-    pub(crate) fn product(&self, y: &Self) -> Self {
+    pub fn product(&self, y: &Self) -> Self {
         let (x, y) = (self.load(), y.load());
         Self::store(std::array::from_fn(|g| x[g] * y[g]))
     }
 
     /// self + xy.
     #[inline(always)]
-    pub(crate) fn add_product(&mut self, x: &Self, y: &Self) {
+    pub fn add_product(&mut self, x: &Self, y: &Self) {
         let (sum, x, y) = (self.load(), x.load(), y.load());
         *self = Self::store(std::array::from_fn(|g| sum[g] + x[g] * y[g]));
     }

@@ -213,6 +213,15 @@ impl System {
     /// Inputs q, v, τ, a; outputs the derivatives of F − L_vq v − M a at constant a: its n columns ∂/∂q_j, then its n columns
     /// ∂/∂v_j, n rows each. M⁻¹ times them are those of the acceleration.
     pub fn residual_derivatives(&self) -> Program {
+        self.residual_columns(&[self.q, self.v])
+    }
+
+    /// Those of [`System::residual_derivatives`], then the n columns ∂Q/∂τ_j: what friction makes of the load.
+    pub fn residual_derivatives_with_control(&self) -> Program {
+        self.residual_columns(&[self.q, self.v, self.tau])
+    }
+
+    fn residual_columns(&self, of: &[Node]) -> Program {
         let mut builder = self.builder.clone();
         let [l_q, l_v] = self.first(&mut builder);
         let a = builder.input(self.n);
@@ -220,10 +229,10 @@ impl System {
         let force = builder.sum(l_q, self.force);
         let residual = builder.difference(force, rate);
         let mut outputs = Vec::new();
-        for of in [self.q, self.v] {
+        for x in of {
             for j in 0..self.n {
                 let axis = self.axis(&mut builder, j);
-                outputs.extend(builder.tangents(&[residual], &[(of, axis)]));
+                outputs.extend(builder.tangents(&[residual], &[(*x, axis)]));
             }
         }
         Program::new(&builder, &outputs, &[])

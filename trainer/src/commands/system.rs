@@ -56,6 +56,15 @@ pub enum Kind {
 }
 
 impl System {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self.kind() {
+            Kind::Symo(mechanism) => mechanism.name(),
+            Kind::Modlanet(system) => system(2).name(),
+            Kind::Lgnn(system) => system(2).name(),
+        }
+    }
+
     /// Which one.
     pub fn kind(self) -> Kind {
         match self {

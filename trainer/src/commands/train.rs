@@ -5,7 +5,7 @@ use super::notes::tell;
 use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output, print};
-use leastaction_learning::config::{Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
+use leastaction_learning::config::{BODIES_DEFAULTS, Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
 use leastaction_learning::run::{Ending, Plan, PlanError, Run};
 use serde::Serialize;
 use std::fmt;
@@ -52,6 +52,8 @@ enum Family {
     Modular,
     /// Graphs of particles.
     Graph,
+    /// Rigid bodies on joints.
+    Bodies,
 }
 
 /// What came out of training.
@@ -114,6 +116,7 @@ impl Train {
             return print(match self.print_defaults {
                 Some(Family::Modular) => MODULAR_DEFAULTS,
                 Some(Family::Graph) => GRAPH_DEFAULTS,
+                Some(Family::Bodies) => BODIES_DEFAULTS,
                 _ => DEFAULTS,
             });
         };

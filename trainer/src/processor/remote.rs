@@ -1,6 +1,6 @@
 use super::{Line, LinkError};
 use leastaction_firmware_sim::link::{
-    Answer, Done, Frame, Receiver, Request, Samples, parse_answer, request,
+    Answer, Done, Frame, LoggedSamples, Receiver, Request, Samples, parse_answer, request,
 };
 use leastaction_firmware_sim::{Outcome, Processor, Program, Task};
 use std::convert::Infallible;
@@ -43,6 +43,19 @@ impl<L: Line, const N: usize> Remote<L, N> {
         &self.instructions
     }
 
+    /// Asks for a tick under the number of now.
+    fn outcome(&mut self, request: &Request<N>) -> Result<Outcome<N>, LinkError> {
+        let frame = self.messenger.ask(request)?;
+        match answer::<N>(&frame)? {
+            Answer::Done(Done { sequence, outcome, instructions }) if sequence == self.sequence => {
+                self.instructions.push(instructions);
+                self.last = outcome;
+                Ok(outcome)
+            }
+            _ => Err(LinkError::OutOfStep),
+        }
+    }
+
     /// Tells the processor that this is all, and gives back the line.
     ///
     /// # Errors
@@ -59,15 +72,18 @@ impl<L: Line, const N: usize> Processor<N> for &mut Remote<L, N> {
     fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Result<Outcome<N>, LinkError> {
         self.sequence = self.sequence.wrapping_add(1);
         let samples = Samples { sequence: self.sequence, time: t, elapsed, measured: *measured };
-        let frame = self.messenger.ask(&Request::Tick(samples))?;
-        match answer::<N>(&frame)? {
-            Answer::Done(Done { sequence, outcome, instructions }) if sequence == self.sequence => {
-                self.instructions.push(instructions);
-                self.last = outcome;
-                Ok(outcome)
-            }
-            _ => Err(LinkError::OutOfStep),
-        }
+        self.outcome(&Request::Tick(samples))
+    }
+
+    fn replay(
+        &mut self,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        u: [f32; N],
+    ) -> Result<Outcome<N>, LinkError> {
+        self.sequence = self.sequence.wrapping_add(1);
+        let samples = LoggedSamples { sequence: self.sequence, elapsed, measured: *measured, command: u };
+        self.outcome(&Request::Log(samples))
     }
 
     fn last(&self) -> &Outcome<N> {

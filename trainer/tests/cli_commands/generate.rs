@@ -130,3 +130,56 @@ fn what_would_fill_the_memory_is_refused() {
     }
     assert_eq!(std::fs::read_dir(bench.folder.path()).unwrap().count(), 0);
 }
+
+/// The double pendulum of DFKI RIC's design C.1, in figures near those that were identified.
+const LINKS: &str = "[[joint]]\nmass = 0.523\nlength = 0.2\ncentre = 0.2\ninertia = 0.011\nrotor = 6.3e-5\ngear = -6.0\n\
+                     [[joint]]\nmass = 0.626\nlength = 0.3\ncentre = 0.256\ninertia = 0.01\nrotor = 6.3e-5\ngear = -6.0\n";
+
+#[test]
+fn a_robots_logs_are_files_of_its_own_names() {
+    let bench = Bench::new();
+    std::fs::write(bench.at("links.toml"), LINKS).unwrap();
+    let command = "generate n-pendulum --links links.toml --robot logs -o measured.npz --truth truth.npz --trajectories 3 \
+                   --samples 21 --viscous 0.005,0.002 --coulomb 0.1,0.07 --noise 0.001 --grid 0.0004 --zeros 0.02 --delay 6 --seed 7";
+    let report = bench.run(&format!("{command} --json")).good().json();
+    assert_eq!((report["trajectories"].as_u64(), report["samples"].as_u64()), (Some(3), Some(63)));
+    let zeros = report["zeros"][2][1].as_f64().unwrap();
+    let (measured, _) = data::read(bench.at("measured.npz")).unwrap();
+    let (truth, _) = data::read(bench.at("truth.npz")).unwrap();
+    let both = [&measured, &truth].map(|data| data.trajectories[2].q.get(20).unwrap()[1]);
+    assert!((both[0] - both[1] - zeros).abs() < 0.006, "{both:?} {zeros}");
+    let first = String::from_utf8(bench.read("logs/00.csv")).unwrap();
+    let head = "time,pos_meas1,pos_meas2,vel_meas1,vel_meas2,tau_con1,tau_con2,tau_meas1,tau_meas2\n0,";
+    assert!(first.starts_with(head) && first.lines().count() == 22, "{first}");
+    bench.run(command).good();
+    assert_eq!(first.as_bytes(), bench.read("logs/00.csv"));
+    // Fewer logs than the folder holds would leave others' among them.
+    let refused = bench.run(&command.replace("--trajectories 3", "--trajectories 2"));
+    refused.bad(2, &["02.csv"]);
+}
+
+#[test]
+fn a_robots_logs_are_looked_at_and_jitter_is_seen() {
+    let bench = Bench::new();
+    bench
+        .run("generate acrobot --robot logs --trajectories 2 --jitter 2 --noise 0.002 --amplitude 1,3")
+        .good();
+    let seen = bench.run("look logs/*.csv -o robot.toml --json").good();
+    assert_eq!(seen.json()["files"].as_array().map(Vec::len), Some(2));
+    let configuration = String::from_utf8(bench.read("robot.toml")).unwrap();
+    assert!(configuration.contains("pos_meas1") && configuration.contains("tau_con2"), "{configuration}");
+}
+
+#[test]
+fn options_of_a_robot_are_checked() {
+    let bench = Bench::new();
+    let refused = |options: &str, word: &str| bench.run(&format!("generate {options}")).bad(2, &[word]);
+    refused("acrobot -o a.npz --coulomb 0.1", "--robot");
+    refused("acrobot --robot logs --coulomb 0.1,0.2,0.3", "3 values");
+    refused("acrobot --robot logs --jitter 5", "jitter");
+    refused("acrobot --robot logs --jitter 1 --truth t.npz", "--jitter");
+    refused("n-body --robot logs", "n-pendulum");
+    refused("acrobot --robot logs --drag 0.1", "--drag");
+    refused("acrobot --robot logs --width 0", "above 0");
+    refused("acrobot --robot logs --count 3", "--count");
+}

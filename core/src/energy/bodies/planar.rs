@@ -1,7 +1,7 @@
 use super::motion::{Carried, Frame};
 use super::vector::{Vector, Wrench, across, dot};
 use super::{BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint};
-use crate::expected::expected;
+use crate::expected::{expected, present};
 use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian};
 use crate::linear;
 use crate::scalar::{Scalar, WeightFormat};
@@ -166,18 +166,16 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize> Lagrangian<S,
             [l_vv[k][k], l_vq[k][k], _, l_qq[k][k]] = column.at(frame);
             let rotor = &motion.rotors[k];
             l_vv[k][k] += rotor.gear * rotor.coupling;
-            let (mut step, mut below) = (frame.step, self.tree.bodies()[k].parent.map(usize::from));
+            let (mut step, mut below) = (frame.step, self.tree.bodies()[k].parent);
             // The rotor sits on the body below.
             column.unit.angular += rotor.coupling;
-            for j in (0..k).rev() {
-                if below != Some(j) {
-                    continue;
-                }
+            while let Some(j) = below.map(usize::from) {
+                let Some(frame) = present(motion.frames.get(j)) else { break };
                 column.unit = column.unit.about(step);
                 column.slope = column.slope.about(step);
-                [l_vv[j][k], l_vq[j][k], l_vq[k][j], l_qq[j][k]] = column.at(&motion.frames[j]);
+                [l_vv[j][k], l_vq[j][k], l_vq[k][j], l_qq[j][k]] = column.at(frame);
                 (l_vv[k][j], l_qq[k][j]) = (l_vv[j][k], l_qq[j][k]);
-                (step, below) = (motion.frames[j].step, self.tree.bodies()[j].parent.map(usize::from));
+                (step, below) = (frame.step, self.tree.bodies()[j].parent);
             }
         }
         Hessian { l_q: motion.force(gravity), l_v: motion.momentum(), l_qq, l_vq, l_vv }

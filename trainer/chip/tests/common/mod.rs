@@ -4,6 +4,7 @@
 
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS};
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, NodeShape, Potential, Separation,
 };
@@ -13,8 +14,8 @@ use leastaction_core::energy::modular::{
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    Family, GraphHeader, GraphLayout, Header, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader, RigidHeader, Rod,
-    TrainedStep, TreeHeader, write,
+    BodiesHeader, Family, GraphHeader, GraphLayout, Header, Law, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader,
+    RigidHeader, Rod, TrainedStep, TreeHeader, write,
 };
 use leastaction_core::network::Activation;
 
@@ -51,6 +52,19 @@ pub fn bytes(header: &Header, block: &[u8]) -> Vec<u8> {
     write(header, block, &mut memory).unwrap().to_vec()
 }
 
+/// Numbers of laws of so many groups, in the order of a file.
+fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
+    let mut numbers = Vec::new();
+    if laws.contains(Law::Viscous) {
+        numbers.extend(random.vector(groups, 0.5).into_iter().map(f32::abs));
+    }
+    if laws.contains(Law::Coulomb) {
+        let each = random.vector(4 * groups, 0.5).into_iter().map(|x| x.abs() + 0.0625);
+        numbers.extend(each);
+    }
+    numbers
+}
+
 /// A rigid model.
 #[derive(Clone, Debug)]
 pub struct RigidSample {
@@ -58,24 +72,22 @@ pub struct RigidSample {
     pub widths: [u16; 4],
     pub activation: Activation,
     pub inertia: Inertia,
-    pub is_damped: bool,
+    pub laws: Laws<'static>,
     pub seed: u64,
 }
 
 impl RigidSample {
     pub fn header(&self, order: Order) -> Header<'_> {
-        let Self { coordinates, widths, activation, inertia, is_damped, .. } = self;
+        let Self { coordinates, widths, activation, inertia, laws, .. } = self;
         let rigid = RigidHeader { coordinates, widths: *widths, activation: *activation, inertia: *inertia };
-        let laws = if *is_damped { Laws::VISCOUS } else { Laws::NONE };
-        Header { laws, trained_step: Some(step(order)), ..Header::new(Family::Rigid(rigid)) }
+        Header { laws: *laws, trained_step: Some(step(order)), ..Header::new(Family::Rigid(rigid)) }
     }
 
     pub fn weights(&self) -> Vec<f32> {
         let Family::Rigid(rigid) = self.header(Order::Two).family else { unreachable!() };
         let mut random = Random(self.seed);
         let mut weights = random.vector(rigid.parameters().unwrap(), 0.5);
-        let damping = random.vector(rigid.n(), 0.5).into_iter().map(f32::abs);
-        weights.extend(damping.filter(|_| self.is_damped));
+        weights.extend(numbers_of_laws(self.laws, rigid.n(), &mut random));
         weights
     }
 
@@ -90,7 +102,7 @@ pub struct TreeSample {
     pub elements: Vec<u8>,
     pub width: u16,
     pub pair: PairInput,
-    pub is_damped: bool,
+    pub laws: Laws<'static>,
     pub seed: u64,
 }
 
@@ -99,9 +111,9 @@ pub const TREES: [&str; 2] = ["link", "chain"];
 
 impl TreeSample {
     /// A chain of n elements of alternating types.
-    pub fn chain(n: usize, width: u16, pair: PairInput, is_damped: bool, seed: u64) -> Self {
+    pub fn chain(n: usize, width: u16, pair: PairInput, laws: Laws<'static>, seed: u64) -> Self {
         let elements = (0..n).flat_map(|i| [((i as u64 + seed) % 3) as u8, i as u8]).collect();
-        Self { elements, width, pair, is_damped, seed }
+        Self { elements, width, pair, laws, seed }
     }
 
     fn shape(&self) -> ModularShape {
@@ -127,8 +139,7 @@ impl TreeSample {
         trees[0] = TreeHeader { name: TREES[0], elements: &[1, 0] };
         trees[1] = TreeHeader { name: TREES[1], elements: &self.elements };
         let modular = ModularHeader { shape: self.shape(), names: "link,rod,slide", trees };
-        let laws = if self.is_damped { Laws::VISCOUS } else { Laws::NONE };
-        Header { laws, trained_step: Some(step(order)), ..Header::new(Family::Modular(modular)) }
+        Header { laws: self.laws, trained_step: Some(step(order)), ..Header::new(Family::Modular(modular)) }
     }
 
     pub fn weights(&self) -> Vec<f32> {
@@ -138,7 +149,42 @@ impl TreeSample {
         let mut random = Random(self.seed);
         let mut weights = random.vector(modular.parameters().unwrap() - numbers.len(), 0.5);
         weights.extend(numbers);
-        weights.extend([0.5, 0.125, 0.25].iter().filter(|_| self.is_damped));
+        weights.extend(numbers_of_laws(self.laws, kinds.len(), &mut random));
+        weights
+    }
+
+    pub fn file(&self, order: Order) -> Vec<u8> {
+        file(&self.header(order), &self.weights())
+    }
+}
+
+/// A chain of rigid bodies that turn and slide.
+#[derive(Clone, Debug)]
+pub struct BodiesSample {
+    bodies: Vec<u8>,
+    pub laws: Laws<'static>,
+    pub seed: u64,
+}
+
+impl BodiesSample {
+    /// A chain of n bodies of alternating joints.
+    pub fn chain(n: usize, laws: Laws<'static>, seed: u64) -> Self {
+        let bodies = (0..n).flat_map(|i| [((i as u64 + seed) % 2) as u8, i as u8]).collect();
+        Self { bodies, laws, seed }
+    }
+
+    pub fn header(&self, order: Order) -> Header<'_> {
+        let family = Family::Bodies(BodiesHeader::planar(&self.bodies));
+        Header { laws: self.laws, trained_step: Some(step(order)), ..Header::new(family) }
+    }
+
+    pub fn weights(&self) -> Vec<f32> {
+        let (mut random, n) = (Random(self.seed), self.bodies.len() / 2);
+        let mut weights = random.vector(GRAVITY_PARAMETERS + BODY_PARAMETERS * n, 0.5);
+        for body in weights[GRAVITY_PARAMETERS..].chunks_exact_mut(BODY_PARAMETERS) {
+            [3, 6, 7].into_iter().for_each(|positive| body[positive] += 1.0);
+        }
+        weights.extend(numbers_of_laws(self.laws, n, &mut random));
         weights
     }
 

@@ -1,19 +1,27 @@
 //! The shape of a model on the host, where widths and the number of coordinates are known only at run time.
 
+mod bodies;
+mod family;
+mod friction;
 mod graph;
 mod lgnn;
 mod modular;
 mod rigid;
 
+pub use bodies::{BodiesArchitecture, BodyNumbers};
+pub use family::Family;
+pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTHS};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
 pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, TYPE_NUMBERS};
 pub use rigid::{HostSystem, RigidArchitecture, largest_factor};
 
+use crate::training::Range;
+use friction::dry_friction;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::{Family as FamilyHeader, Header, Law, Laws, ModelError};
 use leastaction_core::network::Dense;
 use leastaction_programs::dynamics::Rods;
-use leastaction_programs::energies::{Energies, GraphEnergies, ModularEnergies};
+use leastaction_programs::energies::{Energies, WithFriction};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -36,102 +44,99 @@ pub const DEPTH: usize = 3;
 /// Units of a hidden layer of a rigid model at most that is compiled for its sizes.
 pub const MAX_WIDTH: usize = 256;
 
-/// The shape of a model.
+/// The shape of a model: energies of a family, and friction beside them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Architecture {
-    /// Inertia matrix and potential from one network.
-    Rigid(RigidArchitecture),
-    /// A tree of elements.
-    Modular(ModularArchitecture),
-    /// A graph of particles.
-    Graph(GraphArchitecture),
+pub struct Architecture {
+    /// The energies, with the forces that the family has of its own.
+    pub family: Family,
+    /// Friction beside those.
+    pub friction: FrictionArchitecture,
 }
 
-impl From<GraphArchitecture> for Architecture {
-    fn from(graph: GraphArchitecture) -> Self {
-        Self::Graph(graph)
-    }
-}
-
-impl From<RigidArchitecture> for Architecture {
-    fn from(rigid: RigidArchitecture) -> Self {
-        Self::Rigid(rigid)
-    }
-}
-
-impl From<ModularArchitecture> for Architecture {
-    fn from(modular: ModularArchitecture) -> Self {
-        Self::Modular(modular)
+impl<F: Into<Family>> From<F> for Architecture {
+    fn from(family: F) -> Self {
+        Self { family: family.into(), friction: FrictionArchitecture::default() }
     }
 }
 
 impl Architecture {
-    /// The shape that a model file has; of several trees the first.
+    /// The shape that a model file has; of several trees the first. All numbers of laws are known.
     ///
     /// # Errors
-    /// [`ModelError::OtherFamily`] for a family that this program does not know, [`ModelError::Law`] for a law of force.
+    /// [`ModelError::OtherFamily`] for a family that this program does not know, [`ModelError::Law`] for a law of force that the
+    /// family cannot have.
     pub fn from_header(header: &FamilyHeader, laws: Laws, weights: &[f64]) -> Result<Self, ModelError> {
-        if let Some(law) = laws.iter().find(|law| *law != Law::Viscous) {
+        let family = Family::from_header(header, laws, weights)?;
+        if let Some(law) = laws.iter().next().filter(|_| family.groups() == 0) {
             return Err(ModelError::Law { number: law as u8 });
         }
-        match header {
-            FamilyHeader::Rigid(rigid) => Ok(RigidArchitecture::from_header(rigid, laws).into()),
-            FamilyHeader::Modular(modular) => Ok(ModularArchitecture::from_header(modular, weights).into()),
-            FamilyHeader::Graph(graph) => Ok(GraphArchitecture::from_header(graph, weights).into()),
-            other => Err(ModelError::OtherFamily { found: other.name() }),
-        }
+        let friction = FrictionArchitecture::from_laws(laws, family.laws(), family.groups(), weights);
+        Ok(Self { family, friction })
     }
 
     /// The shape, if it is of the rigid family.
     pub fn rigid(&self) -> Option<&RigidArchitecture> {
-        match self {
-            Self::Rigid(rigid) => Some(rigid),
-            Self::Modular(_) | Self::Graph(_) => None,
+        match &self.family {
+            Family::Rigid(rigid) => Some(rigid),
+            _ => None,
         }
     }
 
     /// The shape, if it is of the modular family.
     pub fn modular(&self) -> Option<&ModularArchitecture> {
-        match self {
-            Self::Modular(modular) => Some(modular),
-            Self::Rigid(_) | Self::Graph(_) => None,
+        match &self.family {
+            Family::Modular(modular) => Some(modular),
+            _ => None,
         }
     }
 
     /// The shape, if it is of the graph family.
     pub fn graph(&self) -> Option<&GraphArchitecture> {
-        match self {
-            Self::Graph(graph) => Some(graph),
-            Self::Rigid(_) | Self::Modular(_) => None,
+        match &self.family {
+            Family::Graph(graph) => Some(graph),
+            _ => None,
+        }
+    }
+
+    /// The shape, if it is of the family of bodies.
+    pub fn bodies(&self) -> Option<&BodiesArchitecture> {
+        match &self.family {
+            Family::Bodies(bodies) => Some(bodies),
+            _ => None,
         }
     }
 
     /// What a model of several mechanisms calls them, tree or graph, and the name of the one that is meant.
     pub fn part(&self) -> Option<(&'static str, &str)> {
-        match self {
-            Self::Rigid(_) => None,
-            Self::Modular(modular) => Some(("tree", modular.tree_name())),
-            Self::Graph(graph) => Some(("graph", graph.graph().map_or("", |graph| &graph.name))),
+        match &self.family {
+            Family::Rigid(_) | Family::Bodies(_) => None,
+            Family::Modular(modular) => Some(("tree", modular.tree_name())),
+            Family::Graph(graph) => Some(("graph", graph.graph().map_or("", |graph| &graph.name))),
         }
     }
 
     /// The names of all trees or graphs.
     pub fn parts(&self) -> Vec<&str> {
-        match self {
-            Self::Rigid(_) => Vec::new(),
-            Self::Modular(modular) => modular.trees.iter().map(|tree| tree.name.as_str()).collect(),
-            Self::Graph(graph) => graph.graphs.iter().map(|graph| graph.name.as_str()).collect(),
+        match &self.family {
+            Family::Rigid(_) | Family::Bodies(_) => Vec::new(),
+            Family::Modular(modular) => modular.trees.iter().map(|tree| tree.name.as_str()).collect(),
+            Family::Graph(graph) => graph.graphs.iter().map(|graph| graph.name.as_str()).collect(),
         }
     }
 
     /// The same with the tree or graph of that name in mind; `None` where there is none.
     #[must_use]
     pub fn with_part_named(&self, name: &str) -> Option<Self> {
-        match self {
-            Self::Rigid(_) => None,
-            Self::Modular(modular) => modular.with_tree_named(name).map(Self::from),
-            Self::Graph(graph) => graph.with_graph_named(name).map(Self::from),
+        match &self.family {
+            Family::Rigid(_) | Family::Bodies(_) => None,
+            Family::Modular(modular) => self.with_family(modular.with_tree_named(name)?),
+            Family::Graph(graph) => self.with_family(graph.with_graph_named(name)?),
         }
+    }
+
+    /// The same friction beside other energies.
+    fn with_family(&self, family: impl Into<Family>) -> Option<Self> {
+        Some(Self { family: family.into(), friction: self.friction.clone() })
     }
 
     /// Whether evaluation steps it by the discrete Euler–Lagrange equation: it has no rods.
@@ -141,11 +146,7 @@ impl Architecture {
 
     /// Calls `read` with the shape in the words of the model file.
     pub fn with_header<T>(&self, read: impl FnOnce(FamilyHeader) -> T) -> T {
-        match self {
-            Self::Rigid(rigid) => read(FamilyHeader::Rigid(rigid.header())),
-            Self::Modular(modular) => read(FamilyHeader::Modular(modular.header())),
-            Self::Graph(graph) => graph.with_header(|header| read(FamilyHeader::Graph(header))),
-        }
+        self.family.with_header(read)
     }
 
     /// The unit of every coordinate, as a model file has them; of graphs, all of whose coordinates are lengths, one.
@@ -163,47 +164,44 @@ impl Architecture {
 
     /// What the family is called.
     pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Rigid(_) => "rigid",
-            Self::Modular(_) => "modular",
-            Self::Graph(_) => "graph",
-        }
+        self.family.name()
     }
 
     /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
     pub fn coordinates(&self) -> String {
-        match self {
-            Self::Rigid(rigid) => rigid.coordinates.clone(),
-            Self::Modular(modular) => modular.coordinates(),
-            Self::Graph(graph) => "t".repeat(graph.n()),
+        match &self.family {
+            Family::Rigid(rigid) => rigid.coordinates.clone(),
+            Family::Modular(modular) => modular.coordinates(),
+            Family::Graph(graph) => "t".repeat(graph.n()),
+            Family::Bodies(bodies) => bodies.coordinates(),
         }
     }
 
     /// Every hidden layer's units.
     pub fn widths(&self) -> Vec<usize> {
-        match self {
-            Self::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
-            Self::Modular(modular) => modular.shape.networks.iter().flat_map(hidden).collect(),
-            Self::Graph(graph) => graph.shape.networks.iter().flat_map(hidden).collect(),
+        match &self.family {
+            Family::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
+            Family::Modular(modular) => modular.shape.networks.iter().flat_map(hidden).collect(),
+            Family::Graph(graph) => graph.shape.networks.iter().flat_map(hidden).collect(),
+            Family::Bodies(_) => Vec::new(),
         }
     }
 
     /// Hidden layers of the deepest network.
     pub fn depth(&self) -> usize {
-        match self {
-            Self::Rigid(rigid) => rigid.widths.len(),
-            Self::Modular(modular) => modular.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
-            Self::Graph(graph) => graph.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
+        match &self.family {
+            Family::Rigid(rigid) => rigid.widths.len(),
+            Family::Modular(modular) => {
+                modular.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0)
+            }
+            Family::Graph(graph) => graph.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
+            Family::Bodies(_) => 0,
         }
     }
 
     /// Number of coordinates n.
     pub fn n(&self) -> usize {
-        match self {
-            Self::Rigid(rigid) => rigid.n(),
-            Self::Modular(modular) => modular.n(),
-            Self::Graph(graph) => graph.n(),
-        }
+        self.family.n()
     }
 
     /// Numbers in the weight block.
@@ -216,11 +214,12 @@ impl Architecture {
 
     /// The laws of force beside the energies, whose numbers end the weight block.
     pub fn laws(&self) -> Laws<'static> {
-        match self {
-            Self::Rigid(rigid) => rigid.laws(),
-            Self::Modular(_) => Laws::VISCOUS,
-            Self::Graph(_) => Laws::NONE,
-        }
+        self.friction.laws(self.family.laws())
+    }
+
+    /// Where the numbers of friction begin that are not the family's own.
+    fn friction_start(&self) -> usize {
+        self.family.parameters().unwrap_or(0)
     }
 
     /// Numbers in the weight block that training changes.
@@ -233,43 +232,46 @@ impl Architecture {
 
     /// Random weights where they are learned, the given numbers elsewhere.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        match self {
-            Self::Rigid(rigid) => rigid.initial_weights(seed),
-            Self::Modular(modular) => modular.initial_weights(seed),
-            Self::Graph(graph) => graph.initial_weights(seed),
-        }
+        self.with_friction(self.family.initial_weights(seed))
     }
 
-    /// Where in the weight block the damping of each coordinate is; empty where there is none.
-    pub fn damping_positions(&self) -> Vec<usize> {
-        match self {
-            Self::Rigid(rigid) => rigid.damping_positions(),
-            Self::Modular(modular) => modular.damping_positions(),
-            Self::Graph(_) => Vec::new(),
-        }
+    /// The weights of the family with the given numbers of friction behind them.
+    pub(crate) fn with_friction(&self, mut weights: Vec<f64>) -> Vec<f64> {
+        weights.extend(self.friction.numbers().map(|number| number.value));
+        weights
+    }
+
+    /// The friction of every coordinate at these weights, the family's own damping included; empty where there is no law.
+    pub fn friction_of_coordinates(&self, weights: &[f64]) -> Vec<CoordinateFriction> {
+        let (laws, groups) = (self.laws(), self.family.groups());
+        let numbers = laws.parameters(groups).unwrap_or(0).min(weights.len());
+        let numbers = weights.get(weights.len() - numbers..).unwrap_or_default();
+        let viscous = if laws.contains(Law::Viscous) { groups } else { 0 };
+        let (viscous, dry) = numbers.split_at(viscous.min(numbers.len()));
+        let dry = dry.as_chunks().0;
+        let of = |group: usize| CoordinateFriction {
+            viscous: viscous.get(group).copied().unwrap_or(0.0),
+            dry: dry.get(group).copied().map(dry_friction),
+        };
+        let coordinates = if laws == Laws::NONE { Vec::new() } else { self.family.group_of_coordinates() };
+        coordinates.into_iter().map(of).collect()
     }
 
     /// The numbers of the weight block that training must leave as they are.
     pub fn fixed_positions(&self) -> Vec<usize> {
-        match self {
-            Self::Rigid(_) => Vec::new(),
-            Self::Modular(modular) => modular.fixed_positions(),
-            Self::Graph(graph) => graph.fixed_positions(),
-        }
+        let friction = self.friction.fixed_positions(self.friction_start());
+        self.family.fixed_positions().into_iter().chain(friction).collect()
     }
 
-    /// Brings numbers that have a range (masses, damping) back into it.
+    /// The ranges of numbers that are learned as free numbers ([`Bounds`](crate::training::Bounds)), by their positions.
+    pub fn ranges(&self) -> Vec<(usize, Range)> {
+        let friction = self.friction.ranges(self.friction_start());
+        self.family.ranges().into_iter().chain(friction).collect()
+    }
+
+    /// Brings numbers that have a range but are learned as they are (masses, a family's own damping) back into it.
     pub fn project(&self, weights: &mut [f64]) {
-        match self {
-            Self::Rigid(_) => {}
-            Self::Modular(modular) => modular.project(weights),
-            Self::Graph(graph) => graph.project(weights),
-        }
-        for position in self.damping_positions() {
-            if let Some(damping) = weights.get_mut(position) {
-                *damping = damping.max(0.0);
-            }
-        }
+        self.family.project(weights);
     }
 
     /// Its energies and forces, written down for the tree or graph that is meant.
@@ -277,17 +279,15 @@ impl Architecture {
     /// # Errors
     /// [`ModelError`] where the shape does not fit in itself.
     pub fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
-        match self {
-            Self::Rigid(rigid) => Ok(Box::new(rigid.energies()?)),
-            Self::Modular(modular) => {
-                let elements: Vec<_> = modular.tree_header().nodes().collect();
-                Ok(Box::new(ModularEnergies::new(&modular.shape, &elements, true)?))
-            }
-            Self::Graph(graph) => {
-                let NamedGraph { nodes, edges, .. } = graph.graph()?;
-                Ok(Box::new(GraphEnergies::new(&graph.shape, nodes, edges, 0)?))
-            }
+        let family = self.family.energies()?;
+        if self.friction.is_none() {
+            return Ok(family);
         }
+        let groups = self.family.groups();
+        self.friction.check(self.family.laws(), groups)?;
+        let beside = self.family.group_of_coordinates();
+        let all = WithFriction::new(family, self.friction.laws_beside(), groups, beside);
+        Ok(Box::new(all.ok_or(ModelError::OutOfRange { what: "friction" })?))
     }
 
     /// The rods of the graph that is meant; none of another family.

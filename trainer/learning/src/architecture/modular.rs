@@ -4,7 +4,7 @@ use super::{known_positions, layers, random_layers};
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
-use leastaction_core::model::{MAX_TREES, ModularHeader, TreeHeader};
+use leastaction_core::model::{Law, Laws, MAX_TREES, ModularHeader, TreeHeader};
 use serde::{Deserialize, Serialize};
 
 /// The smallest mass, kg, that training may reach.
@@ -82,6 +82,8 @@ pub struct ModularArchitecture {
     names: String,
     /// c₁ and c₂.
     pub coefficients: [Number; 2],
+    /// Whether element types have viscous damping of their own, which ends the weight block.
+    pub damped: bool,
     /// All trees.
     pub trees: Vec<NamedTree>,
     /// The tree that is trained or evaluated.
@@ -89,7 +91,7 @@ pub struct ModularArchitecture {
 }
 
 impl ModularArchitecture {
-    /// A model of these types and trees, of which the first tree is meant.
+    /// A model of these types and trees, of which the first tree is meant, with damping of its own.
     pub fn new(
         shape: ModularShape,
         types: Vec<NamedType>,
@@ -97,7 +99,7 @@ impl ModularArchitecture {
         trees: Vec<NamedTree>,
     ) -> Self {
         let names = types.iter().map(|t| t.name.as_str()).collect::<Vec<_>>().join(",");
-        Self { shape, types, names, coefficients, trees, tree: 0 }
+        Self { shape, types, names, coefficients, damped: true, trees, tree: 0 }
     }
 
     /// The shape in the words of the model file.
@@ -110,18 +112,23 @@ impl ModularArchitecture {
     }
 
     /// The shape that a model file has; all numbers are known, as in the file.
-    pub fn from_header(header: &ModularHeader, weights: &[f64]) -> Self {
+    pub fn from_header(header: &ModularHeader, laws: Laws, weights: &[f64]) -> Self {
         let named =
             |name: &str| NamedType { name: name.to_owned(), numbers: [Number::known(0.0); TYPE_NUMBERS] };
         let named_tree =
             |tree: &TreeHeader| NamedTree { name: tree.name.to_owned(), elements: tree.elements.to_vec() };
-        Self::new(
+        let new = Self::new(
             header.shape,
             header.names.split(',').map(named).collect(),
             [Number::known(1.0); COEFFICIENTS],
             header.trees().map(named_tree).collect(),
-        )
-        .with_numbers(weights)
+        );
+        Self { damped: laws.contains(Law::Viscous), ..new }.with_numbers(weights)
+    }
+
+    /// The laws of force that its element types have numbers for.
+    pub fn laws(&self) -> Laws<'static> {
+        if self.damped { Laws::VISCOUS } else { Laws::NONE }
     }
 
     /// The same with another tree in place of all others.
@@ -173,15 +180,11 @@ impl ModularArchitecture {
     pub fn numbers(&self) -> impl Iterator<Item = Number> {
         let parameters = self.types.iter().flat_map(|kind| kind.numbers.into_iter().take(ELEMENT_PARAMETERS));
         let damping = self.types.iter().flat_map(|kind| kind.numbers.into_iter().skip(ELEMENT_PARAMETERS));
-        parameters.chain(self.coefficients).chain(damping)
+        parameters.chain(self.coefficients).chain(damping.filter(|_| self.damped))
     }
 
-    /// Numbers after the networks of a model of so many element types.
-    pub const fn numbers_of(types: usize) -> usize {
-        TYPE_NUMBERS * types + COEFFICIENTS
-    }
-
-    fn numbers_start(&self) -> usize {
+    /// Where the numbers begin in the weight block, after the networks.
+    pub fn numbers_start(&self) -> usize {
         self.shape.networks.iter().filter_map(NetworkShape::parameters).sum()
     }
 
@@ -195,11 +198,10 @@ impl ModularArchitecture {
         self.tree_header().elements.iter().step_by(2).map(|kind| usize::from(*kind))
     }
 
-    /// Where each coordinate of the tree has its damping.
-    pub fn damping_positions(&self) -> Vec<usize> {
-        let start = self.numbers_start() + ELEMENT_PARAMETERS * self.types.len() + COEFFICIENTS;
+    /// The type of the element that each coordinate of the tree moves.
+    pub fn type_of_coordinates(&self) -> Vec<usize> {
         let of = |kind: usize| (kind, self.shape.types.get(kind).map_or(0, |t| t.coordinates()));
-        self.kinds().map(of).flat_map(|(kind, n)| std::iter::repeat_n(start + kind, n)).collect()
+        self.kinds().map(of).flat_map(|(kind, n)| std::iter::repeat_n(kind, n)).collect()
     }
 
     /// Masses above 0, moments of inertia and damping not below.
@@ -211,7 +213,8 @@ impl ModularArchitecture {
             *mass = mass.max(LEAST_MASS);
             *inertia = inertia.max(0.0);
         }
-        rest.iter_mut().skip(COEFFICIENTS).for_each(|damping| *damping = damping.max(0.0));
+        let damping = if self.damped { self.types.len() } else { 0 };
+        rest.iter_mut().skip(COEFFICIENTS).take(damping).for_each(|damping| *damping = damping.max(0.0));
     }
 
     /// The same with the numbers (masses and so on) that a weight block has.
@@ -225,7 +228,7 @@ impl ModularArchitecture {
             kind.numbers.iter_mut().zip(values).for_each(|(number, value)| number.value = *value);
         }
         self.coefficients.iter_mut().zip(coefficients).for_each(|(number, value)| number.value = *value);
-        for (kind, damping) in self.types.iter_mut().zip(damping) {
+        for (kind, damping) in self.types.iter_mut().zip(damping).filter(|_| self.damped) {
             kind.numbers[TYPE_NUMBERS - 1].value = *damping;
         }
         self

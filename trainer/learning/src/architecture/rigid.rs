@@ -149,10 +149,12 @@ impl RigidArchitecture {
         }
     }
 
-    /// Where in the weight block the damping of each coordinate is; empty where none is learned.
-    pub fn damping_positions(&self) -> Vec<usize> {
-        let end = self.parameters().unwrap_or(0);
-        if self.damped { (end.saturating_sub(self.n())..end).collect() } else { Vec::new() }
+    /// Damping not below 0.
+    pub fn project(&self, weights: &mut [f64]) {
+        let start = self.header().parameters().unwrap_or(0);
+        let damping = weights.get_mut(start..).unwrap_or_default();
+        let own = if self.damped { self.n() } else { 0 };
+        damping.iter_mut().take(own).for_each(|damping| *damping = damping.max(0.0));
     }
 
     /// The system of this shape over a weight block.

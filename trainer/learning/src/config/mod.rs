@@ -1,10 +1,14 @@
 //! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
 //! explained.
 
+mod bodies;
+mod calibration;
 mod data;
 mod error;
 mod fields;
+mod friction;
 mod graph;
+mod loss;
 mod model;
 mod modular;
 mod parts;
@@ -12,12 +16,16 @@ mod problem;
 mod read;
 mod rigid;
 
+pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
+pub use calibration::{CalibrationConfig, SettingConfig};
 pub use data::{ColumnsConfig, DataConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
+pub use friction::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
 pub use graph::{
     EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
 };
+pub use loss::TrainingLoss;
 pub use model::ModelConfig;
 pub use modular::{Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig};
 pub use parts::NumberConfig;
@@ -25,7 +33,6 @@ pub use problem::{Problem, ShapeError, Step};
 pub use rigid::RigidConfig;
 
 use crate::architecture::Architecture;
-use crate::training::LossKind;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -35,6 +42,8 @@ pub const DEFAULTS: &str = include_str!("defaults.toml");
 pub const MODULAR_DEFAULTS: &str = include_str!("modular.toml");
 /// A configuration for graphs of particles, every key of `[model]` explained.
 pub const GRAPH_DEFAULTS: &str = include_str!("graph.toml");
+/// A configuration for rigid bodies on joints, every key of `[model]` explained.
+pub const BODIES_DEFAULTS: &str = include_str!("bodies.toml");
 
 /// What to learn, from what, and how.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,6 +52,9 @@ pub struct Config {
     pub data: DataConfig,
     /// `[model]`.
     pub model: ModelConfig,
+    /// `[calibration]`.
+    #[serde(skip_serializing_if = "CalibrationConfig::is_default")]
+    pub calibration: CalibrationConfig,
     /// `[training]`.
     pub training: TrainingConfig,
 }
@@ -51,8 +63,12 @@ pub struct Config {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrainingConfig {
-    /// What is minimised.
-    pub loss: LossKind,
+    /// What is minimised; by default windows where the positions are noisy, else the next position.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss: Option<TrainingLoss>,
+    /// Length of a window, s.
+    #[serde(deserialize_with = "fields::limit")]
+    pub window: f64,
     /// Of the discrete Euler–Lagrange equation or, for the next state, of the Runge–Kutta step: 2 or 4.
     #[serde(deserialize_with = "fields::order")]
     pub order: u8,
@@ -108,7 +124,8 @@ pub struct AdamConfig {
 impl Default for TrainingConfig {
     fn default() -> Self {
         Self {
-            loss: LossKind::NextPosition,
+            loss: None,
+            window: 0.5,
             order: 4,
             optimiser: OptimiserKind::LevenbergMarquardt,
             iterations: 200,
@@ -135,7 +152,12 @@ impl Default for AdamConfig {
 impl Config {
     /// The defaults for a log, and a model of this shape; [`Coordinates`] give a rigid one.
     pub fn new(file: impl Into<LogFiles>, model: impl Into<ModelConfig>) -> Self {
-        Self { data: DataConfig::new(file), model: model.into(), training: TrainingConfig::default() }
+        Self {
+            data: DataConfig::new(file),
+            model: model.into(),
+            calibration: CalibrationConfig::default(),
+            training: TrainingConfig::default(),
+        }
     }
 
     /// Reads a configuration file; paths become relative to the working folder.
@@ -157,13 +179,18 @@ impl Config {
     }
 
     fn parse_in(text: &str, file: &Path, folder: Option<&Path>) -> Result<Self, ConfigError> {
-        let mut config = read::parse(text).map_err(|error| ConfigError::invalid(file, text, &error))?;
+        let mut config: Self = read::parse(text).map_err(|error| ConfigError::invalid(file, text, &error))?;
         if let Some(folder) = folder {
             config.data.file = config.data.file.map(|file| folder.join(file));
         }
+        if let Some((key, must)) = config.calibration.problem() {
+            return Err(read::at_key(file, text, &["calibration", key], format!("`{key}` must be {must}")));
+        }
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
-            ModelConfig::Rigid(_) => {}
+            ModelConfig::Rigid(rigid) => {
+                rigid.friction().map_err(located)?;
+            }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();
                 from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
@@ -171,6 +198,9 @@ impl Config {
             }
             ModelConfig::Graph(graph) => {
                 graph.assemble().map_err(located)?;
+            }
+            ModelConfig::Bodies(bodies) => {
+                bodies.architecture().map_err(located)?;
             }
         }
         Ok(config)
@@ -191,6 +221,7 @@ impl Config {
         }
         Self {
             model,
+            calibration: self.calibration,
             data: DataConfig { file: PathBuf::new().into(), ..self.data.clone() },
             training: TrainingConfig {
                 iterations: defaults.iterations,
@@ -219,13 +250,21 @@ impl Config {
             }
             ModelConfig::Modular(modular) => {
                 let assembled = modular.assemble()?;
-                let weights = assembled.initial_weights(seed);
-                Ok((assembled.architecture.into(), weights))
+                let (family, weights) =
+                    (assembled.architecture.clone().into(), assembled.initial_weights(seed));
+                let architecture = Architecture { family, friction: assembled.friction };
+                let weights = architecture.with_friction(weights);
+                Ok((architecture, weights))
             }
             ModelConfig::Graph(graph) => {
                 let architecture = graph.assemble()?;
                 let weights = architecture.beginning(seed);
                 Ok((architecture.into(), weights))
+            }
+            ModelConfig::Bodies(bodies) => {
+                let architecture = bodies.architecture()?;
+                let weights = architecture.initial_weights(seed);
+                Ok((architecture, weights))
             }
         }
     }

@@ -1,5 +1,6 @@
 //! `[model]`, whatever the family.
 
+use super::bodies::BodiesConfig;
 use super::fields::Coordinates;
 use super::graph::GraphConfig;
 use super::modular::ModularConfig;
@@ -16,6 +17,8 @@ pub enum ModelConfig {
     Modular(ModularConfig),
     /// `family = "graph"`.
     Graph(GraphConfig),
+    /// `family = "bodies"`.
+    Bodies(BodiesConfig),
 }
 
 impl From<Coordinates> for ModelConfig {
@@ -39,5 +42,11 @@ impl From<ModularConfig> for ModelConfig {
 impl From<GraphConfig> for ModelConfig {
     fn from(graph: GraphConfig) -> Self {
         Self::Graph(graph)
+    }
+}
+
+impl From<BodiesConfig> for ModelConfig {
+    fn from(bodies: BodiesConfig) -> Self {
+        Self::Bodies(bodies)
     }
 }

@@ -91,8 +91,10 @@ impl<T: Serialize> Serialize for NumberConfig<T> {
 
 /// Which numbers are allowed, in single precision, as the model file has them.
 pub(super) struct Range {
-    holds: fn(f32) -> bool,
-    words: &'static str,
+    /// Whether it is.
+    pub holds: fn(f32) -> bool,
+    /// What it must be.
+    pub words: &'static str,
 }
 
 impl Range {

@@ -180,6 +180,30 @@ pub enum Problem {
         /// Of space.
         needed: usize,
     },
+    /// Not as many numbers of friction as there are groups of coordinates.
+    #[error("`{key}` has {found} numbers; it must have {needed}, one for each {what}, or one alone for all")]
+    FrictionCount {
+        /// The key.
+        key: &'static str,
+        /// Given.
+        found: usize,
+        /// Groups.
+        needed: usize,
+        /// Coordinate or element type.
+        what: &'static str,
+    },
+    /// A number of dry friction where there is none.
+    #[error("`{key}` means nothing without dry friction; add coulomb = \"learned\", or leave it out")]
+    NoDryFriction {
+        /// The key.
+        key: &'static str,
+    },
+    /// Viscous damping at two keys.
+    #[error("viscous damping is given by `{key}` too; leave one of them out")]
+    DampingTwice {
+        /// The other key.
+        key: &'static str,
+    },
     /// A type that does not exist.
     #[error("no {what} is called {name:?}; there are: {known}")]
     UnknownType {
@@ -220,6 +244,26 @@ pub enum Problem {
         name: String,
         /// All names.
         known: String,
+    },
+    /// No body.
+    #[error("no bodies: add chain = 2, for a chain of two, or a [[model.bodies]] with a joint")]
+    NoBodies,
+    /// Bodies twice.
+    #[error("chain and [[model.bodies]] both say which bodies there are; leave one of them out")]
+    ChainAndBodies,
+    /// A gear ratio of no chain.
+    #[error("only a chain has one gear ratio; give every one of [[model.bodies]] its own")]
+    GearWithoutChain,
+    /// A body on one that does not come before it.
+    #[error(
+        "body {body} sits on body {on}, which does not come before it: bodies count from 0, parents first; without `on` a body \
+         sits on the ground"
+    )]
+    OnBody {
+        /// The body, from 0.
+        body: usize,
+        /// What it sits on.
+        on: u64,
     },
     /// No node type.
     #[error("no node types: add a [[model.node_types]] with a name and a mass")]

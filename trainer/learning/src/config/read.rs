@@ -1,9 +1,10 @@
 //! From the text of a file to a configuration.
 
+use super::bodies::BodiesConfig;
 use super::graph::GraphConfig;
 use super::modular::ModularConfig;
-use super::problem::ShapeError;
-use super::{Config, ConfigError, DataConfig, ModelConfig, RigidConfig, TrainingConfig};
+use super::problem::{ShapeError, Step};
+use super::{CalibrationConfig, Config, ConfigError, DataConfig, ModelConfig, RigidConfig, TrainingConfig};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -17,6 +18,7 @@ enum Family {
     Rigid,
     Modular,
     Graph,
+    Bodies,
 }
 
 /// A file with a model of a known family.
@@ -26,12 +28,19 @@ struct File<M> {
     data: DataConfig,
     model: M,
     #[serde(default)]
+    calibration: CalibrationConfig,
+    #[serde(default)]
     training: TrainingConfig,
 }
 
 impl<M: Into<ModelConfig>> From<File<M>> for Config {
     fn from(file: File<M>) -> Self {
-        Self { data: file.data, model: file.model.into(), training: file.training }
+        Self {
+            data: file.data,
+            model: file.model.into(),
+            calibration: file.calibration,
+            training: file.training,
+        }
     }
 }
 
@@ -42,6 +51,7 @@ pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
         Family::Rigid => read::<RigidConfig>(document),
         Family::Modular => read::<ModularConfig>(document),
         Family::Graph => read::<GraphConfig>(document),
+        Family::Bodies => read::<BodiesConfig>(document),
     }
 }
 
@@ -63,14 +73,22 @@ fn take_family(document: &mut DeTable) -> Result<Family, toml::de::Error> {
 /// The error with the line of what is wrong.
 pub(super) fn located(file: &Path, text: &str, error: &ShapeError) -> ConfigError {
     let document = DeTable::parse(text).ok();
-    let start = document.map_or(0, |document| start(&document, error));
+    let start = document.map_or(0, |document| start(&document, &error.place));
     ConfigError::at(file, text, start, error.problem.to_string())
 }
 
+/// An error at the value of these keys, one in the table of the other.
+pub(super) fn at_key(file: &Path, text: &str, keys: &[&str], message: String) -> ConfigError {
+    let place: Vec<Step> = keys.iter().map(|key| Step::from(*key)).collect();
+    let document = DeTable::parse(text).ok();
+    let start = document.map_or(0, |document| start(&document, &place));
+    ConfigError::at(file, text, start, message)
+}
+
 /// Where the innermost part of the place begins that the text has.
-fn start(document: &Spanned<DeTable>, error: &ShapeError) -> usize {
+fn start(document: &Spanned<DeTable>, place: &[Step]) -> usize {
     let mut start = 0;
-    let mut steps = error.place.iter();
+    let mut steps = place.iter();
     let Some((key, value)) = steps.next().and_then(|step| document.get_ref().get_key_value(step.key()))
     else {
         return start;

@@ -1,8 +1,9 @@
 //! `[model]` of the rigid family.
 
 use super::fields::{self, Coordinates, InertiaKind};
+use super::friction::FrictionConfig;
 use super::problem::{Problem, ShapeError};
-use crate::architecture::{Architecture, RigidArchitecture, largest_factor};
+use crate::architecture::{Architecture, FrictionArchitecture, RigidArchitecture, largest_factor};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,9 @@ pub struct RigidConfig {
     /// Whether viscous damping is learned.
     #[serde(default)]
     pub damping: bool,
+    /// Friction of the coordinates, damping included.
+    #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
+    pub friction: FrictionConfig,
 }
 
 fn hidden() -> Vec<u16> {
@@ -56,13 +60,14 @@ impl RigidConfig {
             rows: None,
             epsilon: epsilon(),
             damping: false,
+            friction: FrictionConfig::default(),
         }
     }
 
     /// The shape of the model.
     ///
     /// # Errors
-    /// For rows that the factor cannot have, or rows of no factor.
+    /// For rows that the factor cannot have, or rows of no factor; for friction that cannot be.
     pub fn architecture(&self) -> Result<Architecture, ShapeError> {
         let Self { coordinates, hidden, activation, damping, .. } = self;
         let (n, plain) = (coordinates.0.len(), RigidArchitecture::new(&coordinates.0, 0));
@@ -75,14 +80,21 @@ impl RigidConfig {
                 Inertia::Factor { rows, epsilon: self.epsilon }
             }
         };
-        Ok(RigidArchitecture {
+        let friction = self.friction()?;
+        let family = RigidArchitecture {
             widths: hidden.clone(),
             activation: *activation,
             inertia: self.with_rows(inertia)?,
             damped: *damping,
             ..plain
-        }
-        .into())
+        };
+        Ok(Architecture { family: family.into(), friction })
+    }
+
+    /// The friction of the coordinates.
+    pub(super) fn friction(&self) -> Result<FrictionArchitecture, ShapeError> {
+        self.friction.check_damping("damping", self.damping)?;
+        self.friction.assemble(self.coordinates.0.len(), "coordinate")
     }
 
     /// The same with the rows that are asked for.

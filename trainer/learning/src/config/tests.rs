@@ -18,7 +18,9 @@ fn defaults() -> Config {
 fn rigid(config: &Config) -> &RigidConfig {
     match &config.model {
         ModelConfig::Rigid(rigid) => rigid,
-        ModelConfig::Modular(_) | ModelConfig::Graph(_) => panic!("not a rigid model"),
+        ModelConfig::Modular(_) | ModelConfig::Graph(_) | ModelConfig::Bodies(_) => {
+            panic!("not a rigid model")
+        }
     }
 }
 
@@ -140,4 +142,27 @@ fn identity_ignores_when_to_stop_but_not_what_is_learned() {
     assert_eq!(config.identity(), later.identity());
     later.training.order = 2;
     assert_ne!(config.identity(), later.identity());
+}
+
+#[test]
+fn sensors_and_actuators_are_learned_or_known() {
+    use crate::windows::Setting;
+    let with = |lines: &str| parse(&format!("{LEAST}[calibration]\n{lines}\n"));
+    let config = with("zero = \"learned\"\ngain = \"learned\"\ndelay = 0.008").unwrap();
+    let calibration = config.calibration.calibration();
+    assert!(calibration.zero && calibration.gain == Setting::Learned);
+    assert_eq!((calibration.delay, calibration.offset), (Setting::Known(0.008), Setting::Known(0.0)));
+    assert_eq!(parse(&config.to_toml()).unwrap(), config);
+    for (lines, expected) in [
+        (
+            "gain = 0.0",
+            "c.toml:6: \"gain = 0.0\": `gain` must be \"learned\" or a finite number other than 0",
+        ),
+        ("\ndelay = -1", "c.toml:7: \"delay = -1\": `delay` must be"),
+        ("zero = 0.1", "subtract a known one from the column"),
+        ("offset = \"learnt\"", "expected \"learned\" or a number"),
+    ] {
+        let said = with(lines).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
 }

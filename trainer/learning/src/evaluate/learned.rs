@@ -2,7 +2,7 @@
 
 use super::FreeAccelerations;
 use super::particles::Driven;
-use crate::architecture::{Architecture, GraphArchitecture, HostTypes};
+use crate::architecture::{Architecture, Family, GraphArchitecture, HostTypes};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::model::ModelError;
 
@@ -32,9 +32,9 @@ pub fn with_forced<T>(
     weights: &[f64],
     then: impl FnOnce(&Forced) -> T,
 ) -> Result<T, ModelError> {
-    match architecture {
-        Architecture::Graph(graph) => with_forced_graph(graph, weights, then),
-        Architecture::Rigid(_) | Architecture::Modular(_) => {
+    match &architecture.family {
+        Family::Graph(graph) => with_forced_graph(graph, weights, then),
+        Family::Rigid(_) | Family::Modular(_) | Family::Bodies(_) => {
             let free = FreeAccelerations::new(architecture, weights)?;
             Ok(then(&|q, v, u, out| free.write(q, v, u, out)))
         }

@@ -134,10 +134,22 @@ pub(super) fn masses(
     weights: &[f64],
     data: &Dataset,
 ) -> Result<Vec<Vec<f64>>, ModelError> {
+    let positions: Vec<&[f64]> = data.trajectories.iter().flat_map(|t| t.q.iter()).collect();
+    masses_at(architecture, weights, &positions)
+}
+
+/// The same at these positions.
+///
+/// # Errors
+/// As [`FreeAccelerations::new`].
+pub(crate) fn masses_at(
+    architecture: &Architecture,
+    weights: &[f64],
+    positions: &[&[f64]],
+) -> Result<Vec<Vec<f64>>, ModelError> {
     let system = system(architecture, weights)?;
     let n = system.n();
     let (mut accelerations, zero) = (Accelerations::new(&system), vec![Row::default(); n]);
-    let positions: Vec<&[f64]> = data.trajectories.iter().flat_map(|t| t.q.iter()).collect();
     let mut masses = Vec::new();
     for block in positions.chunks(WIDTH) {
         let at = |lane: usize, i: usize| block.get(lane).or(block.last()).map_or(0.0, |q| q[i]);

@@ -62,9 +62,9 @@ pub struct Chain {
     links: Vec<Link>,
     cart: Option<f64>,
     /// A.
-    inertia: DMatrix<f64>,
+    pub(super) inertia: DMatrix<f64>,
     /// B.
-    moments: Vec<f64>,
+    pub(super) moments: Vec<f64>,
 }
 
 impl Chain {

@@ -1,5 +1,6 @@
 //! Mechanisms whose motion is known exactly, and data sets of it: SyMo's pendulum, cart-pole and acrobot, ModLaNet's chains of
-//! pendulums and attracting bodies, LGNN's pendulums, springs and hybrids in Cartesian coordinates.
+//! pendulums and attracting bodies, LGNN's pendulums, springs and hybrids in Cartesian coordinates; and logs of them as robots
+//! write them ([`robot`]).
 
 mod bodies;
 mod chain;
@@ -9,6 +10,7 @@ mod lgnn;
 mod logged;
 mod modlanet;
 mod motion;
+pub mod robot;
 mod truss;
 
 pub use bodies::Bodies;

@@ -1,9 +1,9 @@
 //! A model file as a Rust source file, for programs without a file system.
 
 use super::{HostModel, Precision, decode};
-use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture, NamedGraph};
+use crate::architecture::{Family, GraphArchitecture, ModularArchitecture, NamedGraph};
 use leastaction_core::discrete::Order;
-use leastaction_core::model::{ModelError, TrainedStep};
+use leastaction_core::model::{Law, ModelError, TrainedStep};
 use std::fmt::{self, Write};
 
 /// Bytes in a line of the literal.
@@ -46,14 +46,18 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
     } else {
         writeln!(to)?;
     }
-    let imports = match model.architecture {
-        Architecture::Rigid(_) => "ModelError, RigidModel",
-        Architecture::Modular(_) => "ModelError, ModularModel",
-        Architecture::Graph(_) => "GraphModel, ModelError",
+    let imports = match &model.architecture.family {
+        Family::Rigid(_) => "ModelError, RigidModel",
+        Family::Modular(_) => "ModelError, ModularModel",
+        Family::Graph(_) => "GraphModel, ModelError",
+        Family::Bodies(_) => "BodiesModel, ModelError",
     };
     if model.architecture.graph().is_some() {
         writeln!(to, "use leastaction_core::constraints::Holonomic;")?;
         writeln!(to, "use leastaction_core::energy::graph::Edge;")?;
+    }
+    if is_dry(model) {
+        writeln!(to, "use leastaction_core::forces::{{Coulomb, Viscous}};")?;
     }
     writeln!(to, "use leastaction_core::model::{{{imports}}};")?;
     if model.precision == Precision::Half {
@@ -66,28 +70,62 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     let architecture = &model.architecture;
     let widest = architecture.widths().into_iter().max().unwrap_or(0);
     let kinds = architecture.coordinates();
-    let weight = match model.precision {
-        Precision::Half => ", f16",
-        Precision::Single => "",
+    let (weight, friction) = match (model.precision, is_dry(model)) {
+        (Precision::Half, false) => (", f16", ""),
+        (Precision::Half, true) => (", f16", ", Friction"),
+        (Precision::Single, false) => ("", ""),
+        (Precision::Single, true) => (", f32", ", Friction"),
     };
+    let of = |n: &str| if friction.is_empty() { String::new() } else { format!("{friction}<{n}>") };
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
-    writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
-    writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
-    match architecture {
-        Architecture::Rigid(_) => {
-            writeln!(to, "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, L{weight}>;")
+    if architecture.bodies().is_none() {
+        writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
+        writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
+    }
+    match &architecture.family {
+        Family::Rigid(_) => {
+            write_friction(to, model)?;
+            let forces = of("N");
+            writeln!(
+                to,
+                "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, L{weight}{forces}>;"
+            )
         }
-        Architecture::Modular(modular) => {
+        Family::Modular(modular) => {
             writeln!(to, "/// Element types.\npub const E: usize = {};", modular.types.len())?;
             writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
             write_trees(to, modular)?;
+            write_friction(to, model)?;
+            let forces = of("M");
             writeln!(to, "\n/// A tree of `M` coordinates.")?;
-            writeln!(to, "pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L{weight}>;")?;
+            writeln!(
+                to,
+                "pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L{weight}{forces}>;"
+            )?;
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
-        Architecture::Graph(graph) => write_graphs(to, graph, weight),
+        Family::Graph(graph) => write_graphs(to, graph, weight),
+        Family::Bodies(_) => {
+            write_friction(to, model)?;
+            let forces = of("N");
+            writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}{forces}>;")
+        }
     }
+}
+
+/// Whether the model has dry friction, which a program must be compiled for.
+fn is_dry(model: &HostModel) -> bool {
+    model.architecture.laws().contains(Law::Coulomb)
+}
+
+/// The type of the forces, where it is not viscous damping alone.
+fn write_friction(to: &mut String, model: &HostModel) -> fmt::Result {
+    if !is_dry(model) {
+        return Ok(());
+    }
+    writeln!(to, "\n/// Viscous damping and dry friction of M coordinates.")?;
+    writeln!(to, "pub type Friction<const M: usize> = (Viscous<f32, M>, Coulomb<f32, M>);")
 }
 
 /// All graphs, with their nodes and edges.
@@ -148,10 +186,10 @@ fn write_integrator(to: &mut String, TrainedStep { order, h, .. }: TrainedStep) 
 
 fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result {
     let length = bytes.len();
-    let (edges, lists) = match model.architecture {
-        Architecture::Rigid(_) => ("", ""),
-        Architecture::Modular(_) => ("", ", TREE"),
-        Architecture::Graph(_) => {
+    let (edges, lists) = match &model.architecture.family {
+        Family::Rigid(_) | Family::Bodies(_) => ("", ""),
+        Family::Modular(_) => ("", ", TREE"),
+        Family::Graph(_) => {
             ("edges: &'a mut [Edge; EDGES], rods: &'a mut [Rod; RODS]", ", GRAPH, edges, rods")
         }
     };
@@ -159,7 +197,7 @@ fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result 
     writeln!(to, "\n/// Validates the model, once; the weights stay where they are.")?;
     writeln!(to, "pub fn load{lifetime}({edges}) -> Result<{model_type}, ModelError> {{")?;
     writeln!(to, "    Model::load(&FILE.0{lists})\n}}")?;
-    if matches!(model.architecture, Architecture::Modular(_)) {
+    if matches!(model.architecture.family, Family::Modular(_)) {
         writeln!(to, "\n/// The same with another tree of the file; `M` is the number of its coordinates.")?;
         writeln!(to, "pub fn load_tree<const M: usize>(name: &str) -> Result<Tree<M>, ModelError> {{")?;
         writeln!(to, "    Tree::load(&FILE.0, name)\n}}")?;

@@ -32,16 +32,35 @@ proptest! {
     }
 }
 
-/// A law that this program cannot evaluate is not left out in silence.
+/// Graphs have their drag in their node types; a law of force beside it is not left out in silence.
 #[test]
-fn a_law_that_is_not_known_here_is_refused() {
+fn a_law_that_the_family_cannot_have_is_refused() {
+    use leastaction_core::model::{Family, Laws};
+    let system = crate::ground_truth::LgnnSystem::Pendulum(2);
+    let graph: Architecture =
+        crate::architecture::GraphArchitecture::of_system(system, true, true).unwrap().into();
+    for laws in [Laws::VISCOUS, Laws::COULOMB] {
+        let found = graph.with_header(|family: Family| Architecture::from_header(&family, laws, &[0.0; 99]));
+        assert_eq!(found.map(|_| ()), Err(ModelError::Law { number: laws.numbers()[0] }));
+    }
+}
+
+#[test]
+fn a_program_with_dry_friction_names_its_forces() {
     let (architecture, weights, _) = example("");
     let numbers = [&weights[..], &[0.5, 0.1, 0.2, 0.1, 0.01, 0.0, 1.0, 0.1]].concat();
     let block = rounded(&numbers, Precision::Single).unwrap();
     let laws = leastaction_core::model::Laws::FRICTION;
     let written =
         architecture.with_header(|family| assemble(&Header { laws, ..Header::new(family) }, &block)).unwrap();
-    assert_eq!(decode(&written).map(|_| ()), Err(ModelError::Law { number: 1 }));
+    let source = rust_source(&written).unwrap();
+    for line in [
+        "use leastaction_core::forces::{Coulomb, Viscous};",
+        "pub type Friction<const M: usize> = (Viscous<f32, M>, Coulomb<f32, M>);",
+        "pub type Model = RigidModel<'static, N, H, L, f32, Friction<N>>;",
+    ] {
+        assert!(source.contains(line), "{source}");
+    }
 }
 
 #[test]

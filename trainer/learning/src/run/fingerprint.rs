@@ -1,15 +1,15 @@
 //! Fingerprints that tell one input from another by accident, not by malice.
 
 use crate::checksummed::Fingerprint;
+use crate::config::TrainingLoss;
 use crate::data::{Dataset, Rows, Trajectory, control_name};
-use crate::training::LossKind;
 use leastaction_core::forces::ControlKind;
 
 /// CRC-64/XZ over every number of a data set that the loss reads: the same for the same motion in another file or format,
 /// and, where the loss needs positions and controls alone, whatever the logged velocities and accelerations are. A control that
 /// changes and is held is another than one that is linear between samples.
-pub(super) fn of_data(data: &Dataset, loss: LossKind) -> u64 {
-    let (state, acceleration) = (!loss.is_discrete(), loss == LossKind::Acceleration);
+pub(super) fn of_data(data: &Dataset, loss: TrainingLoss) -> u64 {
+    let (state, acceleration) = (loss.reads_velocities(), loss == TrainingLoss::Acceleration);
     let mut fingerprint = Fingerprint::default();
     fingerprint.add(&(data.n as u64).to_le_bytes());
     fingerprint.add(&data.h.to_le_bytes());

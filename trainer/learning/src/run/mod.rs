@@ -19,6 +19,8 @@ mod notice;
 mod plan;
 mod range;
 mod resume;
+mod ringing;
+mod stages;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -36,7 +38,7 @@ use crate::parallel;
 use crate::training::{Objective, Progress};
 use error::stuck;
 use folder::{Folder, History};
-use plan::Stage;
+use stages::Stage;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -205,6 +207,9 @@ impl Run {
         }
         if !is_a_model && !is_interrupted {
             return Err(self.stuck());
+        }
+        if let Some(notice) = ringing::notice(&self.plan, &self.state.best.weights) {
+            monitor.warning(&notice.to_string());
         }
         self.say_what_was_not_learned(unsolved.map_or(0, |(unsolved, _)| unsolved), monitor);
         if self.saved.is_some()

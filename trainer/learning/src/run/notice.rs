@@ -3,10 +3,11 @@
 use super::plan::PlanError;
 use crate::architecture::Architecture;
 use crate::config::Config;
+use crate::config::TrainingLoss;
 use crate::data::{Dataset, Doubt, Note};
-use crate::training::LossKind;
+use crate::windows::Noise;
 
-/// Something the user should know before training begins.
+/// Something the user should know before training begins, or when it ends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
     /// No sample is forced: the energies come out up to a common factor.
@@ -15,10 +16,26 @@ pub enum Notice {
     NoWarmUp,
     /// Validation was asked for, but there is only one trajectory.
     NoValidation,
+    /// The positions are noisy, and so windows are trained on.
+    Noisy {
+        /// Of the noisiest coordinate.
+        noise: Noise,
+        /// Length of a window, s.
+        window: f64,
+    },
     /// What was changed in the data.
     Changed(Note),
     /// What the data can hardly mean.
     Doubtful(Doubt),
+    /// The dry friction that was learned is stiff for the step.
+    Rings {
+        /// The coordinate, from 0.
+        coordinate: usize,
+        /// a = h c (M⁻¹)_ii/(2ε).
+        stiffness: f64,
+        /// That does not ring.
+        most: f64,
+    },
 }
 
 impl std::fmt::Display for Notice {
@@ -32,8 +49,21 @@ impl std::fmt::Display for Notice {
             Self::NoValidation => {
                 f.write_str("no validation: the data is one trajectory, and trajectories are held back whole")
             }
+            Self::Noisy { noise: Noise { coordinate, deviation, part }, window } => write!(
+                f,
+                "coordinate {coordinate} has noise of {deviation:.1e} (m or rad), {:.0}% of its second differences: training is on windows \
+                 of {window} s, each from a start state of its own; [training] loss = \"windows\" says so without this note, \
+                 \"next-position\" trains on single steps nonetheless",
+                100.0 * part.min(1.0),
+            ),
             Self::Changed(note) => note.fmt(f),
             Self::Doubtful(doubt) => doubt.fmt(f),
+            Self::Rings { coordinate, stiffness, most } => write!(
+                f,
+                "the dry friction of coordinate {} (counted from 1) is stiff for this step: a = h c/(2 m ε) is {stiffness:.2}, and beyond {most} the velocity \
+                 changes its sign at every step near rest; take a shorter step or a larger width",
+                coordinate + 1
+            ),
         }
     }
 }
@@ -62,10 +92,10 @@ pub(super) fn prepared(
 }
 
 /// Whether a loss reads a field of the data: q, v, a or u.
-fn reads(loss: LossKind, field: &str) -> bool {
+fn reads(loss: Option<TrainingLoss>, field: &str) -> bool {
     match field {
-        "v" => !loss.is_discrete(),
-        "a" => loss == LossKind::Acceleration,
+        "v" => loss.is_some_and(TrainingLoss::reads_velocities),
+        "a" => loss == Some(TrainingLoss::Acceleration),
         _ => true,
     }
 }

@@ -2,11 +2,13 @@
 
 use super::fingerprint;
 use super::notice::{Notice, prepared};
-use super::range;
-use crate::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
-use crate::config::{Config, ModelConfig, OptimiserKind, ShapeError, TrainingConfig};
+use super::stages::{self, Stage};
+use super::{range, ringing};
+use crate::architecture::{Architecture, Family};
+use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
-use crate::training::{LossKind, Objective, SampleError, Samples, objective};
+use crate::training::SampleError;
+use crate::windows::{self, CalibrationLayout, TooShort};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
@@ -55,6 +57,17 @@ pub enum PlanError {
         /// Of the data.
         data: usize,
     },
+    /// The data has another number of coordinates than there are bodies.
+    #[error(
+        "[model] has {model} bodies, one a coordinate, but the data has {data} coordinates; name the bodies in the order of q, or \
+         set chain = {data}"
+    )]
+    Bodies {
+        /// Of the model.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
     /// Masses that nothing determines.
     #[error(
         "[[model.{types}]]: every mass of the {of} is learned, but no sample is forced (u is zero or missing), and free motion does \
@@ -89,29 +102,21 @@ pub enum PlanError {
         /// By the log.
         stated: ControlKind,
     },
+    /// Only windows learn sensors and actuators.
+    #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
+    Calibration,
+    /// Only Levenberg–Marquardt eliminates start states.
+    #[error("loss = \"windows\" takes optimiser = \"levenberg-marquardt\"")]
+    WindowOptimiser,
+    /// No trajectory is as long as a window.
+    #[error("[training] window: {0}")]
+    Window(#[from] TooShort),
     /// The data holds a number that cannot be one.
     #[error("{0}")]
     Data(Doubt),
     /// The shape does not fit in itself or the data.
     #[error("[model]: {0}")]
     Model(#[from] ModelError),
-}
-
-/// One part of a run.
-pub(super) struct Stage {
-    /// In the history.
-    pub name: &'static str,
-    /// How it is minimised.
-    pub optimiser: OptimiserKind,
-    /// Iterations at most.
-    pub iterations: u64,
-    /// Over the training trajectories.
-    pub objective: Box<dyn Objective>,
-    /// Over those held back.
-    pub validation: Option<Box<dyn Objective>>,
-    /// What decides between weights, where it is another loss: of the DEL residual the error of the next position. Noise lowers the
-    /// residual of a Lagrangian that is too small, by which nothing moves as logged, or no step can be solved.
-    pub judge: Option<Box<dyn Objective>>,
 }
 
 /// Everything that a run is determined by.
@@ -123,7 +128,11 @@ pub struct Plan {
     pub(super) trained_step: Option<TrainedStep>,
     /// What the data covered, training and validation.
     pub(super) range: Vec<CoordinateRange>,
+    /// Some positions of the data, for what is said of the trained model.
+    pub(super) positions: Vec<Vec<f64>>,
     pub(super) data_fingerprint: u64,
+    /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
+    pub(super) calibration: Option<CalibrationLayout>,
     pub(super) stages: Vec<Stage>,
     notices: Vec<Notice>,
 }
@@ -133,38 +142,37 @@ impl Plan {
     ///
     /// # Errors
     /// [`PlanError`]: the data and the configuration do not fit each other.
-    pub fn new(config: Config, data: &Dataset) -> Result<Self, PlanError> {
+    pub fn new(mut config: Config, data: &Dataset) -> Result<Self, PlanError> {
         let (architecture, initial) = config.beginning()?;
         check_coordinates(&architecture, data)?;
         let (data, mut notices) = prepared(data, &config, &architecture)?;
-        let parts = split(&data, config.data.validation, &mut notices);
-        let forced = parts.0.is_forced();
-        check_gauge(&architecture, forced)?;
-        let scale = forced
-            || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
-            || architecture.graph().is_some_and(GraphArchitecture::shows_scale);
-        let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
-        let enough = enough_triples(&parts.0, architecture.learned_parameters()?);
-        let mut kinds = kinds(&config.training, laws.is_some(), (scale, enough.is_some()), &mut notices)?;
-        let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
-        if goes_on(&config) {
-            // A warm-up would leave trained weights for ones that are better on another loss.
-            kinds.retain(|(name, _)| *name != WARM_UP);
-        }
-        let stages = kinds
-            .into_iter()
-            .map(|(name, kind)| {
-                let shape = if name == WARM_UP { &first } else { &architecture };
-                stage((name, kind), &config.training, (shape, enough), &parts)
-            })
-            .collect::<Result<_, _>>()?;
-        let TrainingConfig { loss, order, .. } = config.training;
+        let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
+        let training = split(&data, config.data.validation, &mut notices);
+        let (stages, calibration) = match loss.of_samples() {
+            Some(kind) => {
+                let parts = data.split(training);
+                let held_back = (!parts.1.trajectories.is_empty()).then_some(parts.1);
+                let forced = parts.0.is_forced();
+                check_gauge(&architecture, forced)?;
+                let parts = (&parts.0, held_back.as_ref());
+                (stages::of_samples(&config, kind, &architecture, parts, &mut notices)?, None)
+            }
+            None => {
+                check_gauge(&architecture, data.is_forced())?;
+                let of = (&data, training);
+                let (stages, layout) = stages::of_windows(&config, &architecture, of, &mut notices)?;
+                (stages, Some(layout))
+            }
+        };
         let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
+        let TrainingConfig { order, .. } = config.training;
         Ok(Self {
             initial,
             trained_step: Order::from_number(order).filter(|_| loss.is_discrete()).map(step),
             range: range::of(&architecture, &data),
+            positions: ringing::positions(&data),
             data_fingerprint: fingerprint::of_data(&data, loss),
+            calibration,
             stages,
             notices,
             config,
@@ -202,14 +210,15 @@ impl Plan {
 
 fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), PlanError> {
     let (model, data) = (architecture.n(), data.n);
-    match architecture {
+    match &architecture.family {
         _ if model == data => Ok(()),
-        Architecture::Rigid(_) => Err(PlanError::Coordinates { model, data }),
-        Architecture::Graph(graph) => {
+        Family::Rigid(_) => Err(PlanError::Coordinates { model, data }),
+        Family::Bodies(_) => Err(PlanError::Bodies { model, data }),
+        Family::Graph(graph) => {
             let (graph, dimension) = (graph.graph()?.name.clone(), graph.dimension());
             Err(PlanError::Graph { graph, dimension, model, data })
         }
-        Architecture::Modular(modular) => {
+        Family::Modular(modular) => {
             let names =
                 modular.kinds().filter_map(|kind| modular.types.get(kind)).map(|kind| kind.name.as_str());
             let (tree, elements) = (modular.tree_name().to_owned(), names.collect::<Vec<_>>().join(", "));
@@ -220,114 +229,48 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
 
 /// Refuses what free motion does not determine.
 fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanError> {
-    let (types, of, open) = match architecture {
-        Architecture::Rigid(_) => return Ok(()),
-        Architecture::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
-        Architecture::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
+    let (types, of, open) = match &architecture.family {
+        Family::Rigid(_) => return Ok(()),
+        Family::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
+        Family::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
+        Family::Bodies(bodies) => ("bodies", "tree", !bodies.shows_scale()),
     };
     if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
 }
 
-/// Whether training begins with trained weights.
-fn goes_on(config: &Config) -> bool {
-    matches!(&config.model, ModelConfig::Modular(modular) if modular.from.is_some())
-}
-
-/// Training and validation trajectories: of the latter the fraction, rounded, but at least one, from the end.
-fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> (Dataset, Option<Dataset>) {
+/// How many trajectories are trained on; the others, from the end, are held back: the fraction, rounded, but at least one.
+fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
     let count = data.trajectories.len();
     if fraction == 0.0 {
-        return (data.clone(), None);
+        return count;
     }
     if count < 2 {
         notices.push(Notice::NoValidation);
-        return (data.clone(), None);
+        return count;
     }
-    let held_back = ((fraction * count as f64).round() as usize).clamp(1, count - 1);
-    let (training, validation) = data.split(count - held_back);
-    (training, Some(validation))
+    count - ((fraction * count as f64).round() as usize).clamp(1, count - 1)
 }
 
-/// Residual components a weight that a warm-up on the next position takes.
-const WARM_UP_ROWS: usize = 4;
-
-/// How many triples are enough to begin with: an iteration costs as many times less. `None` where there are hardly more.
-fn enough_triples(data: &Dataset, weights: usize) -> Option<usize> {
-    let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples().saturating_sub(2)).sum();
-    let count = (WARM_UP_ROWS * weights).div_ceil(data.n.max(1));
-    (all > 2 * count).then_some(count)
-}
-
-/// The stages and their losses. `laws`: whether simple laws are learned before the networks beside them; `scale`: whether that of
-/// L is known, by a force or otherwise; `fewer`: whether a part of the samples is enough to begin with.
-fn kinds(
-    training: &TrainingConfig,
-    laws: bool,
-    (scale, fewer): (bool, bool),
+/// What is minimised, which the configuration then says: what it says, or else windows where positions are noisy, and the next position.
+fn choose_loss(
+    config: &mut Config,
+    architecture: &Architecture,
+    data: &Dataset,
     notices: &mut Vec<Notice>,
-) -> Result<Vec<(&'static str, LossKind)>, PlanError> {
-    if !scale && training.loss == LossKind::DelResidual {
-        return Err(PlanError::Unforced);
-    }
-    if !scale {
-        notices.push(Notice::UnknownScale);
-    }
-    let mut kinds = vec![("training", training.loss)];
-    let first = match training.loss {
-        LossKind::NextPosition => Some(LossKind::DelResidual),
-        loss => laws.then_some(loss),
-    };
-    if let Some(first) = first.filter(|_| training.warm_up > 0) {
-        if scale || first != LossKind::DelResidual {
-            kinds.insert(0, (WARM_UP, first));
-        } else if fewer {
-            kinds.insert(0, (WARM_UP, LossKind::NextPosition));
-        } else {
-            notices.push(Notice::NoWarmUp);
+) -> TrainingLoss {
+    let training = &mut config.training;
+    let chosen = training.loss.unwrap_or_else(|| {
+        let takes_windows =
+            architecture.has_steps() && training.optimiser == OptimiserKind::LevenbergMarquardt;
+        match windows::noise_of(data).filter(|_| takes_windows) {
+            Some(noise) => {
+                notices.push(Notice::Noisy { noise, window: training.window });
+                TrainingLoss::Windows
+            }
+            None if !config.calibration.is_default() => TrainingLoss::Windows,
+            None => TrainingLoss::NextPosition,
         }
-    }
-    Ok(kinds)
-}
-
-/// The name of the first stage of two.
-pub(super) const WARM_UP: &str = "warm-up";
-
-/// All samples that a loss is over.
-fn samples(data: &Dataset, kind: LossKind) -> Result<Samples, SampleError> {
-    match kind {
-        LossKind::Acceleration => Samples::accelerations(data),
-        LossKind::NextState => Samples::next_states(data),
-        LossKind::DelResidual | LossKind::NextPosition => Ok(Samples::triples(data)),
-    }
-}
-
-/// `enough`: triples of a warm-up on the next position.
-fn stage(
-    (name, kind): (&'static str, LossKind),
-    training: &TrainingConfig,
-    (architecture, enough): (&Architecture, Option<usize>),
-    (data, validation): &(Dataset, Option<Dataset>),
-) -> Result<Stage, PlanError> {
-    let warm_up = name == WARM_UP;
-    // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
-    let order = if warm_up && kind != LossKind::NextPosition { 2 } else { training.order };
-    let mut own = samples(data, kind)?;
-    if let Some(count) = enough.filter(|_| warm_up && kind == LossKind::NextPosition) {
-        own = own.shuffled(0).range(0..count);
-    }
-    let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
-        Ok(objective(architecture, samples(data, kind)?, kind, order)?)
-    };
-    // The loss that follows a warm-up must be finite on the training trajectories.
-    let judges = validation.as_ref().filter(|_| !warm_up).unwrap_or(data);
-    let judge =
-        (kind == LossKind::DelResidual).then(|| build(judges, LossKind::NextPosition, training.order));
-    Ok(Stage {
-        name,
-        optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
-        iterations: if warm_up { training.warm_up } else { training.iterations },
-        objective: objective(architecture, own, kind, order)?,
-        validation: validation.as_ref().map(|data| build(data, kind, order)).transpose()?,
-        judge: judge.transpose()?,
-    })
+    });
+    training.loss = Some(chosen);
+    chosen
 }

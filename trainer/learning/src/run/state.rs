@@ -1,6 +1,7 @@
 //! How the state of a run changes: by an iteration, and from stage to stage.
 
-use super::plan::{Plan, Stage};
+use super::plan::Plan;
+use super::stages::Stage;
 use crate::checkpoint::{Best, Optimiser, State};
 use crate::config::{AdamConfig, OptimiserKind, TrainingConfig};
 use crate::training::{Adam, AdamSettings, Levenberg, Objective, Progress, Schedule};
@@ -50,7 +51,9 @@ impl Best {
     /// These weights with their losses.
     fn new(stage: &Stage, optimiser: &Optimiser, iteration: u64) -> Self {
         let weights = optimiser.weights();
-        let loss = |objective: &Option<Box<dyn Objective>>| objective.as_ref().map(|part| part.loss(weights));
+        let loss = |objective: &Option<Box<dyn Objective>>| {
+            objective.as_ref().map(|part| part.held_back_loss(weights))
+        };
         Self {
             weights: weights.to_vec(),
             iteration,

@@ -86,7 +86,7 @@ fn without_force_there_is_no_warm_up_and_no_scale() {
     assert_eq!(plan.notices(), [Notice::UnknownScale, Notice::NoWarmUp]);
     assert_eq!(plan.iterations(), 4);
     let mut residual = config();
-    residual.training.loss = crate::training::LossKind::DelResidual;
+    residual.training.loss = Some(crate::training::LossKind::DelResidual.into());
     assert_eq!(Plan::new(residual, &free).err(), Some(PlanError::Unforced));
 }
 
@@ -130,7 +130,7 @@ fn free_motion_is_learned_from_a_part_of_the_samples_first() {
     let plan = Plan::new(config, &data).unwrap();
     assert_eq!(plan.notices(), [Notice::UnknownScale]);
     let [first, last] = &plan.stages[..] else { panic!("two stages") };
-    assert_eq!(first.name, plan::WARM_UP);
+    assert_eq!(first.name, stages::WARM_UP);
     assert_eq!(first.objective.samples(), (4 * plan.parameters()).div_ceil(3));
     assert_eq!(last.objective.samples(), 36 * 99);
     let folder = tempfile::tempdir().unwrap();
@@ -145,7 +145,7 @@ fn a_force_in_a_trajectory_held_back_does_not_count() {
     let mut mixed = data(4, false);
     mixed.trajectories[3] = data(4, true).trajectories[3].clone();
     let mut residual = config();
-    residual.training.loss = crate::training::LossKind::DelResidual;
+    residual.training.loss = Some(crate::training::LossKind::DelResidual.into());
     assert_eq!(Plan::new(residual, &mixed).err(), Some(PlanError::Unforced));
 }
 
@@ -194,7 +194,8 @@ fn noise_does_not_keep_the_next_position_from_being_learned() {
 fn of_the_residual_the_weights_that_predict_best_are_kept() {
     let (log, folder) = (noisy(40, true, 0.1), tempfile::tempdir().unwrap());
     let mut config = config();
-    (config.training.loss, config.training.iterations) = (crate::training::LossKind::DelResidual, 20);
+    (config.training.loss, config.training.iterations) =
+        (Some(crate::training::LossKind::DelResidual.into()), 20);
     let mut run = Run::begin(Plan::new(config, &log).unwrap(), folder.path(), false).unwrap();
     let mut monitor = Warned::default();
     run.train(&mut monitor, &AtomicBool::new(false)).unwrap();
@@ -279,7 +280,7 @@ fn numbers_that_the_loss_does_not_read_are_only_told_of() {
     let plan = Plan::new(config(), &data).unwrap();
     assert!(matches!(plan.notices(), [Notice::Doubtful(crate::data::Doubt::Value { field: "v", .. })]));
     let mut next_state = config();
-    next_state.training.loss = crate::training::LossKind::NextState;
+    next_state.training.loss = Some(crate::training::LossKind::NextState.into());
     assert!(matches!(Plan::new(next_state, &data).err(), Some(PlanError::Data(_))));
 }
 
@@ -332,4 +333,74 @@ fn errors_of_writing_say_what_is_wrong() {
             assert_eq!(message.contains("space"), kind == io::ErrorKind::StorageFull, "{kind}: {message}");
         }
     }
+}
+
+/// The pendulum with friction of these keys.
+fn rubbing(friction: &str) -> Config {
+    let mut config = config();
+    let text = format!("[data]\nfile = \"a\"\n[model]\ncoordinates = \"a\"\nhidden = [5]\n{friction}");
+    config.model = Config::parse(&text, Path::new("c.toml")).unwrap().model;
+    config
+}
+
+/// Stops after so many rows.
+struct StopsAfter<'s> {
+    rows: usize,
+    stop: &'s AtomicBool,
+}
+
+impl Monitor for StopsAfter<'_> {
+    fn row(&mut self, _: &Row) {
+        self.rows = self.rows.saturating_sub(1);
+        self.stop.store(self.rows == 0, Ordering::Relaxed);
+    }
+
+    fn warning(&mut self, _: &str) {}
+}
+
+/// With numbers that have a range the optimisers' steps are of others, but a checkpoint holds all there is to know.
+#[test]
+fn a_run_with_ranges_goes_on_bit_for_bit() {
+    for optimiser in [crate::config::OptimiserKind::LevenbergMarquardt, crate::config::OptimiserKind::Adam] {
+        let mut config = rubbing("friction = \"learned\"\n");
+        (config.training.optimiser, config.training.iterations) = (optimiser, 8);
+        config.training.adam.learning_rate = 0.05;
+        let plan = || Plan::new(config.clone(), &data(8, true)).unwrap();
+        let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let [whole, parts] = folders.each_ref().map(|folder| folder.path());
+        let mut straight = Run::begin(plan(), whole, false).unwrap();
+        straight.train(&mut Warned::default(), &AtomicBool::new(false)).unwrap();
+        let stop = AtomicBool::new(false);
+        let mut first = Run::begin(plan(), parts, false).unwrap();
+        let ending = first.train(&mut StopsAfter { rows: 6, stop: &stop }, &stop).unwrap();
+        assert_eq!((ending, first.iteration()), (Ending::Interrupted, 6));
+        drop(first);
+        let mut second = Run::resume(plan(), parts).unwrap();
+        second.train(&mut Warned::default(), &AtomicBool::new(false)).unwrap();
+        assert_eq!((second.iteration(), straight.iteration()), (10, 10));
+        assert_eq!(second.state.optimiser, straight.state.optimiser);
+        assert_eq!(second.best(), straight.best());
+        let friction = plan().architecture.friction_of_coordinates(&straight.best().weights)[0];
+        let width = friction.dry.unwrap().width;
+        assert!(
+            friction.viscous > 0.0
+                && friction.viscous != 0.01
+                && (0.02..1.0).contains(&width)
+                && width != 0.1
+        );
+    }
+}
+
+#[test]
+fn a_step_that_rings_is_said() {
+    let said = |friction: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = Plan::new(rubbing(friction), &data(8, true)).unwrap();
+        let mut run = Run::begin(plan, folder.path(), false).unwrap();
+        let mut monitor = Warned::default();
+        run.train(&mut monitor, &AtomicBool::new(false)).unwrap();
+        monitor.warnings.iter().any(|warning| warning.contains("stiff for this step: a = h c/(2 m ε)"))
+    };
+    assert!(said("friction = { coulomb = 1.0, width = 0.001 }\n"));
+    assert!(!said("friction = { coulomb = 0.001, width = 0.5 }\n") && !said(""));
 }

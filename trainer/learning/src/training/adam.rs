@@ -3,7 +3,7 @@
 //! Source: Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015; the schedules are PyTorch's
 //! `ReduceLROnPlateau` and `MultiStepLR`, the decay its `weight_decay`.
 
-use super::{Objective, Progress};
+use super::{Bounds, NormalEquations, Objective, Progress};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
@@ -78,8 +78,9 @@ pub struct Adam {
 }
 
 impl Adam {
-    /// Starts at these weights.
+    /// Starts at these weights, those out of their range or at its end a little inside.
     pub fn new(objective: &dyn Objective, weights: Vec<f64>, settings: AdamSettings) -> Self {
+        let weights = objective.bounds().within(weights);
         let zeros = vec![0.0; weights.len()];
         let loss = objective.loss(&weights);
         Self {
@@ -111,10 +112,10 @@ impl Adam {
         let (mut squares, mut rows) = (0.0, 0);
         for batch in self.batches(objective.samples()) {
             let Some(equations) = objective.gradient(&self.weights, batch) else { return Progress::Stuck };
-            self.step(&equations.gradient, 2.0 / equations.rows as f64);
-            objective.project(&mut self.weights);
             squares += equations.squares;
             rows += equations.rows;
+            self.step(objective.bounds(), equations);
+            objective.project(&mut self.weights);
         }
         self.loss = squares / rows as f64;
         self.epoch += 1;
@@ -131,19 +132,23 @@ impl Adam {
         batches
     }
 
-    /// One step along the gradient, which is `scale` times `gradient`.
-    fn step(&mut self, gradient: &[f64], scale: f64) {
+    /// One step of θ along the gradient of the mean square.
+    fn step(&mut self, bounds: &Bounds, mut equations: NormalEquations) {
+        let scale = 2.0 / equations.rows as f64;
+        let mut theta = bounds.free(&self.weights);
+        equations.scale(bounds.slopes_at(&theta));
         self.steps += 1;
         let power = self.steps.min(100_000) as i32;
         let (correction_1, correction_2) = (1.0 - BETA_1.powi(power), 1.0 - BETA_2.powi(power));
         for (((w, m), s), g) in
-            self.weights.iter_mut().zip(&mut self.mean).zip(&mut self.square).zip(gradient)
+            theta.iter_mut().zip(&mut self.mean).zip(&mut self.square).zip(&equations.gradient)
         {
             let g = scale * g + self.settings.decay * *w;
             *m = BETA_1 * *m + (1.0 - BETA_1) * g;
             *s = BETA_2 * *s + (1.0 - BETA_2) * g * g;
             *w -= self.rate * (*m / correction_1) / ((*s / correction_2).sqrt() + EPSILON);
         }
+        self.weights = bounds.weights(&theta);
     }
 
     fn follow_schedule(&mut self) {
@@ -174,7 +179,6 @@ impl Adam {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::training::NormalEquations;
     use faer::Mat;
 
     /// Nothing depends on the weights.

@@ -1,7 +1,7 @@
 //! The sum of a loss over samples that are evaluated side by side.
 
 use super::residuals::{ChunkRows, Failed, Residuals};
-use super::{NormalEquations, Samples};
+use super::{Bounds, NormalEquations, Samples};
 use crate::parallel::Pool;
 use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Row, WIDTH};
@@ -22,6 +22,7 @@ pub(super) struct Blocks {
     fixed: Vec<usize>,
     samples: Samples,
     project: Projection,
+    bounds: Bounds,
 }
 
 /// Residuals and rows of the derivatives, of a block.
@@ -51,7 +52,13 @@ impl Blocks {
         project: Projection,
     ) -> Self {
         let components = make().components();
-        Self { losses: Pool::new(make), parameters, components, fixed, samples, project }
+        let bounds = Bounds::default();
+        Self { losses: Pool::new(make), parameters, components, fixed, samples, project, bounds }
+    }
+
+    /// The same with ranges of weights.
+    pub fn with_bounds(self, bounds: Bounds) -> Self {
+        Self { bounds, ..self }
     }
 
     /// Evaluates the block from `start` on, which the last of `samples` fills up. What cannot be computed counts as predicted by
@@ -176,6 +183,10 @@ impl Residuals for Blocks {
 
     fn project(&self, weights: &mut [f64]) {
         (self.project)(weights);
+    }
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 }
 

@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt: damped Gauss–Newton on the normal equations.
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in
-//! Marquardt's method", 1999.
+//! Marquardt's method", 1999. Steps are of the free numbers θ of [`Bounds`](super::Bounds), from the weights and back to weights.
 
 use super::{NormalEquations, Objective};
 use crate::parallel;
@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 
 /// The damping grows beyond any use: no direction lowers the loss in double precision.
 const MU_LIMIT: f64 = 1e12;
+/// Of a diagonal of numbers of different kinds, the smallest part of the largest that counts.
+const TINY: f64 = 1e-12;
 /// Smallest damping, relative to the mean diagonal of JᵀJ.
 const MU_FLOOR: f64 = 1e-15;
 
@@ -41,8 +43,9 @@ pub enum Progress {
 }
 
 impl Levenberg {
-    /// Starts at these weights.
+    /// Starts at these weights, those out of their range or at its end a little inside.
     pub fn new(objective: &dyn Objective, weights: Vec<f64>) -> Self {
+        let weights = objective.enter(objective.bounds().within(weights));
         let loss = objective.loss(&weights);
         Self { weights, loss, mu: 1e-2, raise: 2.0, decay: 0.0 }
     }
@@ -92,18 +95,24 @@ impl Levenberg {
     }
 
     /// What is minimised: the loss and the penalty.
-    fn cost(&self, loss: f64, weights: &[f64]) -> f64 {
-        loss + self.decay * weights.iter().map(|w| w * w).sum::<f64>()
+    fn cost(&self, objective: &dyn Objective, loss: f64, weights: &[f64]) -> f64 {
+        loss + self.decay * weights.iter().take(objective.shared()).map(|w| w * w).sum::<f64>()
     }
 
     /// One iteration: normal equations once, then steps of growing damping until one lowers the loss.
     pub fn iterate(&mut self, objective: &dyn Objective) -> Progress {
+        if objective.settle(&mut self.weights) {
+            self.loss = objective.loss(&self.weights);
+        }
         let Some(mut equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
         equations.add_decay(self.decay, &self.weights);
-        let scale = mean_diagonal(&equations);
+        let theta = objective.bounds().free(&self.weights);
+        equations.scale(objective.bounds().slopes_at(&theta));
+        let (scales, before) = (self.damping(objective, &equations), self.loss);
         while self.mu < MU_LIMIT {
-            if self.try_step(objective, &equations, scale) {
-                return Progress::Lower;
+            if self.try_step(objective, &theta, (&equations, &scales)) {
+                let falls = before - self.loss > objective.tolerance() * before;
+                return if falls { Progress::Lower } else { Progress::Converged };
             }
             self.mu *= self.raise;
             self.raise *= 2.0;
@@ -111,17 +120,37 @@ impl Levenberg {
         Progress::Converged
     }
 
-    fn try_step(&mut self, objective: &dyn Objective, equations: &NormalEquations, scale: f64) -> bool {
-        let Some(step) = damped_step(equations, self.mu * scale) else { return false };
-        let mut trial: Vec<f64> = self.weights.iter().zip(&step).map(|(w, s)| w + s).collect();
+    /// What μ is relative to, of every number: the mean diagonal of JᵀJ; of numbers of different kinds each its own
+    /// (Marquardt), but for those that hardly matter.
+    fn damping(&self, objective: &dyn Objective, equations: &NormalEquations) -> Vec<f64> {
+        let diagonal = (0..equations.gradient.len()).map(|i| equations.gram[(i, i)]);
+        if objective.is_of_many_units() {
+            let floor = TINY * diagonal.clone().fold(f64::MIN_POSITIVE, f64::max);
+            return diagonal.map(|own| own.max(floor)).collect();
+        }
+        vec![mean_diagonal(equations); equations.gradient.len()]
+    }
+
+    fn try_step(
+        &mut self,
+        objective: &dyn Objective,
+        theta: &[f64],
+        (equations, scales): (&NormalEquations, &[f64]),
+    ) -> bool {
+        let damping: Vec<f64> = scales.iter().map(|scale| self.mu * scale).collect();
+        let Some(step) = damped_step(equations, &damping) else { return false };
+        let mut trial = theta.to_vec();
+        trial.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
+        let mut trial = objective.bounds().weights(&trial);
         objective.project(&mut trial);
+        objective.complete(&mut trial);
         let loss = objective.loss(&trial);
-        let decrease = self.cost(self.loss, &self.weights) - self.cost(loss, &trial);
+        let decrease = self.cost(objective, self.loss, &self.weights) - self.cost(objective, loss, &trial);
         // Not a number where the trial cannot be evaluated.
         if decrease.is_nan() || decrease <= 0.0 {
             return false;
         }
-        let gain = decrease / predicted_decrease(equations, &step, self.mu * scale);
+        let gain = decrease / predicted_decrease(equations, &step, &damping);
         self.mu = (self.mu * (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1)).max(MU_FLOOR);
         self.raise = 2.0;
         (self.weights, self.loss) = (trial, loss);
@@ -134,12 +163,12 @@ fn mean_diagonal(equations: &NormalEquations) -> f64 {
     (0..p).map(|i| equations.gram[(i, i)]).sum::<f64>() / p as f64
 }
 
-/// −(JᵀJ + μI)⁻¹Jᵀr; `None` where the matrix is not positive definite in double precision.
-fn damped_step(equations: &NormalEquations, mu: f64) -> Option<Vec<f64>> {
+/// −(JᵀJ + D)⁻¹Jᵀr, D diagonal; `None` where the matrix is not positive definite in double precision.
+fn damped_step(equations: &NormalEquations, damping: &[f64]) -> Option<Vec<f64>> {
     let p = equations.gradient.len();
     let mut matrix = equations.gram.clone();
-    for i in 0..p {
-        matrix[(i, i)] += mu;
+    for (i, damping) in damping.iter().enumerate() {
+        matrix[(i, i)] += damping;
     }
     // Elsewhere it would start threads of its own.
     let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
@@ -148,8 +177,9 @@ fn damped_step(equations: &NormalEquations, mu: f64) -> Option<Vec<f64>> {
     Some(step.col_as_slice(0).to_vec())
 }
 
-/// How much the linear model says the mean square falls: ½δ·(μδ − Jᵀr)·2/rows.
-fn predicted_decrease(equations: &NormalEquations, step: &[f64], mu: f64) -> f64 {
-    let sum: f64 = step.iter().zip(&equations.gradient).map(|(s, g)| s * (mu * s - g)).sum();
+/// How much the linear model says the mean square falls: ½δ·(Dδ − Jᵀr)·2/rows.
+fn predicted_decrease(equations: &NormalEquations, step: &[f64], damping: &[f64]) -> f64 {
+    let of = step.iter().zip(&equations.gradient).zip(damping);
+    let sum: f64 = of.map(|((s, g), d)| s * (d * s - g)).sum();
     sum / equations.rows as f64
 }

@@ -5,14 +5,18 @@
 
 mod adam;
 mod blocks;
+mod bounds;
 mod levenberg;
+mod linear_start;
 mod normal;
 mod objective;
 mod residuals;
 mod samples;
 
 pub use adam::{Adam, AdamSettings, Schedule};
+pub use bounds::{Bounds, LEAST, MARGIN, Range};
 pub use levenberg::{Levenberg, Progress};
+pub use linear_start::linear_start;
 pub use normal::NormalEquations;
 pub(crate) use objective::order_of;
 pub use objective::{LossKind, Objective, Solved, objective, objective_of};

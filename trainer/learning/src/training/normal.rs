@@ -57,9 +57,28 @@ impl NormalEquations {
     /// Adds the normal equations of the penalty λ|θ|² on the mean square.
     pub fn add_decay(&mut self, decay: f64, weights: &[f64]) {
         let decay = decay * self.rows as f64;
-        for (i, w) in weights.iter().enumerate() {
+        for (i, w) in weights.iter().take(self.gradient.len()).enumerate() {
             self.gram[(i, i)] += decay;
             self.gradient[i] += decay * w;
+        }
+    }
+
+    /// Adds the normal equations of the penalty c(w − w₀)² on the sum of squares, w − w₀ being `difference`.
+    pub fn add_penalty(&mut self, position: usize, c: f64, difference: f64) {
+        self.gram[(position, position)] += c;
+        self.gradient[position] += c * difference;
+    }
+
+    /// Those in θ, dw/dθ of some weights being these slopes by position; of all others it is 1.
+    pub(super) fn scale(&mut self, slopes: impl Iterator<Item = (usize, f64)>) {
+        for (position, slope) in slopes {
+            self.gradient[position] *= slope;
+            // None where the gradient alone is summed. The diagonal is in the row and in the column.
+            let columns = self.gram.ncols().min(position + 1);
+            (0..columns).for_each(|j| self.gram[(position, j)] *= slope);
+            if columns > 0 {
+                self.gram.col_as_slice_mut(position)[position..].iter_mut().for_each(|entry| *entry *= slope);
+            }
         }
     }
 

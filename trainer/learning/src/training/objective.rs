@@ -1,7 +1,7 @@
 //! A loss over all samples, as the optimisers see it, and those of a learned Lagrangian.
 
 use super::blocks::Blocks;
-use super::{NormalEquations, Samples};
+use super::{Bounds, NormalEquations, Samples, bounds};
 use crate::architecture::Architecture;
 use leastaction_core::model::ModelError;
 use leastaction_programs::System;
@@ -52,6 +52,36 @@ pub trait Objective: Sync {
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations>;
     /// Brings weights that have a range (damping ≥ 0) back into it.
     fn project(&self, weights: &mut [f64]);
+    /// How many numbers the normal equations are of: the first. Those that follow belong to single samples, and are eliminated.
+    fn shared(&self) -> usize {
+        self.parameters()
+    }
+    /// All numbers, from those of an earlier objective or of the model alone.
+    fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
+        weights
+    }
+    /// Prepares an iteration from these numbers; whether the loss at them is another one since.
+    fn settle(&self, _weights: &mut [f64]) -> bool {
+        false
+    }
+    /// Solves the numbers of single samples anew, after the shared ones have moved.
+    fn complete(&self, _weights: &mut [f64]) {}
+    /// What decides between weights, over samples that they were not learned from.
+    fn held_back_loss(&self, weights: &[f64]) -> f64 {
+        self.loss(weights)
+    }
+    /// Whether its numbers are of different kinds and units: steps then do not depend on these units.
+    fn is_of_many_units(&self) -> bool {
+        false
+    }
+    /// An iteration that lowers the loss by less than this part of it is the last.
+    fn tolerance(&self) -> f64 {
+        0.0
+    }
+    /// The ranges of weights that the optimisers see as free numbers θ; everything else sees the weights.
+    fn bounds(&self) -> &Bounds {
+        &bounds::NONE
+    }
 }
 
 /// An error over what can be computed.
@@ -91,9 +121,11 @@ pub fn objective(
     let rods = architecture.rods()?;
     check_rods(&system, &rods, kind)?;
     let make = move || loss(kind, &system, &rods, (h, order));
-    let (fixed, architecture) = (architecture.fixed_positions(), architecture.clone());
+    let (fixed, bounds) = (architecture.fixed_positions(), Bounds::new(architecture.ranges()));
+    let architecture = architecture.clone();
     let project = Box::new(move |weights: &mut [f64]| architecture.project(weights));
-    Ok(Box::new(Blocks::new(make, (parameters, fixed), samples, project)))
+    let blocks = Blocks::new(make, (parameters, fixed), samples, project);
+    Ok(Box::new(blocks.with_bounds(bounds)))
 }
 
 /// The objective of any loss over samples, for a model of so many weights, all of which are learned. `make` gives a loss to every

@@ -1,7 +1,7 @@
 //! Sums over samples: fixed parts, each computed in order on one thread, added as a fixed tree. Results do not depend on the number
 //! of threads.
 
-use super::{NormalEquations, Objective, Solved};
+use super::{Bounds, NormalEquations, Objective, Solved, bounds};
 use crate::parallel;
 use faer::Mat;
 use leastaction_programs::{Row, WIDTH};
@@ -65,6 +65,43 @@ pub trait Residuals: Sync {
     }
     /// As [`Objective::project`]: nothing where every number is a weight.
     fn project(&self, _weights: &mut [f64]) {}
+    /// As [`Objective::shared`].
+    fn shared(&self) -> usize {
+        self.parameters()
+    }
+    /// Samples that are computed at once, at most.
+    fn chunk(&self) -> usize {
+        CHUNK
+    }
+    /// Adds the normal equations of what is expected of the weights before any sample is seen.
+    fn add_penalty(&self, _weights: &[f64], _sum: &mut NormalEquations) {}
+    /// As [`Objective::enter`].
+    fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
+        weights
+    }
+    /// As [`Objective::settle`].
+    fn settle(&self, _weights: &mut [f64]) -> bool {
+        false
+    }
+    /// As [`Objective::complete`].
+    fn complete(&self, _weights: &mut [f64]) {}
+    /// As [`Objective::held_back_loss`], where it is not the loss.
+    fn held_back_loss(&self, _weights: &[f64]) -> Option<f64> {
+        None
+    }
+    /// As [`Objective::is_of_many_units`].
+    fn is_of_many_units(&self) -> bool {
+        false
+    }
+    /// As [`Objective::tolerance`].
+    fn tolerance(&self) -> f64 {
+        0.0
+    }
+
+    /// As [`Objective::bounds`]: none where every number is a weight.
+    fn bounds(&self) -> &Bounds {
+        &bounds::NONE
+    }
 }
 
 /// Workspace for the rows of one chunk.
@@ -103,9 +140,9 @@ impl ChunkRows {
     }
 }
 
-/// The chunks of each of at most so many parts.
-fn parts(samples: Range<usize>, most: usize) -> Vec<Vec<Range<usize>>> {
-    let chunk = CHUNK.min(samples.len().div_ceil(most).next_multiple_of(WIDTH)).max(WIDTH);
+/// The chunks, of `largest` samples at most, of each of at most so many parts.
+fn parts(samples: Range<usize>, most: usize, largest: usize) -> Vec<Vec<Range<usize>>> {
+    let chunk = largest.min(samples.len().div_ceil(most).next_multiple_of(WIDTH)).max(WIDTH);
     let chunks: Vec<_> =
         samples.clone().step_by(chunk).map(|start| start..samples.end.min(start + chunk)).collect();
     let per_part = chunks.len().div_ceil(most).max(1);
@@ -133,13 +170,13 @@ fn merged(parts: &[Vec<Range<usize>>], part: &Part) -> Option<NormalEquations> {
     Some(total)
 }
 
-/// The sum over samples, in at most so many parts.
+/// The sum over samples, in at most so many parts, whose chunks are of `largest` samples at most.
 fn sum(
-    (samples, most): (Range<usize>, usize),
+    (samples, most, largest): (Range<usize>, usize, usize),
     zero: impl Fn() -> NormalEquations + Sync,
     add: impl Fn(&mut NormalEquations, &mut ChunkRows, Range<usize>) -> Result<(), Failed> + Sync,
 ) -> Option<NormalEquations> {
-    let parts = parts(samples, most);
+    let parts = parts(samples, most, largest);
     let part = |chunks: &[Range<usize>]| {
         let (mut sum, mut workspace) = (zero(), ChunkRows::new());
         chunks.iter().try_for_each(|chunk| add(&mut sum, &mut workspace, chunk.clone())).ok()?;
@@ -159,7 +196,7 @@ impl<R: Residuals> Objective for R {
 
     fn loss(&self, weights: &[f64]) -> f64 {
         let samples = Residuals::samples(self);
-        let parts = parts(0..samples, PARTS);
+        let parts = parts(0..samples, PARTS, self.chunk());
         let sums: Vec<Result<f64, Failed>> = parallel::map(parts.len(), &|k| {
             parts[k].iter().map(|chunk| self.squares(weights, chunk.clone())).sum()
         });
@@ -171,7 +208,7 @@ impl<R: Residuals> Objective for R {
 
     fn solved(&self, weights: &[f64]) -> Solved {
         let samples = Residuals::samples(self);
-        let parts = parts(0..samples, PARTS);
+        let parts = parts(0..samples, PARTS, self.chunk());
         let all = parallel::map(parts.len(), &|k| -> Vec<(f64, usize)> {
             parts[k].iter().map(|chunk| Residuals::solved(self, weights, chunk.clone())).collect()
         });
@@ -181,27 +218,62 @@ impl<R: Residuals> Objective for R {
     }
 
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
-        let p = weights.len();
-        let samples = Residuals::samples(self);
-        sum(
-            (0..samples, parts_with_gram(samples, p)),
+        let (p, samples) = (Residuals::shared(self), Residuals::samples(self));
+        let mut total = sum(
+            (0..samples, parts_with_gram(samples, p), self.chunk()),
             || NormalEquations::zero(p),
             |sum, rows, chunk| {
                 self.linearise(weights, chunk, rows)?;
                 sum.add(&rows.jacobian, &rows.residual);
                 Ok(())
             },
-        )
+        )?;
+        self.add_penalty(weights, &mut total);
+        Some(total)
     }
 
     fn gradient(&self, weights: &[f64], samples: Range<usize>) -> Option<NormalEquations> {
-        let p = weights.len();
+        let p = Residuals::shared(self);
         let zero = || NormalEquations { gram: Mat::new(), gradient: vec![0.0; p], squares: 0.0, rows: 0 };
-        sum((samples, PARTS), zero, |sum, rows, chunk| self.add_gradient(weights, chunk, rows, sum))
+        sum((samples, PARTS, self.chunk()), zero, |sum, rows, chunk| {
+            self.add_gradient(weights, chunk, rows, sum)
+        })
     }
 
     fn project(&self, weights: &mut [f64]) {
         Residuals::project(self, weights);
+    }
+
+    fn shared(&self) -> usize {
+        Residuals::shared(self)
+    }
+
+    fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
+        Residuals::enter(self, weights)
+    }
+
+    fn settle(&self, weights: &mut [f64]) -> bool {
+        Residuals::settle(self, weights)
+    }
+
+    fn complete(&self, weights: &mut [f64]) {
+        Residuals::complete(self, weights);
+    }
+
+    fn held_back_loss(&self, weights: &[f64]) -> f64 {
+        Residuals::held_back_loss(self, weights).unwrap_or_else(|| self.loss(weights))
+    }
+
+    fn is_of_many_units(&self) -> bool {
+        Residuals::is_of_many_units(self)
+    }
+
+    fn tolerance(&self) -> f64 {
+        Residuals::tolerance(self)
+    }
+
+    fn bounds(&self) -> &Bounds {
+        Residuals::bounds(self)
     }
 }
 
@@ -271,12 +343,12 @@ mod tests {
         assert_eq!((parts_with_gram(10_000, 4_096), parts_with_gram(10_000, 100_000)), (8, 1));
         for samples in [1, 7, 63, 500, 10_001] {
             for most in [1, 8, PARTS] {
-                let parts = parts(0..samples, most);
+                let parts = parts(0..samples, most, CHUNK);
                 assert!(parts.len() <= most);
                 let all: Vec<usize> = parts.into_iter().flatten().flatten().collect();
                 assert_eq!(all, (0..samples).collect::<Vec<_>>(), "{samples} {most}");
             }
         }
-        assert!(parts(0..10_001, PARTS).len() > 40);
+        assert!(parts(0..10_001, PARTS, CHUNK).len() > 40);
     }
 }

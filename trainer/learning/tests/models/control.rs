@@ -72,7 +72,7 @@ fn learned(data: &Dataset, asked: ControlKind, (loss, order): (LossKind, u8)) ->
     let model = RigidConfig { hidden: vec![12], ..RigidConfig::new(coordinates) };
     let mut config = Config::new("nowhere.npz", model);
     config.data.control = Some(asked);
-    (config.training.loss, config.training.order) = (loss, order);
+    (config.training.loss, config.training.order) = (Some(loss.into()), order);
     (config.training.iterations, config.training.warm_up) = (40, 20);
     let (training, unseen) = Dataset { control: None, ..data.clone() }.split(24);
     let plan = Plan::new(config, &training).expect("a plan");

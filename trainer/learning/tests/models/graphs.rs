@@ -3,7 +3,7 @@
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::{Architecture, GraphArchitecture, HostTypes, NamedGraph};
+use leastaction_learning::architecture::{Family, GraphArchitecture, HostTypes, NamedGraph};
 use leastaction_learning::evaluate::learned::with_accelerations;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, Motion, lgnn_set, lgnn_starts};
 use leastaction_learning::model_file::{decode, encode};
@@ -86,7 +86,7 @@ fn a_model_file_keeps_shape_rods_and_accelerations() {
     let bytes = encode(&shape.clone().into(), &weights, None, "test").expect("fits the format");
     let read = decode(&bytes).expect("readable");
     assert_eq!(read.weights, weights);
-    let Architecture::Graph(found) = &read.architecture else { panic!("another family") };
+    let Family::Graph(found) = &read.architecture.family else { panic!("another family") };
     assert_eq!((found.shape, &found.graphs), (shape.shape, &shape.graphs));
     let five = found.with_graph_named("five").expect("is there");
     assert_eq!(five.n(), 10);

@@ -1,11 +1,15 @@
 //! Models of every family: from a configuration to training.
 
+mod bodies;
 mod control;
 mod documented_graphs;
 mod documented_trees;
+mod friction;
+mod friction_config;
 mod graph_config;
 mod graphs;
 mod next_state;
 mod page;
 mod rods;
 mod trees;
+mod windows;

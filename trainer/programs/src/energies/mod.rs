@@ -8,7 +8,7 @@ mod network;
 mod rigid;
 
 pub use bodies::BodiesEnergies;
-pub use friction::{Friction, FrictionNumber, MOST_LOAD, WIDTHS, WithFriction};
+pub use friction::{DryLaw, FrictionLaws, WithFriction};
 pub use graph::GraphEnergies;
 pub use modular::ModularEnergies;
 pub use network::Network;
@@ -33,5 +33,27 @@ pub trait Energies {
     /// changes its sign from further away ([`leastaction_core::forces::Forces::trusted_part`]). `None` where no force does.
     fn bends(&self, _: &mut Builder) -> Option<Node> {
         None
+    }
+}
+
+impl<E: Energies + ?Sized> Energies for Box<E> {
+    fn n(&self) -> usize {
+        (**self).n()
+    }
+
+    fn parameters(&self) -> usize {
+        (**self).parameters()
+    }
+
+    fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
+        (**self).energies(builder, q, v)
+    }
+
+    fn force(&self, builder: &mut Builder, q: Node, v: Node, tau: Node) -> Node {
+        (**self).force(builder, q, v, tau)
+    }
+
+    fn bends(&self, builder: &mut Builder) -> Option<Node> {
+        (**self).bends(builder)
     }
 }

@@ -5,7 +5,8 @@ mod target;
 
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
-use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
+use leastaction_core::forces::DryFriction;
+use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval, Law};
 use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
 use leastaction_learning::model_file::{HostModel, Precision, decode};
@@ -40,6 +41,9 @@ struct Report {
     #[serde(flatten)]
     shape: ShapeReport,
     damping: Option<Vec<f64>>,
+    /// Of every coordinate; empty without dry friction.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    dry_friction: Vec<DryFrictionReport>,
     parameters: usize,
     weight_bits: u8,
     order: Option<u8>,
@@ -95,6 +99,7 @@ fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Res
     let unknown = || {
         let name = target.processor().name();
         let why = match model.precision {
+            _ if model.architecture.laws().contains(Law::Coulomb) => "with dry friction it was not measured",
             Precision::Half => "of weights in half precision it was not measured",
             Precision::Single => "its shape is beyond those that were measured",
         };
@@ -106,7 +111,8 @@ fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Res
 
 fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
-    let damping: Vec<f64> = architecture.damping_positions().iter().map(|i| model.weights[*i]).collect();
+    let friction = architecture.friction_of_coordinates(&model.weights);
+    let damping: Vec<f64> = friction.iter().map(|friction| friction.viscous).collect();
     // Every modular model has the numbers, most of them 0.
     let damped = architecture.rigid().is_some() || damping.iter().any(|damping| *damping != 0.0);
     Report {
@@ -116,6 +122,7 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         coordinates: architecture.coordinates().chars().map(kind).collect(),
         shape: ShapeReport::of(architecture),
         damping: (!damping.is_empty() && damped).then_some(damping),
+        dry_friction: friction.iter().filter_map(|friction| friction.dry).map(Into::into).collect(),
         parameters: model.weights.len(),
         weight_bits: model.precision.bits(),
         order: model.facts.trained_step.map(|step| step.order.number()),
@@ -126,6 +133,35 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         provenance: model.facts.provenance,
         flash_bytes,
         model: file,
+    }
+}
+
+/// −(coulomb + load (√(τ² + smoothing²) − smoothing)) tanh(v/width) of one coordinate.
+#[derive(Serialize)]
+struct DryFrictionReport {
+    /// N or N m.
+    coulomb: f64,
+    load: f64,
+    /// N or N m.
+    smoothing: f64,
+    /// m/s or rad/s.
+    width: f64,
+}
+
+impl From<DryFriction<f64>> for DryFrictionReport {
+    fn from(DryFriction { constant, load, smoothing, width }: DryFriction<f64>) -> Self {
+        Self { coulomb: constant, load, smoothing, width }
+    }
+}
+
+impl fmt::Display for DryFrictionReport {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { coulomb, load, smoothing, width } = self;
+        write!(f, "{coulomb:.4} N or N m")?;
+        if *load != 0.0 {
+            write!(f, " and {load:.4} of the load beyond {smoothing:.4} N or N m")?;
+        }
+        write!(f, ", changing sign over {width:.4} m/s or rad/s")
     }
 }
 
@@ -165,6 +201,9 @@ impl fmt::Display for Report {
         self.shape.lines().iter().try_for_each(|(name, value)| line(f, name, value))?;
         if let Some(damping) = &self.damping {
             line(f, "damping", &format!("{damping:?} N s/m or N m s/rad"))?;
+        }
+        for (i, dry) in self.dry_friction.iter().enumerate() {
+            line(f, if i == 0 { "dry friction" } else { "" }, &format!("q{}: {dry}", i + 1))?;
         }
         line(f, "parameters", &format!("{} of {} bits", self.parameters, self.weight_bits))?;
         match (self.order, self.h) {
@@ -216,7 +255,7 @@ impl Report {
             ["step, order 2", "step, order 4"]
         };
         match &self.shape {
-            ShapeReport::Rigid { .. } => {}
+            ShapeReport::Rigid { .. } | ShapeReport::Bodies { .. } => {}
             ShapeReport::Modular { tree, .. } => {
                 writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
             }

@@ -1,12 +1,13 @@
 //! The shape of a model, in words.
 
 use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
 use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
 use leastaction_learning::architecture::{
-    Architecture, GraphArchitecture, ModularArchitecture, RigidArchitecture,
+    Architecture, BodiesArchitecture, Family, GraphArchitecture, ModularArchitecture, RigidArchitecture,
 };
 use serde::Serialize;
 
@@ -47,6 +48,27 @@ pub enum ShapeReport {
         /// The one that coordinates and cost are of.
         graph: String,
     },
+    /// A tree of rigid bodies.
+    Bodies {
+        /// m/s².
+        gravity: [f64; 2],
+        /// The bodies, in the order of the coordinates.
+        bodies: Vec<Body>,
+    },
+}
+
+/// A rigid body on its joint.
+#[derive(Serialize)]
+pub struct Body {
+    joint: &'static str,
+    on: Option<u8>,
+    at: [f64; 2],
+    angle: f64,
+    mass: f64,
+    centre: [f64; 2],
+    inertia: f64,
+    rotor: f64,
+    gear: f64,
 }
 
 /// A graph by its name and size.
@@ -82,10 +104,11 @@ pub struct Tree {
 impl ShapeReport {
     /// Of a model.
     pub fn of(architecture: &Architecture) -> Self {
-        match architecture {
-            Architecture::Rigid(rigid) => Self::rigid(rigid),
-            Architecture::Modular(modular) => Self::modular(modular),
-            Architecture::Graph(graph) => Self::graph(graph),
+        match &architecture.family {
+            Family::Rigid(rigid) => Self::rigid(rigid),
+            Family::Modular(modular) => Self::modular(modular),
+            Family::Graph(graph) => Self::graph(graph),
+            Family::Bodies(bodies) => Self::bodies(bodies),
         }
     }
 
@@ -178,6 +201,14 @@ impl ShapeReport {
         }
     }
 
+    fn bodies(bodies: &BodiesArchitecture) -> Self {
+        let each = bodies.bodies().zip(&bodies.numbers);
+        Self::Bodies {
+            gravity: bodies.gravity.map(|number| number.value),
+            bodies: each.map(|(body, numbers)| Body::new(body, numbers.map(|number| number.value))).collect(),
+        }
+    }
+
     /// Names and values, line by line.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         match self {
@@ -201,6 +232,10 @@ impl ShapeReport {
                 let edges = edges.iter().map(|kind| ("edge type", kind.clone()));
                 let graphs = graphs.iter().map(|graph| ("graph", graph.line()));
                 lines.chain(nodes).chain(edges).chain(graphs).collect()
+            }
+            Self::Bodies { gravity: [x, y], bodies } => {
+                let gravity = [("gravity", format!("({x:.4}, {y:.4}) m/s²"))].into_iter();
+                gravity.chain(bodies.iter().map(|body| ("body", body.line()))).collect()
             }
         }
     }
@@ -232,6 +267,29 @@ impl ElementType {
 }
 
 const ROD: &str = "rod";
+
+impl Body {
+    fn new(TreeBody { joint, parent }: TreeBody, numbers: [f64; 9]) -> Self {
+        let BodyParameters { place, angle, mass, centre, inertia, rotor, gear } =
+            BodyParameters::from_array(numbers);
+        let joint = match joint {
+            Joint::Revolute => "revolute",
+            Joint::Prismatic => "prismatic",
+        };
+        Self { joint, on: parent, at: place, angle, mass, centre, inertia, rotor, gear }
+    }
+
+    fn line(&self) -> String {
+        let Self { joint, on, at: [x, y], angle, mass, centre: [cx, cy], inertia, rotor, gear } = self;
+        let on = on.map_or("the ground".to_owned(), |body| format!("body {body}"));
+        let drive =
+            if *rotor > 0.0 { format!(", rotor {rotor:.3e} kg m² by {gear:.4}") } else { String::new() };
+        format!(
+            "{joint} on {on} at ({x:.4}, {y:.4}) m, {angle:.4} rad: mass {mass:.4} kg, centre ({cx:.4}, {cy:.4}) m, \
+             inertia {inertia:.3e} kg m²{drive}"
+        )
+    }
+}
 
 impl Tree {
     fn new(tree: &TreeHeader, modular: &ModularArchitecture) -> Self {

@@ -39,13 +39,42 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
             line(&mut text, format_args!("{letter} = {}", list(names, false)));
         }
     }
-    line(&mut text, format_args!("\n[model]"));
-    let angles = vec!["\"angle\""; guess.q.len()].join(", ");
-    line(
-        &mut text,
-        format_args!("# \"translation\", \"angle\" or \"cyclic\".\ncoordinates = [{angles}]\ndamping = true"),
-    );
+    model(&mut text, guess);
     Ok(text)
+}
+
+/// Coordinates of a chain at most that is proposed: arms of more joints are seldom in a plane.
+const LONGEST_CHAIN: usize = 3;
+
+/// A chain of rigid bodies with friction where there are few coordinates and forces are known, else a network; and sensors and
+/// actuators.
+fn model(text: &mut String, guess: &Guess) {
+    let (n, driven) = (guess.q.len(), !guess.u.is_empty());
+    line(text, format_args!("\n[model]"));
+    if n <= LONGEST_CHAIN && driven {
+        line(
+            text,
+            format_args!(
+                "# Links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before."
+            ),
+        );
+        line(
+            text,
+            format_args!(
+                "# Other mechanisms: leastaction train --print-defaults bodies, rigid, modular or graph."
+            ),
+        );
+        line(text, format_args!("family = \"bodies\"\nchain = {n}"));
+    } else {
+        let angles = vec!["\"angle\""; n].join(", ");
+        line(text, format_args!("# \"translation\", \"angle\" or \"cyclic\".\ncoordinates = [{angles}]"));
+    }
+    line(text, format_args!("friction = \"learned\""));
+    if driven {
+        line(text, format_args!("\n# Of sensors and actuators; a number where it is known.\n[calibration]"));
+        line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));
+    }
+    line(text, format_args!("\n[training]\nloss = \"windows\""));
 }
 
 /// A hundredth of a second, or the sampling interval where that is longer; none where samples lie at the same even step as that.

@@ -3,14 +3,17 @@
 mod picture;
 mod plant;
 mod remote;
+mod replay;
 mod scenario;
 mod trace;
+mod world;
 
 pub use picture::draw;
 pub use plant::Plant;
 pub use remote::{Emulated, Target};
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
+pub use world::World;
 
 use super::inspect::load;
 use super::system::SymoSystem;
@@ -21,6 +24,7 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_firmware_sim::{Incidents, Summary};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
+use replay::{Replay, ReplayReport};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -43,13 +47,24 @@ use std::time::Duration;
 /// Example: leastaction simulate model.postcard --scenario swing-up --seed 3
 ///
 /// Example: leastaction simulate small.postcard --scenario predict --plant robot.postcard
+///
+/// With --replay, the observer runs along a log, and the report says how far the readings were from what the model predicted a tick
+/// before; exit code 1 where the model cannot be stepped.
+///
+/// Example: leastaction simulate robot.postcard --replay log.csv --config robot.toml --on cortex-m4
 #[derive(Args)]
 pub struct Simulate {
     /// The model file.
     model: PathBuf,
     /// What the loop does.
-    #[arg(long, value_enum)]
-    scenario: Scenario,
+    #[arg(long, value_enum, required_unless_present = "replay")]
+    scenario: Option<Scenario>,
+    /// A log to run the observer along, instead of a scenario: how well the firmware's model predicts the next reading.
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["scenario", "system", "plant", "seed", "seconds"])]
+    replay: Option<PathBuf>,
+    /// The configuration whose [data] says how the log is read.
+    #[arg(long, value_name = "FILE", requires = "replay")]
+    config: Option<PathBuf>,
     /// The mechanism that the loop acts on [default: by the model's coordinates].
     #[arg(long)]
     system: Option<SymoSystem>,
@@ -74,6 +89,8 @@ pub struct Simulate {
     /// Longest wait for an answer of the board, s.
     #[arg(long, requires = "on", default_value_t = 20.0, value_parser = positive, allow_negative_numbers = true)]
     timeout: f64,
+    #[command(flatten)]
+    world: World,
     /// The folder to write to.
     #[arg(short, long, default_value = "simulation", value_name = "DIR")]
     output: PathBuf,
@@ -138,6 +155,31 @@ pub struct Report {
 impl Simulate {
     /// Runs the loop and writes trace and picture.
     pub fn run(self, output: Output) -> Done {
+        match (self.scenario, &self.replay) {
+            (Some(scenario), _) => self.run_scenario(scenario, output),
+            (None, Some(log)) => self.run_replay(log, output),
+            (None, None) => Err(Failure::Input("name a --scenario, or a log to --replay".to_owned())),
+        }
+    }
+
+    fn run_replay(&self, log: &Path, output: Output) -> Done {
+        let (model, _) = load(&self.model)?;
+        let target = self.target()?;
+        let (config, on) = (self.config.as_deref(), target.as_ref());
+        let learn_zeros = self.world.only_zeros()?;
+        let replay = Replay { model: &model, log, config, tick: self.tick, learn_zeros, on };
+        folder(&self.output)?;
+        let file = self.output.join("trace.csv");
+        replaceable(&file, FileKind::Table(trace::BEGINNING))?;
+        let mut rows = Trace::default();
+        let report = replay.run(output, &mut rows).map_err(|failure| cut(failure, &rows, &file))?;
+        rows.write(&file).map_err(|error| Failure::file(&file, error))?;
+        let report = ReplayReport { model: self.model.clone(), log: log.to_owned(), trace: file, ..report };
+        output.report(&report)?;
+        report.judge()
+    }
+
+    fn run_scenario(&self, scenario: Scenario, output: Output) -> Done {
         let (model, _) = load(&self.model)?;
         let plant_model = self.plant.as_deref().map(load).transpose()?;
         let plant = match (self.plant.as_deref(), &plant_model) {
@@ -147,10 +189,11 @@ impl Simulate {
                 None => mechanism(&self.model, &model)?,
             }),
         };
-        let Self { scenario, seed, seconds, tick, .. } = self;
+        let Self { seed, seconds, tick, .. } = *self;
         let target = self.target()?;
         let on = target.as_ref();
-        let request = Request { model: &model, plant, scenario, seed, seconds, tick, on };
+        let world = &self.world;
+        let request = Request { model: &model, plant, scenario, seed, seconds, tick, world, on };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;
@@ -254,11 +297,8 @@ impl Report {
 
     /// Names what ran the controller, and what its ticks took.
     fn on_processor(&mut self, name: &str, instructions: &[u32]) {
-        let mut sorted = instructions.to_vec();
-        sorted.sort_unstable();
         name.clone_into(&mut self.processor);
-        let both = sorted.get(sorted.len() / 2).zip(sorted.last());
-        self.tick_instructions = both.map(|(median, largest)| [*median, *largest]);
+        self.tick_instructions = median_and_most(instructions);
     }
 
     /// An error where the goal was not reached.
@@ -273,6 +313,14 @@ impl Report {
             self.picture.display()
         )))
     }
+}
+
+/// Median and largest; none of nothing.
+fn median_and_most(instructions: &[u32]) -> Option<[u32; 2]> {
+    let mut sorted = instructions.to_vec();
+    sorted.sort_unstable();
+    let both = sorted.get(sorted.len() / 2).zip(sorted.last());
+    both.map(|(median, largest)| [*median, *largest])
 }
 
 /// Units by kind of coordinate: translation, angle.

@@ -7,10 +7,10 @@ use leastaction::cli::Failure;
 use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::{CoordinateRange, Interval};
+use leastaction_firmware_sim::Goal;
 use leastaction_firmware_sim::devices::{Devices, EncoderConfig};
 use leastaction_firmware_sim::observer::ObserverConfig;
 use leastaction_firmware_sim::scenario::{Excitation, Predict, Setup, Start, predict};
-use leastaction_firmware_sim::{Goal, SetupError};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use std::path::Path;
@@ -95,7 +95,7 @@ impl<'c> Visitor<'c> for Beside<'_, '_> {
     {
         let Self { request, plant, trace } = self;
         let plant = OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?;
-        let config = prediction(request).map_err(misused)?;
+        let config = prediction(request)?;
         reported(request, predict(plant, model, &config, |tick| trace.push(tick)))
     }
 
@@ -112,7 +112,7 @@ pub fn no_graphs() -> Failure {
 /// 5 s at the model's own step, errors within 0.01 rad or m throughout: from the middle half of what the training data covered, at
 /// up to half its speeds, under half its largest forces at 0.5 Hz. Where the file does not say what they covered, from within
 /// 0.5 rad or m at up to 0.5 rad/s or m/s, without force.
-fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, SetupError> {
+fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> {
     let kinds = request.plant.coordinates();
     let encoders = std::array::from_fn(|i| match kinds.get(i) {
         Some(Coordinate::Angle) => EncoderConfig::rotary(),
@@ -137,8 +137,8 @@ fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, SetupErro
         observer: ObserverConfig::new(),
         goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
     };
-    request.adapt(&mut setup);
-    setup.validate()?;
+    request.adapt(&mut setup)?;
+    setup.validate().map_err(misused)?;
     Ok(Predict { setup, excitation: Excitation { amplitude, frequency: [0.5; N] } })
 }
 

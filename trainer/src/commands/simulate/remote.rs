@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use leastaction::cli::Failure;
 use leastaction::processor::{Board, Emulator, LinkError, Remote};
 use leastaction_firmware_sim::scenario::{RunError, Setup, run_on};
-use leastaction_firmware_sim::{Mechanism, Program};
+use leastaction_firmware_sim::{Mechanism, Program, Summary};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -44,6 +44,14 @@ pub struct Target {
     pub patience: Duration,
 }
 
+/// What came of a program on a board.
+pub struct Ran<const N: usize> {
+    /// Of the run.
+    pub summary: Summary<N>,
+    /// Of every tick.
+    pub instructions: Vec<u32>,
+}
+
 impl Target {
     /// Runs a program on it against a plant.
     pub fn run<P: Mechanism<N>, const N: usize>(
@@ -54,6 +62,18 @@ impl Target {
         program: &Program<N>,
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
+        let ran = self.with(program, |remote| run_on(plant, remote, setup, |tick| trace.push(tick)))?;
+        let mut report = Report::new(request, &ran.summary);
+        report.on_processor(self.board.name(), &ran.instructions);
+        Ok(report)
+    }
+
+    /// Has a program run on it.
+    pub fn with<const N: usize>(
+        &self,
+        program: &Program<N>,
+        run: impl FnOnce(&mut Remote<Emulator, N>) -> Result<Summary<N>, RunError<LinkError>>,
+    ) -> Result<Ran<N>, Failure> {
         let name = self.board.name();
         let mut remote =
             Remote::begin(self.start()?, program, self.patience).map_err(|error| not_begun(error, name))?;
@@ -63,18 +83,16 @@ impl Target {
                 remote.name()
             )));
         }
-        let summary =
-            run_on(plant, &mut remote, setup, |tick| trace.push(tick)).map_err(|error| match error {
-                RunError::Setup(error) => misused(error),
-                RunError::Processor { tick, error } => failure(error, &format!("{name}, tick {tick}")),
-            })?;
-        let mut report = Report::new(request, &summary);
-        report.on_processor(remote.name(), remote.instructions());
+        let summary = run(&mut remote).map_err(|error| match error {
+            RunError::Setup(error) => misused(error),
+            RunError::Processor { tick, error } => failure(error, &format!("{name}, tick {tick}")),
+        })?;
+        let instructions = remote.instructions().to_vec();
         // The run is over, and so is the emulator soon, one way or the other.
         if let Ok(emulator) = remote.end() {
             emulator.finish();
         }
-        Ok(report)
+        Ok(Ran { summary, instructions })
     }
 
     fn start(&self) -> Result<Emulator, Failure> {

@@ -2,6 +2,7 @@
 
 use super::plant::{Plant, no_graphs, predict_beside};
 use super::remote::Target;
+use super::world::World;
 use super::{Report, Trace};
 use crate::commands::chip;
 use clap::ValueEnum;
@@ -55,6 +56,8 @@ pub struct Request<'a> {
     pub seconds: Option<f32>,
     /// From tick to tick, s.
     pub tick: Option<f32>,
+    /// Friction and devices.
+    pub world: &'a World,
     /// What runs the controller; this machine where nothing is named.
     pub on: Option<&'a Target>,
 }
@@ -62,17 +65,22 @@ pub struct Request<'a> {
 impl Request<'_> {
     /// The scenario's setup as asked for; the firmware steps the model by the order it was trained with, and a warning says where
     /// the tick is not its step.
-    pub(super) fn adapt<const N: usize>(&self, setup: &mut Setup<N>) {
+    ///
+    /// # Errors
+    /// Options of the devices that do not fit.
+    pub(super) fn adapt<const N: usize>(&self, setup: &mut Setup<N>) -> Result<(), Failure> {
         setup.seed = self.seed;
         setup.seconds = self.seconds.unwrap_or(setup.seconds);
         setup.tick = self.tick.unwrap_or(setup.tick);
         let order = self.model.facts.trained_step.map(|step| step.order);
         setup.observer.order = order.unwrap_or(setup.observer.order);
+        self.world.adapt(setup, self.model)?;
         setup.observer.other_step = OtherStep::Accepted;
         if let Err(other) = setup.observer.require_step(setup.tick, self.model.facts.trained_step) {
             Output { json: false }
                 .note(&format!("warning: the model is less accurate than it could be: {other}"));
         }
+        Ok(())
     }
 }
 
@@ -84,6 +92,7 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
                 .to_owned(),
         ));
     }
+    request.world.check(request)?;
     let file = chip::file(request.model).map_err(Failure::Input)?;
     let model = chip::meant(&file, request.model).map_err(Failure::Input)?;
     match (request.plant, request.scenario) {
@@ -119,22 +128,22 @@ fn beside_exact(
 }
 
 fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result<Report, Failure> {
-    let plant = System::conservative(PENDULUM);
+    let plant = System { lagrangian: PENDULUM, forces: request.world.friction()? };
     match request.scenario {
         Scenario::Predict => {
             let mut config = Predict::<1>::pendulum();
-            request.adapt(&mut config.setup);
+            request.adapt(&mut config.setup)?;
             reported(request, predict(&plant, model, &config, |tick| trace.push(tick)))
         }
         Scenario::Track => {
             let mut config = TrackConfig::<1>::pendulum();
-            request.adapt(&mut config.setup);
+            request.adapt(&mut config.setup)?;
             let program = config.program();
             closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
-            request.adapt(&mut config.setup);
+            request.adapt(&mut config.setup)?;
             let program = config.program();
             closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }
@@ -148,22 +157,23 @@ fn two_coordinates(
     trace: &mut Trace,
 ) -> Result<Report, Failure> {
     let acrobot = mechanism == Mechanism::Acrobot;
-    let plant = System::conservative(if acrobot { ACROBOT } else { CARTPOLE });
+    let lagrangian = if acrobot { ACROBOT } else { CARTPOLE };
+    let plant = System { lagrangian, forces: request.world.friction()? };
     match (request.scenario, acrobot) {
         (Scenario::Predict, _) => {
             let mut config = if acrobot { Predict::<2>::acrobot() } else { Predict::<2>::cartpole() };
-            request.adapt(&mut config.setup);
+            request.adapt(&mut config.setup)?;
             reported(request, predict(&plant, model, &config, |tick| trace.push(tick)))
         }
         (Scenario::Track, _) => {
             let mut config = if acrobot { TrackConfig::<2>::acrobot() } else { TrackConfig::<2>::cartpole() };
-            request.adapt(&mut config.setup);
+            request.adapt(&mut config.setup)?;
             let program = config.program();
             closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }
         (Scenario::SwingUp, false) => {
             let mut config = SwingUpConfig::<2>::cartpole();
-            request.adapt(&mut config.setup);
+            request.adapt(&mut config.setup)?;
             let program = config.program();
             closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
         }

@@ -5,8 +5,8 @@ mod values;
 
 pub use values::{EdgeConfig, RodConfig, SeparationKind};
 
-use super::fields;
 use super::parts::NumberConfig;
+use super::{fields, friction};
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -30,6 +30,9 @@ pub struct GraphConfig {
     /// Graphs by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub graphs: BTreeMap<String, LayoutConfig>,
+    /// Not of graphs, whose node types have drag.
+    #[serde(default, skip_serializing, deserialize_with = "friction::refused")]
+    friction: (),
 }
 
 fn plane() -> u8 {

@@ -3,7 +3,9 @@
 use super::numbers::DEFAULTS;
 use super::source::Source;
 use super::{ElementConfig, ModularConfig, PairConfig, Problem, ShapeError, TransformKind, TypeConfig};
-use crate::architecture::{MAX_TREE_COORDINATES, ModularArchitecture, NamedTree, NamedType, Number};
+use crate::architecture::{
+    FrictionArchitecture, MAX_TREE_COORDINATES, ModularArchitecture, NamedTree, NamedType, Number,
+};
 use crate::config::parts::Networks;
 use crate::config::problem::{check_count, check_name, list};
 use leastaction_core::energy::List;
@@ -25,6 +27,8 @@ const MOST_COORDINATES: usize = 64;
 pub struct Assembled {
     /// The shape; its first tree is the one that is trained.
     pub architecture: ModularArchitecture,
+    /// The friction of the coordinates of its element types.
+    pub friction: FrictionArchitecture,
     /// The networks that come from a trained model, which are the first of the weight block.
     trained: Vec<f64>,
 }
@@ -76,7 +80,7 @@ impl ModularConfig {
     /// [`ShapeError`]: what cannot be, and where.
     pub fn assemble(&self) -> Result<Assembled, ShapeError> {
         let mut model = match &self.from {
-            None => Assembly::default(),
+            None => Assembly { damped: true, ..Assembly::default() },
             Some(file) => Assembly::of(&Source::read(file).map_err(|problem| problem.at(["from".into()]))?),
         };
         for (i, kind) in self.types.iter().enumerate() {
@@ -91,6 +95,15 @@ impl ModularConfig {
         }
         for (name, elements) in &self.trees {
             model.add_tree(name, elements)?;
+        }
+        let damped = self
+            .types
+            .iter()
+            .filter_map(|kind| kind.damping)
+            .any(|damping| damping.learned || damping.value != 0.0);
+        self.friction.check_damping("damping", damped)?;
+        if !self.friction.is_none() {
+            model.take(self.friction.assemble(model.types.len(), "element type")?);
         }
         let chosen = self.chosen(&model).map_err(|problem| problem.at(["tree".into()]))?;
         model.trees.swap(0, chosen);
@@ -122,6 +135,9 @@ struct Assembly {
     types: Vec<(TypeShape, NamedType)>,
     pair: Option<PairShape>,
     coefficients: Option<[Number; 2]>,
+    /// Whether damping is the types' own.
+    damped: bool,
+    friction: FrictionArchitecture,
     trees: Vec<NamedTree>,
     /// Types that come from a trained model; they are the first.
     old: usize,
@@ -130,10 +146,9 @@ struct Assembly {
 
 impl Assembly {
     fn of(source: &Source) -> Self {
-        let Source { architecture, weights } = source;
+        let Source { architecture, friction, weights } = source;
         let shape = &architecture.shape;
         let types: Vec<_> = shape.types.iter().copied().zip(architecture.types.iter().cloned()).collect();
-        let numbers = ModularArchitecture::numbers_of(types.len());
         let mut trees = architecture.trees.clone();
         if architecture.tree < trees.len() {
             trees.swap(0, architecture.tree);
@@ -144,8 +159,21 @@ impl Assembly {
             types,
             pair: shape.pair,
             coefficients: Some(architecture.coefficients),
+            damped: architecture.damped,
+            friction: friction.clone(),
             trees,
-            trained: weights.get(..weights.len().saturating_sub(numbers)).unwrap_or_default().to_vec(),
+            trained: weights.get(..architecture.numbers_start()).unwrap_or_default().to_vec(),
+        }
+    }
+
+    /// Friction in place of what was, that of damping and dry friction which is given.
+    fn take(&mut self, friction: FrictionArchitecture) {
+        let FrictionArchitecture { viscous, dry } = friction;
+        if !viscous.is_empty() {
+            (self.damped, self.friction.viscous) = (false, viscous);
+        }
+        if !dry.is_empty() {
+            self.friction.dry = dry;
         }
     }
 
@@ -287,8 +315,10 @@ impl Assembly {
         types.for_each(|(slot, (kind, _))| *slot = Some(*kind));
         let types = self.types.into_iter().map(|(_, named)| named).collect();
         let coefficients = self.coefficients.unwrap_or([Number::known(1.0); 2]);
-        let architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);
-        Assembled { architecture, trained: self.trained }
+        let friction = self.friction.with_groups(shape.types.len());
+        let mut architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);
+        architecture.damped = self.damped;
+        Assembled { architecture, friction, trained: self.trained }
     }
 }
 

@@ -9,6 +9,7 @@ pub use assemble::Assembled;
 pub use values::{ElementConfig, PairKind, TransformKind};
 
 use super::fields;
+use super::friction::FrictionConfig;
 use super::parts::NumberConfig;
 use super::problem::{Problem, ShapeError};
 use leastaction_core::network::Activation;
@@ -36,6 +37,9 @@ pub struct ModularConfig {
     /// Trees by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub trees: BTreeMap<String, Vec<ElementConfig>>,
+    /// Friction of the coordinates of every element type, damping included.
+    #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
+    pub friction: FrictionConfig,
 }
 
 /// An element type; what is left out has its default, or for a trained type stays as it is.

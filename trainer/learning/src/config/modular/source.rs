@@ -1,7 +1,7 @@
 //! The trained model that a new one begins from.
 
 use super::Problem;
-use crate::architecture::{Architecture, ModularArchitecture};
+use crate::architecture::{Architecture, Family, FrictionArchitecture, ModularArchitecture};
 use crate::checkpoint::Trained;
 use crate::model_file::decode;
 use std::path::Path;
@@ -9,6 +9,7 @@ use std::path::Path;
 /// A trained tree of elements: its shape, whose numbers are the trained ones, and its weights.
 pub(super) struct Source {
     pub architecture: ModularArchitecture,
+    pub friction: FrictionArchitecture,
     pub weights: Vec<f64>,
 }
 
@@ -18,9 +19,10 @@ impl Source {
     pub fn read(path: &Path) -> Result<Self, Problem> {
         let (architecture, weights) = if path.is_dir() { run(path) } else { file(path) }
             .map_err(|message| Problem::From { message })?;
-        match architecture {
-            Architecture::Modular(modular) => {
-                Ok(Self { architecture: modular.with_numbers(&weights), weights })
+        let friction = architecture.friction.with_numbers(&weights);
+        match architecture.family {
+            Family::Modular(modular) => {
+                Ok(Self { architecture: modular.with_numbers(&weights), friction, weights })
             }
             other => Err(Problem::OtherFamily { file: path.to_owned(), found: other.name() }),
         }

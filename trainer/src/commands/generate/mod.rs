@@ -1,5 +1,9 @@
 //! `leastaction generate`.
 
+mod robot;
+
+use robot::{Common, Hidden, RobotOptions};
+
 use super::system::{Kind, System};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::{finite, not_negative, positive, seed};
@@ -12,7 +16,7 @@ use leastaction_learning::ground_truth::{
 };
 use serde::Serialize;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Simulate a mechanism exactly and log its motion.
 ///
@@ -27,26 +31,32 @@ use std::path::PathBuf;
 /// Example: leastaction generate n-body --count 3 -o bodies.npz --modlanet-layout
 ///
 /// Example: leastaction generate n-spring --count 5 -o springs.npz
+///
+/// With --robot, logs are written as robots write them, one CSV file each under column names of its own, with friction in the joints,
+/// drives that are late, encoders with a grid and zeros that are off (--noise is theirs), stamps that jitter; -o then has the same
+/// readings as one log, and --truth what was true. Every drive is commanded sums of sines, others in every log.
+///
+/// Example: leastaction generate acrobot --robot logs --truth truth.npz --coulomb 0.1,0.07 --noise 0.001 --delay 6
 #[derive(Args)]
 pub struct Generate {
     /// The mechanism.
     system: System,
     /// The log to write, .npz or .csv.
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "robot_output")]
+    output: Option<PathBuf>,
     /// How many pendulums, bodies or nodes [default: 2 of n-pendulum, 3 bodies, 3 of rod-pendulum, 5 of n-spring].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_ELEMENTS))]
     count: Option<u32>,
-    /// How many trajectories; with all samples at most 2^27 numbers [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts of those; 100 of LGNN's].
+    /// How many trajectories; with all samples at most 2^27 numbers [default: 32; 100 of 2 pendulums, 200 of 3 bodies, 20 of other counts of those; 100 of LGNN's; 10 of a robot].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     trajectories: Option<u32>,
-    /// States in each [default: 34; 101 of n-pendulum and n-body; 100 of LGNN's].
+    /// States in each [default: 34; 101 of n-pendulum and n-body; 100 of LGNN's; 201 of a robot].
     #[arg(long, value_parser = clap::value_parser!(u32).range(MIN_SAMPLES as i64..))]
     samples: Option<u32>,
-    /// Time between states, s [default: 0.1 for pendulum, n-pendulum and n-spring, 0.01 with rods, else 0.05].
+    /// Time between states, s [default: 0.1 for pendulum, n-pendulum and n-spring, 0.01 with rods and of a robot, else 0.05].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     h: Option<f64>,
-    /// Limit of the initial velocities of n-pendulum, rad/s [default: 10 for 2 pendulums, else 8].
+    /// Limit of the initial velocities of n-pendulum and of a robot, rad/s [default: 10 for 2 pendulums, else 8; 0 of a robot].
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
     speed: Option<f64>,
     /// Standard deviation of the noise on positions and velocities, m or rad (m/s or rad/s).
@@ -73,6 +83,8 @@ pub struct Generate {
     /// A training and a test set (the last tenth of the trajectories) in ModLaNet's layout.
     #[arg(long)]
     modlanet_layout: bool,
+    #[command(flatten)]
+    robot: RobotOptions,
 }
 
 /// The random force on an actuated coordinate.
@@ -96,20 +108,29 @@ const MOST_NUMBERS: usize = 1 << 27;
 #[derive(Serialize)]
 struct Report {
     system: &'static str,
-    file: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    robot: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    truth: Option<PathBuf>,
     trajectories: usize,
     samples: usize,
     h: f64,
     seed: u64,
+    #[serde(skip_serializing_if = "Option::is_none", flatten)]
+    hidden: Option<Hidden>,
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { system, file, trajectories, samples, h, seed } = self;
-        let file = file.display();
+        let Self { system, file, robot, truth, trajectories, samples, h, seed, .. } = self;
+        let files: Vec<_> =
+            [file, robot, truth].into_iter().flatten().map(|file| file.display().to_string()).collect();
+        let files = files.join(", ");
         writeln!(
             f,
-            "{file}: {system}, {trajectories} trajectories, {samples} samples, step {h} s, seed {seed}"
+            "{files}: {system}, {trajectories} trajectories, {samples} samples, step {h} s, seed {seed}"
         )
     }
 }
@@ -120,7 +141,10 @@ type Size = (usize, usize, f64);
 impl Generate {
     /// Generates and writes.
     pub fn run(self, output: Output) -> Done {
-        replaceable(&self.output, FileKind::Log)?;
+        if self.robot.given() {
+            return self.run_robot(output);
+        }
+        replaceable(self.file(), FileKind::Log)?;
         let (system, (trajectories, samples, h)) = match self.system.kind() {
             Kind::Symo(mechanism) => (mechanism.name(), self.symo(mechanism)?),
             Kind::Modlanet(system) => {
@@ -134,7 +158,46 @@ impl Generate {
                 (system.name(), self.lgnn(system)?)
             }
         };
-        output.report(&Report { system, file: self.output, trajectories, samples, h, seed: self.seed })
+        let Self { output: file, seed, .. } = self;
+        let (robot, truth, hidden) = (None, None, None);
+        output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })
+    }
+
+    /// The log to write; there is one where no robot is logged.
+    fn file(&self) -> &Path {
+        self.output.as_deref().unwrap_or(Path::new(""))
+    }
+
+    fn run_robot(self, output: Output) -> Done {
+        let foreign = [
+            (self.drag != 0.0, "--drag"),
+            (self.pull != 0.0, "--pull"),
+            (self.no_control, "--no-control"),
+            (self.control.is_some(), "--control"),
+            (self.symo_layout, "--symo-layout"),
+            (self.modlanet_layout, "--modlanet-layout"),
+        ];
+        refuse("--robot", &foreign)?;
+        let Self { system, count, trajectories, samples, h, speed, noise, seed, output: file, robot, .. } =
+            self;
+        let common = Common {
+            system,
+            count,
+            logs: trajectories,
+            samples,
+            h,
+            speed,
+            noise,
+            seed,
+            output: file.as_deref(),
+        };
+        let (logs, samples, _) = common.size();
+        // Of every sample twice as much as of a log: what was measured and what was true.
+        fits(logs, samples, 2 * robot::MOST_COORDINATES)?;
+        let ((trajectories, each, h), hidden) = robot.run(&common)?;
+        let (samples, hidden) = (trajectories * each, Some(hidden));
+        let (system, robot, truth) = (system.name(), robot.robot, robot.truth);
+        output.report(&Report { system, file, robot, truth, trajectories, samples, h, seed, hidden })
     }
 
     fn symo(&self, mechanism: Mechanism) -> Result<Size, Failure> {
@@ -173,13 +236,13 @@ impl Generate {
     }
 
     fn log(&self, data: &Dataset) -> Result<Size, Failure> {
-        data::write(&self.output, data).map_err(written)?;
+        data::write(self.file(), data).map_err(written)?;
         Ok((data.trajectories.len(), data.samples(), data.h))
     }
 
     fn write_symo(&self, mechanism: Mechanism) -> Result<Size, Failure> {
         let set = symo_set(mechanism, self.seed, 0.0).map_err(failed)?;
-        symo::write(&self.output, &set, mechanism.actuated()).map_err(written)?;
+        symo::write(self.file(), &set, mechanism.actuated()).map_err(written)?;
         let parts = [&set.train, &set.test, &set.integration];
         let trajectories = parts.iter().map(|part| part.trajectories.len()).sum();
         Ok((trajectories, parts.iter().map(|part| part.samples()).sum(), set.train.h))
@@ -204,7 +267,7 @@ impl Generate {
             return Err(Failure::Input("--modlanet-layout needs --trajectories 2 or more".to_owned()));
         }
         let set = modlanet_set_of(&settings).map_err(failed)?;
-        modlanet::write(&self.output, &set).map_err(written)?;
+        modlanet::write(self.file(), &set).map_err(written)?;
         Ok((settings.trajectories, set.train.q.len() + set.test.q.len(), settings.h))
     }
 

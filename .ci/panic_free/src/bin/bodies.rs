@@ -1,0 +1,20 @@
+//! A double pendulum and a branching tree of rigid bodies.
+#![no_std]
+#![no_main]
+
+use leastaction_core::model::BodiesModel;
+use panic_free::{Flash, Friction, everything, halt, said};
+
+static FLASH: Flash = Flash::new();
+
+#[unsafe(no_mangle)]
+extern "C" fn _start() -> ! {
+    if let Ok(model) = BodiesModel::<2>::load(FLASH.bytes()) {
+        everything(&model.system);
+        said::<_, 2>(&model);
+    }
+    if let Ok(model) = BodiesModel::<5, f32, Friction<5>>::load(FLASH.bytes()) {
+        everything(&model.system);
+    }
+    halt()
+}

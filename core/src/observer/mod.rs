@@ -1,0 +1,261 @@
+//! The state of a mechanism from its encoders' readings alone, by way of the model: positions, velocities, and the encoders' zeros.
+//!
+//! Between samples the estimate moves by the model's discrete Euler–Lagrange step under the force of the actuators, whose delay is
+//! mirrored by [`Commands`]. A sample y corrects it by its innovation
+//!
+//! e = y − ẑ − q̂   (the short way round, for an angle),   q̂ ← q̂ + αe,   v̂ ← v̂ + βe/h.
+//!
+//! The gains are those of the growing-memory filter over n samples, α = 2(2n + 1)/((n + 1)(n + 2)) and β = 6/((n + 1)(n + 2)), the
+//! least-squares fit to the samples so far; n stops growing at the configured memory. When as many samples in a row are missing, n shrinks
+//! by one with every further one, so that after a long gap the encoder is believed more than the model. No velocity is ever measured.
+//!
+//! # Zeros
+//!
+//! An encoder that is off by z shows the gravity of another place than the model's, and this pushes all innovations one way. Where they are
+//! to be learned, ẑ is the minimiser of Σ e² so far, found recursively by the derivative of the estimate, S = ∂(q̂, v̂)/∂ẑ, which is stepped
+//! and corrected beside it: with D = Q_v, K = L_qq + Q_q and ψ = −∂e_i/∂ẑ = 1_i + ∂q̂_i/∂ẑ,
+//!
+//! S_v ← S_v + h(M − hD)⁻¹(K S_q + D S_v),   S_q ← S_q + h S_v;   then at a sample   S_q,i ← S_q,i − αψ,   S_v,i ← S_v,i − βψ/h;
+//!
+//! δ = Pψ e/(σ² + ψᵀPψ),   ẑ ← ẑ + δ,   P ← P − Pψψᵀ P/(σ² + ψᵀPψ),   (q̂, v̂) ← (q̂, v̂) + Sδ,
+//!
+//! from P = σ_z² 1, with e limited to three of its deviations. Terms of S in the products of velocities are left out; e has them. A zero that
+//! nothing depends on, as of a cart on a level track, has ψ = 0 and stays 0. Where the model's forces are off, the zeros take up what they
+//! can of it.
+//!
+//! Sources: E. Brookner, "Tracking and Kalman Filtering Made Easy", 1998, section 1.2.10; L. Ljung and T. Söderström, "Theory and Practice
+//! of Recursive Identification", 1983, chapter 3.
+
+mod commands;
+mod integrator;
+mod zeros;
+
+pub use commands::{Commands, DelayLine, MAX_DELAY};
+pub use integrator::Integrator;
+pub use zeros::ZerosPrior;
+
+use crate::continuous::ContinuousState;
+use crate::discrete::{Control, Report, State, StepError};
+use crate::forces::{Forces, System};
+use crate::lagrangian::Lagrangian;
+use crate::linear;
+use crate::scalar::Real;
+use zeros::Zeros;
+
+/// How much an observer believes the model, and what it learns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning<R> {
+    /// Most samples in memory, at least 1: more smooth the noise more and follow a wrong model longer.
+    pub memory: u8,
+    /// Samples of one encoder missing in a row, or steps slept through, after which the estimate is not trusted any more.
+    pub patience: u8,
+    /// What is known of the encoders' zeros before the first sample; `None`: they are 0.
+    pub zeros: Option<ZerosPrior<R>>,
+}
+
+/// Samples from which a velocity is known, two for a difference and one to average its noise.
+const VELOCITY_SAMPLES: u8 = 3;
+
+/// The growing-memory filter's (α, β) with n samples in memory.
+fn gains<R: Real>(n: u8) -> (R, R) {
+    let (one, two) = (R::one(), R::constant(2.0));
+    let n = R::constant(f64::from(n));
+    let both = (n + one) * (n + two);
+    let beta = if n > R::zero() { R::constant(6.0) / both } else { R::zero() };
+    (two * (two * n + one) / both, beta)
+}
+
+/// The estimate of a mechanism's state.
+///
+/// T is taken as ½vᵀM(q)v: of another kinetic energy, v is not M⁻¹p. Every call takes a bounded time; nothing is allocated.
+#[derive(Clone, Debug)]
+pub struct Observer<'a, R, L, F, const N: usize> {
+    system: &'a System<L, F>,
+    integrator: Integrator<R>,
+    angle: [bool; N],
+    tuning: Tuning<R>,
+    trusted: bool,
+    /// Samples in memory, coordinate by coordinate.
+    samples: [u8; N],
+    /// Samples missing in a row, coordinate by coordinate.
+    missing: [u8; N],
+    /// First readings, until every coordinate has one.
+    first: [Option<R>; N],
+    state: Option<State<R, N>>,
+    zeros: Zeros<R, N>,
+}
+
+impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer<'a, R, L, F, N> {
+    /// An observer that steps `system` by an integrator; `angle` says which encoders forget whole turns. A memory of 0 is one of 1.
+    pub fn new(
+        system: &'a System<L, F>,
+        integrator: Integrator<R>,
+        angle: [bool; N],
+        tuning: Tuning<R>,
+    ) -> Self {
+        Self {
+            system,
+            integrator,
+            angle,
+            tuning: Tuning { memory: tuning.memory.max(1), ..tuning },
+            trusted: false,
+            samples: [0; N],
+            missing: [0; N],
+            first: [None; N],
+            state: None,
+            zeros: Zeros::new(tuning.zeros),
+        }
+    }
+
+    /// The discrete state, once every coordinate was measured.
+    pub fn state(&self) -> Option<&State<R, N>> {
+        self.state.as_ref()
+    }
+
+    /// ẑ, what the encoders read more than there is, rad or m.
+    pub fn zeros(&self) -> [R; N] {
+        self.zeros.estimate()
+    }
+
+    /// Standard deviations of the zeros, as far as the innovations are noise; rad or m.
+    pub fn zeros_deviation(&self) -> [R; N] {
+        self.zeros.deviation()
+    }
+
+    /// Whether the estimate is fit to act on: every encoder has given three samples (as many as its memory holds, if that is
+    /// fewer), and none has been silent for longer than the configured patience since.
+    pub fn trusted(&self) -> bool {
+        self.trusted
+    }
+
+    /// Forgets the state, but not the zeros, if nobody called for more steps than the configured patience, and starts anew.
+    pub fn wake(&mut self, slept: u32) {
+        if slept > u32::from(self.tuning.patience) {
+            (self.state, self.trusted) = (None, false);
+            (self.samples, self.missing, self.first) = ([0; N], [0; N], [None; N]);
+        }
+    }
+
+    /// Steps the model under the force that acted.
+    ///
+    /// # Errors
+    /// As the step; the estimate is then what it was.
+    pub fn predict(&mut self, u: &Control<R, N>) -> Result<Option<Report<R>>, StepError<R>> {
+        let Some(mut state) = self.state else { return Ok(None) };
+        let report = self.integrator.step(self.system, &mut state, u)?;
+        if self.tuning.zeros.is_some() {
+            let ContinuousState { q, v } = self.continuous(&state)?;
+            self.zeros = self.zeros.stepped(self.system, (&q, &v, &u.end), self.integrator.h())?;
+        }
+        self.state = Some(state);
+        Ok(Some(report))
+    }
+
+    /// Takes the samples of a step, rad or m, `None` where one is missing.
+    ///
+    /// # Errors
+    /// Where the estimate would not be finite, or the mass matrix is singular; the estimate is then what it was.
+    pub fn correct(&mut self, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
+        match self.state {
+            None => self.begin(measured)?,
+            Some(state) => self.update(&state, measured)?,
+        }
+        for (i, sample) in measured.iter().enumerate() {
+            self.remember(i, sample.is_some());
+        }
+        let enough = self.tuning.memory.min(VELOCITY_SAMPLES);
+        let silent = self.missing.iter().any(|missing| *missing > self.tuning.patience);
+        self.trusted = !silent && (self.trusted || self.samples.iter().all(|n| *n >= enough));
+        Ok(())
+    }
+
+    /// Keeps count of the samples of coordinate i in memory and missing.
+    fn remember(&mut self, i: usize, arrived: bool) {
+        let (n, missing) = (&mut self.samples[i], &mut self.missing[i]);
+        *missing = if arrived { 0 } else { missing.saturating_add(1) };
+        if arrived {
+            *n = n.saturating_add(1).min(self.tuning.memory);
+        } else if *missing > self.tuning.memory {
+            *n = n.saturating_sub(1);
+        }
+    }
+
+    /// The estimate now.
+    ///
+    /// # Errors
+    /// Where the mass matrix is singular.
+    pub fn estimate(&self) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
+        self.state.map(|state| self.continuous(&state)).transpose()
+    }
+
+    /// The estimate at the time when the next command takes effect: after all steps that `commands` have decided, and the rest of
+    /// the delay.
+    ///
+    /// # Errors
+    /// As the step.
+    pub fn ahead(&self, commands: &Commands<R, N>) -> Result<Option<ContinuousState<R, N>>, StepError<R>> {
+        let Some(mut state) = self.state else { return Ok(None) };
+        for u in commands.decided() {
+            self.integrator.step(self.system, &mut state, &u)?;
+        }
+        let (rest, force) = commands.rest();
+        if rest > R::zero() {
+            let part = self.integrator.with_step(rest * self.integrator.h());
+            part.step(self.system, &mut state, &Control::held(force))?;
+        }
+        self.continuous(&state).map(Some)
+    }
+
+    /// Position and velocity of a discrete state.
+    fn continuous(&self, state: &State<R, N>) -> Result<ContinuousState<R, N>, StepError<R>> {
+        let q = state.q();
+        let mass = self.system.lagrangian.linearization(&q, &[R::zero(); N]).l_vv;
+        Ok(ContinuousState { q, v: linear::solve(mass, state.p())? })
+    }
+
+    /// Starts at rest where every coordinate was first seen.
+    fn begin(&mut self, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
+        for (first, sample) in self.first.iter_mut().zip(measured) {
+            *first = sample.or(*first);
+        }
+        let mut q = self.zeros();
+        for (q, first) in q.iter_mut().zip(self.first) {
+            let Some(first) = first else { return Ok(()) };
+            *q = first - *q;
+        }
+        self.state = Some(State::new(&self.system.lagrangian, q, [R::zero(); N])?);
+        self.zeros.follow_readings();
+        Ok(())
+    }
+
+    fn update(&mut self, state: &State<R, N>, measured: &[Option<R>; N]) -> Result<(), StepError<R>> {
+        if measured.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let (mut estimate, mut zeros) = (self.continuous(state)?, self.zeros);
+        for (i, sample) in measured.iter().enumerate() {
+            if let Some(y) = sample {
+                self.take(i, *y, &mut estimate, &mut zeros);
+            }
+        }
+        zeros.check()?;
+        self.state = Some(State::new(&self.system.lagrangian, estimate.q, estimate.v)?);
+        self.zeros = zeros;
+        Ok(())
+    }
+
+    /// Takes one sample into an estimate.
+    fn take(&self, i: usize, y: R, estimate: &mut ContinuousState<R, N>, zeros: &mut Zeros<R, N>) {
+        let (alpha, beta) = gains(self.samples[i]);
+        let apart = y - zeros.estimate()[i] - estimate.q[i];
+        let innovation = if self.angle[i] { apart.short_way() } else { apart };
+        estimate.q[i] += alpha * innovation;
+        estimate.v[i] += beta * innovation / self.integrator.h();
+        if let Some(prior) = &self.tuning.zeros {
+            let direction = zeros.corrected(i, alpha, beta / self.integrator.h());
+            if self.trusted {
+                zeros.learn(&direction, innovation, prior, estimate);
+            }
+        }
+    }
+}

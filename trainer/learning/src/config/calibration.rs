@@ -1,0 +1,120 @@
+//! `[calibration]`: what is learned of sensors and actuators.
+
+use crate::windows::{Calibration, Setting};
+use serde::de::{Deserializer, Error, Unexpected, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+use std::fmt;
+
+/// Zero offsets of the sensors, and gain, offset and delay of the actuators: each `"learned"`, or a known number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CalibrationConfig {
+    /// Zero offset of every coordinate and log, m or rad; if it is not learned, 0.
+    pub zero: SettingConfig,
+    /// Gain of every actuator, not 0.
+    pub gain: SettingConfig,
+    /// Offset of every actuator, N or N m.
+    pub offset: SettingConfig,
+    /// Delay of all actuators, s, 0 or above.
+    pub delay: SettingConfig,
+}
+
+/// A number that is known, or `"learned"`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SettingConfig(
+    /// As a loss over windows has it.
+    pub Setting,
+);
+
+impl Default for CalibrationConfig {
+    fn default() -> Self {
+        let known = |number| SettingConfig(Setting::Known(number));
+        Self { zero: known(0.0), gain: known(1.0), offset: known(0.0), delay: known(0.0) }
+    }
+}
+
+impl CalibrationConfig {
+    /// Everything that can be learned.
+    pub const LEARNED: Self = {
+        let learned = SettingConfig(Setting::Learned);
+        Self { zero: learned, gain: learned, offset: learned, delay: learned }
+    };
+
+    /// Whether every number is that of an ideal sensor or actuator.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// What is wrong with a known number: its key, and what it must be.
+    pub(super) fn problem(&self) -> Option<(&'static str, &'static str)> {
+        let known = |setting: SettingConfig, holds: fn(f64) -> bool| match setting.0 {
+            Setting::Known(number) => number.is_finite() && holds(number),
+            Setting::Learned => true,
+        };
+        let checks = [
+            (
+                "zero",
+                known(self.zero, |zero| zero == 0.0),
+                "\"learned\" or 0: subtract a known one from the column",
+            ),
+            ("gain", known(self.gain, |gain| gain != 0.0), "\"learned\" or a finite number other than 0"),
+            ("offset", known(self.offset, |_| true), "\"learned\" or a finite number, N or N m"),
+            (
+                "delay",
+                known(self.delay, |delay| delay >= 0.0),
+                "\"learned\" or a finite number of seconds, 0 or above",
+            ),
+        ];
+        checks.into_iter().find(|(_, holds, _)| !holds).map(|(key, _, must)| (key, must))
+    }
+
+    /// As a loss over windows has it.
+    pub fn calibration(&self) -> Calibration {
+        Calibration {
+            zero: self.zero.0 == Setting::Learned,
+            gain: self.gain.0,
+            offset: self.offset.0,
+            delay: self.delay.0,
+        }
+    }
+}
+
+impl Serialize for SettingConfig {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Setting::Known(number) => to.serialize_f64(number),
+            Setting::Learned => to.serialize_str("learned"),
+        }
+    }
+}
+
+struct SettingVisitor;
+
+impl Visitor<'_> for SettingVisitor {
+    type Value = SettingConfig;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("\"learned\" or a number")
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<SettingConfig, E> {
+        match word {
+            "learned" => Ok(SettingConfig(Setting::Learned)),
+            other => Err(E::invalid_value(Unexpected::Str(other), &self)),
+        }
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<SettingConfig, E> {
+        Ok(SettingConfig(Setting::Known(number)))
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<SettingConfig, E> {
+        self.visit_f64(number as f64)
+    }
+}
+
+impl<'de> Deserialize<'de> for SettingConfig {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(SettingVisitor)
+    }
+}

@@ -1,0 +1,247 @@
+use super::linkage::{Linkage, Terms};
+use crate::ground_truth::motion::BadMechanism;
+use crate::ground_truth::{Exact, Mechanism};
+use std::f64::consts::PI;
+use thiserror::Error;
+
+/// What is driven.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Machine {
+    /// One of SyMo's mechanisms, in its coordinates.
+    Named(Mechanism),
+    /// Links on joints.
+    Linkage(Linkage),
+}
+
+/// Friction of a joint: Q = −b v − c tanh(v/ε).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointFriction {
+    /// b ≥ 0, N m s/rad or N s/m.
+    pub viscous: f64,
+    /// c ≥ 0, N m or N.
+    pub coulomb: f64,
+    /// ε > 0, rad/s or m/s.
+    pub width: f64,
+}
+
+/// Encoders and the clock that samples them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensors {
+    /// σ, standard deviation of the noise before the grid, rad or m.
+    pub noise: f64,
+    /// One count, rad or m; 0: infinitely fine.
+    pub grid: f64,
+    /// Standard deviation of the zeros z, one for each encoder and log, rad or m.
+    pub zeros: f64,
+    /// Sampling instants are uniform within so much of their due time, s; less than h/2.
+    pub jitter: f64,
+}
+
+/// The drives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drives {
+    /// g of every coordinate.
+    pub gain: Vec<f64>,
+    /// d, s.
+    pub delay: f64,
+    /// Which coordinates have one.
+    pub driven: Vec<bool>,
+}
+
+/// The control: a sum of sines for every driven coordinate and log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excitation {
+    /// Sines in a sum.
+    pub sines: usize,
+    /// Least and greatest frequency, Hz.
+    pub frequency: [f64; 2],
+    /// Least and greatest amplitude of a sine, N m or N.
+    pub amplitude: [f64; 2],
+}
+
+/// Starts are uniform about rest where the machine hangs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StartSpread {
+    /// q within ± of it, rad or m.
+    pub q: f64,
+    /// v within ±, rad/s or m/s.
+    pub v: f64,
+}
+
+/// What to log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotSettings {
+    /// What is driven.
+    pub machine: Machine,
+    /// Of every coordinate.
+    pub friction: Vec<JointFriction>,
+    /// Encoders and clock.
+    pub sensors: Sensors,
+    /// The drives.
+    pub drives: Drives,
+    /// The control.
+    pub excitation: Excitation,
+    /// The starts.
+    pub start: StartSpread,
+    /// Logs.
+    pub logs: usize,
+    /// Samples in each.
+    pub samples: usize,
+    /// Mean time between samples, s.
+    pub h: f64,
+    /// Of all random numbers.
+    pub seed: u64,
+}
+
+/// Why there are no logs.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum RobotError {
+    /// No such machine.
+    #[error(transparent)]
+    Machine(#[from] BadMechanism),
+    /// More joints than this is made for.
+    #[error("{joints} joints; a robot has 1 to 4")]
+    Joints {
+        /// As asked for.
+        joints: usize,
+    },
+    /// A list that does not fit.
+    #[error("{what}: {found} values for {coordinates} coordinates")]
+    Count {
+        /// Which list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Of the machine.
+        coordinates: usize,
+    },
+    /// A number out of range.
+    #[error("{what} {value}: it must be {range}")]
+    Setting {
+        /// Which number.
+        what: &'static str,
+        /// As given.
+        value: f64,
+        /// In words.
+        range: &'static str,
+    },
+    /// The motion left the range of numbers.
+    #[error("log {log}: the motion cannot be followed beyond {t} s; lower the forces or the speeds")]
+    Diverged {
+        /// From 0.
+        log: usize,
+        /// When, s.
+        t: f64,
+    },
+}
+
+impl Machine {
+    /// Number of coordinates.
+    pub fn coordinates(&self) -> usize {
+        match self {
+            Self::Named(mechanism) => mechanism.coordinates().len(),
+            Self::Linkage(linkage) => linkage.joints.len(),
+        }
+    }
+
+    /// Where it hangs: of SyMo's pendulum and pole θ = 0 is upright.
+    pub fn hanging(&self) -> Vec<f64> {
+        match self {
+            Self::Named(Mechanism::Pendulum) => vec![PI],
+            Self::Named(Mechanism::Cartpole) => vec![0.0, PI],
+            _ => vec![0.0; self.coordinates()],
+        }
+    }
+
+    /// Which coordinates have a drive where nothing else is said: all, but of the cart-pole the cart alone.
+    pub fn driven(&self) -> Vec<bool> {
+        match self {
+            Self::Named(Mechanism::Cartpole) => vec![true, false],
+            _ => vec![true; self.coordinates()],
+        }
+    }
+
+    /// The terms of its energies, of N coordinates.
+    pub(super) fn terms<const N: usize>(&self) -> Result<Terms<N>, RobotError> {
+        match self {
+            Self::Linkage(linkage) => Ok(linkage.terms()?),
+            Self::Named(mechanism) => {
+                let terms = match mechanism.exact() {
+                    Exact::One(exact) => resized(&Terms::of(&exact)),
+                    Exact::Two(exact) => resized(&Terms::of(&exact)),
+                };
+                terms.ok_or(RobotError::Joints { joints: N })
+            }
+        }
+    }
+}
+
+/// The same terms where their number of coordinates is N.
+fn resized<const M: usize, const N: usize>(terms: &Terms<M>) -> Option<Terms<N>> {
+    use leastaction_core::energy::trigonometric::Wave;
+    let wave = |wave: &Wave<M>| {
+        let numbers = <[f64; N]>::try_from(wave.wave.as_slice()).ok()?;
+        Some(Wave { amplitude: wave.amplitude, wave: numbers })
+    };
+    let inertia = terms.inertia.iter().map(|(i, j, term)| Some((*i, *j, wave(term)?)));
+    let potential = terms.potential.iter().map(wave);
+    Some(Terms { inertia: inertia.collect::<Option<_>>()?, potential: potential.collect::<Option<_>>()? })
+}
+
+impl RobotSettings {
+    /// Whether every number is in its range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), RobotError> {
+        let Self { sensors, drives, excitation, start, h, .. } = self;
+        self.check_lists()?;
+        above("step", *h)?;
+        for joint in &self.friction {
+            not_below("viscous friction", joint.viscous)?;
+            not_below("Coulomb friction", joint.coulomb)?;
+            above("width of Coulomb friction", joint.width)?;
+        }
+        not_below("encoder noise", sensors.noise)?;
+        not_below("encoder grid", sensors.grid)?;
+        not_below("deviation of the zeros", sensors.zeros)?;
+        not_below("jitter", sensors.jitter)?;
+        require("jitter", sensors.jitter, sensors.jitter < 0.5 * h, "less than half the step, s")?;
+        not_below("delay of the drives", drives.delay)?;
+        drives.gain.iter().try_for_each(|gain| require("gain", *gain, gain.is_finite(), "finite"))?;
+        rising("frequency", excitation.frequency)?;
+        rising("amplitude", excitation.amplitude)?;
+        not_below("spread of the starts", start.q)?;
+        not_below("speed of the starts", start.v)
+    }
+
+    fn check_lists(&self) -> Result<(), RobotError> {
+        let coordinates = self.machine.coordinates();
+        let lists = [
+            ("friction", self.friction.len()),
+            ("gain", self.drives.gain.len()),
+            ("driven", self.drives.driven.len()),
+        ];
+        match lists.into_iter().find(|(_, found)| *found != coordinates) {
+            Some((what, found)) => Err(RobotError::Count { what, found, coordinates }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn require(what: &'static str, value: f64, good: bool, range: &'static str) -> Result<(), RobotError> {
+    if good { Ok(()) } else { Err(RobotError::Setting { what, value, range }) }
+}
+
+fn above(what: &'static str, value: f64) -> Result<(), RobotError> {
+    require(what, value, value.is_finite() && value > 0.0, "finite and above 0")
+}
+
+fn not_below(what: &'static str, value: f64) -> Result<(), RobotError> {
+    require(what, value, value.is_finite() && value >= 0.0, "finite and not below 0")
+}
+
+fn rising(what: &'static str, [least, greatest]: [f64; 2]) -> Result<(), RobotError> {
+    not_below(what, least)?;
+    require(what, greatest, greatest.is_finite() && greatest >= least, "finite and not below the least")
+}

@@ -1,0 +1,72 @@
+//! Whether steps of the trained size ring under the dry friction that was learned.
+
+use super::notice::Notice;
+use super::plan::Plan;
+use crate::architecture::CoordinateFriction;
+use crate::data::Dataset;
+use crate::evaluate::masses_at;
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side};
+use leastaction_core::discrete::Order;
+use leastaction_core::model::TrainedStep;
+
+/// Positions of the data that are looked at.
+const POSITIONS: usize = 64;
+
+/// So many positions from all over the data.
+pub(super) fn positions(data: &Dataset) -> Vec<Vec<f64>> {
+    let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples()).sum();
+    let positions = data.trajectories.iter().flat_map(|trajectory| trajectory.q.iter());
+    positions.step_by(all.div_ceil(POSITIONS).max(1)).map(<[f64]>::to_vec).collect()
+}
+
+/// a = h c (M⁻¹)_ii/(2ε) beyond which a step rings, at most ([`leastaction_core::forces::Coulomb`]).
+fn limit(order: Order) -> f64 {
+    match order {
+        Order::Two => 1.0,
+        Order::Four => 3.0,
+    }
+}
+
+/// What to say of these weights; nothing where no friction is too stiff, or the model was trained for no step.
+pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
+    let TrainedStep { order, h, .. } = plan.trained_step?;
+    let friction = plan.architecture.friction_of_coordinates(weights);
+    friction.iter().find(|friction| friction.dry.is_some())?;
+    let positions: Vec<&[f64]> = plan.positions.iter().map(Vec::as_slice).collect();
+    let masses = masses_at(&plan.architecture, weights, &positions).ok()?;
+    let all = masses.iter().flat_map(|mass| stiffness(f64::from(h), mass, &friction).into_iter().enumerate());
+    let (coordinate, stiffness) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let most = limit(order);
+    (stiffness > most).then_some(Notice::Rings { coordinate, stiffness, most })
+}
+
+/// a of every coordinate without a load; none where M is not positive definite.
+fn stiffness(h: f64, mass: &[f64], friction: &[CoordinateFriction]) -> Vec<f64> {
+    let n = friction.len();
+    let Ok(factor) = Mat::from_fn(n, n, |i, j| mass[i * n + j]).llt(Side::Lower) else { return Vec::new() };
+    let inverse = factor.inverse();
+    let of = |(i, friction): (usize, &CoordinateFriction)| {
+        friction.dry.map_or(0.0, |dry| 0.5 * h * dry.constant * inverse[(i, i)] / dry.width)
+    };
+    friction.iter().enumerate().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_core::forces::{Coulomb, DryFriction};
+
+    #[test]
+    fn it_is_the_stiffness_of_core() {
+        let (h, mass) = (0.01, [[2.0, 0.3], [0.3, 0.1]]);
+        let dry = |constant: f64, width| DryFriction { constant, load: 0.2, smoothing: 0.5, width };
+        let coordinates = [dry(0.4, 0.05), dry(0.02, 0.3)];
+        let expected = Coulomb { coordinates }.stiffness(h, mass, &[0.0; 2]).unwrap();
+        let friction = coordinates.map(|dry| CoordinateFriction { viscous: 0.1, dry: Some(dry) });
+        for (found, expected) in stiffness(h, mass.as_flattened(), &friction).iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        }
+        assert!(stiffness(h, &[1.0, 2.0, 2.0, 1.0], &friction).is_empty(), "no positive definite mass");
+    }
+}

@@ -1,0 +1,203 @@
+//! The stages of a run, each with its loss.
+
+use super::notice::Notice;
+use super::plan::PlanError;
+use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
+use crate::config::{Config, ModelConfig, OptimiserKind, TrainingConfig};
+use crate::data::Dataset;
+use crate::training::{LossKind, Objective, SampleError, Samples, objective};
+use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// One part of a run.
+pub(super) struct Stage {
+    /// In the history.
+    pub name: &'static str,
+    /// How it is minimised.
+    pub optimiser: OptimiserKind,
+    /// Iterations at most.
+    pub iterations: u64,
+    /// Over the training trajectories.
+    pub objective: Box<dyn Objective>,
+    /// Over those held back.
+    pub validation: Option<Box<dyn Objective>>,
+    /// What decides between weights, where it is another loss: of the DEL residual the error of the next position. Noise lowers the
+    /// residual of a Lagrangian that is too small, by which nothing moves as logged, or no step can be solved.
+    pub judge: Option<Box<dyn Objective>>,
+}
+
+/// The stages of a loss over single samples.
+///
+/// # Errors
+/// Where the data does not show what the loss needs, or the calibration is to be learned.
+pub(super) fn of_samples(
+    config: &Config,
+    kind: LossKind,
+    architecture: &Architecture,
+    parts: (&Dataset, Option<&Dataset>),
+    notices: &mut Vec<Notice>,
+) -> Result<Vec<Stage>, PlanError> {
+    if !config.calibration.is_default() {
+        return Err(PlanError::Calibration);
+    }
+    let scale = shows_scale(architecture, parts.0);
+    let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
+    let enough = enough_triples(parts.0, architecture.learned_parameters()?);
+    let mut kinds = kinds((&config.training, kind), laws.is_some(), (scale, enough.is_some()), notices)?;
+    let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
+    if goes_on(config) {
+        // A warm-up would leave trained weights for ones that are better on another loss.
+        kinds.retain(|(name, _)| *name != WARM_UP);
+    }
+    let shape = |name| if name == WARM_UP { &first } else { architecture };
+    kinds
+        .into_iter()
+        .map(|(name, kind)| stage((name, kind), &config.training, (shape(name), enough), parts))
+        .collect()
+}
+
+/// Whether energies are known, not only up to one common factor.
+fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
+    data.is_forced()
+        || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
+        || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
+        || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
+}
+
+/// Whether training begins with trained weights.
+fn goes_on(config: &Config) -> bool {
+    matches!(&config.model, ModelConfig::Modular(modular) if modular.from.is_some())
+}
+
+/// The part of a window that is learned from first: whatever the initial weights, motion over it is hardly chaotic.
+const SHORT: f64 = 0.2;
+/// Steps of such a part, at least.
+const FEWEST_STEPS: usize = 5;
+
+/// The stages of a loss over windows of the first so many trajectories, the others being held back, and where what is learned of
+/// sensors and actuators is.
+///
+/// # Errors
+/// Where no trajectory is as long as a window, or the optimiser does not know windows.
+pub(super) fn of_windows(
+    config: &Config,
+    architecture: &Architecture,
+    (data, training): (&Dataset, usize),
+    notices: &mut Vec<Notice>,
+) -> Result<(Vec<Stage>, CalibrationLayout), PlanError> {
+    let TrainingConfig { window, order, warm_up, iterations, optimiser, .. } = config.training;
+    if optimiser != OptimiserKind::LevenbergMarquardt {
+        return Err(PlanError::WindowOptimiser);
+    }
+    if !shows_scale(architecture, data) {
+        notices.push(Notice::UnknownScale);
+    }
+    let logs = Arc::new(WindowLogs::new(data));
+    let all = ((window / data.h).round() as usize).max(1);
+    let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
+    let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
+    lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
+    let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
+        let settings = WindowSettings { steps, order, calibration: config.calibration.calibration() };
+        Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
+    };
+    let layout = loss(all, 0..training)?.layout();
+    let held_back = training..logs.count();
+    let stage = |(name, steps, iterations)| -> Result<Stage, PlanError> {
+        let validation = (!held_back.is_empty()).then(|| loss(all, held_back.clone())).transpose()?;
+        Ok(Stage {
+            name,
+            optimiser,
+            iterations,
+            objective: Box::new(loss(steps, 0..training)?),
+            validation: validation.map(|loss| Box::new(loss) as Box<dyn Objective>),
+            judge: None,
+        })
+    };
+    Ok((lengths.into_iter().map(stage).collect::<Result<_, _>>()?, layout))
+}
+
+/// Residual components a weight that a warm-up on the next position takes.
+const WARM_UP_ROWS: usize = 4;
+
+/// How many triples are enough to begin with: an iteration costs as many times less. `None` where there are hardly more.
+fn enough_triples(data: &Dataset, weights: usize) -> Option<usize> {
+    let all: usize = data.trajectories.iter().map(|trajectory| trajectory.samples().saturating_sub(2)).sum();
+    let count = (WARM_UP_ROWS * weights).div_ceil(data.n.max(1));
+    (all > 2 * count).then_some(count)
+}
+
+/// The stages and their losses. `laws`: whether simple laws are learned before the networks beside them; `scale`: whether that of
+/// L is known, by a force or otherwise; `fewer`: whether a part of the samples is enough to begin with.
+fn kinds(
+    (training, loss): (&TrainingConfig, LossKind),
+    laws: bool,
+    (scale, fewer): (bool, bool),
+    notices: &mut Vec<Notice>,
+) -> Result<Vec<(&'static str, LossKind)>, PlanError> {
+    if !scale && loss == LossKind::DelResidual {
+        return Err(PlanError::Unforced);
+    }
+    if !scale {
+        notices.push(Notice::UnknownScale);
+    }
+    let mut kinds = vec![("training", loss)];
+    let first = match loss {
+        LossKind::NextPosition => Some(LossKind::DelResidual),
+        loss => laws.then_some(loss),
+    };
+    if let Some(first) = first.filter(|_| training.warm_up > 0) {
+        if scale || first != LossKind::DelResidual {
+            kinds.insert(0, (WARM_UP, first));
+        } else if fewer {
+            kinds.insert(0, (WARM_UP, LossKind::NextPosition));
+        } else {
+            notices.push(Notice::NoWarmUp);
+        }
+    }
+    Ok(kinds)
+}
+
+/// The name of the first stage of two.
+pub(super) const WARM_UP: &str = "warm-up";
+
+/// All samples that a loss is over.
+fn samples(data: &Dataset, kind: LossKind) -> Result<Samples, SampleError> {
+    match kind {
+        LossKind::Acceleration => Samples::accelerations(data),
+        LossKind::NextState => Samples::next_states(data),
+        LossKind::DelResidual | LossKind::NextPosition => Ok(Samples::triples(data)),
+    }
+}
+
+/// `enough`: triples of a warm-up on the next position.
+fn stage(
+    (name, kind): (&'static str, LossKind),
+    training: &TrainingConfig,
+    (architecture, enough): (&Architecture, Option<usize>),
+    (data, validation): (&Dataset, Option<&Dataset>),
+) -> Result<Stage, PlanError> {
+    let warm_up = name == WARM_UP;
+    // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
+    let order = if warm_up && kind != LossKind::NextPosition { 2 } else { training.order };
+    let mut own = samples(data, kind)?;
+    if let Some(count) = enough.filter(|_| warm_up && kind == LossKind::NextPosition) {
+        own = own.shuffled(0).range(0..count);
+    }
+    let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
+        Ok(objective(architecture, samples(data, kind)?, kind, order)?)
+    };
+    // The loss that follows a warm-up must be finite on the training trajectories.
+    let judges = validation.filter(|_| !warm_up).unwrap_or(data);
+    let judge =
+        (kind == LossKind::DelResidual).then(|| build(judges, LossKind::NextPosition, training.order));
+    Ok(Stage {
+        name,
+        optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
+        iterations: if warm_up { training.warm_up } else { training.iterations },
+        objective: objective(architecture, own, kind, order)?,
+        validation: validation.map(|data| build(data, kind, order)).transpose()?,
+        judge: judge.transpose()?,
+    })
+}

@@ -1,0 +1,271 @@
+//! Numbers with a range, as the optimisers see them: free numbers θ, from which they follow. Weight blocks everywhere else hold the
+//! numbers themselves.
+//!
+//! A number above 0 is w = e^θ: a step of θ is a step in proportion to the number. The damping of Levenberg–Marquardt and the steps of
+//! Adam are the same for every θ, so whatever the unit, from 10⁻³ to 10³, they suit; ln(1 + e^θ), which is linear from 1 on, has
+//! that only below 1. Where Gauss–Newton goes too far up, the step is refused and damped like any other, and down it takes
+//! δθ = (w* − w)/w > −1 for a residual that is linear in w. A number between a and b is w = a + ½(b − a)(1 + tanh θ).
+//!
+//! θ ends a little before the number would be at its bound in double precision, where its slope would be 0 and nothing could move it
+//! any more: [`LEAST`] and [`MARGIN`].
+
+use serde::{Deserialize, Serialize};
+
+/// Numbers above 0 stay between this and one over it.
+pub const LEAST: f64 = 1e-12;
+/// Numbers between bounds stay this part of the way from one to the other away from both.
+pub const MARGIN: f64 = 1e-4;
+
+/// Where a number of a weight block may be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Range {
+    /// Anywhere: θ = w.
+    Any,
+    /// Above 0: w = e^θ.
+    Positive,
+    /// Between two bounds, the lower first: w = a + ½(b − a)(1 + tanh θ).
+    Between(f64, f64),
+}
+
+impl Range {
+    /// The θ of a number, finite whatever the number; of one that is out of range or at a bound, as of the nearest that is not.
+    fn free(self, w: f64) -> f64 {
+        match self {
+            Self::Any => w,
+            Self::Positive => w.clamp(LEAST, LEAST.recip()).ln(),
+            Self::Between(least, most) => {
+                let part = ((w - least) / (most - least)).clamp(MARGIN, 1.0 - MARGIN);
+                // atanh(2 part − 1)
+                0.5 * (part / (1.0 - part)).ln()
+            }
+        }
+    }
+
+    /// θ, no further than numbers go.
+    fn held(self, theta: f64) -> f64 {
+        let most = match self {
+            Self::Any => return theta,
+            Self::Positive => -LEAST.ln(),
+            Self::Between(..) => 0.5 * ((1.0 - MARGIN) / MARGIN).ln(),
+        };
+        theta.clamp(-most, most)
+    }
+
+    fn weight(self, theta: f64) -> f64 {
+        let theta = self.held(theta);
+        match self {
+            Self::Any => theta,
+            Self::Positive => theta.exp(),
+            Self::Between(least, most) => least + 0.5 * (most - least) * (1.0 + theta.tanh()),
+        }
+    }
+
+    /// dw/dθ.
+    fn slope(self, theta: f64) -> f64 {
+        let theta = self.held(theta);
+        match self {
+            Self::Any => 1.0,
+            Self::Positive => theta.exp(),
+            Self::Between(least, most) => 0.5 * (most - least) / theta.cosh().powi(2),
+        }
+    }
+}
+
+/// The numbers of a weight block that have a range; all others may be anything.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    ranges: Vec<(usize, Range)>,
+}
+
+/// No number has a range.
+pub(super) static NONE: Bounds = Bounds { ranges: Vec::new() };
+
+impl Bounds {
+    /// Ranges of numbers by their positions in the weight block, each named once.
+    pub fn new(mut ranges: Vec<(usize, Range)>) -> Self {
+        ranges.retain(|(_, range)| *range != Range::Any);
+        Self { ranges }
+    }
+
+    /// Whether every number may be anything, and so θ is the weight block itself.
+    pub fn is_empty(&self) -> bool {
+        self.ranges.is_empty()
+    }
+
+    /// θ of a weight block; of numbers out of range or at a bound that of the nearest that θ reaches.
+    pub fn free(&self, weights: &[f64]) -> Vec<f64> {
+        self.each(weights, Range::free)
+    }
+
+    /// The weight block of θ, every number in its range.
+    pub fn weights(&self, theta: &[f64]) -> Vec<f64> {
+        self.each(theta, Range::weight)
+    }
+
+    /// dw/dθ of every number; 1 where it may be anything.
+    pub fn slopes(&self, theta: &[f64]) -> Vec<f64> {
+        let mut slopes = vec![1.0; theta.len()];
+        self.slopes_at(theta).for_each(|(position, slope)| slopes[position] = slope);
+        slopes
+    }
+
+    /// The weight block nearest to these weights that has a θ.
+    pub fn within(&self, weights: Vec<f64>) -> Vec<f64> {
+        if self.is_empty() { weights } else { self.weights(&self.free(&weights)) }
+    }
+
+    /// Positions and dw/dθ of the numbers that have a range.
+    pub(super) fn slopes_at(&self, theta: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        let ranges = self.ranges.iter();
+        ranges.filter_map(|(position, range)| Some((*position, range.slope(*theta.get(*position)?))))
+    }
+
+    fn each(&self, numbers: &[f64], change: impl Fn(Range, f64) -> f64) -> Vec<f64> {
+        let mut numbers = numbers.to_vec();
+        for (position, range) in &self.ranges {
+            if let Some(number) = numbers.get_mut(*position) {
+                *number = change(*range, *number);
+            }
+        }
+        numbers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::training::{Adam, AdamSettings, Levenberg, NormalEquations, Objective, Progress, Schedule};
+
+    const RANGES: [Range; 3] = [Range::Any, Range::Positive, Range::Between(0.02, 1.0)];
+
+    #[test]
+    fn numbers_come_back_and_slopes_are_differences() {
+        let bounds = Bounds::new((0..).zip(RANGES).collect());
+        for (weight, width) in [(1e-3, 0.021), (0.7, 0.5), (1e3, 0.999)] {
+            let weights = [-3.0, weight, width];
+            let theta = bounds.free(&weights);
+            let back = bounds.weights(&theta);
+            assert!(back.iter().zip(&weights).all(|(a, b)| (a / b - 1.0).abs() < 1e-13), "{back:?}");
+            let moved = |step: f64| bounds.weights(&theta.iter().map(|x| x + step).collect::<Vec<_>>());
+            let (forth, back) = (moved(1e-5), moved(-1e-5));
+            for ((slope, forth), back) in bounds.slopes(&theta).iter().zip(forth).zip(back) {
+                assert!((slope / ((forth - back) / 2e-5) - 1.0).abs() < 1e-6, "{slope}");
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_themselves_and_beyond_are_finite_and_can_be_left() {
+        for range in &RANGES[1..] {
+            for weight in [-5.0, 0.0, 0.02, 1.0, 7.0, f64::INFINITY, f64::MAX] {
+                let theta = range.free(weight);
+                assert!(theta.is_finite() && range.slope(theta) > 0.0, "{range:?} {weight}");
+                let inside = range.weight(theta);
+                assert!(
+                    (range.free(inside) - theta).abs() < 1e-9 * theta.abs().max(1.0),
+                    "{range:?} {weight}"
+                );
+            }
+            for theta in [-1e6, 1e6] {
+                assert!(range.weight(theta).is_finite() && range.slope(theta) > 0.0);
+            }
+        }
+        assert_eq!(Range::Any.free(f64::MAX), f64::MAX);
+    }
+
+    /// r = w − w*, number by number.
+    struct Away {
+        bounds: Bounds,
+        aim: Vec<f64>,
+    }
+
+    impl Objective for Away {
+        fn parameters(&self) -> usize {
+            self.aim.len()
+        }
+        fn samples(&self) -> usize {
+            1
+        }
+        fn loss(&self, weights: &[f64]) -> f64 {
+            self.gradient(weights, 0..1).unwrap().mean_square()
+        }
+        fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
+            let mut equations = NormalEquations::zero(self.aim.len());
+            for (i, (w, aim)) in weights.iter().zip(&self.aim).enumerate() {
+                equations.gram[(i, i)] = 1.0;
+                equations.gradient[i] = w - aim;
+                equations.squares += (w - aim).powi(2);
+            }
+            equations.rows = self.aim.len();
+            Some(equations)
+        }
+        fn gradient(&self, weights: &[f64], _: std::ops::Range<usize>) -> Option<NormalEquations> {
+            self.normal_equations(weights)
+        }
+        fn project(&self, _: &mut [f64]) {}
+        fn bounds(&self) -> &Bounds {
+            &self.bounds
+        }
+    }
+
+    fn away(aim: f64, range: Range) -> Away {
+        Away { bounds: Bounds::new(vec![(0, range)]), aim: vec![aim] }
+    }
+
+    #[test]
+    fn gauss_newton_goes_from_thousandths_to_thousands_and_back() {
+        for (start, aim) in [(1e-3, 1e3), (1e3, 1e-3), (1.0, 1e-3), (1.0, 1e3)] {
+            let objective = away(aim, Range::Positive);
+            let end = Levenberg::new(&objective, vec![start]).run(&objective, 60, |_, _| {});
+            assert!((end.weights[0] / aim - 1.0).abs() < 1e-6, "{start} {aim}: {:?}", end.weights);
+        }
+        let objective = away(0.9, Range::Between(0.02, 1.0));
+        let end = Levenberg::new(&objective, vec![0.02]).run(&objective, 60, |_, _| {});
+        assert!((end.weights[0] - 0.9).abs() < 1e-9, "{:?}", end.weights);
+    }
+
+    #[test]
+    fn what_lies_beyond_a_bound_ends_at_it() {
+        for (aim, range, end) in [
+            (-1.0, Range::Positive, 0.0),
+            (3.0, Range::Between(0.0, 0.95), 0.95),
+            (-3.0, Range::Between(0.5, 2.0), 0.5),
+        ] {
+            let objective = away(aim, range);
+            let found = Levenberg::new(&objective, vec![0.7]).run(&objective, 100, |_, _| {}).weights[0];
+            assert!((found - end).abs() < 2e-4, "{range:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn adam_stays_in_the_range() {
+        let objective = away(-1.0, Range::Between(0.5, 2.0));
+        let settings =
+            AdamSettings { learning_rate: 0.1, batch: 0, schedule: Schedule::Constant, decay: 0.0, seed: 0 };
+        let mut adam = Adam::new(&objective, vec![1.5], settings);
+        for _ in 0..100 {
+            assert_eq!(adam.iterate(&objective), Progress::Lower);
+            assert!((0.5..2.0).contains(&adam.weights[0]), "{:?}", adam.weights);
+        }
+        assert!(adam.weights[0] < 0.51, "{:?}", adam.weights);
+    }
+
+    /// JᵀJ and Jᵀr in θ are those of a Jacobian whose columns are multiplied by the slopes.
+    #[test]
+    fn normal_equations_are_scaled_by_slopes() {
+        let rows = [[1.0, 2.0, -1.0], [0.5, -3.0, 2.0]];
+        let (residual, slopes) = ([0.3, -0.8], [1.0, 0.25, 4.0]);
+        let of = |slopes: [f64; 3]| {
+            let jacobian = faer::Mat::from_fn(2, 3, |i, j| rows[i][j] * slopes[j]);
+            let mut equations = NormalEquations::zero(3);
+            equations.add(&jacobian, &residual);
+            equations
+        };
+        let (mut scaled, expected) = (of([1.0; 3]), of(slopes));
+        scaled.scale((0..3).zip(slopes));
+        assert_eq!(scaled.gradient, expected.gradient);
+        for (i, j) in (0..3).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            assert_eq!(scaled.gram[(i, j)], expected.gram[(i, j)]);
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Where training of rigid bodies begins: least squares on the torques of logged motion.
+
+use super::blocks::Blocks;
+use super::{Bounds, Levenberg, Objective, Samples};
+use crate::architecture::{Architecture, BodiesArchitecture, Number};
+use crate::parallel;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
+use leastaction_core::model::{FrictionNumber, Law, ModelError};
+use leastaction_programs::System;
+use leastaction_programs::losses::TorqueLoss;
+
+/// Ridge of the linear fit, relative to its largest diagonal entry: what the log does not show stays where it is.
+const RIDGE: f64 = 1e-6;
+/// Iterations after the linear fit, of all that is learned.
+const ITERATIONS: usize = 60;
+/// A mass is at least this part of where it began, a moment of inertia of what its body has about the joint.
+const LEAST_PART: f64 = 0.05;
+
+/// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q = τ, nearly. Of another family the
+/// initial weights.
+///
+/// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in friction's b, c and c_load:
+/// those are fitted first, lengths and the width of friction being where they begin, and brought to positive masses and inertias.
+/// Then Gauss–Newton iterations on the same balance change all that is learned. Noise of v̇ makes inertias too small: this is where
+/// to begin, not where to end.
+///
+/// # Errors
+/// [`ModelError::Shape`] where a list has not n numbers of every sample; where the shape does not fit in itself.
+pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<Vec<f64>, ModelError> {
+    let initial = architecture.initial_weights(0);
+    let Some(bodies) = architecture.bodies() else { return Ok(initial) };
+    let objective = balance(architecture, states)?;
+    let linear = linear_fit(architecture, bodies, &objective, &initial).unwrap_or(initial.clone());
+    let better = |weights: &Vec<f64>| objective.loss(weights) < objective.loss(&initial);
+    let start = Some(linear).filter(better).unwrap_or(initial);
+    Ok(Levenberg::new(&objective, start).run(&objective, ITERATIONS, |_, _| {}).weights)
+}
+
+/// The mean square of what is missing to the balance, N or N m.
+fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<Blocks, ModelError> {
+    let n = architecture.n();
+    for x in [q, v, a, tau] {
+        if x.len() != q.len() || !x.len().is_multiple_of(n) {
+            return Err(ModelError::Shape { what: "numbers of states", found: x.len(), compiled: q.len() });
+        }
+    }
+    let system = System::new(&*architecture.energies()?);
+    let samples = Samples {
+        n,
+        states: [q, v, a].map(<[f64]>::to_vec),
+        controls: [tau.to_vec(), Vec::new(), Vec::new()],
+        ..Samples::default()
+    };
+    let place = (architecture.parameters()?, architecture.fixed_positions());
+    let bounds = Bounds::new(architecture.ranges());
+    let blocks =
+        Blocks::new(move || Box::new(TorqueLoss::new(&system)), place, samples, Box::new(|_: &mut [f64]| ()));
+    Ok(blocks.with_bounds(bounds))
+}
+
+/// A number in which the balance is linear: how the weights change with it, and its size.
+struct Linear {
+    /// Positions and derivatives.
+    slopes: Vec<(usize, f64)>,
+    size: f64,
+}
+
+/// A body of the weight block with what of it is learned.
+struct Body {
+    start: usize,
+    numbers: BodyParameters<f64>,
+    learned: BodyParameters<bool>,
+}
+
+/// Positions of numbers of a body.
+const PLACES: BodyParameters<usize> =
+    BodyParameters { place: [0, 1], angle: 2, mass: 3, centre: [4, 5], inertia: 6, rotor: 7, gear: 8 };
+
+impl Body {
+    fn all(bodies: &BodiesArchitecture, weights: &[f64]) -> Vec<Self> {
+        let starts = (GRAVITY_PARAMETERS..).step_by(BODY_PARAMETERS);
+        let each = starts.zip(&bodies.numbers);
+        let of = |(start, numbers): (usize, &[Number; BODY_PARAMETERS])| {
+            let own: &[f64; BODY_PARAMETERS] = weights.get(start..)?.first_chunk()?;
+            let learned = BodyParameters::from_array(numbers.map(|number| number.learned));
+            Some(Self { start, numbers: BodyParameters::from_array(*own), learned })
+        };
+        each.map_while(of).collect()
+    }
+
+    /// I + m|c|².
+    fn about_joint(&self) -> f64 {
+        let BodyParameters { mass, centre: [x, y], inertia, .. } = self.numbers;
+        inertia + mass * (x * x + y * y)
+    }
+
+    /// m with mc and I + m|c|² held, where c and I are learned; mc; I + m|c|²; J.
+    fn linear(&self) -> Vec<Linear> {
+        let (Self { start, numbers, learned }, mut all) = (self, Vec::new());
+        let (at, about_joint) = (|place: usize| start + place, self.about_joint());
+        let with_inertia = |slope: f64| learned.inertia.then_some((at(PLACES.inertia), slope));
+        if learned.mass {
+            let mut slopes = vec![(at(PLACES.mass), 1.0)];
+            let mut inertia = 0.0;
+            for k in 0..2 {
+                let c = numbers.centre[k];
+                if learned.centre[k] {
+                    slopes.push((at(PLACES.centre[k]), -c / numbers.mass));
+                }
+                inertia += if learned.centre[k] { c * c } else { -c * c };
+            }
+            slopes.extend(with_inertia(inertia));
+            all.push(Linear { slopes, size: numbers.mass });
+        }
+        for k in (0..2).filter(|k| learned.centre[*k]) {
+            let own = (at(PLACES.centre[k]), 1.0 / numbers.mass);
+            let slopes = [Some(own), with_inertia(-2.0 * numbers.centre[k])].into_iter().flatten().collect();
+            all.push(Linear { slopes, size: (numbers.mass * about_joint).sqrt() });
+        }
+        if learned.inertia {
+            all.push(Linear { slopes: vec![(at(PLACES.inertia), 1.0)], size: about_joint });
+        }
+        if learned.rotor {
+            all.push(Linear { slopes: vec![(at(PLACES.rotor), 1.0)], size: numbers.rotor });
+        }
+        all
+    }
+
+    /// The body where `linear` numbers, in the order of [`Body::linear`], have changed by `steps`: positive masses and inertias.
+    fn moved(&self, steps: &mut impl Iterator<Item = f64>) -> BodyParameters<f64> {
+        let (numbers, learned) = (&self.numbers, &self.learned);
+        let mut step = |is_learned: bool| if is_learned { steps.next().unwrap_or(0.0) } else { 0.0 };
+        let mass = numbers.mass + step(learned.mass);
+        let moments = [0, 1].map(|k| numbers.mass * numbers.centre[k] + step(learned.centre[k]));
+        let about_joint = self.about_joint() + step(learned.inertia);
+        let about_joint = about_joint.max(LEAST_PART * self.about_joint());
+        let rotor = (numbers.rotor + step(learned.rotor)).max(0.0);
+        // The heavier, the closer is the centre to the joint, and the less has the body about it.
+        let square: f64 = (0..2).filter(|k| learned.centre[*k]).map(|k| moments[k] * moments[k]).sum();
+        let least = (square / ((1.0 - LEAST_PART) * about_joint)).max(LEAST_PART * numbers.mass);
+        let mass = if learned.mass { mass.max(least) } else { mass };
+        let centre = [0, 1].map(|k| if learned.centre[k] { moments[k] / mass } else { numbers.centre[k] });
+        let own = about_joint - mass * (centre[0] * centre[0] + centre[1] * centre[1]);
+        let inertia = if learned.inertia { own.max(LEAST_PART * about_joint) } else { numbers.inertia };
+        BodyParameters { mass, centre, inertia, rotor, ..*numbers }
+    }
+}
+
+/// Positions of learned b, c and c_load of friction.
+fn of_friction(architecture: &Architecture) -> Vec<usize> {
+    let (laws, start) = (architecture.laws(), architecture.parameters().unwrap_or(0));
+    let count = architecture.friction.count();
+    let viscous = if laws.contains(Law::Viscous) { architecture.friction.viscous.len() } else { 0 };
+    let is_linear = |i: usize| {
+        let dry = i.checked_sub(viscous).map(|k| k % FrictionNumber::ALL.len());
+        dry.is_none_or(|k| k == FrictionNumber::Constant as usize || k == FrictionNumber::Load as usize)
+    };
+    let learned = architecture.friction.numbers().enumerate().filter(|(_, number)| number.learned);
+    learned.map(|(i, _)| i).filter(|i| is_linear(*i)).map(|i| start - count + i).collect()
+}
+
+/// Weights after one Gauss–Newton step in the linear numbers, which is exact; `None` where it cannot be taken.
+fn linear_fit(
+    architecture: &Architecture,
+    bodies: &BodiesArchitecture,
+    objective: &Blocks,
+    initial: &[f64],
+) -> Option<Vec<f64>> {
+    let (bodies, friction) = (Body::all(bodies, initial), of_friction(architecture));
+    let mut linear: Vec<Linear> = bodies.iter().flat_map(Body::linear).collect();
+    let size = |at: usize| initial.get(at).map_or(1.0, |number| number.abs());
+    linear.extend(friction.iter().map(|at| Linear { slopes: vec![(*at, 1.0)], size: size(*at) }));
+    let step = solved(objective, initial, &linear)?;
+    let (mut steps, mut weights) = (step.into_iter(), initial.to_vec());
+    for body in &bodies {
+        let moved = body.moved(&mut steps).into_array();
+        weights.get_mut(body.start..)?.first_chunk_mut::<BODY_PARAMETERS>()?.copy_from_slice(&moved);
+    }
+    for (at, step) in friction.into_iter().zip(steps) {
+        *weights.get_mut(at)? += step;
+    }
+    weights.iter().all(|weight| weight.is_finite()).then(|| objective.bounds().within(weights))
+}
+
+/// The steps of linear numbers that lead to the least squares, with a ridge relative to their sizes.
+fn solved(objective: &Blocks, weights: &[f64], linear: &[Linear]) -> Option<Vec<f64>> {
+    let equations = Objective::normal_equations(objective, weights)?;
+    let gram = |i: usize, j: usize| equations.gram[(i.max(j), i.min(j))];
+    let product = |a: &Linear, b: &Linear| -> f64 {
+        let pairs = a.slopes.iter().flat_map(|(i, x)| b.slopes.iter().map(move |(j, y)| (*i, *j, x * y)));
+        a.size * b.size * pairs.map(|(i, j, xy)| xy * gram(i, j)).sum::<f64>()
+    };
+    let k = linear.len();
+    let mut matrix = Mat::from_fn(k, k, |i, j| product(&linear[i], &linear[j]));
+    let ridge = RIDGE * (0..k).map(|i| matrix[(i, i)]).fold(0.0, f64::max);
+    (0..k).for_each(|i| matrix[(i, i)] += ridge);
+    let right = Mat::from_fn(k, 1, |i, _| {
+        -linear[i].size * linear[i].slopes.iter().map(|(at, x)| x * equations.gradient[*at]).sum::<f64>()
+    });
+    // Elsewhere it would start threads of its own.
+    let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
+    let step = factor.solve(&right);
+    Some(step.col_as_slice(0).iter().zip(linear).map(|(step, of)| step * of.size).collect())
+}

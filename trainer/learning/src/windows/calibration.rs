@@ -1,0 +1,200 @@
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// A number of sensors or actuators.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Setting {
+    /// It is this, of every coordinate.
+    Known(f64),
+    /// Of every coordinate another, from the logs.
+    Learned,
+}
+
+/// Sensors and actuators: q̃ = q + z + noise, z a zero offset of every coordinate and log, and τ_i(t) = g_i u_i(t − d) + o_i.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// Whether z is learned, m or rad; else it is 0.
+    pub zero: bool,
+    /// g, > 0.
+    pub gain: Setting,
+    /// o, N or N m.
+    pub offset: Setting,
+    /// d ≥ 0, s.
+    pub delay: Setting,
+}
+
+impl Default for Calibration {
+    /// What is logged is what is: z = 0, g = 1, o = 0, d = 0.
+    fn default() -> Self {
+        Self {
+            zero: false,
+            gain: Setting::Known(1.0),
+            offset: Setting::Known(0.0),
+            delay: Setting::Known(0.0),
+        }
+    }
+}
+
+/// A learned z is expected to be of this size, m or rad.
+const ZERO_SIZE: f64 = 0.02;
+/// A learned g to be this near to 1.
+const GAIN_SIZE: f64 = 0.3;
+/// A learned d to be of this size, s.
+const DELAY_SIZE: f64 = 0.02;
+/// A learned d at most, s.
+const MOST_DELAY: f64 = 0.2;
+/// A learned g at least.
+const LEAST_GAIN: f64 = 0.05;
+
+/// The numbers of sensors and actuators, as they were learned or are known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Calibrated {
+    /// g of every coordinate.
+    pub gain: Vec<f64>,
+    /// o of every coordinate, N or N m.
+    pub offset: Vec<f64>,
+    /// d, s.
+    pub delay: f64,
+    /// z of every log, of every coordinate, m or rad.
+    pub zeros: Vec<Vec<f64>>,
+}
+
+impl Calibrated {
+    /// The actuator as a model file has it: d, then g and o of every coordinate, in single precision; nothing where the command is the
+    /// force.
+    pub fn actuator_bytes(&self) -> Vec<u8> {
+        let pairs = || self.gain.iter().zip(&self.offset);
+        if self.delay == 0.0 && pairs().all(|pair| pair == (&1.0, &0.0)) {
+            return Vec::new();
+        }
+        let numbers = std::iter::once(self.delay).chain(pairs().flat_map(|(gain, offset)| [*gain, *offset]));
+        numbers.flat_map(|x| (x as f32).to_le_bytes()).collect()
+    }
+}
+
+/// Where the numbers of a calibration are: of all coordinates g and then o, d, and of every log z of all coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CalibrationLayout {
+    /// Position of the first.
+    pub start: usize,
+    /// Coordinates.
+    pub n: usize,
+    /// Logs.
+    pub logs: usize,
+    /// What is learned.
+    pub calibration: Calibration,
+    /// The size of u, N or N m: a learned o is expected to be a twentieth of it.
+    pub control: f64,
+}
+
+/// A penalty weight · (w − centre)² on the number at a position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Prior {
+    pub position: usize,
+    pub centre: f64,
+    pub weight: f64,
+}
+
+impl CalibrationLayout {
+    /// Position of g_i.
+    pub fn gain(&self, i: usize) -> usize {
+        self.start + i
+    }
+
+    /// Position of o_i.
+    pub fn offset(&self, i: usize) -> usize {
+        self.start + self.n + i
+    }
+
+    /// Position of d.
+    pub fn delay(&self) -> usize {
+        self.start + 2 * self.n
+    }
+
+    /// Numbers that the control depends on: g, o and d.
+    pub(super) fn controls(&self) -> usize {
+        2 * self.n + 1
+    }
+
+    /// Position of z_i of a log.
+    pub fn zero(&self, log: usize, i: usize) -> usize {
+        self.start + self.controls() + log * self.n + i
+    }
+
+    /// The position after the last.
+    pub fn end(&self) -> usize {
+        self.zero(self.logs, 0)
+    }
+
+    /// The numbers before anything is learned.
+    pub fn initial(&self) -> Vec<f64> {
+        let Calibration { gain, offset, delay, .. } = self.calibration;
+        let start = |setting, otherwise| match setting {
+            Setting::Known(known) => known,
+            Setting::Learned => otherwise,
+        };
+        let mut numbers = vec![start(gain, 1.0); self.n];
+        numbers.extend(vec![start(offset, 0.0); self.n]);
+        numbers.push(start(delay, 0.0));
+        numbers.resize(self.end() - self.start, 0.0);
+        numbers
+    }
+
+    /// The numbers, from those that windows share.
+    pub fn read(&self, weights: &[f64]) -> Calibrated {
+        let of = |range: Range<usize>| weights.get(range).unwrap_or_default().to_vec();
+        Calibrated {
+            gain: of(self.gain(0)..self.offset(0)),
+            offset: of(self.offset(0)..self.delay()),
+            delay: weights.get(self.delay()).copied().unwrap_or_default(),
+            zeros: (0..self.logs).map(|log| of(self.zero(log, 0)..self.zero(log + 1, 0))).collect(),
+        }
+    }
+
+    /// The settings of g, o and d with their positions.
+    fn settings(&self) -> [(Setting, Range<usize>); 3] {
+        let Calibration { gain, offset, delay, .. } = self.calibration;
+        let [of_gain, of_offset] = [self.gain(0), self.offset(0)].map(|first| first..first + self.n);
+        [(gain, of_gain), (offset, of_offset), (delay, self.delay()..self.delay() + 1)]
+    }
+
+    /// Positions of what is not learned, `learned` saying of which logs z is.
+    pub(super) fn fixed(&self, learned: impl Fn(usize) -> bool) -> Vec<usize> {
+        let known = self.settings().into_iter().filter(|(setting, _)| *setting != Setting::Learned);
+        let mut fixed: Vec<usize> = known.flat_map(|(_, positions)| positions).collect();
+        let logs = (0..self.logs).filter(|log| !self.calibration.zero || !learned(*log));
+        fixed.extend(logs.flat_map(|log| self.zero(log, 0)..self.zero(log + 1, 0)));
+        fixed
+    }
+
+    /// What is expected of the numbers before the logs are seen: weak, for what a log does not show.
+    pub(super) fn priors(&self) -> Vec<Prior> {
+        let offset = 0.05 * self.control.max(f64::MIN_POSITIVE.sqrt());
+        let sizes = [(1.0, GAIN_SIZE), (0.0, offset), (0.0, DELAY_SIZE)];
+        let mut priors = Vec::new();
+        for ((setting, positions), (centre, size)) in self.settings().into_iter().zip(sizes) {
+            if setting == Setting::Learned {
+                let prior = |position| Prior { position, centre, weight: 1.0 / (size * size) };
+                priors.extend(positions.map(prior));
+            }
+        }
+        if self.calibration.zero {
+            let weight = 1.0 / (ZERO_SIZE * ZERO_SIZE);
+            let prior = |position| Prior { position, centre: 0.0, weight };
+            priors.extend((self.zero(0, 0)..self.end()).map(prior));
+        }
+        priors
+    }
+
+    /// Brings learned numbers back into their range.
+    pub(super) fn project(&self, weights: &mut [f64]) {
+        for i in 0..self.n {
+            if self.calibration.gain == Setting::Learned {
+                weights[self.gain(i)] = weights[self.gain(i)].max(LEAST_GAIN);
+            }
+        }
+        if self.calibration.delay == Setting::Learned {
+            weights[self.delay()] = weights[self.delay()].clamp(0.0, MOST_DELAY);
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Logs cut into windows.
+
+use crate::data::{Dataset, Rows};
+use leastaction_core::forces::ControlKind;
+use std::ops::Range;
+use thiserror::Error;
+
+/// Positions that a window's start state is guessed from, at most.
+const GUESS: usize = 7;
+/// A rest of a log as long as this part of a window has a window of its own, which overlaps the one before.
+const REST: f64 = 0.5;
+
+/// Positions and controls of logs on one step, as a loss over windows reads them.
+#[derive(Clone, Debug)]
+pub struct WindowLogs {
+    /// Coordinates.
+    pub n: usize,
+    /// Step, s.
+    pub h: f64,
+    /// What u does between samples.
+    pub control: ControlKind,
+    logs: Vec<Log>,
+}
+
+/// Numbers of a log, \[samples\]\[n\], flat; none of u where there is no control.
+#[derive(Clone, Debug)]
+struct Log {
+    q: Vec<f64>,
+    u: Vec<f64>,
+}
+
+/// Consecutive samples of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Window {
+    pub log: usize,
+    /// Its first sample.
+    pub first: usize,
+}
+
+/// No log is as long as a window.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error(
+    "no log is as long as a window: a window of {window} s takes {samples} samples, the longest log has {longest}; make the window \
+     shorter"
+)]
+pub struct TooShort {
+    /// Its length, s.
+    pub window: f64,
+    /// Samples of a window.
+    pub samples: usize,
+    /// Of the longest log.
+    pub longest: usize,
+}
+
+impl WindowLogs {
+    /// Those of a data set: every trajectory is a log.
+    pub fn new(data: &Dataset) -> Self {
+        let flat = |rows: &Rows| rows.as_flat().to_vec();
+        let log = |trajectory: &crate::data::Trajectory| Log {
+            q: flat(&trajectory.q),
+            u: trajectory.u.as_ref().map_or(Vec::new(), flat),
+        };
+        let logs = data.trajectories.iter().map(log).collect();
+        Self { n: data.n, h: data.h, control: data.control_kind(), logs }
+    }
+
+    /// How many logs.
+    pub fn count(&self) -> usize {
+        self.logs.len()
+    }
+
+    fn samples(&self, log: usize) -> usize {
+        self.logs[log].q.len() / self.n.max(1)
+    }
+
+    /// Position i of a sample.
+    pub(super) fn position(&self, log: usize, sample: usize, i: usize) -> f64 {
+        self.logs[log].q[sample * self.n + i]
+    }
+
+    /// u_i that acts `delay` (≥ 0, s) after it was logged at a sample, and its derivative in the delay; before the first sample it is
+    /// as there. 0 without control.
+    ///
+    /// Between samples it is taken to be linear: that is the mean over a step of a u that is held, too.
+    pub(super) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
+        let u = &self.logs[log].u;
+        if u.is_empty() {
+            return [0.0; 2];
+        }
+        let late = delay / self.h;
+        let whole = late.floor();
+        let after = sample as f64 - whole;
+        if after < 1.0 {
+            return [u[i], 0.0];
+        }
+        let after = after as usize;
+        let [before, after] = [after - 1, after].map(|k| u[k * self.n + i]);
+        let part = late - whole;
+        [after + part * (before - after), (before - after) / self.h]
+    }
+
+    /// Windows of so many steps over some logs: side by side, each beginning where the one before ends.
+    pub(super) fn windows(&self, logs: Range<usize>, steps: usize) -> Result<Vec<Window>, TooShort> {
+        let mut windows = Vec::new();
+        for log in logs.clone() {
+            let Some(last) = self.samples(log).checked_sub(steps + 1) else { continue };
+            windows.extend((0..=last).step_by(steps).map(|first| Window { log, first }));
+            if (last % steps) as f64 >= REST * steps as f64 {
+                windows.push(Window { log, first: last });
+            }
+        }
+        let longest = logs.map(|log| self.samples(log)).max().unwrap_or(0);
+        let too_short = TooShort { window: steps as f64 * self.h, samples: steps + 1, longest };
+        if windows.is_empty() { Err(too_short) } else { Ok(windows) }
+    }
+
+    /// (q_i, v_i) at the first sample of a window: of the parabola that is nearest to its first positions.
+    pub(super) fn guess(&self, window: Window, steps: usize, i: usize) -> [f64; 2] {
+        let count = GUESS.min(steps + 1);
+        let positions: Vec<f64> =
+            (0..count).map(|k| self.position(window.log, window.first + k, i)).collect();
+        let [value, slope] = parabola(&positions);
+        [value, slope / self.h]
+    }
+
+    /// The root mean square of all u, N or N m.
+    pub(super) fn control_size(&self) -> f64 {
+        let all = || self.logs.iter().flat_map(|log| &log.u);
+        let count = all().count().max(1) as f64;
+        (all().map(|u| u * u).sum::<f64>() / count).sqrt()
+    }
+
+    /// How far windows move: the root mean square of q_i over them, less its first.
+    pub(super) fn motion(&self, windows: &[Window], steps: usize, i: usize) -> f64 {
+        let moved = |window: &Window| -> f64 {
+            let q = |k: usize| self.position(window.log, window.first + k, i);
+            (1..=steps).map(|k| (q(k) - q(0)).powi(2)).sum()
+        };
+        let mean = windows.iter().map(moved).sum::<f64>() / (windows.len() * steps) as f64;
+        mean.sqrt().max(f64::MIN_POSITIVE.sqrt())
+    }
+
+    /// The noise of sensor i: a robust standard deviation of third differences, in which smooth motion hardly shows, over √20.
+    pub(super) fn noise(&self, logs: Range<usize>, i: usize) -> f64 {
+        let mut differences = Vec::new();
+        for log in logs {
+            let q = |k: usize| self.position(log, k, i);
+            let third = |k: usize| (q(k + 3) - 3.0 * q(k + 2) + 3.0 * q(k + 1) - q(k)).abs();
+            differences.extend((0..self.samples(log).saturating_sub(3)).map(third));
+        }
+        let middle = differences.len() / 2;
+        if differences.is_empty() {
+            return 0.0;
+        }
+        let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
+        *median * super::scales::OF_MEDIAN / 20_f64.sqrt()
+    }
+}
+
+/// Value and slope at 0 of the parabola nearest to values at 0, 1, 2, …; a line or a constant where there are fewer than three.
+fn parabola(values: &[f64]) -> [f64; 2] {
+    let (mut value, mut slope) = (0.0, 0.0);
+    for (k, share) in fit_shares(values.len()).into_iter().enumerate() {
+        value += share[0] * values[k];
+        slope += share[1] * values[k];
+    }
+    [value, slope]
+}
+
+/// How much each of `count` values has in value and slope: by orthogonal polynomials 1, t, t² − … about the middle.
+fn fit_shares(count: usize) -> Vec<[f64; 2]> {
+    let middle = 0.5 * (count as f64 - 1.0);
+    let times: Vec<f64> = (0..count).map(|k| k as f64 - middle).collect();
+    let spread = times.iter().map(|t| t * t).sum::<f64>() / count as f64;
+    let basis = |t: f64| [1.0, t, t * t - spread];
+    let slopes = |t: f64| [0.0, 1.0, 2.0 * t];
+    let norms: Vec<f64> = (0..3).map(|p| times.iter().map(|t| basis(*t)[p] * basis(*t)[p]).sum()).collect();
+    let share = |t: f64, of: [f64; 3]| -> f64 {
+        let own = basis(t);
+        (0..3).filter(|p| norms[*p] > 1e-9).map(|p| of[p] * own[p] / norms[p]).sum()
+    };
+    times.iter().map(|t| [share(*t, basis(-middle)), share(*t, slopes(-middle))]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Trajectory;
+
+    fn logs(samples: [usize; 2]) -> WindowLogs {
+        let trajectory = |(id, count): (i64, usize)| {
+            let q: Vec<f64> = (0..2 * count).map(|k| k as f64).collect();
+            let u: Vec<f64> = (0..2 * count).map(|k| (k * k) as f64).collect();
+            Trajectory {
+                id,
+                t0: 0.0,
+                q: Rows::from_flat(2, q).unwrap(),
+                v: None,
+                a: None,
+                u: Rows::from_flat(2, u),
+            }
+        };
+        let trajectories = (0..).zip(samples).map(trajectory).collect();
+        WindowLogs::new(&Dataset { n: 2, h: 0.5, control: None, trajectories })
+    }
+
+    #[test]
+    fn windows_lie_side_by_side_and_a_long_rest_has_its_own() {
+        let windows = |samples| -> Vec<(usize, usize)> {
+            let all = logs(samples).windows(0..2, 4).unwrap();
+            all.iter().map(|window| (window.log, window.first)).collect()
+        };
+        assert_eq!(windows([10, 3]), [(0, 0), (0, 4)]);
+        assert_eq!(windows([11, 5]), [(0, 0), (0, 4), (0, 6), (1, 0)]);
+        let refused = logs([3, 4]).windows(0..2, 4).unwrap_err();
+        assert_eq!(refused, TooShort { window: 2.0, samples: 5, longest: 4 });
+    }
+
+    #[test]
+    fn a_delay_of_steps_and_of_parts_of_them() {
+        let logs = logs([5, 0]);
+        let u = |sample: usize| ((2 * sample + 1) * (2 * sample + 1)) as f64;
+        assert_eq!(logs.delayed_control(0, 3, 1, 0.0), [u(3), (u(2) - u(3)) / 0.5]);
+        assert_eq!(logs.delayed_control(0, 3, 1, 0.5), [u(2), (u(1) - u(2)) / 0.5]);
+        assert_eq!(logs.delayed_control(0, 3, 1, 0.625)[0], 0.75 * u(2) + 0.25 * u(1));
+        assert_eq!(logs.delayed_control(0, 1, 1, 3.0), [u(0), 0.0]);
+    }
+
+    #[test]
+    fn a_start_state_is_guessed_by_a_parabola() {
+        let values: Vec<f64> = (0..7).map(|k| 2.0 - 0.5 * f64::from(k) + 0.25 * f64::from(k * k)).collect();
+        let near = |[value, slope]: [f64; 2], to: [f64; 2]| {
+            assert!((value - to[0]).abs() < 1e-12 && (slope - to[1]).abs() < 1e-12, "{value} {slope}");
+        };
+        near(parabola(&values), [2.0, -0.5]);
+        near(parabola(&values[..2]), [2.0, -0.25]);
+        near(parabola(&values[..1]), [2.0, 0.0]);
+    }
+}

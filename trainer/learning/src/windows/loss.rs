@@ -1,0 +1,373 @@
+use super::calibration::{Calibration, CalibrationLayout, Prior};
+use super::logs::{TooShort, Window, WindowLogs};
+use super::rollout::{In, Lanes, pseudo_huber};
+use super::scales::Amounts;
+use super::starts;
+use crate::architecture::Architecture;
+use crate::parallel::{self, Pool};
+use crate::training::{Bounds, ChunkRows, Failed, NormalEquations, Residuals};
+use leastaction_core::model::ModelError;
+use leastaction_programs::losses::RungeKutta;
+use leastaction_programs::steps::{ExplicitSteps, State};
+use leastaction_programs::{Row, System, WIDTH};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// How a loss over windows is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowSettings {
+    /// Steps of a window, at least 1.
+    pub steps: usize,
+    /// Order of the explicit steps: 2 or 4.
+    pub order: u8,
+    /// What is learned of sensors and actuators.
+    pub calibration: Calibration,
+}
+
+/// Steps of a new start state, from the guess of a parabola.
+const FIRST_STEPS: usize = 8;
+/// Steps of a start state after the other numbers have moved.
+const FOLLOWING_STEPS: usize = 2;
+
+/// The loss over windows ([`windows`](super)). Its numbers: the weight block, the calibration's, s of every coordinate, and the start
+/// states (q, v) of all windows; the first two are what windows share.
+pub struct WindowLoss {
+    logs: Arc<WindowLogs>,
+    windows: Vec<Window>,
+    steps: usize,
+    layout: CalibrationLayout,
+    /// What is not to be varied, of what windows share.
+    fixed: Vec<usize>,
+    priors: Vec<Prior>,
+    /// The sensor's noise, of every coordinate.
+    noise: Vec<f64>,
+    /// How far windows move, of every coordinate.
+    motion: Vec<f64>,
+    steppers: Pool<ExplicitSteps>,
+    bounds: Bounds,
+    project: Projection,
+}
+
+/// Brings weights that have a range back into it.
+type Projection = Box<dyn Fn(&mut [f64]) + Send + Sync>;
+
+/// A model as a loss over windows sees it.
+pub struct WindowModel {
+    /// Its equations.
+    pub system: System,
+    /// Positions of the weights that are known.
+    pub fixed: Vec<usize>,
+    /// Ranges of the others, which the optimisers see as free numbers.
+    pub bounds: Bounds,
+    /// Brings weights that have a range of another kind back into it.
+    pub project: Projection,
+}
+
+impl WindowModel {
+    /// That of this shape.
+    ///
+    /// # Errors
+    /// Where the shape does not fit in itself, or has rods.
+    pub fn new(architecture: &Architecture) -> Result<Self, ModelError> {
+        let rods = architecture.rods()?.count();
+        if rods > 0 {
+            let what = "rods under a loss over windows";
+            return Err(ModelError::Shape { what, found: rods, compiled: 0 });
+        }
+        let own = architecture.clone();
+        Ok(Self {
+            system: System::new(&*architecture.energies()?),
+            fixed: architecture.fixed_positions(),
+            bounds: Bounds::new(architecture.ranges()),
+            project: Box::new(move |weights: &mut [f64]| own.project(weights)),
+        })
+    }
+}
+
+impl WindowLoss {
+    /// Over some of these logs.
+    ///
+    /// # Errors
+    /// Where none of them is as long as a window.
+    pub fn new(
+        model: WindowModel,
+        logs: &Arc<WindowLogs>,
+        of: Range<usize>,
+        settings: WindowSettings,
+    ) -> Result<Self, TooShort> {
+        let WindowModel { system, mut fixed, bounds, project } = model;
+        let WindowSettings { steps, order, calibration } = settings;
+        let (n, h, start) = (logs.n, logs.h, system.parameters());
+        let layout =
+            CalibrationLayout { start, n, logs: logs.count(), calibration, control: logs.control_size() };
+        fixed.extend(layout.fixed(|log| of.contains(&log)));
+        let make = move || ExplicitSteps::new(&system, h, RungeKutta::of_order(order));
+        let windows = logs.windows(of.clone(), steps)?;
+        let noise = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
+        let motion = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
+        Ok(Self {
+            logs: logs.clone(),
+            windows,
+            steps,
+            layout,
+            fixed,
+            priors: layout.priors(),
+            noise,
+            motion,
+            steppers: Pool::new(make),
+            bounds,
+            project,
+        })
+    }
+
+    /// Where the calibration's numbers are.
+    pub fn layout(&self) -> CalibrationLayout {
+        self.layout
+    }
+
+    fn n(&self) -> usize {
+        self.logs.n
+    }
+
+    fn scales<'w>(&self, weights: &'w [f64]) -> &'w [f64] {
+        &weights[self.layout.end()..self.layout.end() + self.n()]
+    }
+
+    /// The numbers of a window's start state.
+    fn start(&self, window: usize) -> Range<usize> {
+        let (first, size) = (self.layout.end() + self.n(), 2 * self.n());
+        first + size * window..first + size * (window + 1)
+    }
+
+    /// Windows side by side from `first` on; the last fills them up.
+    fn lanes<'a>(&'a self, weights: &'a [f64], first: usize) -> Lanes<'a> {
+        let last = self.windows.len() - 1;
+        Lanes {
+            logs: &self.logs,
+            windows: std::array::from_fn(|lane| self.windows[(first + lane).min(last)]),
+            steps: self.steps,
+            layout: &self.layout,
+            numbers: &weights[..self.layout.end()],
+            scales: self.scales(weights),
+        }
+    }
+
+    /// Their start states.
+    fn starts(&self, weights: &[f64], first: usize) -> State {
+        let last = self.windows.len() - 1;
+        let of = |lane: usize, i: usize| weights[self.start((first + lane).min(last))][i];
+        (0..2 * self.n()).map(|i| Row(std::array::from_fn(|lane| of(lane, i)))).collect()
+    }
+
+    /// What `work` makes of all windows, so many side by side, in their order.
+    fn of_blocks<T: Send>(&self, work: impl Fn(usize, usize, &mut ExplicitSteps) -> T + Sync) -> Vec<T> {
+        parallel::map(self.windows.len().div_ceil(WIDTH), &|block| {
+            let first = block * WIDTH;
+            let count = (self.windows.len() - first).min(WIDTH);
+            self.steppers.with(|stepper| work(first, count, stepper))
+        })
+    }
+
+    /// Solves all start states anew, from those that there are.
+    fn solve_starts(&self, weights: &mut [f64], iterations: usize) {
+        let solved = self.of_blocks(|first, _, stepper| {
+            let starts = self.starts(weights, first);
+            starts::solved(&self.lanes(weights, first), stepper, &starts, iterations)
+        });
+        for window in 0..self.windows.len() {
+            let (block, lane) = (&solved[window / WIDTH], window % WIDTH);
+            let place = &mut weights[self.start(window)];
+            place.iter_mut().zip(block).for_each(|(place, row)| *place = row.0[lane]);
+        }
+    }
+
+    /// Sets s of every coordinate by the residuals; whether it changed.
+    fn set_scales(&self, weights: &mut [f64]) {
+        let n = self.n();
+        let parts = self.of_blocks(|first, count, stepper| {
+            let (residuals, _) = self.lanes(weights, first).residuals(stepper, &self.starts(weights, first));
+            let mut amounts = vec![Amounts::new(); n];
+            for rows in residuals.chunks_exact(n) {
+                let each = amounts.iter_mut().zip(rows);
+                each.for_each(|(amounts, row)| row.0[..count].iter().for_each(|x| amounts.add(*x)));
+            }
+            amounts
+        });
+        let mut all = vec![Amounts::new(); n];
+        for part in &parts {
+            all.iter_mut().zip(part).for_each(|(all, part)| all.merge(part));
+        }
+        let first = self.layout.end();
+        for (i, amounts) in all.iter().enumerate() {
+            let own = amounts.scale() * weights[first + i];
+            weights[first + i] = own.max(self.noise[i]).max(f64::EPSILON * self.motion[i]);
+        }
+    }
+
+    /// The mean square that a unit of the loss is, (m, rad)²: the geometric mean over coordinates.
+    fn unit(&self, weights: &[f64]) -> f64 {
+        let logarithms: f64 = self.scales(weights).iter().map(|s| s.ln()).sum();
+        (2.0 * logarithms / self.n() as f64).exp()
+    }
+
+    /// Σ weight (w − c)².
+    fn penalty(&self, weights: &[f64]) -> f64 {
+        self.priors.iter().map(|prior| prior.weight * (weights[prior.position] - prior.centre).powi(2)).sum()
+    }
+}
+
+impl Residuals for WindowLoss {
+    fn parameters(&self) -> usize {
+        self.start(self.windows.len()).start
+    }
+
+    fn shared(&self) -> usize {
+        self.layout.end()
+    }
+
+    fn samples(&self) -> usize {
+        self.windows.len()
+    }
+
+    fn components(&self) -> usize {
+        (self.steps + 1) * self.n()
+    }
+
+    fn chunk(&self) -> usize {
+        WIDTH
+    }
+
+    fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
+        let mut sum = 0.0;
+        for first in samples.clone().step_by(WIDTH) {
+            let lanes = self.lanes(weights, first);
+            let starts = self.starts(weights, first);
+            let (residuals, _) = self.steppers.with(|stepper| lanes.residuals(stepper, &starts));
+            let count = (samples.end - first).min(WIDTH);
+            sum += residuals.iter().flat_map(|row| &row.0[..count]).map(|x| pseudo_huber(*x)).sum::<f64>();
+        }
+        let penalty = if samples.start == 0 { self.penalty(weights) } else { 0.0 };
+        Ok((sum + penalty) * self.unit(weights))
+    }
+
+    /// Windows that reach their ends, and how many do not.
+    fn solved(&self, weights: &[f64], samples: Range<usize>) -> (f64, usize) {
+        let (mut sum, mut unsolved) = (0.0, 0);
+        for first in samples.clone().step_by(WIDTH) {
+            let (lanes, starts) = (self.lanes(weights, first), self.starts(weights, first));
+            let (residuals, failures) = self.steppers.with(|stepper| lanes.residuals(stepper, &starts));
+            for lane in 0..(samples.end - first).min(WIDTH) {
+                if failures.0[lane] {
+                    unsolved += 1;
+                } else {
+                    sum += residuals.iter().map(|row| pseudo_huber(row.0[lane])).sum::<f64>();
+                }
+            }
+        }
+        (sum * self.unit(weights), unsolved)
+    }
+
+    fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
+        let (n, count) = (self.n(), samples.len());
+        let lanes = self.lanes(weights, samples.start);
+        let starts = self.starts(weights, samples.start);
+        let (mut own, _) = self.steppers.with(|stepper| lanes.rows(stepper, &starts, In::All));
+        own.eliminate(2 * n);
+        let unit = self.unit(weights).sqrt();
+        rows.reset(count * self.components(), self.shared());
+        let all = 0..count * self.components();
+        (self.layout.zero(0, 0)..self.shared()).for_each(|zero| rows.column(zero, all.clone()).fill(0.0));
+        let before = self.layout.zero(0, 0);
+        for (component, residual) in own.residual.iter().enumerate() {
+            let place = component * count..(component + 1) * count;
+            let derivatives = own.row(component);
+            let scaled = |row: &Row| Row(row.0.map(|x| unit * x));
+            rows.residual[place.clone()].copy_from_slice(&scaled(residual).0[..count]);
+            for (position, row) in derivatives[..before].iter().enumerate() {
+                rows.column(position, place.clone()).copy_from_slice(&scaled(row).0[..count]);
+            }
+            for (i, row) in derivatives[before..before + n].iter().enumerate() {
+                for (lane, window) in lanes.windows[..count].iter().enumerate() {
+                    let column = self.layout.zero(window.log, i);
+                    let at = place.start + lane;
+                    rows.column(column, at..at + 1)[0] = unit * row.0[lane];
+                }
+            }
+        }
+        self.fixed.iter().for_each(|position| rows.column(*position, all.clone()).fill(0.0));
+        Ok(())
+    }
+
+    fn add_penalty(&self, weights: &[f64], sum: &mut NormalEquations) {
+        let unit = self.unit(weights);
+        for Prior { position, centre, weight } in self.priors.iter().copied() {
+            if !self.fixed.contains(&position) {
+                sum.add_penalty(position, unit * weight, weights[position] - centre);
+            }
+        }
+    }
+
+    fn enter(&self, mut weights: Vec<f64>) -> Vec<f64> {
+        let n = self.n();
+        weights.truncate(self.layout.end());
+        if weights.len() < self.layout.end() {
+            let known = weights.len().saturating_sub(self.layout.start);
+            weights.extend(self.layout.initial().into_iter().skip(known));
+        }
+        weights.extend(&self.motion);
+        for window in &self.windows {
+            let guess: Vec<[f64; 2]> = (0..n).map(|i| self.logs.guess(*window, self.steps, i)).collect();
+            let zero = |i: usize| weights[self.layout.zero(window.log, i)];
+            let start: Vec<f64> = (0..n).map(|i| guess[i][0] - zero(i)).collect();
+            weights.extend(start);
+            weights.extend(guess.iter().map(|[_, slope]| slope));
+        }
+        self.solve_starts(&mut weights, FIRST_STEPS);
+        weights
+    }
+
+    fn settle(&self, weights: &mut [f64]) -> bool {
+        self.set_scales(weights);
+        true
+    }
+
+    fn complete(&self, weights: &mut [f64]) {
+        self.solve_starts(weights, FOLLOWING_STEPS);
+    }
+
+    /// The geometric mean over windows of the mean square error of positions, (m, rad)², each with its best start state; no less than the
+    /// sensor's noise.
+    fn held_back_loss(&self, weights: &[f64]) -> Option<f64> {
+        let weights = self.enter(weights[..self.layout.end().min(weights.len())].to_vec());
+        let (n, scales) = (self.n(), self.scales(&weights).to_vec());
+        let floor: f64 = self.noise.iter().map(|noise| noise * noise).sum::<f64>() / n as f64;
+        let logarithms = self.of_blocks(|first, count, stepper| {
+            let starts = self.starts(&weights, first);
+            let (residuals, _) = self.lanes(&weights, first).residuals(stepper, &starts);
+            let mean = |lane: usize| -> f64 {
+                let squares =
+                    residuals.iter().enumerate().map(|(k, row)| (scales[k % n] * row.0[lane]).powi(2));
+                squares.sum::<f64>() / residuals.len() as f64
+            };
+            (0..count).map(|lane| (mean(lane) + floor).ln()).sum::<f64>()
+        });
+        Some((logarithms.into_iter().sum::<f64>() / self.windows.len() as f64).exp())
+    }
+
+    fn is_of_many_units(&self) -> bool {
+        true
+    }
+
+    fn tolerance(&self) -> f64 {
+        1e-5
+    }
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        (self.project)(&mut weights[..self.layout.start]);
+        self.layout.project(weights);
+    }
+}

@@ -1,0 +1,80 @@
+//! Whether a log is exact.
+
+use super::scales::OF_MEDIAN;
+use crate::data::Dataset;
+
+/// Noise of a coordinate beside its motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// The coordinate.
+    pub coordinate: usize,
+    /// Its robust standard deviation, m or rad.
+    pub deviation: f64,
+    /// Its part of the second differences of positions, which accelerations are seen in.
+    pub part: f64,
+}
+
+/// Noise below this part of second differences is not worth a word: a log of exact motion in single precision.
+const PART: f64 = 0.02;
+/// Of noise the fifth differences are √(252/70) ≈ 1.9 times the fourth; of smooth motion less, the shorter the step.
+const RATIO: f64 = 1.4;
+
+/// The noisiest coordinate, where one is noisy: whose differences of high order grow as those of noise do.
+pub fn noise_of(data: &Dataset) -> Option<Noise> {
+    let each = (0..data.n).filter_map(|coordinate| {
+        let [second, fourth, fifth] = [2, 4, 5].map(|order| difference(data, coordinate, order));
+        let deviation = fourth / 70_f64.sqrt();
+        let part = 6_f64.sqrt() * deviation / second;
+        let is_noise = fifth > RATIO * fourth && part > PART;
+        is_noise.then_some(Noise { coordinate, deviation, part })
+    });
+    each.max_by(|a, b| a.part.total_cmp(&b.part))
+}
+
+/// The robust standard deviation of the differences of an order of a coordinate.
+fn difference(data: &Dataset, coordinate: usize, order: usize) -> f64 {
+    let mut all = Vec::new();
+    for trajectory in &data.trajectories {
+        let mut q: Vec<f64> = trajectory.q.iter().filter_map(|row| row.get(coordinate)).copied().collect();
+        for _ in 0..order {
+            q = q.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        }
+        all.extend(q.into_iter().map(f64::abs));
+    }
+    if all.is_empty() {
+        return 0.0;
+    }
+    let middle = all.len() / 2;
+    let (_, median, _) = all.select_nth_unstable_by(middle, f64::total_cmp);
+    OF_MEDIAN * *median
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Rows, Trajectory};
+    use rand::{RngExt, SeedableRng};
+
+    fn data(noise: f64) -> Dataset {
+        let mut stream = rand_pcg::Pcg64::seed_from_u64(7);
+        let q = |k: usize, i: usize| (0.05 * k as f64 * (1.0 + i as f64)).sin();
+        let mut noisy = |i: usize| if i == 1 { noise * stream.random_range(-1.0..1.0) } else { 0.0 };
+        let rows: Vec<f64> =
+            (0..400).flat_map(|k| [0, 1].map(|i| (k, i))).map(|(k, i)| q(k, i) + noisy(i)).collect();
+        let q = Rows::from_flat(2, rows).unwrap();
+        let trajectory = Trajectory { id: 0, t0: 0.0, q, v: None, a: None, u: None };
+        Dataset { n: 2, h: 0.01, control: None, trajectories: vec![trajectory] }
+    }
+
+    #[test]
+    fn noise_is_told_from_motion_and_from_rounding() {
+        assert_eq!(noise_of(&data(0.0)), None);
+        assert_eq!(noise_of(&data(1e-8)), None);
+        for noise in [1e-3, 3e-2] {
+            let found = noise_of(&data(noise)).unwrap();
+            assert_eq!(found.coordinate, 1);
+            let deviation = noise / 3_f64.sqrt();
+            assert!((found.deviation / deviation - 1.0).abs() < 0.3, "{found:?}");
+        }
+    }
+}

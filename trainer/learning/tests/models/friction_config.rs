@@ -1,0 +1,100 @@
+//! `[model.friction]`: what can be written, and what is said of what cannot.
+
+use leastaction_core::model::Laws;
+use leastaction_learning::architecture::Number;
+use leastaction_learning::config::{Config, ConfigError};
+use std::path::Path;
+
+const RIGID: &str = "coordinates = \"ta\"\n";
+const TREE: &str = "family = \"modular\"\ntypes = [{ name = \"cart\", transform = \"slide\" }, { name = \"bob\", transform = \"rod\" }]\n\
+                    trees = { crane = [\"cart\", \"bob\", \"bob\"] }\n";
+
+fn parse(model: &str) -> Result<Config, ConfigError> {
+    Config::parse(&format!("[data]\nfile = \"a.npz\"\n[model]\n{model}"), Path::new("c.toml"))
+}
+
+fn error(model: &str) -> String {
+    parse(model).unwrap_err().to_string()
+}
+
+#[test]
+fn one_word_learns_damping_and_dry_friction() {
+    let (shape, weights) = parse(&format!("{RIGID}friction = \"learned\"\n")).unwrap().beginning().unwrap();
+    assert_eq!((shape.laws(), weights.len()), (Laws::FRICTION, shape.parameters().unwrap()));
+    assert_eq!(shape.friction.viscous, [Number::learned(0.01); 2]);
+    let dry = [Number::learned(0.1), Number::known(0.0), Number::known(0.1), Number::learned(0.1)];
+    assert_eq!(shape.friction.dry, [dry; 2]);
+    assert_eq!(weights[weights.len() - 10..], [0.01, 0.01, 0.1, 0.0, 0.1, 0.1, 0.1, 0.0, 0.1, 0.1]);
+}
+
+#[test]
+fn parts_are_learned_known_or_absent_one_by_one() {
+    let text = format!(
+        "{TREE}[model.friction]\ncoulomb = [0.5, {{ learn = 0.2 }}]\nload = [0, \"learned\"]\nwidth = 0.3\nsmoothing = 2\n"
+    );
+    let (shape, _) = parse(&text).unwrap().beginning().unwrap();
+    // The types have damping of their own, 0.
+    assert_eq!((shape.laws(), shape.friction.viscous.len()), (Laws::FRICTION, 0));
+    let (known, learned) = (Number::known, Number::learned);
+    let cart = [known(0.5), known(0.0), known(2.0), known(0.3)];
+    assert_eq!(shape.friction.dry, [cart, [learned(0.2), learned(0.1), known(2.0), known(0.3)]]);
+    let absent = parse(TREE).unwrap().beginning().unwrap().0;
+    assert!(absent.friction.is_none() && absent.laws() == Laws::VISCOUS);
+    let (viscous, weights) =
+        parse(&format!("{TREE}[model.friction]\nviscous = [0.5, 0.25]\n")).unwrap().beginning().unwrap();
+    assert_eq!((viscous.laws(), &weights[weights.len() - 2..]), (Laws::VISCOUS, &[0.5, 0.25][..]));
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    for friction in [
+        "friction = \"learned\"\n",
+        "[model.friction]\nviscous = [0.5, \"learned\"]\nload = { learn = 0.2 }\nwidth = 0.3\nsmoothing = 2.0\n",
+    ] {
+        for model in [RIGID, TREE] {
+            let config = parse(&format!("{model}{friction}")).unwrap();
+            assert_eq!(
+                Config::parse(&config.to_toml(), Path::new("c.toml")).unwrap(),
+                config,
+                "{}",
+                config.to_toml()
+            );
+        }
+    }
+}
+
+#[test]
+fn errors_name_line_and_key() {
+    let cases = [
+        ("friction = \"learnt\"", 5, "expected \"learned\""),
+        ("friction = 0.1", 5, "viscous, coulomb, load, width and smoothing"),
+        ("[model.friction]\ncolomb = 1.0", 6, "did you mean `coulomb`?"),
+        ("[model.friction]\ncoulomb = -1.0", 6, "`coulomb` is -1; it must be a finite number, 0 or above"),
+        ("[model.friction]\ncoulomb = { learn = 0.0 }", 6, "above 0 where it is learned"),
+        ("[model.friction]\nload = 1.0", 6, "below 1"),
+        ("[model.friction]\ncoulomb = 1.0\nwidth = { learn = 2.0 }", 7, "above 0.02 and below 1"),
+        ("[model.friction]\nwidth = 0.1", 6, "means nothing without dry friction"),
+        ("[model.friction]\nviscous = [0.1]", 6, "has 1 numbers; it must have 2, one for each coordinate"),
+        ("[model.friction]\nviscous = [0.1, \"known\"]", 6, "expected \"learned\""),
+        ("damping = true\n[model.friction]\nviscous = 0.1", 7, "`damping` too"),
+    ];
+    for (text, line, words) in cases {
+        let message = error(&format!("{RIGID}{text}\n"));
+        assert!(
+            message.starts_with(&format!("c.toml:{line}: ")) && message.contains(words),
+            "{text}: {message}"
+        );
+    }
+    let of_types = error(&format!("{TREE}[model.friction]\ncoulomb = [0.1, 0.2, 0.3]\n"));
+    assert!(of_types.contains("it must have 2, one for each element type"), "{of_types}");
+    let twice = error(&format!(
+        "{}[model.friction]\nviscous = 0.1\n",
+        TREE.replace("\"slide\"", "\"slide\", damping = 0.1")
+    ));
+    assert!(twice.contains("`damping` too"), "{twice}");
+    let graph =
+        "family = \"graph\"\nnode_types = [{ name = \"bob\" }]\ngraphs = { one = { nodes = [\"bob\"] } }\n";
+    parse(graph).unwrap();
+    let graph = error(&format!("{graph}friction = \"learned\"\n"));
+    assert!(graph.starts_with("c.toml:7: ") && graph.contains("give its node types `drag`"), "{graph}");
+}

@@ -1,0 +1,197 @@
+//! The loss over windows: its derivatives, what it learns of sensors and actuators, and what noise does to it.
+
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::forces::ControlKind;
+use leastaction_learning::architecture::{Architecture, RigidArchitecture};
+use leastaction_learning::data::{Dataset, Rows, Trajectory};
+use leastaction_learning::training::{Levenberg, Objective, Progress};
+use leastaction_learning::windows::{
+    Calibration, Setting, WindowLogs, WindowLoss, WindowModel, WindowSettings, noise_of,
+};
+use leastaction_programs::losses::RungeKutta;
+use leastaction_programs::steps::ExplicitSteps;
+use leastaction_programs::{Row, System};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use std::sync::Arc;
+
+const N: usize = 2;
+const H: f64 = 0.02;
+const SAMPLES: usize = 61;
+const LOGS: usize = 3;
+const STEPS: usize = 15;
+const ALL: Calibration =
+    Calibration { zero: true, gain: Setting::Learned, offset: Setting::Learned, delay: Setting::Learned };
+
+fn model() -> Architecture {
+    let coordinates = [Coordinate::Angle, Coordinate::Angle];
+    RigidArchitecture { damped: true, widths: vec![5], ..RigidArchitecture::new(&coordinates, 0) }.into()
+}
+
+fn weights(model: &Architecture) -> Vec<f64> {
+    let wave = |k: usize| (1.7 * k as f64 + 0.4).sin();
+    model.initial_weights(3).iter().enumerate().map(|(k, w)| w + 0.1 * wave(k) + 0.15).collect()
+}
+
+/// What sensors and actuators of the simulated robot do.
+#[derive(Clone, Copy)]
+struct Robot {
+    gain: [f64; N],
+    offset: [f64; N],
+    /// In whole steps, so that nothing is lost in resampling.
+    delay: usize,
+    zero: [f64; N],
+    noise: f64,
+}
+
+const IDEAL: Robot = Robot { gain: [1.0; N], offset: [0.0; N], delay: 0, zero: [0.0; N], noise: 0.0 };
+const REAL: Robot =
+    Robot { gain: [0.8, 1.3], offset: [0.1, -0.2], delay: 2, zero: [0.03, -0.05], noise: 0.0 };
+
+fn command(log: usize, k: usize, i: usize) -> f64 {
+    let t = k as f64 * H;
+    (3.0 * t + log as f64).sin() + 0.7 * (8.0 * t * (1.0 + i as f64) + 2.0 * log as f64).cos()
+}
+
+/// Logs of the model itself, by the steps that the loss takes.
+fn logs(robot: Robot) -> Dataset {
+    let (model, mut stream) = (model(), Pcg64::seed_from_u64(5));
+    let (weights, system) = (weights(&model), System::new(&*model.energies().unwrap()));
+    let mut steps = ExplicitSteps::new(&system, H, RungeKutta::ThreeEighths);
+    let mut trajectory = |log: usize| {
+        let mut state: Vec<Row> = (0..2 * N).map(|i| Row::splat(0.3 * (i + log) as f64 - 0.5)).collect();
+        let (mut q, mut u) = (Vec::new(), Vec::new());
+        for k in 0..SAMPLES {
+            let sensor = |i: usize| state[i].0[0] + robot.zero[i];
+            q.extend((0..N).map(|i| sensor(i) + robot.noise * stream.random_range(-1.0..1.0)));
+            u.extend((0..N).map(|i| command(log, k, i)));
+            let arrived = k.saturating_sub(robot.delay);
+            let force = |i: usize| robot.gain[i] * command(log, arrived, i) + robot.offset[i];
+            let tau: Vec<Row> = (0..N).map(|i| Row::splat(force(i))).collect();
+            let _ = steps.step(&weights, &mut state, [&tau, &tau], None);
+        }
+        let rows = |x| Rows::from_flat(N, x).unwrap();
+        Trajectory { id: log as i64, t0: 0.0, q: rows(q), v: None, a: None, u: Some(rows(u)) }
+    };
+    let trajectories = (0..LOGS).map(&mut trajectory).collect();
+    Dataset { n: N, h: H, control: Some(ControlKind::Held), trajectories }
+}
+
+fn loss(data: &Dataset, calibration: Calibration, known: bool) -> WindowLoss {
+    loss_over(data, STEPS, calibration, known)
+}
+
+fn loss_over(data: &Dataset, steps: usize, calibration: Calibration, known: bool) -> WindowLoss {
+    let architecture = model();
+    let mut model = WindowModel::new(&architecture).unwrap();
+    if known {
+        model.fixed = (0..architecture.parameters().unwrap()).collect();
+    }
+    let settings = WindowSettings { steps, order: 4, calibration };
+    let logs = Arc::new(WindowLogs::new(data));
+    WindowLoss::new(model, &logs, 0..LOGS, settings).unwrap()
+}
+
+/// The start states that are best.
+fn completed(loss: &dyn Objective, weights: &[f64]) -> Vec<f64> {
+    let mut weights = weights.to_vec();
+    (0..6).for_each(|_| loss.complete(&mut weights));
+    weights
+}
+
+/// By variable projection: the gradient at constant start states is that of the loss with the best ones.
+#[test]
+fn the_gradient_is_that_of_the_loss_over_the_best_starts() {
+    let data = logs(Robot { noise: 0.05, ..REAL });
+    let loss: &dyn Objective = &loss(&data, ALL, false);
+    let mut start = weights(&model());
+    start.iter_mut().for_each(|w| *w *= 1.1);
+    let mut all = loss.enter(start);
+    let shared = loss.shared();
+    // A delay of a part of a step, where it has a slope.
+    let layout = shared - LOGS * N - 1;
+    all[layout] = 0.3 * H;
+    loss.settle(&mut all);
+    let all = completed(loss, &all);
+    let equations = loss.normal_equations(&all).unwrap();
+    assert_eq!(equations.gradient.len(), shared);
+    let scale = equations.gradient.iter().map(|g| g.abs()).fold(0.0, f64::max);
+    for position in 0..shared {
+        let moved = |by: f64| {
+            let mut moved = all.clone();
+            moved[position] += by;
+            loss.loss(&completed(loss, &moved))
+        };
+        let step = 1e-5;
+        let slope = (moved(step) - moved(-step)) / (2.0 * step);
+        let own = 2.0 * equations.gradient[position] / equations.rows as f64;
+        let most = 1e-4 * 2.0 * scale / equations.rows as f64;
+        assert!((own - slope).abs() < most, "{position} of {shared}: {own} and {slope}");
+    }
+}
+
+/// Of a known model every number of sensors and actuators comes out, and of exact data nothing is left.
+#[test]
+fn sensors_and_actuators_are_found() {
+    let loss = loss(&logs(REAL), ALL, true);
+    let layout = loss.layout();
+    let fit = Levenberg::new(&loss, weights(&model())).run(&loss, 60, |_, _| ());
+    let found = layout.read(&fit.weights);
+    let near = |own: &[f64], other: &[f64]| own.iter().zip(other).all(|(a, b)| (a - b).abs() < 2e-3);
+    assert!(near(&found.gain, &REAL.gain) && near(&found.offset, &REAL.offset), "{found:?}");
+    assert!((found.delay - 2.0 * H).abs() < 2e-4, "{found:?}");
+    assert!(found.zeros.iter().all(|zero| near(zero, &REAL.zero)), "{found:?}");
+}
+
+/// Where nothing is to be learned the numbers stay as they are known.
+#[test]
+fn what_is_known_stays() {
+    let known =
+        Calibration { gain: Setting::Known(0.5), delay: Setting::Known(0.01), ..Calibration::default() };
+    let loss = loss(&logs(IDEAL), known, false);
+    let fit = Levenberg::new(&loss, weights(&model())).run(&loss, 3, |_, _| ());
+    let found = loss.layout().read(&fit.weights);
+    assert_eq!((found.gain, found.offset, found.delay), (vec![0.5; N], vec![0.0; N], 0.01));
+    assert!(found.zeros.iter().flatten().all(|zero| *zero == 0.0));
+}
+
+/// Noise hardly moves what is learned over windows: from wrong weights it finds forces that predict the noise-free motion.
+#[test]
+fn a_model_is_learned_through_noise() {
+    let noise = 0.02;
+    let noisy = logs(Robot { noise, ..IDEAL });
+    assert!(noise_of(&noisy).is_some() && noise_of(&logs(IDEAL)).is_none());
+    let start = model().initial_weights(9);
+    let long = |data: &Dataset| loss_over(data, 3 * STEPS, Calibration::default(), false);
+    let (training, truth) = (long(&noisy), long(&logs(IDEAL)));
+    let before = Objective::held_back_loss(&truth, &start).sqrt();
+    let fit = Levenberg::new(&training, start).run(&training, 40, |_, _| ());
+    let after = Objective::held_back_loss(&truth, &fit.weights[..Objective::shared(&truth)]).sqrt();
+    assert!(after < 0.3 * noise && after < 0.1 * before, "from {before} to {after}");
+}
+
+#[test]
+fn a_fit_is_the_same_bits_on_any_number_of_threads() {
+    let fit = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let loss = loss(&logs(Robot { noise: 0.01, ..REAL }), ALL, false);
+            let mut fit = Levenberg::new(&loss, weights(&model()));
+            (0..3).for_each(|_| assert_eq!(fit.iterate(&loss), Progress::Lower));
+            (fit.weights, fit.loss)
+        })
+    };
+    assert_eq!(fit(1), fit(3));
+}
+
+/// A model by which motion ends nowhere is counted, not a failure of all.
+#[test]
+fn windows_that_cannot_be_computed_are_counted() {
+    let loss = loss(&logs(IDEAL), Calibration::default(), false);
+    let mut all = Objective::enter(&loss, weights(&model()));
+    assert_eq!(Objective::solved(&loss, &all).unsolved, 0);
+    all[..loss.layout().start].fill(f64::NAN);
+    let solved = Objective::solved(&loss, &all);
+    assert_eq!(solved.unsolved, Objective::samples(&loss));
+    assert!(Objective::loss(&loss, &all).is_finite());
+}

@@ -1,0 +1,12 @@
+//! Steps of motions side by side that carry derivatives along: what losses over windows of many steps are made of.
+
+mod explicit;
+mod tangents;
+
+pub use explicit::ExplicitSteps;
+pub use tangents::{ControlTangent, Tangents};
+
+use crate::row::Row;
+
+/// Positions, then velocities: 2n rows, m or rad and m/s or rad/s.
+pub type State = Vec<Row>;

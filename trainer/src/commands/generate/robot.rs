@@ -1,0 +1,247 @@
+//! `leastaction generate … --robot`: logs as robots write them.
+
+use crate::commands::system::System;
+use clap::Args;
+use leastaction::cli::arguments::{finite, not_negative, positive};
+use leastaction::cli::{Failure, FileKind, folder, replaceable, written};
+use leastaction_learning::data;
+use leastaction_learning::ground_truth::Mechanism;
+use leastaction_learning::ground_truth::robot::{
+    CSV_HEAD, Drives, Excitation, JointFriction, Linkage, MOST_JOINTS, Machine, RobotError, RobotLogs,
+    RobotSettings, Sensors, StartSpread, robot_logs, write_csv,
+};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Logs as a robot writes them. Lists have one value for every coordinate, or one for all.
+#[derive(Args)]
+#[command(next_help_heading = "Logs as a robot writes them (pendulum, cartpole, acrobot, n-pendulum)")]
+#[group(id = "robot_output", multiple = true, args = ["robot", "truth"])]
+pub struct RobotOptions {
+    /// A folder for logs as a robot writes them, 00.csv, 01.csv, …: time, pos_meas1 …, vel_meas1 …, tau_con1 …, tau_meas1 …
+    #[arg(long, value_name = "DIR")]
+    pub robot: Option<PathBuf>,
+    /// A log of the same motion as it truly was (q, v, a, and u as commanded), .npz or .csv.
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+    /// The links of n-pendulum: a TOML file with `gravity` and for every link a [[joint]] with mass, length, centre, inertia (about
+    /// the centre), rotor and gear. Coordinates are joint angles, 0 hanging.
+    #[arg(long, requires = "robot_output", value_name = "FILE")]
+    links: Option<PathBuf>,
+    /// Viscous friction b, N m s/rad or N s/m.
+    #[arg(long, requires = "robot_output", value_name = "B,…", value_delimiter = ',', default_values_t = [0.0], value_parser = not_negative)]
+    viscous: Vec<f64>,
+    /// Coulomb friction c of −c tanh(v/ε), N m or N.
+    #[arg(long, requires = "robot_output", value_name = "C,…", value_delimiter = ',', default_values_t = [0.0], value_parser = not_negative)]
+    coulomb: Vec<f64>,
+    /// Width ε of Coulomb friction, rad/s or m/s.
+    #[arg(long, requires = "robot_output", value_name = "E,…", value_delimiter = ',', default_values_t = [0.2], value_parser = positive)]
+    width: Vec<f64>,
+    /// One count of the encoders, rad or m.
+    #[arg(long, requires = "robot_output", value_name = "COUNT", default_value_t = 0.0, value_parser = not_negative)]
+    grid: f64,
+    /// Standard deviation of the encoders' zeros, drawn anew for every log, rad or m.
+    #[arg(long, requires = "robot_output", value_name = "SD", default_value_t = 0.0, value_parser = not_negative)]
+    zeros: f64,
+    /// Samples are taken, and stamped, within so much of their due time, ms.
+    #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, value_parser = not_negative)]
+    jitter: f64,
+    /// From a command to its effect, ms.
+    #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, value_parser = not_negative)]
+    delay: f64,
+    /// The torque that acts for a commanded one.
+    #[arg(long, requires = "robot_output", value_name = "G,…", value_delimiter = ',', default_values_t = [1.0], allow_negative_numbers = true, value_parser = finite)]
+    gain: Vec<f64>,
+    /// Which coordinates have a drive, 0 or 1 each [default: all; of the cart-pole the cart].
+    #[arg(long, requires = "robot_output", value_name = "0|1,…", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(0..=1))]
+    driven: Vec<u8>,
+    /// Sines in the command of a drive.
+    #[arg(long, requires = "robot_output", value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=100))]
+    sines: u8,
+    /// Their least and greatest frequency, Hz.
+    #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.3, 2.5], value_parser = not_negative)]
+    frequency: Vec<f64>,
+    /// Their least and greatest amplitude, N m or N.
+    #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.1, 0.35], value_parser = not_negative)]
+    amplitude: Vec<f64>,
+    /// Starts are within ± of where it hangs, rad or m.
+    #[arg(long, requires = "robot_output", value_name = "Q", default_value_t = 0.0, value_parser = not_negative)]
+    spread: f64,
+}
+
+/// What the other options of the command say.
+pub struct Common<'a> {
+    pub system: System,
+    pub count: Option<u32>,
+    pub logs: Option<u32>,
+    pub samples: Option<u32>,
+    pub h: Option<f64>,
+    pub speed: Option<f64>,
+    pub noise: f64,
+    pub seed: u64,
+    pub output: Option<&'a Path>,
+}
+
+/// What only the generator knows of the logs.
+#[derive(Serialize)]
+pub struct Hidden {
+    /// Zeros of the encoders, log by log.
+    zeros: Vec<Vec<f64>>,
+}
+
+/// Logs, samples of each, and time between samples, s.
+pub type LogSize = (usize, usize, f64);
+
+/// Coordinates of a robot at most.
+pub const MOST_COORDINATES: usize = MOST_JOINTS;
+
+/// Logs, samples of each and step where nothing else is said.
+const DEFAULT: LogSize = (10, 201, 0.01);
+
+impl RobotOptions {
+    /// Whether logs as a robot writes them are asked for.
+    pub fn given(&self) -> bool {
+        self.robot.is_some() || self.truth.is_some()
+    }
+
+    /// Generates and writes.
+    pub fn run(&self, common: &Common) -> Result<(LogSize, Hidden), Failure> {
+        let size = common.size();
+        if self.jitter > 0.0 && (self.truth.is_some() || common.output.is_some()) {
+            let reason = "a log of even steps has no --jitter: leave out -o and --truth, or --jitter";
+            return Err(Failure::Input(reason.to_owned()));
+        }
+        let files = self.files(size.0, common.output)?;
+        let logs = robot_logs(&self.settings(common, size)?).map_err(refused)?;
+        self.write(&logs, &files, common.output)?;
+        let zeros = logs.logs.iter().map(|log| log.zeros.clone()).collect();
+        Ok((size, Hidden { zeros }))
+    }
+
+    /// The files of the folder; none of another kind is in the way.
+    fn files(&self, logs: usize, output: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
+        let logs_of_motion = output.into_iter().chain(self.truth.as_deref());
+        logs_of_motion.into_iter().try_for_each(|file| replaceable(file, FileKind::Log))?;
+        let Some(dir) = &self.robot else { return Ok(Vec::new()) };
+        folder(dir)?;
+        let digits = (logs - 1).to_string().len().max(2);
+        let files: Vec<PathBuf> = (0..logs).map(|id| dir.join(format!("{id:0digits$}.csv"))).collect();
+        files.iter().try_for_each(|file| replaceable(file, FileKind::Table(CSV_HEAD)))?;
+        let others = std::fs::read_dir(dir).map_err(|error| Failure::file(dir, error))?;
+        let paths = others.filter_map(|entry| Some(entry.ok()?.path()));
+        let mut other_logs =
+            paths.filter(|path| path.extension().is_some_and(|extension| extension == "csv"));
+        match other_logs.find(|path| !files.contains(path)) {
+            Some(path) => {
+                Err(Failure::input(&path, "the folder holds other logs; name another, or remove them"))
+            }
+            None => Ok(files),
+        }
+    }
+
+    fn write(&self, logs: &RobotLogs, files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure> {
+        for (file, log) in files.iter().zip(&logs.logs) {
+            write_csv(file, log).map_err(|error| Failure::file(file, error))?;
+        }
+        output.map_or(Ok(()), |file| data::write(file, &logs.measured())).map_err(written)?;
+        self.truth.as_ref().map_or(Ok(()), |file| data::write(file, &logs.truth())).map_err(written)
+    }
+
+    fn settings(&self, common: &Common, (logs, samples, h): LogSize) -> Result<RobotSettings, Failure> {
+        let machine = self.machine(common)?;
+        let n = machine.coordinates();
+        let [viscous, coulomb, width] =
+            [("--viscous", &self.viscous), ("--coulomb", &self.coulomb), ("--width", &self.width)]
+                .map(|(option, list)| for_all(option, list, n));
+        let (viscous, coulomb, width) = (viscous?, coulomb?, width?);
+        let joint = |i: usize| JointFriction { viscous: viscous[i], coulomb: coulomb[i], width: width[i] };
+        let driven = match self.driven.as_slice() {
+            [] => machine.driven(),
+            some => for_all("--driven", some, n)?.into_iter().map(|driven| driven == 1).collect(),
+        };
+        Ok(RobotSettings {
+            friction: (0..n).map(joint).collect(),
+            sensors: Sensors {
+                noise: common.noise,
+                grid: self.grid,
+                zeros: self.zeros,
+                jitter: self.jitter * 1e-3,
+            },
+            drives: Drives { gain: for_all("--gain", &self.gain, n)?, delay: self.delay * 1e-3, driven },
+            excitation: Excitation {
+                sines: self.sines.into(),
+                frequency: both("--frequency", &self.frequency)?,
+                amplitude: both("--amplitude", &self.amplitude)?,
+            },
+            start: StartSpread { q: self.spread, v: common.speed.unwrap_or(0.0) },
+            seed: common.seed,
+            machine,
+            logs,
+            samples,
+            h,
+        })
+    }
+
+    fn machine(&self, common: &Common) -> Result<Machine, Failure> {
+        let named = match common.system {
+            System::Pendulum => Mechanism::Pendulum,
+            System::Cartpole => Mechanism::Cartpole,
+            System::Acrobot => Mechanism::Acrobot,
+            System::NPendulum => return self.linkage(common).map(Machine::Linkage),
+            _ => {
+                let reason = "--robot knows the pendulum, the cart-pole, the acrobot and n-pendulum";
+                return Err(Failure::Input(reason.to_owned()));
+            }
+        };
+        let foreign = [(common.count.is_some(), "--count"), (self.links.is_some(), "--links")];
+        leastaction::cli::refuse(named.name(), &foreign)?;
+        Ok(Machine::Named(named))
+    }
+
+    fn linkage(&self, common: &Common) -> Result<Linkage, Failure> {
+        let Some(file) = &self.links else {
+            return Ok(Linkage::points(common.count.map_or(2, |count| count as usize)));
+        };
+        leastaction::cli::refuse("--links", &[(common.count.is_some(), "--count")])?;
+        let text = std::fs::read_to_string(file).map_err(|error| Failure::input(file, error))?;
+        Linkage::from_toml(&text).map_err(|error| Failure::input(file, error))
+    }
+}
+
+impl Common<'_> {
+    /// Logs, samples and step.
+    pub fn size(&self) -> LogSize {
+        let (logs, samples, h) = DEFAULT;
+        let or = |given: Option<u32>, default| given.map_or(default, |count| count as usize);
+        (or(self.logs, logs), or(self.samples, samples), self.h.unwrap_or(h))
+    }
+}
+
+/// One value for each coordinate.
+fn for_all<T: Copy>(option: &str, list: &[T], n: usize) -> Result<Vec<T>, Failure> {
+    match list {
+        [one] => Ok(vec![*one; n]),
+        some if some.len() == n => Ok(some.to_vec()),
+        some => {
+            let found = some.len();
+            Err(Failure::Input(format!(
+                "{option} has {found} values; give one, or {n}, one for each coordinate"
+            )))
+        }
+    }
+}
+
+fn both(option: &str, list: &[f64]) -> Result<[f64; 2], Failure> {
+    match list {
+        [one] => Ok([*one; 2]),
+        [least, greatest] => Ok([*least, *greatest]),
+        _ => Err(Failure::Input(format!("{option} takes the least and the greatest, LEAST,GREATEST"))),
+    }
+}
+
+fn refused(error: RobotError) -> Failure {
+    match error {
+        RobotError::Diverged { .. } => Failure::Work(error.to_string()),
+        _ => Failure::Input(error.to_string()),
+    }
+}

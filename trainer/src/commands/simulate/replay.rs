@@ -1,0 +1,300 @@
+//! `leastaction simulate --replay`: the firmware along a log.
+
+use super::remote::{Ran, Target};
+use super::scenario::misused;
+use super::{Trace, median_and_most};
+use crate::commands::chip;
+use leastaction::cli::{Failure, Output};
+use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
+use leastaction_core::model::ActuatorBytes;
+use leastaction_firmware_sim::observer::{LearnZeros, ObserverConfig, OtherStep};
+use leastaction_firmware_sim::scenario::{Logged, replay};
+use leastaction_firmware_sim::{Mode, Outcome, Program, SetupError, Summary, Tick, wrap};
+use leastaction_learning::config::{Config, DataConfig};
+use leastaction_learning::data::{Dataset, Rows};
+use leastaction_learning::model_file::HostModel;
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What to run along which log.
+pub struct Replay<'a> {
+    /// The model.
+    pub model: &'a HostModel,
+    /// The log.
+    pub log: &'a Path,
+    /// The configuration whose `[data]` says how the log is read, where its columns are not the usual ones.
+    pub config: Option<&'a Path>,
+    /// The step of the observer, s, where it is not the model's.
+    pub tick: Option<f32>,
+    /// How far off the encoders' zeros may be, where they are to be learned.
+    pub learn_zeros: Option<f32>,
+    /// What runs the firmware; this machine where nothing is named.
+    pub on: Option<&'a Target>,
+}
+
+/// What came out of it. Lists have an entry for every coordinate; statistics are over the ticks before which the estimate was trusted.
+#[derive(Debug, Serialize)]
+pub struct ReplayReport {
+    /// The model file.
+    pub model: PathBuf,
+    /// The log.
+    pub log: PathBuf,
+    /// What ran the firmware.
+    pub processor: String,
+    /// Median and largest number of instructions in a tick, where they are counted.
+    pub tick_instructions: Option<[u32; 2]>,
+    /// Recordings.
+    pub trajectories: usize,
+    /// Ticks of all recordings.
+    pub ticks: u32,
+    /// From tick to tick, s.
+    pub h: f64,
+    /// Innovations: what was read minus what the model predicted a tick before; root mean square, rad or m.
+    pub innovation_rms: Vec<f64>,
+    /// Their mean.
+    pub innovation_mean: Vec<f64>,
+    /// The largest of them.
+    pub innovation_max: Vec<f64>,
+    /// Their correlation from tick to tick: near 0 where the model leaves nothing but noise.
+    pub innovation_correlation: Vec<f64>,
+    /// What two readings before alone predict, y_k − 2y_{k−1} + y_{k−2}; root mean square, rad or m.
+    pub constant_velocity_rms: Vec<f64>,
+    /// Zeros of the encoders at the end, as far as they were learned, rad or m.
+    pub zeros: Vec<f32>,
+    /// Errors of the model.
+    pub model_errors: u32,
+    /// Most updates of Newton's method in a step.
+    pub newton_iterations: u8,
+    /// Fingerprint of the trace.
+    pub trace_hash: String,
+    /// The file of the trace.
+    pub trace: PathBuf,
+}
+
+impl Replay<'_> {
+    /// Runs along the log and keeps the trace.
+    pub fn run(&self, output: Output, trace: &mut Trace) -> Result<ReplayReport, Failure> {
+        let data = self.read(output)?;
+        let file = chip::file(self.model).map_err(Failure::Input)?;
+        let chip = chip::meant(&file, self.model).map_err(Failure::Input)?;
+        if data.n != chip.n() {
+            let (n, own) = (data.n, chip.n());
+            return Err(Failure::input(self.log, format!("the log has {n} coordinates, the model {own}")));
+        }
+        chip.visit(Along { replay: self, data: &data, trace })
+    }
+
+    /// The log at the step of the observer.
+    fn read(&self, output: Output) -> Result<Dataset, Failure> {
+        let config = self.config.map(Config::read).transpose()?.map(|config| config.data);
+        let mut config =
+            DataConfig { file: self.log.into(), ..config.unwrap_or_else(|| DataConfig::new(self.log)) };
+        let own = self.model.facts.trained_step.map(|step| f64::from(step.h));
+        let step = self.tick.map(f64::from).or(own).map(|step| step as f32);
+        // As it was written in the model, of single precision: the shortest decimal number.
+        config.step = step.and_then(|step| step.to_string().parse().ok()).or(config.step);
+        let (data, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
+        crate::commands::notes::tell(&notes, output);
+        Ok(data)
+    }
+
+    fn program<const N: usize>(&self, h: f32) -> Result<Program<N>, Failure> {
+        let mut observer = ObserverConfig { other_step: OtherStep::Accepted, ..ObserverConfig::new() };
+        let facts = &self.model.facts;
+        observer.order = facts.trained_step.map_or(observer.order, |step| step.order);
+        observer.delay = actuator(self.model).map_or(0.0, |file| file.delay() / h);
+        observer.zeros = self.learn_zeros.map(|deviation| LearnZeros { deviation, innovation: INNOVATION });
+        let coordinates = self.model.architecture.coordinates();
+        let mut angles = coordinates.chars().map(|letter| letter == 'a');
+        Ok(Program::listening(h, std::array::from_fn(|_| angles.next().unwrap_or(false)), observer))
+    }
+}
+
+/// Standard deviation of an innovation while zeros are learned, rad or m.
+const INNOVATION: f32 = 3e-3;
+
+/// Between command and force, where the model file says it.
+fn actuator(model: &HostModel) -> Option<ActuatorBytes<'_>> {
+    ActuatorBytes::new(&model.facts.actuator).ok()
+}
+
+/// Runs along a log in as many coordinates as there are.
+struct Along<'r, 'a> {
+    replay: &'r Replay<'a>,
+    data: &'r Dataset,
+    trace: &'r mut Trace,
+}
+
+impl<'c> Visitor<'c> for Along<'_, '_> {
+    type Output = Result<ReplayReport, Failure>;
+
+    fn coordinates<const N: usize>(self, model: &'c SystemOf<'c, N>) -> Self::Output
+    where
+        for<'f> Chip<'f>: OfSize<N>,
+    {
+        let Self { replay: this, data, trace } = self;
+        let program = this.program::<N>(data.h as f32)?;
+        let (log, mut innovations) = (ticks(data, this.model)?, Innovations::new(program.angle));
+        let mut sink = |tick: &Tick<N>, outcome: &Outcome<N>| {
+            trace.push(tick);
+            innovations.take(tick, outcome, log[tick.index as usize].elapsed);
+        };
+        let rows = log.iter().copied();
+        let ran = match this.on {
+            None => {
+                let firmware = program.listen(model).map_err(misused)?;
+                let summary = replay(firmware, &program, rows, &mut sink).map_err(SetupError::from);
+                Ran { summary: summary.map_err(misused)?, instructions: Vec::new() }
+            }
+            Some(target) => target.with(&program, |remote| replay(remote, &program, rows, &mut sink))?,
+        };
+        let on = this.on.map_or("host", |target| target.board.name());
+        Ok(innovations.report(on, &ran, data))
+    }
+
+    fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
+        Err(super::plant::no_graphs())
+    }
+}
+
+/// The recordings of a log one after another, with forces in the place of commands: the gains and offsets of the model's actuator, but
+/// not its delay, which the observer has.
+fn ticks<const N: usize>(data: &Dataset, model: &HostModel) -> Result<Vec<Logged<N>>, Failure> {
+    let failed = |error: leastaction_core::model::ModelError| Failure::Input(error.to_string());
+    let actuator =
+        actuator(model).map(|file| file.at_step::<N>(data.h as f32)).transpose().map_err(failed)?;
+    let force = |u: [f32; N]| actuator.map_or(u, |(_, actuator)| actuator.output(&u));
+    let row = |rows: &Rows, k: usize| {
+        let row = rows.get(k).unwrap_or_default();
+        std::array::from_fn(|i| row.get(i).map_or(0.0, |x| *x as f32))
+    };
+    let mut log = Vec::with_capacity(data.samples());
+    for trajectory in &data.trajectories {
+        for (k, time) in data.times(trajectory).enumerate() {
+            let elapsed = if k == 0 { Logged::<N>::FIRST } else { 1 };
+            let measured = row(&trajectory.q, k).map(Some);
+            let command = force(trajectory.u.as_ref().map_or([0.0; N], |u| row(u, k)));
+            log.push(Logged { elapsed, time: time as f32, measured, command });
+        }
+    }
+    Ok(log)
+}
+
+/// Sums over the innovations of the ticks before which the estimate was trusted.
+struct Innovations<const N: usize> {
+    angle: [bool; N],
+    /// The last two readings, newest first, and the last innovation.
+    before: [Option<[f64; N]>; 2],
+    last: Option<[f64; N]>,
+    trusted: bool,
+    zeros: [f32; N],
+    each: [Sums; N],
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    sum: f64,
+    squares: f64,
+    products: f64,
+    most: f64,
+    constant_velocity: f64,
+}
+
+impl<const N: usize> Innovations<N> {
+    fn new(angle: [bool; N]) -> Self {
+        let (before, last, zeros) = ([None; 2], None, [0.0; N]);
+        Self { angle, before, last, trusted: false, zeros, each: [Sums::default(); N] }
+    }
+
+    fn take(&mut self, tick: &Tick<N>, outcome: &Outcome<N>, elapsed: u32) {
+        if elapsed == Logged::<N>::FIRST {
+            (self.before, self.last, self.trusted) = ([None; 2], None, false);
+        }
+        let (reading, innovation) = (tick.q.map(f64::from), tick.error.map(f64::from));
+        if let (true, [Some(one), Some(two)]) = (self.trusted, self.before) {
+            for i in 0..N {
+                let straight = reading[i] - 2.0 * one[i] + two[i];
+                let straight = if self.angle[i] { f64::from(wrap(straight as f32)) } else { straight };
+                self.each[i].take(innovation[i], self.last.map(|last| last[i]), straight);
+            }
+            self.last = Some(innovation);
+        }
+        self.before = [Some(reading), self.before[0]];
+        (self.trusted, self.zeros) = (tick.mode == Mode::Open, outcome.zeros);
+    }
+
+    fn report(&self, on: &str, ran: &Ran<N>, data: &Dataset) -> ReplayReport {
+        let all = |of: fn(&Sums) -> f64| self.each.iter().map(of).collect();
+        let Summary { ticks, incidents, newton, hash, .. } = ran.summary;
+        ReplayReport {
+            model: PathBuf::new(),
+            log: PathBuf::new(),
+            processor: on.to_owned(),
+            tick_instructions: median_and_most(&ran.instructions),
+            trajectories: data.trajectories.len(),
+            ticks,
+            h: data.h,
+            innovation_rms: all(|sums| (sums.squares / sums.count).sqrt()),
+            innovation_mean: all(|sums| sums.sum / sums.count),
+            innovation_max: all(|sums| sums.most),
+            innovation_correlation: all(|sums| sums.products / sums.squares.max(f64::MIN_POSITIVE)),
+            constant_velocity_rms: all(|sums| (sums.constant_velocity / sums.count).sqrt()),
+            zeros: self.zeros.to_vec(),
+            model_errors: incidents.model,
+            newton_iterations: newton.iterations,
+            trace_hash: format!("{hash:016x}"),
+            trace: PathBuf::new(),
+        }
+    }
+}
+
+impl Sums {
+    fn take(&mut self, innovation: f64, last: Option<f64>, straight: f64) {
+        self.count += 1.0;
+        self.sum += innovation;
+        self.squares += innovation * innovation;
+        self.products += innovation * last.unwrap_or(0.0);
+        self.most = self.most.max(innovation.abs());
+        self.constant_velocity += straight * straight;
+    }
+}
+
+impl ReplayReport {
+    /// An error where the model failed.
+    pub fn judge(&self) -> Result<(), Failure> {
+        match self.model_errors {
+            0 => Ok(()),
+            errors => Err(Failure::Work(format!(
+                "the model could not be stepped along {} {errors} times; see {}",
+                self.log.display(),
+                self.trace.display()
+            ))),
+        }
+    }
+}
+
+impl fmt::Display for ReplayReport {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let list = |x: &[f64]| x.iter().map(|x| format!("{x:.3e}")).collect::<Vec<_>>().join(", ");
+        let (log, trajectories, ticks, h) = (self.log.display(), self.trajectories, self.ticks, self.h);
+        writeln!(f, "{log}: {trajectories} trajectories, {ticks} ticks of {h} s, on {}", self.processor)?;
+        let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<32} {value}");
+        line(f, "innovation, rms (rad or m)", &list(&self.innovation_rms))?;
+        line(f, "innovation, mean", &list(&self.innovation_mean))?;
+        line(f, "innovation, largest", &list(&self.innovation_max))?;
+        line(f, "innovation, tick to tick", &list(&self.innovation_correlation))?;
+        line(f, "of constant velocity, rms", &list(&self.constant_velocity_rms))?;
+        line(
+            f,
+            "zeros of the encoders",
+            &list(&self.zeros.iter().map(|x| f64::from(*x)).collect::<Vec<_>>()),
+        )?;
+        line(f, "model errors", &self.model_errors.to_string())?;
+        if let Some([median, most]) = self.tick_instructions {
+            line(f, "instructions a tick", &format!("{median} (median), {most} at most"))?;
+        }
+        line(f, "trace", &format!("{} in {}", self.trace_hash, self.trace.display()))
+    }
+}

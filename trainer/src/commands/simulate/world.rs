@@ -1,0 +1,135 @@
+//! Friction and devices of the mechanism that a scenario acts on.
+
+use super::scenario::Request;
+use super::{Plant, Scenario};
+use clap::Args;
+use leastaction::cli::Failure;
+use leastaction::cli::arguments::{finite, not_negative, positive};
+use leastaction_core::forces::{Coulomb, DryFriction, Viscous};
+use leastaction_core::model::ActuatorBytes;
+use leastaction_firmware_sim::observer::LearnZeros;
+use leastaction_firmware_sim::scenario::Setup;
+use leastaction_learning::model_file::HostModel;
+
+/// Where the mechanism is not as the firmware would like it. Lists have one value for every coordinate, or one for all.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Friction and devices of the mechanism")]
+pub struct World {
+    /// Viscous friction b, N m s/rad or N s/m.
+    #[arg(long, value_name = "B,…", value_delimiter = ',', value_parser = not_negative)]
+    viscous: Vec<f64>,
+    /// Coulomb friction c of −c tanh(v/ε), N m or N.
+    #[arg(long, value_name = "C,…", value_delimiter = ',', value_parser = not_negative)]
+    coulomb: Vec<f64>,
+    /// Width ε of Coulomb friction, rad/s or m/s [default: 0.05].
+    #[arg(long, value_name = "E,…", value_delimiter = ',', value_parser = positive, requires = "coulomb")]
+    width: Vec<f64>,
+    /// What the encoders read more than there is, rad or m [default: 0].
+    #[arg(long, value_name = "Z,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
+    zeros: Vec<f64>,
+    /// Standard deviation of the encoders' noise, rad or m [default: 0.001 rad, 0.0002 m].
+    #[arg(long, value_name = "SD,…", value_delimiter = ',', value_parser = not_negative)]
+    noise: Vec<f64>,
+    /// From a command to its effect, ms, at most 8 ticks [default: 1 tick].
+    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    delay: Option<f64>,
+    /// What the firmware takes the delay for, ms [default: that of the model file, else what it is].
+    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    known_delay: Option<f64>,
+    /// Ticks come late, by up to so much, ms; less than a tick [default: 0].
+    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    jitter: Option<f64>,
+    /// The firmware learns the encoders' zeros; they may be off by so much (standard deviation), rad or m.
+    #[arg(long, value_name = "SD", value_parser = positive)]
+    learn_zeros: Option<f64>,
+}
+
+/// Width of Coulomb friction where none is said.
+const WIDTH: f64 = 0.05;
+/// Standard deviation of an innovation while zeros are learned, rad or m: noise, and what the model does not know.
+const INNOVATION: f32 = 3e-3;
+
+impl World {
+    /// Refuses what means nothing for a scenario.
+    pub fn check(&self, request: &Request) -> Result<(), Failure> {
+        let friction = !self.viscous.is_empty() || !self.coulomb.is_empty();
+        let devices = !(self.zeros.is_empty() && self.noise.is_empty())
+            || [self.delay, self.known_delay, self.jitter, self.learn_zeros].iter().any(Option::is_some);
+        if devices && request.scenario == Scenario::Predict {
+            return Err(Failure::Input(
+                "predict has no encoders, no drives and no clock; leave out what is said of them, or take track or \
+                 swing-up"
+                    .to_owned(),
+            ));
+        }
+        if friction && matches!(request.plant, Plant::Model { .. }) {
+            let reason =
+                "a mechanism from a file has the friction of its file; leave out --viscous and --coulomb";
+            return Err(Failure::Input(reason.to_owned()));
+        }
+        Ok(())
+    }
+
+    /// How far off zeros to be learned may be, along a log, which has its own friction and devices.
+    pub fn only_zeros(&self) -> Result<Option<f32>, Failure> {
+        let lists = [&self.viscous, &self.coulomb, &self.width, &self.zeros, &self.noise];
+        let numbers = [self.delay, self.known_delay, self.jitter];
+        if lists.iter().any(|list| !list.is_empty()) || numbers.iter().any(Option::is_some) {
+            let reason = "--replay takes friction, delay and noise as they are in the log; of the options for them it \
+                          knows --learn-zeros alone";
+            return Err(Failure::Input(reason.to_owned()));
+        }
+        Ok(self.learn_zeros.map(|deviation| deviation as f32))
+    }
+
+    /// The friction of an exact mechanism.
+    pub fn friction<const N: usize>(&self) -> Result<(Viscous<f32, N>, Coulomb<f32, N>), Failure> {
+        let viscous = for_all("--viscous", &self.viscous, 0.0)?;
+        let constants: [f32; N] = for_all("--coulomb", &self.coulomb, 0.0)?;
+        let widths: [f32; N] = for_all("--width", &self.width, WIDTH)?;
+        let coordinates = std::array::from_fn(|i| DryFriction {
+            constant: constants[i],
+            width: widths[i],
+            ..DryFriction::none()
+        });
+        Ok((Viscous { coefficients: viscous }, Coulomb { coordinates }))
+    }
+
+    /// The devices of a setup, and what the firmware knows of them.
+    pub fn adapt<const N: usize>(&self, setup: &mut Setup<N>, model: &HostModel) -> Result<(), Failure> {
+        let zeros: [f32; N] = for_all("--zeros", &self.zeros, 0.0)?;
+        let noises: [f32; N] = for_all("--noise", &self.noise, 0.0)?;
+        for (i, encoder) in setup.devices.encoders.iter_mut().enumerate() {
+            encoder.zero = zeros[i];
+            encoder.noise = if self.noise.is_empty() { encoder.noise } else { noises[i] };
+        }
+        let ticks = |ms: f64| (1e-3 * ms / f64::from(setup.tick)) as f32;
+        let delay = self.delay.map_or(setup.devices.actuator.delay, ticks);
+        let of_model = ActuatorBytes::new(&model.facts.actuator).ok().map(|file| file.delay() / setup.tick);
+        setup.observer.delay = self.known_delay.map(ticks).or(of_model).unwrap_or(delay);
+        if let Some(jitter) = self.jitter {
+            let clock = &mut setup.devices.clock;
+            (clock.late, clock.jitter) = (1.0, ticks(jitter));
+        }
+        setup.devices.actuator.delay = delay;
+        setup.observer.zeros = self
+            .learn_zeros
+            .map(|deviation| LearnZeros { deviation: deviation as f32, innovation: INNOVATION });
+        Ok(())
+    }
+}
+
+/// One value for each coordinate.
+fn for_all<const N: usize>(option: &str, list: &[f64], default: f64) -> Result<[f32; N], Failure> {
+    match list {
+        [] => Ok([default as f32; N]),
+        [one] => Ok([*one as f32; N]),
+        some if some.len() == N => Ok(std::array::from_fn(|i| some[i] as f32)),
+        some => {
+            let found = some.len();
+            Err(Failure::Input(format!(
+                "{option} has {found} values; give one, or {N}, one for each coordinate"
+            )))
+        }
+    }
+}
