@@ -1,10 +1,10 @@
 //! The models that stand in the table: one item each.
 
+use super::configured;
 use super::identified::Identified;
 use super::log::Log;
 use super::machine::Machine;
 use super::predictor::{ConstantVelocity, Predictor};
-use super::rigid_bodies;
 use super::rivals::Rival;
 use crate::task::TaskError;
 
@@ -93,7 +93,7 @@ const NETWORK: Entry = Entry {
 };
 
 /// Ours, by simple physics.
-const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 2.0, ..NETWORK };
+const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 10.0, ..NETWORK };
 
 /// What is known beforehand.
 const KNOWN: Entry = Entry { is_seeded: false, expected_seconds: 0.5, ..NETWORK };
@@ -109,17 +109,28 @@ const IDENTIFIED: Entry = Entry {
 };
 
 /// The other rows of the table, in order.
-const ENTRIES: [Entry; 7] = [
+const ENTRIES: [Entry; 8] = [
     Entry {
         model: "constant velocity",
         has_zeros: false,
         fit: |_| Ok(Fitted::known(ConstantVelocity)),
         ..KNOWN
     },
-    Entry { model: "rigid bodies, viscous", fit: |training| rigid_bodies::fit(training, false), ..BODIES },
+    Entry {
+        model: "rigid bodies, viscous",
+        fit: |training| configured::rigid_bodies(training, false),
+        ..BODIES
+    },
     Entry {
         model: "rigid bodies, viscous + Coulomb",
-        fit: |training| rigid_bodies::fit(training, true),
+        fit: |training| configured::rigid_bodies(training, true),
+        ..BODIES
+    },
+    Entry {
+        model: "leastaction, as look configures it",
+        is_default: true,
+        expected_seconds: 30.0,
+        fit: configured::default,
         ..BODIES
     },
     Entry { model: "L-NODE", fit: |training| Rival::LNode.fit(training, false), ..NETWORK },
