@@ -1,4 +1,5 @@
-//! What the commands of leastaction share: where words go, options, and a controller on another processor.
+//! What the commands of leastaction share: where words go, options, the look at logs, and a controller on another processor.
 
 pub mod cli;
+pub mod look;
 pub mod processor;

@@ -6,8 +6,7 @@ use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output, print};
 use leastaction_learning::config::{BODIES_DEFAULTS, Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
-use leastaction_learning::data::Dataset;
-use leastaction_learning::run::{Ending, Plan, PlanError, Run, held_back_error};
+use leastaction_learning::run::{ChoiceError, Chosen, Ending, Plan, PlanError, Run, choose};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -148,7 +147,17 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
 
 /// Reads the data that a configuration file names and prepares the losses, telling what should be known.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
-    let (config, data) = choose(file, config, output)?;
+    let Chosen { config, data, notes, errors } = choose(config).map_err(|error| match error {
+        ChoiceError::Data(error) => error.into(),
+        ChoiceError::Plan(error) => Failure::input(file, error),
+    })?;
+    tell(&notes, output);
+    for (columns, error) in errors {
+        let columns = columns.join(", ");
+        output.note(&format!(
+            "note: with u = {columns} positions of held-back logs are {error:.2e} off (m, rad)"
+        ));
+    }
     let log = PathBuf::from(config.data.file.to_string());
     let plan = Plan::new(config, &data).map_err(|error| match error {
         PlanError::Data(_) => Failure::input(&log, error),
@@ -156,33 +165,6 @@ pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure
     })?;
     plan.notices().iter().for_each(|notice| output.note(&format!("note: {notice}")));
     Ok(plan)
-}
-
-/// The configuration with the columns of u that predict best what they were not learned from, where it names several, and its data.
-fn choose(file: &Path, config: Config, output: Output) -> Result<(Config, Dataset), Failure> {
-    let candidates = config.data.alternatives();
-    let only = candidates.len() == 1;
-    let mut best: Option<(f64, Config, Dataset)> = None;
-    for data in candidates {
-        let own = Config { data, ..config.clone() };
-        let (logs, notes) = own.data.read()?;
-        tell(&notes, output);
-        if only {
-            return Ok((own, logs));
-        }
-        let error = held_back_error(&own, &logs).map_err(|error| Failure::input(file, error))?;
-        let error = error.unwrap_or(f64::INFINITY);
-        let columns = own.data.columns.iter().flat_map(|columns| &columns.columns.u);
-        let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
-        let said =
-            format!("u = {}: positions of held-back logs are {:.2e} off", names.join(", "), error.sqrt());
-        output.note(&format!("note: {said} (m or rad; geometric mean over windows)"));
-        if best.as_ref().is_none_or(|(least, ..)| error < *least) {
-            best = Some((error, own, logs));
-        }
-    }
-    let nothing = || Failure::input(file, "no columns of u to choose from".to_owned());
-    best.map(|(_, config, data)| (config, data)).ok_or_else(nothing)
 }
 
 /// Trains with progress on stderr.

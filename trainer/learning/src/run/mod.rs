@@ -26,7 +26,7 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use choose::held_back_error;
+pub use choose::{ChoiceError, Chosen, choose};
 pub use error::RunError;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};

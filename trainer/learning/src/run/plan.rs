@@ -103,6 +103,9 @@ pub enum PlanError {
         /// By the log.
         stated: ControlKind,
     },
+    /// Nothing to choose from.
+    #[error("[data.columns] names no columns of u to choose from")]
+    NoColumns,
     /// Only windows learn sensors and actuators.
     #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
     Calibration,

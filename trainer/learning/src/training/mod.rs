@@ -19,6 +19,6 @@ pub use levenberg::{Levenberg, Progress};
 pub use linear_start::linear_start;
 pub use normal::NormalEquations;
 pub(crate) use objective::order_of;
-pub use objective::{LossKind, Objective, Solved, objective, objective_of};
+pub use objective::{LossKind, Objective, Solved, objective, objective_of, torque_objective};
 pub use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};

@@ -6,7 +6,9 @@ use crate::architecture::Architecture;
 use leastaction_core::model::ModelError;
 use leastaction_programs::System;
 use leastaction_programs::dynamics::{Order, Rods};
-use leastaction_programs::losses::{AccelerationLoss, DelLoss, Loss, NextStateLoss, RodsLoss, RungeKutta};
+use leastaction_programs::losses::{
+    AccelerationLoss, DelLoss, Loss, NextStateLoss, RodsLoss, RungeKutta, TorqueLoss,
+};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -116,16 +118,42 @@ pub fn objective(
     kind: LossKind,
     order: u8,
 ) -> Result<Box<dyn Objective>, ModelError> {
-    let parameters = architecture.parameters()?;
     let (system, h) = (System::new(&*architecture.energies()?), samples.h);
     let rods = architecture.rods()?;
     check_rods(&system, &rods, kind)?;
-    let make = move || loss(kind, &system, &rods, (h, order));
-    let (fixed, bounds) = (architecture.fixed_positions(), Bounds::new(architecture.ranges()));
-    let architecture = architecture.clone();
-    let project = Box::new(move |weights: &mut [f64]| architecture.project(weights));
-    let blocks = Blocks::new(make, (parameters, fixed), samples, project);
-    Ok(Box::new(blocks.with_bounds(bounds)))
+    of_architecture(architecture, samples, move || loss(kind, &system, &rods, (h, order)))
+}
+
+/// The objective of the torque that a motion takes by a model of this shape ([`TorqueLoss`]), over states with accelerations and
+/// torques.
+///
+/// # Errors
+/// Where the shape does not fit in itself, or has rods.
+pub fn torque_objective(
+    architecture: &Architecture,
+    samples: Samples,
+) -> Result<Box<dyn Objective>, ModelError> {
+    let (system, rods) = (System::new(&*architecture.energies()?), architecture.rods()?);
+    if rods.count() > 0 {
+        return Err(ModelError::Shape {
+            what: "rods under the torque loss",
+            found: rods.count(),
+            compiled: 0,
+        });
+    }
+    of_architecture(architecture, samples, move || Box::new(TorqueLoss::new(&system)))
+}
+
+/// That of a loss, in the numbers that the shape learns.
+fn of_architecture(
+    architecture: &Architecture,
+    samples: Samples,
+    make: impl Fn() -> Box<dyn Loss> + Send + Sync + 'static,
+) -> Result<Box<dyn Objective>, ModelError> {
+    let (place, own) = ((architecture.parameters()?, architecture.fixed_positions()), architecture.clone());
+    let project = Box::new(move |weights: &mut [f64]| own.project(weights));
+    let blocks = Blocks::new(make, place, samples, project);
+    Ok(Box::new(blocks.with_bounds(Bounds::new(architecture.ranges()))))
 }
 
 /// The objective of any loss over samples, for a model of so many weights, all of which are learned. `make` gives a loss to every

@@ -1,10 +1,10 @@
 //! The models that stand in the table: one item each.
 
+use super::configured::{self, Chain};
 use super::identified::Identified;
 use super::log::Log;
 use super::machine::Machine;
 use super::predictor::{ConstantVelocity, Predictor};
-use super::rigid_bodies::{Chain, Torque};
 use super::rivals::Rival;
 use crate::task::TaskError;
 
@@ -93,7 +93,7 @@ const NETWORK: Entry = Entry {
 };
 
 /// Ours, by simple physics.
-const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 2.0, ..NETWORK };
+const BODIES: Entry = Entry { is_ours: true, is_seeded: false, expected_seconds: 10.0, ..NETWORK };
 
 /// What is known beforehand.
 const KNOWN: Entry = Entry { is_seeded: false, expected_seconds: 0.5, ..NETWORK };
@@ -108,11 +108,10 @@ const IDENTIFIED: Entry = Entry {
     ..KNOWN
 };
 
-const VISCOUS: Chain = Chain { dry: false, load: false, torque: Torque::Measured, zeros: false };
+const VISCOUS: Chain = Chain { dry: false, commanded: false, load: false };
 const COULOMB: Chain = Chain { dry: true, ..VISCOUS };
-const COMMANDED: Chain = Chain { torque: Torque::Commanded, ..COULOMB };
+const COMMANDED: Chain = Chain { commanded: true, ..COULOMB };
 const LOADED: Chain = Chain { load: true, ..COMMANDED };
-const DEFAULT: Chain = Chain { zeros: true, torque: Torque::Better, ..LOADED };
 
 /// The other rows of the table, in order.
 const ENTRIES: [Entry; 10] = [
@@ -129,11 +128,12 @@ const ENTRIES: [Entry; 10] = [
         fit: |training| COMMANDED.fit(training),
         ..BODIES
     },
-    Entry { model: "… friction grows with the load", fit: |training| LOADED.fit(training), ..BODIES },
+    Entry { model: "… Coulomb that grows with the load", fit: |training| LOADED.fit(training), ..BODIES },
     Entry {
-        model: "… and zero offsets learned, commanded or measured torque",
+        model: "leastaction, as look configures it",
         is_default: true,
-        fit: |training| DEFAULT.fit(training),
+        expected_seconds: 30.0,
+        fit: configured::default,
         ..BODIES
     },
     Entry { model: "L-NODE", fit: |training| Rival::LNode.fit(training, false), ..NETWORK },

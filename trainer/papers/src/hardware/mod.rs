@@ -12,6 +12,7 @@
 //! Data flows one way: files → [`Log`] → windows → [`Predictor`] → [`Summary`]. What is in the table is a list of [`Entry`].
 
 mod calibration;
+mod configured;
 mod data;
 mod entries;
 mod error;
@@ -22,7 +23,6 @@ mod machine;
 mod parameters;
 mod polynomial;
 mod predictor;
-mod rigid_bodies;
 mod rivals;
 mod rollout;
 mod split;

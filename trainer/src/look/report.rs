@@ -45,7 +45,7 @@ pub struct File {
 }
 
 impl File {
-    pub fn new(file: &Path, samples: usize, clock: Option<Clock>) -> Self {
+    pub(super) fn new(file: &Path, samples: usize, clock: Option<Clock>) -> Self {
         let time_unit = clock.map(|clock| time_unit(clock.median));
         let second = time_unit.and_then(unit);
         let seconds = |of: fn(&Clock) -> f64| Some(of(&clock?) * second?);
@@ -84,7 +84,7 @@ pub struct Column {
 }
 
 impl Column {
-    pub fn new(name: &str, signal: Signal, taken_for: Option<String>) -> Self {
+    pub(super) fn new(name: &str, signal: Signal, taken_for: Option<String>) -> Self {
         let Signal { least, greatest, missing, grid, noise } = signal;
         Self { column: name.to_owned(), taken_for, least, greatest, grid, noise, missing }
     }

@@ -1,29 +1,19 @@
-//! `leastaction look`.
+//! What is in logs of which nothing is known yet, and a first configuration.
 
 mod configuration;
 mod report;
 
-use clap::Args;
-use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
-use leastaction_learning::atomic;
-use leastaction_learning::data;
+pub use report::{Column, File, Report};
+
 use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal};
-use report::{Column, File, Report};
+use leastaction_learning::data::{self, DataError};
 use std::path::{Path, PathBuf};
 
-/// Look at logs of which nothing is known yet: clocks, ranges, encoder grids, noise, and what the columns may be.
-///
-/// With -o it writes a first configuration, whose columns are guessed by their names: check it, then train with it.
-///
-/// Example: leastaction look "logs/*.csv" -o robot.toml
-#[derive(Args)]
+/// Logs of one machine, looked at.
 pub struct Look {
-    /// Logs of one machine, .csv or .npz; *, ? and ** stand for several.
-    #[arg(required = true)]
-    files: Vec<PathBuf>,
-    /// A first configuration to write.
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    patterns: Vec<PathBuf>,
+    seen: Vec<Seen>,
+    guess: Guess,
 }
 
 /// A file and what is in it.
@@ -33,33 +23,33 @@ struct Seen {
 }
 
 impl Look {
-    /// Reads and tells.
-    pub fn run(self, output: Output) -> Done {
-        if let Some(file) = &self.output {
-            replaceable(file, FileKind::Configuration)?;
-        }
-        let seen = data::files(&self.files)?.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
-        let Some(first) = seen.first() else {
-            return Err(Failure::Input("name at least one log".to_owned()));
-        };
-        let guess = Guess::of(&first.log);
-        let report = Report::new(&seen, &guess);
-        report.doubts().iter().for_each(|doubt| output.note(&format!("note: {doubt}")));
-        if let Some(file) = &self.output {
-            let text = configuration::of(&self.files, file, &report, &guess)
-                .map_err(|reason| Failure::Input(format!("no configuration is written: {reason}")))?;
-            atomic::write(file, text.as_bytes()).map_err(|error| Failure::file(file, error))?;
-        }
-        output.report(&Report { configuration: self.output, ..report })
+    /// Reads the files that patterns name; what their columns are is guessed by the first one.
+    ///
+    /// # Errors
+    /// [`DataError`] where a pattern is none, or a file cannot be read.
+    pub fn at(patterns: &[PathBuf]) -> Result<Self, DataError> {
+        let read = |file: PathBuf| Ok(Seen { log: RawLog::read(&file)?, file });
+        let seen = data::files(patterns)?.into_iter().map(read).collect::<Result<Vec<_>, DataError>>()?;
+        let guess = seen.first().map_or_else(Guess::default, |first| Guess::of(&first.log));
+        Ok(Self { patterns: patterns.to_vec(), seen, guess })
+    }
+
+    /// What was seen.
+    pub fn report(&self) -> Report {
+        Report::new(&self.seen, &self.guess)
+    }
+
+    /// A configuration for a file of this name, which trains as it stands.
+    ///
+    /// # Errors
+    /// Why there is none, in words, where the columns cannot be guessed.
+    pub fn configuration(&self, at: &Path) -> Result<String, String> {
+        configuration::of(&self.patterns, at, &self.report(), &self.guess)
     }
 }
 
-fn read(file: PathBuf) -> Result<Seen, Failure> {
-    let log = RawLog::read(&file)?;
-    Ok(Seen { file, log })
-}
-
 impl Report {
+    /// Of these logs.
     fn new(seen: &[Seen], guess: &Guess) -> Self {
         let files: Vec<File> = seen.iter().map(|seen| of_file(&seen.file, &seen.log, guess)).collect();
         let columns = seen.first().map_or(Vec::new(), |first| {

@@ -1,7 +1,7 @@
 //! A first configuration.
 
 use super::report::Report;
-use leastaction::cli::CONFIGURATION_HEAD;
+use crate::cli::CONFIGURATION_HEAD;
 use leastaction_learning::data::survey::Guess;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,192 @@
+//! Models that `leastaction train` learns with a configuration, from the files of the training logs as they are.
+
+use super::entries::{Fitted, Training};
+use super::grid::STEP;
+use super::log::Log;
+use super::predictor::{Learned, Motion, Predictor};
+use crate::task::TaskError;
+use leastaction::look::Look;
+use leastaction_learning::checkpoint::Trained;
+use leastaction_learning::config::Config;
+use leastaction_learning::data::{Column, Rows};
+use leastaction_learning::run::{Chosen, Monitor, Plan, Row, Run, choose};
+use leastaction_learning::windows::Calibrated;
+use leastaction_programs::System;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// What `train` gives with the configuration that the look at the training logs writes.
+///
+/// # Errors
+/// Where no configuration can be written, or training fails.
+pub(super) fn default(training: &Training) -> Result<Fitted, TaskError> {
+    let files: Vec<PathBuf> = training.logs.iter().map(|log| log.file.clone()).collect();
+    let folder = tempfile::tempdir()?;
+    let text = Look::at(&files)?.configuration(&folder.path().join("machine.toml"))?;
+    train(&text, training, folder.path())
+}
+
+/// What a chain of rigid bodies has beside viscous friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Chain {
+    /// Dry friction.
+    pub dry: bool,
+    /// Torque as commanded, where it is logged, with gain and delay learned; else as measured.
+    pub commanded: bool,
+    /// Dry friction that grows with the load.
+    pub load: bool,
+}
+
+impl Chain {
+    /// Learns it over windows.
+    ///
+    /// # Errors
+    /// Where training fails.
+    pub fn fit(self, training: &Training) -> Result<Fitted, TaskError> {
+        let folder = tempfile::tempdir()?;
+        train(&chain(training, self)?, training, folder.path())
+    }
+}
+
+/// The configuration of a chain.
+fn chain(training: &Training, kind: Chain) -> Result<String, std::fmt::Error> {
+    let (columns, joints) = (training.machine.columns(), training.machine.joints());
+    let names = |columns: &[Column]| listed(columns.iter().take(joints).map(|column| column.name.clone()));
+    let commanded = kind.commanded && training.machine.logs_commands();
+    let mut text = String::new();
+    let files = listed(training.logs.iter().map(|log| full(&log.file).display().to_string()));
+    writeln!(text, "[data]\nfile = {files}\nstep = {STEP}\nvalidation = 0.0\n")?;
+    let (t, q, u) = (
+        &columns.t.name,
+        names(&columns.q),
+        names(if commanded { &columns.u[joints..] } else { &columns.u }),
+    );
+    writeln!(text, "[data.columns]\nt = \"{t}\"\nq = {q}\nu = {u}\n")?;
+    writeln!(text, "[model]\nfamily = \"bodies\"\nchain = {joints}\n")?;
+    writeln!(text, "[model.friction]\nviscous = \"learned\"")?;
+    if kind.dry {
+        writeln!(text, "coulomb = \"learned\"")?;
+    }
+    if kind.load {
+        writeln!(text, "load = \"learned\"")?;
+    }
+    if kind.commanded {
+        writeln!(text, "\n[calibration]\ngain = \"learned\"\ndelay = \"learned\"")?;
+    }
+    writeln!(text, "\n[training]\nloss = \"windows\"")?;
+    Ok(text)
+}
+
+/// As a list of TOML, whose strings those of JSON are.
+fn listed(names: impl Iterator<Item = String>) -> String {
+    serde_json::Value::from(names.collect::<Vec<_>>()).to_string()
+}
+
+fn full(file: &Path) -> PathBuf {
+    std::path::absolute(file).unwrap_or_else(|_| file.to_owned())
+}
+
+/// Trains in a folder that vanishes.
+fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskError> {
+    let mut config = Config::parse(text, &folder.join("machine.toml"))?;
+    config.training.seed = training.seed;
+    if training.quick {
+        config.training.iterations = config.training.iterations.min(QUICK);
+    }
+    let clock = Instant::now();
+    let Chosen { config, data, errors, .. } = choose(config)?;
+    for (columns, error) in errors {
+        (training.tell)(&format!("{}: held-back logs {error:.2e} rad off", columns.join(", ")));
+    }
+    let is_commanded = is_commanded(&config, training)?;
+    let plan = Plan::new(config, &data)?;
+    let (parameters, folder) = (plan.learned_parameters(), folder.join("run"));
+    let mut run = Run::begin(plan, &folder, false)?;
+    run.train(&mut Told(training.tell), &AtomicBool::new(false))?;
+    let Trained { architecture, best, calibrated, .. } = Trained::read(&folder)?;
+    let system = System::new(&*architecture.energies()?);
+    let learned = Learned::new(&system, best.weights);
+    let predictor = Driven { learned, calibrated: calibrated.unwrap_or_default(), is_commanded };
+    Ok(Fitted { predictor: Box::new(predictor), parameters, seconds: clock.elapsed().as_secs_f64() })
+}
+
+/// Iterations at most for a first look.
+const QUICK: u64 = 10;
+
+/// Whether a configuration reads the commanded torque, and not the measured one.
+fn is_commanded(config: &Config, training: &Training) -> Result<bool, TaskError> {
+    let read = config.data.reading().columns.map_or(Vec::new(), |columns| columns.u);
+    let known = training.machine.columns().u;
+    let (measured, commanded) = known.split_at(training.machine.joints());
+    match &read[..] {
+        read if read == measured => Ok(false),
+        read if read == commanded => Ok(true),
+        _ => Err("the configuration reads other torques than those of this machine".into()),
+    }
+}
+
+/// Says how far training is, every ten iterations.
+struct Told<'t>(&'t (dyn Fn(&str) + Sync));
+
+impl Monitor for Told<'_> {
+    fn row(&mut self, row: &Row) {
+        if row.iteration.is_multiple_of(10) {
+            (self.0)(&format!("{}, iteration {}: loss {:.2e}", row.stage, row.iteration, row.train));
+        }
+    }
+
+    fn warning(&mut self, message: &str) {
+        (self.0)(message);
+    }
+}
+
+/// Learned energies and forces under the torques of drives with a learned gain, offset and delay.
+struct Driven {
+    learned: Learned,
+    calibrated: Calibrated,
+    is_commanded: bool,
+}
+
+impl Predictor for Driven {
+    fn torques(&self, log: &Log) -> Rows {
+        let all = log.commanded.as_ref().filter(|_| self.is_commanded).unwrap_or(&log.measured);
+        self.calibrated.forces(all, STEP).unwrap_or_else(|| all.clone())
+    }
+
+    fn motion(&self) -> Box<Motion<'_>> {
+        self.learned.motion()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_core::energy::rigid::Coordinate;
+    use leastaction_learning::architecture::{Architecture, RigidArchitecture};
+
+    #[test]
+    fn torques_are_those_of_the_drive_a_delay_ago() {
+        let rows = |scale: f64| Rows::from_rows(1, (0..6).map(|k| [scale * f64::from(k * k)])).unwrap();
+        let log = Log {
+            file: "log.csv".into(),
+            q: rows(0.0),
+            v: rows(0.0),
+            measured: rows(100.0),
+            commanded: Some(rows(1.0)),
+        };
+        let architecture: Architecture = RigidArchitecture::new(&[Coordinate::Angle], 2).into();
+        let system = System::new(&*architecture.energies().unwrap());
+        let calibrated =
+            Calibrated { gain: vec![2.0], offset: vec![0.5], delay: 1.25 * STEP, zeros: Vec::new() };
+        let learned = Learned::new(&system, architecture.initial_weights(0));
+        let driven = Driven { learned, calibrated, is_commanded: true };
+        let found = driven.torques(&log);
+        let u = |k: f64| 0.75 * (k - 1.0) * (k - 1.0) + 0.25 * (k - 2.0) * (k - 2.0);
+        for k in 2..6 {
+            assert!((found[k][0] - (2.0 * u(k as f64) + 0.5)).abs() < 1e-12, "{k}");
+        }
+        assert_eq!(found[0], [0.5]);
+    }
+}

@@ -1,0 +1,41 @@
+//! `leastaction look`.
+
+use clap::Args;
+use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
+use leastaction::look;
+use leastaction_learning::atomic;
+use std::path::PathBuf;
+
+/// Look at logs of which nothing is known yet: clocks, ranges, encoder grids, noise, and what the columns may be.
+///
+/// With -o it writes a first configuration, whose columns are guessed by their names: check it, then train with it.
+///
+/// Example: leastaction look "logs/*.csv" -o robot.toml
+#[derive(Args)]
+pub struct Look {
+    /// Logs of one machine, .csv or .npz; *, ? and ** stand for several.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// A first configuration to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Look {
+    /// Reads and tells.
+    pub fn run(self, output: Output) -> Done {
+        if let Some(file) = &self.output {
+            replaceable(file, FileKind::Configuration)?;
+        }
+        let seen = look::Look::at(&self.files)?;
+        let report = seen.report();
+        report.doubts().iter().for_each(|doubt| output.note(&format!("note: {doubt}")));
+        if let Some(file) = &self.output {
+            let text = seen
+                .configuration(file)
+                .map_err(|reason| Failure::Input(format!("no configuration is written: {reason}")))?;
+            atomic::write(file, text.as_bytes()).map_err(|error| Failure::file(file, error))?;
+        }
+        output.report(&look::Report { configuration: self.output, ..report })
+    }
+}
