@@ -202,11 +202,11 @@ impl Plan {
         &self.notices
     }
 
-    /// Samples of the last stage, in training and in validation.
+    /// Samples of the last stage, and those that judge.
     pub fn samples(&self) -> (usize, usize) {
-        let last = self.stages.last();
-        let validation = last.and_then(|stage| stage.validation.as_ref());
-        (last.map_or(0, |stage| stage.objective.samples()), validation.map_or(0, |part| part.samples()))
+        let judges = self.stages.iter().rev().find_map(|stage| stage.validation.as_ref());
+        let last = self.stages.last().map_or(0, |stage| stage.objective.samples());
+        (last, judges.map_or(0, |part| part.samples()))
     }
 
     /// Numbers in the weight block.
