@@ -16,6 +16,8 @@ mod fingerprint;
 mod folder;
 #[cfg(test)]
 mod folder_tests;
+#[cfg(test)]
+mod friction_tests;
 mod notice;
 mod plan;
 mod range;
