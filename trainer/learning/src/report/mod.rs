@@ -265,6 +265,3 @@ impl Report<'_> {
         (0..self.logs().n).filter_map(moves).collect()
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -75,3 +75,51 @@ fn facts(plan: &Plan, windows: &Windowed, best: &Best, seconds: f64) -> Vec<(&'s
     facts.push(("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))));
     facts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Warned, config, data};
+    use super::super::{Plan, Run};
+    use crate::config::{Config, TrainingLoss};
+    use std::path::Path;
+    use std::sync::atomic::AtomicBool;
+
+    fn over_windows() -> Config {
+        let mut config = config();
+        (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), 0.2);
+        config
+    }
+
+    fn train(config: Config, folder: &Path) -> Run {
+        let mut run = Run::begin(Plan::new(config, &data(6, true)).unwrap(), folder, true).unwrap();
+        let mut said = Warned::default();
+        run.train(&mut said, &AtomicBool::new(false)).unwrap();
+        assert!(said.warnings.is_empty(), "{:?}", said.warnings);
+        run
+    }
+
+    #[test]
+    fn a_run_over_windows_has_a_page_and_another_has_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let page = train(over_windows(), folder.path()).report().unwrap();
+        let text = std::fs::read_to_string(&page).unwrap();
+        for part in [
+            "<h2>Errors of predictions</h2>",
+            "<h2>Measured and predicted</h2>",
+            "<h2>Inertia and potential</h2>",
+            "<h2>Residuals</h2>",
+            "<h2>What was learned</h2>",
+            "weights of networks",
+            "6 logs, 54 samples",
+        ] {
+            assert!(text.contains(part), "{part}");
+        }
+        assert_eq!(text.matches("<svg").count(), text.matches("</svg>").count());
+        // It needs nothing from elsewhere.
+        let links = ["<script", "<img", "<link", "src=", "url(", "@import"];
+        assert!(links.iter().all(|link| !text.contains(link)));
+        // What replaces the run is not described by its page.
+        assert_eq!(train(config(), folder.path()).report(), None);
+        assert!(!page.exists());
+    }
+}
