@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 /// The look of all pages.
 pub const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b}\
-h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2.5rem}\
+h1{font-size:1.5rem;overflow-wrap:anywhere}h2{font-size:1.15rem;margin-top:2.5rem}\
 div.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}\
 th,td{padding:.25rem .6rem;text-align:right;border-bottom:1px solid #ddd}th{border-bottom:2px solid #888;vertical-align:bottom}\
 td.text,th.text{text-align:left}tr.other td{color:#666}td b{color:#00527a}small{color:#666;display:block}\
