@@ -109,8 +109,7 @@ impl fmt::Display for Report {
             self.best_iteration, self.train_loss
         )?;
         writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
-        let report = self.report.iter();
-        report.map(|page| writeln!(f, "what it is worth: {}", page.display())).collect()
+        self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
     }
 }
 
