@@ -107,11 +107,13 @@ pub(super) fn friction(
         Series::new(label, (0..POINTS).map(|k| (at(k), force(at(k), tau))))
     };
     let unit = if slides { "N" } else { "N m" };
-    let mut series = vec![curve("without a load".to_owned(), 0.0)];
-    if load > 0.0 && of.dry.is_some_and(|dry| dry.load > 0.0) {
+    let grows = load > 0.0 && of.dry.is_some_and(|dry| dry.load > 0.0);
+    let series = if grows {
         let label = format!("under a force of {} {unit}", super::page::number(load));
-        series.push(curve(label, load).with_stroke(Stroke::Dashed));
-    }
+        vec![curve("without a load".to_owned(), 0.0), curve(label, load).with_stroke(Stroke::Dashed)]
+    } else {
+        vec![curve(String::new(), 0.0)]
+    };
     let velocity = format!("v{i} ({})", if slides { "m/s" } else { "rad/s" });
     let label = format!("friction ({unit})");
     curves_svg(&format!("Friction of q{i}"), (&velocity, &label), Vertical::Linear, &series)
