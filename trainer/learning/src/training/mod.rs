@@ -20,5 +20,6 @@ pub use linear_start::linear_start;
 pub use normal::NormalEquations;
 pub(crate) use objective::order_of;
 pub use objective::{LossKind, Objective, Solved, objective, objective_of, torque_objective};
+pub(crate) use residuals::normal_equations_of;
 pub use residuals::{ChunkRows, Failed, Residuals};
 pub use samples::{SampleError, Samples};

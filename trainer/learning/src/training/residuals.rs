@@ -185,6 +185,25 @@ fn sum(
     parallel::within(|| merged(&parts, &part))
 }
 
+/// The normal equations of some samples alone, without what is expected before any is seen; `None` where one cannot be evaluated.
+pub(crate) fn normal_equations_of<R: Residuals>(
+    residuals: &R,
+    weights: &[f64],
+    samples: Range<usize>,
+) -> Option<NormalEquations> {
+    let p = residuals.shared();
+    let parts = parts_with_gram(samples.len(), p);
+    sum(
+        (samples, parts, residuals.chunk()),
+        || NormalEquations::zero(p),
+        |sum, rows, chunk| {
+            residuals.linearise(weights, chunk, rows)?;
+            sum.add(&rows.jacobian, &rows.residual);
+            Ok(())
+        },
+    )
+}
+
 impl<R: Residuals> Objective for R {
     fn parameters(&self) -> usize {
         Residuals::parameters(self)
@@ -218,16 +237,7 @@ impl<R: Residuals> Objective for R {
     }
 
     fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
-        let (p, samples) = (Residuals::shared(self), Residuals::samples(self));
-        let mut total = sum(
-            (0..samples, parts_with_gram(samples, p), self.chunk()),
-            || NormalEquations::zero(p),
-            |sum, rows, chunk| {
-                self.linearise(weights, chunk, rows)?;
-                sum.add(&rows.jacobian, &rows.residual);
-                Ok(())
-            },
-        )?;
+        let mut total = normal_equations_of(self, weights, 0..Residuals::samples(self))?;
         self.add_penalty(weights, &mut total);
         Some(total)
     }

@@ -1,19 +1,21 @@
 //! How well the logs of a loss over windows show what was learned from them.
 //!
-//! The covariance of the learned numbers is H⁻¹ (Σ_l g_l g_lᵀ) H⁻¹ · L/(L − 1), clustered by log: what is missing in the model makes
-//! residuals of one log alike, those of different logs not. H is the matrix of the normal equations with ρ″/2 in place of ρ′/2x
-//! (their ratio, averaged over residuals, is one number) and with the priors; g_l is the gradient over the windows of log l. Start
-//! states are eliminated in both. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut into parts that count as logs.
+//! The covariance of the learned numbers is (L − 1)/L · Σ_l δ_l δ_lᵀ with δ_l = (H − H_l)⁻¹ g_l, by how much they move where log l is
+//! left out (the jackknife): what is missing in the model makes residuals of one log alike, those of different logs not. H is the matrix
+//! of the normal equations with ρ″/2 in place of ρ′/2x (their ratio, averaged over residuals, is one number) and with the priors, H_l
+//! and g_l are its part and the gradient over the windows of log l. Start states are eliminated in all of them. H⁻¹ in place of
+//! (H − H_l)⁻¹ would make errors too small where a few logs show most. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut into
+//! parts that count as logs, more than [`MOST_LOGS`] are joined.
 //!
-//! A zero offset belongs to a single log, whose gradient in it is 0 at the minimum: σ² times the inverse of its block of H is added, σ²
-//! the mean square of the residuals, as if these were independent.
+//! A zero offset belongs to a single log, without which nothing shows it: in place of that log's part σ² times the inverse of its block of
+//! H is added, σ² the mean square of the residuals, as if these were independent.
 //!
 //! Correlations are those of H⁻¹, which few logs do not disturb.
 
 use super::loss::WindowLoss;
 use super::rollout::curvatures;
 use crate::parallel;
-use crate::training::{LEAST, MARGIN, NormalEquations, Objective, Range, Residuals};
+use crate::training::{LEAST, MARGIN, NormalEquations, Objective, Range, Residuals, normal_equations_of};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use std::ops;
@@ -22,10 +24,14 @@ use std::ops;
 const FEWEST_LOGS: usize = 5;
 /// Parts of which fewer logs are cut.
 const PARTS: usize = 32;
+/// Logs that are left out one by one, at most.
+const MOST_LOGS: usize = 64;
 /// Numbers at most: the eigenvalues of a matrix of this size take seconds.
 const MOST_NUMBERS: usize = 800;
 /// Windows whose residuals are looked at, at most.
 const WINDOWS: usize = 4096;
+/// A number that a log has more than this part of is shown by it alone.
+const OWN: f64 = 0.99;
 /// Eigenvalues of the scaled matrix below this are rounding errors of 0.
 const RANK: f64 = 1e-9;
 /// A number is free where directions that are not shown have this part of it.
@@ -117,7 +123,9 @@ impl Clusters {
     fn of(loss: &WindowLoss) -> Self {
         let logs = loss.windows_of_logs();
         if logs.len() >= FEWEST_LOGS {
-            return Self { parts: logs, whole_logs: true };
+            let joined = logs.chunks(logs.len().div_ceil(MOST_LOGS));
+            let part = |logs: &[ops::Range<usize>]| Some(logs.first()?.start..logs.last()?.end);
+            return Self { parts: joined.filter_map(part).collect(), whole_logs: true };
         }
         let windows = Residuals::samples(loss);
         let size = windows.div_ceil(PARTS).max(1);
@@ -144,10 +152,7 @@ impl Spread {
         let all = loss.normal_equations(weights)?;
         let mut prior = NormalEquations::zero(all.gradient.len());
         loss.add_penalty(weights, &mut prior);
-        let of = |equations: &NormalEquations, i: usize, j: usize| {
-            let (i, j) = (positions[i.max(j)], positions[i.min(j)]);
-            equations.gram[(i, j)]
-        };
+        let of = |equations: &NormalEquations, i, j| entry(equations, positions, i, j);
         let data = |i, j| of(&all, i, j) - of(&prior, i, j);
         let size = |square: f64| if square > f64::MIN_POSITIVE { square.sqrt().recip() } else { 0.0 };
         let sizes: Vec<f64> = (0..p).map(|i| size(data(i, i))).collect();
@@ -160,15 +165,40 @@ impl Spread {
         let own = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of(&prior, i, j)));
         let basis = Mat::from_fn(p, shown.len(), |i, k| vectors[(i, shown[k])]);
         let within = basis.transpose() * &own * &basis;
-        let inverse = &basis * within.llt(Side::Lower).ok()?.inverse() * basis.transpose();
-        let gradients = gradients(loss, weights, positions, clusters)?;
+        let inverse_of_all = &basis * within.llt(Side::Lower).ok()?.inverse() * basis.transpose();
+        let part = |of: &ops::Range<usize>| -> Option<(Mat<f64>, Vec<usize>)> {
+            let log = normal_equations_of(loss, weights, of.clone())?;
+            let rest = Mat::from_fn(p, p, |i, j| {
+                own[(i, j)] - ratio * sizes[i] * sizes[j] * entry(&log, positions, i, j)
+            });
+            let gradient = Mat::from_fn(p, 1, |i, _| sizes[i] * log.gradient[positions[i]]);
+            let within = basis.transpose() * rest * &basis;
+            // Where this log alone shows something, the others say nothing of it without it.
+            let inverse = within.llt(Side::Lower).map(|factor| &basis * factor.inverse() * basis.transpose());
+            let mut moved = inverse.as_ref().unwrap_or(&inverse_of_all) * gradient;
+            let owns = |i: &usize| entry(&log, positions, *i, *i) > OWN * data(*i, *i);
+            let own: Vec<usize> = (0..p).filter(owns).collect();
+            // Without its log a number is what is expected of it.
+            own.iter().for_each(|i| moved[(*i, 0)] = 0.0);
+            Some((moved, own))
+        };
+        let moved: Vec<(Mat<f64>, Vec<usize>)> = clusters.parts.iter().map(part).collect::<Option<_>>()?;
         let mean_square = (all.squares / all.rows.saturating_sub(p).max(1) as f64).max(0.0);
         let alone = of_single_logs(loss, positions, &own, mean_square);
-        let moved = &inverse * Mat::from_fn(p, gradients.len(), |i, l| sizes[i] * gradients[l][i]);
-        let few = gradients.len() as f64 / (gradients.len() as f64 - 1.0).max(1.0);
-        let variance = |i: usize| few * moved.row(i).iter().map(|x| x * x).sum::<f64>() + alone[i];
+        let count = moved.len() as f64;
+        let variance = |i: usize| {
+            let squares: f64 = moved.iter().map(|(of, _)| of[(i, 0)].powi(2)).sum();
+            let is_of_one = moved.iter().any(|(_, own)| own.contains(&i));
+            (count - 1.0) / count * squares + if is_of_one { alone[i] } else { 0.0 }
+        };
         let variances = (0..p).map(variance).collect();
-        Some(Self { free: free.collect(), hidden: p - shown.len(), inverse, variances, sizes })
+        Some(Self {
+            free: free.collect(),
+            hidden: p - shown.len(),
+            inverse: inverse_of_all,
+            variances,
+            sizes,
+        })
     }
 
     fn shown(&self, i: usize) -> Shown {
@@ -199,18 +229,9 @@ fn curvature_ratio(loss: &WindowLoss, weights: &[f64]) -> f64 {
     if sum[0] > 0.0 { sum[1] / sum[0] } else { 1.0 }
 }
 
-/// The gradient over every cluster.
-fn gradients(
-    loss: &WindowLoss,
-    weights: &[f64],
-    positions: &[usize],
-    clusters: &Clusters,
-) -> Option<Vec<Vec<f64>>> {
-    let of = |part: &ops::Range<usize>| {
-        let sum = loss.gradient(weights, part.clone())?;
-        Some(positions.iter().map(|position| sum.gradient[*position]).collect())
-    };
-    clusters.parts.iter().map(of).collect()
+/// Entry (i, j) of JᵀJ of the numbers at these positions, of which the lower triangle is there.
+fn entry(equations: &NormalEquations, positions: &[usize], i: usize, j: usize) -> f64 {
+    equations.gram[(positions[i.max(j)], positions[i.min(j)])]
 }
 
 /// Variances of numbers that belong to one log alone, given the others; 0 of all others.
