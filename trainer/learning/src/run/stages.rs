@@ -74,6 +74,8 @@ fn goes_on(config: &Config) -> bool {
 const SHORT: f64 = 0.2;
 /// Steps of such a part, at least.
 const FEWEST_STEPS: usize = 5;
+/// A step of a model with dry friction at most, s: friction turns fast where a velocity changes its sign.
+const STIFF_STEP: f64 = 0.005;
 
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
@@ -101,8 +103,11 @@ pub(super) fn of_windows(
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
+    let substeps =
+        if architecture.friction.dry.is_empty() { 1.0 } else { (data.h / STIFF_STEP - 1e-6).ceil() };
+    let (substeps, calibration) = ((substeps as usize).max(1), config.calibration.calibration());
     let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
-        let settings = WindowSettings { steps, order, calibration: config.calibration.calibration() };
+        let settings = WindowSettings { steps, substeps, order, calibration };
         Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
     };
     let layout = loss(all, 0..training)?.layout();

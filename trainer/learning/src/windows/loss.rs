@@ -18,7 +18,9 @@ use std::sync::Arc;
 pub struct WindowSettings {
     /// Steps of a window, at least 1.
     pub steps: usize,
-    /// Order of the explicit steps: 2 or 4.
+    /// Runge–Kutta steps in each of them, at least 1.
+    pub substeps: usize,
+    /// Their order: 2 or 4.
     pub order: u8,
     /// What is learned of sensors and actuators.
     pub calibration: Calibration,
@@ -35,6 +37,7 @@ pub struct WindowLoss {
     logs: Arc<WindowLogs>,
     windows: Vec<Window>,
     steps: usize,
+    substeps: usize,
     layout: CalibrationLayout,
     /// What is not to be varied, of what windows share.
     fixed: Vec<usize>,
@@ -96,12 +99,13 @@ impl WindowLoss {
         settings: WindowSettings,
     ) -> Result<Self, TooShort> {
         let WindowModel { system, mut fixed, bounds, project } = model;
-        let WindowSettings { steps, order, calibration } = settings;
+        let WindowSettings { steps, substeps, order, calibration } = settings;
+        let substeps = substeps.max(1);
         let (n, h, start) = (logs.n, logs.h, system.parameters());
         let layout =
             CalibrationLayout { start, n, logs: logs.count(), calibration, control: logs.control_size() };
         fixed.extend(layout.fixed(|log| of.contains(&log)));
-        let make = move || ExplicitSteps::new(&system, h, RungeKutta::of_order(order));
+        let make = move || ExplicitSteps::new(&system, h / substeps as f64, RungeKutta::of_order(order));
         let windows = logs.windows(of.clone(), steps)?;
         let noise = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
         let motion = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
@@ -109,6 +113,7 @@ impl WindowLoss {
             logs: logs.clone(),
             windows,
             steps,
+            substeps,
             layout,
             fixed,
             priors: layout.priors(),
@@ -146,6 +151,7 @@ impl WindowLoss {
             logs: &self.logs,
             windows: std::array::from_fn(|lane| self.windows[(first + lane).min(last)]),
             steps: self.steps,
+            substeps: self.substeps,
             layout: &self.layout,
             numbers: &weights[..self.layout.end()],
             scales: self.scales(weights),

@@ -17,6 +17,8 @@ pub(super) struct Lanes<'a> {
     pub windows: [Window; WIDTH],
     /// Steps of each.
     pub steps: usize,
+    /// Runge–Kutta steps in each of them.
+    pub substeps: usize,
     pub layout: &'a CalibrationLayout,
     /// The weight block of the model, then the calibration's numbers.
     pub numbers: &'a [f64],
@@ -44,6 +46,22 @@ fn share(x: f64) -> f64 {
     (1.0 + x * x / (KNEE * KNEE)).sqrt().sqrt().recip()
 }
 
+/// τ at the start and the end of a step, and how it moves with g, o and d.
+type Acting = ([Vec<Row>; 2], Vec<ControlTangent>);
+
+/// What acts over one of several equal parts of a step, linear over all of it.
+fn part_of((tau, tangents): &Acting, part: usize, parts: usize) -> Acting {
+    let ends = [part, part + 1].map(|end| end as f64 / parts as f64);
+    let between =
+        |a: &Row, b: &Row| ends.map(|c| Row(std::array::from_fn(|k| a.0[k] + c * (b.0[k] - a.0[k]))));
+    let each: Vec<[Row; 2]> = tau[0].iter().zip(&tau[1]).map(|(a, b)| between(a, b)).collect();
+    let moved = |tangent: &ControlTangent| {
+        let [a, b] = &tangent.change;
+        ControlTangent { change: between(a, b), ..tangent.clone() }
+    };
+    ([0, 1].map(|end| each.iter().map(|ends| ends[end]).collect()), tangents.iter().map(moved).collect())
+}
+
 impl Lanes<'_> {
     fn n(&self) -> usize {
         self.logs.n
@@ -54,7 +72,7 @@ impl Lanes<'_> {
     }
 
     /// τ at the start and the end of a step, and how it moves with g, o and d.
-    fn control(&self, step: usize) -> ([Vec<Row>; 2], Vec<ControlTangent>) {
+    fn control(&self, step: usize) -> Acting {
         let (n, held) = (self.n(), self.logs.control == ControlKind::Held);
         let number = |position: usize| self.numbers[position];
         let mut tau = [vec![Row::default(); n], vec![Row::default(); n]];
@@ -103,13 +121,16 @@ impl Lanes<'_> {
         let (mut state, mut failures) = (starts.clone(), Failures::default());
         visit(0, &state, tangents.as_deref());
         for step in 0..self.steps {
-            let (tau, controls) = self.control(step);
-            let carried = tangents.as_deref_mut().map(|tangents| {
-                let controls = if tangents.controls() > 0 { &controls[..] } else { &[] };
-                (tangents, controls)
-            });
-            let failed = stepper.step(self.numbers, &mut state, [&tau[0], &tau[1]], carried);
-            failures = failures.or(failed);
+            let whole = self.control(step);
+            for substep in 0..self.substeps {
+                let (tau, controls) = part_of(&whole, substep, self.substeps);
+                let carried = tangents.as_deref_mut().map(|tangents| {
+                    let controls = if tangents.controls() > 0 { &controls[..] } else { &[] };
+                    (tangents, controls)
+                });
+                let failed = stepper.step(self.numbers, &mut state, [&tau[0], &tau[1]], carried);
+                failures = failures.or(failed);
+            }
             visit(step + 1, &state, tangents.as_deref());
         }
         failures
