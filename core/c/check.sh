@@ -3,9 +3,9 @@
 # example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
 # the same steps have in Rust, and refuse every damaged file. Links two shapes into one image, and runs both. The committed
 # header must be what the sources give.
-# Families may be named: `check.sh rigid`; without a name all three are checked, each with the features that it has beside it.
+# Families may be named: `check.sh rigid`; without a name all four are checked, each with the features that it has beside it.
 set -euo pipefail
-families=" ${*:-rigid modular graph} "
+families=" ${*:-rigid modular graph bodies} "
 cd "$(dirname "$0")"
 target=thumbv7em-none-eabihf
 out=${CARGO_TARGET_DIR:-$PWD/target}
@@ -174,6 +174,7 @@ check rigid,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEAS
 # The same file without dry friction, by the same library: what it does is what the library without the feature does.
 check rigid,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
+check bodies crane "" "$arm" LEASTACTION_COORDINATES=3
 for with in graph graph,rods; do
     check $with web pair '0.125 0.25 0.375 0.5' LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
         LEASTACTION_NETWORKS=6

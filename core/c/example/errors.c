@@ -82,7 +82,7 @@ static void misplaced(void) {
     EXPECT(OK, load(bytes));
     other = model;
     EXPECT(NOT_LOADED, leastaction_momentum(&other, zero, zero, N, x, &error));
-#ifndef LEASTACTION_RIGID
+#if defined LEASTACTION_MODULAR || defined LEASTACTION_GRAPH
     EXPECT(NULL_POINTER, leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, NULL, &error));
     leastaction_status none = leastaction_load(&other, sizeof other, LEASTACTION_ABI, file, bytes, "nothing", &error);
     REQUIRE(none == LEASTACTION_STATUS_NO_SUCH_TREE || none == LEASTACTION_STATUS_NO_SUCH_GRAPH);

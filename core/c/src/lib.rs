@@ -1,26 +1,26 @@
 //! leastaction-core for C: a static library for one family of models and one shape, with a header.
 //!
 //! Family and shape are compiled in, so that nothing is allocated and the storage of a model and of a state is a C struct:
-//! the family by a Cargo feature (`rigid`, `modular`, `graph`), the shape by environment variables (`config.rs`). No
+//! the family by a Cargo feature (`rigid`, `modular`, `graph`, `bodies`), the shape by environment variables (`config.rs`). No
 //! callback, no allocation, no panic: the library calls `leastaction_panicked` where it could panic, which nobody defines,
 //! so that a program that could panic does not link.
 //!
 //! `include/leastaction.h` is generated from the documentation here: `cargo run --bin header` in `tools`.
 #![cfg_attr(not(test), no_std)]
 
-#[cfg(not(any(feature = "rigid", feature = "modular", feature = "graph")))]
-compile_error!("choose the family of models by a feature: rigid, modular or graph");
+#[cfg(not(any(feature = "rigid", feature = "modular", feature = "graph", feature = "bodies")))]
+compile_error!("choose the family of models by a feature: rigid, modular, graph or bodies");
 #[cfg(any(
-    all(feature = "rigid", feature = "modular"),
-    all(feature = "rigid", feature = "graph"),
-    all(feature = "modular", feature = "graph")
+    all(feature = "rigid", any(feature = "modular", feature = "graph", feature = "bodies")),
+    all(feature = "modular", any(feature = "graph", feature = "bodies")),
+    all(feature = "graph", feature = "bodies")
 ))]
-compile_error!("choose one family: --no-default-features --features rigid, modular or graph");
+compile_error!("choose one family: --no-default-features --features rigid, modular, graph or bodies");
 #[cfg(all(feature = "rods", not(feature = "graph")))]
 compile_error!("rods are of graphs: --no-default-features --features graph,rods");
 #[cfg(all(feature = "friction", feature = "graph"))]
 compile_error!(
-    "graphs have no dry friction: --no-default-features --features rigid,friction or modular,friction"
+    "graphs have no dry friction: --no-default-features --features rigid,friction, modular,friction or bodies,friction"
 );
 
 mod arguments;

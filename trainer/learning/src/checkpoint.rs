@@ -157,21 +157,18 @@ impl Trained {
     /// # Errors
     /// [`CheckpointError`] where there is no usable checkpoint.
     pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
-        let checkpoint = Checkpoint::read(&folder.join(FILE))?;
+        Ok(Checkpoint::read(&folder.join(FILE))?.into())
+    }
+}
+
+impl From<Checkpoint> for Trained {
+    fn from(checkpoint: Checkpoint) -> Self {
         let provenance = checkpoint.provenance();
         let Checkpoint { architecture, trained_step, range, calibration, state, .. } = checkpoint;
         let mut best = state.best;
         let calibrated = calibration.map(|layout| layout.read(&best.weights));
         // What follows the weight block belongs to the logs.
         calibration.iter().for_each(|layout| best.weights.truncate(layout.start));
-        Ok(Self {
-            architecture,
-            trained_step,
-            range,
-            best,
-            calibrated,
-            iterations: state.iteration,
-            provenance,
-        })
+        Self { architecture, trained_step, range, best, calibrated, iterations: state.iteration, provenance }
     }
 }

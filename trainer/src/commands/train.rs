@@ -6,7 +6,7 @@ use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output, print};
 use leastaction_learning::config::{BODIES_DEFAULTS, Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
-use leastaction_learning::run::{Ending, Plan, PlanError, Run};
+use leastaction_learning::run::{ChoiceError, Chosen, Ending, Plan, PlanError, Run, choose};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -147,8 +147,17 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
 
 /// Reads the data that a configuration file names and prepares the losses, telling what should be known.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
-    let (data, notes) = config.data.read()?;
+    let Chosen { config, data, notes, errors } = choose(config).map_err(|error| match error {
+        ChoiceError::Data(error) => error.into(),
+        ChoiceError::Plan(error) => Failure::input(file, error),
+    })?;
     tell(&notes, output);
+    for (columns, error) in errors {
+        let columns = columns.join(", ");
+        output.note(&format!(
+            "note: with u = {columns} positions of held-back logs are {error:.2e} off (m, rad)"
+        ));
+    }
     let log = PathBuf::from(config.data.file.to_string());
     let plan = Plan::new(config, &data).map_err(|error| match error {
         PlanError::Data(_) => Failure::input(&log, error),

@@ -41,6 +41,11 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
             line(&mut text, format_args!("{letter} = {}", list(names, false)));
         }
     }
+    if !guess.other_u.is_empty() {
+        let others: Vec<String> = guess.other_u.iter().map(|names| list(names, false)).collect();
+        line(&mut text, format_args!("# Forces as well: what predicts held-back logs best is taken."));
+        line(&mut text, format_args!("other_u = [{}]", others.join(", ")));
+    }
     model(&mut text, guess);
     Ok(text)
 }
@@ -71,7 +76,8 @@ fn model(text: &mut String, guess: &Guess) {
         let angles = vec!["\"angle\""; n].join(", ");
         line(text, format_args!("# \"translation\", \"angle\" or \"cyclic\".\ncoordinates = [{angles}]"));
     }
-    line(text, format_args!("friction = \"learned\""));
+    let load = if driven { ", load = \"learned\"" } else { "" };
+    line(text, format_args!("friction = {{ viscous = \"learned\", coulomb = \"learned\"{load} }}"));
     if driven {
         line(text, format_args!("\n# Of sensors and actuators; a number where it is known.\n[calibration]"));
         line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));

@@ -129,3 +129,50 @@ fn evaluation_compares_energy_only_where_no_force_acts() {
     assert!(matches!(measures("free"), (Some(error), false) if error < 1.0));
     bench.run("evaluate run.postcard --data data.npz --order 3").bad(2, &["--order", "2 or 4"]);
 }
+
+#[test]
+fn a_log_is_replayed_with_the_same_bits_and_its_errors_are_told() {
+    let bench = learned();
+    let robot = "generate pendulum --robot logs --trajectories 2 --samples 101 --h 0.05 --amplitude 0.2,0.6 --noise 0.002";
+    bench.run(robot).good();
+    let columns =
+        "[data]\nfile = \"logs/00.csv\"\n[data.columns]\nt = \"time\"\nq = \"pos_meas1\"\nu = \"tau_con1\"\n";
+    bench.write("robot.toml", &format!("{columns}[model]\ncoordinates = \"a\"\nhidden = [4]\n"));
+    let replay = || simulate(&bench, "--replay logs/01.csv --config robot.toml -o out");
+    let report = replay();
+    let number = |name: &str| report[name][0].as_f64().unwrap();
+    assert_eq!((report["ticks"].as_u64(), report["model_errors"].as_u64()), (Some(101), Some(0)));
+    assert!(number("innovation_rms") < 0.6 * number("constant_velocity_rms"), "{report}");
+    assert!(number("innovation_rms") > 0.002 && number("innovation_mean").abs() < 0.002, "{report}");
+    assert_eq!(bench.text("out/trace.csv").lines().count(), 102);
+    assert_eq!(replay()["trace_hash"], report["trace_hash"]);
+}
+
+#[test]
+fn options_that_mean_nothing_are_refused() {
+    let bench = learned();
+    let refused = |options: &str, word: &str| {
+        drop(bench.run(&format!("simulate run.postcard {options}")).bad(2, &[word]))
+    };
+    refused("--scenario predict --delay 8", "predict");
+    refused("--scenario track --delay 500", "8 ticks");
+    refused("--scenario track --jitter 50", "from 0 to 1");
+    refused("--scenario track --coulomb 0.1,0.2", "2 values");
+    refused("--scenario track --coulomb -0.1", "0 or above");
+    refused("--replay data.npz --delay 8", "--learn-zeros");
+    refused("", "--scenario");
+    refused("--replay nothing.csv", "nothing.csv");
+}
+
+#[test]
+fn friction_and_devices_of_the_plant_change_the_run() {
+    let bench = learned();
+    let run = |options: &str| simulate(&bench, &format!("--scenario track {options} -o out"));
+    let plain = run("");
+    for options in
+        ["--coulomb 0.05", "--viscous 0.1", "--zeros 0.02", "--noise 0.004", "--delay 8", "--jitter 2"]
+    {
+        assert_ne!(run(options)["trace_hash"], plain["trace_hash"], "{options}");
+    }
+    assert_eq!(run("--coulomb 0 --zeros 0 --delay 10 --jitter 0")["trace_hash"], plain["trace_hash"]);
+}

@@ -13,6 +13,8 @@ pub struct Guess {
     pub v: Vec<String>,
     /// Forces of the drives; none, or one a position.
     pub u: Vec<String>,
+    /// Other columns that may be that, as measured beside commanded forces.
+    pub other_u: Vec<Vec<String>>,
 }
 
 /// The unit, as [`crate::unit`] knows it, in which this median interval of time stamps is one of a log between 2 Hz and 1 MHz.
@@ -50,7 +52,7 @@ impl Guess {
         let t =
             groups.iter().filter(|group| is_time(log, group)).min_by_key(|group| rank(&group.stem, &TIMES));
         let t = t.map(|group| group.names[0].to_owned());
-        let motion = |kind: &[&str], prefer: &[&str], n: Option<usize>| {
+        let all = |kind: &[&str], prefer: &[&str], n: Option<usize>| -> Vec<Vec<String>> {
             let fits = |group: &&Group<'_>| {
                 n.is_none_or(|n| group.names.len() == n)
                     && rank(&group.stem, kind).is_some()
@@ -58,15 +60,21 @@ impl Guess {
                     && moves(log, group)
             };
             let preferred = |group: &Group<'_>| !prefer.iter().any(|part| group.stem.contains(part));
-            let found =
-                groups.iter().filter(fits).min_by_key(|group| (preferred(group), rank(&group.stem, kind)));
-            found.map_or(Vec::new(), |group| group.names.iter().map(|name| (*name).to_owned()).collect())
+            let mut found: Vec<&Group<'_>> = groups.iter().filter(fits).collect();
+            found.sort_by_key(|group| (preferred(group), rank(&group.stem, kind)));
+            let names = |group: &Group<'_>| group.names.iter().map(|name| (*name).to_owned()).collect();
+            found.into_iter().map(names).collect()
         };
-        let q = motion(&POSITIONS, &MEASURED, None);
+        let first =
+            |kind: &[&str], prefer: &[&str], n| all(kind, prefer, n).into_iter().next().unwrap_or_default();
+        let q = first(&POSITIONS, &MEASURED, None);
         let n = Some(q.len()).filter(|n| *n > 0);
-        let of_q =
-            |kind: &[&str], prefer: &[&str]| if n.is_some() { motion(kind, prefer, n) } else { Vec::new() };
-        Self { v: of_q(&VELOCITIES, &MEASURED), u: of_q(&FORCES, &COMMANDED), t, q }
+        if n.is_none() {
+            return Self { t, ..Self::default() };
+        }
+        let mut u = all(&FORCES, &COMMANDED, n).into_iter();
+        let (v, first_u) = (first(&VELOCITIES, &MEASURED, n), u.next().unwrap_or_default());
+        Self { v, u: first_u, other_u: u.collect(), t, q }
     }
 }
 
@@ -150,6 +158,7 @@ mod tests {
             (vec!["pos_meas1".into(), "pos_meas2".into()], vec!["vel_meas1".into(), "vel_meas2".into()])
         );
         assert_eq!(guess.u, ["tau_con1", "tau_con2"]);
+        assert_eq!(guess.other_u, [["tau_meas1", "tau_meas2"]]);
     }
 
     #[test]

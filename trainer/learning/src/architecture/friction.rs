@@ -109,6 +109,12 @@ impl FrictionArchitecture {
         self
     }
 
+    /// Whether the scale of L is known without a force: by a force of friction that is known.
+    pub fn shows_scale(&self) -> bool {
+        let acts = |number: &Number| !number.learned && number.value != 0.0;
+        self.viscous.iter().any(acts) || self.dry.iter().any(|[constant, ..]| acts(constant))
+    }
+
     /// How many.
     pub fn count(&self) -> usize {
         self.viscous.len() + DRY_NUMBERS * self.dry.len()

@@ -53,8 +53,18 @@ impl DataConfig {
 
     /// How the files are read.
     pub fn reading(&self) -> Reading {
-        let columns = self.columns.as_ref().map(|columns| columns.0.clone());
+        let columns = self.columns.as_ref().map(|columns| columns.columns.clone());
         Reading { columns, step: self.step, control: self.control }
+    }
+
+    /// This and, where other columns may be u, the same with each of those.
+    pub fn alternatives(&self) -> Vec<Self> {
+        let Some(ColumnsConfig { columns, other_u }) = &self.columns else { return vec![self.clone()] };
+        let with = |u: &Vec<Column>| {
+            let columns = Columns { u: u.clone(), ..columns.clone() };
+            Self { columns: Some(ColumnsConfig { columns, other_u: Vec::new() }), ..self.clone() }
+        };
+        std::iter::once(&columns.u).chain(other_u).map(with).collect()
     }
 
     /// Reads the log; each note has its file.
@@ -157,10 +167,12 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrMany<T> {
 /// `[data.columns]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Named", into = "Named")]
-pub struct ColumnsConfig(
+pub struct ColumnsConfig {
     /// As the reader of logs takes them.
-    pub Columns,
-);
+    pub columns: Columns,
+    /// Columns that may be u in place of those: training finds out which of all predict best logs that it has not seen.
+    pub other_u: Vec<Vec<Column>>,
+}
 
 /// The keys of `[data.columns]`.
 #[derive(Clone, Serialize, Deserialize)]
@@ -173,6 +185,8 @@ struct Named {
     v: ColumnList,
     #[serde(default, skip_serializing_if = "ColumnList::is_empty")]
     u: ColumnList,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    other_u: Vec<ColumnList>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     actuation: Option<Vec<Vec<f64>>>,
 }
@@ -186,17 +200,24 @@ impl TryFrom<Named> for ColumnsConfig {
 
     fn try_from(named: Named) -> Result<Self, String> {
         let all = |list: ColumnList| list.0.into_iter().map(|column| column.0).collect();
-        let Named { t, q, v, u, actuation } = named;
+        let Named { t, q, v, u, other_u, actuation } = named;
         let columns = Columns { t: t.0, q: all(q), v: all(v), u: all(u), actuation };
-        columns.check().map(|()| Self(columns))
+        columns.check()?;
+        let other_u: Vec<Vec<Column>> = other_u.into_iter().map(all).collect();
+        if other_u.iter().any(|other| other.len() != columns.u.len()) {
+            return Err(format!("each of other_u needs {} columns, as many as u", columns.u.len()));
+        }
+        other_u.iter().try_for_each(|other| Columns { u: other.clone(), ..columns.clone() }.check())?;
+        Ok(Self { columns, other_u })
     }
 }
 
 impl From<ColumnsConfig> for Named {
-    fn from(ColumnsConfig(columns): ColumnsConfig) -> Self {
+    fn from(ColumnsConfig { columns, other_u }: ColumnsConfig) -> Self {
         let all = |columns: Vec<Column>| ColumnList(columns.into_iter().map(ColumnConfig).collect());
         let Columns { t, q, v, u, actuation } = columns;
-        Self { t: ColumnConfig(t), q: all(q), v: all(v), u: all(u), actuation }
+        let other_u = other_u.into_iter().map(all).collect();
+        Self { t: ColumnConfig(t), q: all(q), v: all(v), u: all(u), other_u, actuation }
     }
 }
 

@@ -337,6 +337,11 @@ impl<'de> Deserialize<'de> for FrictionConfig {
 }
 
 /// `friction` of a family whose coordinates have none of this kind, to say so.
-pub(super) fn refused<'de, D: Deserializer<'de>>(_: D) -> Result<(), D::Error> {
-    Err(D::Error::custom("a graph has no friction of its coordinates; give its node types `drag`"))
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct NoFriction;
+
+impl<'de> Deserialize<'de> for NoFriction {
+    fn deserialize<D: Deserializer<'de>>(_: D) -> Result<Self, D::Error> {
+        Err(D::Error::custom("a graph has no friction of its coordinates; give its node types `drag`"))
+    }
 }

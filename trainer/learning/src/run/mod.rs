@@ -10,11 +10,14 @@
 //! least for L = 0, so that loss is refused; the other losses give energies up to one common factor, which
 //! [`Notice::UnknownScale`] says.
 
+mod choose;
 mod error;
 mod fingerprint;
 mod folder;
 #[cfg(test)]
 mod folder_tests;
+#[cfg(test)]
+mod friction_tests;
 mod notice;
 mod plan;
 mod range;
@@ -25,6 +28,7 @@ mod state;
 #[cfg(test)]
 mod tests;
 
+pub use choose::{ChoiceError, Chosen, choose};
 pub use error::RunError;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};

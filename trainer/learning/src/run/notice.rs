@@ -35,6 +35,8 @@ pub enum Notice {
         stiffness: f64,
         /// That does not ring.
         most: f64,
+        /// Of the step.
+        order: u8,
     },
 }
 
@@ -58,10 +60,10 @@ impl std::fmt::Display for Notice {
             ),
             Self::Changed(note) => note.fmt(f),
             Self::Doubtful(doubt) => doubt.fmt(f),
-            Self::Rings { coordinate, stiffness, most } => write!(
+            Self::Rings { coordinate, stiffness, most, order } => write!(
                 f,
-                "the dry friction of coordinate {} (counted from 1) is stiff for this step: a = h c/(2 m ε) is {stiffness:.2}, and beyond {most} the velocity \
-                 changes its sign at every step near rest; take a shorter step or a larger width",
+                "the dry friction of coordinate {} (counted from 1) is stiff for this step: a = h c/(2 m ε) is {stiffness:.2}, and beyond {most} \
+                 the velocity in steps of order {order} rings or dies out too slowly near rest; take a shorter step or a larger width",
                 coordinate + 1
             ),
         }

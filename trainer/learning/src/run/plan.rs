@@ -5,10 +5,11 @@ use super::notice::{Notice, prepared};
 use super::stages::{self, Stage};
 use super::{range, ringing};
 use crate::architecture::{Architecture, Family};
+use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
-use crate::training::SampleError;
-use crate::windows::{self, CalibrationLayout, TooShort};
+use crate::training::{Progress, SampleError, linear_start};
+use crate::windows::{self, CalibrationLayout, TooShort, WindowLogs};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
@@ -102,6 +103,9 @@ pub enum PlanError {
         /// By the log.
         stated: ControlKind,
     },
+    /// Nothing to choose from.
+    #[error("[data.columns] names no columns of u to choose from")]
+    NoColumns,
     /// Only windows learn sensors and actuators.
     #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
     Calibration,
@@ -143,7 +147,7 @@ impl Plan {
     /// # Errors
     /// [`PlanError`]: the data and the configuration do not fit each other.
     pub fn new(mut config: Config, data: &Dataset) -> Result<Self, PlanError> {
-        let (architecture, initial) = config.beginning()?;
+        let (architecture, mut initial) = config.beginning()?;
         check_coordinates(&architecture, data)?;
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
@@ -152,15 +156,15 @@ impl Plan {
             Some(kind) => {
                 let parts = data.split(training);
                 let held_back = (!parts.1.trajectories.is_empty()).then_some(parts.1);
-                let forced = parts.0.is_forced();
-                check_gauge(&architecture, forced)?;
+                check_gauge(&architecture, is_forced(&architecture, &parts.0))?;
                 let parts = (&parts.0, held_back.as_ref());
                 (stages::of_samples(&config, kind, &architecture, parts, &mut notices)?, None)
             }
             None => {
-                check_gauge(&architecture, data.is_forced())?;
+                check_gauge(&architecture, is_forced(&architecture, &data))?;
                 let of = (&data, training);
                 let (stages, layout) = stages::of_windows(&config, &architecture, of, &mut notices)?;
+                initial = first_guess(&architecture, &data.split(training).0, initial, &stages)?;
                 (stages, Some(layout))
             }
         };
@@ -180,16 +184,29 @@ impl Plan {
         })
     }
 
+    /// What training ends with, in memory alone; `None` where no stage has a finite loss.
+    pub fn train(&self) -> Option<Trained> {
+        let mut state = State::new(self)?;
+        while let Some(stage) = self.stages.get(state.stage) {
+            let over = state.in_stage >= stage.iterations;
+            if (over || state.iterate(stage).0 != Progress::Lower) && !state.next_stage(self) {
+                break;
+            }
+        }
+        let trained = Trained::from(Checkpoint::new(self, &state));
+        trained.best.is_a_model().then_some(trained)
+    }
+
     /// What the user should know.
     pub fn notices(&self) -> &[Notice] {
         &self.notices
     }
 
-    /// Samples of the last stage, in training and in validation.
+    /// Samples of the last stage, and those that judge.
     pub fn samples(&self) -> (usize, usize) {
-        let last = self.stages.last();
-        let validation = last.and_then(|stage| stage.validation.as_ref());
-        (last.map_or(0, |stage| stage.objective.samples()), validation.map_or(0, |part| part.samples()))
+        let judges = self.stages.iter().rev().find_map(|stage| stage.validation.as_ref());
+        let last = self.stages.last().map_or(0, |stage| stage.objective.samples());
+        (last, judges.map_or(0, |part| part.samples()))
     }
 
     /// Numbers in the weight block.
@@ -227,6 +244,11 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
     }
 }
 
+/// Whether a known force acts, as a known friction does.
+pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
+    data.is_forced() || architecture.friction.shows_scale()
+}
+
 /// Refuses what free motion does not determine.
 fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanError> {
     let (types, of, open) = match &architecture.family {
@@ -249,6 +271,20 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
         return count;
     }
     count - ((fraction * count as f64).round() as usize).clamp(1, count - 1)
+}
+
+/// Where windows begin: of rigid bodies by least squares on smoothed states, if that predicts the first stage's windows better.
+fn first_guess(
+    architecture: &Architecture,
+    data: &Dataset,
+    initial: Vec<f64>,
+    stages: &[Stage],
+) -> Result<Vec<f64>, ModelError> {
+    let (Some(_), Some(stage)) = (architecture.bodies(), stages.first()) else { return Ok(initial) };
+    let states = WindowLogs::new(data).smoothed();
+    let guess = linear_start(architecture, states.each_ref().map(Vec::as_slice))?;
+    let loss = |weights: &[f64]| stage.objective.held_back_loss(weights);
+    Ok(if loss(&guess) < loss(&initial) { guess } else { initial })
 }
 
 /// What is minimised, which the configuration then says: what it says, or else windows where positions are noisy, and the next position.

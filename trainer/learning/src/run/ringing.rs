@@ -38,7 +38,7 @@ pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
     let all = masses.iter().flat_map(|mass| stiffness(f64::from(h), mass, &friction).into_iter().enumerate());
     let (coordinate, stiffness) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let most = limit(order);
-    (stiffness > most).then_some(Notice::Rings { coordinate, stiffness, most })
+    (stiffness > most).then_some(Notice::Rings { coordinate, stiffness, most, order: order.number() })
 }
 
 /// a of every coordinate without a load; none where M is not positive definite.

@@ -1,7 +1,7 @@
 //! The stages of a run, each with its loss.
 
 use super::notice::Notice;
-use super::plan::PlanError;
+use super::plan::{PlanError, is_forced};
 use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
@@ -59,7 +59,7 @@ pub(super) fn of_samples(
 
 /// Whether energies are known, not only up to one common factor.
 fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
-    data.is_forced()
+    is_forced(architecture, data)
         || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
         || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
         || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
@@ -74,6 +74,9 @@ fn goes_on(config: &Config) -> bool {
 const SHORT: f64 = 0.2;
 /// Steps of such a part, at least.
 const FEWEST_STEPS: usize = 5;
+
+/// The name of the last stage of a loss over windows, where logs are held back before.
+pub(super) const ALL_LOGS: &str = "all logs";
 
 /// The stages of a loss over windows of the first so many trajectories, the others being held back, and where what is learned of
 /// sensors and actuators is.
@@ -103,19 +106,27 @@ pub(super) fn of_windows(
         Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
     };
     let layout = loss(all, 0..training)?.layout();
-    let held_back = training..logs.count();
-    let stage = |(name, steps, iterations)| -> Result<Stage, PlanError> {
-        let validation = (!held_back.is_empty()).then(|| loss(all, held_back.clone())).transpose()?;
-        Ok(Stage {
+    let (count, held_back) = (logs.count(), training..logs.count());
+    let stage = |(name, steps, iterations), of: Range<usize>, judges: Range<usize>| {
+        let validation = (!judges.is_empty()).then(|| loss(all, judges)).transpose()?;
+        Ok::<_, PlanError>(Stage {
             name,
             optimiser,
             iterations,
-            objective: Box::new(loss(steps, 0..training)?),
+            objective: Box::new(loss(steps, of)?),
             validation: validation.map(|loss| Box::new(loss) as Box<dyn Objective>),
             judge: None,
         })
     };
-    Ok((lengths.into_iter().map(stage).collect::<Result<_, _>>()?, layout))
+    let mut stages = Vec::new();
+    for length in lengths {
+        stages.push(stage(length, 0..training, held_back.clone())?);
+    }
+    if !held_back.is_empty() {
+        // What the held-back logs had to say of the model they have said; now they are learned from as well.
+        stages.push(stage((ALL_LOGS, all, iterations), 0..count, 0..0)?);
+    }
+    Ok((stages, layout))
 }
 
 /// Residual components a weight that a warm-up on the next position takes.

@@ -48,8 +48,8 @@ fn adam_settings(training: &TrainingConfig) -> AdamSettings {
 }
 
 impl Best {
-    /// These weights with their losses.
-    fn new(stage: &Stage, optimiser: &Optimiser, iteration: u64) -> Self {
+    /// These weights with their losses; a stage that learns from all logs keeps the held-back loss of the one before.
+    fn new(stage: &Stage, optimiser: &Optimiser, (iteration, before): (u64, Option<f64>)) -> Self {
         let weights = optimiser.weights();
         let loss = |objective: &Option<Box<dyn Objective>>| {
             objective.as_ref().map(|part| part.held_back_loss(weights))
@@ -58,7 +58,7 @@ impl Best {
             weights: weights.to_vec(),
             iteration,
             train: optimiser.loss(),
-            validation: loss(&stage.validation),
+            validation: loss(&stage.validation).or(before),
             next_position: loss(&stage.judge),
             solves_nothing: false,
         }
@@ -66,8 +66,9 @@ impl Best {
 
     /// What decides between weights: the error of the next position; where that is the loss, the validation loss, without one the
     /// training loss.
-    fn score(&self) -> f64 {
-        self.next_position.or(self.validation).unwrap_or(self.train)
+    fn score(&self, stage: &Stage) -> f64 {
+        let validation = self.validation.filter(|_| stage.validation.is_some());
+        self.next_position.or(validation).unwrap_or(self.train)
     }
 }
 
@@ -89,13 +90,13 @@ pub struct Row {
 impl State {
     /// Before the first iteration; `None` for a plan without stages.
     pub fn new(plan: &Plan) -> Option<Self> {
-        let (optimiser, best) = Self::enter(plan, plan.stages.first()?, plan.initial.clone(), 0);
+        let (optimiser, best) = Self::enter(plan, plan.stages.first()?, plan.initial.clone(), (0, None));
         Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best })
     }
 
-    fn enter(plan: &Plan, stage: &Stage, weights: Vec<f64>, iteration: u64) -> (Optimiser, Best) {
+    fn enter(plan: &Plan, stage: &Stage, weights: Vec<f64>, before: (u64, Option<f64>)) -> (Optimiser, Best) {
         let optimiser = Optimiser::new(stage, weights, &plan.config.training);
-        let best = Best::new(stage, &optimiser, iteration);
+        let best = Best::new(stage, &optimiser, before);
         (optimiser, best)
     }
 
@@ -103,7 +104,8 @@ impl State {
     pub fn next_stage(&mut self, plan: &Plan) -> bool {
         let Some(stage) = plan.stages.get(self.stage + 1) else { return false };
         let weights = std::mem::take(&mut self.best.weights);
-        (self.optimiser, self.best) = Self::enter(plan, stage, weights, self.iteration);
+        let before = (self.iteration, self.best.validation);
+        (self.optimiser, self.best) = Self::enter(plan, stage, weights, before);
         (self.stage, self.in_stage) = (self.stage + 1, 0);
         true
     }
@@ -116,10 +118,11 @@ impl State {
         }
         self.iteration += 1;
         self.in_stage += 1;
-        let now = Best::new(stage, &self.optimiser, self.iteration);
+        let now = Best::new(stage, &self.optimiser, (self.iteration, self.best.validation));
         // The first losses of a stage may be infinite; so that any finite one is better, and none replaces a finite one. Where none
         // is finite, a warm-up ends with its last weights.
-        if now.score() < self.best.score() || (stage.judge.is_some() && now.score() == self.best.score()) {
+        let (score, best) = (now.score(stage), self.best.score(stage));
+        if score < best || (stage.judge.is_some() && score == best) {
             self.best = now.clone();
         }
         (progress, Some(now))

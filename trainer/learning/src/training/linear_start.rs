@@ -13,17 +13,20 @@ use leastaction_programs::losses::TorqueLoss;
 
 /// Ridge of the linear fit, relative to its largest diagonal entry: what the log does not show stays where it is.
 const RIDGE: f64 = 1e-6;
-/// Iterations after the linear fit, of all that is learned.
-const ITERATIONS: usize = 60;
-/// A mass is at least this part of where it began, a moment of inertia of what its body has about the joint.
+/// Linear fits, each at the lengths that the one before has led to.
+const ROUNDS: usize = 4;
+/// Iterations after a linear fit, of all that is learned.
+const ITERATIONS: usize = 15;
+/// A linear fit leaves a number that must be positive at least this part of what it was, and a body this part of its moment of inertia
+/// about the joint as its own.
 const LEAST_PART: f64 = 0.05;
 
 /// Weights of a tree of bodies that balance logged torques: at every state M v̇ + L_vq v − L_q − Q = τ, nearly. Of another family the
 /// initial weights.
 ///
 /// `states` are q, v, v̇ and τ, \[samples\]\[n\], flat. The balance is linear in m, mc, I + m|c|², J and in friction's b, c and c_load:
-/// those are fitted first, lengths and the width of friction being where they begin, and brought to positive masses and inertias.
-/// Then Gauss–Newton iterations on the same balance change all that is learned. Noise of v̇ makes inertias too small: this is where
+/// those are fitted, lengths and the width of friction being where they are, and brought to positive masses and inertias. Then
+/// Gauss–Newton iterations on the same balance change all that is learned; and both again. Noise of v̇ makes inertias too small: this is where
 /// to begin, not where to end.
 ///
 /// # Errors
@@ -32,10 +35,14 @@ pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<
     let initial = architecture.initial_weights(0);
     let Some(bodies) = architecture.bodies() else { return Ok(initial) };
     let objective = balance(architecture, states)?;
-    let linear = linear_fit(architecture, bodies, &objective, &initial).unwrap_or(initial.clone());
-    let better = |weights: &Vec<f64>| objective.loss(weights) < objective.loss(&initial);
-    let start = Some(linear).filter(better).unwrap_or(initial);
-    Ok(Levenberg::new(&objective, start).run(&objective, ITERATIONS, |_, _| {}).weights)
+    let mut state = Levenberg::new(&objective, initial);
+    for _ in 0..ROUNDS {
+        let linear = linear_fit(architecture, bodies, &objective, &state.weights);
+        let linear = linear.filter(|weights| objective.loss(weights) < state.loss);
+        let start = linear.unwrap_or(state.weights);
+        state = Levenberg::new(&objective, start).run(&objective, ITERATIONS, |_, _| {});
+    }
+    Ok(state.weights)
 }
 
 /// The mean square of what is missing to the balance, N or N m.
@@ -72,6 +79,8 @@ struct Body {
     start: usize,
     numbers: BodyParameters<f64>,
     learned: BodyParameters<bool>,
+    /// J where training begins.
+    usual_rotor: f64,
 }
 
 /// Positions of numbers of a body.
@@ -85,7 +94,8 @@ impl Body {
         let of = |(start, numbers): (usize, &[Number; BODY_PARAMETERS])| {
             let own: &[f64; BODY_PARAMETERS] = weights.get(start..)?.first_chunk()?;
             let learned = BodyParameters::from_array(numbers.map(|number| number.learned));
-            Some(Self { start, numbers: BodyParameters::from_array(*own), learned })
+            let usual_rotor = numbers[PLACES.rotor].value;
+            Some(Self { start, numbers: BodyParameters::from_array(*own), learned, usual_rotor })
         };
         each.map_while(of).collect()
     }
@@ -98,7 +108,7 @@ impl Body {
 
     /// m with mc and I + m|c|² held, where c and I are learned; mc; I + m|c|²; J.
     fn linear(&self) -> Vec<Linear> {
-        let (Self { start, numbers, learned }, mut all) = (self, Vec::new());
+        let (Self { start, numbers, learned, usual_rotor }, mut all) = (self, Vec::new());
         let (at, about_joint) = (|place: usize| start + place, self.about_joint());
         let with_inertia = |slope: f64| learned.inertia.then_some((at(PLACES.inertia), slope));
         if learned.mass {
@@ -123,7 +133,7 @@ impl Body {
             all.push(Linear { slopes: vec![(at(PLACES.inertia), 1.0)], size: about_joint });
         }
         if learned.rotor {
-            all.push(Linear { slopes: vec![(at(PLACES.rotor), 1.0)], size: numbers.rotor });
+            all.push(Linear { slopes: vec![(at(PLACES.rotor), 1.0)], size: *usual_rotor });
         }
         all
     }
@@ -136,7 +146,7 @@ impl Body {
         let moments = [0, 1].map(|k| numbers.mass * numbers.centre[k] + step(learned.centre[k]));
         let about_joint = self.about_joint() + step(learned.inertia);
         let about_joint = about_joint.max(LEAST_PART * self.about_joint());
-        let rotor = (numbers.rotor + step(learned.rotor)).max(0.0);
+        let rotor = (numbers.rotor + step(learned.rotor)).max(LEAST_PART * numbers.rotor);
         // The heavier, the closer is the centre to the joint, and the less has the body about it.
         let square: f64 = (0..2).filter(|k| learned.centre[*k]).map(|k| moments[k] * moments[k]).sum();
         let least = (square / ((1.0 - LEAST_PART) * about_joint)).max(LEAST_PART * numbers.mass);
@@ -148,8 +158,8 @@ impl Body {
     }
 }
 
-/// Positions of learned b, c and c_load of friction.
-fn of_friction(architecture: &Architecture) -> Vec<usize> {
+/// Positions of learned b, c and c_load of friction, and where they begin.
+fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
     let (laws, start) = (architecture.laws(), architecture.parameters().unwrap_or(0));
     let count = architecture.friction.count();
     let viscous = if laws.contains(Law::Viscous) { architecture.friction.viscous.len() } else { 0 };
@@ -158,7 +168,8 @@ fn of_friction(architecture: &Architecture) -> Vec<usize> {
         dry.is_none_or(|k| k == FrictionNumber::Constant as usize || k == FrictionNumber::Load as usize)
     };
     let learned = architecture.friction.numbers().enumerate().filter(|(_, number)| number.learned);
-    learned.map(|(i, _)| i).filter(|i| is_linear(*i)).map(|i| start - count + i).collect()
+    let linear = learned.filter(|(i, _)| is_linear(*i));
+    linear.map(|(i, number)| (start - count + i, number.value)).collect()
 }
 
 /// Weights after one Gauss–Newton step in the linear numbers, which is exact; `None` where it cannot be taken.
@@ -166,20 +177,20 @@ fn linear_fit(
     architecture: &Architecture,
     bodies: &BodiesArchitecture,
     objective: &Blocks,
-    initial: &[f64],
+    weights: &[f64],
 ) -> Option<Vec<f64>> {
-    let (bodies, friction) = (Body::all(bodies, initial), of_friction(architecture));
+    let (bodies, friction) = (Body::all(bodies, weights), of_friction(architecture));
     let mut linear: Vec<Linear> = bodies.iter().flat_map(Body::linear).collect();
-    let size = |at: usize| initial.get(at).map_or(1.0, |number| number.abs());
-    linear.extend(friction.iter().map(|at| Linear { slopes: vec![(*at, 1.0)], size: size(*at) }));
-    let step = solved(objective, initial, &linear)?;
-    let (mut steps, mut weights) = (step.into_iter(), initial.to_vec());
+    linear.extend(friction.iter().map(|(at, size)| Linear { slopes: vec![(*at, 1.0)], size: *size }));
+    let step = solved(objective, weights, &linear)?;
+    let (mut steps, mut weights) = (step.into_iter(), weights.to_vec());
     for body in &bodies {
         let moved = body.moved(&mut steps).into_array();
         weights.get_mut(body.start..)?.first_chunk_mut::<BODY_PARAMETERS>()?.copy_from_slice(&moved);
     }
-    for (at, step) in friction.into_iter().zip(steps) {
-        *weights.get_mut(at)? += step;
+    for ((at, _), step) in friction.into_iter().zip(steps) {
+        let number = weights.get_mut(at)?;
+        *number = (*number + step).max(LEAST_PART * *number);
     }
     weights.iter().all(|weight| weight.is_finite()).then(|| objective.bounds().within(weights))
 }

@@ -1,3 +1,4 @@
+use crate::data::Rows;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -60,6 +61,21 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
+    /// τ of every sample of a control u on a step of h, s, as a loss over windows has it: g u(t − d) + o, u before the first sample being as
+    /// there.
+    pub fn forces(&self, u: &Rows, h: f64) -> Option<Rows> {
+        let (n, late) = (u.width(), self.delay / h);
+        let (whole, part) = (late.floor(), late - late.floor());
+        let command = |k: f64, i: usize| u.get(k.max(0.0) as usize).and_then(|row| row.get(i)).copied();
+        let force = |k: usize, i: usize| -> Option<f64> {
+            let now = k as f64 - whole;
+            let mean = (1.0 - part) * command(now, i)? + part * command(now - 1.0, i)?;
+            Some(self.gain.get(i)? * mean + self.offset.get(i)?)
+        };
+        let all = (0..u.len()).flat_map(|k| (0..n).map(move |i| (k, i))).map(|(k, i)| force(k, i));
+        Rows::from_flat(n, all.collect::<Option<_>>()?)
+    }
+
     /// The actuator as a model file has it: d, then g and o of every coordinate, in single precision; nothing where the command is the
     /// force.
     pub fn actuator_bytes(&self) -> Vec<u8> {

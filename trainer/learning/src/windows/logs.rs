@@ -123,6 +123,28 @@ impl WindowLogs {
         [value, slope / self.h]
     }
 
+    /// States q, v and v̇ in the middle of parabolas through a few samples each, and the mean of u over them, \[states\]\[n\], flat: noisy, and
+    /// smoothed, so for a first guess alone.
+    pub fn smoothed(&self) -> [Vec<f64>; 4] {
+        let mut states: [Vec<f64>; 4] = Default::default();
+        let shares = [Share::Value, Share::Slope, Share::Curvature].map(|share| shares(GUESS, MIDDLE, share));
+        for log in 0..self.count() {
+            let last = (self.samples(log) + 1).saturating_sub(GUESS);
+            for (first, i) in (0..last).step_by(MIDDLE).flat_map(|k| (0..self.n).map(move |i| (k, i))) {
+                let sum = |shares: &[f64]| -> f64 {
+                    let each = shares.iter().enumerate();
+                    each.map(|(k, share)| share * self.position(log, first + k, i)).sum()
+                };
+                let (value, slope, curvature) = (sum(&shares[0]), sum(&shares[1]), sum(&shares[2]));
+                let u = |k: usize| self.delayed_control(log, first + k, i, 0.0)[0];
+                let force = (0..GUESS).map(u).sum::<f64>() / GUESS as f64;
+                let own = [value, slope / self.h, curvature / (self.h * self.h), force];
+                states.iter_mut().zip(own).for_each(|(all, x)| all.push(x));
+            }
+        }
+        states
+    }
+
     /// The root mean square of all u, N or N m.
     pub(super) fn control_size(&self) -> f64 {
         let all = || self.logs.iter().flat_map(|log| &log.u);
@@ -157,29 +179,44 @@ impl WindowLogs {
     }
 }
 
-/// Value and slope at 0 of the parabola nearest to values at 0, 1, 2, …; a line or a constant where there are fewer than three.
-fn parabola(values: &[f64]) -> [f64; 2] {
-    let (mut value, mut slope) = (0.0, 0.0);
-    for (k, share) in fit_shares(values.len()).into_iter().enumerate() {
-        value += share[0] * values[k];
-        slope += share[1] * values[k];
-    }
-    [value, slope]
+/// The sample in the middle of those that a parabola goes through.
+const MIDDLE: usize = GUESS / 2;
+
+/// What is asked of a parabola.
+#[derive(Clone, Copy)]
+enum Share {
+    Value,
+    Slope,
+    Curvature,
 }
 
-/// How much each of `count` values has in value and slope: by orthogonal polynomials 1, t, t² − … about the middle.
-fn fit_shares(count: usize) -> Vec<[f64; 2]> {
+/// Value and slope at 0 of the parabola nearest to values at 0, 1, 2, …; a line or a constant where there are fewer than three.
+fn parabola(values: &[f64]) -> [f64; 2] {
+    [Share::Value, Share::Slope].map(|share| {
+        let shares = shares(values.len(), 0, share);
+        shares.iter().zip(values).map(|(share, value)| share * value).sum()
+    })
+}
+
+/// How much each of `count` values at 0, 1, 2, … has in the nearest parabola at one of these times: by the orthogonal polynomials 1, t and
+/// t² − (mean of t²) about the middle.
+fn shares(count: usize, at: usize, of: Share) -> Vec<f64> {
     let middle = 0.5 * (count as f64 - 1.0);
     let times: Vec<f64> = (0..count).map(|k| k as f64 - middle).collect();
     let spread = times.iter().map(|t| t * t).sum::<f64>() / count as f64;
     let basis = |t: f64| [1.0, t, t * t - spread];
-    let slopes = |t: f64| [0.0, 1.0, 2.0 * t];
-    let norms: Vec<f64> = (0..3).map(|p| times.iter().map(|t| basis(*t)[p] * basis(*t)[p]).sum()).collect();
-    let share = |t: f64, of: [f64; 3]| -> f64 {
-        let own = basis(t);
-        (0..3).filter(|p| norms[*p] > 1e-9).map(|p| of[p] * own[p] / norms[p]).sum()
+    let now = at as f64 - middle;
+    let asked = match of {
+        Share::Value => basis(now),
+        Share::Slope => [0.0, 1.0, 2.0 * now],
+        Share::Curvature => [0.0, 0.0, 2.0],
     };
-    times.iter().map(|t| [share(*t, basis(-middle)), share(*t, slopes(-middle))]).collect()
+    let norms: Vec<f64> = (0..3).map(|p| times.iter().map(|t| basis(*t)[p] * basis(*t)[p]).sum()).collect();
+    let share = |t: f64| -> f64 {
+        let own = basis(t);
+        (0..3).filter(|p| norms[*p] > 1e-9).map(|p| asked[p] * own[p] / norms[p]).sum()
+    };
+    times.into_iter().map(share).collect()
 }
 
 #[cfg(test)]
@@ -235,5 +272,7 @@ mod tests {
         near(parabola(&values), [2.0, -0.5]);
         near(parabola(&values[..2]), [2.0, -0.25]);
         near(parabola(&values[..1]), [2.0, 0.0]);
+        let curvature: f64 = shares(7, 3, Share::Curvature).iter().zip(&values).map(|(a, b)| a * b).sum();
+        assert!((curvature - 0.5).abs() < 1e-12, "{curvature}");
     }
 }

@@ -1,14 +1,12 @@
 //! Rigid bodies on joints: configurations, what is wrong with them, training, and the model file.
 
+use crate::documented_bodies;
 use crate::page::Strict;
-use leastaction_core::continuous::acceleration;
-use leastaction_core::energy::bodies::{BodyParameters, Joint, PlanarBodies, TreeBody};
-use leastaction_core::forces::{System, Viscous};
-use leastaction_core::model::Laws;
+use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_learning::architecture::{Architecture, BodiesArchitecture, Number};
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::{BODIES_DEFAULTS, Config, ConfigError};
-use leastaction_learning::data::{Dataset, Rows, Trajectory};
+use leastaction_learning::data::{Dataset, Rows};
 use leastaction_learning::model_file::{decode, encode, rust_source};
 use leastaction_learning::run::{Plan, Run};
 use leastaction_learning::training::{Range, linear_start};
@@ -109,7 +107,7 @@ fn mistakes_are_found_with_their_line() {
         ("[[model.bodies]]\nmass = 0", 6, "`mass` is 0; it must be a finite number above 0"),
         ("[[model.bodies]]\ninertia = -1", 6, "`inertia` is -1"),
         ("[[model.bodies]]\nrotor = { learn = 0 }", 6, "`rotor` is 0; it must be a finite number above 0"),
-        ("[[model.bodies]]\ncentre = [1e40, 0]", 6, "`centre` is 1e40"),
+        ("[[model.bodies]]\ncentre = [1e40, 0]", 6, "`centre` is 1"),
         ("[[model.bodies]]\nmass = \"lerned\"", 6, "or \"learned\", or { learn = 0.3 }"),
         ("[[model.bodies]]\njoint = \"ball\"", 6, "unknown variant `ball`"),
         ("[[model.bodies]]\non = 0", 6, "body 0 sits on body 0, which does not come before it"),
@@ -140,26 +138,8 @@ fn machine() -> BodiesArchitecture {
     BodiesArchitecture::new([9.81, 0.0].map(Number::known), bodies).unwrap()
 }
 
-/// States anywhere under torques, with their accelerations, by core.
 fn log(trajectories: i64) -> Dataset {
-    let (machine, weights) = (machine(), machine().initial_weights());
-    let system: System<PlanarBodies<f64, 2>, Viscous<f64, 2>> =
-        machine.header().system(Laws::NONE, &weights).unwrap();
-    let wave = |id: i64, k: usize, j: usize| (1.7 * id as f64 + 0.9 * k as f64 + 2.3 * j as f64).sin();
-    let trajectory = |id: i64| {
-        let [mut q, mut v, mut a, mut u] = [const { Vec::new() }; 4];
-        for k in 0..40 {
-            let at = |j: usize, size: f64| [size * wave(id, k, j), size * wave(id, k, j + 1)];
-            let (position, velocity, torque) = (at(0, 3.0), at(2, 8.0), at(4, 2.0));
-            a.extend(acceleration(&system, &position, &velocity, &torque).unwrap());
-            for (to, x) in [(&mut q, position), (&mut v, velocity), (&mut u, torque)] {
-                to.extend(x);
-            }
-        }
-        let rows = |x| Rows::from_flat(2, x).unwrap();
-        Trajectory { id, t0: 0.0, q: rows(q), v: Some(rows(v)), a: Some(rows(a)), u: Some(rows(u)) }
-    };
-    Dataset { n: 2, h: 0.01, control: None, trajectories: (0..trajectories).map(trajectory).collect() }
+    documented_bodies::log::<2>(&machine(), &machine().initial_weights(), trajectories)
 }
 
 /// What motion shows of a geared double pendulum: constants of M, the coupling, gravity.

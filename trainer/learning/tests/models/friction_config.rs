@@ -3,6 +3,7 @@
 use leastaction_core::model::Laws;
 use leastaction_learning::architecture::Number;
 use leastaction_learning::config::{Config, ConfigError};
+use leastaction_learning::model_file::encode;
 use std::path::Path;
 
 const RIGID: &str = "coordinates = \"ta\"\n";
@@ -97,4 +98,29 @@ fn errors_name_line_and_key() {
     parse(graph).unwrap();
     let graph = error(&format!("{graph}friction = \"learned\"\n"));
     assert!(graph.starts_with("c.toml:7: ") && graph.contains("give its node types `drag`"), "{graph}");
+}
+
+/// A model file's friction goes on as it is, a new type has none, and what is given anew takes its place.
+#[test]
+fn a_model_to_go_on_from_keeps_its_friction() {
+    let folder = tempfile::tempdir().unwrap();
+    let friction = "[model.friction]\nviscous = [0.5, 0.25]\ncoulomb = 0.125\nwidth = 0.5\n";
+    let (shape, weights) = parse(&format!("{TREE}{friction}")).unwrap().beginning().unwrap();
+    let file = folder.path().join("crane.postcard");
+    std::fs::write(&file, encode(&shape, &weights, None, "").unwrap()).unwrap();
+    let from = format!("from = {:?}\n", file.display().to_string());
+    let more =
+        "types = [{ name = \"slider\", transform = \"slide\" }]\ntrees = { two = [\"cart\", \"slider\"] }\n";
+    let ends = |text: &str, count: usize| {
+        let (shape, weights) = parse(&format!("{from}{text}")).unwrap().beginning().unwrap();
+        assert_eq!((shape.laws(), shape.parameters().unwrap()), (Laws::FRICTION, weights.len()), "{text}");
+        weights[weights.len() - count..].to_vec()
+    };
+    let dry = [0.125, 0.0, f64::from(0.1_f32), 0.5];
+    assert_eq!(ends("", 10), [vec![0.5, 0.25], dry.to_vec(), dry.to_vec()].concat());
+    let none = vec![0.0, 0.0, 1.0, 1.0];
+    let grown = [vec![0.5, 0.25, 0.0], dry.to_vec(), dry.to_vec(), none].concat();
+    assert_eq!(ends(more, 15), grown);
+    let changed = [vec![0.75, 0.75], dry.to_vec(), dry.to_vec()].concat();
+    assert_eq!(ends("[model.friction]\nviscous = 0.75\n", 10), changed);
 }

@@ -167,7 +167,7 @@ fn a_model_is_learned_through_noise() {
     let before = Objective::held_back_loss(&truth, &start).sqrt();
     let fit = Levenberg::new(&training, start).run(&training, 40, |_, _| ());
     let after = Objective::held_back_loss(&truth, &fit.weights[..Objective::shared(&truth)]).sqrt();
-    assert!(after < 0.3 * noise && after < 0.1 * before, "from {before} to {after}");
+    assert!(after < 0.3 * noise && after < 0.25 * before, "from {before} to {after}");
 }
 
 #[test]

@@ -9,12 +9,13 @@ use leastaction::look::Look;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{Column, Rows};
-use leastaction_learning::run::{Monitor, Plan, Row, Run};
+use leastaction_learning::run::{Chosen, Monitor, Plan, Row, Run, choose};
 use leastaction_learning::windows::Calibrated;
 use leastaction_programs::System;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 /// What `train` gives with the configuration that the look at the training logs writes.
 ///
@@ -27,28 +28,52 @@ pub(super) fn default(training: &Training) -> Result<Fitted, TaskError> {
     train(&text, training, folder.path())
 }
 
-/// A chain of rigid bodies under the measured torque, with viscous friction and dry friction or without, learned over windows.
-///
-/// # Errors
-/// Where training fails.
-pub(super) fn rigid_bodies(training: &Training, is_dry: bool) -> Result<Fitted, TaskError> {
-    let folder = tempfile::tempdir()?;
-    train(&chain(training, is_dry)?, training, folder.path())
+/// What a chain of rigid bodies has beside viscous friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Chain {
+    /// Dry friction.
+    pub dry: bool,
+    /// Torque as commanded, where it is logged, with gain and delay learned; else as measured.
+    pub commanded: bool,
+    /// Dry friction that grows with the load.
+    pub load: bool,
 }
 
-/// The configuration of that chain.
-fn chain(training: &Training, is_dry: bool) -> Result<String, std::fmt::Error> {
+impl Chain {
+    /// Learns it over windows.
+    ///
+    /// # Errors
+    /// Where training fails.
+    pub fn fit(self, training: &Training) -> Result<Fitted, TaskError> {
+        let folder = tempfile::tempdir()?;
+        train(&chain(training, self)?, training, folder.path())
+    }
+}
+
+/// The configuration of a chain.
+fn chain(training: &Training, kind: Chain) -> Result<String, std::fmt::Error> {
     let (columns, joints) = (training.machine.columns(), training.machine.joints());
     let names = |columns: &[Column]| listed(columns.iter().take(joints).map(|column| column.name.clone()));
+    let commanded = kind.commanded && training.machine.logs_commands();
     let mut text = String::new();
     let files = listed(training.logs.iter().map(|log| full(&log.file).display().to_string()));
     writeln!(text, "[data]\nfile = {files}\nstep = {STEP}\nvalidation = 0.0\n")?;
-    let (t, q, u) = (&columns.t.name, names(&columns.q), names(&columns.u));
+    let (t, q, u) = (
+        &columns.t.name,
+        names(&columns.q),
+        names(if commanded { &columns.u[joints..] } else { &columns.u }),
+    );
     writeln!(text, "[data.columns]\nt = \"{t}\"\nq = {q}\nu = {u}\n")?;
     writeln!(text, "[model]\nfamily = \"bodies\"\nchain = {joints}\n")?;
     writeln!(text, "[model.friction]\nviscous = \"learned\"")?;
-    if is_dry {
+    if kind.dry {
         writeln!(text, "coulomb = \"learned\"")?;
+    }
+    if kind.load {
+        writeln!(text, "load = \"learned\"")?;
+    }
+    if kind.commanded {
+        writeln!(text, "\n[calibration]\ngain = \"learned\"\ndelay = \"learned\"")?;
     }
     writeln!(text, "\n[training]\nloss = \"windows\"")?;
     Ok(text)
@@ -70,8 +95,12 @@ fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskE
     if training.quick {
         config.training.iterations = config.training.iterations.min(QUICK);
     }
+    let clock = Instant::now();
+    let Chosen { config, data, errors, .. } = choose(config)?;
+    for (columns, error) in errors {
+        (training.tell)(&format!("{}: held-back logs {error:.2e} rad off", columns.join(", ")));
+    }
     let is_commanded = is_commanded(&config, training)?;
-    let (data, _) = config.data.read()?;
     let plan = Plan::new(config, &data)?;
     let (parameters, folder) = (plan.learned_parameters(), folder.join("run"));
     let mut run = Run::begin(plan, &folder, false)?;
@@ -80,7 +109,7 @@ fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskE
     let system = System::new(&*architecture.energies()?);
     let learned = Learned::new(&system, best.weights);
     let predictor = Driven { learned, calibrated: calibrated.unwrap_or_default(), is_commanded };
-    Ok(Fitted { predictor: Box::new(predictor), parameters, seconds: run.seconds() })
+    Ok(Fitted { predictor: Box::new(predictor), parameters, seconds: clock.elapsed().as_secs_f64() })
 }
 
 /// Iterations at most for a first look.
@@ -125,20 +154,9 @@ struct Driven {
 }
 
 impl Predictor for Driven {
-    /// τ_i(t) = g_i u_i(t − d) + o_i: between the means over two steps in proportion, before the first step as in it.
     fn torques(&self, log: &Log) -> Rows {
         let all = log.commanded.as_ref().filter(|_| self.is_commanded).unwrap_or(&log.measured);
-        let Calibrated { gain, offset, delay, .. } = &self.calibrated;
-        let (whole, part) = ((delay / STEP).floor(), (delay / STEP).fract());
-        let at = |k: usize, i: usize| all.get(k).and_then(|row| row.get(i)).copied().unwrap_or_default();
-        let of = |k: usize, i: usize| {
-            let after = k.saturating_sub(whole as usize);
-            let u = (1.0 - part) * at(after, i) + part * at(after.saturating_sub(1), i);
-            gain.get(i).unwrap_or(&1.0) * u + offset.get(i).unwrap_or(&0.0)
-        };
-        let n = all.width();
-        let values = (0..all.len()).flat_map(|k| (0..n).map(move |i| (k, i))).map(|(k, i)| of(k, i));
-        Rows::from_flat(n, values.collect()).unwrap_or_else(|| all.clone())
+        self.calibrated.forces(all, STEP).unwrap_or_else(|| all.clone())
     }
 
     fn motion(&self) -> Box<Motion<'_>> {

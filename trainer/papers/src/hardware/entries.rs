@@ -1,6 +1,6 @@
 //! The models that stand in the table: one item each.
 
-use super::configured;
+use super::configured::{self, Chain};
 use super::identified::Identified;
 use super::log::Log;
 use super::machine::Machine;
@@ -108,24 +108,27 @@ const IDENTIFIED: Entry = Entry {
     ..KNOWN
 };
 
+const VISCOUS: Chain = Chain { dry: false, commanded: false, load: false };
+const COULOMB: Chain = Chain { dry: true, ..VISCOUS };
+const COMMANDED: Chain = Chain { commanded: true, ..COULOMB };
+const LOADED: Chain = Chain { load: true, ..COMMANDED };
+
 /// The other rows of the table, in order.
-const ENTRIES: [Entry; 8] = [
+const ENTRIES: [Entry; 10] = [
     Entry {
         model: "constant velocity",
         has_zeros: false,
         fit: |_| Ok(Fitted::known(ConstantVelocity)),
         ..KNOWN
     },
+    Entry { model: "rigid bodies, viscous", fit: |training| VISCOUS.fit(training), ..BODIES },
+    Entry { model: "rigid bodies, viscous + Coulomb", fit: |training| COULOMB.fit(training), ..BODIES },
     Entry {
-        model: "rigid bodies, viscous",
-        fit: |training| configured::rigid_bodies(training, false),
+        model: "… commanded torque, gain and delay learned",
+        fit: |training| COMMANDED.fit(training),
         ..BODIES
     },
-    Entry {
-        model: "rigid bodies, viscous + Coulomb",
-        fit: |training| configured::rigid_bodies(training, true),
-        ..BODIES
-    },
+    Entry { model: "… Coulomb that grows with the load", fit: |training| LOADED.fit(training), ..BODIES },
     Entry {
         model: "leastaction, as look configures it",
         is_default: true,

@@ -16,38 +16,39 @@ use std::path::{Path, PathBuf};
 /// Logs as a robot writes them. Lists have one value for every coordinate, or one for all.
 #[derive(Args)]
 #[command(next_help_heading = "Logs as a robot writes them (pendulum, cartpole, acrobot, n-pendulum)")]
-#[group(id = "robot_output", multiple = true, args = ["robot", "truth"])]
+#[group(skip)]
+#[command(group = clap::ArgGroup::new("robot_output").multiple(true))]
 pub struct RobotOptions {
     /// A folder for logs as a robot writes them, 00.csv, 01.csv, …: time, pos_meas1 …, vel_meas1 …, tau_con1 …, tau_meas1 …
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", group = "robot_output")]
     pub robot: Option<PathBuf>,
     /// A log of the same motion as it truly was (q, v, a, and u as commanded), .npz or .csv.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "robot_output")]
     pub truth: Option<PathBuf>,
     /// The links of n-pendulum: a TOML file with `gravity` and for every link a [[joint]] with mass, length, centre, inertia (about
     /// the centre), rotor and gear. Coordinates are joint angles, 0 hanging.
     #[arg(long, requires = "robot_output", value_name = "FILE")]
     links: Option<PathBuf>,
     /// Viscous friction b, N m s/rad or N s/m.
-    #[arg(long, requires = "robot_output", value_name = "B,…", value_delimiter = ',', default_values_t = [0.0], value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "B,…", value_delimiter = ',', default_values_t = [0.0], allow_negative_numbers = true, value_parser = not_negative)]
     viscous: Vec<f64>,
     /// Coulomb friction c of −c tanh(v/ε), N m or N.
-    #[arg(long, requires = "robot_output", value_name = "C,…", value_delimiter = ',', default_values_t = [0.0], value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "C,…", value_delimiter = ',', default_values_t = [0.0], allow_negative_numbers = true, value_parser = not_negative)]
     coulomb: Vec<f64>,
     /// Width ε of Coulomb friction, rad/s or m/s.
-    #[arg(long, requires = "robot_output", value_name = "E,…", value_delimiter = ',', default_values_t = [0.2], value_parser = positive)]
+    #[arg(long, requires = "robot_output", value_name = "E,…", value_delimiter = ',', default_values_t = [0.2], allow_negative_numbers = true, value_parser = positive)]
     width: Vec<f64>,
     /// One count of the encoders, rad or m.
-    #[arg(long, requires = "robot_output", value_name = "COUNT", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "COUNT", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     grid: f64,
     /// Standard deviation of the encoders' zeros, drawn anew for every log, rad or m.
-    #[arg(long, requires = "robot_output", value_name = "SD", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "SD", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     zeros: f64,
     /// Samples are taken, and stamped, within so much of their due time, ms.
-    #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     jitter: f64,
     /// From a command to its effect, ms.
-    #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "MS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     delay: f64,
     /// The torque that acts for a commanded one.
     #[arg(long, requires = "robot_output", value_name = "G,…", value_delimiter = ',', default_values_t = [1.0], allow_negative_numbers = true, value_parser = finite)]
@@ -59,13 +60,13 @@ pub struct RobotOptions {
     #[arg(long, requires = "robot_output", value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=100))]
     sines: u8,
     /// Their least and greatest frequency, Hz.
-    #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.3, 2.5], value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.3, 2.5], allow_negative_numbers = true, value_parser = not_negative)]
     frequency: Vec<f64>,
     /// Their least and greatest amplitude, N m or N.
-    #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.1, 0.35], value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "LEAST,GREATEST", value_delimiter = ',', num_args = 1, default_values_t = [0.1, 0.35], allow_negative_numbers = true, value_parser = not_negative)]
     amplitude: Vec<f64>,
     /// Starts are within ± of where it hangs, rad or m.
-    #[arg(long, requires = "robot_output", value_name = "Q", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, requires = "robot_output", value_name = "Q", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     spread: f64,
 }
 

@@ -16,10 +16,10 @@ use leastaction_learning::model_file::HostModel;
 #[command(next_help_heading = "Friction and devices of the mechanism")]
 pub struct World {
     /// Viscous friction b, N m s/rad or N s/m.
-    #[arg(long, value_name = "B,…", value_delimiter = ',', value_parser = not_negative)]
+    #[arg(long, value_name = "B,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     viscous: Vec<f64>,
     /// Coulomb friction c of −c tanh(v/ε), N m or N.
-    #[arg(long, value_name = "C,…", value_delimiter = ',', value_parser = not_negative)]
+    #[arg(long, value_name = "C,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     coulomb: Vec<f64>,
     /// Width ε of Coulomb friction, rad/s or m/s [default: 0.05].
     #[arg(long, value_name = "E,…", value_delimiter = ',', value_parser = positive, requires = "coulomb")]
@@ -28,19 +28,19 @@ pub struct World {
     #[arg(long, value_name = "Z,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     zeros: Vec<f64>,
     /// Standard deviation of the encoders' noise, rad or m [default: 0.001 rad, 0.0002 m].
-    #[arg(long, value_name = "SD,…", value_delimiter = ',', value_parser = not_negative)]
+    #[arg(long, value_name = "SD,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     noise: Vec<f64>,
     /// From a command to its effect, ms, at most 8 ticks [default: 1 tick].
-    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     delay: Option<f64>,
     /// What the firmware takes the delay for, ms [default: that of the model file, else what it is].
-    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     known_delay: Option<f64>,
     /// Ticks come late, by up to so much, ms; less than a tick [default: 0].
-    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     jitter: Option<f64>,
     /// The firmware learns the encoders' zeros; they may be off by so much (standard deviation), rad or m.
-    #[arg(long, value_name = "SD", value_parser = positive)]
+    #[arg(long, value_name = "SD", allow_negative_numbers = true, value_parser = positive)]
     learn_zeros: Option<f64>,
 }
 

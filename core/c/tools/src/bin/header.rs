@@ -29,9 +29,12 @@ fn sizes() -> Vec<(&'static str, usize)> {
     let mut sizes = vec![
         ("LEASTACTION_ABI", config::LEASTACTION_ABI as usize),
         ("LEASTACTION_COORDINATES", config::LEASTACTION_COORDINATES),
+    ];
+    #[cfg(not(feature = "bodies"))]
+    sizes.extend([
         ("LEASTACTION_HIDDEN", config::LEASTACTION_HIDDEN),
         ("LEASTACTION_LAYERS", config::LEASTACTION_LAYERS),
-    ];
+    ]);
     #[cfg(feature = "modular")]
     sizes.push(("LEASTACTION_TYPES", config::LEASTACTION_TYPES));
     #[cfg(feature = "graph")]
@@ -52,6 +55,8 @@ fn family() -> &'static str {
         "MODULAR"
     } else if cfg!(feature = "graph") {
         "GRAPH"
+    } else if cfg!(feature = "bodies") {
+        "BODIES"
     } else {
         "RIGID"
     }

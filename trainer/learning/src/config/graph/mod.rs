@@ -5,8 +5,9 @@ mod values;
 
 pub use values::{EdgeConfig, RodConfig, SeparationKind};
 
+use super::fields;
+use super::friction::NoFriction;
 use super::parts::NumberConfig;
-use super::{fields, friction};
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,8 +32,8 @@ pub struct GraphConfig {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub graphs: BTreeMap<String, LayoutConfig>,
     /// Not of graphs, whose node types have drag.
-    #[serde(default, skip_serializing, deserialize_with = "friction::refused")]
-    friction: (),
+    #[serde(default, skip_serializing)]
+    friction: NoFriction,
 }
 
 fn plane() -> u8 {

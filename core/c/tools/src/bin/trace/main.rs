@@ -10,7 +10,9 @@ mod del;
 #[cfg(feature = "rods")]
 mod rattle;
 
-use config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
+use config::LEASTACTION_COORDINATES as N;
+#[cfg(not(feature = "bodies"))]
+use config::{LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
 use leastaction_core::discrete::{Newton, Order, Report};
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::model::TrainedStep;
@@ -121,9 +123,15 @@ fn trace(mechanism: &impl Mechanism, trained_step: Option<TrainedStep>, q: &Vect
     Ok(hash.0)
 }
 
-#[cfg(not(any(feature = "modular", feature = "graph")))]
+#[cfg(not(any(feature = "modular", feature = "graph", feature = "bodies")))]
 fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
     let model = leastaction_core::model::RigidModel::<N, H, L, Weight, Laws>::load(file).map_err(words)?;
+    trace(&model.system, model.trained_step, q)
+}
+
+#[cfg(feature = "bodies")]
+fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
+    let model = leastaction_core::model::BodiesModel::<N, Weight, Laws>::load(file).map_err(words)?;
     trace(&model.system, model.trained_step, q)
 }
 

@@ -1,0 +1,83 @@
+use super::tests::{Warned, config, data};
+use super::*;
+use crate::config::Config;
+
+/// The pendulum with friction of these keys.
+fn rubbing(friction: &str) -> Config {
+    let mut config = config();
+    let text = format!("[data]\nfile = \"a\"\n[model]\ncoordinates = \"a\"\nhidden = [5]\n{friction}");
+    config.model = Config::parse(&text, Path::new("c.toml")).unwrap().model;
+    config
+}
+
+#[test]
+fn a_known_friction_shows_the_scale_and_a_learned_one_does_not() {
+    let notices = |friction: &str| Plan::new(rubbing(friction), &data(4, false)).unwrap().notices().to_vec();
+    assert_eq!(notices("friction = { viscous = 0.1 }\n"), []);
+    assert_eq!(notices("friction = { coulomb = 0.1 }\n"), []);
+    for friction in ["friction = \"learned\"\n", "friction = { viscous = 0.0 }\n"] {
+        assert_eq!(notices(friction), [Notice::UnknownScale, Notice::NoWarmUp]);
+    }
+}
+
+/// Stops after so many rows.
+struct StopsAfter<'s> {
+    rows: usize,
+    stop: &'s AtomicBool,
+}
+
+impl Monitor for StopsAfter<'_> {
+    fn row(&mut self, _: &Row) {
+        self.rows = self.rows.saturating_sub(1);
+        self.stop.store(self.rows == 0, Ordering::Relaxed);
+    }
+
+    fn warning(&mut self, _: &str) {}
+}
+
+/// With numbers that have a range the optimisers' steps are of others, but a checkpoint holds all there is to know.
+#[test]
+fn a_run_with_ranges_goes_on_bit_for_bit() {
+    for optimiser in [crate::config::OptimiserKind::LevenbergMarquardt, crate::config::OptimiserKind::Adam] {
+        let mut config = rubbing("friction = \"learned\"\n");
+        (config.training.optimiser, config.training.iterations) = (optimiser, 8);
+        config.training.adam.learning_rate = 0.05;
+        let plan = || Plan::new(config.clone(), &data(8, true)).unwrap();
+        let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let [whole, parts] = folders.each_ref().map(|folder| folder.path());
+        let mut straight = Run::begin(plan(), whole, false).unwrap();
+        straight.train(&mut Warned::default(), &AtomicBool::new(false)).unwrap();
+        let stop = AtomicBool::new(false);
+        let mut first = Run::begin(plan(), parts, false).unwrap();
+        let ending = first.train(&mut StopsAfter { rows: 6, stop: &stop }, &stop).unwrap();
+        assert_eq!((ending, first.iteration()), (Ending::Interrupted, 6));
+        drop(first);
+        let mut second = Run::resume(plan(), parts).unwrap();
+        second.train(&mut Warned::default(), &AtomicBool::new(false)).unwrap();
+        assert_eq!((second.iteration(), straight.iteration()), (10, 10));
+        assert_eq!(second.state.optimiser, straight.state.optimiser);
+        assert_eq!(second.best(), straight.best());
+        let friction = plan().architecture.friction_of_coordinates(&straight.best().weights)[0];
+        let width = friction.dry.unwrap().width;
+        assert!(
+            friction.viscous > 0.0
+                && friction.viscous != 0.01
+                && (0.02..1.0).contains(&width)
+                && width != 0.1
+        );
+    }
+}
+
+#[test]
+fn a_step_that_rings_is_said() {
+    let said = |friction: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = Plan::new(rubbing(friction), &data(8, true)).unwrap();
+        let mut run = Run::begin(plan, folder.path(), false).unwrap();
+        let mut monitor = Warned::default();
+        run.train(&mut monitor, &AtomicBool::new(false)).unwrap();
+        monitor.warnings.iter().any(|warning| warning.contains("stiff for this step: a = h c/(2 m ε)"))
+    };
+    assert!(said("friction = { coulomb = 1.0, width = 0.001 }\n"));
+    assert!(!said("friction = { coulomb = 0.001, width = 0.5 }\n") && !said(""));
+}
