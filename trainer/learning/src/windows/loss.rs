@@ -29,7 +29,7 @@ pub struct WindowSettings {
 /// Steps of a new start state, from the guess of a parabola.
 const FIRST_STEPS: usize = 8;
 /// Steps of a start state after the other numbers have moved.
-const FOLLOWING_STEPS: usize = 2;
+const FOLLOWING_STEPS: usize = 1;
 
 /// The loss over windows ([`windows`](super)). Its numbers: the weight block, the calibration's, s of every coordinate, and the start
 /// states (q, v) of all windows; the first two are what windows share.
@@ -365,7 +365,7 @@ impl Residuals for WindowLoss {
     }
 
     fn tolerance(&self) -> f64 {
-        1e-5
+        1e-4
     }
 
     fn bounds(&self) -> &Bounds {
