@@ -106,9 +106,14 @@ impl WindowLoss {
             CalibrationLayout { start, n, logs: logs.count(), calibration, control: logs.control_size() };
         fixed.extend(layout.fixed(|log| of.contains(&log)));
         let make = move || ExplicitSteps::new(&system, h / substeps as f64, RungeKutta::of_order(order));
-        let windows = logs.windows(of.clone(), steps)?;
+        let mut windows = logs.windows(of.clone(), steps)?;
         let noise = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
-        let motion = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
+        let motion: Vec<f64> = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
+        // What holds a mechanism at rest is stiction, which no smooth friction has.
+        let moves = |window: &Window| logs.moves(*window, steps, &motion);
+        if windows.iter().any(moves) {
+            windows.retain(moves);
+        }
         Ok(Self {
             logs: logs.clone(),
             windows,
