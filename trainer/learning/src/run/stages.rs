@@ -91,7 +91,7 @@ pub(super) fn of_windows(
     (data, training): (&Dataset, usize),
     notices: &mut Vec<Notice>,
 ) -> Result<(Vec<Stage>, CalibrationLayout), PlanError> {
-    let TrainingConfig { window, order, warm_up, iterations, optimiser, .. } = config.training;
+    let TrainingConfig { window, overlap, order, warm_up, iterations, optimiser, .. } = config.training;
     if optimiser != OptimiserKind::LevenbergMarquardt {
         return Err(PlanError::WindowOptimiser);
     }
@@ -107,7 +107,8 @@ pub(super) fn of_windows(
         if architecture.friction.dry.is_empty() { 1.0 } else { (data.h / STIFF_STEP - 1e-6).ceil() };
     let (substeps, calibration) = ((substeps as usize).max(1), config.calibration.calibration());
     let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
-        let settings = WindowSettings { steps, substeps, order, calibration };
+        let stride = (((1.0 - overlap) * steps as f64).round() as usize).max(1);
+        let settings = WindowSettings { steps, stride, substeps, order, calibration };
         Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
     };
     let layout = loss(all, 0..training)?.layout();

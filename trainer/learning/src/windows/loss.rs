@@ -18,6 +18,8 @@ use std::sync::Arc;
 pub struct WindowSettings {
     /// Steps of a window, at least 1.
     pub steps: usize,
+    /// Steps from the start of one to that of the next, at least 1.
+    pub stride: usize,
     /// Runge–Kutta steps in each of them, at least 1.
     pub substeps: usize,
     /// Their order: 2 or 4.
@@ -99,14 +101,14 @@ impl WindowLoss {
         settings: WindowSettings,
     ) -> Result<Self, TooShort> {
         let WindowModel { system, mut fixed, bounds, project } = model;
-        let WindowSettings { steps, substeps, order, calibration } = settings;
-        let substeps = substeps.max(1);
+        let WindowSettings { steps, stride, substeps, order, calibration } = settings;
+        let (stride, substeps) = (stride.max(1), substeps.max(1));
         let (n, h, start) = (logs.n, logs.h, system.parameters());
         let layout =
             CalibrationLayout { start, n, logs: logs.count(), calibration, control: logs.control_size() };
         fixed.extend(layout.fixed(|log| of.contains(&log)));
         let make = move || ExplicitSteps::new(&system, h / substeps as f64, RungeKutta::of_order(order));
-        let mut windows = logs.windows(of.clone(), steps)?;
+        let mut windows = logs.windows(of.clone(), (steps, stride))?;
         let noise = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
         let motion: Vec<f64> = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
         // What holds a mechanism at rest is stiction, which no smooth friction has.

@@ -89,7 +89,7 @@ fn loss_over(data: &Dataset, steps: usize, calibration: Calibration, known: bool
     if known {
         model.fixed = (0..architecture.parameters().unwrap()).collect();
     }
-    let settings = WindowSettings { steps, substeps: 2, order: 4, calibration };
+    let settings = WindowSettings { steps, stride: steps, substeps: 2, order: 4, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     WindowLoss::new(model, &logs, 0..LOGS, settings).unwrap()
 }
