@@ -1,9 +1,13 @@
 //! How good a model is, in SyMo's measures on equal terms, [`states`] those of models that are stepped from states;
 //! [`prediction`] has ModLaNet's, [`rollouts`] LGNN's.
 
+pub mod horizons;
+#[cfg(test)]
+mod horizons_tests;
 pub mod learned;
 pub mod particles;
 pub mod prediction;
+pub mod rest;
 pub mod rollouts;
 pub mod states;
 mod systems;

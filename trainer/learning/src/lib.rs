@@ -11,6 +11,7 @@ pub mod ground_truth;
 pub mod import;
 pub mod model_file;
 pub mod parallel;
+pub mod report;
 pub mod run;
 pub mod runge_kutta;
 pub mod training;

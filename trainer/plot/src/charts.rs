@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use super::PlotError;
 use super::axis::{Axis, Scale};
 use super::figure::{
     Canvas, Chart, DrawError, FOOT, Frame, HEAD, draw_chart, draw_legend, draw_title, left_edge,
     legend_height, render,
 };
 use super::series::{Angle, Series, Stroke};
+use super::{NotDrawn, PlotError};
 
 /// Height of the frame of a single chart (pixels).
 const HEIGHT: f64 = 340.0;
@@ -90,6 +90,16 @@ pub enum Vertical {
     Angle,
 }
 
+impl Vertical {
+    fn scale(self) -> Scale {
+        match self {
+            Self::Linear => Scale::Linear,
+            Self::Logarithmic => Scale::Log,
+            Self::Angle => Scale::Angle,
+        }
+    }
+}
+
 /// One of the charts that share a time axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Panel<'a> {
@@ -115,12 +125,7 @@ impl<'a> Panel<'a> {
     }
 
     fn axis(&self) -> Axis {
-        let scale = match self.vertical {
-            Vertical::Linear => Scale::Linear,
-            Vertical::Logarithmic => Scale::Log,
-            Vertical::Angle => Scale::Angle,
-        };
-        Axis::fit(scale, values(self.series, |point| point.1), PANEL_TICKS)
+        Axis::fit(self.vertical.scale(), values(self.series, |point| point.1), PANEL_TICKS)
     }
 
     fn height(&self, left: f64) -> f64 {
@@ -141,12 +146,20 @@ pub fn time_series(path: &Path, title: &str, panels: &[Panel<'_>]) -> Result<(),
 /// # Errors
 /// [`PlotError`]: the file cannot be written.
 pub fn stacked(path: &Path, title: &str, x_label: &str, panels: &[Panel<'_>]) -> Result<(), PlotError> {
+    save(path, &stacked_svg(title, x_label, panels).map_err(|error| error.of(path))?)
+}
+
+/// The same as the text of an SVG, to be put into a page.
+///
+/// # Errors
+/// [`NotDrawn`]: the drawing library failed.
+pub fn stacked_svg(title: &str, x_label: &str, panels: &[Panel<'_>]) -> Result<String, NotDrawn> {
     let times = panels.iter().flat_map(|panel| values(panel.series, |point| point.0));
     let time = Axis::tight(Scale::Linear, times, X_TICKS);
     let axes: Vec<_> = panels.iter().map(Panel::axis).collect();
     let left = left_edge(&axes);
     let height = HEAD + panels.iter().map(|panel| panel.height(left)).sum::<f64>() - PANEL_GAP + FOOT;
-    save(path, height, |canvas| {
+    drawn(height, |canvas| {
         draw_title(canvas, title)?;
         let mut top = HEAD;
         for (index, (panel, axis)) in panels.iter().zip(axes).enumerate() {
@@ -232,24 +245,42 @@ fn values(series: &[Series], of: fn((f64, f64)) -> f64) -> impl Iterator<Item = 
     series.iter().flat_map(|series| series.points.iter().copied()).map(of)
 }
 
+/// Curves in one frame, as the text of an SVG, to be put into a page.
+///
+/// # Errors
+/// [`NotDrawn`]: the drawing library failed.
+pub fn curves_svg(
+    title: &str,
+    (x_label, y_label): (&str, &str),
+    vertical: Vertical,
+    series: &[Series],
+) -> Result<String, NotDrawn> {
+    let x = Axis::tight(Scale::Linear, values(series, |point| point.0), X_TICKS);
+    let y = Axis::fit(vertical.scale(), values(series, |point| point.1), Y_TICKS);
+    let colours = colours_by_label(series);
+    of_one_chart(title, &Chart { x, y, x_label, y_label, series, colours: &colours })
+}
+
 /// Saves a figure of one chart.
 fn single(path: &Path, title: &str, chart: &Chart<'_>) -> Result<(), PlotError> {
+    save(path, &of_one_chart(title, chart).map_err(|error| error.of(path))?)
+}
+
+fn of_one_chart(title: &str, chart: &Chart<'_>) -> Result<String, NotDrawn> {
     let left = left_edge([&chart.y]);
     let top = HEAD + legend_height(chart.series, left);
-    save(path, top + HEIGHT + FOOT, |canvas| {
+    drawn(top + HEIGHT + FOOT, |canvas| {
         draw_title(canvas, title)?;
         draw_legend(canvas, (HEAD, left), chart.series, chart.colours)?;
         draw_chart(canvas, Frame { left, top, bottom: top + HEIGHT }, chart)
     })
 }
 
-fn save(
-    path: &Path,
-    height: f64,
-    draw: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
-) -> Result<(), PlotError> {
-    let svg = render(height, draw)
-        .map_err(|error| PlotError::Draw { file: path.to_path_buf(), reason: error.to_string() })?;
+fn drawn(height: f64, draw: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>) -> Result<String, NotDrawn> {
+    render(height, draw).map_err(|error| NotDrawn { reason: error.to_string() })
+}
+
+fn save(path: &Path, svg: &str) -> Result<(), PlotError> {
     leastaction_data::atomic::write(path, svg.as_bytes())
         .map_err(|error| PlotError::Write { file: path.to_path_buf(), error })
 }

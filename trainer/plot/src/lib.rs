@@ -14,12 +14,29 @@ mod series;
 mod tests;
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-pub use charts::{Panel, Phase, Vertical, log_log, loss_curve, phase_portrait, stacked, time_series};
+pub use charts::{
+    Panel, Phase, Vertical, curves_svg, log_log, loss_curve, phase_portrait, stacked, stacked_svg,
+    time_series,
+};
 pub use series::{Angle, Series, Stroke};
+
+/// The drawing library failed.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("cannot draw the chart: {reason}")]
+pub struct NotDrawn {
+    /// What it said.
+    pub reason: String,
+}
+
+impl NotDrawn {
+    fn of(self, file: &Path) -> PlotError {
+        PlotError::Draw { file: file.to_owned(), reason: self.reason }
+    }
+}
 
 /// A chart that could not be made.
 #[derive(Debug, Error)]

@@ -24,6 +24,8 @@ pub enum FileKind {
     Table(&'static str),
     /// A picture.
     Picture,
+    /// A page of HTML.
+    Page,
 }
 
 /// How a configuration of `leastaction look` begins.
@@ -38,6 +40,7 @@ impl FileKind {
             Self::Configuration => "configuration of `leastaction look`",
             Self::Table(_) => "table of this command",
             Self::Picture => "picture (SVG)",
+            Self::Page => "page (HTML)",
         }
     }
 
@@ -53,6 +56,7 @@ impl FileKind {
             Self::Log => None,
             Self::Table(head) => Some(head.as_bytes()),
             Self::Picture => Some(b"<svg"),
+            Self::Page => Some(b"<!DOCTYPE html>"),
         }
     }
 

@@ -14,8 +14,8 @@ use std::sync::atomic::AtomicBool;
 
 /// Learn a model from a log, as a TOML file says.
 ///
-/// The run folder receives checkpoint.postcard, history.csv, config.toml and, at the end, loss.svg; `leastaction export`
-/// makes a model file of it. Ctrl-C finishes the iteration, saves and exits with 130; a second Ctrl-C stops at once.
+/// The run folder receives checkpoint.postcard, history.csv, config.toml and, at the end, loss.svg, and of a loss over
+/// windows report.html, a page on what the fit is worth; `leastaction export` makes a model file of it. Ctrl-C finishes the iteration, saves and exits with 130; a second Ctrl-C stops at once.
 /// A resumed run gives the same bits as one that was never interrupted; iterations, target, patience, max_seconds,
 /// threads and the checkpoint intervals may be changed before resuming.
 ///
@@ -83,6 +83,9 @@ pub struct Report {
     pub seconds: f64,
     /// The picture.
     pub loss_curve: PathBuf,
+    /// The page on what was learned over windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<PathBuf>,
     /// The iteration of the checkpoint.
     #[serde(skip)]
     pub saved: Option<u64>,
@@ -105,7 +108,8 @@ impl fmt::Display for Report {
             "best at iteration {}: training loss {:.3e}{validation}",
             self.best_iteration, self.train_loss
         )?;
-        writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())
+        writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
+        self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
     }
 }
 
@@ -193,6 +197,7 @@ pub fn train(
         validation_loss: best.validation,
         seconds: run.seconds(),
         loss_curve: run.loss_curve(),
+        report: run.report(),
         saved: run.saved(),
     };
     Ok((report, ending))

@@ -99,10 +99,30 @@ fn a_look_at_unknown_logs_writes_a_configuration_that_trains() {
     assert_eq!(config.data.validation, 0.2);
     let trained = bench.run("train robot.toml -o run -q --json");
     assert!(trained.code == Some(0), "{}", trained.stderr);
+    assert_eq!(trained.json()["report"].as_str(), Some("run/report.html"));
+    assert!(bench.text("run/report.html").contains("Coulomb friction"));
     // It may be written again, but nothing else is.
     bench.run("look robot-*.csv -o robot.toml").good();
     bench.write("mine.toml", "[data]\nfile = \"a.csv\"\n");
     bench.run("look robot-*.csv -o mine.toml").bad(2, &["mine.toml"]);
+}
+
+#[test]
+fn a_page_says_what_a_model_is_worth_on_a_log() {
+    let bench = Bench::new();
+    robot_logs(&bench);
+    bench.run("look robot-*.csv -o robot.toml").good();
+    bench.run("train robot.toml -o run -q").good();
+    bench.run("export run -o m.postcard").good();
+    for model in ["run", "m.postcard"] {
+        let done = bench.run(&format!("evaluate {model} --config robot.toml -o page.html")).good();
+        assert!(done.stderr.contains("page in page.html"), "{}", done.stderr);
+        let page = bench.text("page.html");
+        assert!(page.contains("<h2>Errors of predictions</h2>") && page.contains("<h2>Residuals</h2>"));
+    }
+    bench.run("evaluate m.postcard --config robot.toml -o folder").bad(2, &["folder", "page.html"]);
+    bench.write("notes.html", "mine");
+    bench.run("evaluate m.postcard --config robot.toml -o notes.html").bad(2, &["notes.html"]);
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod friction;
 mod graph;
 mod lgnn;
 mod modular;
+mod names;
 mod rigid;
 
 pub use bodies::{BodiesArchitecture, BodyNumbers};
@@ -13,6 +14,7 @@ pub use family::Family;
 pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTHS};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
 pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, TYPE_NUMBERS};
+pub use names::NumberName;
 pub use rigid::{HostSystem, RigidArchitecture, largest_factor};
 
 use crate::training::Range;

@@ -46,7 +46,7 @@ impl<'w> FreeAccelerations<'w> {
 }
 
 /// The system of a model that a weight block fits.
-fn system(architecture: &Architecture, weights: &[f64]) -> Result<System, ModelError> {
+pub(super) fn system(architecture: &Architecture, weights: &[f64]) -> Result<System, ModelError> {
     let system = System::new(&*architecture.energies()?);
     if system.parameters() == weights.len() {
         Ok(system)

@@ -1,4 +1,4 @@
-//! The folder of a run: checkpoint, configuration, history and loss curve.
+//! The folder of a run: checkpoint, configuration, history, loss curve and report.
 
 use super::RunError;
 use super::state::Row;
@@ -16,6 +16,8 @@ const HISTORY: &str = "history.csv";
 const CONFIG: &str = "config.toml";
 /// The history as a picture.
 const LOSS_CURVE: &str = "loss.svg";
+/// What a run over windows is worth.
+const REPORT: &str = "report.html";
 
 const HEAD: &str = "iteration,stage,seconds,train,validation\n";
 
@@ -32,6 +34,10 @@ impl Folder {
 
     pub fn loss_curve(&self) -> PathBuf {
         self.path.join(LOSS_CURVE)
+    }
+
+    pub fn report(&self) -> PathBuf {
+        self.path.join(REPORT)
     }
 
     /// Whether there is something in it beside a lock.
@@ -55,7 +61,7 @@ impl Folder {
 
     /// A file in it that a run would overwrite beside a checkpoint.
     pub fn foreign(&self) -> Option<&'static str> {
-        [CONFIG, HISTORY, LOSS_CURVE].into_iter().find(|name| self.path.join(name).exists())
+        [CONFIG, HISTORY, LOSS_CURVE, REPORT].into_iter().find(|name| self.path.join(name).exists())
     }
 
     /// Makes it and keeps other runs out of it.
@@ -68,12 +74,12 @@ impl Folder {
         RunError::Folder { folder: self.path.clone(), error }
     }
 
-    /// Removes the picture of an earlier run, which is not true of this one.
-    pub fn remove_loss_curve(&self) -> io::Result<()> {
-        match fs::remove_file(self.loss_curve()) {
+    /// Removes picture and page of an earlier run, which are not true of this one.
+    pub fn remove_pictures(&self) -> io::Result<()> {
+        [self.loss_curve(), self.report()].iter().try_for_each(|file| match fs::remove_file(file) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
             _ => Ok(()),
-        }
+        })
     }
 
     /// Writes the configuration with full paths, so that it can be used from here; one that says the same stays as it is written.

@@ -2,7 +2,7 @@
 //!
 //! The folder has `checkpoint.postcard` (written atomically: an interruption or a full disk leaves the last one),
 //! `history.csv` (one line an iteration: `iteration,stage,seconds,train,validation`), `config.toml` and, at the end,
-//! `loss.svg`. While a run trains, the folder is locked. A run that replaces another leaves that one's files alone until its own loss
+//! `loss.svg` and, of a loss over windows, `report.html` ([`crate::report`]). While a run trains, the folder is locked. A run that replaces another leaves that one's files alone until its own loss
 //! is finite.
 //!
 //! **What the data must show.** Positions and controls alone determine the motion, but not always the scale of L: a
@@ -21,6 +21,7 @@ mod friction_tests;
 mod notice;
 mod plan;
 mod range;
+mod report;
 mod resume;
 mod ringing;
 mod stages;
@@ -39,6 +40,7 @@ use crate::checkpoint::{Best, Checkpoint, State};
 use crate::config::TrainingConfig;
 use crate::lock::Lock;
 use crate::parallel;
+use crate::report::ReportError;
 use crate::training::{Objective, Progress};
 use error::stuck;
 use folder::{Folder, History};
@@ -183,6 +185,11 @@ impl Run {
         self.folder.loss_curve()
     }
 
+    /// The page that [`Run::train`] writes; none where there is none.
+    pub fn report(&self) -> Option<PathBuf> {
+        Some(self.folder.report()).filter(|file| file.exists())
+    }
+
     /// Trains to the end, or until `stop` is set; then saves and draws the loss curve.
     ///
     /// # Errors
@@ -221,7 +228,22 @@ impl Run {
         {
             monitor.warning(&error.to_string());
         }
+        if self.saved.is_some()
+            && is_a_model
+            && let Err(error) = self.write_report()
+        {
+            monitor.warning(&format!("{}: {error}", self.folder.report().display()));
+        }
         ending
+    }
+
+    /// What the best numbers are worth, where they were learned over windows.
+    fn write_report(&self) -> Result<(), ReportError> {
+        let State { best, seconds, .. } = &self.state;
+        match within(self.pool.as_ref(), || report::html(&self.plan, best, *seconds))? {
+            Some(page) => Ok(crate::atomic::write(&self.folder.report(), page.as_bytes())?),
+            None => Ok(()),
+        }
     }
 
     /// In the last stage: how many training samples count as predicted by a constant velocity with the best weights, and how many
@@ -351,7 +373,7 @@ impl Run {
 
     /// What goes with the first checkpoint, in place of that of an earlier run.
     fn write_rest(&mut self) -> io::Result<()> {
-        self.folder.remove_loss_curve()?;
+        self.folder.remove_pictures()?;
         self.folder.write_config(&self.plan.config)?;
         self.history.write(&self.folder)
     }

@@ -2,7 +2,7 @@
 
 use super::fingerprint;
 use super::notice::{Notice, prepared};
-use super::stages::{self, Stage};
+use super::stages::{self, Stage, Windowed};
 use super::{range, ringing};
 use crate::architecture::{Architecture, Family};
 use crate::checkpoint::{Checkpoint, State, Trained};
@@ -135,8 +135,8 @@ pub struct Plan {
     /// Some positions of the data, for what is said of the trained model.
     pub(super) positions: Vec<Vec<f64>>,
     pub(super) data_fingerprint: u64,
-    /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
-    pub(super) calibration: Option<CalibrationLayout>,
+    /// What a loss over windows learns from.
+    pub(super) windows: Option<Windowed>,
     pub(super) stages: Vec<Stage>,
     notices: Vec<Notice>,
 }
@@ -152,7 +152,7 @@ impl Plan {
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
         let training = split(&data, config.data.validation, &mut notices);
-        let (stages, calibration) = match loss.of_samples() {
+        let (stages, windows) = match loss.of_samples() {
             Some(kind) => {
                 let parts = data.split(training);
                 let held_back = (!parts.1.trajectories.is_empty()).then_some(parts.1);
@@ -163,9 +163,9 @@ impl Plan {
             None => {
                 check_gauge(&architecture, is_forced(&architecture, &data))?;
                 let of = (&data, training);
-                let (stages, layout) = stages::of_windows(&config, &architecture, of, &mut notices)?;
+                let (stages, windows) = stages::of_windows(&config, &architecture, of, &mut notices)?;
                 initial = first_guess(&architecture, &data.split(training).0, initial, &stages)?;
-                (stages, Some(layout))
+                (stages, Some(windows))
             }
         };
         let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
@@ -176,7 +176,7 @@ impl Plan {
             range: range::of(&architecture, &data),
             positions: ringing::positions(&data),
             data_fingerprint: fingerprint::of_data(&data, loss),
-            calibration,
+            windows,
             stages,
             notices,
             config,
@@ -195,6 +195,11 @@ impl Plan {
         }
         let trained = Trained::from(Checkpoint::new(self, &state));
         trained.best.is_a_model().then_some(trained)
+    }
+
+    /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
+    pub(super) fn calibration(&self) -> Option<CalibrationLayout> {
+        self.windows.as_ref().map(|windows| windows.layout)
     }
 
     /// What the user should know.

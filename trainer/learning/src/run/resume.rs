@@ -38,7 +38,7 @@ impl Checkpoint {
             architecture: plan.architecture.clone(),
             trained_step: plan.trained_step,
             range: plan.range.clone(),
-            calibration: plan.calibration,
+            calibration: plan.calibration(),
             state: state.clone(),
         }
     }

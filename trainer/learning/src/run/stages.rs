@@ -80,8 +80,26 @@ const STIFF_STEP: f64 = 0.005;
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
-/// The stages of a loss over windows of the first so many trajectories, the others being held back, and where what is learned of
-/// sensors and actuators is.
+/// What is learned from over windows, once all of it is.
+pub(super) struct Windowed {
+    pub logs: Arc<WindowLogs>,
+    pub settings: WindowSettings,
+    /// Where what is learned of sensors and actuators is.
+    pub layout: CalibrationLayout,
+}
+
+impl Windowed {
+    /// The loss over all logs.
+    ///
+    /// # Errors
+    /// As [`WindowModel::new`] and [`WindowLoss::new`].
+    pub fn loss(&self, architecture: &Architecture) -> Result<WindowLoss, PlanError> {
+        let all = 0..self.logs.count();
+        Ok(WindowLoss::new(WindowModel::new(architecture)?, &self.logs, all, self.settings)?)
+    }
+}
+
+/// The stages of a loss over windows of the first so many trajectories, the others being held back.
 ///
 /// # Errors
 /// Where no trajectory is as long as a window, or the optimiser does not know windows.
@@ -90,7 +108,7 @@ pub(super) fn of_windows(
     architecture: &Architecture,
     (data, training): (&Dataset, usize),
     notices: &mut Vec<Notice>,
-) -> Result<(Vec<Stage>, CalibrationLayout), PlanError> {
+) -> Result<(Vec<Stage>, Windowed), PlanError> {
     let TrainingConfig { window, overlap, order, warm_up, iterations, optimiser, .. } = config.training;
     if optimiser != OptimiserKind::LevenbergMarquardt {
         return Err(PlanError::WindowOptimiser);
@@ -106,9 +124,12 @@ pub(super) fn of_windows(
     let substeps =
         if architecture.friction.dry.is_empty() { 1.0 } else { (data.h / STIFF_STEP - 1e-6).ceil() };
     let (substeps, calibration) = ((substeps as usize).max(1), config.calibration.calibration());
-    let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
+    let settings = |steps: usize| {
         let stride = (((1.0 - overlap) * steps as f64).round() as usize).max(1);
-        let settings = WindowSettings { steps, stride, substeps, order, calibration };
+        WindowSettings { steps, stride, substeps, order, calibration }
+    };
+    let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
+        let settings = settings(steps);
         Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
     };
     let layout = loss(all, 0..training)?.layout();
@@ -132,7 +153,7 @@ pub(super) fn of_windows(
         // What the held-back logs had to say of the model they have said; now they are learned from as well.
         stages.push(stage((ALL_LOGS, all, iterations), 0..count, 0..0)?);
     }
-    Ok((stages, layout))
+    Ok((stages, Windowed { logs: logs.clone(), settings: settings(all), layout }))
 }
 
 /// Residual components a weight that a warm-up on the next position takes.

@@ -1,4 +1,5 @@
 use crate::data::Rows;
+use leastaction_core::model::{ActuatorBytes, ModelError};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -36,6 +37,8 @@ impl Default for Calibration {
     }
 }
 
+/// The delay in the bytes of an actuator.
+const DELAY_BYTES: usize = 4;
 /// A learned z is expected to be of this size, m or rad.
 const ZERO_SIZE: f64 = 0.05;
 /// A learned g to be this near to 1.
@@ -74,6 +77,25 @@ impl Calibrated {
         };
         let all = (0..u.len()).flat_map(|k| (0..n).map(move |i| (k, i))).map(|(k, i)| force(k, i));
         Rows::from_flat(n, all.collect::<Option<_>>()?)
+    }
+
+    /// Those of a model file, whose actuator has these bytes (none: the command is the force), on n coordinates; zeros are not in it.
+    ///
+    /// # Errors
+    /// As [`ActuatorBytes::new`].
+    pub fn of_file(actuator: &[u8], n: usize) -> Result<Self, ModelError> {
+        let mut ideal = Self { gain: vec![1.0; n], offset: vec![0.0; n], ..Self::default() };
+        if actuator.is_empty() {
+            return Ok(ideal);
+        }
+        let bytes = ActuatorBytes::new(actuator)?;
+        let pairs = actuator.get(DELAY_BYTES..).unwrap_or_default().as_chunks::<4>().0;
+        let mut numbers = pairs.iter().map(|bytes| f64::from(f32::from_le_bytes(*bytes)));
+        for i in 0..n.min(bytes.n()) {
+            ideal.gain[i] = numbers.next().unwrap_or(1.0);
+            ideal.offset[i] = numbers.next().unwrap_or(0.0);
+        }
+        Ok(Self { delay: bytes.delay().into(), ..ideal })
     }
 
     /// The actuator as a model file has it: d, then g and o of every coordinate, in single precision; nothing where the command is the
@@ -165,6 +187,28 @@ impl CalibrationLayout {
             delay: weights.get(self.delay()).copied().unwrap_or_default(),
             zeros: (0..self.logs).map(|log| of(self.zero(log, 0)..self.zero(log + 1, 0))).collect(),
         }
+    }
+
+    /// What the number at a position is called, and its unit: `unit` is that of q̃_i.
+    pub fn name(
+        &self,
+        position: usize,
+        unit: impl Fn(usize) -> &'static str,
+    ) -> Option<(String, &'static str)> {
+        let place = position.checked_sub(self.start).filter(|_| position < self.end())?;
+        let force = |i: usize| if unit(i) == "m" { "N" } else { "N m" };
+        Some(match place.checked_sub(self.controls()) {
+            Some(zero) => {
+                let (log, i) = (zero / self.n, zero % self.n);
+                (format!("log {log}, coordinate {i}: zero offset of the encoder"), unit(i))
+            }
+            None if position == self.delay() => ("delay of the actuator".to_owned(), "s"),
+            None if place < self.n => (format!("coordinate {place}: gain of the actuator"), ""),
+            None => {
+                let i = place - self.n;
+                (format!("coordinate {i}: offset of the actuator"), force(i))
+            }
+        })
     }
 
     /// The settings of g, o and d with their positions.

@@ -72,12 +72,13 @@ impl WindowLogs {
         self.logs.len()
     }
 
-    fn samples(&self, log: usize) -> usize {
+    /// Samples of a log.
+    pub fn samples(&self, log: usize) -> usize {
         self.logs[log].q.len() / self.n.max(1)
     }
 
     /// Position i of a sample.
-    pub(super) fn position(&self, log: usize, sample: usize, i: usize) -> f64 {
+    pub(crate) fn position(&self, log: usize, sample: usize, i: usize) -> f64 {
         self.logs[log].q[sample * self.n + i]
     }
 
@@ -85,7 +86,7 @@ impl WindowLogs {
     /// as there. 0 without control.
     ///
     /// Between samples it is taken to be linear: that is the mean over a step of a u that is held, too.
-    pub(super) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
+    pub(crate) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
         let u = &self.logs[log].u;
         if u.is_empty() {
             return [0.0; 2];
@@ -179,7 +180,7 @@ impl WindowLogs {
     }
 
     /// The noise of sensor i: a robust standard deviation of third differences, in which smooth motion hardly shows, over √20.
-    pub(super) fn noise(&self, logs: Range<usize>, i: usize) -> f64 {
+    pub(crate) fn noise(&self, logs: Range<usize>, i: usize) -> f64 {
         let mut differences = Vec::new();
         for log in logs {
             let q = |k: usize| self.position(log, k, i);

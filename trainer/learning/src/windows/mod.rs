@@ -12,6 +12,9 @@
 //!   x₀ are projected out of the others ([`elimination`]), and after every step x₀ is solved anew ([`starts`]).
 
 mod calibration;
+mod certainty;
+#[cfg(test)]
+mod certainty_tests;
 mod elimination;
 mod logs;
 mod loss;
@@ -21,6 +24,7 @@ mod scales;
 mod starts;
 
 pub use calibration::{Calibrated, Calibration, CalibrationLayout, Setting};
+pub use certainty::{Certainty, LearnedNumber, Shown, certainty};
 pub use logs::{TooShort, WindowLogs};
 pub use loss::{WindowLoss, WindowModel, WindowSettings};
 pub use noise::{Noise, noise_of};

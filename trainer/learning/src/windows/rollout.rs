@@ -62,6 +62,12 @@ fn part_of((tau, tangents): &Acting, part: usize, parts: usize) -> Acting {
     ([0, 1].map(|end| each.iter().map(|ends| ends[end]).collect()), tangents.iter().map(moved).collect())
 }
 
+/// ρ′(x)/2x, by which squares count in Gauss and Newton's matrix, and ρ″(x)/2, by which they count in the loss's own.
+pub(super) fn curvatures(x: f64) -> [f64; 2] {
+    let root = (1.0 + x * x / (KNEE * KNEE)).sqrt();
+    [root.recip(), root.powi(3).recip()]
+}
+
 impl Lanes<'_> {
     fn n(&self) -> usize {
         self.logs.n

@@ -1,5 +1,6 @@
 use super::super::{Overview, Paper, distinct};
 use super::{Finished, Row, Table, exceptions, number, tables};
+use leastaction_learning::report::page::{escaped, page as framed};
 use std::path::Path;
 
 /// A page that needs nothing else: the tables with the paper's numbers, ours, their ratio and the spread over the seeds, the
@@ -7,24 +8,10 @@ use std::path::Path;
 pub fn page(paper: &Paper, results: &[Finished], folder: &Path, overviews: &[Overview]) -> String {
     let tables = tables(results);
     let body: String = tables.iter().map(|table| section(table, folder, overviews)).collect();
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<p>{about}</p>\n{}{}{body}</body>\n</html>\n",
-        list("Ours is not the best in", &exceptions(&tables)),
-        list("Failed", &failures(results)),
-        title = escaped(paper.title),
-        about = escaped(paper.about),
-    )
+    let about = escaped(paper.about);
+    let lists = list("Ours is not the best in", &exceptions(&tables)) + &list("Failed", &failures(results));
+    framed(paper.title, &format!("<p>{about}</p>\n{lists}{body}"))
 }
-
-const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b}\
-h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2.5rem}\
-div.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}\
-th,td{padding:.25rem .6rem;text-align:right;border-bottom:1px solid #ddd}th{border-bottom:2px solid #888;vertical-align:bottom}\
-td.text,th.text{text-align:left}tr.other td{color:#666}td b{color:#00527a}small{color:#666;display:block}\
-td.worse b{color:#a33c00}code{font-size:.8rem;background:#f3f3f3;padding:.05rem .3rem}\
-details{margin:.4rem 0}summary{cursor:pointer;color:#00527a}svg{max-width:100%;height:auto}ul{padding-left:1.2rem}ul.notes{font-size:.8rem;color:#444}";
 
 fn list(title: &str, items: &[String]) -> String {
     if items.is_empty() {
@@ -140,9 +127,4 @@ fn picture(name: &str, folder: &Path, is_shown: bool) -> Option<String> {
     let title = escaped(name.trim_end_matches(".svg"));
     let open = if is_shown { " open" } else { "" };
     Some(format!("<details{open}><summary>{title}</summary>\n{svg}\n</details>\n"))
-}
-
-/// As HTML has text.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

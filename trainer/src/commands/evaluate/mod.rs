@@ -2,10 +2,11 @@
 
 mod long_term;
 mod on_chip;
+mod page;
 mod report;
 
 use super::chip;
-use super::inspect::load_part;
+use super::inspect::{load_part, of_part};
 use super::notes::tell;
 use super::system::{Kind, System};
 use clap::Args;
@@ -15,13 +16,14 @@ use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use leastaction_learning::architecture::Architecture;
+use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::{Dataset, control_name};
 use leastaction_learning::evaluate::{
     Beginning, acceleration_mse, energy_mse, finished, inertia_mse, one_step_mse, rollout,
 };
 use leastaction_learning::ground_truth::Mechanism;
-use leastaction_learning::model_file::HostModel;
+use leastaction_learning::model_file::{HostModel, Precision, decode, encode_in};
 use long_term::{Request, Scalable};
 use report::{Acceleration, Report, Steps};
 use std::path::{Path, PathBuf};
@@ -43,10 +45,12 @@ use std::path::{Path, PathBuf};
 ///
 /// Example: leastaction evaluate m.postcard --data log.npz
 ///
+/// Example: leastaction evaluate run --config robot.toml --data test.csv -o page.html
+///
 /// Example: leastaction evaluate m.postcard --data triple.npz --tree triple --system n-pendulum -o prediction
 #[derive(Args)]
 pub struct Evaluate {
-    /// The model file.
+    /// The model file, or the folder of a run.
     model: PathBuf,
     /// The log, .npz or .csv; *, ? and ** stand for several.
     #[arg(long, value_name = "FILE", required_unless_present = "config")]
@@ -75,15 +79,17 @@ pub struct Evaluate {
     /// Of the random starts [default: 0].
     #[arg(long, value_parser = seed, requires = "system")]
     seed: Option<u64>,
-    /// A folder for the errors of predictions over time: prediction.csv and prediction.svg.
-    #[arg(short, long, value_name = "FOLDER", requires = "system")]
+    /// A page, .html, on what the model is worth on the log; with --system a folder for the errors of predictions over time:
+    /// prediction.csv and prediction.svg.
+    #[arg(short, long, value_name = "PAGE.html|FOLDER")]
     output: Option<PathBuf>,
 }
 
 impl Evaluate {
     /// Reads and measures.
     pub fn run(self, output: Output) -> Done {
-        let (model, _) = load_part(&self.model, self.tree.as_deref())?;
+        let page = self.page()?;
+        let model = self.load()?;
         let mut config = self.log()?;
         config.control = config.control.or(model.facts.trained_step.map(|step| step.control));
         let (mut log, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
@@ -101,7 +107,7 @@ impl Evaluate {
             output.note("note: the log is forced, so that its energy changes: energy is not compared");
         }
         let failed = |error| Failure::input(&self.model, error);
-        let mut report = self.measure(&model, (file, &log), symo).map_err(failed)?;
+        let mut report = self.measure(&model, (file.clone(), &log), symo).map_err(failed)?;
         report.chip = on_chip(&model, report.order, &log)
             .map_err(|error| output.note(&format!("note: steps on the chip are not measured: {error}")))
             .ok();
@@ -109,9 +115,40 @@ impl Evaluate {
             output.note("note: on rods, positions are stepped on the chip alone");
         }
         if let Some(Exact::Scalable(system)) = system {
-            report.prediction = Some(self.request(&model, system).run(self.output.as_deref())?);
+            let folder = self.output.as_deref().filter(|_| page.is_none());
+            report.prediction = Some(self.request(&model, system).run(folder)?);
+        }
+        if let Some(path) = page {
+            page::write(path, (&model, &self.model), (&file, &log))?;
+            output.note(&format!("page in {}", path.display()));
         }
         output.report(&report)
+    }
+
+    /// The page that is asked for; a folder is of use with --system alone.
+    fn page(&self) -> Result<Option<&Path>, Failure> {
+        let Some(path) = self.output.as_deref() else { return Ok(None) };
+        match page::is_page(path)? {
+            true => Ok(Some(path)),
+            false if self.system.is_some() => Ok(None),
+            false => {
+                Err(Failure::input(path, "name a page, as page.html; a folder is written with --system"))
+            }
+        }
+    }
+
+    /// The model of the file, or as `leastaction export` makes it of a run's folder.
+    fn load(&self) -> Result<HostModel, Failure> {
+        if !self.model.is_dir() {
+            return Ok(load_part(&self.model, self.tree.as_deref())?.0);
+        }
+        let refused = |error: &dyn std::fmt::Display| Failure::input(&self.model, error);
+        let trained = Trained::read(&self.model).map_err(|error| refused(&error))?;
+        let bytes =
+            encode_in(Precision::Single, &trained.architecture, &trained.best.weights, &trained.facts())
+                .map_err(|error| refused(&error))?;
+        let model = decode(&bytes).map_err(|error| refused(&error))?;
+        of_part(&self.model, model, self.tree.as_deref())
     }
 
     /// The log and how it is read.
@@ -187,7 +224,7 @@ impl Evaluate {
                     (self.starts.is_some(), "--starts"),
                     (self.seconds.is_some(), "--seconds"),
                     (self.seed.is_some(), "--seed"),
-                    (self.output.is_some(), "--output"),
+                    (self.page()?.is_none() && self.output.is_some(), "--output"),
                 ];
                 refuse(mechanism.name(), &options)?;
                 Ok(Exact::Symo(mechanism))

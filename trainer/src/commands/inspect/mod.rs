@@ -80,18 +80,21 @@ pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
 
 /// The same with the tree or graph of that name in mind, where one is named.
 pub fn load_part(file: &Path, name: Option<&str>) -> Result<(HostModel, usize), Failure> {
-    let (mut model, bytes) = load(file)?;
-    if let Some(name) = name {
-        let Some((what, _)) = model.architecture.part() else {
-            return Err(Failure::input(file, "a rigid model has no trees or graphs; leave out --tree"));
-        };
-        let known = || model.architecture.parts().join(", ");
-        let found = model.architecture.with_part_named(name).ok_or_else(|| {
-            Failure::input(file, format!("no {what} is called {name:?}; there are: {}", known()))
-        })?;
-        model.architecture = found;
-    }
-    Ok((model, bytes))
+    let (model, bytes) = load(file)?;
+    Ok((of_part(file, model, name)?, bytes))
+}
+
+/// A model with the tree or graph of that name in mind, where one is named.
+pub fn of_part(file: &Path, model: HostModel, name: Option<&str>) -> Result<HostModel, Failure> {
+    let Some(name) = name else { return Ok(model) };
+    let Some((what, _)) = model.architecture.part() else {
+        return Err(Failure::input(file, "a rigid model has no trees or graphs; leave out --tree"));
+    };
+    let known = || model.architecture.parts().join(", ");
+    let architecture = model.architecture.with_part_named(name).ok_or_else(|| {
+        Failure::input(file, format!("no {what} is called {name:?}; there are: {}", known()))
+    })?;
+    Ok(HostModel { architecture, ..model })
 }
 
 /// The prediction for a processor.

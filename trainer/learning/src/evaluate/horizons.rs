@@ -1,0 +1,338 @@
+//! How far off a model is after a while: predictions along logs, beside those of a constant velocity and beside the noise.
+//!
+//! A prediction starts in the middle of the parabola nearest to seven positions, under the forces that the model's actuator makes of the
+//! logged control. It is integrated by Runge–Kutta steps of order 4, several a sample. Its error to a horizon is the root mean square over
+//! all samples from the start to there, of one coordinate or of all. A perfect model is off by the noise, and by what the noise does to
+//! the start.
+
+use super::{median, systems};
+use crate::architecture::Architecture;
+use crate::parallel::{self, Pool};
+use crate::windows::{Calibrated, WindowLogs};
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::ModelError;
+use leastaction_programs::losses::RungeKutta;
+use leastaction_programs::steps::{ExplicitSteps, State};
+use leastaction_programs::{Row, WIDTH};
+
+/// How far ahead is predicted, s.
+pub const HORIZONS: [f64; 3] = [0.1, 0.5, 1.0];
+/// Whole logs are predicted so far, at most, s.
+pub const WHOLE: f64 = 30.0;
+
+/// From the start of a prediction to that of the next, s.
+const STRIDE: f64 = 0.25;
+/// Predictions at most.
+const MOST: usize = 2000;
+/// Samples on each side of a start that its state is taken from.
+const HALF: usize = 3;
+/// The longest integration step, s.
+const STEP: f64 = 0.0025;
+/// Of so many predictions the error of nine is less.
+const TENTH: f64 = 0.9;
+
+/// A model along logs.
+#[derive(Clone, Copy, Debug)]
+pub struct Predictor<'a> {
+    /// Its shape.
+    pub architecture: &'a Architecture,
+    /// Its weight block.
+    pub weights: &'a [f64],
+    /// Its actuator, and the zeros of the logs' encoders; those of logs without any are 0.
+    pub calibrated: &'a Calibrated,
+    /// Positions and controls.
+    pub logs: &'a WindowLogs,
+}
+
+/// Predicted readings of encoders along a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// The log.
+    pub log: usize,
+    /// The sample it starts at.
+    pub first: usize,
+    /// (q, v) there, true positions.
+    start: Vec<[f64; 2]>,
+    /// \[samples\]\[n\], flat; not numbers from where it breaks off.
+    pub path: Vec<f64>,
+}
+
+/// All predictions along logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Predictions {
+    /// Coordinates.
+    pub n: usize,
+    /// Time between samples, s.
+    pub h: f64,
+    /// From all over the logs, to the longest horizon or the end of the log.
+    pub windows: Vec<Prediction>,
+    /// Of whole logs from their start.
+    pub logs: Vec<Prediction>,
+}
+
+/// An error over many predictions, m or rad; infinite where predictions break off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// The median.
+    pub median: f64,
+    /// The 90th percentile.
+    pub percentile_90: f64,
+}
+
+/// Errors to a horizon.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HorizonErrors {
+    /// It, s; none: to the ends of the logs.
+    pub seconds: Option<f64>,
+    /// Predictions that go so far.
+    pub predictions: usize,
+    /// Of all coordinates together, and then of each.
+    pub model: Vec<Spread>,
+    /// The same of a constant velocity.
+    pub constant_velocity: Vec<Spread>,
+}
+
+impl Predictor<'_> {
+    /// Predicts.
+    ///
+    /// # Errors
+    /// Where the shape does not fit in itself or the weights.
+    pub fn predict(&self) -> Result<Predictions, ModelError> {
+        let (n, h) = (self.logs.n, self.logs.h);
+        let system = systems::system(self.architecture, self.weights)?;
+        let parts = (h / STEP).ceil().max(1.0);
+        let pool = Pool::new(move || ExplicitSteps::new(&system, h / parts, RungeKutta::of_order(4)));
+        let roll = |starts: Vec<(usize, usize)>, most: f64| -> Vec<Prediction> {
+            let most = (most / h).round() as usize;
+            let blocks: Vec<&[(usize, usize)]> = starts.chunks(WIDTH).collect();
+            let rolled = parallel::map(blocks.len(), &|k| {
+                pool.with(|stepper| self.roll(stepper, (blocks[k], most), parts as usize))
+            });
+            rolled.into_iter().flatten().collect()
+        };
+        let [.., longest] = HORIZONS;
+        Ok(Predictions { n, h, windows: roll(self.starts(), longest), logs: roll(self.log_starts(), WHOLE) })
+    }
+
+    /// Logs that a prediction fits in, each with its first start.
+    fn log_starts(&self) -> Vec<(usize, usize)> {
+        let fits = |log: &usize| self.logs.samples(*log) > 2 * HALF + 1;
+        (0..self.logs.count()).filter(fits).map(|log| (log, HALF)).collect()
+    }
+
+    /// Starts all over the logs: those of the longest horizon that some log has room for.
+    fn starts(&self) -> Vec<(usize, usize)> {
+        let steps = HORIZONS.map(|seconds| (seconds / self.logs.h).round() as usize);
+        let longest = (0..self.logs.count()).map(|log| self.logs.samples(log)).max().unwrap_or(0);
+        let Some(steps) = steps.into_iter().rev().find(|steps| HALF + steps < longest && *steps > 0) else {
+            return Vec::new();
+        };
+        let stride = ((STRIDE / self.logs.h).round() as usize).max(1);
+        let of = |log: usize| {
+            let last = self.logs.samples(log).checked_sub(steps.max(HALF) + 1);
+            let starts = last.map(|last| (HALF..=last).step_by(stride));
+            starts.into_iter().flatten().map(move |first| (log, first))
+        };
+        let all: Vec<_> = (0..self.logs.count()).flat_map(of).collect();
+        all.iter().copied().step_by(all.len().div_ceil(MOST).max(1)).collect()
+    }
+
+    fn zero(&self, log: usize, i: usize) -> f64 {
+        self.calibrated.zeros.get(log).and_then(|zeros| zeros.get(i)).copied().unwrap_or(0.0)
+    }
+
+    /// (q, v) of the parabola through the samples around one, q without the encoder's zero.
+    fn start(&self, log: usize, middle: usize, i: usize) -> [f64; 2] {
+        const SHARES: [f64; 2 * HALF + 1] = [-2.0, 3.0, 6.0, 7.0, 6.0, 3.0, -2.0];
+        let q = |k: usize| self.logs.position(log, middle + k - HALF, i);
+        let value: f64 = SHARES.iter().enumerate().map(|(k, share)| share / 21.0 * q(k)).sum();
+        let slope: f64 = (0..SHARES.len()).map(|k| (k as f64 - HALF as f64) / 28.0 * q(k)).sum();
+        [value - self.zero(log, i), slope / self.logs.h]
+    }
+
+    /// τ_i at a sample.
+    fn force(&self, log: usize, sample: usize, i: usize) -> f64 {
+        let Calibrated { gain, offset, delay, .. } = self.calibrated;
+        let sample = sample.min(self.logs.samples(log) - 1);
+        let [u, _] = self.logs.delayed_control(log, sample, i, *delay);
+        gain.get(i).unwrap_or(&1.0) * u + offset.get(i).unwrap_or(&0.0)
+    }
+
+    /// The force that nine of ten samples are below, N or N m.
+    pub fn largest_force(&self, i: usize) -> f64 {
+        let sample = |(log, first): (usize, usize)| self.force(log, first, i).abs();
+        Spread::of(self.starts().into_iter().map(sample).collect()).percentile_90
+    }
+
+    /// How far coordinate i moved in all, m or rad.
+    pub fn range(&self, i: usize) -> f64 {
+        let logs = self.logs;
+        let all =
+            (0..logs.count()).flat_map(|log| (0..logs.samples(log)).map(move |k| logs.position(log, k, i)));
+        let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), q| (a.min(q), b.max(q)));
+        most - least
+    }
+
+    /// Predictions side by side over so many samples at most, `parts` steps a sample.
+    fn roll(
+        &self,
+        stepper: &mut ExplicitSteps,
+        (starts, most): (&[(usize, usize)], usize),
+        parts: usize,
+    ) -> Vec<Prediction> {
+        let n = self.logs.n;
+        let steps = |(log, first): (usize, usize)| (self.logs.samples(log) - 1 - first).min(most);
+        let longest = starts.iter().copied().map(steps).max().unwrap_or(0);
+        let row = |of: &dyn Fn(usize, usize) -> f64| {
+            Row(std::array::from_fn(|lane| {
+                let (log, first) = starts[lane.min(starts.len() - 1)];
+                of(log, first)
+            }))
+        };
+        let part = |part: usize| (0..n).map(move |i| (i, part));
+        let mut state: State = part(0)
+            .chain(part(1))
+            .map(|(i, part)| row(&|log, first| self.start(log, first, i)[part]))
+            .collect();
+        let prediction = |(log, first): (usize, usize)| Prediction {
+            log,
+            first,
+            start: (0..n).map(|i| self.start(log, first, i)).collect(),
+            path: Vec::new(),
+        };
+        let mut predictions: Vec<Prediction> = starts.iter().copied().map(prediction).collect();
+        for step in 0..=longest {
+            for (lane, own) in
+                predictions.iter_mut().enumerate().filter(|(lane, _)| step <= steps(starts[*lane]))
+            {
+                own.path.extend((0..n).map(|i| state[i].0[lane] + self.zero(own.log, i)));
+            }
+            let tau = |step: usize| -> Vec<Row> {
+                (0..n).map(|i| row(&|log, first| self.force(log, first + step, i))).collect()
+            };
+            let start = tau(step);
+            let end = if self.logs.control == ControlKind::Held { start.clone() } else { tau(step + 1) };
+            for k in 0..parts {
+                let [from, to] = [k, k + 1].map(|k| between(&start, &end, k as f64 / parts as f64));
+                // What failed is not a number from here on.
+                let _failures = stepper.step(self.weights, &mut state, [&from, &to], None);
+            }
+        }
+        predictions
+    }
+}
+
+fn between(start: &[Row], end: &[Row], part: f64) -> Vec<Row> {
+    let mean =
+        |(a, b): (&Row, &Row)| Row(std::array::from_fn(|lane| a.0[lane] + part * (b.0[lane] - a.0[lane])));
+    start.iter().zip(end).map(mean).collect()
+}
+
+impl Prediction {
+    /// Steps.
+    pub fn steps(&self, n: usize) -> usize {
+        (self.path.len() / n.max(1)).saturating_sub(1)
+    }
+
+    /// What a constant velocity predicts, k samples on.
+    pub fn straight(&self, k: usize, i: usize, h: f64) -> f64 {
+        // The zero of the encoder is in what is predicted first.
+        let zero = self.path[i] - self.start[i][0];
+        self.start[i][0] + zero + k as f64 * h * self.start[i][1]
+    }
+}
+
+impl Predictions {
+    /// Errors to every horizon that a log has room for, and over whole logs.
+    pub fn errors(&self, logs: &WindowLogs) -> Vec<HorizonErrors> {
+        let mut all = Vec::new();
+        for seconds in HORIZONS {
+            let steps = (seconds / self.h).round() as usize;
+            let far: Vec<_> =
+                self.windows.iter().filter(|own| steps > 0 && own.steps(self.n) >= steps).collect();
+            all.extend(self.errors_to(logs, (Some(seconds), &far), |_| steps));
+        }
+        let whole: Vec<_> = self.logs.iter().collect();
+        all.extend(self.errors_to(logs, (None, &whole), |own| own.steps(self.n)));
+        all
+    }
+
+    fn errors_to(
+        &self,
+        logs: &WindowLogs,
+        (seconds, predictions): (Option<f64>, &[&Prediction]),
+        steps: impl Fn(&Prediction) -> usize,
+    ) -> Option<HorizonErrors> {
+        let spreads = |of: &dyn Fn(&Prediction, usize, usize) -> f64| -> Vec<Spread> {
+            let squares: Vec<Vec<f64>> =
+                predictions.iter().map(|own| self.mean_squares(logs, own, steps(own), of)).collect();
+            let column = |c: usize| squares.iter().map(|row| row[c].sqrt()).collect::<Vec<f64>>();
+            (0..=self.n).map(|c| Spread::of(column(c))).collect()
+        };
+        (!predictions.is_empty()).then(|| HorizonErrors {
+            seconds,
+            predictions: predictions.len(),
+            model: spreads(&|own, k, i| own.path[k * self.n + i]),
+            constant_velocity: spreads(&|own, k, i| own.straight(k, i, self.h)),
+        })
+    }
+
+    /// Of all coordinates together, and then of each; infinite where it breaks off.
+    fn mean_squares(
+        &self,
+        logs: &WindowLogs,
+        own: &Prediction,
+        steps: usize,
+        of: &dyn Fn(&Prediction, usize, usize) -> f64,
+    ) -> Vec<f64> {
+        let square = |k: usize, i: usize| (of(own, k, i) - logs.position(own.log, own.first + k, i)).powi(2);
+        let mean = |i: usize| (0..=steps).map(|k| square(k, i)).sum::<f64>() / (steps + 1) as f64;
+        let each: Vec<f64> = (0..self.n).map(mean).collect();
+        let together = each.iter().sum::<f64>() / self.n as f64;
+        std::iter::once(together).chain(each).map(|x| if x.is_finite() { x } else { f64::INFINITY }).collect()
+    }
+
+    /// Over all coordinates, the median over predictions of the error k samples on, of the model and of a constant velocity; as far as
+    /// the longest horizon.
+    pub fn growth(&self, logs: &WindowLogs) -> Vec<[f64; 2]> {
+        let longest = self.windows.iter().map(|own| own.steps(self.n)).max().unwrap_or(0);
+        let at = |k: usize| {
+            let far: Vec<&Prediction> = self.windows.iter().filter(|own| own.steps(self.n) >= k).collect();
+            let error = |of: &dyn Fn(&Prediction, usize) -> f64| {
+                let own = |own: &&Prediction| {
+                    let square = |i: usize| (of(own, i) - logs.position(own.log, own.first + k, i)).powi(2);
+                    ((0..self.n).map(square).sum::<f64>() / self.n as f64).sqrt()
+                };
+                median(&far.iter().map(own).collect::<Vec<_>>())
+            };
+            [error(&|own, i| own.path[k * self.n + i]), error(&|own, i| own.straight(k, i, self.h))]
+        };
+        (0..=longest).map(at).collect()
+    }
+
+    /// The largest speed of coordinate i at a start, m/s or rad/s.
+    pub fn fastest(&self, i: usize) -> f64 {
+        let speeds = self.windows.iter().chain(&self.logs).map(|own| own.start[i][1].abs());
+        speeds.fold(0.0, f64::max)
+    }
+
+    /// The window whose error is that part of the way from the least to the largest.
+    pub fn window_at(&self, logs: &WindowLogs, part: f64) -> Option<&Prediction> {
+        let error = |own: &Prediction| {
+            self.mean_squares(logs, own, own.steps(self.n), &|own, k, i| own.path[k * self.n + i])[0]
+        };
+        let mut order: Vec<(f64, &Prediction)> = self.windows.iter().map(|own| (error(own), own)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let at = (part * order.len().saturating_sub(1) as f64).round() as usize;
+        order.get(at).map(|(_, own)| *own)
+    }
+}
+
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Self {
+        let median = median(&values);
+        values.sort_by(f64::total_cmp);
+        let at = (TENTH * values.len().saturating_sub(1) as f64).ceil() as usize;
+        Self { median, percentile_90: values.get(at).copied().unwrap_or(f64::NAN) }
+    }
+}

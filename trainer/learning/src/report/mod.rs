@@ -1,0 +1,267 @@
+//! What a fit is worth, as one HTML page: errors over horizons, predictions, friction, inertia and potential, residuals, and the
+//! learned numbers with their standard errors.
+
+mod numbers;
+pub mod page;
+mod pictures;
+mod shape;
+
+use crate::architecture::Architecture;
+use crate::evaluate::horizons::{HorizonErrors, Predictions, Predictor, Spread, WHOLE};
+use crate::training::Residuals;
+use crate::windows::{CalibrationLayout, Certainty, WindowLogs, WindowLoss, certainty};
+use leastaction_core::model::ModelError;
+use leastaction_plot::{NotDrawn, Stroke};
+use page::{cell, escaped, folded, list, number, paragraph, picture, section, table};
+use thiserror::Error;
+
+/// A page that cannot be made.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// The shape does not fit in itself or the weights.
+    #[error("{0}")]
+    Model(#[from] ModelError),
+    /// A picture cannot be drawn.
+    #[error("{0}")]
+    Picture(#[from] NotDrawn),
+    /// The page cannot be written.
+    #[error("the page cannot be written: {0}")]
+    Write(#[from] std::io::Error),
+}
+
+/// Windows whose residuals are drawn, at most.
+const WINDOWS: usize = 4096;
+/// Times that start states and the scales of residuals are found for each other.
+const ROUNDS: usize = 3;
+/// Where among all windows, by their errors, those are that are drawn.
+const DRAWN: [(f64, &str); 2] =
+    [(0.5, "a window of the median error"), (0.9, "a window of the 90th percentile")];
+/// A coordinate that moves less than so many times its noise says little.
+const MOVES: f64 = 20.0;
+
+/// Residuals of windows with their best start states, and how well the learned numbers are known.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// (q̂ + z − q̃) of every coordinate, m or rad.
+    residuals: Vec<Vec<f64>>,
+    /// Their robust standard deviations.
+    deviations: Vec<f64>,
+    /// Of a window, s.
+    seconds: f64,
+    certainty: Option<(Certainty, CalibrationLayout)>,
+}
+
+impl Fit {
+    /// Of a model over the windows of a loss; `shared`: the weight block, and the calibration's numbers behind it. The numbers of
+    /// `learned` are known as well as these windows show them; without it nothing is said of them.
+    pub fn new(loss: &WindowLoss, shared: &[f64], seconds: f64, learned: Option<&Architecture>) -> Self {
+        let mut weights = loss.enter(shared.to_vec());
+        for _ in 0..ROUNDS {
+            loss.settle(&mut weights);
+            loss.complete(&mut weights);
+        }
+        let deviations = loss.residual_scales(&weights);
+        let scaled = loss.scaled_residuals(&weights, WINDOWS);
+        let residuals =
+            scaled.iter().zip(&deviations).map(|(of, s)| of.iter().map(|x| s * x).collect()).collect();
+        let ranges = learned.map(Architecture::ranges);
+        let certainty = ranges.and_then(|ranges| certainty(loss, &weights, &ranges));
+        Self { residuals, deviations, seconds, certainty: certainty.map(|of| (of, loss.layout())) }
+    }
+}
+
+/// All that a page is made of.
+pub struct Report<'a> {
+    /// The title.
+    pub title: String,
+    /// What was done, by what and with what: names and plain text.
+    pub facts: Vec<(&'static str, String)>,
+    /// The model, and the logs that it is judged by.
+    pub predictor: Predictor<'a>,
+    /// Of what was learned from; none where that cannot be said.
+    pub fit: Option<Fit>,
+}
+
+/// The unit of a coordinate.
+pub(crate) fn unit_of(letters: &str, i: usize) -> &'static str {
+    if letters.as_bytes().get(i) == Some(&b't') { "m" } else { "rad" }
+}
+
+impl Report<'_> {
+    /// The page.
+    ///
+    /// # Errors
+    /// [`ReportError::Model`], [`ReportError::Picture`].
+    pub fn html(&self) -> Result<String, ReportError> {
+        let predictions = self.predictor.predict()?;
+        let mut body = self.facts();
+        body += &section("Errors of predictions", &self.errors(&predictions)?);
+        body += &section("Measured and predicted", &self.motions(&predictions)?);
+        body += &section("Friction", &self.friction(&predictions)?);
+        body += &section("Inertia and potential", &self.shape()?);
+        body += &section("Residuals", &self.residuals()?);
+        body += &self.numbers();
+        body += &section("What hardly moved", &[list(&self.still())]);
+        Ok(page::page(&self.title, &body))
+    }
+
+    fn logs(&self) -> &WindowLogs {
+        self.predictor.logs
+    }
+
+    fn letters(&self) -> String {
+        self.predictor.architecture.coordinates()
+    }
+
+    fn noise(&self, i: usize) -> f64 {
+        self.logs().noise(0..self.logs().count(), i)
+    }
+
+    /// Of all coordinates: the root of their mean square.
+    fn whole_noise(&self) -> f64 {
+        let squares: f64 = (0..self.logs().n).map(|i| self.noise(i).powi(2)).sum();
+        (squares / self.logs().n.max(1) as f64).sqrt()
+    }
+
+    /// The unit of errors over all coordinates.
+    fn unit(&self) -> &'static str {
+        let letters = self.letters();
+        match (letters.contains('t'), letters.chars().all(|letter| letter == 't')) {
+            (_, true) => "m",
+            (true, false) => "m, rad",
+            (false, false) => "rad",
+        }
+    }
+
+    fn facts(&self) -> String {
+        let row = |(name, text): &(&str, String)| vec![escaped(name), escaped(text)];
+        let rows: Vec<Vec<String>> = self.facts.iter().map(row).collect();
+        table(&["", ""], &[0, 1], &rows).replacen("<table>", "<table style=\"white-space:normal\">", 1)
+    }
+
+    fn errors(&self, predictions: &Predictions) -> Result<Vec<String>, NotDrawn> {
+        let errors = predictions.errors(self.logs());
+        if errors.is_empty() {
+            return Ok(vec![paragraph(
+                "The logs are too short to predict 0.1 s from a start that is known.",
+            )]);
+        }
+        let about = "Each prediction starts from the parabola nearest to seven measured positions and sees the control alone. Its error is \
+                     the root mean square over all samples up to the horizon; the median over predictions, and below it what nine of ten \
+                     are better than. A perfect model would be off by the noise, and by what the noise does to the start.";
+        let whole = format!("Whole logs are predicted from their start, {WHOLE} s at most.");
+        let of = |column: usize, noise: f64, unit: &str| self.error_table(&errors, column, (noise, unit));
+        let letters = self.letters();
+        let each = (0..self.logs().n).map(|i| {
+            let unit = unit_of(&letters, i);
+            folded(&format!("q{i} alone"), &of(i + 1, self.noise(i), unit))
+        });
+        let each: String = if self.logs().n > 1 { each.collect() } else { String::new() };
+        let noise = self.whole_noise();
+        let growth = pictures::growth(predictions, self.logs(), (noise, self.unit()))?;
+        Ok(vec![
+            paragraph(about),
+            of(0, noise, self.unit()),
+            paragraph(&whole),
+            each,
+            if predictions.windows.is_empty() { String::new() } else { picture(&growth) },
+        ])
+    }
+
+    fn error_table(&self, errors: &[HorizonErrors], column: usize, (noise, unit): (f64, &str)) -> String {
+        let spread = |of: &Spread| cell(number(of.median), &number(of.percentile_90));
+        let row = |of: &HorizonErrors| {
+            let horizon =
+                of.seconds.map_or_else(|| "whole logs".to_owned(), |seconds| format!("{seconds} s"));
+            let [model, straight] = [&of.model, &of.constant_velocity].map(|of| spread(&of[column]));
+            vec![horizon, of.predictions.to_string(), model, straight, number(noise)]
+        };
+        let names = ["this model", "constant velocity", "noise"].map(|name| format!("{name}, {unit}"));
+        let head = ["horizon", "predictions", &names[0], &names[1], &names[2]];
+        table(&head, &[0], &errors.iter().map(row).collect::<Vec<_>>())
+    }
+
+    fn motions(&self, predictions: &Predictions) -> Result<Vec<String>, NotDrawn> {
+        let (logs, letters) = (self.logs(), self.letters());
+        let mut pictures = Vec::new();
+        for (part, what) in DRAWN {
+            if let Some(of) = predictions.window_at(logs, part) {
+                let title = format!("Log {}: {what}", of.log);
+                pictures.push(picture(&pictures::motion(&title, of, (logs, &letters, Stroke::Points))?));
+            }
+        }
+        if let Some(of) = predictions.logs.last() {
+            let title = format!("Log {} from its start", of.log);
+            pictures.push(picture(&pictures::motion(&title, of, (logs, &letters, Stroke::Wide))?));
+        }
+        Ok(pictures)
+    }
+
+    fn friction(&self, predictions: &Predictions) -> Result<Vec<String>, NotDrawn> {
+        let Predictor { architecture, weights, .. } = self.predictor;
+        let of = architecture.friction_of_coordinates(weights);
+        let acts = of.iter().any(|of| of.viscous != 0.0 || of.dry.is_some());
+        let count = if acts { of.len().min(pictures::MOST) } else { 0 };
+        let letters = self.letters();
+        let draw = |i: usize| {
+            let most = [predictions.fastest(i), self.predictor.largest_force(i)];
+            pictures::friction(i, &of[i], most, unit_of(&letters, i) == "m").map(|svg| picture(&svg))
+        };
+        (0..count).map(draw).collect()
+    }
+
+    fn shape(&self) -> Result<Vec<String>, ReportError> {
+        let Predictor { architecture, weights, .. } = self.predictor;
+        let drawn = shape::pictures((architecture, weights), self.logs())?;
+        let mut parts = Vec::new();
+        if !drawn.is_empty() {
+            let about = "Over what the logs covered; a second coordinate is where it mostly was.";
+            parts.push(paragraph(about));
+        }
+        for svg in drawn {
+            parts.push(picture(&svg?));
+        }
+        Ok(parts)
+    }
+
+    fn residuals(&self) -> Result<Vec<String>, NotDrawn> {
+        let Some(Fit { residuals, deviations, seconds, .. }) = &self.fit else { return Ok(Vec::new()) };
+        let letters = self.letters();
+        let spread = |i: usize| {
+            let (unit, noise) = (unit_of(&letters, i), number(self.noise(i)));
+            format!(
+                "q{i}: robust standard deviation {} {unit}, noise of the sensor {noise} {unit}",
+                number(deviations[i])
+            )
+        };
+        let about = format!(
+            "Over windows of {seconds} s, each from the start state that fits it best. What is larger than the noise is motion that the \
+             model does not explain."
+        );
+        let count = residuals.len();
+        let mut parts = vec![paragraph(&about), list(&(0..count).map(spread).collect::<Vec<_>>())];
+        for (i, (of, deviation)) in residuals.iter().zip(deviations).take(pictures::MOST).enumerate() {
+            parts.push(picture(&pictures::histogram(i, of, (*deviation, unit_of(&letters, i)))?));
+        }
+        Ok(parts)
+    }
+
+    fn numbers(&self) -> String {
+        let Some((certainty, layout)) = self.fit.as_ref().and_then(|fit| fit.certainty.as_ref()) else {
+            return String::new();
+        };
+        let names = numbers::Names::new(self.predictor.architecture, layout);
+        numbers::sections(certainty, &names).concat()
+    }
+
+    /// Coordinates that say little of their part of the model.
+    fn still(&self) -> Vec<String> {
+        let moves = |i: usize| {
+            let (range, noise) = (self.predictor.range(i), self.noise(i));
+            let hardly = range < MOVES * noise;
+            hardly
+                .then(|| format!("q{i} moved by {} in all, its noise being {}", number(range), number(noise)))
+        };
+        (0..self.logs().n).filter_map(moves).collect()
+    }
+}

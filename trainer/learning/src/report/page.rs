@@ -1,0 +1,109 @@
+//! Pages that need nothing else: text, tables and pictures in one HTML file.
+
+use std::fmt::Display;
+
+/// The look of all pages.
+pub const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b}\
+h1{font-size:1.5rem;overflow-wrap:anywhere}h2{font-size:1.15rem;margin-top:2.5rem}\
+div.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}\
+th,td{padding:.25rem .6rem;text-align:right;border-bottom:1px solid #ddd}th{border-bottom:2px solid #888;vertical-align:bottom}\
+td.text,th.text{text-align:left}tr.other td{color:#666}td b{color:#00527a}small{color:#666;display:block}\
+td.worse b{color:#a33c00}code{font-size:.8rem;background:#f3f3f3;padding:.05rem .3rem}\
+details{margin:.4rem 0}summary{cursor:pointer;color:#00527a}svg{max-width:100%;height:auto}ul{padding-left:1.2rem}ul.notes{font-size:.8rem;color:#444}";
+
+/// A page of this title; `body` is HTML.
+pub fn page(title: &str, body: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}</body>\n</html>\n",
+        title = escaped(title),
+    )
+}
+
+/// As HTML has text.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A section of these parts, HTML each; nothing where all of them are empty.
+pub(super) fn section(title: &str, parts: &[String]) -> String {
+    let parts = parts.concat();
+    if parts.is_empty() { parts } else { format!("<h2>{}</h2>\n{parts}", escaped(title)) }
+}
+
+/// A paragraph of plain text.
+pub(super) fn paragraph(text: &str) -> String {
+    format!("<p>{}</p>\n", escaped(text))
+}
+
+/// A list of plain texts; nothing of none.
+pub(super) fn list(items: &[String]) -> String {
+    let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escaped(item))).collect();
+    if items.is_empty() { items } else { format!("<ul>\n{items}</ul>\n") }
+}
+
+/// A table whose cells are HTML; the columns of these numbers are text.
+pub(super) fn table(head: &[&str], text: &[usize], rows: &[Vec<String>]) -> String {
+    let class = |k: usize| if text.contains(&k) { " class=\"text\"" } else { "" };
+    let head: String =
+        head.iter().enumerate().map(|(k, name)| format!("<th{}>{}</th>", class(k), escaped(name))).collect();
+    let cell = |(k, cell): (usize, &String)| format!("<td{}>{cell}</td>", class(k));
+    let row =
+        |row: &Vec<String>| format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>());
+    let rows: String = rows.iter().map(row).collect();
+    format!("<div class=\"wide\"><table>\n<tr>{head}</tr>\n{rows}</table></div>\n")
+}
+
+/// What is shown on demand alone.
+pub(super) fn folded(summary: &str, body: &str) -> String {
+    format!("<details><summary>{}</summary>\n{body}</details>\n", escaped(summary))
+}
+
+/// A picture, which a narrow screen scrolls rather than shrinks to what cannot be read.
+pub(super) fn picture(svg: &str) -> String {
+    let start = svg.find("<svg").unwrap_or(0);
+    let svg = svg[start..].replacen("<svg", "<svg style=\"min-width:34rem\"", 1);
+    format!("<div class=\"wide\">{svg}</div>\n")
+}
+
+/// A number in three digits.
+pub(super) fn number(x: f64) -> String {
+    let size = x.abs();
+    if x.is_nan() {
+        "–".to_owned()
+    } else if x.is_infinite() {
+        "broke off".to_owned()
+    } else if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e4).contains(&size) {
+        let digits = (2.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{x:.digits$}")
+    } else {
+        format!("{x:.2e}")
+    }
+}
+
+/// A number, large, with what belongs to it below.
+pub(super) fn cell(of: impl Display, below: &str) -> String {
+    let below = if below.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(below)) };
+    format!("<b>{of}</b>{below}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        let text = [0.0, 0.012_345, -1.5, 123.45, 2e-5, 31415.9, f64::INFINITY].map(number);
+        assert_eq!(text, ["0", "0.0123", "-1.50", "123", "2.00e-5", "3.14e4", "broke off"]);
+    }
+
+    #[test]
+    fn text_is_escaped() {
+        let page = page("a <b>", &paragraph("c & d"));
+        assert!(page.contains("<h1>a &lt;b&gt;</h1>") && page.contains("<p>c &amp; d</p>"));
+        assert!(table(&["<"], &[0], &[vec!["1".into()]]).contains("<th class=\"text\">&lt;</th>"));
+    }
+}

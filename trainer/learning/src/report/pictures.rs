@@ -1,0 +1,120 @@
+//! Pictures of predictions, residuals and friction.
+
+use super::unit_of;
+use crate::architecture::CoordinateFriction;
+use crate::evaluate::horizons::{Prediction, Predictions};
+use crate::windows::WindowLogs;
+use leastaction_core::forces::{Coulomb, Forces};
+use leastaction_plot::{NotDrawn, Panel, Series, Stroke, Vertical, curves_svg, stacked_svg};
+
+/// Coordinates that are drawn, at most.
+pub(super) const MOST: usize = 6;
+/// Points of a curve.
+const POINTS: usize = 201;
+/// Bars of a histogram.
+const BARS: usize = 60;
+/// Standard deviations on each side of it.
+const SIDES: f64 = 5.0;
+
+/// A prediction beside what was measured, coordinate below coordinate.
+pub(super) fn motion(
+    title: &str,
+    of: &Prediction,
+    (logs, letters, stroke): (&WindowLogs, &str, Stroke),
+) -> Result<String, NotDrawn> {
+    let n = logs.n;
+    let time = |k: usize| (of.first + k) as f64 * logs.h;
+    let steps = 0..=of.steps(n);
+    let curves = |i: usize| {
+        let measured = steps.clone().map(|k| (time(k), logs.position(of.log, of.first + k, i)));
+        let predicted = steps.clone().map(|k| (time(k), of.path[k * n + i]));
+        [Series::new("measured", measured).with_stroke(stroke), Series::new("predicted", predicted)]
+    };
+    let count = n.min(MOST);
+    let all: Vec<[Series; 2]> = (0..count).map(curves).collect();
+    let labels: Vec<String> = (0..count).map(|i| format!("q{i} ({})", unit_of(letters, i))).collect();
+    let panels: Vec<Panel> =
+        all.iter().zip(&labels).map(|(curves, label)| Panel::new(label, curves)).collect();
+    stacked_svg(title, "time in the log (s)", &panels)
+}
+
+/// The median error over time, beside a constant velocity and the noise.
+pub(super) fn growth(
+    predictions: &Predictions,
+    logs: &WindowLogs,
+    (noise, unit): (f64, &str),
+) -> Result<String, NotDrawn> {
+    let errors = predictions.growth(logs);
+    let curve = |which: usize| {
+        errors.iter().enumerate().map(move |(k, both)| (k as f64 * logs.h, both[which])).collect::<Vec<_>>()
+    };
+    let ends = [0.0, errors.len().saturating_sub(1) as f64 * logs.h];
+    let series = [
+        Series::new("this model", curve(0)),
+        Series::new("constant velocity", curve(1)),
+        Series::new("noise of the sensors", ends.map(|t| (t, noise))).with_stroke(Stroke::Dashed),
+    ];
+    let label = format!("median error ({unit})");
+    curves_svg("Error over the horizon", ("time ahead (s)", &label), Vertical::Logarithmic, &series)
+}
+
+/// Residuals of a coordinate, and the normal distribution of this deviation.
+pub(super) fn histogram(
+    i: usize,
+    residuals: &[f64],
+    (deviation, unit): (f64, &str),
+) -> Result<String, NotDrawn> {
+    let width = 2.0 * SIDES * deviation / BARS as f64;
+    let mut counts = [0_usize; BARS];
+    for residual in residuals {
+        let bar = (residual / width + 0.5 * BARS as f64).floor();
+        if (0.0..BARS as f64).contains(&bar) {
+            counts[bar as usize] += 1;
+        }
+    }
+    let edge = |bar: usize| (bar as f64 - 0.5 * BARS as f64) * width;
+    let part = |count: usize| count as f64 / residuals.len().max(1) as f64 / width;
+    let outline = counts
+        .iter()
+        .enumerate()
+        .flat_map(|(bar, count)| [(edge(bar), part(*count)), (edge(bar + 1), part(*count))]);
+    let normal = (0..POINTS).map(|k| {
+        let x = SIDES * deviation * (2.0 * k as f64 / (POINTS - 1) as f64 - 1.0);
+        let height = (-0.5 * (x / deviation).powi(2)).exp() / (deviation * std::f64::consts::TAU.sqrt());
+        (x, height)
+    });
+    let series = [
+        Series::new("residuals", outline),
+        Series::new("normal distribution", normal).with_stroke(Stroke::Dashed),
+    ];
+    let (x, y) = (format!("residual of q{i} ({unit})"), format!("density (1/{unit})"));
+    curves_svg(&format!("Residuals of q{i}"), (&x, &y), Vertical::Linear, &series)
+}
+
+/// The force against the motion of a coordinate, N or N m, at velocities up to `fastest`; under a load too, where it matters.
+pub(super) fn friction(
+    i: usize,
+    of: &CoordinateFriction,
+    [fastest, load]: [f64; 2],
+    slides: bool,
+) -> Result<String, NotDrawn> {
+    let force = |v: f64, tau: f64| {
+        let dry = of.dry.map_or(0.0, |dry| Coulomb { coordinates: [dry] }.force(&[0.0], &[v], &[tau])[0]);
+        of.viscous * v - dry
+    };
+    let curve = |label: String, tau: f64| {
+        let at = |k: usize| fastest * (2.0 * k as f64 / (POINTS - 1) as f64 - 1.0);
+        Series::new(label, (0..POINTS).map(|k| (at(k), force(at(k), tau))))
+    };
+    let unit = if slides { "N" } else { "N m" };
+    let grows = load > 0.0 && of.dry.is_some_and(|dry| dry.load > 0.0);
+    let series = if grows {
+        let label = format!("under a force of {} {unit}", super::page::number(load));
+        vec![curve("without a load".to_owned(), 0.0), curve(label, load).with_stroke(Stroke::Dashed)]
+    } else {
+        vec![curve(String::new(), 0.0)]
+    };
+    let velocity = format!("v{i} ({})", if slides { "m/s" } else { "rad/s" });
+    let label = format!("friction ({unit})");
+    curves_svg(&format!("Friction of q{i}"), (&velocity, &label), Vertical::Linear, &series)
+}

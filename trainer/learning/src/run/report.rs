@@ -1,0 +1,125 @@
+//! The page of a run over windows.
+
+use super::plan::Plan;
+use super::stages::Windowed;
+use crate::checkpoint::Best;
+use crate::evaluate::horizons::Predictor;
+use crate::report::{Fit, Report, ReportError};
+
+/// The page on the best numbers of a plan; nothing where nothing was learned over windows.
+pub(super) fn html(plan: &Plan, best: &Best, seconds: f64) -> Result<Option<String>, ReportError> {
+    let Some(windows) = &plan.windows else { return Ok(None) };
+    let Windowed { logs, settings, layout } = windows;
+    let Ok(loss) = windows.loss(&plan.architecture) else { return Ok(None) };
+    let shared = best.weights.get(..layout.end()).unwrap_or(&best.weights);
+    let length = settings.steps as f64 * logs.h;
+    let report = Report {
+        title: format!("Learned from {}", plan.config.data.file),
+        facts: facts(plan, windows, best, seconds),
+        predictor: Predictor {
+            architecture: &plan.architecture,
+            weights: shared.get(..layout.start).unwrap_or(shared),
+            calibrated: &layout.read(shared),
+            logs,
+        },
+        fit: Some(Fit::new(&loss, shared, length, Some(&plan.architecture))),
+    };
+    report.html().map(Some)
+}
+
+fn facts(plan: &Plan, windows: &Windowed, best: &Best, seconds: f64) -> Vec<(&'static str, String)> {
+    let (logs, architecture) = (&windows.logs, &plan.architecture);
+    let samples: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
+    let length = windows.settings.steps as f64 * logs.h;
+    let mut facts = vec![
+        (
+            "model",
+            format!(
+                "{}, {} coordinates ({}), {} numbers, {} of them learned",
+                architecture.name(),
+                architecture.n(),
+                architecture.coordinates(),
+                plan.parameters(),
+                plan.learned_parameters()
+            ),
+        ),
+        (
+            "logs",
+            format!(
+                "{}: {} logs, {samples} samples, {:.1} s in all, one every {} s; fingerprint {:016x}",
+                plan.config.data.file,
+                logs.count(),
+                samples as f64 * logs.h,
+                logs.h,
+                plan.data_fingerprint
+            ),
+        ),
+        (
+            "training",
+            format!(
+                "over windows of {length} s, seed {}; {seconds:.1} s; best at iteration {}, loss {:.3e} (m, rad)²",
+                plan.config.training.seed, best.iteration, best.train
+            ),
+        ),
+    ];
+    if let Some(loss) = best.validation {
+        let text = format!(
+            "positions of logs that were held back were {:.2e} (m, rad) off, over windows from the start states that fit them best; \
+             then these logs were learned from as well, and all that follows is of all logs",
+            loss.sqrt()
+        );
+        facts.push(("held back", text));
+    } else {
+        facts.push(("held back", "no log: all that follows is of logs that were learned from".to_owned()));
+    }
+    facts.push(("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))));
+    facts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Warned, config, data};
+    use super::super::{Plan, Run};
+    use crate::config::{Config, TrainingLoss};
+    use std::path::Path;
+    use std::sync::atomic::AtomicBool;
+
+    fn over_windows() -> Config {
+        let mut config = config();
+        (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), 0.2);
+        config
+    }
+
+    fn train(config: Config, folder: &Path) -> Run {
+        let mut run = Run::begin(Plan::new(config, &data(6, true)).unwrap(), folder, true).unwrap();
+        let mut said = Warned::default();
+        run.train(&mut said, &AtomicBool::new(false)).unwrap();
+        assert!(said.warnings.is_empty(), "{:?}", said.warnings);
+        run
+    }
+
+    #[test]
+    fn a_run_over_windows_has_a_page_and_another_has_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let page = train(over_windows(), folder.path()).report().unwrap();
+        let text = std::fs::read_to_string(&page).unwrap();
+        for part in [
+            "<h2>Errors of predictions</h2>",
+            "<h2>Measured and predicted</h2>",
+            "<h2>Inertia and potential</h2>",
+            "<h2>Residuals</h2>",
+            "<h2>What was learned</h2>",
+            "weights of networks",
+            "6 logs, 54 samples",
+        ] {
+            assert!(text.contains(part), "{part}");
+        }
+        assert_eq!(text.matches("<svg").count(), text.matches("</svg>").count());
+        // It needs nothing from elsewhere.
+        let links = ["<script", "<img", "<link", "src=", "url(", "@import"];
+        assert!(links.iter().all(|link| !text.contains(link)));
+        // What replaces the run is not described by its page.
+        assert_eq!(train(config(), folder.path()).report(), None);
+        assert!(!page.exists());
+    }
+}

@@ -1,0 +1,228 @@
+//! How well the logs of a loss over windows show what was learned from them.
+//!
+//! The covariance of the learned numbers is H⁻¹ (Σ_l g_l g_lᵀ) H⁻¹ · L/(L − 1), clustered by log: what is missing in the model makes
+//! residuals of one log alike, those of different logs not. H is the matrix of the normal equations with ρ″/2 in place of ρ′/2x
+//! (their ratio, averaged over residuals, is one number) and with the priors; g_l is the gradient over the windows of log l. Start
+//! states are eliminated in both. L is the number of logs; fewer than [`FEWEST_LOGS`] are cut into parts that count as logs.
+//!
+//! A zero offset belongs to a single log, whose gradient in it is 0 at the minimum: σ² times the inverse of its block of H is added, σ²
+//! the mean square of the residuals, as if these were independent.
+//!
+//! Correlations are those of H⁻¹, which few logs do not disturb.
+
+use super::loss::WindowLoss;
+use super::rollout::curvatures;
+use crate::parallel;
+use crate::training::{LEAST, MARGIN, NormalEquations, Objective, Range, Residuals};
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side};
+use std::ops;
+
+/// Logs that are enough to be told apart.
+const FEWEST_LOGS: usize = 5;
+/// Parts of which fewer logs are cut.
+const PARTS: usize = 32;
+/// Numbers at most: the eigenvalues of a matrix of this size take seconds.
+const MOST_NUMBERS: usize = 800;
+/// Windows whose residuals are looked at, at most.
+const WINDOWS: usize = 4096;
+/// Eigenvalues of the scaled matrix below this are rounding errors of 0.
+const RANK: f64 = 1e-9;
+/// A number is free where directions that are not shown have this part of it.
+const FREE: f64 = 1e-4;
+
+/// What the logs say of a learned number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shown {
+    /// Its standard error, in its unit.
+    Within(f64),
+    /// It is shown in combination with others alone: it may move with them without any residual.
+    Together,
+    /// It ended where its range ends.
+    AtBound,
+}
+
+/// A learned number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearnedNumber {
+    /// Its position among the numbers that windows share.
+    pub position: usize,
+    /// As it was learned, in its unit.
+    pub value: f64,
+    /// How well it is known.
+    pub shown: Shown,
+    /// The position of the number that it is most correlated with, and their correlation.
+    pub strongest: Option<(usize, f64)>,
+}
+
+/// How well all learned numbers are known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certainty {
+    /// In the order of their positions.
+    pub numbers: Vec<LearnedNumber>,
+    /// Directions in their space that the logs do not show.
+    pub hidden: usize,
+    /// Logs, or parts of logs, that were taken to be independent.
+    pub clusters: usize,
+    /// Whether they are whole logs.
+    pub whole_logs: bool,
+}
+
+/// That of numbers that a loss was minimised to, all of them as the optimiser has them; `ranges` are those of the learned numbers by
+/// their positions. `None` where there are none or more than a matrix is made of, or the loss cannot be evaluated.
+pub fn certainty(loss: &WindowLoss, weights: &[f64], ranges: &[(usize, Range)]) -> Option<Certainty> {
+    let learned = loss.learned();
+    let is_at_bound = |position: &usize| {
+        ranges.iter().any(|(of, range)| of == position && ends(*range, weights[*position]))
+    };
+    let positions: Vec<usize> = learned.iter().copied().filter(|position| !is_at_bound(position)).collect();
+    if positions.is_empty() || positions.len() > MOST_NUMBERS {
+        return None;
+    }
+    let clusters = Clusters::of(loss);
+    let spread = parallel::within(|| Spread::of(loss, weights, &positions, &clusters))?;
+    let number = |position: usize| {
+        let k = positions.iter().position(|of| *of == position);
+        LearnedNumber {
+            position,
+            value: weights[position],
+            shown: k.map_or(Shown::AtBound, |k| spread.shown(k)),
+            strongest: k.and_then(|k| spread.strongest(k)).map(|(k, part)| (positions[k], part)),
+        }
+    };
+    Some(Certainty {
+        numbers: learned.iter().map(|position| number(*position)).collect(),
+        hidden: spread.hidden,
+        clusters: clusters.parts.len(),
+        whole_logs: clusters.whole_logs,
+    })
+}
+
+/// Whether a number is at an end of its range.
+fn ends(range: Range, w: f64) -> bool {
+    match range {
+        Range::Any => false,
+        Range::Positive => w <= 10.0 * LEAST,
+        Range::Between(least, most) => (w - least).min(most - w) <= 2.0 * MARGIN * (most - least),
+    }
+}
+
+/// Windows whose residuals are taken to be independent of those of others.
+struct Clusters {
+    parts: Vec<ops::Range<usize>>,
+    whole_logs: bool,
+}
+
+impl Clusters {
+    fn of(loss: &WindowLoss) -> Self {
+        let logs = loss.windows_of_logs();
+        if logs.len() >= FEWEST_LOGS {
+            return Self { parts: logs, whole_logs: true };
+        }
+        let windows = Residuals::samples(loss);
+        let size = windows.div_ceil(PARTS).max(1);
+        let part = |first: usize| first..(first + size).min(windows);
+        Self { parts: (0..windows).step_by(size).map(part).collect(), whole_logs: false }
+    }
+}
+
+/// Covariances of numbers, each divided by the root of its diagonal entry in JᵀJ.
+struct Spread {
+    /// 1/√(JᵀJ)_ii.
+    sizes: Vec<f64>,
+    /// H⁻¹ in the directions that are shown.
+    inverse: Mat<f64>,
+    variances: Vec<f64>,
+    /// How much of every number is in directions that are not shown.
+    free: Vec<f64>,
+    hidden: usize,
+}
+
+impl Spread {
+    fn of(loss: &WindowLoss, weights: &[f64], positions: &[usize], clusters: &Clusters) -> Option<Self> {
+        let p = positions.len();
+        let all = loss.normal_equations(weights)?;
+        let mut prior = NormalEquations::zero(all.gradient.len());
+        loss.add_penalty(weights, &mut prior);
+        let of = |equations: &NormalEquations, i: usize, j: usize| {
+            let (i, j) = (positions[i.max(j)], positions[i.min(j)]);
+            equations.gram[(i, j)]
+        };
+        let data = |i, j| of(&all, i, j) - of(&prior, i, j);
+        let size = |square: f64| if square > f64::MIN_POSITIVE { square.sqrt().recip() } else { 0.0 };
+        let sizes: Vec<f64> = (0..p).map(|i| size(data(i, i))).collect();
+        let scaled = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * data(i, j));
+        let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
+        let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+        let shown: Vec<usize> = (0..p).filter(|k| values[*k] > RANK).collect();
+        let free = (0..p).map(|i| 1.0 - shown.iter().map(|k| vectors[(i, *k)].powi(2)).sum::<f64>());
+        let ratio = curvature_ratio(loss, weights);
+        let own = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * (ratio * data(i, j) + of(&prior, i, j)));
+        let basis = Mat::from_fn(p, shown.len(), |i, k| vectors[(i, shown[k])]);
+        let within = basis.transpose() * &own * &basis;
+        let inverse = &basis * within.llt(Side::Lower).ok()?.inverse() * basis.transpose();
+        let gradients = gradients(loss, weights, positions, clusters)?;
+        let mean_square = (all.squares / all.rows.saturating_sub(p).max(1) as f64).max(0.0);
+        let alone = of_single_logs(loss, positions, &own, mean_square);
+        let moved = &inverse * Mat::from_fn(p, gradients.len(), |i, l| sizes[i] * gradients[l][i]);
+        let few = gradients.len() as f64 / (gradients.len() as f64 - 1.0).max(1.0);
+        let variance = |i: usize| few * moved.row(i).iter().map(|x| x * x).sum::<f64>() + alone[i];
+        let variances = (0..p).map(variance).collect();
+        Some(Self { free: free.collect(), hidden: p - shown.len(), inverse, variances, sizes })
+    }
+
+    fn shown(&self, i: usize) -> Shown {
+        if self.free[i] > FREE || self.sizes[i] == 0.0 {
+            return Shown::Together;
+        }
+        Shown::Within(self.sizes[i] * self.variances[i].sqrt())
+    }
+
+    fn strongest(&self, i: usize) -> Option<(usize, f64)> {
+        let correlation = |j: usize| {
+            let both = self.inverse[(i, i)] * self.inverse[(j, j)];
+            (j, self.inverse[(i, j)] / both.sqrt())
+        };
+        let others = (0..self.sizes.len()).filter(|j| *j != i && self.free[*j] <= FREE).map(correlation);
+        let known = others.filter(|(_, part)| part.is_finite() && self.free[i] <= FREE);
+        known.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
+}
+
+/// Σρ″/2 over Σρ′/2x.
+fn curvature_ratio(loss: &WindowLoss, weights: &[f64]) -> f64 {
+    let residuals = loss.scaled_residuals(weights, WINDOWS);
+    let sum = residuals.iter().flatten().fold([0.0; 2], |sum, x| {
+        let own = curvatures(*x);
+        [sum[0] + own[0], sum[1] + own[1]]
+    });
+    if sum[0] > 0.0 { sum[1] / sum[0] } else { 1.0 }
+}
+
+/// The gradient over every cluster.
+fn gradients(
+    loss: &WindowLoss,
+    weights: &[f64],
+    positions: &[usize],
+    clusters: &Clusters,
+) -> Option<Vec<Vec<f64>>> {
+    let of = |part: &ops::Range<usize>| {
+        let sum = loss.gradient(weights, part.clone())?;
+        Some(positions.iter().map(|position| sum.gradient[*position]).collect())
+    };
+    clusters.parts.iter().map(of).collect()
+}
+
+/// Variances of numbers that belong to one log alone, given the others; 0 of all others.
+fn of_single_logs(loss: &WindowLoss, positions: &[usize], own: &Mat<f64>, mean_square: f64) -> Vec<f64> {
+    let (layout, mut variances) = (loss.layout(), vec![0.0; positions.len()]);
+    for log in 0..layout.logs {
+        let range = layout.zero(log, 0)..layout.zero(log + 1, 0);
+        let places: Vec<usize> = (0..positions.len()).filter(|k| range.contains(&positions[*k])).collect();
+        let block = Mat::from_fn(places.len(), places.len(), |i, j| own[(places[i], places[j])]);
+        let Ok(factor) = block.llt(Side::Lower) else { continue };
+        let inverse = factor.inverse();
+        places.iter().enumerate().for_each(|(k, place)| variances[*place] = mean_square * inverse[(k, k)]);
+    }
+    variances
+}

@@ -1,0 +1,77 @@
+//! What a model is worth on a log, as one HTML page.
+
+use leastaction::cli::{Failure, FileKind, replaceable};
+use leastaction_learning::atomic;
+use leastaction_learning::data::Dataset;
+use leastaction_learning::evaluate::horizons::Predictor;
+use leastaction_learning::model_file::HostModel;
+use leastaction_learning::report::{Fit, Report};
+use leastaction_learning::windows::{
+    Calibrated, Calibration, WindowLogs, WindowLoss, WindowModel, WindowSettings,
+};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Whether a name is that of a page, and may be written.
+pub fn is_page(path: &Path) -> Result<bool, Failure> {
+    let is_page =
+        path.extension().and_then(OsStr::to_str).is_some_and(|end| end.eq_ignore_ascii_case("html"));
+    if is_page {
+        replaceable(path, FileKind::Page)?;
+    }
+    Ok(is_page)
+}
+
+/// Seconds of a window that residuals are of, where the logs are so long.
+const WINDOW: f64 = 1.0;
+
+/// Writes the page of a model, from this file, on these logs.
+pub fn write(
+    path: &Path,
+    (model, file): (&HostModel, &Path),
+    (data, log): (&Path, &Dataset),
+) -> Result<(), Failure> {
+    let failed =
+        |error: &dyn std::fmt::Display| Failure::Work(format!("the page on {}: {error}", file.display()));
+    let HostModel { architecture, weights, facts, .. } = model;
+    let calibrated = Calibrated::of_file(&facts.actuator, log.n).map_err(|error| failed(&error))?;
+    let logs = Arc::new(WindowLogs::new(log));
+    let predictor = Predictor { architecture, weights, calibrated: &calibrated, logs: &logs };
+    let report = Report {
+        title: format!("{} on {}", file.display(), data.display()),
+        facts: vec![
+            ("model", format!("{}, {} numbers; {}", architecture.name(), weights.len(), facts.provenance)),
+            (
+                "log",
+                format!(
+                    "{}: {} trajectories, {} samples, one every {} s",
+                    data.display(),
+                    log.trajectories.len(),
+                    log.samples(),
+                    log.h
+                ),
+            ),
+            ("encoders", "zero offsets of these logs are not known, and taken to be 0".to_owned()),
+            ("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))),
+        ],
+        fit: fit(model, &calibrated, &logs),
+        predictor,
+    };
+    let page = report.html().map_err(|error| failed(&error))?;
+    atomic::write(path, page.as_bytes()).map_err(|error| Failure::file(path, error))
+}
+
+/// Residuals over windows; none where no log is as long as one of a few samples, or the model has rods.
+fn fit(model: &HostModel, calibrated: &Calibrated, logs: &Arc<WindowLogs>) -> Option<Fit> {
+    let longest = (0..logs.count()).map(|log| logs.samples(log)).max()?;
+    let steps =
+        ((WINDOW / logs.h).round() as usize).clamp(1, longest.checked_sub(1).filter(|steps| *steps > 0)?);
+    let settings =
+        WindowSettings { steps, stride: steps, substeps: 1, order: 4, calibration: Calibration::default() };
+    let own = WindowModel::new(&model.architecture).ok()?;
+    let loss = WindowLoss::new(own, logs, 0..logs.count(), settings).ok()?;
+    let Calibrated { gain, offset, delay, .. } = calibrated;
+    let shared = [&model.weights[..], gain, offset, &[*delay]].concat();
+    Some(Fit::new(&loss, &shared, steps as f64 * logs.h, None))
+}
