@@ -58,7 +58,7 @@ pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
             best = Some((error, Chosen { config, data, notes, errors: Vec::new() }));
         }
     }
-    let (_, chosen) = best.ok_or_else(|| PlanError::NoColumns)?;
+    let (_, chosen) = best.ok_or(PlanError::NoColumns)?;
     Ok(Chosen { errors, ..chosen })
 }
 

@@ -79,31 +79,37 @@ impl Lanes<'_> {
 
     /// τ at the start and the end of a step, and how it moves with g, o and d.
     fn control(&self, step: usize) -> Acting {
-        let (n, held) = (self.n(), self.logs.control == ControlKind::Held);
-        let number = |position: usize| self.numbers[position];
-        let mut tau = [vec![Row::default(); n], vec![Row::default(); n]];
-        let mut tangents = Vec::new();
-        for i in 0..n {
-            let places = [self.layout.gain(i), self.layout.offset(i), self.layout.delay()];
-            let [gain, offset, delay] = places.map(number);
-            let mut change = [[Row::default(); 2]; 3];
-            for end in 0..2 {
-                let sample = step + if held { 0 } else { end };
-                let mut u = [Row::default(); 2];
-                for (lane, window) in self.windows.iter().enumerate() {
-                    let of = self.logs.delayed_control(window.log, window.first + sample, i, delay);
-                    (u[0].0[lane], u[1].0[lane]) = (of[0], of[1]);
-                }
-                tau[end][i] = Row(u[0].0.map(|u| gain * u + offset));
-                change[0][end] = u[0];
-                change[1][end] = Row::splat(1.0);
-                change[2][end] = Row(u[1].0.map(|slope| gain * slope));
-            }
-            for (place, change) in places.into_iter().zip(change) {
-                tangents.push(ControlTangent { number: place - self.layout.start, coordinate: i, change });
-            }
+        let mut all: Acting = Default::default();
+        for i in 0..self.n() {
+            let (tau, tangents) = self.control_of(step, i);
+            all.0.iter_mut().zip(tau).for_each(|(ends, tau)| ends.push(tau));
+            all.1.extend(tangents);
         }
-        (tau, tangents)
+        all
+    }
+
+    /// That of one coordinate.
+    fn control_of(&self, step: usize, i: usize) -> ([Row; 2], [ControlTangent; 3]) {
+        let places = [self.layout.gain(i), self.layout.offset(i), self.layout.delay()];
+        let [gain, offset, delay] = places.map(|position| self.numbers[position]);
+        let held = self.logs.control == ControlKind::Held;
+        let at = |end: usize| {
+            let sample = step + if held { 0 } else { end };
+            let u = |window: &Window| self.logs.delayed_control(window.log, window.first + sample, i, delay);
+            [0, 1].map(|part| self.of_windows(|window| u(window)[part]))
+        };
+        let ends = [at(0), at(1)];
+        let tau = ends.map(|[u, _]| Row(u.0.map(|u| gain * u + offset)));
+        let changes = [
+            ends.map(|[u, _]| u),
+            [Row::splat(1.0); 2],
+            ends.map(|[_, slope]| Row(slope.0.map(|slope| gain * slope))),
+        ];
+        let tangent = |k: usize| {
+            let number = places[k] - self.layout.start;
+            ControlTangent { number, coordinate: i, change: changes[k] }
+        };
+        (tau, [0, 1, 2].map(tangent))
     }
 
     /// (q̂_i + z_i − q̃_i)/s_i at a sample.
