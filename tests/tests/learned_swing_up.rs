@@ -21,7 +21,7 @@ fn a_learned_cartpole_swings_up_from_twenty_starts() {
         config.setup.seed = seed;
         config.setup.observer.order = model.facts.trained_step.unwrap().order;
         let devices = config.setup.devices;
-        assert!(devices.actuator.delay == 1 && devices.encoders.iter().all(|encoder| encoder.noise > 0.0));
+        assert!(devices.actuator.delay == 1.0 && devices.encoders.iter().all(|encoder| encoder.noise > 0.0));
         let mut last = None;
         let summary = swing_up_cartpole(&plant, &system, &config, |tick| last = Some(*tick)).unwrap();
         println!(

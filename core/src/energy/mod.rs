@@ -1,5 +1,5 @@
-//! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian), and for training its
-//! [`Learnable`] derivatives in the weights.
+//! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian), and, but for [`bodies`]
+//! (which the host's programs differentiate), its [`Learnable`] derivatives in the weights.
 //!
 //! - [`rigid`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
 //! - [`bodies`]: trees of rigid bodies on joints, by their masses, lengths and inertias;

@@ -2,10 +2,10 @@
 
 use leastaction_core::model::{CATALOGUE, Entry, ModelError};
 use leastaction_firmware_sim::link::{
-    Answer, Broken, Done, Frame, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver, Refusal,
-    Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
+    Answer, Broken, Done, Frame, LoggedSamples, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver,
+    Refusal, Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
 };
-use leastaction_firmware_sim::observer::{Order, OtherStep};
+use leastaction_firmware_sim::observer::{LearnZeros, Order, OtherStep};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::trajectory::reference::Cartpole;
 use leastaction_firmware_sim::{Outcome, Program};
@@ -48,10 +48,18 @@ fn program() -> Program<2> {
     (config.setup.observer.newton.stop, config.setup.observer.newton.accept) = (1e-6, 2e-3);
     (config.setup.observer.memory, config.setup.observer.delay, config.setup.observer.patience) =
         (7, 2.5, 31);
+    config.setup.observer.zeros = Some(LearnZeros { deviation: 0.025, innovation: 4e-3 });
     (config.pump.effort, config.pump.energy_band, config.pump.rate_band) = (4.5, 0.03, 0.4);
     (config.tolerance.q, config.tolerance.v, config.tolerance.u) = ([0.31, 0.21], [0.61, 0.62], 1.25);
     (config.catch.angle, config.catch.force, config.catch.release) = (0.45, 1.4, 0.9);
     config.program()
+}
+
+/// A tick of a log: the pole hangs, the cart is pushed.
+fn logged(sequence: u32) -> LoggedSamples<2> {
+    let x = 1e-3 * sequence as f32;
+    let measured = [Some(x), (!sequence.is_multiple_of(3)).then_some(3.0 - x)];
+    LoggedSamples { sequence, elapsed: 1, measured, command: [0.5, 0.0] }
 }
 
 fn tick() -> Request<2> {
@@ -62,7 +70,7 @@ fn tick() -> Request<2> {
 #[test]
 fn requests_and_answers_come_back_as_they_went() {
     let track = Request::Begin(TrackConfig::<2>::acrobot().program());
-    for sent in [Request::Begin(program()), track, tick(), Request::End] {
+    for sent in [Request::Begin(program()), track, tick(), Request::Log(logged(7)), Request::End] {
         let received = frames(&bytes(&request(&sent).unwrap()));
         assert_eq!(parse_request::<2>(received[0].as_ref().unwrap()), Ok(sent));
     }
@@ -206,6 +214,24 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
         let outcome = firmware.run(time, elapsed, &measured);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
+}
+
+#[test]
+fn a_log_runs_tick_by_tick_as_it_does_in_place() {
+    let model = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
+    let program = Program::listening(0.05, [false, true], program().observer);
+    let mut firmware = program.listen(&model.system).unwrap();
+    let mut heard = bytes(&request(&Request::Begin(program)).unwrap());
+    (0..40).for_each(|i| heard.extend(bytes(&request(&Request::Log(logged(i))).unwrap())));
+    let (said, _) = answers(Some(&CARTPOLE_FILE.0), heard);
+    assert_eq!(said.len(), 41);
+    for (sequence, frame) in (0..).zip(&said[1..]) {
+        let LoggedSamples { elapsed, measured, command, .. } = logged(sequence);
+        let outcome = firmware.replay(elapsed, &measured, command);
+        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence, outcome, instructions: 0 })));
+        assert_eq!((outcome.command.u, outcome.errors), (command, 0));
+    }
+    assert_ne!(firmware.last().zeros, [0.0; 2]);
 }
 
 #[test]

@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// A step of a mechanism's model: shorter ones tell noise from motion worse (s).
 const SHORTEST_STEP: f64 = 0.01;
+/// Sampling intervals that differ by less than this part are those of one clock.
+const SAME: f64 = 0.01;
 
 /// The text, which trains as it stands; why there is none where the columns cannot be guessed.
 pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Result<String, String> {
@@ -83,10 +85,16 @@ fn model(text: &mut String, guess: &Guess) {
     line(text, format_args!("\n[training]\nloss = \"windows\""));
 }
 
-/// A hundredth of a second, or the sampling interval where that is longer; none where samples lie at the same even step as that.
+/// A hundredth of a second; the longest sampling interval of a file, to two digits, where that is longer and others have shorter ones;
+/// none where samples of all files lie at one such step.
 fn step(report: &Report) -> Option<f64> {
-    let longest = report.files.iter().filter_map(|file| file.rate).map(|rate| 1.0 / rate).fold(0.0, f64::max);
-    (longest > 0.0 && longest < SHORTEST_STEP).then_some(SHORTEST_STEP)
+    let intervals = || report.files.iter().filter_map(|file| file.rate).map(|rate| 1.0 / rate);
+    let (longest, shortest) = (intervals().fold(0.0, f64::max), intervals().fold(f64::INFINITY, f64::min));
+    if longest < SHORTEST_STEP {
+        return (longest > 0.0).then_some(SHORTEST_STEP);
+    }
+    let differ = shortest < (1.0 - SAME) * longest;
+    format!("{longest:.1e}").parse().ok().filter(|_| differ)
 }
 
 /// Paths as seen from the configuration.

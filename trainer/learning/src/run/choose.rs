@@ -9,6 +9,9 @@ use thiserror::Error;
 /// Parts that the logs are divided into: each is held back once.
 const FOLDS: usize = 4;
 
+/// Iterations of a stage at most: enough to tell which is better.
+const ITERATIONS: u64 = 12;
+
 /// A configuration with its data, the one of several that predicts held-back logs best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
@@ -55,7 +58,7 @@ pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
             best = Some((error, Chosen { config, data, notes, errors: Vec::new() }));
         }
     }
-    let (_, chosen) = best.ok_or_else(|| PlanError::NoColumns)?;
+    let (_, chosen) = best.ok_or(PlanError::NoColumns)?;
     Ok(Chosen { errors, ..chosen })
 }
 
@@ -73,12 +76,17 @@ fn held_back_error(config: &Config, data: &Dataset) -> Result<Option<f64>, PlanE
     let mut logarithms = 0.0;
     for fold in 0..folds {
         let mut own = config.clone();
+        own.training.overlap = 0.0;
         let of = |held_back: bool| (0..logs).filter(move |k| (k % folds == fold) == held_back);
         let order = of(false).chain(of(true)).map(|k| data.trajectories[k].clone());
         let parted = Dataset { trajectories: order.collect(), ..data.clone() };
         let held_back = of(true).count();
         own.data.validation = held_back as f64 / logs as f64;
-        let Some(loss) = Plan::new(own, &parted)?.train().and_then(|trained| trained.best.validation) else {
+        let mut plan = Plan::new(own, &parted)?;
+        // What comes after the held-back logs have judged.
+        plan.stages.retain(|stage| stage.validation.is_some());
+        plan.stages.iter_mut().for_each(|stage| stage.iterations = stage.iterations.min(ITERATIONS));
+        let Some(loss) = plan.train().and_then(|trained| trained.best.validation) else {
             return Ok(None);
         };
         logarithms += loss.ln() / folds as f64;

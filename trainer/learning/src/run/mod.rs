@@ -258,7 +258,9 @@ impl Run {
     }
 
     fn unsolved_of(&self, objective: &dyn Objective) -> usize {
-        within(self.pool.as_ref(), || objective.solved(&self.state.best.weights).unsolved)
+        // Samples of another stage, or held back, have numbers of their own.
+        let weights = || objective.enter(self.state.best.weights.clone());
+        within(self.pool.as_ref(), || objective.solved(&weights()).unsolved)
     }
 
     /// What went wrong without an error.

@@ -74,6 +74,8 @@ fn goes_on(config: &Config) -> bool {
 const SHORT: f64 = 0.2;
 /// Steps of such a part, at least.
 const FEWEST_STEPS: usize = 5;
+/// A step of a model with dry friction at most, s: friction turns fast where a velocity changes its sign.
+const STIFF_STEP: f64 = 0.005;
 
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
@@ -107,7 +109,7 @@ pub(super) fn of_windows(
     (data, training): (&Dataset, usize),
     notices: &mut Vec<Notice>,
 ) -> Result<(Vec<Stage>, Windowed), PlanError> {
-    let TrainingConfig { window, order, warm_up, iterations, optimiser, .. } = config.training;
+    let TrainingConfig { window, overlap, order, warm_up, iterations, optimiser, .. } = config.training;
     if optimiser != OptimiserKind::LevenbergMarquardt {
         return Err(PlanError::WindowOptimiser);
     }
@@ -119,7 +121,13 @@ pub(super) fn of_windows(
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
-    let settings = |steps| WindowSettings { steps, order, calibration: config.calibration.calibration() };
+    let substeps =
+        if architecture.friction.dry.is_empty() { 1.0 } else { (data.h / STIFF_STEP - 1e-6).ceil() };
+    let (substeps, calibration) = ((substeps as usize).max(1), config.calibration.calibration());
+    let settings = |steps: usize| {
+        let stride = (((1.0 - overlap) * steps as f64).round() as usize).max(1);
+        WindowSettings { steps, stride, substeps, order, calibration }
+    };
     let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
         let settings = settings(steps);
         Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)

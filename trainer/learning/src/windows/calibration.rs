@@ -40,7 +40,7 @@ impl Default for Calibration {
 /// The delay in the bytes of an actuator.
 const DELAY_BYTES: usize = 4;
 /// A learned z is expected to be of this size, m or rad.
-const ZERO_SIZE: f64 = 0.02;
+const ZERO_SIZE: f64 = 0.05;
 /// A learned g to be this near to 1.
 const GAIN_SIZE: f64 = 0.3;
 /// A learned d to be of this size, s.

@@ -65,7 +65,7 @@ fn logs(architecture: &Architecture, seed: u64) -> Dataset {
 /// What is learned from logs, and how well it is known.
 fn learned(architecture: &Architecture, data: &Dataset, zero: bool) -> Certainty {
     let calibration = Calibration { zero, ..Calibration::default() };
-    let settings = WindowSettings { steps: STEPS, order: 4, calibration };
+    let settings = WindowSettings { steps: STEPS, stride: STEPS, substeps: 1, order: 4, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     let model = WindowModel::new(architecture).unwrap();
     let loss = WindowLoss::new(model, &logs, 0..data.trajectories.len(), settings).unwrap();

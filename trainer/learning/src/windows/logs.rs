@@ -7,8 +7,11 @@ use thiserror::Error;
 
 /// Positions that a window's start state is guessed from, at most.
 const GUESS: usize = 7;
-/// A rest of a log as long as this part of a window has a window of its own, which overlaps the one before.
+/// A rest of a log as long as this part of a stride has a window of its own.
 const REST: f64 = 0.5;
+
+/// What moves less than this part of the root mean square of all windows is at rest.
+const AT_REST: f64 = 0.1;
 
 /// Positions and controls of logs on one step, as a loss over windows reads them.
 #[derive(Clone, Debug)]
@@ -100,13 +103,17 @@ impl WindowLogs {
         [after + part * (before - after), (before - after) / self.h]
     }
 
-    /// Windows of so many steps over some logs: side by side, each beginning where the one before ends.
-    pub(super) fn windows(&self, logs: Range<usize>, steps: usize) -> Result<Vec<Window>, TooShort> {
+    /// Windows of so many steps over some logs, each beginning `stride` ≥ 1 steps after the one before.
+    pub(super) fn windows(
+        &self,
+        logs: Range<usize>,
+        (steps, stride): (usize, usize),
+    ) -> Result<Vec<Window>, TooShort> {
         let mut windows = Vec::new();
         for log in logs.clone() {
             let Some(last) = self.samples(log).checked_sub(steps + 1) else { continue };
-            windows.extend((0..=last).step_by(steps).map(|first| Window { log, first }));
-            if (last % steps) as f64 >= REST * steps as f64 {
+            windows.extend((0..=last).step_by(stride).map(|first| Window { log, first }));
+            if (last % stride) as f64 >= REST * stride as f64 {
                 windows.push(Window { log, first: last });
             }
         }
@@ -155,12 +162,21 @@ impl WindowLogs {
 
     /// How far windows move: the root mean square of q_i over them, less its first.
     pub(super) fn motion(&self, windows: &[Window], steps: usize, i: usize) -> f64 {
-        let moved = |window: &Window| -> f64 {
-            let q = |k: usize| self.position(window.log, window.first + k, i);
-            (1..=steps).map(|k| (q(k) - q(0)).powi(2)).sum()
-        };
-        let mean = windows.iter().map(moved).sum::<f64>() / (windows.len() * steps) as f64;
+        let moved = |window: &Window| self.moved(*window, steps, i).powi(2);
+        let mean = windows.iter().map(moved).sum::<f64>() / windows.len() as f64;
         mean.sqrt().max(f64::MIN_POSITIVE.sqrt())
+    }
+
+    /// The same of one window.
+    fn moved(&self, window: Window, steps: usize, i: usize) -> f64 {
+        let q = |k: usize| self.position(window.log, window.first + k, i);
+        let sum: f64 = (1..=steps).map(|k| (q(k) - q(0)).powi(2)).sum();
+        (sum / steps as f64).sqrt()
+    }
+
+    /// Whether some coordinate moves in a window, as windows of this `motion` go.
+    pub(super) fn moves(&self, window: Window, steps: usize, motion: &[f64]) -> bool {
+        motion.iter().enumerate().any(|(i, motion)| self.moved(window, steps, i) >= AT_REST * motion)
     }
 
     /// The noise of sensor i: a robust standard deviation of third differences, in which smooth motion hardly shows, over √20.
@@ -245,13 +261,24 @@ mod tests {
     #[test]
     fn windows_lie_side_by_side_and_a_long_rest_has_its_own() {
         let windows = |samples| -> Vec<(usize, usize)> {
-            let all = logs(samples).windows(0..2, 4).unwrap();
+            let all = logs(samples).windows(0..2, (4, 4)).unwrap();
             all.iter().map(|window| (window.log, window.first)).collect()
         };
         assert_eq!(windows([10, 3]), [(0, 0), (0, 4)]);
         assert_eq!(windows([11, 5]), [(0, 0), (0, 4), (0, 6), (1, 0)]);
-        let refused = logs([3, 4]).windows(0..2, 4).unwrap_err();
+        let refused = logs([3, 4]).windows(0..2, (4, 4)).unwrap_err();
         assert_eq!(refused, TooShort { window: 2.0, samples: 5, longest: 4 });
+    }
+
+    #[test]
+    fn windows_at_rest_are_told_from_those_that_move() {
+        let q = [0.0, 0.1, 0.4, 0.4, 0.4, 0.4, 0.4, 0.41, 0.41].map(|q| [q]);
+        let trajectory = Trajectory { id: 0, t0: 0.0, q: Rows::from_arrays(&q), v: None, a: None, u: None };
+        let logs = WindowLogs::new(&Dataset { n: 1, h: 0.5, control: None, trajectories: vec![trajectory] });
+        let windows = logs.windows(0..1, (4, 4)).unwrap();
+        let motion = [logs.motion(&windows, 4, 0)];
+        let moves: Vec<bool> = windows.iter().map(|window| logs.moves(*window, 4, &motion)).collect();
+        assert_eq!(moves, [true, false]);
     }
 
     #[test]

@@ -7,9 +7,9 @@
 //!
 //! - ρ(r) = 2κ²(√(1 + r²/κ²) − 1), the pseudo-Huber function: r² for what is small, so that single bad samples pull little.
 //! - s of every coordinate is the larger of the sensor's noise and a robust scale of the residuals, set anew before every
-//!   iteration ([`scales`]).
+//!   iteration.
 //! - Gauss–Newton with x₀ eliminated window by window (Golub and Pereyra's variable projection, in Kaufman's form): the columns of
-//!   x₀ are projected out of the others ([`elimination`]), and after every step x₀ is solved anew ([`starts`]).
+//!   x₀ are projected out of the others, and after every step x₀ is solved anew.
 
 mod calibration;
 mod certainty;

@@ -17,6 +17,8 @@ pub(super) struct Lanes<'a> {
     pub windows: [Window; WIDTH],
     /// Steps of each.
     pub steps: usize,
+    /// Runge–Kutta steps in each of them.
+    pub substeps: usize,
     pub layout: &'a CalibrationLayout,
     /// The weight block of the model, then the calibration's numbers.
     pub numbers: &'a [f64],
@@ -44,6 +46,22 @@ fn share(x: f64) -> f64 {
     (1.0 + x * x / (KNEE * KNEE)).sqrt().sqrt().recip()
 }
 
+/// τ at the start and the end of a step, and how it moves with g, o and d.
+type Acting = ([Vec<Row>; 2], Vec<ControlTangent>);
+
+/// What acts over one of several equal parts of a step, linear over all of it.
+fn part_of((tau, tangents): &Acting, part: usize, parts: usize) -> Acting {
+    let ends = [part, part + 1].map(|end| end as f64 / parts as f64);
+    let between =
+        |a: &Row, b: &Row| ends.map(|c| Row(std::array::from_fn(|k| a.0[k] + c * (b.0[k] - a.0[k]))));
+    let each: Vec<[Row; 2]> = tau[0].iter().zip(&tau[1]).map(|(a, b)| between(a, b)).collect();
+    let moved = |tangent: &ControlTangent| {
+        let [a, b] = &tangent.change;
+        ControlTangent { change: between(a, b), ..tangent.clone() }
+    };
+    ([0, 1].map(|end| each.iter().map(|ends| ends[end]).collect()), tangents.iter().map(moved).collect())
+}
+
 /// ρ′(x)/2x, by which squares count in Gauss and Newton's matrix, and ρ″(x)/2, by which they count in the loss's own.
 pub(super) fn curvatures(x: f64) -> [f64; 2] {
     let root = (1.0 + x * x / (KNEE * KNEE)).sqrt();
@@ -60,32 +78,38 @@ impl Lanes<'_> {
     }
 
     /// τ at the start and the end of a step, and how it moves with g, o and d.
-    fn control(&self, step: usize) -> ([Vec<Row>; 2], Vec<ControlTangent>) {
-        let (n, held) = (self.n(), self.logs.control == ControlKind::Held);
-        let number = |position: usize| self.numbers[position];
-        let mut tau = [vec![Row::default(); n], vec![Row::default(); n]];
-        let mut tangents = Vec::new();
-        for i in 0..n {
-            let places = [self.layout.gain(i), self.layout.offset(i), self.layout.delay()];
-            let [gain, offset, delay] = places.map(number);
-            let mut change = [[Row::default(); 2]; 3];
-            for end in 0..2 {
-                let sample = step + if held { 0 } else { end };
-                let mut u = [Row::default(); 2];
-                for (lane, window) in self.windows.iter().enumerate() {
-                    let of = self.logs.delayed_control(window.log, window.first + sample, i, delay);
-                    (u[0].0[lane], u[1].0[lane]) = (of[0], of[1]);
-                }
-                tau[end][i] = Row(u[0].0.map(|u| gain * u + offset));
-                change[0][end] = u[0];
-                change[1][end] = Row::splat(1.0);
-                change[2][end] = Row(u[1].0.map(|slope| gain * slope));
-            }
-            for (place, change) in places.into_iter().zip(change) {
-                tangents.push(ControlTangent { number: place - self.layout.start, coordinate: i, change });
-            }
+    fn control(&self, step: usize) -> Acting {
+        let mut all: Acting = Default::default();
+        for i in 0..self.n() {
+            let (tau, tangents) = self.control_of(step, i);
+            all.0.iter_mut().zip(tau).for_each(|(ends, tau)| ends.push(tau));
+            all.1.extend(tangents);
         }
-        (tau, tangents)
+        all
+    }
+
+    /// That of one coordinate.
+    fn control_of(&self, step: usize, i: usize) -> ([Row; 2], [ControlTangent; 3]) {
+        let places = [self.layout.gain(i), self.layout.offset(i), self.layout.delay()];
+        let [gain, offset, delay] = places.map(|position| self.numbers[position]);
+        let held = self.logs.control == ControlKind::Held;
+        let at = |end: usize| {
+            let sample = step + if held { 0 } else { end };
+            let u = |window: &Window| self.logs.delayed_control(window.log, window.first + sample, i, delay);
+            [0, 1].map(|part| self.of_windows(|window| u(window)[part]))
+        };
+        let ends = [at(0), at(1)];
+        let tau = ends.map(|[u, _]| Row(u.0.map(|u| gain * u + offset)));
+        let changes = [
+            ends.map(|[u, _]| u),
+            [Row::splat(1.0); 2],
+            ends.map(|[_, slope]| Row(slope.0.map(|slope| gain * slope))),
+        ];
+        let tangent = |k: usize| {
+            let number = places[k] - self.layout.start;
+            ControlTangent { number, coordinate: i, change: changes[k] }
+        };
+        (tau, [0, 1, 2].map(tangent))
     }
 
     /// (q̂_i + z_i − q̃_i)/s_i at a sample.
@@ -109,13 +133,16 @@ impl Lanes<'_> {
         let (mut state, mut failures) = (starts.clone(), Failures::default());
         visit(0, &state, tangents.as_deref());
         for step in 0..self.steps {
-            let (tau, controls) = self.control(step);
-            let carried = tangents.as_deref_mut().map(|tangents| {
-                let controls = if tangents.controls() > 0 { &controls[..] } else { &[] };
-                (tangents, controls)
-            });
-            let failed = stepper.step(self.numbers, &mut state, [&tau[0], &tau[1]], carried);
-            failures = failures.or(failed);
+            let whole = self.control(step);
+            for substep in 0..self.substeps {
+                let (tau, controls) = part_of(&whole, substep, self.substeps);
+                let carried = tangents.as_deref_mut().map(|tangents| {
+                    let controls = if tangents.controls() > 0 { &controls[..] } else { &[] };
+                    (tangents, controls)
+                });
+                let failed = stepper.step(self.numbers, &mut state, [&tau[0], &tau[1]], carried);
+                failures = failures.or(failed);
+            }
             visit(step + 1, &state, tangents.as_deref());
         }
         failures

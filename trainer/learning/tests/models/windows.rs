@@ -57,7 +57,7 @@ fn command(log: usize, k: usize, i: usize) -> f64 {
 fn logs(robot: Robot) -> Dataset {
     let (model, mut stream) = (model(), Pcg64::seed_from_u64(5));
     let (weights, system) = (weights(&model), System::new(&*model.energies().unwrap()));
-    let mut steps = ExplicitSteps::new(&system, H, RungeKutta::ThreeEighths);
+    let mut steps = ExplicitSteps::new(&system, 0.5 * H, RungeKutta::ThreeEighths);
     let mut trajectory = |log: usize| {
         let mut state: Vec<Row> = (0..2 * N).map(|i| Row::splat(0.3 * (i + log) as f64 - 0.5)).collect();
         let (mut q, mut u) = (Vec::new(), Vec::new());
@@ -68,7 +68,9 @@ fn logs(robot: Robot) -> Dataset {
             let arrived = k.saturating_sub(robot.delay);
             let force = |i: usize| robot.gain[i] * command(log, arrived, i) + robot.offset[i];
             let tau: Vec<Row> = (0..N).map(|i| Row::splat(force(i))).collect();
-            let _ = steps.step(&weights, &mut state, [&tau, &tau], None);
+            for _ in 0..2 {
+                let _ = steps.step(&weights, &mut state, [&tau, &tau], None);
+            }
         }
         let rows = |x| Rows::from_flat(N, x).unwrap();
         Trajectory { id: log as i64, t0: 0.0, q: rows(q), v: None, a: None, u: Some(rows(u)) }
@@ -87,7 +89,7 @@ fn loss_over(data: &Dataset, steps: usize, calibration: Calibration, known: bool
     if known {
         model.fixed = (0..architecture.parameters().unwrap()).collect();
     }
-    let settings = WindowSettings { steps, order: 4, calibration };
+    let settings = WindowSettings { steps, stride: steps, substeps: 2, order: 4, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     WindowLoss::new(model, &logs, 0..LOGS, settings).unwrap()
 }

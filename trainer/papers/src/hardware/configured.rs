@@ -133,7 +133,11 @@ struct Told<'t>(&'t (dyn Fn(&str) + Sync));
 impl Monitor for Told<'_> {
     fn row(&mut self, row: &Row) {
         if row.iteration.is_multiple_of(10) {
-            (self.0)(&format!("{}, iteration {}: loss {:.2e}", row.stage, row.iteration, row.train));
+            let held_back = row.validation.map_or(String::new(), |loss| format!(", held back {loss:.2e}"));
+            (self.0)(&format!(
+                "{}, iteration {}: loss {:.2e}{held_back}",
+                row.stage, row.iteration, row.train
+            ));
         }
     }
 

@@ -4,6 +4,7 @@ mod picture;
 mod plant;
 mod remote;
 mod replay;
+mod report;
 mod scenario;
 mod trace;
 mod world;
@@ -11,6 +12,7 @@ mod world;
 pub use picture::draw;
 pub use plant::Plant;
 pub use remote::{Emulated, Target};
+pub use report::Report;
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
 pub use world::World;
@@ -20,13 +22,10 @@ use super::system::SymoSystem;
 use clap::Args;
 use leastaction::cli::arguments::{positive, positive_f32, seed};
 use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable};
-use leastaction_core::energy::rigid::Coordinate;
-use leastaction_firmware_sim::{Incidents, Summary};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use replay::{Replay, ReplayReport};
-use serde::Serialize;
-use std::fmt;
+use report::{FORCE, POSITION, median_and_most, unit};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -94,62 +93,6 @@ pub struct Simulate {
     /// The folder to write to.
     #[arg(short, long, default_value = "simulation", value_name = "DIR")]
     output: PathBuf,
-}
-
-/// What came out of a run.
-#[derive(Clone, Debug, Serialize)]
-pub struct Report {
-    /// The model file.
-    pub model: PathBuf,
-    /// What the loop did.
-    pub scenario: Scenario,
-    /// What it acted on.
-    pub system: String,
-    /// Units of its positions and of the forces on them.
-    #[serde(skip)]
-    units: [String; 2],
-    /// Of all noise.
-    pub seed: u64,
-    /// What ran the controller.
-    pub processor: String,
-    /// Median and largest number of instructions in a tick, where they are counted.
-    pub tick_instructions: Option<[u32; 2]>,
-    /// Whether the goal was reached.
-    pub success: bool,
-    /// How many.
-    pub ticks: u32,
-    /// When the error came within the tolerance for good, s.
-    pub settled_at: Option<f32>,
-    /// Largest |q|.
-    pub max_q: Vec<f32>,
-    /// Largest |error|.
-    pub max_error: Vec<f32>,
-    /// Root mean square of the error.
-    pub rms_error: Vec<f32>,
-    /// Root mean square of estimated minus true position.
-    pub rms_estimate_q: Vec<f32>,
-    /// Root mean square of estimated minus true velocity.
-    pub rms_estimate_v: Vec<f32>,
-    /// Largest |force|.
-    pub max_force: Vec<f32>,
-    /// Most in a step.
-    pub newton_iterations: u8,
-    /// Largest relative residual of an accepted step.
-    pub newton_residual: f32,
-    /// Encoder readings dropped.
-    pub dropped: u32,
-    /// Late ticks.
-    pub late: u32,
-    /// Missed ticks.
-    pub missed: u32,
-    /// Errors of the model.
-    pub model_errors: u32,
-    /// Fingerprint of the trace.
-    pub trace_hash: String,
-    /// The file of the trace.
-    pub trace: PathBuf,
-    /// The picture.
-    pub picture: PathBuf,
 }
 
 impl Simulate {
@@ -250,122 +193,4 @@ fn mechanism(file: &Path, model: &HostModel) -> Result<Mechanism, Failure> {
             ),
         )),
     }
-}
-
-impl Report {
-    /// The part that the loop knows; the files are filled in later.
-    fn new<const N: usize>(request: &Request, summary: &Summary<N>) -> Self {
-        let Incidents { dropped, late, missed, model, .. } = summary.incidents;
-        Self {
-            model: PathBuf::new(),
-            scenario: request.scenario,
-            system: request.plant.name(),
-            units: [POSITION, FORCE].map(|units| units_of(&request.plant, units)),
-            seed: request.seed,
-            processor: "host".to_owned(),
-            tick_instructions: None,
-            success: summary.success,
-            ticks: summary.ticks,
-            settled_at: summary.settled_at,
-            max_q: summary.max_q.to_vec(),
-            max_error: summary.max_error.to_vec(),
-            rms_error: summary.rms_error.to_vec(),
-            rms_estimate_q: summary.rms_estimate_q.to_vec(),
-            rms_estimate_v: summary.rms_estimate_v.to_vec(),
-            max_force: summary.max_force.to_vec(),
-            newton_iterations: summary.newton.iterations,
-            newton_residual: summary.newton.residual,
-            dropped,
-            late,
-            missed,
-            model_errors: model,
-            trace_hash: format!("{:016x}", summary.hash),
-            trace: PathBuf::new(),
-            picture: PathBuf::new(),
-        }
-    }
-
-    fn controller(&self) -> String {
-        let processor = &self.processor;
-        match self.tick_instructions {
-            None | Some([_, 0]) => processor.clone(),
-            Some([median, largest]) => {
-                format!("{processor}, {median} instructions a tick (median), {largest} at most")
-            }
-        }
-    }
-
-    /// Names what ran the controller, and what its ticks took.
-    fn on_processor(&mut self, name: &str, instructions: &[u32]) {
-        name.clone_into(&mut self.processor);
-        self.tick_instructions = median_and_most(instructions);
-    }
-
-    /// An error where the goal was not reached.
-    pub fn judge(&self) -> Done {
-        if self.success {
-            return Ok(());
-        }
-        Err(Failure::Work(format!(
-            "{} of the {} did not reach its goal; see {}",
-            self.scenario,
-            self.system,
-            self.picture.display()
-        )))
-    }
-}
-
-/// Median and largest; none of nothing.
-fn median_and_most(instructions: &[u32]) -> Option<[u32; 2]> {
-    let mut sorted = instructions.to_vec();
-    sorted.sort_unstable();
-    let both = sorted.get(sorted.len() / 2).zip(sorted.last());
-    both.map(|(median, largest)| [*median, *largest])
-}
-
-/// Units by kind of coordinate: translation, angle.
-const POSITION: [&str; 2] = ["m", "rad"];
-const FORCE: [&str; 2] = ["N", "N m"];
-
-/// The unit of a coordinate of this kind.
-fn unit(kind: Coordinate, [translation, angle]: [&'static str; 2]) -> &'static str {
-    if kind == Coordinate::Angle { angle } else { translation }
-}
-
-/// The units of all coordinates, in order.
-fn units_of(plant: &Plant, units: [&'static str; 2]) -> String {
-    let units: Vec<_> = plant.coordinates().iter().map(|kind| unit(*kind, units)).collect();
-    units.join(", ")
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let goal = if self.success { "goal reached" } else { "goal NOT reached" };
-        let settled = match self.settled_at {
-            None => "not within the tolerance at the end".to_owned(),
-            Some(0.0) => "within the tolerance throughout".to_owned(),
-            Some(t) => format!("within the tolerance for good after {t:.2} s"),
-        };
-        writeln!(f, "{} of the {}, seed {}: {goal}, {settled}", self.scenario, self.system, self.seed)?;
-        let [q, u] = &self.units;
-        let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<32} {value}");
-        line(f, "controller on", &self.controller())?;
-        line(f, "ticks", &format!("{} (model errors: {})", self.ticks, self.model_errors))?;
-        line(f, &format!("error, rms ({q})"), &list(&self.rms_error))?;
-        line(f, "error, largest", &list(&self.max_error))?;
-        line(f, "estimated position, rms error", &list(&self.rms_estimate_q))?;
-        line(f, "estimated velocity, rms error", &list(&self.rms_estimate_v))?;
-        line(f, &format!("position, largest ({q})"), &list(&self.max_q))?;
-        line(f, &format!("force, largest ({u})"), &list(&self.max_force))?;
-        let (iterations, residual) = (self.newton_iterations, self.newton_residual);
-        line(f, "Newton", &format!("{iterations} iterations at most, residual {residual:.1e}"))?;
-        line(f, "trace", &format!("{} in {}", self.trace_hash, self.trace.display()))?;
-        line(f, "picture", &self.picture.display().to_string())
-    }
-}
-
-/// Three digits of each.
-fn list(values: &[f32]) -> String {
-    let digits = |x: &f32| if *x == 0.0 || x.abs() >= 0.01 { format!("{x:.3}") } else { format!("{x:.1e}") };
-    values.iter().map(digits).collect::<Vec<_>>().join(", ")
 }

@@ -87,7 +87,9 @@ impl<'a, const N: usize> Robot<'a, N> {
         for t in &times {
             let diverged = RobotError::Diverged { log: id, t: *t };
             a.push(motion.advance(*t).ok_or(diverged)?);
-            (q.push(motion.state.q), v.push(motion.state.v), torques.push(motion.torque));
+            q.push(motion.state.q);
+            v.push(motion.state.v);
+            torques.push(motion.torque);
         }
         let zeros = self.zeros(&mut streams.of(Purpose::Zeros));
         let readings = self.readings(&q, &zeros, &mut streams.of(Purpose::Noise));

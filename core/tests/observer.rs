@@ -1,0 +1,82 @@
+//! The observer in double precision, of a mechanism with dry friction.
+
+use leastaction_core::continuous::{ContinuousState, rk4_step};
+use leastaction_core::discrete::{Control, Newton, Order};
+use leastaction_core::energy::trigonometric::{ACROBOT, Trigonometric};
+use leastaction_core::forces::{Actuator, Coulomb, DryFriction, System, Viscous};
+use leastaction_core::observer::{Commands, Integrator, Observer, Tuning, ZerosPrior};
+
+const H: f64 = 0.01;
+/// Sub-steps of the truth in a step.
+const FINE: u32 = 10;
+
+type Rubbing = System<Trigonometric<'static, 2>, (Viscous<f64, 2>, Coulomb<f64, 2>)>;
+
+fn rubbing() -> Rubbing {
+    let dry = DryFriction { constant: 0.3, width: 0.1, ..DryFriction::none() };
+    let forces = (Viscous { coefficients: [0.1, 0.05] }, Coulomb { coordinates: [dry; 2] });
+    System { lagrangian: ACROBOT, forces }
+}
+
+fn observer(
+    system: &Rubbing,
+    zeros: Option<ZerosPrior<f64>>,
+) -> Observer<'_, f64, Trigonometric<'static, 2>, (Viscous<f64, 2>, Coulomb<f64, 2>), 2> {
+    let integrator = Integrator::new(Order::Four, H, Newton::default());
+    Observer::new(system, integrator, [true; 2], Tuning { memory: 5, patience: 25, zeros })
+}
+
+/// 20 s under sines, whose commands take effect 0.6 steps late: the estimate's largest error of velocity in the last 10 s, and the zeros.
+fn run(zeros: [f64; 2], learn: Option<ZerosPrior<f64>>, known: f64) -> (f64, [f64; 2]) {
+    let system = rubbing();
+    let mut observer = observer(&system, learn);
+    let mut commands = Commands::new(0, Actuator { delay: known, ..Actuator::ideal() });
+    let mut state = ContinuousState { q: [0.5, -0.3], v: [0.0; 2] };
+    let (mut before, mut worst) = ([0.0; 2], 0.0_f64);
+    for k in 0..2000 {
+        observer.correct(&core::array::from_fn(|i| Some(state.q[i] + zeros[i]))).unwrap();
+        let estimate = observer.estimate().unwrap().unwrap();
+        if k > 1000 {
+            worst = (0..2).map(|i| (estimate.v[i] - state.v[i]).abs()).fold(worst, f64::max);
+        }
+        let t = f64::from(k) * H;
+        let u = [6.0 * (2.3 * t).sin(), 3.0 * (3.7 * t + 1.0).sin()];
+        for part in 0..FINE {
+            let force = if f64::from(part) < 0.6 * f64::from(FINE) { &before } else { &u };
+            state = rk4_step(&system, &state, force, H / f64::from(FINE)).unwrap();
+        }
+        before = u;
+        observer.predict(&commands.advance(Some(u))).unwrap();
+    }
+    (worst, observer.zeros())
+}
+
+#[test]
+fn with_friction_and_a_part_of_a_step_of_delay_it_follows_closely() {
+    let (known, _) = run([0.0; 2], None, 0.6);
+    let (unknown, _) = run([0.0; 2], None, 0.0);
+    assert!(known < 5e-3, "{known}");
+    assert!(unknown > 5.0 * known, "{unknown} {known}");
+}
+
+#[test]
+fn both_zeros_are_learned_and_the_velocity_gets_better() {
+    let prior = ZerosPrior { deviation: 0.05, innovation: 1e-3 };
+    let truth = [0.02, -0.03];
+    let (without, none) = run(truth, None, 0.6);
+    let (with, learned) = run(truth, Some(prior), 0.6);
+    assert_eq!(none, [0.0; 2]);
+    assert!((0..2).all(|i| (learned[i] - truth[i]).abs() < 5e-3), "{learned:?}");
+    assert!(with < 0.5 * without, "{with} {without}");
+}
+
+#[test]
+fn nobody_knows_anything_before_the_first_readings() {
+    let system = rubbing();
+    let mut observer = observer(&system, None);
+    let commands = Commands::new(2, Actuator::ideal());
+    assert_eq!(observer.predict(&Control::none()).unwrap().is_none(), observer.estimate().unwrap().is_none());
+    assert!(observer.ahead(&commands).unwrap().is_none() && !observer.trusted());
+    observer.correct(&[Some(0.1), None]).unwrap();
+    assert!(observer.estimate().unwrap().is_none());
+}
