@@ -8,7 +8,7 @@
 //! parts that count as logs, more than [`MOST_LOGS`] are joined.
 //!
 //! A zero offset belongs to a single log, without which nothing shows it: in place of that log's part σ² times the inverse of its block of
-//! H is added, σ² the mean square of the residuals, as if these were independent.
+//! H is added, σ² the mean square of the residuals times the number of windows that a sample is in, as if residuals were independent.
 //!
 //! Correlations are those of H⁻¹, which few logs do not disturb.
 
@@ -184,7 +184,7 @@ impl Spread {
         };
         let moved: Vec<(Mat<f64>, Vec<usize>)> = clusters.parts.iter().map(part).collect::<Option<_>>()?;
         let mean_square = (all.squares / all.rows.saturating_sub(p).max(1) as f64).max(0.0);
-        let alone = of_single_logs(loss, positions, &own, mean_square);
+        let alone = of_single_logs(loss, positions, &own, mean_square * loss.overlap());
         let count = moved.len() as f64;
         let variance = |i: usize| {
             let squares: f64 = moved.iter().map(|(of, _)| of[(i, 0)].powi(2)).sum();

@@ -234,6 +234,14 @@ impl WindowLoss {
         self.windows.chunk_by(|a, b| a.log == b.log).map(of).collect()
     }
 
+    /// How many windows a sample is in, on average.
+    pub(super) fn overlap(&self) -> f64 {
+        let steps = |pair: &[Window]| (pair[1].first - pair[0].first).min(self.steps);
+        let covered = |log: &[Window]| self.steps + log.windows(2).map(steps).sum::<usize>();
+        let all: usize = self.windows.chunk_by(|a, b| a.log == b.log).map(covered).sum();
+        (self.windows.len() * self.steps) as f64 / all as f64
+    }
+
     /// Positions of the shared numbers that are varied.
     pub(super) fn learned(&self) -> Vec<usize> {
         (0..self.layout.end()).filter(|position| !self.fixed.contains(position)).collect()
