@@ -16,17 +16,19 @@ pub struct Noise {
 
 /// Noise below this part of second differences is not worth a word: a log of exact motion in single precision.
 const PART: f64 = 0.02;
-/// Of noise the fifth differences are √(252/70) ≈ 1.9 times the fourth. Of exact motion they are less: under a control that changes at every
-/// sample and is held, 1.6 times; under a smooth one the less, the shorter the step.
-const RATIO: f64 = 1.75;
+/// From the third to the fifth differences noise grows by (252/20)^¼ ≈ 1.88 an order. Exact motion grows
+/// less: under a control that changes at every sample and is held 1.5 times, under a smooth one the less, the shorter the step.
+const RATIO: f64 = 1.66;
+/// Differences that tell it, at least: of fewer the ratio may be any.
+const FEWEST: usize = 100;
 
 /// The noisiest coordinate, where one is noisy: whose differences of high order grow as those of noise do.
 pub fn noise_of(data: &Dataset) -> Option<Noise> {
     let each = (0..data.n).filter_map(|coordinate| {
-        let [second, fourth, fifth] = [2, 4, 5].map(|order| difference(data, coordinate, order));
-        let deviation = fourth / 70_f64.sqrt();
+        let [second, third, fifth] = [2, 3, 5].map(|order| difference(data, coordinate, order));
+        let deviation = fifth / 252_f64.sqrt();
         let part = 6_f64.sqrt() * deviation / second;
-        let is_noise = fifth > RATIO * fourth && part > PART;
+        let is_noise = (fifth / third).sqrt() > RATIO && part > PART;
         is_noise.then_some(Noise { coordinate, deviation, part })
     });
     each.max_by(|a, b| a.part.total_cmp(&b.part))
@@ -42,7 +44,7 @@ fn difference(data: &Dataset, coordinate: usize, order: usize) -> f64 {
         }
         all.extend(q.into_iter().map(f64::abs));
     }
-    if all.is_empty() {
+    if all.len() < FEWEST {
         return 0.0;
     }
     let middle = all.len() / 2;
