@@ -1,7 +1,7 @@
 //! Explicit Runge–Kutta steps of q̈ = v̇(q, v).
 
 use leastaction_core::linear::add_scaled;
-pub use leastaction_programs::losses::RungeKutta;
+pub use leastaction_programs::steps::RungeKutta;
 
 /// q and v.
 pub type State<const N: usize> = [[f64; N]; 2];

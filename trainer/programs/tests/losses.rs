@@ -9,9 +9,8 @@ use leastaction_core::forces::{ControlKind, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Accelerations, Order};
 use leastaction_programs::energies::{Energies, RigidEnergies};
-use leastaction_programs::losses::{
-    AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, RungeKutta, TorqueLoss,
-};
+use leastaction_programs::losses::{AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, TorqueLoss};
+use leastaction_programs::steps::RungeKutta;
 use leastaction_programs::{Row, System, WIDTH};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

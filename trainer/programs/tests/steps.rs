@@ -3,8 +3,7 @@
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::network::Activation;
 use leastaction_programs::energies::{Energies, RigidEnergies};
-use leastaction_programs::losses::RungeKutta;
-use leastaction_programs::steps::{ControlTangent, ExplicitSteps, State, Tangents};
+use leastaction_programs::steps::{ControlTangent, ExplicitSteps, RungeKutta, State, Tangents};
 use leastaction_programs::{Builder, Node, Row, System, WIDTH};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

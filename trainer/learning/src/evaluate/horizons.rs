@@ -11,8 +11,7 @@ use crate::parallel::{self, Pool};
 use crate::windows::{Calibrated, WindowLogs};
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
-use leastaction_programs::losses::RungeKutta;
-use leastaction_programs::steps::{ExplicitSteps, State};
+use leastaction_programs::steps::{ExplicitSteps, RungeKutta, State};
 use leastaction_programs::{Row, WIDTH};
 
 /// How far ahead is predicted, s.

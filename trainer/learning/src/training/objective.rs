@@ -6,9 +6,8 @@ use crate::architecture::Architecture;
 use leastaction_core::model::ModelError;
 use leastaction_programs::System;
 use leastaction_programs::dynamics::{Order, Rods};
-use leastaction_programs::losses::{
-    AccelerationLoss, DelLoss, Loss, NextStateLoss, RodsLoss, RungeKutta, TorqueLoss,
-};
+use leastaction_programs::losses::{AccelerationLoss, DelLoss, Loss, NextStateLoss, RodsLoss, TorqueLoss};
+use leastaction_programs::steps::RungeKutta;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 

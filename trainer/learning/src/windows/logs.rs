@@ -1,5 +1,6 @@
 //! Logs cut into windows.
 
+use super::scales::robust_deviation;
 use crate::data::{Dataset, Rows};
 use leastaction_core::forces::ControlKind;
 use std::ops::Range;
@@ -187,12 +188,7 @@ impl WindowLogs {
             let third = |k: usize| (q(k + 3) - 3.0 * q(k + 2) + 3.0 * q(k + 1) - q(k)).abs();
             differences.extend((0..self.samples(log).saturating_sub(3)).map(third));
         }
-        let middle = differences.len() / 2;
-        if differences.is_empty() {
-            return 0.0;
-        }
-        let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
-        *median * super::scales::OF_MEDIAN / 20_f64.sqrt()
+        robust_deviation(differences) / 20_f64.sqrt()
     }
 }
 

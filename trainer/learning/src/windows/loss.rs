@@ -1,32 +1,15 @@
-use super::calibration::{Calibration, CalibrationLayout, Prior};
+use super::calibration::{CalibrationLayout, Prior};
 use super::logs::{TooShort, Window, WindowLogs};
+use super::model::{Projection, WindowModel, WindowSettings};
 use super::rollout::{In, Lanes, pseudo_huber};
 use super::scales::Amounts;
 use super::starts;
-use crate::architecture::Architecture;
 use crate::parallel::{self, Pool};
 use crate::training::{Bounds, ChunkRows, Failed, NormalEquations, Residuals};
-use leastaction_core::model::ModelError;
-use leastaction_programs::losses::RungeKutta;
-use leastaction_programs::steps::{ExplicitSteps, State};
-use leastaction_programs::{Row, System, WIDTH};
+use leastaction_programs::steps::{ExplicitSteps, RungeKutta, State};
+use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 use std::sync::Arc;
-
-/// How a loss over windows is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WindowSettings {
-    /// Steps of a window, at least 1.
-    pub steps: usize,
-    /// Steps from the start of one to that of the next, at least 1.
-    pub stride: usize,
-    /// Runge–Kutta steps in each of them, at least 1.
-    pub substeps: usize,
-    /// Their order: 2 or 4.
-    pub order: u8,
-    /// What is learned of sensors and actuators.
-    pub calibration: Calibration,
-}
 
 /// Steps of a new start state, from the guess of a parabola.
 const FIRST_STEPS: usize = 8;
@@ -51,42 +34,6 @@ pub struct WindowLoss {
     steppers: Pool<ExplicitSteps>,
     bounds: Bounds,
     project: Projection,
-}
-
-/// Brings weights that have a range back into it.
-type Projection = Box<dyn Fn(&mut [f64]) + Send + Sync>;
-
-/// A model as a loss over windows sees it.
-pub struct WindowModel {
-    /// Its equations.
-    pub system: System,
-    /// Positions of the weights that are known.
-    pub fixed: Vec<usize>,
-    /// Ranges of the others, which the optimisers see as free numbers.
-    pub bounds: Bounds,
-    /// Brings weights that have a range of another kind back into it.
-    pub project: Projection,
-}
-
-impl WindowModel {
-    /// That of this shape.
-    ///
-    /// # Errors
-    /// Where the shape does not fit in itself, or has rods.
-    pub fn new(architecture: &Architecture) -> Result<Self, ModelError> {
-        let rods = architecture.rods()?.count();
-        if rods > 0 {
-            let what = "rods under a loss over windows";
-            return Err(ModelError::Shape { what, found: rods, compiled: 0 });
-        }
-        let own = architecture.clone();
-        Ok(Self {
-            system: System::new(&*architecture.energies()?),
-            fixed: architecture.fixed_positions(),
-            bounds: Bounds::new(architecture.ranges()),
-            project: Box::new(move |weights: &mut [f64]| own.project(weights)),
-        })
-    }
 }
 
 impl WindowLoss {
@@ -194,7 +141,7 @@ impl WindowLoss {
         }
     }
 
-    /// Sets s of every coordinate by the residuals; whether it changed.
+    /// Sets s of every coordinate by the residuals.
     fn set_scales(&self, weights: &mut [f64]) {
         let n = self.n();
         let parts = self.of_blocks(|first, count, stepper| {

@@ -1,6 +1,6 @@
 //! Whether a log is exact.
 
-use super::scales::OF_MEDIAN;
+use super::scales::robust_deviation;
 use crate::data::Dataset;
 
 /// Noise of a coordinate beside its motion.
@@ -44,12 +44,7 @@ fn difference(data: &Dataset, coordinate: usize, order: usize) -> f64 {
         }
         all.extend(q.into_iter().map(f64::abs));
     }
-    if all.len() < FEWEST {
-        return 0.0;
-    }
-    let middle = all.len() / 2;
-    let (_, median, _) = all.select_nth_unstable_by(middle, f64::total_cmp);
-    OF_MEDIAN * *median
+    if all.len() < FEWEST { 0.0 } else { robust_deviation(all) }
 }
 
 #[cfg(test)]

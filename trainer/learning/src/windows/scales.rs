@@ -3,6 +3,16 @@
 /// The standard deviation of a normal distribution over the median of its amounts.
 pub(super) const OF_MEDIAN: f64 = 1.482_602_218_505_602;
 
+/// The standard deviation that a normal distribution of the same median amount has, of amounts in any order; 0 where there are none.
+pub(super) fn robust_deviation(mut amounts: Vec<f64>) -> f64 {
+    if amounts.is_empty() {
+        return 0.0;
+    }
+    let middle = amounts.len() / 2;
+    let (_, median, _) = amounts.select_nth_unstable_by(middle, f64::total_cmp);
+    OF_MEDIAN * *median
+}
+
 /// Counts of amounts, in classes of equal ratio: the sum of parts is the same in any order.
 #[derive(Clone, Debug)]
 pub(super) struct Amounts {

@@ -8,8 +8,7 @@ use leastaction_learning::training::{Levenberg, Objective, Progress};
 use leastaction_learning::windows::{
     Calibration, Setting, WindowLogs, WindowLoss, WindowModel, WindowSettings, noise_of,
 };
-use leastaction_programs::losses::RungeKutta;
-use leastaction_programs::steps::ExplicitSteps;
+use leastaction_programs::steps::{ExplicitSteps, RungeKutta};
 use leastaction_programs::{Row, System};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

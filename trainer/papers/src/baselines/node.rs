@@ -11,7 +11,8 @@ use leastaction_learning::architecture::random_layers;
 use leastaction_learning::evaluate::learned::Forced;
 use leastaction_learning::training::{Objective, Samples};
 use leastaction_programs::energies::Network;
-use leastaction_programs::losses::{Block, RungeKutta};
+use leastaction_programs::losses::Block;
+use leastaction_programs::steps::RungeKutta;
 use leastaction_programs::{Builder, Node};
 
 /// v̇ = αN(s(q), v/ν, u/μ) with tanh layers; s(q) are the translations and the cosine and sine of the angles, coordinate by

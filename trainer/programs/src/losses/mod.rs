@@ -9,14 +9,12 @@ mod acceleration;
 mod del;
 mod next_state;
 mod rods;
-mod runge_kutta;
 mod torque;
 
 pub use acceleration::AccelerationLoss;
 pub use del::DelLoss;
 pub use next_state::NextStateLoss;
 pub use rods::RodsLoss;
-pub use runge_kutta::RungeKutta;
 pub use torque::TorqueLoss;
 
 use crate::dynamics::Failures;

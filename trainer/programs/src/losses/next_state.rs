@@ -1,8 +1,8 @@
-use super::runge_kutta::{RungeKutta, State, sum};
 use super::{Block, Derivatives, Loss, clear, mended};
 use crate::dynamics::{Accelerations, Failures, contracted, dot};
 use crate::program::{Program, Workspace};
 use crate::row::Row;
+use crate::steps::{RungeKutta, State, sum};
 use crate::system::System;
 
 /// The end of an explicit Runge–Kutta step from a logged state, less the logged state there: positions, then velocities

@@ -1,7 +1,6 @@
-use super::State;
-use super::tangents::{ControlTangent, Tangents, add_products, moved};
+use super::tangents::{ControlTangent, Tangents, add_products};
+use super::{RungeKutta, State, sum};
 use crate::dynamics::{Failures, MotionSolver, Rods};
-use crate::losses::RungeKutta;
 use crate::program::{Program, Workspace};
 use crate::row::Row;
 use crate::system::System;
@@ -61,7 +60,7 @@ impl ExplicitSteps {
         };
         for (shares, time) in shares.iter().zip(self.method.times()) {
             let before = || shares.iter().copied().zip(&stages);
-            let at = moved(state, h, before().map(|(share, stage)| (share, &stage.rate)));
+            let at = sum(state, h, before().map(|(share, stage)| (share, &stage.rate)));
             let tau: Vec<Row> =
                 tau[0].iter().zip(tau[1]).map(|(a, b)| a.zip(b, |a, b| a + time * (b - a))).collect();
             let own = carried.as_deref().map(|tangents| {
@@ -74,7 +73,7 @@ impl ExplicitSteps {
             stages.push(stage);
         }
         let end = || self.method.end().iter().copied().zip(&stages);
-        *state = moved(state, h, end().map(|(share, stage)| (share, &stage.rate)));
+        *state = sum(state, h, end().map(|(share, stage)| (share, &stage.rate)));
         if let Some(tangents) = &mut carried {
             end().for_each(|(share, stage)| tangents.add(h * share, &stage.tangents));
         }

@@ -1,9 +1,12 @@
 //! Steps of motions side by side that carry derivatives along: what losses over windows of many steps are made of.
 
 mod explicit;
+mod runge_kutta;
 mod tangents;
 
 pub use explicit::ExplicitSteps;
+pub use runge_kutta::RungeKutta;
+pub(crate) use runge_kutta::sum;
 pub use tangents::{ControlTangent, Tangents};
 
 use crate::row::Row;

@@ -1,4 +1,3 @@
-use super::State;
 use crate::row::Row;
 
 /// How states of n coordinates move with numbers: those of the weight block, then those that the control depends on, then the
@@ -70,13 +69,4 @@ impl Tangents {
 /// y += ax, number by number.
 pub(super) fn add_products(y: &mut [Row], a: &Row, x: &[Row]) {
     y.iter_mut().zip(x).for_each(|(y, x)| y.add_product(a, x));
-}
-
-/// The state and h times the sum of these rates, each times its share.
-pub(super) fn moved<'r>(state: &State, h: f64, shares: impl Iterator<Item = (f64, &'r State)>) -> State {
-    let mut sum = state.clone();
-    for (share, rate) in shares {
-        sum.iter_mut().zip(rate).for_each(|(sum, rate)| sum.add_scaled(h * share, rate));
-    }
-    sum
 }

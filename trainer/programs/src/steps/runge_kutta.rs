@@ -1,4 +1,4 @@
-use crate::row::Row;
+use super::State;
 
 /// An explicit Runge–Kutta method for q̈ = v̇(q, v).
 ///
@@ -10,9 +10,6 @@ pub enum RungeKutta {
     /// Kutta's 3/8 rule, of order 4: four stages. It is what SyMo's authors call RK4.
     ThreeEighths,
 }
-
-/// Positions, then velocities: 2n rows.
-pub(crate) type State = Vec<Row>;
 
 impl RungeKutta {
     /// The 3/8 rule for order 4, the midpoint rule for 2 or whatever else.
