@@ -18,6 +18,7 @@ mod function;
 mod kernels;
 mod layout;
 pub mod losses;
+mod numbers;
 mod picks;
 mod program;
 mod reverse;

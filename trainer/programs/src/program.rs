@@ -4,6 +4,7 @@ use crate::builder::{Builder, Layer, Node};
 use crate::function::{Function, ORDERS};
 use crate::kernels::{self, Pair};
 use crate::layout::Form;
+use crate::numbers::Numbers;
 use crate::picks::{PickSums, Picks};
 use crate::reverse::WeightTerm;
 use crate::row::Row;
@@ -125,12 +126,15 @@ pub struct Program {
     pub(crate) forms: Vec<Form>,
     pub(crate) inputs: usize,
     pub(crate) rows: usize,
+    /// The same number by number, where that is faster.
+    pub(crate) numbers: Option<Numbers>,
 }
 
 /// The numbers of a program while it runs.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     slots: Vec<Vec<Row>>,
+    registers: Vec<Row>,
     outputs: Vec<Slot>,
 }
 
@@ -144,7 +148,9 @@ impl Workspace {
 impl Program {
     /// The program for these vectors and these gradients in the weights, each a sum of terms.
     pub fn new(builder: &Builder, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Self {
-        Scheduler::new(builder, outputs, rows).schedule(outputs, rows)
+        let mut program = Scheduler::new(builder, outputs, rows).schedule(outputs, rows);
+        program.numbers = Numbers::of(&program);
+        program
     }
 
     /// The program for these vectors of one sample: inputs and outputs are numbers one after the other in rows, and what lies side
@@ -184,7 +190,8 @@ impl Program {
         for (slot, constant) in &self.constants {
             slots[*slot].copy_from_slice(constant);
         }
-        Workspace { slots, outputs: self.outputs.clone() }
+        let registers = self.numbers.as_ref().map_or(Vec::new(), Numbers::registers);
+        Workspace { slots, registers, outputs: self.outputs.clone() }
     }
 
     /// The program beside a workspace for it.
@@ -208,6 +215,12 @@ impl Program {
     /// # Panics
     /// As [`Program::run`].
     pub fn run_outputs(&self, weights: &[f64], inputs: &[&[Row]], workspace: &mut Workspace) {
+        if let Some(numbers) = &self.numbers {
+            let Workspace { slots, registers, outputs } = workspace;
+            return numbers.run_outputs(weights, inputs, registers, |output, k, row| {
+                slots[outputs[output]][k] = row;
+            });
+        }
         for step in &self.steps[..self.first] {
             step.run(weights, inputs, &mut workspace.slots, &mut []);
         }
@@ -225,6 +238,9 @@ impl Program {
         rows: &mut [Vec<Row>],
     ) {
         assert!(inputs.len() >= self.inputs && rows.len() >= self.rows, "inputs or rows are missing");
+        if let Some(numbers) = &self.numbers {
+            return numbers.run_rows(weights, inputs, &mut workspace.registers, rows);
+        }
         for step in &self.steps[self.first..] {
             step.run(weights, inputs, &mut workspace.slots, rows);
         }

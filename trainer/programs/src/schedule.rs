@@ -70,6 +70,7 @@ impl<'b> Scheduler<'b> {
             forms: Vec::new(),
             inputs: 0,
             rows: rows.len(),
+            numbers: None,
         };
         Self {
             builder,

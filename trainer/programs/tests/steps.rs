@@ -130,7 +130,7 @@ fn tangents_are_differences() {
             let [ahead, behind] = [step, -step].map(|by| moved(by).end(&mut steps));
             for i in 0..2 * N {
                 let slope = (ahead[i].0[sample] - behind[i].0[sample]) / (2.0 * step);
-                let own = tangents.of(i)[column].0[sample];
+                let own = tangents.of(column)[i].0[sample];
                 assert!((own - slope).abs() < 1e-7, "{method:?}, ∂x{i}/∂{column}: {own} and {slope}");
             }
         }
@@ -158,8 +158,35 @@ fn a_sample_that_fails_leaves_the_others_alone() {
     assert!((0..WIDTH).all(|sample| failures.0[sample] == (sample == 4)));
     for sample in (0..WIDTH).filter(|sample| *sample != 4) {
         assert!((0..2 * N).all(|i| state[i].0[sample] == other[i].0[sample]));
-        let same =
-            |i: usize| tangents.of(i).iter().zip(others.of(i)).all(|(a, b)| a.0[sample] == b.0[sample]);
-        assert!((0..2 * N).all(same), "sample {sample}");
+        let same = |number: usize| {
+            tangents.of(number).iter().zip(others.of(number)).all(|(a, b)| a.0[sample] == b.0[sample])
+        };
+        assert!((0..tangents.columns()).all(same), "sample {sample}");
+    }
+}
+
+/// Known weights have no derivatives, and those of the others stay what they are.
+#[test]
+fn derivatives_are_in_learned_weights_alone() {
+    let model = model();
+    let system = System::new(&model);
+    let numbers = Numbers::random(system.parameters());
+    let (tau, controls) = numbers.acting(0);
+    let learned: Vec<usize> = (0..system.parameters()).filter(|position| position % 3 != 1).collect();
+    let all: Vec<usize> = (0..system.parameters()).collect();
+    let [some, every] = [learned.clone(), all].map(|learned| {
+        let mut tangents = Tangents::at_start(N, learned.len(), 2);
+        let steps = ExplicitSteps::new(&system, H, RungeKutta::ThreeEighths);
+        let mut state = numbers.start.clone();
+        let with = Some((&mut tangents, &controls[..]));
+        let _ =
+            steps.with_learned(learned).step(&numbers.weights, &mut state, [&tau[0], &tau[1]], with);
+        tangents
+    });
+    for (column, position) in learned.iter().enumerate() {
+        assert_eq!(some.of(column), every.of(*position));
+    }
+    for k in 0..2 + 2 * N {
+        assert_eq!(some.of(learned.len() + k), every.of(system.parameters() + k));
     }
 }

@@ -58,7 +58,7 @@ impl Fit {
         let mut weights = loss.enter(shared.to_vec());
         for _ in 0..ROUNDS {
             loss.settle(&mut weights);
-            loss.complete(&mut weights);
+            let _ = loss.completed_loss(&mut weights);
         }
         let deviations = loss.residual_scales(&weights);
         let scaled = loss.scaled_residuals(&weights, WINDOWS);

@@ -76,6 +76,8 @@ const SHORT: f64 = 0.2;
 const FEWEST_STEPS: usize = 5;
 /// A step of a model with dry friction at most, s: friction turns fast where a velocity changes its sign.
 const STIFF_STEP: f64 = 0.005;
+/// A step of another model, s, where samples are not further apart.
+const SMOOTH_STEP: f64 = 0.01;
 
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
@@ -121,12 +123,11 @@ pub(super) fn of_windows(
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
-    let substeps =
-        if architecture.friction.dry.is_empty() { 1.0 } else { (data.h / STIFF_STEP - 1e-6).ceil() };
-    let (substeps, calibration) = ((substeps as usize).max(1), config.calibration.calibration());
+    let longest_step = if architecture.friction.dry.is_empty() { data.h.max(SMOOTH_STEP) } else { STIFF_STEP };
+    let calibration = config.calibration.calibration();
     let settings = |steps: usize| {
         let stride = (((1.0 - overlap) * steps as f64).round() as usize).max(1);
-        WindowSettings { steps, stride, substeps, order, calibration }
+        WindowSettings { steps, stride, longest_step, order, calibration }
     };
     let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
         let settings = settings(steps);

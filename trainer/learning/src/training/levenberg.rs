@@ -143,8 +143,7 @@ impl Levenberg {
         trial.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
         let mut trial = objective.bounds().weights(&trial);
         objective.project(&mut trial);
-        objective.complete(&mut trial);
-        let loss = objective.loss(&trial);
+        let loss = objective.completed_loss(&mut trial);
         let decrease = self.cost(objective, self.loss, &self.weights) - self.cost(objective, loss, &trial);
         // Not a number where the trial cannot be evaluated.
         if decrease.is_nan() || decrease <= 0.0 {

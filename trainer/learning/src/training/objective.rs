@@ -65,8 +65,10 @@ pub trait Objective: Sync {
     fn settle(&self, _weights: &mut [f64]) -> bool {
         false
     }
-    /// Solves the numbers of single samples anew, after the shared ones have moved.
-    fn complete(&self, _weights: &mut [f64]) {}
+    /// The loss, once the numbers of single samples are solved anew after the shared ones have moved.
+    fn completed_loss(&self, weights: &mut [f64]) -> f64 {
+        self.loss(weights)
+    }
     /// What decides between weights, over samples that they were not learned from.
     fn held_back_loss(&self, weights: &[f64]) -> f64 {
         self.loss(weights)

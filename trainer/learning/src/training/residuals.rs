@@ -83,8 +83,13 @@ pub trait Residuals: Sync {
     fn settle(&self, _weights: &mut [f64]) -> bool {
         false
     }
-    /// As [`Objective::complete`].
-    fn complete(&self, _weights: &mut [f64]) {}
+    /// As [`Objective::completed_loss`].
+    fn completed_loss(&self, weights: &mut [f64]) -> f64
+    where
+        Self: Sized,
+    {
+        Objective::loss(self, weights)
+    }
     /// As [`Objective::held_back_loss`], where it is not the loss.
     fn held_back_loss(&self, _weights: &[f64]) -> Option<f64> {
         None
@@ -266,8 +271,8 @@ impl<R: Residuals> Objective for R {
         Residuals::settle(self, weights)
     }
 
-    fn complete(&self, weights: &mut [f64]) {
-        Residuals::complete(self, weights);
+    fn completed_loss(&self, weights: &mut [f64]) -> f64 {
+        Residuals::completed_loss(self, weights)
     }
 
     fn held_back_loss(&self, weights: &[f64]) -> f64 {

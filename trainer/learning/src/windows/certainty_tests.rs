@@ -64,7 +64,7 @@ fn logs(architecture: &Architecture, seed: u64) -> Dataset {
 /// What is learned from logs, and how well it is known.
 fn learned(architecture: &Architecture, data: &Dataset, zero: bool) -> Certainty {
     let calibration = Calibration { zero, ..Calibration::default() };
-    let settings = WindowSettings { steps: STEPS, stride: STEPS, substeps: 1, order: 4, calibration };
+    let settings = WindowSettings { steps: STEPS, stride: STEPS, longest_step: H, order: 4, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     let model = WindowModel::new(architecture).unwrap();
     let loss = WindowLoss::new(model, &logs, 0..data.trajectories.len(), settings).unwrap();
@@ -118,7 +118,7 @@ fn windows_that_overlap_see_a_sample_more_than_once() {
     let architecture = pendulum(false);
     let overlap = |stride: usize| {
         let calibration = Calibration::default();
-        let settings = WindowSettings { steps: 20, stride, substeps: 1, order: 4, calibration };
+        let settings = WindowSettings { steps: 20, stride, longest_step: H, order: 4, calibration };
         let logs = Arc::new(WindowLogs::new(&logs(&architecture, 1)));
         let model = WindowModel::new(&architecture).unwrap();
         WindowLoss::new(model, &logs, 0..1, settings).unwrap().overlap()

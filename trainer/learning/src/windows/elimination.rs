@@ -16,6 +16,12 @@ impl Rows {
         Self { columns, ..Self::default() }
     }
 
+    /// Makes room for so many residuals.
+    pub fn reserve(&mut self, residuals: usize) {
+        self.residual.reserve(residuals);
+        self.jacobian.reserve(residuals * self.columns);
+    }
+
     /// The derivatives of a residual.
     pub fn row(&self, k: usize) -> &[Row] {
         &self.jacobian[k * self.columns..(k + 1) * self.columns]

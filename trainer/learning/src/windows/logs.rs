@@ -180,6 +180,20 @@ impl WindowLogs {
         motion.iter().enumerate().any(|(i, motion)| self.moved(window, steps, i) >= AT_REST * motion)
     }
 
+    /// The root mean square of fourth differences of q_i at samples so many apart.
+    pub(super) fn fourth_difference(&self, logs: Range<usize>, i: usize, apart: usize) -> f64 {
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for log in logs {
+            let q = |k: usize| self.position(log, k, i);
+            for k in 0..self.samples(log).saturating_sub(4 * apart) {
+                let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|j| q(k + j * apart));
+                sum += (a - 4.0 * b + 6.0 * c - 4.0 * d + e).powi(2);
+                count += 1;
+            }
+        }
+        (sum / count.max(1) as f64).sqrt()
+    }
+
     /// The noise of sensor i: a robust standard deviation of third differences, in which smooth motion hardly shows, over √20.
     pub(crate) fn noise(&self, logs: Range<usize>, i: usize) -> f64 {
         let mut differences = Vec::new();

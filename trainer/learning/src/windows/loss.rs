@@ -1,7 +1,8 @@
 use super::calibration::{CalibrationLayout, Prior};
 use super::logs::{TooShort, Window, WindowLogs};
 use super::model::{Projection, WindowModel, WindowSettings};
-use super::rollout::{In, Lanes, pseudo_huber};
+use super::pace::Pace;
+use super::rollout::{In, Lanes, Learned, pseudo_huber};
 use super::scales::Amounts;
 use super::starts;
 use crate::parallel::{self, Pool};
@@ -11,10 +12,8 @@ use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Steps of a new start state, from the guess of a parabola.
+/// Steps of a new start state, from the guess of a parabola, at most.
 const FIRST_STEPS: usize = 8;
-/// Steps of a start state after the other numbers have moved.
-const FOLLOWING_STEPS: usize = 1;
 
 /// The loss over windows ([`windows`](super)). Its numbers: the weight block, the calibration's, s of every coordinate, and the start
 /// states (q, v) of all windows; the first two are what windows share.
@@ -22,7 +21,8 @@ pub struct WindowLoss {
     logs: Arc<WindowLogs>,
     windows: Vec<Window>,
     steps: usize,
-    substeps: usize,
+    pace: Pace,
+    learned: Learned,
     layout: CalibrationLayout,
     /// What is not to be varied, of what windows share.
     fixed: Vec<usize>,
@@ -48,15 +48,24 @@ impl WindowLoss {
         settings: WindowSettings,
     ) -> Result<Self, TooShort> {
         let WindowModel { system, mut fixed, bounds, project } = model;
-        let WindowSettings { steps, stride, substeps, order, calibration } = settings;
-        let (stride, substeps) = (stride.max(1), substeps.max(1));
+        let WindowSettings { steps, stride, longest_step, order, calibration } = settings;
         let (n, h, start) = (logs.n, logs.h, system.parameters());
         let layout =
             CalibrationLayout { start, n, logs: logs.count(), calibration, control: logs.control_size() };
         fixed.extend(layout.fixed(|log| of.contains(&log)));
-        let make = move || ExplicitSteps::new(&system, h / substeps as f64, RungeKutta::of_order(order));
-        let mut windows = logs.windows(of.clone(), (steps, stride))?;
-        let noise = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
+        let noise: Vec<f64> = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
+        let pace = Pace::new(logs, of.clone(), longest_step, &noise);
+        let steps = pace.whole(steps);
+        let mut windows = logs.windows(of.clone(), (steps, stride.max(1)))?;
+        let is_learned = |position: &usize| !fixed.contains(position);
+        let learned = Learned {
+            weights: (0..start).filter(is_learned).collect(),
+            controls: (0..layout.controls()).filter(|number| is_learned(&(start + number))).collect(),
+        };
+        let (own, step) = (learned.weights.clone(), h / pace.steps_in_sample());
+        let make = move || {
+            ExplicitSteps::new(&system, step, RungeKutta::of_order(order)).with_learned(own.clone())
+        };
         let motion: Vec<f64> = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
         // What holds a mechanism at rest is stiction, which no smooth friction has.
         let moves = |window: &Window| logs.moves(*window, steps, &motion);
@@ -67,7 +76,8 @@ impl WindowLoss {
             logs: logs.clone(),
             windows,
             steps,
-            substeps,
+            pace,
+            learned,
             layout,
             fixed,
             priors: layout.priors(),
@@ -105,7 +115,8 @@ impl WindowLoss {
             logs: &self.logs,
             windows: std::array::from_fn(|lane| self.windows[(first + lane).min(last)]),
             steps: self.steps,
-            substeps: self.substeps,
+            pace: self.pace,
+            learned: &self.learned,
             layout: &self.layout,
             numbers: &weights[..self.layout.end()],
             scales: self.scales(weights),
@@ -128,16 +139,13 @@ impl WindowLoss {
         })
     }
 
-    /// Solves all start states anew, from those that there are.
-    fn solve_starts(&self, weights: &mut [f64], iterations: usize) {
-        let solved = self.of_blocks(|first, _, stepper| {
-            let starts = self.starts(weights, first);
-            starts::solved(&self.lanes(weights, first), stepper, &starts, iterations)
-        });
-        for window in 0..self.windows.len() {
-            let (block, lane) = (&solved[window / WIDTH], window % WIDTH);
-            let place = &mut weights[self.start(window)];
-            place.iter_mut().zip(block).for_each(|(place, row)| *place = row.0[lane]);
+    /// Replaces the start states of all windows by those of their blocks.
+    fn set_starts<'s>(&self, weights: &mut [f64], blocks: impl Iterator<Item = &'s State>) {
+        for (block, starts) in blocks.enumerate() {
+            for window in (block * WIDTH..self.windows.len()).take(WIDTH) {
+                let place = &mut weights[self.start(window)];
+                place.iter_mut().zip(starts).for_each(|(place, row)| *place = row.0[window % WIDTH]);
+            }
         }
     }
 
@@ -284,16 +292,16 @@ impl Residuals for WindowLoss {
         rows.reset(count * self.components(), self.shared());
         let all = 0..count * self.components();
         (self.layout.zero(0, 0)..self.shared()).for_each(|zero| rows.column(zero, all.clone()).fill(0.0));
-        let before = self.layout.zero(0, 0);
+        let before = self.learned.positions(&self.layout);
         for (component, residual) in own.residual.iter().enumerate() {
             let place = component * count..(component + 1) * count;
             let derivatives = own.row(component);
             let scaled = |row: &Row| Row(row.0.map(|x| unit * x));
             rows.residual[place.clone()].copy_from_slice(&scaled(residual).0[..count]);
-            for (position, row) in derivatives[..before].iter().enumerate() {
-                rows.column(position, place.clone()).copy_from_slice(&scaled(row).0[..count]);
+            for (position, row) in before.iter().zip(derivatives) {
+                rows.column(*position, place.clone()).copy_from_slice(&scaled(row).0[..count]);
             }
-            for (i, row) in derivatives[before..before + n].iter().enumerate() {
+            for (i, row) in derivatives[before.len()..][..n].iter().enumerate() {
                 for (lane, window) in lanes.windows[..count].iter().enumerate() {
                     let column = self.layout.zero(window.log, i);
                     let at = place.start + lane;
@@ -329,7 +337,11 @@ impl Residuals for WindowLoss {
             weights.extend(start);
             weights.extend(guess.iter().map(|[_, slope]| slope));
         }
-        self.solve_starts(&mut weights, FIRST_STEPS);
+        let solved = self.of_blocks(|first, _, stepper| {
+            let starts = self.starts(&weights, first);
+            starts::solved(&self.lanes(&weights, first), stepper, &starts, FIRST_STEPS)
+        });
+        self.set_starts(&mut weights, solved.iter());
         weights
     }
 
@@ -338,8 +350,16 @@ impl Residuals for WindowLoss {
         true
     }
 
-    fn complete(&self, weights: &mut [f64]) {
-        self.solve_starts(weights, FOLLOWING_STEPS);
+    fn completed_loss(&self, weights: &mut [f64]) -> f64 {
+        let stepped = self.of_blocks(|first, count, stepper| {
+            let starts = self.starts(weights, first);
+            let (starts, sums) = starts::stepped(&self.lanes(weights, first), stepper, &starts);
+            (starts, sums.0[..count].iter().sum::<f64>())
+        });
+        self.set_starts(weights, stepped.iter().map(|(starts, _)| starts));
+        let sum = stepped.iter().map(|(_, sum)| sum).sum::<f64>() + self.penalty(weights);
+        let loss = sum * self.unit(weights) / (self.windows.len() * self.components()) as f64;
+        if loss.is_finite() { loss } else { f64::INFINITY }
     }
 
     /// The geometric mean over windows of the mean square error of positions, (m, rad)², each with its best start state; no less than the

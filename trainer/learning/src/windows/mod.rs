@@ -15,11 +15,13 @@ mod calibration;
 mod certainty;
 #[cfg(test)]
 mod certainty_tests;
+mod control;
 mod elimination;
 mod logs;
 mod loss;
 mod model;
 mod noise;
+mod pace;
 mod rollout;
 mod scales;
 mod starts;
@@ -30,3 +32,4 @@ pub use logs::{TooShort, WindowLogs};
 pub use loss::WindowLoss;
 pub use model::{WindowModel, WindowSettings};
 pub use noise::{Noise, noise_of};
+pub use pace::Pace;

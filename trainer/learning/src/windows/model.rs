@@ -13,8 +13,8 @@ pub struct WindowSettings {
     pub steps: usize,
     /// Steps from the start of one to that of the next, at least 1.
     pub stride: usize,
-    /// Runge–Kutta steps in each of them, at least 1.
-    pub substeps: usize,
+    /// A Runge–Kutta step at most, s; see [`Pace`](super::Pace).
+    pub longest_step: f64,
     /// Their order: 2 or 4.
     pub order: u8,
     /// What is learned of sensors and actuators.

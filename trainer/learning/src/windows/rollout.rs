@@ -1,11 +1,12 @@
 //! Windows side by side, from their start states to their ends.
 
 use super::calibration::CalibrationLayout;
+use super::control::{Acting, part_of};
 use super::elimination::Rows;
 use super::logs::{Window, WindowLogs};
-use leastaction_core::forces::ControlKind;
+use super::pace::{Pace, cubic};
 use leastaction_programs::dynamics::Failures;
-use leastaction_programs::steps::{ControlTangent, ExplicitSteps, State, Tangents};
+use leastaction_programs::steps::{ExplicitSteps, State, Tangents, combine_positions};
 use leastaction_programs::{Row, WIDTH};
 
 /// κ of the pseudo-Huber function: residuals beyond so many robust standard deviations count less than their square.
@@ -17,8 +18,9 @@ pub(super) struct Lanes<'a> {
     pub windows: [Window; WIDTH],
     /// Steps of each.
     pub steps: usize,
-    /// Runge–Kutta steps in each of them.
-    pub substeps: usize,
+    pub pace: Pace,
+    /// The learned ones among the weights, and among the numbers that the control depends on.
+    pub learned: &'a Learned,
     pub layout: &'a CalibrationLayout,
     /// The weight block of the model, then the calibration's numbers.
     pub numbers: &'a [f64],
@@ -46,26 +48,63 @@ fn share(x: f64) -> f64 {
     (1.0 + x * x / (KNEE * KNEE)).sqrt().sqrt().recip()
 }
 
-/// τ at the start and the end of a step, and how it moves with g, o and d.
-type Acting = ([Vec<Row>; 2], Vec<ControlTangent>);
+/// The positions of what is learned, among the numbers that windows share.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Learned {
+    /// In the weight block.
+    pub weights: Vec<usize>,
+    /// Behind it, among the numbers that the control depends on.
+    pub controls: Vec<usize>,
+}
 
-/// What acts over one of several equal parts of a step, linear over all of it.
-fn part_of((tau, tangents): &Acting, part: usize, parts: usize) -> Acting {
-    let ends = [part, part + 1].map(|end| end as f64 / parts as f64);
-    let between =
-        |a: &Row, b: &Row| ends.map(|c| Row(std::array::from_fn(|k| a.0[k] + c * (b.0[k] - a.0[k]))));
-    let each: Vec<[Row; 2]> = tau[0].iter().zip(&tau[1]).map(|(a, b)| between(a, b)).collect();
-    let moved = |tangent: &ControlTangent| {
-        let [a, b] = &tangent.change;
-        ControlTangent { change: between(a, b), ..tangent.clone() }
-    };
-    ([0, 1].map(|end| each.iter().map(|ends| ends[end]).collect()), tangents.iter().map(moved).collect())
+impl Learned {
+    /// All of them, in the order of their columns.
+    pub fn positions(&self, layout: &CalibrationLayout) -> Vec<usize> {
+        let controls = self.controls.iter().map(|number| layout.start + number);
+        self.weights.iter().copied().chain(controls).collect()
+    }
 }
 
 /// ρ′(x)/2x, by which squares count in Gauss and Newton's matrix, and ρ″(x)/2, by which they count in the loss's own.
 pub(super) fn curvatures(x: f64) -> [f64; 2] {
     let root = (1.0 + x * x / (KNEE * KNEE)).sqrt();
     [root.recip(), root.powi(3).recip()]
+}
+
+/// States within a step, and how they move.
+struct Between {
+    start: (State, Option<Tangents>),
+    own: (State, Option<Tangents>),
+}
+
+impl Between {
+    fn new(state: &State, tangents: Option<&Tangents>) -> Self {
+        let both = (state.clone(), tangents.cloned());
+        Self { start: both.clone(), own: both }
+    }
+
+    /// Begins a step, of which so many samples are wanted.
+    fn begin(&mut self, state: &State, tangents: Option<&Tangents>, samples: usize) {
+        if samples > 1 {
+            self.start.0.clone_from(state);
+            self.start.1.as_mut().zip(tangents).map(|(own, of)| own.clone_from(of));
+        }
+    }
+
+    /// The positions of the cubic with these shares of start and end.
+    fn at(
+        &mut self,
+        [start, end]: [[f64; 2]; 2],
+        state: &State,
+        tangents: Option<&Tangents>,
+    ) -> (&State, Option<&Tangents>) {
+        let n = state.len() / 2;
+        combine_positions(&mut self.own.0[..n], [(&self.start.0, start), (state, end)]);
+        if let (Some(own), Some(first), Some(last)) = (&mut self.own.1, &self.start.1, tangents) {
+            own.combine_positions([(first, start), (last, end)]);
+        }
+        (&self.own.0, self.own.1.as_ref())
+    }
 }
 
 impl Lanes<'_> {
@@ -75,41 +114,6 @@ impl Lanes<'_> {
 
     fn of_windows(&self, number: impl Fn(&Window) -> f64) -> Row {
         Row(std::array::from_fn(|lane| number(&self.windows[lane])))
-    }
-
-    /// τ at the start and the end of a step, and how it moves with g, o and d.
-    fn control(&self, step: usize) -> Acting {
-        let mut all: Acting = Default::default();
-        for i in 0..self.n() {
-            let (tau, tangents) = self.control_of(step, i);
-            all.0.iter_mut().zip(tau).for_each(|(ends, tau)| ends.push(tau));
-            all.1.extend(tangents);
-        }
-        all
-    }
-
-    /// That of one coordinate.
-    fn control_of(&self, step: usize, i: usize) -> ([Row; 2], [ControlTangent; 3]) {
-        let places = [self.layout.gain(i), self.layout.offset(i), self.layout.delay()];
-        let [gain, offset, delay] = places.map(|position| self.numbers[position]);
-        let held = self.logs.control == ControlKind::Held;
-        let at = |end: usize| {
-            let sample = step + if held { 0 } else { end };
-            let u = |window: &Window| self.logs.delayed_control(window.log, window.first + sample, i, delay);
-            [0, 1].map(|part| self.of_windows(|window| u(window)[part]))
-        };
-        let ends = [at(0), at(1)];
-        let tau = ends.map(|[u, _]| Row(u.0.map(|u| gain * u + offset)));
-        let changes = [
-            ends.map(|[u, _]| u),
-            [Row::splat(1.0); 2],
-            ends.map(|[_, slope]| Row(slope.0.map(|slope| gain * slope))),
-        ];
-        let tangent = |k: usize| {
-            let number = places[k] - self.layout.start;
-            ControlTangent { number, coordinate: i, change: changes[k] }
-        };
-        (tau, [0, 1, 2].map(tangent))
     }
 
     /// (q̂_i + z_i − q̃_i)/s_i at a sample.
@@ -122,28 +126,33 @@ impl Lanes<'_> {
         Row(std::array::from_fn(|lane| (state[i].0[lane] + measured.0[lane]) / scale))
     }
 
-    /// Calls `visit` with every sample's state.
+    /// Calls `visit` with every sample's state, of which positions alone are there between the ends of a step.
     fn roll(
         &self,
         stepper: &mut ExplicitSteps,
         starts: &State,
-        mut tangents: Option<&mut Tangents>,
+        mut tangents: Option<Tangents>,
         mut visit: impl FnMut(usize, &State, Option<&Tangents>),
     ) -> Failures {
         let (mut state, mut failures) = (starts.clone(), Failures::default());
-        visit(0, &state, tangents.as_deref());
-        for step in 0..self.steps {
-            let whole = self.control(step);
-            for substep in 0..self.substeps {
-                let (tau, controls) = part_of(&whole, substep, self.substeps);
-                let carried = tangents.as_deref_mut().map(|tangents| {
-                    let controls = if tangents.controls() > 0 { &controls[..] } else { &[] };
-                    (tangents, controls)
-                });
+        let mut between = Between::new(starts, tangents.as_ref());
+        let moves = tangents.as_ref().is_some_and(|tangents| tangents.controls() > 0);
+        visit(0, &state, tangents.as_ref());
+        for sample in (0..self.steps).step_by(self.pace.samples) {
+            let whole = self.acting(sample, self.pace.samples, moves);
+            between.begin(&state, tangents.as_ref(), self.pace.samples);
+            for substep in 0..self.pace.substeps {
+                let Acting { tau, tangents: controls } = part_of(&whole, substep, self.pace.substeps);
+                let carried = tangents.as_mut().map(|tangents| (tangents, &controls[..]));
                 let failed = stepper.step(self.numbers, &mut state, [&tau[0], &tau[1]], carried);
                 failures = failures.or(failed);
             }
-            visit(step + 1, &state, tangents.as_deref());
+            for k in 1..self.pace.samples {
+                let shares = cubic(k as f64 / self.pace.samples as f64, self.pace.samples as f64 * self.logs.h);
+                let (state, tangents) = between.at(shares, &state, tangents.as_ref());
+                visit(sample + k, state, tangents);
+            }
+            visit(sample + self.pace.samples, &state, tangents.as_ref());
         }
         failures
     }
@@ -158,6 +167,15 @@ impl Lanes<'_> {
         });
         self.replace_failed(starts, &failures, &mut residuals);
         (residuals, failures)
+    }
+
+    /// Σρ of every window.
+    pub fn sums(&self, stepper: &mut ExplicitSteps, starts: &State) -> Row {
+        let mut sums = Row::default();
+        for residual in self.residuals(stepper, starts).0 {
+            sums.0.iter_mut().zip(residual.0).for_each(|(sum, x)| *sum += pseudo_huber(x));
+        }
+        sums
     }
 
     fn replace_failed(&self, starts: &State, failures: &Failures, residuals: &mut [Row]) {
@@ -177,28 +195,31 @@ impl Lanes<'_> {
         }
     }
 
-    /// Residuals and their derivatives, weighed so that their squares have the gradient of Σρ, and Σρ of every window. Columns: weight block,
-    /// g, o, d, z, start states; or these alone. Windows that cannot be computed have rows of 0, and a sum that is no number.
+    /// Residuals and their derivatives, weighed so that their squares have the gradient of Σρ, and Σρ of every window. Columns: the learned
+    /// ones of the weight block and of g, o and d, z, start states; or these alone. Windows that cannot be computed have rows of 0, and a sum that is no number.
     pub fn rows(&self, stepper: &mut ExplicitSteps, starts: &State, of: In) -> (Rows, Row) {
         let n = self.n();
         let (weights, controls, zeros) = match of {
             In::Starts => (0, 0, 0),
-            In::All => (self.layout.start, self.layout.controls(), n),
+            In::All => (self.learned.weights.len(), self.learned.controls.len(), n),
         };
-        let mut rows = Rows::new(weights + controls + zeros + 2 * n);
-        let mut tangents = Tangents::at_start(n, weights, controls);
+        let before = weights + controls;
+        let mut rows = Rows::new(before + zeros + 2 * n);
+        rows.reserve((self.steps + 1) * n);
+        let tangents = Tangents::at_start(n, weights, controls);
         let mut sums = Row::default();
-        let failures = self.roll(stepper, starts, Some(&mut tangents), |sample, state, tangents| {
+        let failures = self.roll(stepper, starts, Some(tangents), |sample, state, tangents| {
             for i in 0..n {
                 let residual = self.residual(state, sample, i);
                 sums = Row(std::array::from_fn(|lane| sums.0[lane] + pseudo_huber(residual.0[lane])));
                 let share = Row(residual.0.map(share));
                 rows.residual.push(residual.product(&share));
                 let slope = Row(share.0.map(|share| share / self.scales[i]));
-                let (before, starts) = tangents.map_or(&[][..], |t| t.of(i)).split_at(weights + controls);
-                rows.jacobian.extend(before.iter().map(|x| x.product(&slope)));
+                let Some(tangents) = tangents else { continue };
+                let scaled = |moved: &[Row]| moved[i].product(&slope);
+                rows.jacobian.extend(tangents.each().take(before).map(scaled));
                 rows.jacobian.extend((0..zeros).map(|j| if i == j { slope } else { Row::default() }));
-                rows.jacobian.extend(starts.iter().map(|x| x.product(&slope)));
+                rows.jacobian.extend(tangents.each().skip(before).map(scaled));
             }
         });
         for lane in (0..WIDTH).filter(|lane| failures.0[*lane]) {

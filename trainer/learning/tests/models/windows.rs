@@ -88,7 +88,7 @@ fn loss_over(data: &Dataset, steps: usize, calibration: Calibration, known: bool
     if known {
         model.fixed = (0..architecture.parameters().unwrap()).collect();
     }
-    let settings = WindowSettings { steps, stride: steps, substeps: 2, order: 4, calibration };
+    let settings = WindowSettings { steps, stride: steps, longest_step: 0.5 * H, order: 4, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     WindowLoss::new(model, &logs, 0..LOGS, settings).unwrap()
 }
@@ -96,7 +96,9 @@ fn loss_over(data: &Dataset, steps: usize, calibration: Calibration, known: bool
 /// The start states that are best.
 fn completed(loss: &dyn Objective, weights: &[f64]) -> Vec<f64> {
     let mut weights = weights.to_vec();
-    (0..6).for_each(|_| loss.complete(&mut weights));
+    (0..6).for_each(|_| {
+        let _ = loss.completed_loss(&mut weights);
+    });
     weights
 }
 

@@ -1,5 +1,6 @@
-use super::tangents::{ControlTangent, Tangents, add_products};
-use super::{RungeKutta, State, sum};
+use super::stages::{Stages, along_step};
+use super::tangents::{ControlTangent, Tangents};
+use super::{RungeKutta, State};
 use crate::dynamics::{Failures, MotionSolver, Rods};
 use crate::program::{Program, Workspace};
 use crate::row::Row;
@@ -14,37 +15,52 @@ pub struct ExplicitSteps {
     n: usize,
     h: f64,
     method: RungeKutta,
+    /// Positions of the weights that derivatives are carried in.
+    learned: Vec<usize>,
     solver: MotionSolver,
     /// The equation of motion, with the gradient of its residual along n directions.
     motion: (Program, Workspace),
     columns: (Program, Workspace),
-}
-
-/// A stage's rate of change, and how it moves with every number.
-struct Stage {
-    rate: State,
-    tangents: Vec<Vec<Row>>,
+    stages: Stages,
+    /// M⁻¹, row by row.
+    compliance: Vec<Row>,
+    /// M⁻¹∂_θ R: for every coordinate as many rows as the weight block has numbers.
+    gradients: Vec<Vec<Row>>,
+    /// ∂v̇/∂(q, v, τ): a row of 3n for every coordinate.
+    slopes: Vec<Row>,
 }
 
 impl ExplicitSteps {
-    /// Those of a system, of h, s.
+    /// Those of a system, of h, s; derivatives in all weights.
     pub fn new(system: &System, h: f64, method: RungeKutta) -> Self {
-        let (motion, pattern) = system.equation_of_motion_with_residual(system.n());
+        let (n, weights) = (system.n(), system.parameters());
+        let (motion, pattern) = system.equation_of_motion_with_residual(n);
         Self {
-            n: system.n(),
+            n,
             h,
             method,
+            learned: (0..weights).collect(),
             solver: MotionSolver::new(pattern, Rods::default(), true),
             motion: motion.with_workspace(),
             columns: system.residual_derivatives_with_control().with_workspace(),
+            stages: Stages::new(n, method),
+            compliance: vec![Row::default(); n * n],
+            gradients: vec![vec![Row::default(); weights]; n],
+            slopes: vec![Row::default(); 3 * n * n],
         }
+    }
+
+    /// The same with derivatives in the weights at these positions alone.
+    #[must_use]
+    pub fn with_learned(self, learned: Vec<usize>) -> Self {
+        Self { learned, ..self }
     }
 
     /// One step on, under controls τ at its start and end, linear between; with `tangents` also how the new state moves, of which
     /// numbers of the control each moves as `controls` says. A sample that cannot be computed is no number from here on.
     ///
     /// # Panics
-    /// Where the numbers of coordinates or of controls do not fit.
+    /// Where the numbers of coordinates, of learned weights or of controls do not fit.
     pub fn step(
         &mut self,
         weights: &[f64],
@@ -52,97 +68,70 @@ impl ExplicitSteps {
         tau: [&[Row]; 2],
         tangents: Option<(&mut Tangents, &[ControlTangent])>,
     ) -> Failures {
-        let (mut failures, mut stages) = (Failures::default(), Vec::<Stage>::new());
-        let (shares, h) = (self.method.stages(), self.h);
-        let (mut carried, controls) = match tangents {
+        let mut failures = Failures::default();
+        let (carried, controls) = match tangents {
             Some((tangents, controls)) => (Some(tangents), controls),
             None => (None, &[][..]),
         };
-        for (shares, time) in shares.iter().zip(self.method.times()) {
-            let before = || shares.iter().copied().zip(&stages);
-            let at = sum(state, h, before().map(|(share, stage)| (share, &stage.rate)));
-            let tau: Vec<Row> =
-                tau[0].iter().zip(tau[1]).map(|(a, b)| a.zip(b, |a, b| a + time * (b - a))).collect();
-            let own = carried.as_deref().map(|tangents| {
-                let mut own = tangents.clone();
-                before().for_each(|(share, stage)| own.add(h * share, &stage.tangents));
-                own
-            });
-            let (stage, failed) = self.stage(weights, (at, &tau), own.as_ref(), (controls, time));
-            failures = failures.or(failed);
-            stages.push(stage);
+        for (stage, time) in self.method.times().enumerate() {
+            self.stages.enter(stage, (state, self.h), (tau, time));
+            failures = failures.or(self.accelerate(weights, carried.is_some()));
+            if let Some(tangents) = carried.as_deref() {
+                self.differentiate(weights, tangents);
+                self.carry(tangents, (controls, time));
+            }
         }
-        let end = || self.method.end().iter().copied().zip(&stages);
-        *state = sum(state, h, end().map(|(share, stage)| (share, &stage.rate)));
-        if let Some(tangents) = &mut carried {
-            end().for_each(|(share, stage)| tangents.add(h * share, &stage.tangents));
-        }
+        self.stages.finish((state, self.h), carried);
         failures.add_not_finite(state);
         failures
     }
 
-    /// (v, v̇) at a state, and how it moves.
-    fn stage(
-        &mut self,
-        weights: &[f64],
-        (state, tau): (State, &[Row]),
-        tangents: Option<&Tangents>,
-        controls: (&[ControlTangent], f64),
-    ) -> (Stage, Failures) {
-        let n = self.n;
-        let (q, v) = state.split_at(n);
-        let mut a = vec![Row::default(); n];
+    /// v̇ of a stage, and M⁻¹ where it is wanted.
+    fn accelerate(&mut self, weights: &[f64], differentiate: bool) -> Failures {
         let (program, workspace) = &mut self.motion;
+        let ([q, v, tau], a) = self.stages.motion();
         program.run_outputs(weights, &[q, v, tau], workspace);
-        let Some(tangents) = tangents else {
-            let failures = self.solver.solve(workspace, [q, v], &mut a, None);
-            return (Stage { rate: [v, &a].concat(), tangents: Vec::new() }, failures);
-        };
-        let mut compliance = vec![Row::default(); n * n];
-        let failures = self.solver.solve(workspace, [q, v], &mut a, Some(&mut compliance));
-        let mut rows = vec![vec![Row::default(); tangents.columns()]; n];
-        if tangents.weights() > 0 {
-            let mut inputs = vec![q, v, tau, &a];
-            inputs.extend(compliance.chunks_exact(n));
-            program.run_rows(weights, &inputs, workspace, &mut rows);
-        }
-        self.add_moved(weights, [q, v, tau, &a], (&compliance, tangents), controls, &mut rows);
-        let mut all = tangents.rows()[n..].to_vec();
-        all.extend(rows);
-        (Stage { rate: [v, &a].concat(), tangents: all }, failures)
+        self.solver.solve(workspace, [q, v], a, differentiate.then_some(&mut self.compliance[..]))
     }
 
-    /// Adds M⁻¹(∂_q R δq + ∂_v R δv + ∂_τ(Q + τ) δτ).
-    fn add_moved(
-        &mut self,
-        weights: &[f64],
-        at: [&[Row]; 4],
-        (compliance, tangents): (&[Row], &Tangents),
-        (controls, time): (&[ControlTangent], f64),
-        rows: &mut [Vec<Row>],
-    ) {
+    /// How v̇ of the stage moves with q, v, τ, and with the weights where any is learned.
+    fn differentiate(&mut self, weights: &[f64], tangents: &Tangents) {
         let n = self.n;
+        let [q, v, tau, a] = self.stages.moved();
+        if tangents.weights() > 0 {
+            self.gradients.iter_mut().for_each(|row| row.fill(Row::default()));
+            let (program, workspace) = &mut self.motion;
+            let mut inputs = vec![q, v, tau, a];
+            inputs.extend(self.compliance.chunks_exact(n));
+            program.run_rows(weights, &inputs, workspace, &mut self.gradients);
+        }
         let (program, workspace) = &mut self.columns;
-        program.run_outputs(weights, &at, workspace);
-        for (i, (row, inverse)) in rows.iter_mut().zip(compliance.chunks_exact(n)).enumerate() {
-            let along = |column: usize| {
-                let mut sum = Row::default();
-                workspace
-                    .output(column)
-                    .iter()
-                    .zip(inverse)
-                    .for_each(|(x, inverse)| sum.add_product(x, inverse));
-                sum
-            };
-            for (j, moved) in tangents.rows().iter().enumerate() {
-                add_products(row, &along(j), moved);
+        program.run_outputs(weights, &[q, v, tau, a], workspace);
+        let rows = self.slopes.chunks_exact_mut(3 * n).zip(self.compliance.chunks_exact(n));
+        for (slopes, inverse) in rows {
+            for (column, slope) in slopes.iter_mut().enumerate() {
+                *slope = Row::default();
+                let forces = workspace.output(column).iter().zip(inverse);
+                forces.for_each(|(force, inverse)| slope.add_product(force, inverse));
             }
-            for control in controls {
-                let k = control.coordinate;
-                let mut slope = along(2 * n + k);
-                slope.add_scaled(1.0, &compliance[i * n + k]);
-                let change = control.change[0].zip(&control.change[1], |a, b| a + time * (b - a));
-                row[tangents.weights() + control.number].add_product(&slope, &change);
+            slopes[2 * n..].iter_mut().zip(inverse).for_each(|(slope, own)| slope.add_scaled(1.0, own));
+        }
+    }
+
+    /// How the stage moves with every number: by the state that it is at, and on its own.
+    fn carry(&mut self, tangents: &Tangents, (controls, time): (&[ControlTangent], f64)) {
+        let (n, weights) = (self.n, tangents.weights());
+        let (gradients, learned) = (&self.gradients, &self.learned);
+        let own = |i: usize, column: usize| match learned.get(column) {
+            Some(position) if column < weights => gradients[i][*position],
+            _ => Row::default(),
+        };
+        self.stages.carry((tangents, self.h), &self.slopes, own);
+        for control in controls {
+            let change = along_step([&control.change[0], &control.change[1]], time);
+            for (i, slopes) in self.slopes.chunks_exact(3 * n).enumerate() {
+                let slope = &slopes[2 * n + control.coordinate];
+                self.stages.add(weights + control.number, i, &change, slope);
             }
         }
     }

@@ -2,12 +2,13 @@
 
 mod explicit;
 mod runge_kutta;
+mod stages;
 mod tangents;
 
 pub use explicit::ExplicitSteps;
 pub use runge_kutta::RungeKutta;
 pub(crate) use runge_kutta::sum;
-pub use tangents::{ControlTangent, Tangents};
+pub use tangents::{ControlTangent, Tangents, combine_positions};
 
 use crate::row::Row;
 

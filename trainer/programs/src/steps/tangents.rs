@@ -1,13 +1,15 @@
 use crate::row::Row;
 
-/// How states of n coordinates move with numbers: those of the weight block, then those that the control depends on, then the
-/// start states.
+/// How states of n coordinates move with numbers: the learned ones of the weight block, then those that the control depends on, then
+/// the start states.
 #[derive(Clone, Debug)]
 pub struct Tangents {
     weights: usize,
     controls: usize,
-    /// ∂x_i of every number, i = 0 … 2n − 1.
-    rows: Vec<Vec<Row>>,
+    /// Rows of a state, 2n.
+    width: usize,
+    /// ∂x of one number after the other.
+    rows: Vec<Row>,
 }
 
 /// How the control of one coordinate moves with one number.
@@ -25,21 +27,18 @@ impl Tangents {
     /// Those of a start: 1 for each of its own 2n numbers, 0 for `weights` numbers of the weight block and `controls` of the
     /// control.
     pub fn at_start(n: usize, weights: usize, controls: usize) -> Self {
-        let before = weights + controls;
-        let row = |i: usize| {
-            let mut row = vec![Row::default(); before + 2 * n];
-            row[before + i] = Row::splat(1.0);
-            row
-        };
-        Self { weights, controls, rows: (0..2 * n).map(row).collect() }
+        let (before, width) = (weights + controls, 2 * n);
+        let mut rows = vec![Row::default(); width * (before + width)];
+        (0..width).for_each(|i| rows[width * (before + i) + i] = Row::splat(1.0));
+        Self { weights, controls, width, rows }
     }
 
-    /// ∂x_i/∂ of every number, positions first.
-    pub fn of(&self, i: usize) -> &[Row] {
-        &self.rows[i]
+    /// ∂x of a number: positions first.
+    pub fn of(&self, number: usize) -> &[Row] {
+        &self.rows[number * self.width..][..self.width]
     }
 
-    /// Numbers of the weight block.
+    /// Learned numbers of the weight block.
     pub fn weights(&self) -> usize {
         self.weights
     }
@@ -51,22 +50,35 @@ impl Tangents {
 
     /// All numbers.
     pub fn columns(&self) -> usize {
-        self.rows.first().map_or(0, Vec::len)
+        self.rows.len().checked_div(self.width).unwrap_or(0)
     }
 
-    pub(super) fn rows(&self) -> &[Vec<Row>] {
-        &self.rows
+    /// ∂x of every number.
+    pub fn each(&self) -> impl Iterator<Item = &[Row]> {
+        self.rows.chunks_exact(self.width)
     }
 
-    /// Adds c times rates.
-    pub(super) fn add(&mut self, c: f64, rates: &[Vec<Row>]) {
-        for (row, rate) in self.rows.iter_mut().zip(rates) {
-            row.iter_mut().zip(rate).for_each(|(x, rate)| x.add_scaled(c, rate));
+    pub(super) fn each_mut(&mut self) -> impl Iterator<Item = &mut [Row]> {
+        self.rows.chunks_exact_mut(self.width)
+    }
+
+    /// Sets ∂q of every number to these shares of what it is in others, which have the same numbers: each time those of ∂q and ∂v.
+    pub fn combine_positions(&mut self, others: [(&Self, [f64; 2]); 2]) {
+        let (width, n) = (self.width, self.width / 2);
+        for (number, moved) in self.rows.chunks_exact_mut(width).enumerate() {
+            combine_positions(&mut moved[..n], others.map(|(other, shares)| (other.of(number), shares)));
         }
     }
 }
 
-/// y += ax, number by number.
-pub(super) fn add_products(y: &mut [Row], a: &Row, x: &[Row]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| y.add_product(a, x));
+/// Sets positions to these shares of those of two states, and of their velocities.
+pub fn combine_positions(q: &mut [Row], states: [(&[Row], [f64; 2]); 2]) {
+    let n = q.len();
+    for (i, q) in q.iter_mut().enumerate() {
+        *q = Row::default();
+        for (state, shares) in states {
+            q.add_scaled(shares[0], &state[i]);
+            q.add_scaled(shares[1], &state[n + i]);
+        }
+    }
 }

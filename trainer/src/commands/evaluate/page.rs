@@ -68,7 +68,7 @@ fn fit(model: &HostModel, calibrated: &Calibrated, logs: &Arc<WindowLogs>) -> Op
     let steps =
         ((WINDOW / logs.h).round() as usize).clamp(1, longest.checked_sub(1).filter(|steps| *steps > 0)?);
     let settings =
-        WindowSettings { steps, stride: steps, substeps: 1, order: 4, calibration: Calibration::default() };
+        WindowSettings { steps, stride: steps, longest_step: logs.h, order: 4, calibration: Calibration::default() };
     let own = WindowModel::new(&model.architecture).ok()?;
     let loss = WindowLoss::new(own, logs, 0..logs.count(), settings).ok()?;
     let Calibrated { gain, offset, delay, .. } = calibrated;

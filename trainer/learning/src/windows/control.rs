@@ -1,0 +1,146 @@
+//! What acts on windows side by side over a step, and how it moves with the calibration's numbers.
+
+use super::calibration::CalibrationLayout;
+use super::rollout::Lanes;
+use leastaction_core::forces::ControlKind;
+use leastaction_programs::Row;
+use leastaction_programs::steps::ControlTangent;
+
+/// τ at the start and the end of a step, and how it moves with the learned ones of g, o and d.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Acting {
+    pub tau: [Vec<Row>; 2],
+    pub tangents: Vec<ControlTangent>,
+}
+
+/// Which number of the calibration moves a control, and how.
+#[derive(Clone, Copy)]
+enum Kind {
+    Gain,
+    Offset,
+    Delay,
+}
+
+/// By how much the value at the start and at the end of the k-th of so many equal parts of a step, linear between, enters the start and
+/// the end of the straight line over the whole step that has the same impulse and the same first moment.
+fn shares(k: usize, parts: usize) -> [[f64; 2]; 2] {
+    let m = parts as f64;
+    let beside = 0.5 * ((k as f64 + 0.5) / m - 0.5);
+    [-1.0, 1.0].map(|end| {
+        let moment = (beside + end / (12.0 * m)) / m;
+        [-6.0, 6.0].map(|slope| 0.5 / m + slope * moment)
+    })
+}
+
+/// What acts over one of several equal parts of a step, linear over all of it.
+pub(super) fn part_of(whole: &Acting, part: usize, parts: usize) -> Acting {
+    if parts == 1 {
+        return whole.clone();
+    }
+    let ends = [part, part + 1].map(|end| end as f64 / parts as f64);
+    let between =
+        |a: &Row, b: &Row| ends.map(|c| Row(std::array::from_fn(|k| a.0[k] + c * (b.0[k] - a.0[k]))));
+    let each: Vec<[Row; 2]> = whole.tau[0].iter().zip(&whole.tau[1]).map(|(a, b)| between(a, b)).collect();
+    let moved = |tangent: &ControlTangent| {
+        let [a, b] = &tangent.change;
+        ControlTangent { change: between(a, b), ..tangent.clone() }
+    };
+    Acting {
+        tau: [0, 1].map(|end| each.iter().map(|ends| ends[end]).collect()),
+        tangents: whole.tangents.iter().map(moved).collect(),
+    }
+}
+
+/// What a number that the control depends on is, of which coordinate.
+fn kind(layout: &CalibrationLayout, number: usize) -> (Kind, Option<usize>) {
+    match number {
+        k if k < layout.n => (Kind::Gain, Some(k)),
+        k if k < 2 * layout.n => (Kind::Offset, Some(k - layout.n)),
+        _ => (Kind::Delay, None),
+    }
+}
+
+impl Lanes<'_> {
+    /// What acts over the step from a sample to the next `parts` ones, with tangents where they are wanted.
+    pub fn acting(&self, sample: usize, parts: usize, with_tangents: bool) -> Acting {
+        let delay = self.numbers[self.layout.delay()];
+        // u and its slope in d, at both ends, of every coordinate.
+        let mut commands = vec![[[Row::default(); 2]; 2]; self.logs.n];
+        for part in 0..parts {
+            let shares = shares(part, parts);
+            for (i, command) in commands.iter_mut().enumerate() {
+                let own = self.command(sample + part, i, delay);
+                for (from, end) in (0..2).flat_map(|from| [(from, 0), (from, 1)]) {
+                    let sums = command[end].iter_mut().zip(&own[from]);
+                    sums.for_each(|(sum, own)| sum.add_scaled(shares[from][end], own));
+                }
+            }
+        }
+        let tau = |end: usize| (0..self.logs.n).map(|i| self.force(i, &commands[i][end][0])).collect();
+        let tangents = if with_tangents { self.control_tangents(&commands) } else { Vec::new() };
+        Acting { tau: [tau(0), tau(1)], tangents }
+    }
+
+    /// g_i u + o_i.
+    fn force(&self, i: usize, u: &Row) -> Row {
+        let [gain, offset] = [self.layout.gain(i), self.layout.offset(i)].map(|at| self.numbers[at]);
+        Row(u.0.map(|u| gain * u + offset))
+    }
+
+    /// u_i as it arrives, and its slope in d, at the start and the end of a sample's step.
+    fn command(&self, sample: usize, i: usize, delay: f64) -> [[Row; 2]; 2] {
+        let at = |sample: usize| {
+            let u = self.windows.map(|of| self.logs.delayed_control(of.log, of.first + sample, i, delay));
+            [0, 1].map(|part| Row(u.map(|u| u[part])))
+        };
+        let start = at(sample);
+        [start, if self.logs.control == ControlKind::Held { start } else { at(sample + 1) }]
+    }
+
+    fn control_tangents(&self, commands: &[[[Row; 2]; 2]]) -> Vec<ControlTangent> {
+        let mut tangents = Vec::new();
+        for (number, position) in self.learned.controls.iter().enumerate() {
+            let (kind, own) = kind(self.layout, *position);
+            let coordinates = own.map_or(0..self.logs.n, |i| i..i + 1);
+            tangents.extend(coordinates.map(|i| {
+                let gain = self.numbers[self.layout.gain(i)];
+                let change = commands[i].map(|[u, slope]| match kind {
+                    Kind::Gain => u,
+                    Kind::Offset => Row::splat(1.0),
+                    Kind::Delay => Row(slope.0.map(|slope| gain * slope)),
+                });
+                ControlTangent { number, coordinate: i, change }
+            }));
+        }
+        tangents
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight line stays one, and steps keep their impulse and first moment.
+    #[test]
+    fn shares_keep_impulse_and_moment() {
+        for parts in [1, 2, 5] {
+            let m = parts as f64;
+            let line = |t: f64| 2.0 - 3.0 * t;
+            let steps = |k: usize| [1.0, -0.5, 2.0, 0.3, 0.7][k];
+            let fitted = |value: &dyn Fn(usize, usize) -> f64| {
+                let mut ends = [0.0; 2];
+                for (k, from, end) in (0..parts).flat_map(|k| [0, 1].map(|from| (k, from))).flat_map(|(k, from)| [0, 1].map(|end| (k, from, end))) {
+                    ends[end] += shares(k, parts)[from][end] * value(k, from);
+                }
+                ends
+            };
+            let ends = fitted(&|k, from| line((k + from) as f64 / m));
+            assert!((ends[0] - 2.0).abs() < 1e-12 && (ends[1] + 1.0).abs() < 1e-12, "{ends:?}");
+            let [start, end] = fitted(&|k, _| steps(k));
+            let impulse: f64 = (0..parts).map(|k| steps(k) / m).sum();
+            let moment: f64 = (0..parts).map(|k| steps(k) * (k as f64 + 0.5) / (m * m)).sum();
+            assert!((0.5 * (start + end) - impulse).abs() < 1e-12);
+            assert!((0.5 * start + (end - start) / 3.0 - moment).abs() < 1e-12 , "{parts}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! How Runge–Kutta steps lie among samples.
+
+use super::logs::WindowLogs;
+use std::ops::Range;
+
+/// The error of positions between the ends of a step at most, as a part of the sensor's noise.
+const PART: f64 = 0.1;
+/// The error of a cubic in the middle between two positions and velocities, as a part of the fourth difference of positions as far apart.
+const OF_FOURTH_DIFFERENCE: f64 = 1.0 / 384.0;
+
+/// Steps among samples: one of both numbers is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pace {
+    /// Samples in a step. Positions at those within it are of the cubic through positions and velocities at its ends.
+    pub samples: usize,
+    /// Steps in a sample.
+    pub substeps: usize,
+}
+
+impl Pace {
+    /// The longest steps of at most `longest`, s, whose cubics are as good as exact beside the noise of every sensor.
+    pub(super) fn new(logs: &WindowLogs, of: Range<usize>, longest: f64, noise: &[f64]) -> Self {
+        let samples = (longest / logs.h + 1e-6).floor() as usize;
+        if samples < 2 {
+            let substeps = (logs.h / longest - 1e-6).ceil() as usize;
+            return Self { samples: 1, substeps: substeps.max(1) };
+        }
+        let is_smooth = |samples: &usize| {
+            let error = |i: usize| OF_FOURTH_DIFFERENCE * logs.fourth_difference(of.clone(), i, *samples);
+            noise.iter().enumerate().all(|(i, noise)| error(i) <= PART * noise)
+        };
+        Self { samples: (2..=samples).rev().find(is_smooth).unwrap_or(1), substeps: 1 }
+    }
+
+    /// Runge–Kutta steps in a sample.
+    pub fn steps_in_sample(self) -> f64 {
+        self.substeps as f64 / self.samples as f64
+    }
+
+    /// So many samples, or a few less: a whole number of steps.
+    pub(super) fn whole(self, samples: usize) -> usize {
+        (samples / self.samples).max(1) * self.samples
+    }
+}
+
+/// By how much q and v at the start of a step of h, and q and v at its end, enter the position at a part of it: Hermite's cubic.
+pub(super) fn cubic(part: f64, h: f64) -> [[f64; 2]; 2] {
+    let rest = 1.0 - part;
+    let start = [rest * rest * (1.0 + 2.0 * part), h * part * rest * rest];
+    [start, [part * part * (3.0 - 2.0 * part), -h * part * part * rest]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Dataset, Rows, Trajectory};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// A swing of one radian at 1 Hz, logged at 1 kHz.
+    fn logs(noise: f64) -> WindowLogs {
+        let mut stream = Pcg64::seed_from_u64(1);
+        let mut q = |k: usize| (std::f64::consts::TAU * 1e-3 * k as f64).sin() + noise * stream.random_range(-1.0..1.0);
+        let q = Rows::from_flat(1, (0..2000).map(&mut q).collect()).unwrap();
+        let trajectory = Trajectory { id: 0, t0: 0.0, q, v: None, a: None, u: None };
+        WindowLogs::new(&Dataset { n: 1, h: 1e-3, control: None, trajectories: vec![trajectory] })
+    }
+
+    fn pace(noise: f64, longest: f64) -> Pace {
+        let logs = logs(noise);
+        Pace::new(&logs, 0..1, longest, &[logs.noise(0..1, 0)])
+    }
+
+    #[test]
+    fn steps_are_as_long_as_noise_hides() {
+        assert_eq!(pace(1e-3, 0.005), Pace { samples: 5, substeps: 1 });
+        assert_eq!(pace(1e-3, 0.0004), Pace { samples: 1, substeps: 3 });
+        // (2π m h)⁴/384 of a radian beside a tenth of the noise.
+        let some = pace(1e-7, 0.02).samples;
+        assert!((1..12).contains(&some), "{some}");
+        assert!(pace(1e-5, 0.02).samples > some);
+    }
+
+    #[test]
+    fn a_cubic_is_exact_for_cubics() {
+        let (h, part) = (0.3, 0.7);
+        let q = |t: f64| [1.0 - t + 2.0 * t * t - 4.0 * t * t * t, -1.0 + 4.0 * t - 12.0 * t * t];
+        let [start, end] = cubic(part, h);
+        let sum = |shares: [f64; 2], of: [f64; 2]| shares[0] * of[0] + shares[1] * of[1];
+        let own = sum(start, q(0.0)) + sum(end, q(h));
+        assert!((own - q(part * h)[0]).abs() < 1e-14);
+    }
+}

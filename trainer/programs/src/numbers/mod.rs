@@ -1,0 +1,271 @@
+//! Programs of short vectors, number by number.
+//!
+//! Energies of bodies are written in vectors of two or three numbers, of which many are 0 or 1. Number by number, what is known is
+//! computed once, what is the same is computed once, what is 0 is not computed; nothing is gathered or scattered.
+
+mod run;
+mod values;
+
+use crate::function::{Function, ORDERS};
+use crate::program::Program;
+use crate::row::Row;
+use values::{Id, Results, Value, Values};
+
+/// Operations at most: longer programs are of long vectors, which are fast as they are.
+const MOST: usize = 8192;
+
+/// A place for a number of every sample.
+type Register = u32;
+
+/// One operation on numbers of samples side by side.
+#[derive(Clone, Copy, Debug)]
+enum Operation {
+    Input { number: u32, at: u32, to: Register },
+    Parameter { at: u32, to: Register },
+    Sum { x: Register, y: Register, to: Register },
+    Difference { x: Register, y: Register, to: Register },
+    Product { x: Register, y: Register, to: Register },
+    /// xy + z.
+    ProductSum { x: Register, y: Register, z: Register, to: Register },
+    Curve { function: Function, x: Register, to: [Option<Register>; ORDERS] },
+    /// Adds to a number of a row of the Jacobian.
+    Add { row: u32, at: u32, x: Register },
+}
+
+/// A program number by number.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbers {
+    /// For the outputs, and for the rows after them.
+    parts: [Vec<Operation>; 2],
+    registers: usize,
+    constants: Vec<(Register, f64)>,
+    /// Where the numbers of every output are.
+    outputs: Vec<Vec<Register>>,
+}
+
+impl Numbers {
+    /// Those of a program; `None` where it applies layers of networks, or is long.
+    pub fn of(program: &Program) -> Option<Self> {
+        let (values, results) = Values::of(program)?;
+        (values.len() <= MOST).then(|| Allocation::new(&values).numbers(&results))
+    }
+
+    /// Registers that it takes.
+    pub fn registers(&self) -> Vec<Row> {
+        let mut registers = vec![Row::default(); self.registers];
+        self.constants.iter().for_each(|(to, c)| registers[*to as usize] = Row::splat(*c));
+        registers
+    }
+}
+
+/// Chooses the order of operations, and registers.
+struct Allocation<'v> {
+    values: &'v Values,
+    places: Vec<Option<Register>>,
+    /// After which operation, in order, a value is read no more.
+    last_read: Vec<usize>,
+    is_needed: Vec<bool>,
+    free: Vec<Register>,
+    program: Numbers,
+}
+
+/// Part 0 of a program is for the outputs, part 1 for the rows; what is in neither is not computed.
+const NEVER: usize = 2;
+
+impl<'v> Allocation<'v> {
+    fn new(values: &'v Values) -> Self {
+        let count = values.len();
+        let program =
+            Numbers { parts: Default::default(), registers: 0, constants: Vec::new(), outputs: Vec::new() };
+        Self { values, places: vec![None; count], last_read: vec![0; count], is_needed: vec![false; count], free: Vec::new(), program }
+    }
+
+    fn numbers(mut self, results: &Results) -> Numbers {
+        let parts = self.parts(results);
+        let mut order: Vec<(usize, Id)> = Vec::new();
+        for part in 0..NEVER {
+            order.extend((0..self.values.len()).filter(|at| parts[*at] == part).map(|at| (part, at as Id)));
+        }
+        let mut adds: Vec<Vec<(u32, u32)>> = vec![Vec::new(); self.values.len()];
+        results.rows.iter().for_each(|(row, at, x)| adds[*x as usize].push((*row, *at)));
+        self.is_needed = parts.iter().map(|part| *part != NEVER).collect();
+        self.find_last_reads(&order, (results, &parts));
+        // What the outputs have is also added to rows, after them.
+        let first = order.iter().take_while(|(part, _)| *part == 0).count();
+        for (rank, (part, value)) in order.iter().enumerate() {
+            if rank == first {
+                self.add_early(&order[..first], &adds);
+            }
+            self.compute(*part, *value);
+            if *part == 1 {
+                self.add(*value, &adds);
+            }
+            self.release(rank, *value);
+        }
+        if first == order.len() {
+            self.add_early(&order, &adds);
+        }
+        let places = &self.places;
+        let register = |x: &Id| places[*x as usize].unwrap_or_default();
+        self.program.outputs = results.outputs.iter().map(|of| of.iter().map(register).collect()).collect();
+        self.program
+    }
+
+    fn add_early(&mut self, order: &[(usize, Id)], adds: &[Vec<(u32, u32)>]) {
+        order.iter().for_each(|(_, value)| self.add(*value, adds));
+    }
+
+    fn add(&mut self, value: Id, adds: &[Vec<(u32, u32)>]) {
+        let Some(x) = self.places[value as usize] else { return };
+        let own = adds[value as usize].iter();
+        self.program.parts[1].extend(own.map(|(row, at)| Operation::Add { row: *row, at: *at, x }));
+    }
+
+    /// In which part each value is computed.
+    fn parts(&self, results: &Results) -> Vec<usize> {
+        let mut parts = vec![NEVER; self.values.len()];
+        results.rows.iter().for_each(|(_, _, x)| parts[*x as usize] = 1);
+        results.outputs.iter().flatten().for_each(|x| parts[*x as usize] = 0);
+        for at in (0..parts.len()).rev() {
+            let own = parts[at];
+            self.values.reads(at as Id).for_each(|x| parts[x as usize] = parts[x as usize].min(own));
+        }
+        parts
+    }
+
+    fn find_last_reads(&mut self, order: &[(usize, Id)], (results, parts): (&Results, &[usize])) {
+        for (rank, (_, value)) in order.iter().enumerate() {
+            self.last_read[*value as usize] = rank;
+            self.values.reads(*value).for_each(|x| self.last_read[x as usize] = rank);
+        }
+        // Outputs stay, and what is there before them and added to rows after them.
+        let early = results.rows.iter().map(|(_, _, x)| x).filter(|x| parts[**x as usize] == 0);
+        results.outputs.iter().flatten().chain(early).for_each(|x| self.last_read[*x as usize] = usize::MAX);
+    }
+
+    /// Makes room again for what is read no more; constants stay.
+    fn release(&mut self, rank: usize, value: Id) {
+        let mut read: Vec<Id> = self.values.reads(value).chain([value]).collect();
+        read.sort_unstable();
+        read.dedup();
+        read.retain(|x| self.last_read[*x as usize] == rank && !self.values.is_constant(*x));
+        self.free.extend(read.into_iter().filter_map(|x| self.places[x as usize]));
+    }
+
+    fn new_register(&mut self) -> Register {
+        self.program.registers += 1;
+        (self.program.registers - 1) as Register
+    }
+
+    fn place(&self, value: Id) -> Register {
+        self.places[value as usize].unwrap_or_default()
+    }
+
+    fn compute(&mut self, part: usize, value: Id) {
+        if self.places[value as usize].is_some() {
+            return;
+        }
+        if let Value::Constant(bits) = self.values.get(value) {
+            let to = self.new_register();
+            self.places[value as usize] = Some(to);
+            return self.program.constants.push((to, f64::from_bits(bits)));
+        }
+        if let Value::Curve { function, x, .. } = self.values.get(value) {
+            let needed = |order: u8| self.values.curve(function, order, x).filter(|of| self.is_needed[*of as usize]);
+            let orders = [0, 1, 2, 3].map(needed);
+            let to = orders.map(|order| order.map(|of| self.reserve(of)));
+            let x = self.place(x);
+            let function = self.values.function(function);
+            return self.program.parts[part].push(Operation::Curve { function, x, to });
+        }
+        let to = self.reserve(value);
+        let [x, y, z] = self.values.operands(value).map(|x| self.place(x));
+        let operation = match self.values.get(value) {
+            Value::Input(number, at) => Operation::Input { number, at, to },
+            Value::Parameter(at) => Operation::Parameter { at, to },
+            Value::Difference(..) => Operation::Difference { x, y, to },
+            Value::Product(..) => Operation::Product { x, y, to },
+            Value::ProductSum(..) => Operation::ProductSum { x, y, z, to },
+            Value::Sum(..) | Value::Constant(_) | Value::Curve { .. } => Operation::Sum { x, y, to },
+        };
+        self.program.parts[part].push(operation);
+    }
+
+    fn reserve(&mut self, value: Id) -> Register {
+        let register = self.free.pop().unwrap_or_else(|| self.new_register());
+        self.places[value as usize] = Some(register);
+        register
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::energies::{BodiesEnergies, DryLaw, FrictionLaws, WithFriction};
+    use crate::{Row, System};
+    use leastaction_core::energy::bodies::{Joint, TreeBody};
+
+    const N: usize = 3;
+
+    fn row(k: usize) -> Row {
+        Row(std::array::from_fn(|sample| (1.3 * k as f64 + 0.7 * sample as f64).sin()))
+    }
+
+    /// A tree of three bodies, of which some numbers are known, with friction that grows with the load.
+    fn system() -> System {
+        let parents = [None, Some(0), Some(0)];
+        let bodies = parents.map(|parent| TreeBody { joint: Joint::Revolute, parent });
+        let bodies = BodiesEnergies::new(bodies.to_vec()).unwrap();
+        let known = (0..crate::energies::Energies::parameters(&bodies));
+        let known = known.map(|k| (k % 3 == 0).then_some([0.0, 1.0, -9.81][k / 3 % 3])).collect();
+        let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
+        System::new(&WithFriction::new(bodies.with_known(known).unwrap(), laws, 2, vec![0, 1, 1]).unwrap())
+    }
+
+    /// Outputs and rows are those of the vectors' program, but for rounding.
+    #[test]
+    fn number_by_number_the_results_are_the_same() {
+        let system = system();
+        let weights: Vec<f64> = (0..system.parameters()).map(|k| 0.5 + row(k).0[0].abs()).collect();
+        let inputs: Vec<Vec<Row>> = (0..4 + N).map(|k| (0..N).map(|i| row(7 * k + i)).collect()).collect();
+        let inputs: Vec<&[Row]> = inputs.iter().map(Vec::as_slice).collect();
+        let programs =
+            [system.equation_of_motion_with_residual(N).0, system.residual_derivatives_with_control()];
+        for program in programs {
+            assert!(program.numbers.is_some());
+            let mut vectors = program.clone();
+            vectors.numbers = None;
+            let results = [program, vectors].map(|program| {
+                let mut workspace = program.workspace();
+                let mut rows = vec![vec![Row::default(); system.parameters()]; program.rows()];
+                // Twice, so that nothing of a run is left for the next.
+                for _ in 0..2 {
+                    rows.iter_mut().flatten().for_each(|row| *row = Row::default());
+                    program.run(&weights, &inputs, &mut workspace, &mut rows);
+                }
+                let outputs = (0..program.outputs.len()).flat_map(|k| workspace.output(k).to_vec());
+                outputs.chain(rows.into_iter().flatten()).collect::<Vec<Row>>()
+            });
+            assert_eq!(results[0].len(), results[1].len());
+            for (a, b) in results[0].iter().flat_map(|row| row.0).zip(results[1].iter().flat_map(|row| row.0)) {
+                assert!((a - b).abs() < 1e-11 * (1.0 + b.abs()), "{a} and {b}");
+            }
+        }
+    }
+}
+#[cfg(test)]
+#[test]
+fn scratch_counts() {
+    use crate::energies::*;
+    use leastaction_core::energy::bodies::{Joint, TreeBody};
+    let b = [None, Some(0)].map(|parent| TreeBody { joint: Joint::Revolute, parent });
+    let e = BodiesEnergies::new(b.to_vec()).unwrap();
+    let mut known = vec![None; e.parameters()];
+    for (k, v) in [(0,0.0),(1,-9.81),(2,0.0),(3,0.0),(4,0.0),(6,0.0),(9,0.0),(10,0.0),(12,0.0),(13,0.0),(15,0.0)] { known[k] = Some(v); }
+    let e = e.with_known(known).unwrap();
+    let e = WithFriction::new(e, FrictionLaws { viscous: true, dry: DryLaw::Loaded }, 2, vec![0, 1]).unwrap();
+    let s = crate::System::new(&e);
+    for p in [s.equation_of_motion_with_residual(2).0, s.residual_derivatives_with_control()] {
+        let n = p.numbers.as_ref().unwrap();
+        println!("steps {} first {} ops {} {} regs {}", p.steps.len(), p.first, n.parts[0].len(), n.parts[1].len(), n.registers);
+    }
+}

@@ -1,0 +1,256 @@
+//! What every number of a program is, each once.
+
+use crate::function::{Function, ORDERS};
+use crate::program::{Program, Step};
+use crate::row::Row;
+use std::collections::HashMap;
+
+/// A value among all.
+pub(super) type Id = u32;
+
+/// What a number of every sample is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Value {
+    /// By its bits.
+    Constant(u64),
+    Input(u32, u32),
+    Parameter(u32),
+    Sum(Id, Id),
+    Difference(Id, Id),
+    Product(Id, Id),
+    /// xy + z.
+    ProductSum(Id, Id, Id),
+    /// A derivative of the function with this number.
+    Curve { function: u32, order: u8, x: Id },
+}
+
+/// Values in an order in which each follows those that it is made of.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Values {
+    all: Vec<Value>,
+    known: HashMap<Value, Id>,
+    functions: HashMap<u32, Function>,
+}
+
+/// What a program is for: the values of its outputs, and what it adds to rows of the Jacobian: row, place and value.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Results {
+    pub outputs: Vec<Vec<Id>>,
+    pub rows: Vec<(u32, u32, Id)>,
+}
+
+impl Values {
+    /// Those of a program; `None` where it has steps that are not of single numbers.
+    pub fn of(program: &Program) -> Option<(Self, Results)> {
+        let (mut values, mut results) = (Self::default(), Results::default());
+        let mut slots: Vec<Vec<Id>> = program.slots.iter().map(|length| vec![0; *length]).collect();
+        for (slot, rows) in &program.constants {
+            slots[*slot] = rows.iter().map(|row| values.constant(row.0[0])).collect();
+        }
+        let outputs = |slots: &[Vec<Id>]| program.outputs.iter().map(|slot| slots[*slot].clone()).collect();
+        for (at, step) in program.steps.iter().enumerate() {
+            if at == program.first {
+                results.outputs = outputs(&slots);
+            }
+            values.step(step, &mut slots, &mut results)?;
+        }
+        if program.first == program.steps.len() {
+            results.outputs = outputs(&slots);
+        }
+        values.fuse(&results);
+        Some((values, results))
+    }
+
+    /// Makes one operation of a sum and of a product that nothing else reads.
+    fn fuse(&mut self, results: &Results) {
+        let mut reads = vec![0; self.len()];
+        let wanted = results.outputs.iter().flatten().chain(results.rows.iter().map(|(_, _, x)| x));
+        wanted.for_each(|x| reads[*x as usize] += 1);
+        for id in (0..self.len()).rev() {
+            if reads[id] > 0 {
+                self.reads(id as Id).for_each(|x| reads[x as usize] += 1);
+            }
+        }
+        for id in 0..self.len() {
+            let Value::Sum(x, y) = self.all[id] else { continue };
+            let product = |x: Id| match self.get(x) {
+                Value::Product(a, b) if reads[x as usize] == 1 => Some([a, b]),
+                _ => None,
+            };
+            let fused = product(x).map(|of| (of, y)).or_else(|| product(y).map(|of| (of, x)));
+            if let Some(([a, b], z)) = fused {
+                self.all[id] = Value::ProductSum(a, b, z);
+            }
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    pub fn get(&self, id: Id) -> Value {
+        self.all[id as usize]
+    }
+
+    pub fn is_constant(&self, id: Id) -> bool {
+        matches!(self.get(id), Value::Constant(_))
+    }
+
+    /// What a value is made of; itself where that is less than three.
+    pub fn operands(&self, id: Id) -> [Id; 3] {
+        match self.get(id) {
+            Value::Constant(_) | Value::Input(..) | Value::Parameter(_) => [id; 3],
+            Value::Sum(x, y) | Value::Difference(x, y) | Value::Product(x, y) => [x, y, id],
+            Value::ProductSum(x, y, z) => [x, y, z],
+            Value::Curve { x, .. } => [x, id, id],
+        }
+    }
+
+    /// The same, nothing where it is made of nothing.
+    pub fn reads(&self, id: Id) -> impl Iterator<Item = Id> + use<> {
+        self.operands(id).into_iter().filter(move |x| *x != id)
+    }
+
+    /// A derivative of a function, where it is asked for.
+    pub fn curve(&self, function: u32, order: u8, x: Id) -> Option<Id> {
+        self.known.get(&Value::Curve { function, order, x }).copied()
+    }
+
+    pub fn function(&self, number: u32) -> Function {
+        self.functions[&number]
+    }
+
+    /// What a step writes; `None` for one of layers or of one sample.
+    fn step(&mut self, step: &Step, slots: &mut [Vec<Id>], results: &mut Results) -> Option<()> {
+        match step {
+            Step::Input { number, to } => {
+                let value = |at: usize| Value::Input(*number as u32, at as u32);
+                slots[*to] = (0..slots[*to].len()).map(|at| self.value(value(at))).collect();
+            }
+            Step::Parameters { start, to } => {
+                let value = |at: usize| Value::Parameter((start + at) as u32);
+                slots[*to] = (0..slots[*to].len()).map(|at| self.value(value(at))).collect();
+            }
+            Step::Map { function, x, to } => {
+                let x = slots[*x].clone();
+                for (order, to) in to.iter().enumerate() {
+                    let Some(to) = to else { continue };
+                    slots[*to] = x.iter().map(|x| self.derivative(*function, order, *x)).collect();
+                }
+            }
+            Step::MapProduct { function, order, x, y, to } => {
+                let curve: Vec<Id> = slots[*x].iter().map(|x| self.derivative(*function, *order, *x)).collect();
+                let y = slots[*y].iter().cycle();
+                slots[*to] = curve.iter().zip(y).map(|(x, y)| self.product(*x, *y)).collect();
+            }
+            Step::Product { x, y, to } => slots[*to] = self.pairwise(slots, [*x, *y, *to], Self::product),
+            Step::Sum { x, y, to } => slots[*to] = self.pairwise(slots, [*x, *y, *to], Self::sum),
+            Step::Scaled { c, x, to } => {
+                let c = self.constant(*c);
+                slots[*to] = slots[*x].iter().map(|x| self.product(c, *x)).collect();
+            }
+            Step::Gather { x, index, to } => {
+                slots[*to] = index.iter().map(|i| slots[*x][*i as usize]).collect();
+            }
+            Step::Scatter { x, index, to } => {
+                let mut sums = vec![self.constant(0.0); slots[*to].len()];
+                for (x, i) in slots[*x].iter().zip(index) {
+                    sums[*i as usize] = self.sum(sums[*i as usize], *x);
+                }
+                slots[*to] = sums;
+            }
+            Step::Numbers { row, start, bar } => {
+                let adds = slots[*bar].iter().enumerate();
+                let adds = adds.filter(|(_, x)| self.get(**x) != Value::Constant(0));
+                results.rows.extend(adds.map(|(k, x)| (*row as u32, (start + k) as u32, *x)));
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+
+    /// Of two slots number by number; the shorter one is repeated.
+    fn pairwise(
+        &mut self,
+        slots: &[Vec<Id>],
+        [x, y, to]: [usize; 3],
+        f: fn(&mut Self, Id, Id) -> Id,
+    ) -> Vec<Id> {
+        let both = slots[x].iter().cycle().zip(slots[y].iter().cycle());
+        both.take(slots[to].len()).map(|(x, y)| f(self, *x, *y)).collect()
+    }
+
+    fn value(&mut self, value: Value) -> Id {
+        *self.known.entry(value).or_insert_with(|| {
+            self.all.push(value);
+            (self.all.len() - 1) as Id
+        })
+    }
+
+    fn constant(&mut self, c: f64) -> Id {
+        // −0 is 0: what it is added to or multiplied by is the same number.
+        self.value(Value::Constant((c + 0.0).to_bits()))
+    }
+
+    fn known(&self, id: Id) -> Option<f64> {
+        match self.get(id) {
+            Value::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// The number whose negative this is.
+    fn negated(&self, id: Id) -> Option<Id> {
+        match self.get(id) {
+            Value::Product(x, y) if self.known(x) == Some(-1.0) => Some(y),
+            Value::Product(x, y) if self.known(y) == Some(-1.0) => Some(x),
+            _ => None,
+        }
+    }
+
+    fn sum(&mut self, x: Id, y: Id) -> Id {
+        match (self.known(x), self.known(y)) {
+            (Some(a), Some(b)) => return self.constant(a + b),
+            (Some(0.0), _) => return y,
+            (_, Some(0.0)) => return x,
+            _ => {}
+        }
+        match (self.negated(x), self.negated(y)) {
+            (_, Some(y)) => self.value(Value::Difference(x, y)),
+            (Some(x), None) => self.value(Value::Difference(y, x)),
+            (None, None) => self.value(Value::Sum(x.min(y), x.max(y))),
+        }
+    }
+
+    fn product(&mut self, x: Id, y: Id) -> Id {
+        match (self.known(x), self.known(y)) {
+            (Some(a), Some(b)) => return self.constant(a * b),
+            (Some(0.0), _) | (_, Some(0.0)) => return self.constant(0.0),
+            (Some(1.0), _) => return y,
+            (_, Some(1.0)) => return x,
+            (Some(-1.0), _) => {
+                if let Some(own) = self.negated(y) {
+                    return own;
+                }
+            }
+            (_, Some(-1.0)) => {
+                if let Some(own) = self.negated(x) {
+                    return own;
+                }
+            }
+            _ => {}
+        }
+        self.value(Value::Product(x.min(y), x.max(y)))
+    }
+
+    /// A derivative of a function of a number.
+    fn derivative(&mut self, function: Function, order: usize, x: Id) -> Id {
+        if let Some(known) = self.known(x) {
+            let mut curve = [Row::default(); ORDERS];
+            function.write(&[Row::splat(known)], curve.each_mut().map(|row| Some(std::slice::from_mut(row))));
+            return self.constant(curve[order].0[0]);
+        }
+        self.functions.insert(function.number(), function);
+        self.value(Value::Curve { function: function.number(), order: order as u8, x })
+    }
+}
