@@ -23,6 +23,9 @@ pub(crate) struct MotionSolver {
     definite: bool,
     /// Of systems on rods, where the caller does not ask for it.
     compliance: Vec<Row>,
+    /// Right sides of a block of M and what solves them: columns one after the other.
+    right: Vec<Row>,
+    solutions: Vec<Row>,
 }
 
 impl Accelerations {
@@ -61,7 +64,9 @@ impl MotionSolver {
     pub fn new(pattern: Pattern, rods: Rods, definite: bool) -> Self {
         let n = pattern.size();
         let compliance = vec![Row::default(); if rods.count() > 0 { n * n } else { 0 }];
-        Self { pattern, cholesky: Cholesky::default(), lu: Lu::default(), rods, definite, compliance }
+        let (cholesky, lu) = (Cholesky::default(), Lu::default());
+        let (right, solutions) = (Vec::new(), Vec::new());
+        Self { pattern, cholesky, lu, rods, definite, compliance, right, solutions }
     }
 
     /// As [`Accelerations::evaluate`], from the outputs of [`System::equation_of_motion`] in a workspace.
@@ -113,24 +118,25 @@ impl MotionSolver {
         let (m, n) = (block.len(), a.len());
         let entry = |i: usize, j: usize| mass(&self.pattern, motion, block[i], block[j]);
         let positive = self.cholesky.factor(m, entry);
-        let mut columns = vec![block.iter().map(|i| a[*i]).collect::<Vec<_>>()];
+        self.right.clear();
+        self.right.extend(block.iter().map(|i| a[*i]));
         if compliance.is_some() {
-            let unit = |i: usize, j: usize| Row::splat(f64::from(u8::from(i == j)));
-            columns.extend((0..m).map(|j| (0..m).map(|i| unit(i, j)).collect()));
+            let unit = |k: usize| Row::splat(f64::from(u8::from(k / m == k % m)));
+            self.right.extend((0..m * m).map(unit));
         }
-        let right = columns.clone();
-        columns.iter_mut().for_each(|column| self.cholesky.solve(column));
+        self.solutions.clone_from(&self.right);
+        self.solutions.chunks_exact_mut(m).for_each(|column| self.cholesky.solve(column));
         for sample in (0..WIDTH).filter(|sample| !positive[*sample]) {
             failures.0[sample] |= !self.lu.factor(m, |i, j| entry(i, j).0[sample]);
-            for (column, right) in columns.iter_mut().zip(&right) {
+            for (column, right) in self.solutions.chunks_exact_mut(m).zip(self.right.chunks_exact(m)) {
                 let x = self.lu.solve(|i| right[i].0[sample]);
                 column.iter_mut().zip(x).for_each(|(place, x)| place.0[sample] = *x);
             }
         }
-        let (x, inverse) = columns.split_at(1);
-        block.iter().zip(&x[0]).for_each(|(i, x)| a[*i] = *x);
+        let (x, inverse) = self.solutions.split_at(m);
+        block.iter().zip(x).for_each(|(i, x)| a[*i] = *x);
         let Some(compliance) = compliance else { return };
-        for (j, column) in block.iter().zip(inverse) {
+        for (j, column) in block.iter().zip(inverse.chunks_exact(m)) {
             block.iter().zip(column).for_each(|(i, x)| compliance[j * n + i] = *x);
         }
     }

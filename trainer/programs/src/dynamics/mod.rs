@@ -42,9 +42,10 @@ impl Failures {
 
     /// Adds those that have a number which is not finite.
     pub(crate) fn add_not_finite(&mut self, rows: &[Row]) {
-        for (sample, failed) in self.0.iter_mut().enumerate() {
-            *failed |= rows.iter().any(|row| !row.0[sample].is_finite());
-        }
+        // 0 times what is not finite is no number.
+        let mut sum = Row::default();
+        rows.iter().for_each(|row| sum.add_scaled(0.0, row));
+        self.0.iter_mut().zip(sum.0).for_each(|(failed, sum)| *failed |= sum.is_nan());
     }
 
     /// Whether all samples failed.
