@@ -179,8 +179,7 @@ fn derivatives_are_in_learned_weights_alone() {
         let steps = ExplicitSteps::new(&system, H, RungeKutta::ThreeEighths);
         let mut state = numbers.start.clone();
         let with = Some((&mut tangents, &controls[..]));
-        let _ =
-            steps.with_learned(learned).step(&numbers.weights, &mut state, [&tau[0], &tau[1]], with);
+        let _ = steps.with_learned(learned).step(&numbers.weights, &mut state, [&tau[0], &tau[1]], with);
         tangents
     });
     for (column, position) in learned.iter().enumerate() {

@@ -112,6 +112,10 @@ pub(super) fn fraction<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Err
     number(from, |x| (0.0..1.0).contains(&x), "a number from 0 to below 1")
 }
 
+pub(super) fn some_fraction<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+    fraction(from).map(Some)
+}
+
 pub(super) fn factor<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     number(from, |x| x > 0.0 && x <= 1.0, "a number above 0, at most 1")
 }

@@ -69,9 +69,9 @@ pub struct TrainingConfig {
     /// Length of a window, s.
     #[serde(deserialize_with = "fields::limit")]
     pub window: f64,
-    /// Part of a window that the next one has as well, in [0, 1).
-    #[serde(deserialize_with = "fields::fraction")]
-    pub overlap: f64,
+    /// Part of a window that the next one has as well, in [0, 1); none: a half where windows are few.
+    #[serde(deserialize_with = "fields::some_fraction", skip_serializing_if = "Option::is_none")]
+    pub overlap: Option<f64>,
     /// Of the discrete Euler–Lagrange equation or, for the next state, of the Runge–Kutta step: 2 or 4.
     #[serde(deserialize_with = "fields::order")]
     pub order: u8,
@@ -129,7 +129,7 @@ impl Default for TrainingConfig {
         Self {
             loss: None,
             window: 0.5,
-            overlap: 0.5,
+            overlap: None,
             order: 4,
             optimiser: OptimiserKind::LevenbergMarquardt,
             iterations: 200,

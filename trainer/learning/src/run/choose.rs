@@ -76,7 +76,7 @@ fn held_back_error(config: &Config, data: &Dataset) -> Result<Option<f64>, PlanE
     let mut logarithms = 0.0;
     for fold in 0..folds {
         let mut own = config.clone();
-        own.training.overlap = 0.0;
+        own.training.overlap = Some(0.0);
         let of = |held_back: bool| (0..logs).filter(move |k| (k % folds == fold) == held_back);
         let order = of(false).chain(of(true)).map(|k| data.trajectories[k].clone());
         let parted = Dataset { trajectories: order.collect(), ..data.clone() };

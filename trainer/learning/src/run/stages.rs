@@ -79,6 +79,17 @@ const STIFF_STEP: f64 = 0.005;
 /// A step of another model, s, where samples are not further apart.
 const SMOOTH_STEP: f64 = 0.01;
 
+/// So many windows need not overlap: they say all that a log does, and overlapping ones take twice the time.
+const MANY_WINDOWS: usize = 2000;
+/// The part of a window that the next one has as well, of fewer.
+const OVERLAP: f64 = 0.5;
+
+/// The part of a window of so many steps that the next one has as well, where no configuration says it.
+fn usual_overlap(data: &Dataset, steps: usize) -> f64 {
+    let windows: usize = data.trajectories.iter().map(|trajectory| trajectory.samples() / steps).sum();
+    if windows < MANY_WINDOWS { OVERLAP } else { 0.0 }
+}
+
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
@@ -123,10 +134,12 @@ pub(super) fn of_windows(
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
-    let longest_step = if architecture.friction.dry.is_empty() { data.h.max(SMOOTH_STEP) } else { STIFF_STEP };
+    let longest_step =
+        if architecture.friction.dry.is_empty() { data.h.max(SMOOTH_STEP) } else { STIFF_STEP };
     let calibration = config.calibration.calibration();
     let settings = |steps: usize| {
-        let stride = (((1.0 - overlap) * steps as f64).round() as usize).max(1);
+        let stride =
+            ((1.0 - overlap.unwrap_or_else(|| usual_overlap(data, steps))) * steps as f64).round() as usize;
         WindowSettings { steps, stride, longest_step, order, calibration }
     };
     let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {

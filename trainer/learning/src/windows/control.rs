@@ -129,7 +129,10 @@ mod tests {
             let steps = |k: usize| [1.0, -0.5, 2.0, 0.3, 0.7][k];
             let fitted = |value: &dyn Fn(usize, usize) -> f64| {
                 let mut ends = [0.0; 2];
-                for (k, from, end) in (0..parts).flat_map(|k| [0, 1].map(|from| (k, from))).flat_map(|(k, from)| [0, 1].map(|end| (k, from, end))) {
+                for (k, from, end) in (0..parts)
+                    .flat_map(|k| [0, 1].map(|from| (k, from)))
+                    .flat_map(|(k, from)| [0, 1].map(|end| (k, from, end)))
+                {
                     ends[end] += shares(k, parts)[from][end] * value(k, from);
                 }
                 ends
@@ -140,7 +143,7 @@ mod tests {
             let impulse: f64 = (0..parts).map(|k| steps(k) / m).sum();
             let moment: f64 = (0..parts).map(|k| steps(k) * (k as f64 + 0.5) / (m * m)).sum();
             assert!((0.5 * (start + end) - impulse).abs() < 1e-12);
-            assert!((0.5 * start + (end - start) / 3.0 - moment).abs() < 1e-12 , "{parts}");
+            assert!((0.5 * start + (end - start) / 3.0 - moment).abs() < 1e-12, "{parts}");
         }
     }
 }

@@ -63,9 +63,8 @@ impl WindowLoss {
             controls: (0..layout.controls()).filter(|number| is_learned(&(start + number))).collect(),
         };
         let (own, step) = (learned.weights.clone(), h / pace.steps_in_sample());
-        let make = move || {
-            ExplicitSteps::new(&system, step, RungeKutta::of_order(order)).with_learned(own.clone())
-        };
+        let make =
+            move || ExplicitSteps::new(&system, step, RungeKutta::of_order(order)).with_learned(own.clone());
         let motion: Vec<f64> = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
         // What holds a mechanism at rest is stiction, which no smooth friction has.
         let moves = |window: &Window| logs.moves(*window, steps, &motion);

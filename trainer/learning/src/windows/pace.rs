@@ -60,7 +60,9 @@ mod tests {
     /// A swing of one radian at 1 Hz, logged at 1 kHz.
     fn logs(noise: f64) -> WindowLogs {
         let mut stream = Pcg64::seed_from_u64(1);
-        let mut q = |k: usize| (std::f64::consts::TAU * 1e-3 * k as f64).sin() + noise * stream.random_range(-1.0..1.0);
+        let mut q = |k: usize| {
+            (std::f64::consts::TAU * 1e-3 * k as f64).sin() + noise * stream.random_range(-1.0..1.0)
+        };
         let q = Rows::from_flat(1, (0..2000).map(&mut q).collect()).unwrap();
         let trajectory = Trajectory { id: 0, t0: 0.0, q, v: None, a: None, u: None };
         WindowLogs::new(&Dataset { n: 1, h: 1e-3, control: None, trajectories: vec![trajectory] })

@@ -148,7 +148,8 @@ impl Lanes<'_> {
                 failures = failures.or(failed);
             }
             for k in 1..self.pace.samples {
-                let shares = cubic(k as f64 / self.pace.samples as f64, self.pace.samples as f64 * self.logs.h);
+                let shares =
+                    cubic(k as f64 / self.pace.samples as f64, self.pace.samples as f64 * self.logs.h);
                 let (state, tangents) = between.at(shares, &state, tangents.as_ref());
                 visit(sample + k, state, tangents);
             }

@@ -20,16 +20,48 @@ type Register = u32;
 /// One operation on numbers of samples side by side.
 #[derive(Clone, Copy, Debug)]
 enum Operation {
-    Input { number: u32, at: u32, to: Register },
-    Parameter { at: u32, to: Register },
-    Sum { x: Register, y: Register, to: Register },
-    Difference { x: Register, y: Register, to: Register },
-    Product { x: Register, y: Register, to: Register },
+    Input {
+        number: u32,
+        at: u32,
+        to: Register,
+    },
+    Parameter {
+        at: u32,
+        to: Register,
+    },
+    Sum {
+        x: Register,
+        y: Register,
+        to: Register,
+    },
+    Difference {
+        x: Register,
+        y: Register,
+        to: Register,
+    },
+    Product {
+        x: Register,
+        y: Register,
+        to: Register,
+    },
     /// xy + z.
-    ProductSum { x: Register, y: Register, z: Register, to: Register },
-    Curve { function: Function, x: Register, to: [Option<Register>; ORDERS] },
+    ProductSum {
+        x: Register,
+        y: Register,
+        z: Register,
+        to: Register,
+    },
+    Curve {
+        function: Function,
+        x: Register,
+        to: [Option<Register>; ORDERS],
+    },
     /// Adds to a number of a row of the Jacobian.
-    Add { row: u32, at: u32, x: Register },
+    Add {
+        row: u32,
+        at: u32,
+        x: Register,
+    },
 }
 
 /// A program number by number.
@@ -77,7 +109,14 @@ impl<'v> Allocation<'v> {
         let count = values.len();
         let program =
             Numbers { parts: Default::default(), registers: 0, constants: Vec::new(), outputs: Vec::new() };
-        Self { values, places: vec![None; count], last_read: vec![0; count], is_needed: vec![false; count], free: Vec::new(), program }
+        Self {
+            values,
+            places: vec![None; count],
+            last_read: vec![0; count],
+            is_needed: vec![false; count],
+            free: Vec::new(),
+            program,
+        }
     }
 
     fn numbers(mut self, results: &Results) -> Numbers {
@@ -171,7 +210,8 @@ impl<'v> Allocation<'v> {
             return self.program.constants.push((to, f64::from_bits(bits)));
         }
         if let Value::Curve { function, x, .. } = self.values.get(value) {
-            let needed = |order: u8| self.values.curve(function, order, x).filter(|of| self.is_needed[*of as usize]);
+            let needed =
+                |order: u8| self.values.curve(function, order, x).filter(|of| self.is_needed[*of as usize]);
             let orders = [0, 1, 2, 3].map(needed);
             let to = orders.map(|order| order.map(|of| self.reserve(of)));
             let x = self.place(x);
@@ -246,7 +286,8 @@ mod tests {
                 outputs.chain(rows.into_iter().flatten()).collect::<Vec<Row>>()
             });
             assert_eq!(results[0].len(), results[1].len());
-            for (a, b) in results[0].iter().flat_map(|row| row.0).zip(results[1].iter().flat_map(|row| row.0)) {
+            for (a, b) in results[0].iter().flat_map(|row| row.0).zip(results[1].iter().flat_map(|row| row.0))
+            {
                 assert!((a - b).abs() < 1e-11 * (1.0 + b.abs()), "{a} and {b}");
             }
         }
@@ -260,12 +301,33 @@ fn scratch_counts() {
     let b = [None, Some(0)].map(|parent| TreeBody { joint: Joint::Revolute, parent });
     let e = BodiesEnergies::new(b.to_vec()).unwrap();
     let mut known = vec![None; e.parameters()];
-    for (k, v) in [(0,0.0),(1,-9.81),(2,0.0),(3,0.0),(4,0.0),(6,0.0),(9,0.0),(10,0.0),(12,0.0),(13,0.0),(15,0.0)] { known[k] = Some(v); }
+    for (k, v) in [
+        (0, 0.0),
+        (1, -9.81),
+        (2, 0.0),
+        (3, 0.0),
+        (4, 0.0),
+        (6, 0.0),
+        (9, 0.0),
+        (10, 0.0),
+        (12, 0.0),
+        (13, 0.0),
+        (15, 0.0),
+    ] {
+        known[k] = Some(v);
+    }
     let e = e.with_known(known).unwrap();
     let e = WithFriction::new(e, FrictionLaws { viscous: true, dry: DryLaw::Loaded }, 2, vec![0, 1]).unwrap();
     let s = crate::System::new(&e);
     for p in [s.equation_of_motion_with_residual(2).0, s.residual_derivatives_with_control()] {
         let n = p.numbers.as_ref().unwrap();
-        println!("steps {} first {} ops {} {} regs {}", p.steps.len(), p.first, n.parts[0].len(), n.parts[1].len(), n.registers);
+        println!(
+            "steps {} first {} ops {} {} regs {}",
+            p.steps.len(),
+            p.first,
+            n.parts[0].len(),
+            n.parts[1].len(),
+            n.registers
+        );
     }
 }

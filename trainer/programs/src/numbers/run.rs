@@ -25,13 +25,7 @@ impl Numbers {
     }
 
     /// Adds the rows, after the outputs.
-    pub fn run_rows(
-        &self,
-        weights: &[f64],
-        inputs: &[&[Row]],
-        registers: &mut [Row],
-        rows: &mut [Vec<Row>],
-    ) {
+    pub fn run_rows(&self, weights: &[f64], inputs: &[&[Row]], registers: &mut [Row], rows: &mut [Vec<Row>]) {
         for operation in &self.parts[1] {
             operation.run(weights, inputs, registers, rows);
         }
@@ -54,7 +48,11 @@ impl Operation {
             Self::Curve { function, x, to } => {
                 let (x, mut curve) = (registers[x as usize], [Row::default(); ORDERS]);
                 let mut places = curve.each_mut().map(|row| Some(std::slice::from_mut(row)));
-                places.iter_mut().zip(&to).filter(|(_, to)| to.is_none()).for_each(|(place, _)| *place = None);
+                places
+                    .iter_mut()
+                    .zip(&to)
+                    .filter(|(_, to)| to.is_none())
+                    .for_each(|(place, _)| *place = None);
                 function.write(&[x], places);
                 for (to, row) in to.iter().zip(curve) {
                     if let Some(to) = to {

@@ -21,7 +21,11 @@ pub(super) enum Value {
     /// xy + z.
     ProductSum(Id, Id, Id),
     /// A derivative of the function with this number.
-    Curve { function: u32, order: u8, x: Id },
+    Curve {
+        function: u32,
+        order: u8,
+        x: Id,
+    },
 }
 
 /// Values in an order in which each follows those that it is made of.
@@ -139,7 +143,8 @@ impl Values {
                 }
             }
             Step::MapProduct { function, order, x, y, to } => {
-                let curve: Vec<Id> = slots[*x].iter().map(|x| self.derivative(*function, *order, *x)).collect();
+                let curve: Vec<Id> =
+                    slots[*x].iter().map(|x| self.derivative(*function, *order, *x)).collect();
                 let y = slots[*y].iter().cycle();
                 slots[*to] = curve.iter().zip(y).map(|(x, y)| self.product(*x, *y)).collect();
             }

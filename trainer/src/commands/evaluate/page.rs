@@ -67,8 +67,13 @@ fn fit(model: &HostModel, calibrated: &Calibrated, logs: &Arc<WindowLogs>) -> Op
     let longest = (0..logs.count()).map(|log| logs.samples(log)).max()?;
     let steps =
         ((WINDOW / logs.h).round() as usize).clamp(1, longest.checked_sub(1).filter(|steps| *steps > 0)?);
-    let settings =
-        WindowSettings { steps, stride: steps, longest_step: logs.h, order: 4, calibration: Calibration::default() };
+    let settings = WindowSettings {
+        steps,
+        stride: steps,
+        longest_step: logs.h,
+        order: 4,
+        calibration: Calibration::default(),
+    };
     let own = WindowModel::new(&model.architecture).ok()?;
     let loss = WindowLoss::new(own, logs, 0..logs.count(), settings).ok()?;
     let Calibrated { gain, offset, delay, .. } = calibrated;
