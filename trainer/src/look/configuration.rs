@@ -24,8 +24,11 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
     );
     let seen = report.files.len();
     line(&mut text, format_args!("file = {}", list(&relative(files, at), true)));
-    line(&mut text, format_args!("# Trajectories held back: whole files from the end."));
-    line(&mut text, format_args!("validation = {}", if seen >= 3 { 0.2 } else { 0.0 }));
+    let held_back = if seen >= 3 { 0.2 } else { 0.0 };
+    line(
+        &mut text,
+        format_args!("validation = {held_back} # trajectories held back: whole files from the end"),
+    );
     if let Some(step) = step(report) {
         line(&mut text, format_args!("step = {step}"));
     }
@@ -43,8 +46,13 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
     }
     if !guess.other_u.is_empty() {
         let others: Vec<String> = guess.other_u.iter().map(|names| list(names, false)).collect();
-        line(&mut text, format_args!("# Forces as well: what predicts held-back logs best is taken."));
-        line(&mut text, format_args!("other_u = [{}]", others.join(", ")));
+        line(
+            &mut text,
+            format_args!(
+                "other_u = [{}] # forces as well: what predicts held-back logs best is taken",
+                others.join(", ")
+            ),
+        );
     }
     model(&mut text, guess);
     Ok(text)
@@ -57,29 +65,31 @@ const LONGEST_CHAIN: usize = 3;
 /// actuators.
 fn model(text: &mut String, guess: &Guess) {
     let (n, driven) = (guess.q.len(), !guess.u.is_empty());
-    line(text, format_args!("\n[model]"));
     if n <= LONGEST_CHAIN && driven {
         line(
             text,
             format_args!(
-                "# Links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before."
+                "\n[model] # links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before"
             ),
         );
         line(
             text,
             format_args!(
-                "# Other mechanisms: leastaction train --print-defaults bodies, rigid, modular or graph."
+                "family = \"bodies\" # others: leastaction train --print-defaults rigid, modular or graph"
             ),
         );
-        line(text, format_args!("family = \"bodies\"\nchain = {n}"));
+        line(text, format_args!("chain = {n}"));
     } else {
         let angles = vec!["\"angle\""; n].join(", ");
-        line(text, format_args!("# \"translation\", \"angle\" or \"cyclic\".\ncoordinates = [{angles}]"));
+        line(
+            text,
+            format_args!("\n[model]\ncoordinates = [{angles}] # \"translation\", \"angle\" or \"cyclic\""),
+        );
     }
     let load = if driven { ", load = \"learned\"" } else { "" };
     line(text, format_args!("friction = {{ viscous = \"learned\", coulomb = \"learned\"{load} }}"));
     if driven {
-        line(text, format_args!("\n# Of sensors and actuators; a number where it is known.\n[calibration]"));
+        line(text, format_args!("\n[calibration] # of sensors and actuators; a number where it is known"));
         line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));
     }
     line(text, format_args!("\n[training]\nloss = \"windows\""));
