@@ -2,8 +2,8 @@
 
 use leastaction_core::forces::ControlKind;
 use leastaction_data::{
-    Column, Columns, Dataset, Note, Problem, Reading, Rows, Trajectory, files, read_as, read_logs, unit,
-    write,
+    Column, Columns, Dataset, Join, LeftOut, Note, Problem, Reading, Rows, Trajectory, files, read_as,
+    read_logs, unit, write,
 };
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -141,6 +141,83 @@ fn arrays_of_an_archive_are_named_with_an_index() {
     assert_eq!(mixed.trajectories[0].q[3], [3.0, 6.0, -6.0]);
     assert!(read(&["q[2]"]).unwrap_err().to_string().contains("there is no column 2; it has 2"));
     assert!(read(&["joint"]).unwrap_err().to_string().contains("the file has q, t, h, trajectory"));
+}
+
+#[test]
+fn files_of_one_recording_are_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    for run in 1..=2 {
+        let (mut encoders, mut torques) = ("t,q\n".to_owned(), "stamp,tau\n".to_owned());
+        (0..50).for_each(|k| writeln!(encoders, "{},{k}", 0.01 * f64::from(k)).unwrap());
+        (0..260).for_each(|k| writeln!(torques, "{},{}", 2 * k, run * k).unwrap());
+        written(folder.path(), &format!("encoders-{run}.csv"), &encoders);
+        written(folder.path(), &format!("torques-{run}.csv"), &torques);
+    }
+    let columns = Columns {
+        t: Column::si("t"),
+        q: vec![Column::si("q")],
+        v: Vec::new(),
+        u: vec![Column { name: "torque:tau".to_owned(), scale: 0.5 }],
+        actuation: None,
+    };
+    let t = Column { name: "stamp".to_owned(), scale: 1e-3 };
+    let join =
+        Join { name: "torque".to_owned(), replace: "encoders".to_owned(), by: "torques".to_owned(), t };
+    let reading = Reading { columns: Some(columns), joins: vec![join], ..Reading::default() };
+    let all = files(&[folder.path().join("encoders-*.csv")]).unwrap();
+    let (data, notes) = read_logs(&all, &reading).unwrap();
+    assert_eq!((data.h, data.trajectories.len(), notes.len()), (0.01, 2, 0));
+    for (run, motion) in (1..).zip(&data.trajectories) {
+        // The mean of 5k, …, 5k + 4, times the number of the run, in half newton metres.
+        let u = motion.u.as_ref().unwrap();
+        assert!((u[7][0] - 0.5 * f64::from(run) * 37.0).abs() < 1e-12, "{}", u[7][0]);
+    }
+    written(folder.path(), "torques-2.csv", "stamp,tau\n0,1\n2,x\n");
+    let error = read_logs(&all, &reading).unwrap_err().to_string();
+    assert!(error.contains("torques-2.csv, line 3, column tau"), "{error}");
+    let other = written(folder.path(), "positions.csv", "t,q\n0,1\n1,2\n2,3\n");
+    let error = read_as(&other, &reading).unwrap_err().to_string();
+    assert!(error.contains("\"encoders\" is not in its name") && error.contains("\"torque\""), "{error}");
+}
+
+#[test]
+fn intervals_of_time_are_left_out_as_gaps_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = ["a.csv", "b.csv"];
+    let all = names.map(|name| written(folder.path(), name, &log(200, ',')));
+    let of = |file: Option<&str>, from: f64, to: f64| LeftOut { file: file.map(PathBuf::from), from, to };
+    // Samples are 5 ms apart, late by less than half a millisecond.
+    let leave_out =
+        vec![of(None, 0.2, 0.2995), of(Some("b.csv"), 0.5, f64::INFINITY), of(Some("c.csv"), 0.0, 9.0)];
+    let reading = Reading { leave_out, ..reading() };
+    let (data, notes) = read_logs(&all, &reading).unwrap();
+    let spans: Vec<_> = data.trajectories.iter().map(|motion| (motion.t0, motion.samples())).collect();
+    let starts: Vec<_> = spans.iter().map(|(t0, _)| (t0 / 5e-3).round()).collect();
+    assert_eq!(starts, [0.0, 60.0, 0.0, 60.0], "{spans:?}");
+    assert!(spans[1].1 > 138 && (39..=40).contains(&spans[3].1), "{spans:?}");
+    let said: Vec<String> = notes.iter().map(|(_, note)| note.to_string()).collect();
+    assert!(said.iter().any(|said| said.starts_with("left out 20 samples by time")), "{said:?}");
+    assert!(said.iter().any(|said| said.starts_with("left out 120 samples by time")), "{said:?}");
+    for motion in &data.trajectories {
+        for (t, q) in data.times(motion).zip(motion.q.iter()) {
+            assert!((q[0] - t).abs() < 1e-12, "positions of both sides of an interval were mixed");
+        }
+    }
+    let nothing = Reading { leave_out: vec![of(None, -1.0, 99.0)], ..reading };
+    assert!(read_as(&all[0], &nothing).unwrap_err().to_string().contains("no samples are left outside"));
+}
+
+#[test]
+fn an_interval_shorter_than_a_gap_splits_as_well() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = written(folder.path(), "a.csv", &log(100, ','));
+    let leave_out = vec![LeftOut { file: None, from: 0.099, to: 0.101 }];
+    for step in [None, Some(0.01)] {
+        let (data, _) = read_as(&file, &Reading { leave_out: leave_out.clone(), step, ..reading() }).unwrap();
+        assert_eq!(data.trajectories.len(), 2, "{step:?}");
+        let end = data.times(&data.trajectories[0]).last().unwrap();
+        assert!(end < 0.099 && data.trajectories[1].t0 > 0.101);
+    }
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! A first configuration.
 
-use super::report::Report;
+use super::report::{File, Report};
 use crate::cli::CONFIGURATION_HEAD;
 use leastaction_learning::data::survey::Guess;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -22,22 +23,24 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
     let mut text = format!(
         "{CONFIGURATION_HEAD}: check the columns and their units, and what each coordinate is.\n[data]\n"
     );
-    let seen = report.files.len();
+    let files_seen: BTreeSet<&PathBuf> = report.files.iter().map(|file| &file.file).collect();
     line(&mut text, format_args!("file = {}", list(&relative(files, at), true)));
-    let held_back = if seen >= 3 { 0.2 } else { 0.0 };
+    let held_back = if files_seen.len() >= 3 { 0.2 } else { 0.0 };
     line(
         &mut text,
         format_args!("validation = {held_back} # trajectories held back: whole files from the end"),
     );
-    if let Some(step) = step(report) {
+    if let Some(step) = step(report, guess) {
         line(&mut text, format_args!("step = {step}"));
     }
     line(&mut text, format_args!("\n[data.columns]"));
-    match report.files.first().and_then(|file| file.time_unit) {
+    match report.files.first().filter(|file| file.topic.is_none()).and_then(|file| file.time_unit) {
         Some(unit) if unit != "s" => {
             line(&mut text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)))
         }
-        _ => line(&mut text, format_args!("t = {}", quoted(t))),
+        Some(_) => line(&mut text, format_args!("t = {}", quoted(t))),
+        // Messages have a time of their own.
+        None => {}
     }
     for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
         if !names.is_empty() {
@@ -97,8 +100,10 @@ fn model(text: &mut String, guess: &Guess) {
 
 /// A hundredth of a second; the longest sampling interval of a file, to two digits, where that is longer and others have shorter ones;
 /// none where samples of all files lie at one such step.
-fn step(report: &Report) -> Option<f64> {
-    let intervals = || report.files.iter().filter_map(|file| file.rate).map(|rate| 1.0 / rate);
+fn step(report: &Report, guess: &Guess) -> Option<f64> {
+    let has_q = |file: &&File| guess.q.first().is_some_and(|q| file.may_have(q));
+    let rates = || report.files.iter().filter(has_q).filter_map(|file| file.rate);
+    let intervals = || rates().map(|rate| 1.0 / rate);
     let (longest, shortest) = (intervals().fold(0.0, f64::max), intervals().fold(f64::INFINITY, f64::min));
     if longest < SHORTEST_STEP {
         return (longest > 0.0).then_some(SHORTEST_STEP);

@@ -1,6 +1,6 @@
 //! What was seen in logs.
 
-use leastaction_learning::data::survey::{Clock, Signal, time_unit};
+use leastaction_learning::data::survey::{Clock, RawLog, Signal, time_unit};
 use leastaction_learning::data::unit;
 use serde::Serialize;
 use std::fmt;
@@ -19,11 +19,13 @@ pub struct Report {
     pub configuration: Option<PathBuf>,
 }
 
-/// A file, times in s.
+/// A file, or a topic of one, times in s.
 #[derive(Serialize)]
 pub struct File {
     /// Its name.
     pub file: PathBuf,
+    /// Of an MCAP file the topic.
+    pub topic: Option<String>,
     /// Its rows.
     pub samples: usize,
     /// Unit of its stamps.
@@ -45,13 +47,15 @@ pub struct File {
 }
 
 impl File {
-    pub(super) fn new(file: &Path, samples: usize, clock: Option<Clock>) -> Self {
-        let time_unit = clock.map(|clock| time_unit(clock.median));
+    pub(super) fn new(file: &Path, log: &RawLog, clock: Option<Clock>) -> Self {
+        let of_columns = clock.map(|clock| time_unit(clock.median));
+        let time_unit = if log.topic.is_some() { clock.map(|_| "s") } else { of_columns };
         let second = time_unit.and_then(unit);
         let seconds = |of: fn(&Clock) -> f64| Some(of(&clock?) * second?);
         Self {
             file: file.to_owned(),
-            samples,
+            topic: log.topic.clone(),
+            samples: log.samples(),
             time_unit,
             seconds: seconds(|clock| clock.duration),
             rate: seconds(|clock| clock.median).map(|median| 1.0 / median),
@@ -126,8 +130,7 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let width =
-            self.files.iter().map(|file| file.file.display().to_string().chars().count()).max().unwrap_or(0);
+        let width = self.files.iter().map(|file| file.name().chars().count()).max().unwrap_or(0);
         writeln!(f, "{:width$}  samples        s       Hz   jitter  gaps  repeated", "file")?;
         self.files.iter().try_for_each(|file| file.line(f, width))?;
         let width = self.columns.iter().map(|column| column.column.chars().count()).max().unwrap_or(0).max(6);
@@ -149,8 +152,19 @@ impl fmt::Display for Report {
 }
 
 impl File {
+    /// With its topic.
+    fn name(&self) -> String {
+        let topic = self.topic.as_ref().map_or(String::new(), |topic| format!(" {topic}"));
+        format!("{}{topic}", self.file.display())
+    }
+
+    /// Whether a column is in it.
+    pub(super) fn may_have(&self, column: &str) -> bool {
+        self.topic.as_ref().is_none_or(|topic| column.starts_with(topic.as_str()))
+    }
+
     fn line(&self, f: &mut fmt::Formatter, width: usize) -> fmt::Result {
-        let name = self.file.display().to_string();
+        let name = self.name();
         let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
         let seconds = or_dash(self.seconds.map(|seconds| format!("{seconds:.2}")));
         let rate = or_dash(self.rate.map(|rate| format!("{rate:.1}")));
