@@ -1,8 +1,11 @@
 //! What is in logs of which nothing is known yet, and a first configuration.
 
 mod configuration;
+mod coordinate;
+mod doubts;
 mod report;
 
+pub use coordinate::{Coordinate, FirstOutlier};
 pub use report::{Column, File, Report};
 
 use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal};
@@ -66,7 +69,8 @@ impl Report {
         }
         let columns = names.into_iter().filter_map(|name| of_column(name, seen, guess)).collect();
         let others = seen.first().map_or(Vec::new(), |first| first.log.others.clone());
-        Self { files, columns, others, configuration: None }
+        let coordinates = Coordinate::all(seen, guess);
+        Self { files, columns, coordinates, others, configuration: None }
     }
 }
 

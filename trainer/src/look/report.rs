@@ -1,5 +1,6 @@
 //! What was seen in logs.
 
+use super::coordinate::Coordinate;
 use leastaction_learning::data::survey::{Clock, RawLog, Signal, time_unit};
 use leastaction_learning::data::unit;
 use serde::Serialize;
@@ -13,6 +14,8 @@ pub struct Report {
     pub files: Vec<File>,
     /// Every column of numbers.
     pub columns: Vec<Column>,
+    /// How every coordinate moved.
+    pub coordinates: Vec<Coordinate>,
     /// Columns of something else.
     pub others: Vec<String>,
     /// What was written.
@@ -93,38 +96,8 @@ impl Column {
         Self { column: name.to_owned(), taken_for, least, greatest, grid, noise, missing }
     }
 
-    fn is(&self, letter: char) -> bool {
+    pub(super) fn is(&self, letter: char) -> bool {
         self.taken_for.as_deref().is_some_and(|role| role.starts_with(letter))
-    }
-}
-
-/// A joint hardly turns further, rad.
-const FAR: f64 = 60.0;
-
-impl Report {
-    /// What should be looked at before training.
-    pub fn doubts(&self) -> Vec<String> {
-        let far = |column: &&Column| column.is('q') && column.greatest.abs().max(column.least.abs()) > FAR;
-        let still = |column: &&Column| column.is('q') && column.greatest == column.least;
-        let missing = |column: &&Column| column.taken_for.is_some() && column.missing > 0;
-        let mut doubts = Vec::new();
-        if let Some(Column { column, greatest, least, .. }) = self.columns.iter().find(far) {
-            let most = greatest.abs().max(least.abs());
-            doubts.push(format!("{column} reaches {most:.4}; if it is in degrees or counts, give its unit under [data.columns]"));
-        }
-        if let Some(Column { column, .. }) = self.columns.iter().find(still) {
-            doubts.push(format!("{column} does not move: nothing can be learned of it"));
-        }
-        if let Some(Column { column, missing, .. }) = self.columns.iter().find(missing) {
-            doubts.push(format!("{column} has {missing} cells without a number; remove those samples"));
-        }
-        if let Some(File { file, backwards, .. }) = self.files.iter().find(|file| file.backwards > 0) {
-            doubts.push(format!(
-                "{}: time goes back {backwards} times; sort the samples or cut the file there",
-                file.display()
-            ));
-        }
-        doubts
     }
 }
 
@@ -133,9 +106,14 @@ impl fmt::Display for Report {
         let width = self.files.iter().map(|file| file.name().chars().count()).max().unwrap_or(0);
         writeln!(f, "{:width$}  samples        s       Hz   jitter  gaps  repeated", "file")?;
         self.files.iter().try_for_each(|file| file.line(f, width))?;
-        let width = self.columns.iter().map(|column| column.column.chars().count()).max().unwrap_or(0).max(6);
+        let width =
+            self.columns.iter().map(|column| column.column.chars().count()).max().unwrap_or(0).max(10);
         writeln!(f, "\n{:width$}  taken for        least     greatest         grid        noise", "column")?;
         self.columns.iter().try_for_each(|column| column.line(f, width))?;
+        if !self.coordinates.is_empty() {
+            writeln!(f, "\n{:width$}  rms per s  moving  reversals  turns  outliers", "coordinate")?;
+            self.coordinates.iter().try_for_each(|coordinate| coordinate.line(f, width))?;
+        }
         if !self.others.is_empty() {
             writeln!(f, "no numbers: {}", self.others.join(", "))?;
         }

@@ -166,3 +166,42 @@ fn a_first_configuration_is_short() {
     );
     assert_eq!((config.data.step, config.data.validation), (Some(0.01), 0.2));
 }
+
+#[test]
+fn a_look_says_what_was_excited_and_what_is_apart() {
+    let bench = Bench::new();
+    let mut text = "time,pos1,pos2,tau1,tau2\n".to_owned();
+    for j in 0..1500 {
+        let t = 0.002 * f64::from(j);
+        let (mut q0, q1) = (0.5 * (6.0 * t).sin(), 0.1 * t);
+        if j == 700 {
+            q0 += 0.3;
+        }
+        let stamp = if j == 40 { t - 0.002 } else { t };
+        writeln!(text, "{stamp},{q0},{q1},{},{}", (3.0 * t).sin(), (2.0 * t).cos()).unwrap();
+    }
+    bench.write("a.csv", &text);
+    let done = bench.run("look a.csv --json").good();
+    let report = done.json();
+    let coordinate = |i: usize| report["coordinates"][i].clone();
+    assert_eq!(
+        (&coordinate(0)["reversals"], &coordinate(1)["reversals"]),
+        (&6.into(), &0.into()),
+        "{report}"
+    );
+    assert_eq!(
+        (&coordinate(0)["outliers"], &coordinate(0)["first_outlier"]["sample"]),
+        (&1.into(), &700.into())
+    );
+    let speed = coordinate(0)["speed"].as_f64().unwrap();
+    assert!((speed / (3.0 / 2f64.sqrt()) - 1.0).abs() < 0.05, "{speed}");
+    for words in [
+        "pos1 has 1 single sample apart from the neighbours, the first by 0.300 at 1.4000 s (sample 700) of a.csv",
+        "pos2 never turns back",
+        "a.csv: 1 stamp repeated",
+    ] {
+        assert!(done.stderr.contains(words), "{words:?} is not in {}", done.stderr);
+    }
+    let table = bench.run("look a.csv").good().stdout;
+    assert!(table.contains("reversals  turns  outliers"), "{table}");
+}
