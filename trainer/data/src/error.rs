@@ -101,6 +101,16 @@ pub enum Problem {
         /// That are read.
         most: u64,
     },
+    /// An MCAP file that unpacks to more than an honest one of its size.
+    #[error(
+        "its chunks unpack to {bytes} bytes up to here, more than the {most} that are read of a file of its size"
+    )]
+    Unpacked {
+        /// Up to here.
+        bytes: u64,
+        /// That are read.
+        most: u64,
+    },
     /// A chunk of an MCAP file that is compressed in a way that is not known here.
     #[error("a chunk is compressed by {0:?}; zstd, lz4 and none are read: `mcap compress` writes them")]
     Compression(String),

@@ -115,6 +115,46 @@ fn a_chunk_that_unpacks_to_too_much_is_refused() {
     );
 }
 
+/// A record of a kind of its own, compressed by zstd: its head as it is, then blocks that say how often a zero stands there.
+fn record_of_zeros(size: u64) -> Vec<u8> {
+    const BLOCK: u64 = 1 << 17;
+    let mut packed = vec![0x28, 0xB5, 0x2F, 0xFD, 0, 7 << 3, 9 << 3, 0, 0, 0x80];
+    packed.extend((size - 9).to_le_bytes());
+    let mut rest = size - 9;
+    while rest > 0 {
+        let part = rest.min(BLOCK);
+        rest -= part;
+        let head = (part as u32) << 3 | 1 << 1 | u32::from(rest == 0);
+        packed.extend(&head.to_le_bytes()[..3]);
+        packed.push(0);
+    }
+    packed
+}
+
+/// Chunks of zeros, each of which is fine alone: the second one is not even unpacked.
+#[test]
+fn files_that_unpack_to_more_than_their_size_allows_are_refused() {
+    const SIZE: u64 = 1 << 28;
+    let plain = small(Chunks::Plain);
+    let packed = record_of_zeros(SIZE);
+    let mut chunk = vec![0; 16];
+    chunk.extend(SIZE.to_le_bytes());
+    chunk.extend([0, 0, 0, 0, 4, 0, 0, 0]);
+    chunk.extend(b"zstd");
+    chunk.extend((packed.len() as u64).to_le_bytes());
+    chunk.extend(packed);
+    let header = 9 + u64::from_le_bytes(plain[9..17].try_into().unwrap()) as usize;
+    let mut bytes = plain[..8 + header].to_vec();
+    for _ in 0..40 {
+        bytes.push(6);
+        bytes.extend((chunk.len() as u64).to_le_bytes());
+        bytes.extend(&chunk);
+    }
+    assert!(bytes.len() < 1 << 21, "{}", bytes.len());
+    let error = read(&bytes).unwrap_err();
+    assert!(matches!(error.problem, Problem::Unpacked { .. }), "{error}");
+}
+
 #[test]
 fn absurd_rates_and_spans_are_refused() {
     let q = [1.0, 2.0];

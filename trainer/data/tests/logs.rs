@@ -144,6 +144,47 @@ fn arrays_of_an_archive_are_named_with_an_index() {
 }
 
 #[test]
+fn files_of_mixed_columns_are_refused_with_file_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = written(folder.path(), "a.csv", &log(50, ','));
+    let said = |text: &str| {
+        let second = written(folder.path(), "b.csv", text);
+        read_logs(&[first.clone(), second], &reading()).unwrap_err().to_string()
+    };
+    let missing = said("time [ms],shoulder,torque\n0,1,2\n5,1,2\n10,1,2\n");
+    assert!(missing.contains("b.csv, line 1: there is no column \"elbow\""), "{missing}");
+    let wider = said("time [ms],shoulder,elbow,torque\n0,1,2,3\n5,1,2,3\n10,1,2,3,4\n");
+    assert!(wider.contains("b.csv, line 4: 5 cells where the header names 4 columns"), "{wider}");
+    let twice = said("time [ms],shoulder,elbow,elbow,torque\n0,1,2,3,4\n");
+    assert!(twice.contains("b.csv, line 1: column elbow stands twice"), "{twice}");
+    let unknown = written(folder.path(), "c.log", "");
+    assert!(
+        read_logs(&[first, unknown], &reading())
+            .unwrap_err()
+            .to_string()
+            .contains("name it .npz, .csv or .mcap")
+    );
+}
+
+#[test]
+fn absurd_rates_and_spans_of_stamps_are_refused_or_bounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |stamps: &[f64], step: Option<f64>| {
+        let mut text = "time [ms],shoulder,elbow,torque\n".to_owned();
+        stamps.iter().for_each(|t| writeln!(text, "{t:e},1,2,3").unwrap());
+        read_as(&written(folder.path(), "a.csv", &text), &Reading { step, ..reading() })
+    };
+    let years: Vec<f64> = (0..9).map(|k| 1e13 * f64::from(k)).collect();
+    let error = with(&years, Some(1e-6)).unwrap_err().to_string();
+    assert!(error.contains("less than a tenth of the"), "{error}");
+    let mixed: Vec<f64> = (0..9).map(|k| 1e-3 * f64::from(k)).chain([1e300, 2e300]).collect();
+    let (data, _) = with(&mixed, Some(2e-6)).unwrap();
+    assert!(data.samples() <= 9, "{}", data.samples());
+    assert!(with(&[0.0, 1e-300, 2e-300, 3e-300], Some(0.01)).is_err());
+    assert!(with(&[0.0, 0.0, 0.0, 0.0], None).is_err());
+}
+
+#[test]
 fn files_of_one_recording_are_joined() {
     let folder = tempfile::tempdir().unwrap();
     for run in 1..=2 {

@@ -15,6 +15,12 @@ use std::io::{self, ErrorKind, Read};
 /// Bytes that a chunk unpacks to at most. Recorders make chunks of some megabytes.
 const LARGEST_CHUNK: u64 = 1 << 28;
 
+/// Bytes that all chunks of any file unpack to at most, …
+const MOST_ANYWAY: u64 = LARGEST_CHUNK;
+
+/// … and of a larger one for each of its bytes: even pictures of nothing take up more.
+const MOST_PER_BYTE: u64 = 1000;
+
 /// Bytes that are read at a time.
 const BLOCK: usize = 1 << 20;
 
@@ -37,7 +43,7 @@ pub(super) type Visit<'v> = &'v mut dyn FnMut(&Message<'_>) -> Result<(), Fault>
 
 /// Has every message of a file of this length seen.
 pub(super) fn messages(source: &mut dyn Read, length: u64, visit: Visit<'_>) -> Result<(), Fault> {
-    let mut scan = Scan { channels: ChannelAccumulator::default(), messages: 0, read: 0, visit };
+    let mut scan = Scan { channels: ChannelAccumulator::default(), messages: 0, read: 0, unpacked: 0, visit };
     let limit = usize::try_from(length).unwrap_or(usize::MAX);
     let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(limit);
     let done = records(source, options, &mut |opcode, body| scan.of_file(opcode, body));
@@ -84,6 +90,8 @@ struct Scan<'v> {
     channels: ChannelAccumulator<'static>,
     messages: u64,
     read: u64,
+    /// Bytes of all chunks so far, by what they say.
+    unpacked: u64,
     visit: Visit<'v>,
 }
 
@@ -101,6 +109,11 @@ impl Scan<'_> {
         let Record::Chunk { header, data } = mcap::parse_record(opcode, body).map_err(broken)? else {
             return Ok(());
         };
+        self.unpacked = self.unpacked.saturating_add(header.uncompressed_size);
+        let most = MOST_PER_BYTE.saturating_mul(self.read).saturating_add(MOST_ANYWAY);
+        if self.unpacked > most && header.uncompressed_size <= LARGEST_CHUNK {
+            return Err((Place::File, Problem::Unpacked { bytes: self.unpacked, most }));
+        }
         let content = unpacked(&header, &data)?;
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
