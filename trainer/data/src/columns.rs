@@ -1,7 +1,8 @@
 //! Columns of a log under names and in units of its own.
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::join::Widths;
+use crate::place::Place;
 use crate::table::Table;
 use crate::{Rows, positive};
 use std::f64::consts::TAU;

@@ -4,9 +4,10 @@
 //! from one stamp of the table to the next. Where the other clock has a gap, or has not begun or has ended, the table has none either.
 
 use crate::columns::Column;
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::intervals::{GAP, Intervals};
 use crate::note::Note;
+use crate::place::Place;
 use crate::resample::Track;
 use crate::table::{Origin, Table};
 use crate::{MIN_SAMPLES, Rows};

@@ -1,7 +1,8 @@
 //! Logs without the samples of some intervals of time.
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::note::Note;
+use crate::place::Place;
 use crate::table::Table;
 use crate::{MIN_SAMPLES, Rows};
 

@@ -67,30 +67,30 @@ mod note;
 mod npy_text;
 mod npz;
 mod npz_columns;
+mod place;
 mod resample;
 mod rows;
+mod source;
 pub mod survey;
 pub mod symo;
 mod table;
 mod time;
 
-use std::borrow::Cow;
-use std::fs::{self, File};
-use std::io::{BufReader, Read};
 use std::path::Path;
 
 pub use columns::{Column, Columns, UNITS, unit};
 pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use doubts::Doubt;
-pub use error::{DataError, Place, Problem};
+pub use error::{DataError, Problem};
 pub use logs::{Join, LeftOut, Reading, files, read_as, read_logs};
 pub use measured::{Measured, read_measured};
 pub use note::{Note, Resampled};
+pub use place::Place;
 pub use rows::Rows;
 
 use error::Fault;
 use leastaction_core::forces::ControlKind;
-use table::Table;
+use source::{Format, Source, format_of};
 
 /// The fewest samples of a trajectory: one discrete Euler-Lagrange equation.
 pub const MIN_SAMPLES: usize = 3;
@@ -296,62 +296,6 @@ pub fn decode_as(
     located(path, || logs::even(Source::of(format_of(path)?, bytes), reading, path))
 }
 
-/// The content of a file, of which a `.mcap` one is read bit by bit.
-enum Source<'a> {
-    Npz(Cow<'a, [u8]>),
-    Csv(Cow<'a, [u8]>),
-    /// And its length in bytes.
-    Mcap(Box<dyn Read + 'a>, u64),
-}
-
-impl Source<'static> {
-    fn open(path: &Path) -> Result<Self, Fault> {
-        let fault = |error: std::io::Error| (Place::File, error.into());
-        match format_of(path)? {
-            Format::Npz => fs::read(path).map(|bytes| Self::Npz(bytes.into())).map_err(fault),
-            Format::Csv => fs::read(path).map(|bytes| Self::Csv(bytes.into())).map_err(fault),
-            Format::Mcap => {
-                let file = File::open(path).map_err(fault)?;
-                let length = file.metadata().map_err(fault)?.len();
-                Ok(Self::Mcap(Box::new(BufReader::with_capacity(1 << 20, file)), length))
-            }
-        }
-    }
-}
-
-impl<'a> Source<'a> {
-    fn of(format: Format, bytes: &'a [u8]) -> Self {
-        match format {
-            Format::Npz => Self::Npz(bytes.into()),
-            Format::Csv => Self::Csv(bytes.into()),
-            Format::Mcap => Self::Mcap(Box::new(bytes), bytes.len() as u64),
-        }
-    }
-
-    /// What it holds under the names of this layout.
-    fn table(self) -> Result<Table, Fault> {
-        match self {
-            Self::Npz(bytes) => npz::read(&bytes),
-            Self::Csv(bytes) => csv_file::read(&bytes, None),
-            Self::Mcap(..) => Err((Place::File, Problem::Unnamed)),
-        }
-    }
-
-    /// What it holds under names of its own, in SI units.
-    fn named(self, columns: &Columns, control: Option<ControlKind>) -> Result<(Table, Vec<Note>), Fault> {
-        match self {
-            Self::Npz(bytes) => npz_columns::read(&bytes, columns).map(|table| (table, Vec::new())),
-            Self::Csv(bytes) => csv_file::read(&bytes, Some(columns)).map(|table| (table, Vec::new())),
-            Self::Mcap(mut source, length) => {
-                let (parts, mut notes) = bag::Bag::read(&mut source, length)?.parts(columns)?;
-                let (table, more) = join::joined(parts, columns.widths(), control)?;
-                notes.extend(more);
-                Ok((table, notes))
-            }
-        }
-    }
-}
-
 /// Writes a data set, by the extension `.npz` or `.csv`; the file is replaced in one step or not at all.
 ///
 /// Numbers are written so that [`read`] gives the same bits.
@@ -378,23 +322,4 @@ fn store(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
 
 fn located<T>(path: &Path, work: impl FnOnce() -> Result<T, Fault>) -> Result<T, DataError> {
     work().map_err(|(place, problem)| DataError { file: path.to_path_buf(), place, problem })
-}
-
-enum Format {
-    Npz,
-    Csv,
-    Mcap,
-}
-
-fn format_of(path: &Path) -> Result<Format, Fault> {
-    let extension = path.extension().unwrap_or_default();
-    if extension.eq_ignore_ascii_case("npz") {
-        Ok(Format::Npz)
-    } else if extension.eq_ignore_ascii_case("csv") {
-        Ok(Format::Csv)
-    } else if extension.eq_ignore_ascii_case("mcap") {
-        Ok(Format::Mcap)
-    } else {
-        Err((Place::File, Problem::Extension))
-    }
 }

@@ -1,11 +1,13 @@
 //! Several files as one log, read as a configuration says.
 
 use crate::columns::{Column, Columns};
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::join::{Part, Wanted, joined};
 use crate::note::Note;
+use crate::place::Place;
+use crate::source::Source;
 use crate::table::Table;
-use crate::{DataError, Dataset, Source, control_name, located};
+use crate::{DataError, Dataset, control_name, located};
 use leastaction_core::forces::ControlKind;
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,11 @@
 //! The samples of a file at their own stamps, for those who bring them onto a step by a rule of their own.
 
 use crate::columns::Columns;
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
+use crate::source::Source;
 use crate::table::Table;
-use crate::{DataError, Rows, Source, located};
+use crate::{DataError, Rows, located};
 use std::path::Path;
 
 /// What a file logged, in SI units: stamps rise, and of samples with one stamp the first is kept.

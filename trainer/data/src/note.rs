@@ -1,6 +1,6 @@
 //! What a reader decided about a log that it accepted.
 
-use crate::error::Place;
+use crate::place::Place;
 use std::fmt;
 
 /// Something the reader decided about a log that it accepted. Tell the user.

@@ -8,7 +8,8 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use crate::archive::{Archive, Array};
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
 use crate::table::{Origin, Table};
 use crate::{Dataset, Rows, control_name, control_of_name, npy_text};
 use leastaction_core::forces::ControlKind;

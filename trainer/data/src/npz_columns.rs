@@ -3,7 +3,8 @@
 use crate::Rows;
 use crate::archive::Archive;
 use crate::columns::{Column, Columns};
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
 use crate::table::{Origin, Table};
 use std::collections::HashMap;
 

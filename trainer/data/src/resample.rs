@@ -4,9 +4,10 @@
 //! positions, velocities and accelerations go along a straight line. A held control, u_j acting from t_j to t_{j+1}, is averaged over
 //! the step in which it acts, so that its impulse stays; one that is linear between samples goes along a straight line as well.
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::intervals::{GAP, Intervals};
 use crate::note::{Note, Resampled};
+use crate::place::Place;
 use crate::table::{Run, Table};
 use crate::time::rounded;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};

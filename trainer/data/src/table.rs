@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use leastaction_core::forces::ControlKind;
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::note::Note;
+use crate::place::Place;
 use crate::time::Stamps;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
 
@@ -229,16 +230,6 @@ impl Table {
             v: self.v.as_ref().map(cut),
             a: self.a.as_ref().map(cut),
             u: self.u.as_ref().map(cut),
-        }
-    }
-}
-
-impl Place {
-    fn without_column(self) -> Self {
-        match self {
-            Self::Cell { line, .. } => Self::Line(line),
-            Self::Value { message, .. } => Self::Message(message),
-            other => other,
         }
     }
 }

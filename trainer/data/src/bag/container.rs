@@ -3,7 +3,8 @@
 //! The file is read from its beginning to its end, never more than a chunk at a time. Nothing is allocated by what a length claims: records
 //! are no longer than the file, and chunks unpack to what they say at most.
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use mcap::McapError;
 use mcap::read::ChannelAccumulator;
@@ -50,12 +51,11 @@ pub(super) fn messages(source: &mut dyn Read, length: u64, visit: Visit<'_>) -> 
     done.map_err(|fault| scan.located(fault))
 }
 
-/// Hands over every record of a file or a chunk: its kind and its bytes.
-fn records(
-    source: &mut dyn Read,
-    options: LinearReaderOptions,
-    each: &mut dyn FnMut(u8, &[u8]) -> Result<(), Fault>,
-) -> Result<(), Fault> {
+/// What is done with every record, of its kind and its bytes.
+type Each<'e> = &'e mut dyn FnMut(u8, &[u8]) -> Result<(), Fault>;
+
+/// Hands over every record of a file or a chunk.
+fn records(source: &mut dyn Read, options: LinearReaderOptions, each: Each<'_>) -> Result<(), Fault> {
     let mut reader = LinearReader::new_with_options(options);
     while let Some(event) = reader.next_event() {
         match event.map_err(broken)? {

@@ -9,9 +9,10 @@ mod container;
 
 use crate::Rows;
 use crate::columns::Columns;
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::join::{Part, Wanted};
 use crate::note::Note;
+use crate::place::Place;
 use crate::table::Origin;
 use cdr::JointState;
 use container::Message;

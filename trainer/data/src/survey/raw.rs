@@ -3,8 +3,10 @@
 use crate::archive::Archive;
 use crate::bag::{Bag, Clock, Stream};
 use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
-use crate::error::{Fault, Place, Problem};
-use crate::{DataError, Rows, Source, located};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
+use crate::source::Source;
+use crate::{DataError, Rows, located};
 use std::path::Path;
 
 /// The columns of numbers of one clock in a file, as they stand there.

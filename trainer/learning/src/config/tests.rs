@@ -191,3 +191,19 @@ fn intervals_and_further_files_of_recordings() {
         assert!(message.contains(said), "{message}");
     }
 }
+
+#[test]
+fn the_pages_ways_to_name_logs_are_read() {
+    const PAGE: &str = include_str!("../../../../docs/logs.md");
+    let blocks = PAGE.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let logs: Vec<String> = blocks
+        .filter(|block| block.starts_with("[data]"))
+        .map(|block| format!("{block}[model]\ncoordinates = \"aa\"\n"))
+        .collect();
+    let read: Vec<_> = logs.iter().map(|text| parse(text).unwrap().data.reading()).collect();
+    assert_eq!(read.len(), 3);
+    assert!(
+        read.iter().any(|reading| reading.joins.len() == 1)
+            && read.iter().any(|reading| reading.leave_out.len() == 2)
+    );
+}
