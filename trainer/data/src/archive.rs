@@ -9,8 +9,9 @@ use ndarray_npy::npy::header::Header;
 use ndarray_npy::{ReadNpyError, ReadNpyExt, ReadableElement};
 use zip::ZipArchive;
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::npy_text;
+use crate::place::Place;
 
 /// NumPy refuses longer headers too: nothing honest needs them, and a parser can be drowned in them.
 const LONGEST_HEADER: usize = 10_000;

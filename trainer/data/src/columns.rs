@@ -1,6 +1,8 @@
 //! Columns of a log under names and in units of its own.
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
+use crate::join::Widths;
+use crate::place::Place;
 use crate::table::Table;
 use crate::{Rows, positive};
 use std::f64::consts::TAU;
@@ -9,7 +11,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its name in the header line of a `.csv` file, or the array of an `.npz` file; `name[i]` is column i of a two-dimensional
-    /// array, which without an index gives all of them.
+    /// array, which without an index gives all of them. Of an `.mcap` file `topic/joint/position`, `velocity` or `effort`; time is `t`.
     pub name: String,
     /// Finite and not 0; below 0 where the sign is to change.
     pub scale: f64,
@@ -63,6 +65,15 @@ pub fn unit(name: &str) -> Option<f64> {
 }
 
 impl Columns {
+    /// All but time: q, v, u.
+    pub(crate) fn wanted(&self) -> impl Iterator<Item = &Column> {
+        self.q.iter().chain(&self.v).chain(&self.u)
+    }
+
+    pub(crate) fn widths(&self) -> Widths {
+        Widths { q: self.q.len(), v: self.v.len(), u: self.u.len() }
+    }
+
     /// Refuses what cannot be, before any file is opened.
     ///
     /// # Errors

@@ -7,8 +7,9 @@ use csv::ByteRecord;
 
 use crate::columns::{Column, Columns};
 use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
-use crate::error::{Fault, Place, Problem};
-use crate::table::Table;
+use crate::error::{Fault, Problem};
+use crate::place::Place;
+use crate::table::{Origin, Table};
 use crate::{Dataset, Rows, Trajectory, control_name, control_of_name};
 use leastaction_core::forces::ControlKind;
 
@@ -242,7 +243,7 @@ impl Cells {
             h,
             trajectory: columns.trajectory.map(|_| self.trajectory),
             control: None,
-            lines: Some(self.lines),
+            origin: Origin::Lines(self.lines),
         })
     }
 }

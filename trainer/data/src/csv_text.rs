@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use csv::{ByteRecord, Error, Reader, ReaderBuilder, Trim};
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
 
 /// What may separate cells; of those that fit equally well the last is taken.
 const SEPARATORS: [u8; 3] = [b'\t', b';', b','];

@@ -1,9 +1,9 @@
 //! What can be wrong with a file of logged motion, and where.
 
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use crate::place::Place;
 use thiserror::Error;
 
 /// A file that could not be read or written as logged motion.
@@ -18,55 +18,87 @@ pub struct DataError {
     pub problem: Problem,
 }
 
-/// Where in a file something is. Lines count from 1, rows and columns of arrays from 0.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Place {
-    /// The file as a whole.
-    File,
-    /// A line of a CSV file.
-    Line(u64),
-    /// A cell of a CSV file.
-    Cell {
-        /// Line in the file, comments counted.
-        line: u64,
-        /// Name in the header line.
-        column: String,
-    },
-    /// An array of an NPZ file.
-    Key(String),
-    /// One sample of an array of an NPZ file.
-    Row {
-        /// Name of the array.
-        key: String,
-        /// Index along its first axis.
-        row: usize,
-    },
-    /// A trajectory in memory, by its id.
-    Trajectory(i64),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File => Ok(()),
-            Self::Line(line) => write!(f, ", line {line}"),
-            Self::Cell { line, column } => write!(f, ", line {line}, column {column}"),
-            Self::Key(key) => write!(f, ", key {key}"),
-            Self::Row { key, row } => write!(f, ", key {key}, row {row}"),
-            Self::Trajectory(id) => write!(f, ", trajectory {id}"),
-        }
-    }
-}
-
 /// What is wrong. The message says what to do about it.
 #[derive(Debug, Error)]
 pub enum Problem {
     /// The operating system refused.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// Neither `.npz` nor `.csv`.
-    #[error("unknown kind of file; name it .npz or .csv")]
+    /// Neither `.npz`, `.csv` nor `.mcap`.
+    #[error("unknown kind of file; name it .npz, .csv or .mcap")]
     Extension,
+    /// A `.mcap` file that should be written.
+    #[error("files of this kind are read, not written; name it .npz or .csv")]
+    ReadOnly,
+    /// A `.mcap` file without names of columns.
+    #[error(
+        "which joints are the coordinates? Name them under [data.columns]; `leastaction look` lists them and writes a configuration"
+    )]
+    Unnamed,
+    /// Not a readable MCAP file.
+    #[error(
+        "not a readable .mcap file: {0}; what is sound of a recording that was cut off can be saved by `mcap recover`"
+    )]
+    NotMcap(String),
+    /// A chunk of an MCAP file that claims to unpack to too much.
+    #[error(
+        "a chunk says that it unpacks to {bytes} bytes; at most {most} are read: write the file with smaller chunks"
+    )]
+    LargeChunk {
+        /// As it says.
+        bytes: u64,
+        /// That are read.
+        most: u64,
+    },
+    /// An MCAP file that unpacks to more than an honest one of its size.
+    #[error(
+        "its chunks unpack to {bytes} bytes up to here, more than the {most} that are read of a file of its size"
+    )]
+    Unpacked {
+        /// Up to here.
+        bytes: u64,
+        /// That are read.
+        most: u64,
+    },
+    /// A chunk of an MCAP file that is compressed in a way that is not known here.
+    #[error("a chunk is compressed by {0:?}; zstd, lz4 and none are read: `mcap compress` writes them")]
+    Compression(String),
+    /// A message that is not what its schema says.
+    #[error("not a sensor_msgs/JointState in CDR: {0}")]
+    NotJointState(&'static str),
+    /// An MCAP file without what is read of one.
+    #[error("no messages of sensor_msgs/JointState in CDR, as ROS 2 writes them; the file has {}", list(.0))]
+    NoJointStates(Vec<String>),
+    /// A message that has some of the joints of its topic that are wanted.
+    #[error(
+        "{0} is missing, though other columns of this topic are there; name joints that are sent together"
+    )]
+    MissingJoint(String),
+    /// A time of recording beyond those that are known.
+    #[error("it was recorded {0} ns after 1970, which no clock says")]
+    BadTime(u64),
+    /// A file whose partner has another name than the configuration says.
+    #[error("{part:?} is not in its name, so that nothing says which file {name:?} is; see [data.join]")]
+    NoPartner {
+        /// What is to be replaced in the name.
+        part: String,
+        /// Of the join.
+        name: String,
+    },
+    /// A log whose samples are all in intervals to leave out.
+    #[error("no samples are left outside the intervals of leave_out under [data]; 3 in a row are needed")]
+    AllLeftOut,
+    /// Clocks of one recording that never ran together.
+    #[error(
+        "of {samples} samples of the coordinates {shared} lie where all other columns have some too; do the stamps of all of them \
+         come from one clock?"
+    )]
+    NoOverlap {
+        /// Of the coordinates.
+        samples: usize,
+        /// Where everything is there.
+        shared: usize,
+    },
     /// Not a readable zip archive.
     #[error("not a readable .npz file ({0}); write it again, with numpy.savez(path, q=..., t=...)")]
     NotNpz(String),

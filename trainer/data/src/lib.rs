@@ -1,4 +1,4 @@
-//! Logged motion: trajectories in memory, in `.npz` and in `.csv` files.
+//! Logged motion: trajectories in memory, in `.npz`, `.csv` and `.mcap` files.
 //!
 //! | name | `.npz` array | `.csv` columns | unit |
 //! |---|---|---|---|
@@ -18,6 +18,11 @@
 //! semicolons or tabs, whichever makes names of the header line; a decimal comma is read where nothing in the file speaks for one
 //! that separates thousands. The text is UTF-8, or UTF-16 with a byte order mark. A name that begins with
 //! `_` is ignored; any other name is an error, so that a misspelt one is not lost in silence.
+//!
+//! **Bags of ROS 2** (`.mcap`, `sensor_msgs/JointState`) are read by names of columns alone: `topic/joint/position`, `velocity` or `effort`, at the
+//! stamps of their messages, in s from the first one. Columns of several topics, or of several files of one recording ([`Join`]), are joined: the
+//! samples are those of the first coordinate; of other clocks positions, velocities and linear controls are taken from straight lines, held
+//! controls averaged from sample to sample; samples where another clock has a gap, or does not run, are left out.
 //!
 //! **Columns of other names and units** are read by a [`Reading`] that names them ([`Columns`]); all others are then ignored. [`read_logs`] makes
 //! one log of several files. Both resample uneven stamps, and all stamps where a step is named: the new samples of a stretch without gaps
@@ -43,6 +48,7 @@
 mod angles;
 mod archive;
 pub mod atomic;
+mod bag;
 pub mod checksummed;
 mod columns;
 mod control;
@@ -51,6 +57,8 @@ mod csv_text;
 mod doubts;
 mod error;
 mod intervals;
+mod join;
+mod left_out;
 pub mod lock;
 mod logs;
 mod measured;
@@ -59,28 +67,30 @@ mod note;
 mod npy_text;
 mod npz;
 mod npz_columns;
+mod place;
 mod resample;
 mod rows;
+mod source;
 pub mod survey;
 pub mod symo;
 mod table;
 mod time;
 
-use std::fs;
 use std::path::Path;
 
 pub use columns::{Column, Columns, UNITS, unit};
 pub use control::{CONTROL_KINDS, control_name, control_of_name};
 pub use doubts::Doubt;
-pub use error::{DataError, Place, Problem};
-pub use logs::{Reading, files, read_as, read_logs};
+pub use error::{DataError, Problem};
+pub use logs::{Join, LeftOut, Reading, files, read_as, read_logs};
 pub use measured::{Measured, read_measured};
 pub use note::{Note, Resampled};
+pub use place::Place;
 pub use rows::Rows;
 
 use error::Fault;
 use leastaction_core::forces::ControlKind;
-use table::Table;
+use source::{Format, Source, format_of};
 
 /// The fewest samples of a trajectory: one discrete Euler-Lagrange equation.
 pub const MIN_SAMPLES: usize = 3;
@@ -261,10 +271,7 @@ fn positive(h: f64) -> Result<(), Problem> {
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
-    located(path, || {
-        let (format, bytes) = content(path)?;
-        table(format, &bytes, None)?.into_dataset()
-    })
+    located(path, || Source::open(path)?.table()?.into_dataset())
 }
 
 /// As [`read`], of the content of a file; `path` tells the format and stands in errors.
@@ -273,32 +280,20 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Dataset, Vec<Note>), DataError> {
 /// As [`read`].
 pub fn decode(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(Dataset, Vec<Note>), DataError> {
     let path = path.as_ref();
-    located(path, || table(format_of(path)?, bytes, None)?.into_dataset())
+    located(path, || Source::of(format_of(path)?, bytes).table()?.into_dataset())
 }
 
-/// A file and what its name says that it is.
-fn content(path: &Path) -> Result<(Format, Vec<u8>), Fault> {
-    let format = format_of(path)?;
-    Ok((format, fs::read(path).map_err(|error| (Place::File, error.into()))?))
-}
-
-/// What a file holds, in SI units, under the names of this layout or of its own.
-fn table(format: Format, bytes: &[u8], columns: Option<&Columns>) -> Result<Table, Fault> {
-    let Some(columns) = columns else {
-        return match format {
-            Format::Npz => npz::read(bytes),
-            Format::Csv => csv_file::read(bytes, None),
-        };
-    };
-    named(format, bytes, columns)?.driven(columns.actuation.as_deref())
-}
-
-/// What a file holds under names of its own, in SI units.
-fn named(format: Format, bytes: &[u8], columns: &Columns) -> Result<Table, Fault> {
-    match format {
-        Format::Npz => npz_columns::read(bytes, columns),
-        Format::Csv => csv_file::read(bytes, Some(columns)),
-    }
+/// As [`read_as`], of the content of a file; `path` tells the format and stands in errors. Nothing is joined from other files.
+///
+/// # Errors
+/// As [`read_as`].
+pub fn decode_as(
+    path: impl AsRef<Path>,
+    bytes: &[u8],
+    reading: &Reading,
+) -> Result<(Dataset, Vec<Note>), DataError> {
+    let path = path.as_ref();
+    located(path, || logs::even(Source::of(format_of(path)?, bytes), reading, path))
 }
 
 /// Writes a data set, by the extension `.npz` or `.csv`; the file is replaced in one step or not at all.
@@ -315,6 +310,7 @@ pub fn write(path: impl AsRef<Path>, dataset: &Dataset) -> Result<(), DataError>
         let bytes = match format {
             Format::Npz => npz::write(dataset)?,
             Format::Csv => csv_file::write(dataset)?,
+            Format::Mcap => return Err((Place::File, Problem::ReadOnly)),
         };
         store(path, &bytes)
     })
@@ -326,20 +322,4 @@ fn store(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
 
 fn located<T>(path: &Path, work: impl FnOnce() -> Result<T, Fault>) -> Result<T, DataError> {
     work().map_err(|(place, problem)| DataError { file: path.to_path_buf(), place, problem })
-}
-
-enum Format {
-    Npz,
-    Csv,
-}
-
-fn format_of(path: &Path) -> Result<Format, Fault> {
-    let extension = path.extension().unwrap_or_default();
-    if extension.eq_ignore_ascii_case("npz") {
-        Ok(Format::Npz)
-    } else if extension.eq_ignore_ascii_case("csv") {
-        Ok(Format::Csv)
-    } else {
-        Err((Place::File, Problem::Extension))
-    }
 }

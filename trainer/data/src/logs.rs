@@ -1,9 +1,13 @@
 //! Several files as one log, read as a configuration says.
 
-use crate::columns::Columns;
-use crate::error::{Fault, Place, Problem};
+use crate::columns::{Column, Columns};
+use crate::error::{Fault, Problem};
+use crate::join::{Part, Wanted, joined};
 use crate::note::Note;
-use crate::{DataError, Dataset, content, control_name, located, table};
+use crate::place::Place;
+use crate::source::Source;
+use crate::table::Table;
+use crate::{DataError, Dataset, control_name, located};
 use leastaction_core::forces::ControlKind;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +20,60 @@ pub struct Reading {
     pub step: Option<f64>,
     /// What u does between samples, where a file does not say it.
     pub control: Option<ControlKind>,
+    /// Further files of each recording; needs names of columns.
+    pub joins: Vec<Join>,
+    /// Intervals that are left out, as gaps are.
+    pub leave_out: Vec<LeftOut>,
+}
+
+/// An interval of time that is left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Of the file whose path ends so; of every file where there is none.
+    pub file: Option<PathBuf>,
+    /// First stamp that is left out (s).
+    pub from: f64,
+    /// Last stamp that is left out (s); it may be infinite.
+    pub to: f64,
+}
+
+impl Reading {
+    /// The intervals that a file is without (s).
+    fn left_out(&self, path: &Path) -> Vec<(f64, f64)> {
+        let of_file = |left: &&LeftOut| left.file.as_ref().is_none_or(|file| path.ends_with(file));
+        self.leave_out.iter().filter(of_file).map(|left| (left.from, left.to)).collect()
+    }
+}
+
+/// Another file of the same recording, whose columns are named with what it is called before them: `torque:tau1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Join {
+    /// What it is called.
+    pub name: String,
+    /// Its path is that of the file of the coordinates with the last such text …
+    pub replace: String,
+    /// … replaced by this.
+    pub by: String,
+    /// Its time, of the same clock, to s.
+    pub t: Column,
+}
+
+impl Join {
+    /// The file that belongs to one of coordinates.
+    fn partner(&self, path: &Path) -> Result<PathBuf, Fault> {
+        let text = path.to_string_lossy();
+        let no = || Problem::NoPartner { part: self.replace.clone(), name: self.name.clone() };
+        let at = text.rfind(&self.replace).filter(|_| !self.replace.is_empty());
+        let at = at.ok_or_else(|| (Place::File, no()))?;
+        let mut partner = text.to_string();
+        partner.replace_range(at..at + self.replace.len(), &self.by);
+        Ok(PathBuf::from(partner))
+    }
+
+    /// The name of a column in the file, where it is of this file.
+    fn strip<'n>(&self, name: &'n str) -> Option<&'n str> {
+        name.strip_prefix(&self.name)?.strip_prefix(':')
+    }
 }
 
 /// The files that patterns name, those of each in the order of their names: `*` and `?` stand for any characters, `**` for folders.
@@ -85,17 +143,108 @@ fn alike(all: &Dataset, log: &Dataset, first: &Path) -> Result<(), Fault> {
     Err((Place::File, problem))
 }
 
-/// Reads one file.
+/// Reads one file, and those that are joined to it.
 ///
 /// # Errors
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read_as(path: &Path, reading: &Reading) -> Result<(Dataset, Vec<Note>), DataError> {
-    located(path, || {
-        let (format, bytes) = content(path)?;
-        let mut table = table(format, &bytes, reading.columns.as_ref())?;
-        drop(bytes);
-        // What a file says of itself goes before; that it contradicts the configuration is said by who knows both.
-        table.control = table.control.or(reading.control);
-        table.into_even(reading.step)
-    })
+    match &reading.columns {
+        Some(columns) if !reading.joins.is_empty() => {
+            let (table, notes) = joined_files(path, columns, reading)?;
+            located(path, || finished(table, notes, reading, path))
+        }
+        _ => located(path, || even(Source::open(path)?, reading, path)),
+    }
+}
+
+/// A log of one file.
+pub(crate) fn even(
+    source: Source<'_>,
+    reading: &Reading,
+    path: &Path,
+) -> Result<(Dataset, Vec<Note>), Fault> {
+    let (table, notes) = match &reading.columns {
+        Some(columns) => source.named(columns, reading.control)?,
+        None => (source.table()?, Vec::new()),
+    };
+    finished(table, notes, reading, path)
+}
+
+/// A log of a table.
+fn finished(
+    table: Table,
+    mut notes: Vec<Note>,
+    reading: &Reading,
+    path: &Path,
+) -> Result<(Dataset, Vec<Note>), Fault> {
+    let mut table = match &reading.columns {
+        Some(columns) => table.driven(columns.actuation.as_deref())?,
+        None => table,
+    };
+    // What a file says of itself goes before; that it contradicts the configuration is said by who knows both.
+    table.control = table.control.or(reading.control);
+    let left_out = reading.left_out(path);
+    if !left_out.is_empty() {
+        let (rest, more) = table.without(&left_out)?;
+        table = rest;
+        notes.extend(more);
+    }
+    let (log, more) = table.into_even(reading.step)?;
+    notes.extend(more);
+    Ok((log, notes))
+}
+
+/// The files of one recording in one table.
+fn joined_files(path: &Path, columns: &Columns, reading: &Reading) -> Result<(Table, Vec<Note>), DataError> {
+    let joins = &reading.joins;
+    let (mut of_path, mut of_joins): (Wanted, Vec<Wanted>) = (Vec::new(), vec![Vec::new(); joins.len()]);
+    for (index, column) in columns.wanted().enumerate() {
+        let found = joins.iter().zip(&mut of_joins).find_map(|(join, wanted)| {
+            Some((Column { name: join.strip(&column.name)?.to_owned(), ..*column }, wanted))
+        });
+        match found {
+            Some((column, wanted)) => wanted.push((index, column)),
+            None => of_path.push((index, column.clone())),
+        }
+    }
+    let mut notes = Vec::new();
+    let mut parts = Vec::new();
+    let mut read = |file: &Path, t: &Column, wanted: Wanted| {
+        if !wanted.is_empty() {
+            let (part, said) = located(file, || part(file, t, wanted, reading.control))?;
+            parts.push(part);
+            notes.extend(said);
+        }
+        Ok(())
+    };
+    read(path, &columns.t, of_path)?;
+    for (join, wanted) in joins.iter().zip(of_joins) {
+        read(&located(path, || join.partner(path))?, &join.t, wanted)?;
+    }
+    // The clock is that of the first coordinate.
+    parts.sort_by_key(|part| part.wanted.first().map_or(usize::MAX, |(index, _)| *index));
+    let (table, more) = located(path, || joined(parts, columns.widths(), reading.control))?;
+    notes.extend(more);
+    Ok((table, notes))
+}
+
+/// Columns of one file.
+fn part(
+    file: &Path,
+    t: &Column,
+    wanted: Wanted,
+    control: Option<ControlKind>,
+) -> Result<(Part, Vec<Note>), Fault> {
+    let q: Vec<Column> = wanted.iter().map(|(_, column)| column.clone()).collect();
+    let columns = Columns { t: t.clone(), q, v: Vec::new(), u: Vec::new(), actuation: None };
+    let (table, notes) = Source::open(file)?.named(&columns, control)?;
+    table.check_finite()?;
+    let Table { q: values, t, origin, control, .. } = table;
+    if values.width() != wanted.len() {
+        let (name, what) = ("an array that is joined", "columns; name them one by one, as name[0],");
+        let problem = Problem::Inconsistent { name, what, found: values.width(), expected: wanted.len() };
+        return Err((Place::File, problem));
+    }
+    let t = t.unwrap_or_default();
+    Ok((Part { t, values, wanted, origin, control }, notes))
 }

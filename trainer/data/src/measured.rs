@@ -1,9 +1,11 @@
 //! The samples of a file at their own stamps, for those who bring them onto a step by a rule of their own.
 
 use crate::columns::Columns;
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
+use crate::source::Source;
 use crate::table::Table;
-use crate::{DataError, Rows, content, located, named};
+use crate::{DataError, Rows, located};
 use std::path::Path;
 
 /// What a file logged, in SI units: stamps rise, and of samples with one stamp the first is kept.
@@ -25,8 +27,8 @@ pub struct Measured {
 /// [`DataError`] with the file, the place in it and the problem.
 pub fn read_measured(path: &Path, columns: &Columns) -> Result<Measured, DataError> {
     located(path, || {
-        let (format, bytes) = content(path)?;
-        named(format, &bytes, columns)?.measured()
+        let (table, _) = Source::open(path)?.named(columns, None)?;
+        table.measured()
     })
 }
 

@@ -10,8 +10,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::archive::{Archive, Array};
-use crate::error::{DataError, Fault, Place, Problem};
+use crate::error::{DataError, Fault, Problem};
 use crate::npz::Writer;
+use crate::place::Place;
 use crate::{Dataset, Rows, Trajectory, expect, finite, located, store};
 
 /// Rows of whole trajectories, one after the other.

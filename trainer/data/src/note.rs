@@ -1,6 +1,6 @@
 //! What a reader decided about a log that it accepted.
 
-use crate::error::Place;
+use crate::place::Place;
 use std::fmt;
 
 /// Something the reader decided about a log that it accepted. Tell the user.
@@ -28,6 +28,23 @@ pub enum Note {
         /// In the piece.
         samples: usize,
     },
+    /// Messages of a topic have the time at which they were recorded, for want of a stamp.
+    Unstamped {
+        /// The topic.
+        topic: String,
+    },
+    /// Samples of the coordinates were left out where columns of another clock have none.
+    Uncovered {
+        /// That were left out.
+        samples: usize,
+    },
+    /// Samples were left out that lie in intervals to leave out.
+    LeftOut {
+        /// That were left out.
+        samples: usize,
+        /// Pieces that the log has now.
+        pieces: usize,
+    },
     /// Whole turns were added to an angle, so that it goes on across the seam of its range.
     Seams {
         /// From 0.
@@ -53,6 +70,21 @@ impl fmt::Display for Note {
                 f,
                 "trajectory {trajectory}{place}: left out a piece of {samples} samples between gaps; 3 are needed"
             ),
+            Self::Unstamped { topic } => write!(
+                f,
+                "{topic} has messages without a stamp: its time is that at which the recorder got them, late and with jitter"
+            ),
+            Self::Uncovered { samples } => write!(
+                f,
+                "left out {samples} samples of the coordinates where columns of another clock have none"
+            ),
+            Self::LeftOut { samples, pieces } => {
+                let plural = if *pieces == 1 { "piece" } else { "pieces" };
+                write!(
+                    f,
+                    "left out {samples} samples by time, as configured; {pieces} {plural} of the log remain"
+                )
+            }
             Self::Seams { coordinate, cyclic, seams, trajectories } => {
                 let taken = if *cyclic { ", a cyclic coordinate taken for an angle," } else { "" };
                 let plural = if *seams == 1 { "" } else { "s" };

@@ -8,8 +8,9 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use crate::archive::{Archive, Array};
-use crate::error::{Fault, Place, Problem};
-use crate::table::Table;
+use crate::error::{Fault, Problem};
+use crate::place::Place;
+use crate::table::{Origin, Table};
 use crate::{Dataset, Rows, control_name, control_of_name, npy_text};
 use leastaction_core::forces::ControlKind;
 
@@ -28,7 +29,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Table, Fault> {
         h: scalar(archive.get("h")?)?.map(|h| (h, Place::Key("h".to_owned()))),
         trajectory: column(archive.get("trajectory")?, q.len())?.map(|ids| ids.integers()).transpose()?,
         control: control(&archive)?,
-        lines: None,
+        origin: Origin::rows(),
         q,
     })
 }

@@ -3,8 +3,9 @@
 use crate::Rows;
 use crate::archive::Archive;
 use crate::columns::{Column, Columns};
-use crate::error::{Fault, Place, Problem};
-use crate::table::Table;
+use crate::error::{Fault, Problem};
+use crate::place::Place;
+use crate::table::{Origin, Table};
 use std::collections::HashMap;
 
 pub(crate) fn read(bytes: &[u8], columns: &Columns) -> Result<Table, Fault> {
@@ -18,7 +19,7 @@ pub(crate) fn read(bytes: &[u8], columns: &Columns) -> Result<Table, Fault> {
     let q = arrays.rows(&columns.q, samples)?.ok_or((Place::File, Problem::Empty))?;
     let (v, u) = (arrays.rows(&columns.v, samples)?, arrays.rows(&columns.u, samples)?);
     let t = Some(t.as_flat().to_vec());
-    Ok(Table { q, v, a: None, u, t, h: None, trajectory: None, control: None, lines: None })
+    Ok(Table { q, v, a: None, u, t, h: None, trajectory: None, control: None, origin: Origin::rows() })
 }
 
 /// The arrays of an archive, each unpacked once.

@@ -4,9 +4,10 @@
 //! positions, velocities and accelerations go along a straight line. A held control, u_j acting from t_j to t_{j+1}, is averaged over
 //! the step in which it acts, so that its impulse stays; one that is linear between samples goes along a straight line as well.
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::intervals::{GAP, Intervals};
 use crate::note::{Note, Resampled};
+use crate::place::Place;
 use crate::table::{Run, Table};
 use crate::time::rounded;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
@@ -133,42 +134,37 @@ impl Even<'_> {
             self.notes.push(Note::Dropped { place, trajectory: run.id, samples });
             return;
         }
-        let grid = Grid { t, rows, h: self.h, samples };
-        let straight = |field: &Rows| grid.straight(field);
+        let t0 = t.first().copied().unwrap_or_default();
+        let at: Vec<f64> = (0..=samples).map(|k| t0 + k as f64 * self.h).collect();
+        let (at, ends) = (&at[..samples], &at[1..]);
+        let track = Track { t, rows };
+        let straight = |field: &Rows| track.straight(field, at);
         let table = self.table;
         let u = table.u.as_ref().map(|u| match table.control.unwrap_or_default() {
-            ControlKind::Held => grid.averaged(u),
-            ControlKind::Linear => grid.straight(u),
+            ControlKind::Held => track.averaged(u, at, ends),
+            ControlKind::Linear => track.straight(u, at),
         });
         let (q, v, a) = (straight(&table.q), table.v.as_ref().map(straight), table.a.as_ref().map(straight));
-        let t0 = t.first().copied().unwrap_or_default();
         self.trajectories.push(Trajectory { id, t0, q, v, a, u });
     }
 }
 
-/// The new samples of a stretch: its stamps (s), the rows of the file they belong to.
-struct Grid<'a> {
-    t: &'a [f64],
-    rows: &'a [usize],
-    h: f64,
-    samples: usize,
+/// Samples of a stretch without gaps at their stamps (s), which rise and are two at least, and the rows of the fields they belong to.
+pub(crate) struct Track<'a> {
+    pub(crate) t: &'a [f64],
+    pub(crate) rows: &'a [usize],
 }
 
-impl Grid<'_> {
-    fn at(&self, k: usize) -> f64 {
-        self.t[0] + k as f64 * self.h
-    }
-
+impl Track<'_> {
     fn row<'r>(&self, field: &'r Rows, j: usize) -> &'r [f64] {
         self.rows.get(j).and_then(|row| field.get(*row)).unwrap_or_default()
     }
 
-    /// Along straight lines between samples.
-    fn straight(&self, field: &Rows) -> Rows {
-        let (mut values, mut j) = (Vec::with_capacity(self.samples * field.width()), 0);
-        for k in 0..self.samples {
-            let now = self.at(k);
-            while j + 2 < self.t.len() && self.t[j + 1] <= now {
+    /// At rising times, along straight lines between samples.
+    pub(crate) fn straight(&self, field: &Rows, at: &[f64]) -> Rows {
+        let (mut values, mut j) = (Vec::with_capacity(at.len() * field.width()), 0);
+        for now in at {
+            while j + 2 < self.t.len() && self.t[j + 1] <= *now {
                 j += 1;
             }
             let part = ((now - self.t[j]) / (self.t[j + 1] - self.t[j])).clamp(0.0, 1.0);
@@ -178,15 +174,14 @@ impl Grid<'_> {
         Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
     }
 
-    /// Means over every step, each sample acting until the next; the last one's is over what there is.
-    fn averaged(&self, field: &Rows) -> Rows {
-        let (mut values, mut j) = (Vec::with_capacity(self.samples * field.width()), 0);
-        for k in 0..self.samples {
-            let (from, to) = (self.at(k), self.at(k + 1));
-            while self.t.get(j + 1).is_some_and(|next| *next <= from) {
+    /// Means over intervals that follow one another, each sample acting until the next; what acts after the last is the last.
+    pub(crate) fn averaged(&self, field: &Rows, from: &[f64], to: &[f64]) -> Rows {
+        let (mut values, mut j) = (Vec::with_capacity(from.len() * field.width()), 0);
+        for (from, to) in from.iter().zip(to) {
+            while self.t.get(j + 1).is_some_and(|next| next <= from) {
                 j += 1;
             }
-            values.extend(self.mean(field, j, from, to));
+            values.extend(self.mean(field, j, *from, *to));
         }
         Rows::from_flat(field.width(), values).unwrap_or_else(|| field.slice(0..0))
     }
@@ -223,7 +218,7 @@ mod tests {
             h: None,
             trajectory: None,
             control: None,
-            lines: None,
+            origin: crate::table::Origin::rows(),
         }
     }
 

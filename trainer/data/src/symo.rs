@@ -12,8 +12,9 @@ use std::path::Path;
 use leastaction_core::forces::ControlKind;
 
 use crate::archive::{Archive, Array};
-use crate::error::{DataError, Fault, Place, Problem};
+use crate::error::{DataError, Fault, Problem};
 use crate::npz::Writer;
+use crate::place::Place;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, expect, located, positive, store};
 
 /// The three parts of a data set.

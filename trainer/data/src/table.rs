@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use leastaction_core::forces::ControlKind;
 
-use crate::error::{Fault, Place, Problem};
+use crate::error::{Fault, Problem};
 use crate::note::Note;
+use crate::place::Place;
 use crate::time::Stamps;
 use crate::{Dataset, MIN_SAMPLES, Rows, Trajectory, positive};
 
@@ -20,8 +21,51 @@ pub(crate) struct Table {
     pub(crate) h: Option<(f64, Place)>,
     pub(crate) trajectory: Option<Vec<i64>>,
     pub(crate) control: Option<ControlKind>,
-    /// The line of each sample in a CSV file.
-    pub(crate) lines: Option<Vec<u64>>,
+    /// Where its samples stand in the file.
+    pub(crate) origin: Origin,
+}
+
+/// Where samples stand in a file.
+pub(crate) enum Origin {
+    /// In arrays, at these indices or one after the other.
+    Rows(Option<Vec<usize>>),
+    /// On these lines.
+    Lines(Vec<u64>),
+    /// In these messages.
+    Messages(Vec<u64>),
+}
+
+impl Origin {
+    /// One after the other.
+    pub(crate) fn rows() -> Self {
+        Self::Rows(None)
+    }
+
+    /// Of those samples alone.
+    pub(crate) fn select(&self, rows: &[usize]) -> Self {
+        let of = |all: &[u64]| rows.iter().filter_map(|row| all.get(*row)).copied().collect();
+        match self {
+            Self::Rows(None) => Self::Rows(Some(rows.to_vec())),
+            Self::Rows(Some(all)) => {
+                Self::Rows(Some(rows.iter().filter_map(|row| all.get(*row)).copied().collect()))
+            }
+            Self::Lines(lines) => Self::Lines(of(lines)),
+            Self::Messages(messages) => Self::Messages(of(messages)),
+        }
+    }
+
+    pub(crate) fn place(&self, key: &str, row: usize) -> Place {
+        let at = |all: &[u64]| all.get(row).copied().unwrap_or_default();
+        let column = key.to_owned();
+        match self {
+            Self::Rows(all) => {
+                let row = all.as_ref().and_then(|all| all.get(row)).copied().unwrap_or(row);
+                Place::Row { key: column, row }
+            }
+            Self::Lines(lines) => Place::Cell { line: at(lines), column },
+            Self::Messages(messages) => Place::Value { message: at(messages), column },
+        }
+    }
 }
 
 /// A table of one step.
@@ -58,10 +102,7 @@ impl Table {
     }
 
     pub(crate) fn place(&self, key: &str, row: usize) -> Place {
-        match self.lines.as_ref().and_then(|lines| lines.get(row)) {
-            Some(&line) => Place::Cell { line, column: key.to_owned() },
-            None => Place::Row { key: key.to_owned(), row },
-        }
+        self.origin.place(key, row)
     }
 
     /// Refuses a table without samples, or with a number that is none.
@@ -132,7 +173,10 @@ impl Table {
     }
 
     fn how_to_state_h(&self) -> &'static str {
-        if self.lines.is_some() { "a comment line # h = 0.05" } else { "one number under the key h" }
+        match self.origin {
+            Origin::Lines(_) => "a comment line # h = 0.05",
+            _ => "one number under the key h",
+        }
     }
 
     /// Splits trajectories at gaps.
@@ -186,15 +230,6 @@ impl Table {
             v: self.v.as_ref().map(cut),
             a: self.a.as_ref().map(cut),
             u: self.u.as_ref().map(cut),
-        }
-    }
-}
-
-impl Place {
-    fn without_column(self) -> Self {
-        match self {
-            Self::Cell { line, .. } => Self::Line(line),
-            other => other,
         }
     }
 }

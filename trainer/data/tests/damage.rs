@@ -78,10 +78,48 @@ fn logs_of_robots() {
         let path = folder.path().join(format!("{bit}.csv"));
         fs::write(&path, bytes).unwrap();
         let looked = data::survey::RawLog::read(&path);
-        assert!(looked.is_err() || looked.is_ok_and(|log| data::survey::Guess::of(&log).q.len() <= 4));
+        assert!(looked.is_err() || looked.is_ok_and(|logs| data::survey::Guess::of(&logs).q.len() <= 4));
         data::read_as(&path, &reading).ok()
     };
     let accepted: Vec<_> = (0..8 * WHOLE.len()).into_par_iter().filter_map(read).collect();
     accepted.iter().for_each(|(data, _)| holds_together(data));
     assert!(!accepted.is_empty() && accepted.len() < 8 * WHOLE.len(), "{}", accepted.len());
+}
+
+/// Logs of robots that are cut off at any place, looked at and read by names.
+#[test]
+fn cut_logs_of_robots() {
+    let folder = tempfile::tempdir().unwrap();
+    let columns = |names: [&str; 3]| data::Columns {
+        t: data::Column::si(names[0]),
+        q: vec![data::Column::si(names[1])],
+        v: Vec::new(),
+        u: vec![data::Column::si(names[2])],
+        actuation: None,
+    };
+    let text = "time;enc;tau\n0.00;100;0.5\n0.01;101;0.5\n0.021;103;-1\n0.03;104;-1\n0.041;106;2\n";
+    let archive = folder.path().join("whole.npz");
+    data::write(&archive, &small()).unwrap();
+    let archive = fs::read(&archive).unwrap();
+    for (whole, extension, names) in
+        [(text.as_bytes(), "csv", ["time", "enc", "tau"]), (&archive, "npz", ["t", "q[0]", "u[1]"])]
+    {
+        let reading = data::Reading { columns: Some(columns(names)), ..data::Reading::default() };
+        let accepted = (0..whole.len()).into_par_iter().filter_map(|length| {
+            let path = folder.path().join(format!("{length}.{extension}"));
+            fs::write(&path, &whole[..length]).unwrap();
+            let looked = data::survey::RawLog::read(&path);
+            assert!(looked.is_err() || looked.is_ok_and(|logs| data::survey::Guess::of(&logs).q.len() <= 4));
+            match data::read_as(&path, &reading) {
+                Ok((data, _)) => Some(data),
+                Err(error) => {
+                    assert!(error.to_string().contains(&format!("{length}.{extension}")), "{error}");
+                    None
+                }
+            }
+        });
+        let accepted: Vec<_> = accepted.collect();
+        accepted.iter().for_each(holds_together);
+        assert!(accepted.len() < whole.len() / 2 && (extension == "csv" || accepted.is_empty()));
+    }
 }

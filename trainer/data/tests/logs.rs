@@ -2,8 +2,8 @@
 
 use leastaction_core::forces::ControlKind;
 use leastaction_data::{
-    Column, Columns, Dataset, Note, Problem, Reading, Rows, Trajectory, files, read_as, read_logs, unit,
-    write,
+    Column, Columns, Dataset, Join, LeftOut, Note, Problem, Reading, Rows, Trajectory, files, read_as,
+    read_logs, unit, write,
 };
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -141,6 +141,124 @@ fn arrays_of_an_archive_are_named_with_an_index() {
     assert_eq!(mixed.trajectories[0].q[3], [3.0, 6.0, -6.0]);
     assert!(read(&["q[2]"]).unwrap_err().to_string().contains("there is no column 2; it has 2"));
     assert!(read(&["joint"]).unwrap_err().to_string().contains("the file has q, t, h, trajectory"));
+}
+
+#[test]
+fn files_of_mixed_columns_are_refused_with_file_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = written(folder.path(), "a.csv", &log(50, ','));
+    let said = |text: &str| {
+        let second = written(folder.path(), "b.csv", text);
+        read_logs(&[first.clone(), second], &reading()).unwrap_err().to_string()
+    };
+    let missing = said("time [ms],shoulder,torque\n0,1,2\n5,1,2\n10,1,2\n");
+    assert!(missing.contains("b.csv, line 1: there is no column \"elbow\""), "{missing}");
+    let wider = said("time [ms],shoulder,elbow,torque\n0,1,2,3\n5,1,2,3\n10,1,2,3,4\n");
+    assert!(wider.contains("b.csv, line 4: 5 cells where the header names 4 columns"), "{wider}");
+    let twice = said("time [ms],shoulder,elbow,elbow,torque\n0,1,2,3,4\n");
+    assert!(twice.contains("b.csv, line 1: column elbow stands twice"), "{twice}");
+    let unknown = written(folder.path(), "c.log", "");
+    assert!(
+        read_logs(&[first, unknown], &reading())
+            .unwrap_err()
+            .to_string()
+            .contains("name it .npz, .csv or .mcap")
+    );
+}
+
+#[test]
+fn absurd_rates_and_spans_of_stamps_are_refused_or_bounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |stamps: &[f64], step: Option<f64>| {
+        let mut text = "time [ms],shoulder,elbow,torque\n".to_owned();
+        stamps.iter().for_each(|t| writeln!(text, "{t:e},1,2,3").unwrap());
+        read_as(&written(folder.path(), "a.csv", &text), &Reading { step, ..reading() })
+    };
+    let years: Vec<f64> = (0..9).map(|k| 1e13 * f64::from(k)).collect();
+    let error = with(&years, Some(1e-6)).unwrap_err().to_string();
+    assert!(error.contains("less than a tenth of the"), "{error}");
+    let mixed: Vec<f64> = (0..9).map(|k| 1e-3 * f64::from(k)).chain([1e300, 2e300]).collect();
+    let (data, _) = with(&mixed, Some(2e-6)).unwrap();
+    assert!(data.samples() <= 9, "{}", data.samples());
+    assert!(with(&[0.0, 1e-300, 2e-300, 3e-300], Some(0.01)).is_err());
+    assert!(with(&[0.0, 0.0, 0.0, 0.0], None).is_err());
+}
+
+#[test]
+fn files_of_one_recording_are_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    for run in 1..=2 {
+        let (mut encoders, mut torques) = ("t,q\n".to_owned(), "stamp,tau\n".to_owned());
+        (0..50).for_each(|k| writeln!(encoders, "{},{k}", 0.01 * f64::from(k)).unwrap());
+        (0..260).for_each(|k| writeln!(torques, "{},{}", 2 * k, run * k).unwrap());
+        written(folder.path(), &format!("encoders-{run}.csv"), &encoders);
+        written(folder.path(), &format!("torques-{run}.csv"), &torques);
+    }
+    let columns = Columns {
+        t: Column::si("t"),
+        q: vec![Column::si("q")],
+        v: Vec::new(),
+        u: vec![Column { name: "torque:tau".to_owned(), scale: 0.5 }],
+        actuation: None,
+    };
+    let t = Column { name: "stamp".to_owned(), scale: 1e-3 };
+    let join =
+        Join { name: "torque".to_owned(), replace: "encoders".to_owned(), by: "torques".to_owned(), t };
+    let reading = Reading { columns: Some(columns), joins: vec![join], ..Reading::default() };
+    let all = files(&[folder.path().join("encoders-*.csv")]).unwrap();
+    let (data, notes) = read_logs(&all, &reading).unwrap();
+    assert_eq!((data.h, data.trajectories.len(), notes.len()), (0.01, 2, 0));
+    for (run, motion) in (1..).zip(&data.trajectories) {
+        // The mean of 5k, …, 5k + 4, times the number of the run, in half newton metres.
+        let u = motion.u.as_ref().unwrap();
+        assert!((u[7][0] - 0.5 * f64::from(run) * 37.0).abs() < 1e-12, "{}", u[7][0]);
+    }
+    written(folder.path(), "torques-2.csv", "stamp,tau\n0,1\n2,x\n");
+    let error = read_logs(&all, &reading).unwrap_err().to_string();
+    assert!(error.contains("torques-2.csv, line 3, column tau"), "{error}");
+    let other = written(folder.path(), "positions.csv", "t,q\n0,1\n1,2\n2,3\n");
+    let error = read_as(&other, &reading).unwrap_err().to_string();
+    assert!(error.contains("\"encoders\" is not in its name") && error.contains("\"torque\""), "{error}");
+}
+
+#[test]
+fn intervals_of_time_are_left_out_as_gaps_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = ["a.csv", "b.csv"];
+    let all = names.map(|name| written(folder.path(), name, &log(200, ',')));
+    let of = |file: Option<&str>, from: f64, to: f64| LeftOut { file: file.map(PathBuf::from), from, to };
+    // Samples are 5 ms apart, late by less than half a millisecond.
+    let leave_out =
+        vec![of(None, 0.2, 0.2995), of(Some("b.csv"), 0.5, f64::INFINITY), of(Some("c.csv"), 0.0, 9.0)];
+    let reading = Reading { leave_out, ..reading() };
+    let (data, notes) = read_logs(&all, &reading).unwrap();
+    let spans: Vec<_> = data.trajectories.iter().map(|motion| (motion.t0, motion.samples())).collect();
+    let starts: Vec<_> = spans.iter().map(|(t0, _)| (t0 / 5e-3).round()).collect();
+    assert_eq!(starts, [0.0, 60.0, 0.0, 60.0], "{spans:?}");
+    assert!(spans[1].1 > 138 && (39..=40).contains(&spans[3].1), "{spans:?}");
+    let said: Vec<String> = notes.iter().map(|(_, note)| note.to_string()).collect();
+    assert!(said.iter().any(|said| said.starts_with("left out 20 samples by time")), "{said:?}");
+    assert!(said.iter().any(|said| said.starts_with("left out 120 samples by time")), "{said:?}");
+    for motion in &data.trajectories {
+        for (t, q) in data.times(motion).zip(motion.q.iter()) {
+            assert!((q[0] - t).abs() < 1e-12, "positions of both sides of an interval were mixed");
+        }
+    }
+    let nothing = Reading { leave_out: vec![of(None, -1.0, 99.0)], ..reading };
+    assert!(read_as(&all[0], &nothing).unwrap_err().to_string().contains("no samples are left outside"));
+}
+
+#[test]
+fn an_interval_shorter_than_a_gap_splits_as_well() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = written(folder.path(), "a.csv", &log(100, ','));
+    let leave_out = vec![LeftOut { file: None, from: 0.099, to: 0.101 }];
+    for step in [None, Some(0.01)] {
+        let (data, _) = read_as(&file, &Reading { leave_out: leave_out.clone(), step, ..reading() }).unwrap();
+        assert_eq!(data.trajectories.len(), 2, "{step:?}");
+        let end = data.times(&data.trajectories[0]).last().unwrap();
+        assert!(end < 0.099 && data.trajectories[1].t0 > 0.101);
+    }
 }
 
 #[test]

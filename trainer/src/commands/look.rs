@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Example: leastaction look "logs/*.csv" -o robot.toml
 #[derive(Args)]
 pub struct Look {
-    /// Logs of one machine, .csv or .npz; *, ? and ** stand for several.
+    /// Logs of one machine, .csv, .npz or .mcap; *, ? and ** stand for several.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// A first configuration to write.

@@ -16,9 +16,14 @@ pub fn tell(notes: &[(PathBuf, Note)], output: Output) {
         if together.is_some() && of_resampling(note).is_some() {
             continue;
         }
-        let of = if several { format!("{}: ", file.display()) } else { String::new() };
+        let of = if several || of_one_file(note) { format!("{}: ", file.display()) } else { String::new() };
         output.note(&format!("note: {of}{note}"));
     }
+}
+
+/// Whether it says nothing without its file.
+fn of_one_file(note: &Note) -> bool {
+    matches!(note, Note::LeftOut { .. } | Note::Uncovered { .. } | Note::Unstamped { .. })
 }
 
 fn of_resampling(note: &Note) -> Option<Resampled> {

@@ -1,8 +1,9 @@
 //! A first configuration.
 
-use super::report::Report;
+use super::report::{File, Report};
 use crate::cli::CONFIGURATION_HEAD;
 use leastaction_learning::data::survey::Guess;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -22,19 +23,24 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
     let mut text = format!(
         "{CONFIGURATION_HEAD}: check the columns and their units, and what each coordinate is.\n[data]\n"
     );
-    let seen = report.files.len();
+    let files_seen: BTreeSet<&PathBuf> = report.files.iter().map(|file| &file.file).collect();
     line(&mut text, format_args!("file = {}", list(&relative(files, at), true)));
-    line(&mut text, format_args!("# Trajectories held back: whole files from the end."));
-    line(&mut text, format_args!("validation = {}", if seen >= 3 { 0.2 } else { 0.0 }));
-    if let Some(step) = step(report) {
+    let held_back = if files_seen.len() >= 3 { 0.2 } else { 0.0 };
+    line(
+        &mut text,
+        format_args!("validation = {held_back} # trajectories held back: whole files from the end"),
+    );
+    if let Some(step) = step(report, guess) {
         line(&mut text, format_args!("step = {step}"));
     }
     line(&mut text, format_args!("\n[data.columns]"));
-    match report.files.first().and_then(|file| file.time_unit) {
+    match report.files.first().filter(|file| file.topic.is_none()).and_then(|file| file.time_unit) {
         Some(unit) if unit != "s" => {
             line(&mut text, format_args!("t = {{ name = {}, unit = \"{unit}\" }}", quoted(t)))
         }
-        _ => line(&mut text, format_args!("t = {}", quoted(t))),
+        Some(_) => line(&mut text, format_args!("t = {}", quoted(t))),
+        // Messages have a time of their own.
+        None => {}
     }
     for (letter, names) in [("q", &guess.q), ("u", &guess.u)] {
         if !names.is_empty() {
@@ -43,8 +49,13 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
     }
     if !guess.other_u.is_empty() {
         let others: Vec<String> = guess.other_u.iter().map(|names| list(names, false)).collect();
-        line(&mut text, format_args!("# Forces as well: what predicts held-back logs best is taken."));
-        line(&mut text, format_args!("other_u = [{}]", others.join(", ")));
+        line(
+            &mut text,
+            format_args!(
+                "other_u = [{}] # forces as well: what predicts held-back logs best is taken",
+                others.join(", ")
+            ),
+        );
     }
     model(&mut text, guess);
     Ok(text)
@@ -57,29 +68,31 @@ const LONGEST_CHAIN: usize = 3;
 /// actuators.
 fn model(text: &mut String, guess: &Guess) {
     let (n, driven) = (guess.q.len(), !guess.u.is_empty());
-    line(text, format_args!("\n[model]"));
     if n <= LONGEST_CHAIN && driven {
         line(
             text,
             format_args!(
-                "# Links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before."
+                "\n[model] # links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before"
             ),
         );
         line(
             text,
             format_args!(
-                "# Other mechanisms: leastaction train --print-defaults bodies, rigid, modular or graph."
+                "family = \"bodies\" # others: leastaction train --print-defaults rigid, modular or graph"
             ),
         );
-        line(text, format_args!("family = \"bodies\"\nchain = {n}"));
+        line(text, format_args!("chain = {n}"));
     } else {
         let angles = vec!["\"angle\""; n].join(", ");
-        line(text, format_args!("# \"translation\", \"angle\" or \"cyclic\".\ncoordinates = [{angles}]"));
+        line(
+            text,
+            format_args!("\n[model]\ncoordinates = [{angles}] # \"translation\", \"angle\" or \"cyclic\""),
+        );
     }
     let load = if driven { ", load = \"learned\"" } else { "" };
     line(text, format_args!("friction = {{ viscous = \"learned\", coulomb = \"learned\"{load} }}"));
     if driven {
-        line(text, format_args!("\n# Of sensors and actuators; a number where it is known.\n[calibration]"));
+        line(text, format_args!("\n[calibration] # of sensors and actuators; a number where it is known"));
         line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));
     }
     line(text, format_args!("\n[training]\nloss = \"windows\""));
@@ -87,8 +100,10 @@ fn model(text: &mut String, guess: &Guess) {
 
 /// A hundredth of a second; the longest sampling interval of a file, to two digits, where that is longer and others have shorter ones;
 /// none where samples of all files lie at one such step.
-fn step(report: &Report) -> Option<f64> {
-    let intervals = || report.files.iter().filter_map(|file| file.rate).map(|rate| 1.0 / rate);
+fn step(report: &Report, guess: &Guess) -> Option<f64> {
+    let has_q = |file: &&File| guess.q.first().is_some_and(|q| file.may_have(q));
+    let rates = || report.files.iter().filter(has_q).filter_map(|file| file.rate);
+    let intervals = || rates().map(|rate| 1.0 / rate);
     let (longest, shortest) = (intervals().fold(0.0, f64::max), intervals().fold(f64::INFINITY, f64::min));
     if longest < SHORTEST_STEP {
         return (longest > 0.0).then_some(SHORTEST_STEP);

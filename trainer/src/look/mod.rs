@@ -1,8 +1,11 @@
 //! What is in logs of which nothing is known yet, and a first configuration.
 
 mod configuration;
+mod coordinate;
+mod doubts;
 mod report;
 
+pub use coordinate::{Coordinate, FirstOutlier};
 pub use report::{Column, File, Report};
 
 use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal};
@@ -16,7 +19,7 @@ pub struct Look {
     guess: Guess,
 }
 
-/// A file and what is in it.
+/// A file and what is in it, of one clock.
 struct Seen {
     file: PathBuf,
     log: RawLog,
@@ -28,9 +31,14 @@ impl Look {
     /// # Errors
     /// [`DataError`] where a pattern is none, or a file cannot be read.
     pub fn at(patterns: &[PathBuf]) -> Result<Self, DataError> {
-        let read = |file: PathBuf| Ok(Seen { log: RawLog::read(&file)?, file });
-        let seen = data::files(patterns)?.into_iter().map(read).collect::<Result<Vec<_>, DataError>>()?;
-        let guess = seen.first().map_or_else(Guess::default, |first| Guess::of(&first.log));
+        let mut seen: Vec<Seen> = Vec::new();
+        let mut guess = None;
+        for file in data::files(patterns)? {
+            let logs = RawLog::read(&file)?;
+            guess.get_or_insert_with(|| Guess::of(&logs));
+            seen.extend(logs.into_iter().map(|log| Seen { file: file.clone(), log }));
+        }
+        let guess = guess.unwrap_or_default();
         Ok(Self { patterns: patterns.to_vec(), seen, guess })
     }
 
@@ -52,17 +60,23 @@ impl Report {
     /// Of these logs.
     fn new(seen: &[Seen], guess: &Guess) -> Self {
         let files: Vec<File> = seen.iter().map(|seen| of_file(&seen.file, &seen.log, guess)).collect();
-        let columns = seen.first().map_or(Vec::new(), |first| {
-            first.log.names.iter().filter_map(|name| of_column(name, seen, guess)).collect()
-        });
+        let first = seen.iter().take_while(|seen| Some(&seen.file) == files.first().map(|first| &first.file));
+        let mut names: Vec<&String> = Vec::new();
+        for name in first.flat_map(|seen| &seen.log.names) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let columns = names.into_iter().filter_map(|name| of_column(name, seen, guess)).collect();
         let others = seen.first().map_or(Vec::new(), |first| first.log.others.clone());
-        Self { files, columns, others, configuration: None }
+        let coordinates = Coordinate::all(seen, guess);
+        Self { files, columns, coordinates, others, configuration: None }
     }
 }
 
 fn of_file(file: &Path, log: &RawLog, guess: &Guess) -> File {
     let clock = guess.t.as_deref().and_then(|t| log.column(t)).and_then(Clock::of);
-    File::new(file, log.samples(), clock)
+    File::new(file, log, clock)
 }
 
 /// A column over all files that have it.

@@ -1,6 +1,7 @@
 //! What was seen in logs.
 
-use leastaction_learning::data::survey::{Clock, Signal, time_unit};
+use super::coordinate::Coordinate;
+use leastaction_learning::data::survey::{Clock, RawLog, Signal, time_unit};
 use leastaction_learning::data::unit;
 use serde::Serialize;
 use std::fmt;
@@ -13,17 +14,21 @@ pub struct Report {
     pub files: Vec<File>,
     /// Every column of numbers.
     pub columns: Vec<Column>,
+    /// How every coordinate moved.
+    pub coordinates: Vec<Coordinate>,
     /// Columns of something else.
     pub others: Vec<String>,
     /// What was written.
     pub configuration: Option<PathBuf>,
 }
 
-/// A file, times in s.
+/// A file, or a topic of one, times in s.
 #[derive(Serialize)]
 pub struct File {
     /// Its name.
     pub file: PathBuf,
+    /// Of an MCAP file the topic.
+    pub topic: Option<String>,
     /// Its rows.
     pub samples: usize,
     /// Unit of its stamps.
@@ -45,13 +50,15 @@ pub struct File {
 }
 
 impl File {
-    pub(super) fn new(file: &Path, samples: usize, clock: Option<Clock>) -> Self {
-        let time_unit = clock.map(|clock| time_unit(clock.median));
+    pub(super) fn new(file: &Path, log: &RawLog, clock: Option<Clock>) -> Self {
+        let of_columns = clock.map(|clock| time_unit(clock.median));
+        let time_unit = if log.topic.is_some() { clock.map(|_| "s") } else { of_columns };
         let second = time_unit.and_then(unit);
         let seconds = |of: fn(&Clock) -> f64| Some(of(&clock?) * second?);
         Self {
             file: file.to_owned(),
-            samples,
+            topic: log.topic.clone(),
+            samples: log.samples(),
             time_unit,
             seconds: seconds(|clock| clock.duration),
             rate: seconds(|clock| clock.median).map(|median| 1.0 / median),
@@ -89,50 +96,24 @@ impl Column {
         Self { column: name.to_owned(), taken_for, least, greatest, grid, noise, missing }
     }
 
-    fn is(&self, letter: char) -> bool {
+    pub(super) fn is(&self, letter: char) -> bool {
         self.taken_for.as_deref().is_some_and(|role| role.starts_with(letter))
-    }
-}
-
-/// A joint hardly turns further, rad.
-const FAR: f64 = 60.0;
-
-impl Report {
-    /// What should be looked at before training.
-    pub fn doubts(&self) -> Vec<String> {
-        let far = |column: &&Column| column.is('q') && column.greatest.abs().max(column.least.abs()) > FAR;
-        let still = |column: &&Column| column.is('q') && column.greatest == column.least;
-        let missing = |column: &&Column| column.taken_for.is_some() && column.missing > 0;
-        let mut doubts = Vec::new();
-        if let Some(Column { column, greatest, least, .. }) = self.columns.iter().find(far) {
-            let most = greatest.abs().max(least.abs());
-            doubts.push(format!("{column} reaches {most:.4}; if it is in degrees or counts, give its unit under [data.columns]"));
-        }
-        if let Some(Column { column, .. }) = self.columns.iter().find(still) {
-            doubts.push(format!("{column} does not move: nothing can be learned of it"));
-        }
-        if let Some(Column { column, missing, .. }) = self.columns.iter().find(missing) {
-            doubts.push(format!("{column} has {missing} cells without a number; remove those samples"));
-        }
-        if let Some(File { file, backwards, .. }) = self.files.iter().find(|file| file.backwards > 0) {
-            doubts.push(format!(
-                "{}: time goes back {backwards} times; sort the samples or cut the file there",
-                file.display()
-            ));
-        }
-        doubts
     }
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let width =
-            self.files.iter().map(|file| file.file.display().to_string().chars().count()).max().unwrap_or(0);
+        let width = self.files.iter().map(|file| file.name().chars().count()).max().unwrap_or(0);
         writeln!(f, "{:width$}  samples        s       Hz   jitter  gaps  repeated", "file")?;
         self.files.iter().try_for_each(|file| file.line(f, width))?;
-        let width = self.columns.iter().map(|column| column.column.chars().count()).max().unwrap_or(0).max(6);
+        let width =
+            self.columns.iter().map(|column| column.column.chars().count()).max().unwrap_or(0).max(10);
         writeln!(f, "\n{:width$}  taken for        least     greatest         grid        noise", "column")?;
         self.columns.iter().try_for_each(|column| column.line(f, width))?;
+        if !self.coordinates.is_empty() {
+            writeln!(f, "\n{:width$}  rms per s  moving  reversals  turns  outliers", "coordinate")?;
+            self.coordinates.iter().try_for_each(|coordinate| coordinate.line(f, width))?;
+        }
         if !self.others.is_empty() {
             writeln!(f, "no numbers: {}", self.others.join(", "))?;
         }
@@ -149,8 +130,19 @@ impl fmt::Display for Report {
 }
 
 impl File {
+    /// With its topic.
+    fn name(&self) -> String {
+        let topic = self.topic.as_ref().map_or(String::new(), |topic| format!(" {topic}"));
+        format!("{}{topic}", self.file.display())
+    }
+
+    /// Whether a column is in it.
+    pub(super) fn may_have(&self, column: &str) -> bool {
+        self.topic.as_ref().is_none_or(|topic| column.starts_with(topic.as_str()))
+    }
+
     fn line(&self, f: &mut fmt::Formatter, width: usize) -> fmt::Result {
-        let name = self.file.display().to_string();
+        let name = self.name();
         let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
         let seconds = or_dash(self.seconds.map(|seconds| format!("{seconds:.2}")));
         let rate = or_dash(self.rate.map(|rate| format!("{rate:.1}")));

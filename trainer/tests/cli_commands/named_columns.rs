@@ -137,3 +137,71 @@ fn logs_without_known_names_are_looked_at_and_nothing_is_written() {
     bench.run("look empty.csv").bad(2, &["empty.csv: no samples"]);
     bench.run("look b.txt").bad(2, &["b.txt"]);
 }
+
+/// Columns of a double pendulum as a laboratory names them.
+const LABORATORY: &str = "time,pos_meas1,pos_meas2,pos_filt1,pos_filt2,vel_meas1,vel_meas2,tau_meas1,tau_meas2,tau_con1,tau_con2\n";
+
+#[test]
+fn a_first_configuration_is_short() {
+    let bench = Bench::new();
+    for k in 0..3 {
+        let mut text = LABORATORY.to_owned();
+        for j in 0..120 {
+            let t = 0.002 * f64::from(j) + 1e-5 * f64::from(j * 7 % 5);
+            let [q0, q1] = [0.3 * (3.0 * t + f64::from(k)).sin(), 0.2 * (5.0 * t).cos()];
+            let [v0, v1] = [0.9 * (3.0 * t + f64::from(k)).cos(), -(5.0 * t).sin()];
+            let [u0, u1] = [0.1 * (4.0 * t).sin(), 0.2 * (2.0 * t).cos()];
+            writeln!(text, "{t},{q0},{q1},{q0},{q1},{v0},{v1},{u0},{u1},{u0},{u1}").unwrap();
+        }
+        bench.write(&format!("run-{k}.csv"), &text);
+    }
+    bench.run("look run-*.csv -o robot.toml").good();
+    let text = bench.text("robot.toml");
+    assert!(text.lines().count() <= 25, "{text}");
+    let config = Config::read(&bench.at("robot.toml")).unwrap();
+    let columns = config.data.columns.as_ref().unwrap();
+    assert_eq!(
+        (columns.columns.u[0].name.as_str(), columns.other_u[0][1].name.as_str()),
+        ("tau_con1", "tau_meas2")
+    );
+    assert_eq!((config.data.step, config.data.validation), (Some(0.01), 0.2));
+}
+
+#[test]
+fn a_look_says_what_was_excited_and_what_is_apart() {
+    let bench = Bench::new();
+    let mut text = "time,pos1,pos2,tau1,tau2\n".to_owned();
+    for j in 0..1500 {
+        let t = 0.002 * f64::from(j);
+        let (mut q0, q1) = (0.5 * (6.0 * t).sin(), 0.1 * t);
+        if j == 700 {
+            q0 += 0.3;
+        }
+        let stamp = if j == 40 { t - 0.002 } else { t };
+        writeln!(text, "{stamp},{q0},{q1},{},{}", (3.0 * t).sin(), (2.0 * t).cos()).unwrap();
+    }
+    bench.write("a.csv", &text);
+    let done = bench.run("look a.csv --json").good();
+    let report = done.json();
+    let coordinate = |i: usize| report["coordinates"][i].clone();
+    assert_eq!(
+        (&coordinate(0)["reversals"], &coordinate(1)["reversals"]),
+        (&6.into(), &0.into()),
+        "{report}"
+    );
+    assert_eq!(
+        (&coordinate(0)["outliers"], &coordinate(0)["first_outlier"]["sample"]),
+        (&1.into(), &700.into())
+    );
+    let speed = coordinate(0)["speed"].as_f64().unwrap();
+    assert!((speed / (3.0 / 2f64.sqrt()) - 1.0).abs() < 0.05, "{speed}");
+    for words in [
+        "pos1 has 1 single sample apart from the neighbours, the first by 0.300 at 1.4000 s (sample 700) of a.csv",
+        "pos2 never turns back",
+        "a.csv: 1 stamp repeated",
+    ] {
+        assert!(done.stderr.contains(words), "{words:?} is not in {}", done.stderr);
+    }
+    let table = bench.run("look a.csv").good().stdout;
+    assert!(table.contains("reversals  turns  outliers"), "{table}");
+}

@@ -45,50 +45,70 @@ struct Group<'a> {
 }
 
 impl Guess {
-    /// Of the columns of a log.
+    /// Of the columns of a file.
     #[must_use]
-    pub fn of(log: &RawLog) -> Self {
-        let groups = groups(log);
+    pub fn of(logs: &[RawLog]) -> Self {
+        let groups = groups(logs);
         let t =
-            groups.iter().filter(|group| is_time(log, group)).min_by_key(|group| rank(&group.stem, &TIMES));
+            groups.iter().filter(|group| is_time(logs, group)).min_by_key(|group| rank(&group.stem, &TIMES));
         let t = t.map(|group| group.names[0].to_owned());
-        let all = |kind: &[&str], prefer: &[&str], n: Option<usize>| -> Vec<Vec<String>> {
+        let all = |kind: &[&str], [prefer, avoid]: [&[&str]; 2], n: Option<usize>| -> Vec<Vec<String>> {
             let fits = |group: &&Group<'_>| {
                 n.is_none_or(|n| group.names.len() == n)
                     && rank(&group.stem, kind).is_some()
                     && t.as_deref() != Some(group.names[0])
-                    && moves(log, group)
+                    && moves(logs, group)
             };
-            let preferred = |group: &Group<'_>| !prefer.iter().any(|part| group.stem.contains(part));
+            let has = |group: &Group<'_>, parts: &[&str]| parts.iter().any(|part| group.stem.contains(part));
             let mut found: Vec<&Group<'_>> = groups.iter().filter(fits).collect();
-            found.sort_by_key(|group| (preferred(group), rank(&group.stem, kind)));
+            found.sort_by_key(|group| (!has(group, prefer), has(group, avoid), rank(&group.stem, kind)));
             let names = |group: &Group<'_>| group.names.iter().map(|name| (*name).to_owned()).collect();
             found.into_iter().map(names).collect()
         };
         let first =
-            |kind: &[&str], prefer: &[&str], n| all(kind, prefer, n).into_iter().next().unwrap_or_default();
-        let q = first(&POSITIONS, &MEASURED, None);
+            |kind: &[&str], n| all(kind, [&MEASURED, &COMMANDED], n).into_iter().next().unwrap_or_default();
+        let q = first(&POSITIONS, None);
         let n = Some(q.len()).filter(|n| *n > 0);
         if n.is_none() {
             return Self { t, ..Self::default() };
         }
-        let mut u = all(&FORCES, &COMMANDED, n).into_iter();
-        let (v, first_u) = (first(&VELOCITIES, &MEASURED, n), u.next().unwrap_or_default());
+        let mut u = all(&FORCES, [&COMMANDED, &[]], n).into_iter();
+        let (v, first_u) = (first(&VELOCITIES, n), u.next().unwrap_or_default());
         Self { v, u: first_u, other_u: u.collect(), t, q }
     }
 }
 
-/// The columns by their names without digits, brackets and what separates words.
-fn groups(log: &RawLog) -> Vec<Group<'_>> {
+/// The columns by their names without digits, brackets and what separates words; of a topic by their field and its name.
+fn groups(logs: &[RawLog]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
-    for name in &log.names {
-        let stem: String = name.chars().filter(|c| c.is_alphabetic()).collect::<String>().to_lowercase();
+    for name in logs.iter().flat_map(|log| &log.names) {
+        let stem: String = match by_topic(name) {
+            Some((topic, field)) => letters(field) + &letters(topic),
+            None => letters(name),
+        };
         match groups.iter_mut().find(|group| group.stem == stem) {
+            Some(group) if group.names.contains(&name.as_str()) => {}
             Some(group) => group.names.push(name),
             None => groups.push(Group { stem, names: vec![name] }),
         }
     }
     groups
+}
+
+fn letters(text: &str) -> String {
+    text.chars().filter(|c| c.is_alphabetic()).collect::<String>().to_lowercase()
+}
+
+/// Topic and field of a column of an MCAP file.
+fn by_topic(name: &str) -> Option<(&str, &str)> {
+    let (joint, field) = name.rsplit_once('/')?;
+    let (topic, _) = joint.rsplit_once('/')?;
+    topic.starts_with('/').then_some((topic, field))
+}
+
+/// The column of a name, of the first log that has it.
+fn column<'a>(logs: &'a [RawLog], name: &str) -> Option<&'a [f64]> {
+    logs.iter().find_map(|log| log.column(name))
 }
 
 /// 0 where the stem is one of the words, 1 where it begins with one of more than one letter, 2 where it has one; else `None`.
@@ -103,18 +123,18 @@ fn rank(stem: &str, words: &[&str]) -> Option<u8> {
     }
 }
 
-fn is_time(log: &RawLog, group: &Group<'_>) -> bool {
+fn is_time(logs: &[RawLog], group: &Group<'_>) -> bool {
     let rises =
         |column: &[f64]| column.windows(2).filter(|pair| pair[1] > pair[0]).count() * 2 > column.len();
     group.names.len() == 1
         && rank(&group.stem, &TIMES).is_some()
-        && log.column(group.names[0]).is_some_and(rises)
+        && column(logs, group.names[0]).is_some_and(rises)
 }
 
 /// Whether any of the columns changes.
-fn moves(log: &RawLog, group: &Group<'_>) -> bool {
+fn moves(logs: &[RawLog], group: &Group<'_>) -> bool {
     let changes =
-        |name: &&str| log.column(name).and_then(Signal::of).is_some_and(|signal| !signal.is_constant());
+        |name: &&str| column(logs, name).and_then(Signal::of).is_some_and(|signal| !signal.is_constant());
     group.names.iter().any(changes)
 }
 
@@ -128,6 +148,7 @@ mod tests {
             (0..20).map(|k| slope * f64::from(k)).collect()
         };
         RawLog {
+            topic: None,
             columns: names.iter().map(column).collect(),
             names: names.iter().map(|name| (*name).to_owned()).collect(),
             others: Vec::new(),
@@ -151,7 +172,7 @@ mod tests {
             "tau_con1",
             "tau_con2",
         ];
-        let guess = Guess::of(&log(&names, &["tau_fric1", "tau_fric2"]));
+        let guess = Guess::of(&[log(&names, &["tau_fric1", "tau_fric2"])]);
         assert_eq!(guess.t.as_deref(), Some("time"));
         assert_eq!(
             (guess.q, guess.v),
@@ -163,15 +184,31 @@ mod tests {
 
     #[test]
     fn names_of_other_habits() {
-        let guess = Guess::of(&log(&["t", "q[0]", "q[1]", "q[2]", "tau[0]", "tau[1]", "tau[2]"], &[]));
+        let guess = Guess::of(&[log(&["t", "q[0]", "q[1]", "q[2]", "tau[0]", "tau[1]", "tau[2]"], &[])]);
         assert_eq!((guess.q.len(), guess.v.len(), guess.u.len()), (3, 0, 3));
-        let guess = Guess::of(&log(&["stamp_ns", "position", "velocity", "effort"], &[]));
+        let guess = Guess::of(&[log(&["stamp_ns", "position", "velocity", "effort"], &[])]);
         assert_eq!(
             (guess.t.as_deref(), &guess.q[..], &guess.u[..]),
             (Some("stamp_ns"), &["position".into()][..], &["effort".into()][..])
         );
-        let guess = Guess::of(&log(&["temperature", "mode"], &[]));
+        let guess = Guess::of(&[log(&["temperature", "mode"], &[])]);
         assert_eq!(guess, Guess::default());
+    }
+
+    #[test]
+    fn topics_of_measured_and_of_commanded_joints() {
+        let names =
+            |topic: &str, field: &str| ["shoulder", "elbow"].map(|joint| format!("{topic}/{joint}/{field}"));
+        let topic = |topic: &str| {
+            let names = [names(topic, "position"), names(topic, "velocity"), names(topic, "effort")].concat();
+            log(&std::iter::once("t").chain(names.iter().map(String::as_str)).collect::<Vec<_>>(), &[])
+        };
+        let guess = Guess::of(&[topic("/joint_commands"), topic("/arm/joint_states")]);
+        assert_eq!(guess.t.as_deref(), Some("t"));
+        assert_eq!(guess.q, names("/arm/joint_states", "position"));
+        assert_eq!(guess.v, names("/arm/joint_states", "velocity"));
+        assert_eq!(guess.u, names("/joint_commands", "effort"));
+        assert_eq!(guess.other_u, [names("/arm/joint_states", "effort")]);
     }
 
     #[test]

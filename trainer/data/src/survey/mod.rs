@@ -2,10 +2,12 @@
 
 mod clock;
 mod guess;
+mod motion;
 mod raw;
 mod signal;
 
 pub use clock::Clock;
 pub use guess::{Guess, time_unit};
+pub use motion::{Motion, Outlier};
 pub use raw::RawLog;
 pub use signal::Signal;

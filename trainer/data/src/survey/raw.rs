@@ -1,14 +1,19 @@
 //! All columns of numbers that a file has.
 
 use crate::archive::Archive;
+use crate::bag::{Bag, Clock, Stream};
 use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
-use crate::error::{Fault, Place, Problem};
-use crate::{DataError, Format, Rows, content, located};
+use crate::error::{Fault, Problem};
+use crate::place::Place;
+use crate::source::Source;
+use crate::{DataError, Rows, located};
 use std::path::Path;
 
-/// The columns of numbers of a file, as they stand there.
+/// The columns of numbers of one clock in a file, as they stand there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawLog {
+    /// Of an MCAP file the topic, whose stamps are the column `t` (s).
+    pub topic: Option<String>,
     /// Names: of a two-dimensional array `name[i]`.
     pub names: Vec<String>,
     /// One list a name, all of one length; NaN where there is no number.
@@ -21,17 +26,15 @@ pub struct RawLog {
 const NUMBERS: f64 = 0.5;
 
 impl RawLog {
-    /// Reads a `.csv` or `.npz` file.
+    /// Reads a file: of an MCAP one every topic with joints, else one log.
     ///
     /// # Errors
     /// [`DataError`] with the file, the place in it and the problem.
-    pub fn read(path: &Path) -> Result<Self, DataError> {
-        located(path, || {
-            let (format, bytes) = content(path)?;
-            match format {
-                Format::Csv => of_csv(&bytes),
-                Format::Npz => of_npz(&bytes),
-            }
+    pub fn read(path: &Path) -> Result<Vec<Self>, DataError> {
+        located(path, || match Source::open(path)? {
+            Source::Csv(bytes) => Ok(vec![of_csv(&bytes)?]),
+            Source::Npz(bytes) => Ok(vec![of_npz(&bytes)?]),
+            Source::Mcap(mut source, length) => Ok(of_bag(&Bag::read(&mut source, length)?)),
         })
     }
 
@@ -65,7 +68,7 @@ fn of_csv(bytes: &[u8]) -> Result<RawLog, Fault> {
             column.push(number.unwrap_or(f64::NAN));
         }
     }
-    let log = RawLog { names, columns, others: Vec::new() }.of_numbers();
+    let log = RawLog { topic: None, names, columns, others: Vec::new() }.of_numbers();
     if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
 }
 
@@ -86,7 +89,7 @@ fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
     // The most common length is that of the log.
     let same = |length: usize| parts.iter().filter(|(_, rows)| rows.len() == length).count();
     let samples = parts.iter().map(|(_, rows)| rows.len()).max_by_key(|length| (same(*length), *length));
-    let mut log = RawLog { names: Vec::new(), columns: Vec::new(), others };
+    let mut log = RawLog { topic: None, names: Vec::new(), columns: Vec::new(), others };
     for (key, rows) in &parts {
         if Some(rows.len()) != samples {
             log.others.push(key.clone());
@@ -98,6 +101,24 @@ fn of_npz(bytes: &[u8]) -> Result<RawLog, Fault> {
         }
     }
     if log.samples() == 0 { Err((Place::File, Problem::Empty)) } else { Ok(log) }
+}
+
+fn of_bag(bag: &Bag) -> Vec<RawLog> {
+    let clock = bag.clock();
+    let streams = bag.streams.iter().enumerate();
+    streams.map(|(k, stream)| of_stream(stream, &clock, if k == 0 { &bag.others } else { &[] })).collect()
+}
+
+fn of_stream(stream: &Stream, clock: &Clock, others: &[String]) -> RawLog {
+    let names = std::iter::once("t".to_owned()).chain(stream.names.iter().cloned());
+    let fields = (0..stream.names.len()).map(|i| stream.column(i));
+    let columns = std::iter::once(stream.seconds(clock)).chain(fields);
+    RawLog {
+        topic: Some(stream.topic.clone()),
+        names: names.collect(),
+        columns: columns.collect(),
+        others: others.to_vec(),
+    }
 }
 
 impl RawLog {
@@ -113,6 +134,6 @@ impl RawLog {
                 others.push(name);
             }
         }
-        Self { names, columns, others }
+        Self { topic: self.topic, names, columns, others }
     }
 }

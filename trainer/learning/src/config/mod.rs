@@ -18,7 +18,7 @@ mod rigid;
 
 pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
-pub use data::{ColumnsConfig, DataConfig, LogFiles};
+pub use data::{ColumnsConfig, DataConfig, JoinConfig, LeftOutConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
 pub use friction::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
@@ -186,6 +186,9 @@ impl Config {
         let mut config: Self = read::parse(text).map_err(|error| ConfigError::invalid(file, text, &error))?;
         if let Some(folder) = folder {
             config.data.file = config.data.file.map(|file| folder.join(file));
+        }
+        if let Some(problem) = config.data.problem() {
+            return Err(read::at_key(file, text, &["data", "join"], problem));
         }
         if let Some((key, must)) = config.calibration.problem() {
             return Err(read::at_key(file, text, &["calibration", key], format!("`{key}` must be {must}")));

@@ -166,3 +166,44 @@ fn sensors_and_actuators_are_learned_or_known() {
         assert!(said.contains(expected), "{said}");
     }
 }
+
+#[test]
+fn intervals_and_further_files_of_recordings() {
+    let with = |data: &str| LEAST.replace("[model]", &format!("{data}\n[model]"));
+    let config = parse(&with(
+        "leave_out = [[0.5, 1], { file = \"b.csv\", from = 2.0, to = inf }]\n[data.columns]\nq = [\"a\", \"b\"]\nu = [\"tau:x\", \"y\"]\nt = \"now\"\n[data.join]\ntau = { replace = [\"q\", \"u\"] }",
+    ))
+    .unwrap();
+    let reading = config.data.reading();
+    assert_eq!((reading.leave_out[0].to, reading.leave_out[1].to), (1.0, f64::INFINITY));
+    assert_eq!(reading.leave_out[1].file.as_deref(), Some(Path::new("b.csv")));
+    assert_eq!((reading.joins[0].name.as_str(), reading.joins[0].t.name.as_str()), ("tau", "now"));
+    assert_eq!(parse(&config.to_toml()).unwrap(), config);
+    for (data, said) in [
+        ("leave_out = [[2.0, 1.0]]", "it begins before it ends"),
+        ("leave_out = [[nan, 1.0]]", "it begins before it ends"),
+        ("leave_out = [[1.0, 2.0, 3.0]]", "an interval is [from, to] in s"),
+        ("leave_out = [{ from = 1.0, to = 2.0, fil = \"a\" }]", "an interval is [from, to] in s"),
+        ("[data.join]\ntau = { replace = [\"q\", \"u\"] }", "columns of \"tau\" need names"),
+        ("[data.join]\ntau = { replace = [\"q\"] }", "expected an array of length 2"),
+    ] {
+        let message = error(&with(data));
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
+fn the_pages_ways_to_name_logs_are_read() {
+    const PAGE: &str = include_str!("../../../../docs/logs.md");
+    let blocks = PAGE.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let logs: Vec<String> = blocks
+        .filter(|block| block.starts_with("[data]"))
+        .map(|block| format!("{block}[model]\ncoordinates = \"aa\"\n"))
+        .collect();
+    let read: Vec<_> = logs.iter().map(|text| parse(text).unwrap().data.reading()).collect();
+    assert_eq!(read.len(), 3);
+    assert!(
+        read.iter().any(|reading| reading.joins.len() == 1)
+            && read.iter().any(|reading| reading.leave_out.len() == 2)
+    );
+}

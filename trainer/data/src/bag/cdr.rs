@@ -1,0 +1,144 @@
+//! `sensor_msgs/JointState` in CDR, as ROS 2 puts it on the wire: XCDR version 1, either byte order.
+
+use crate::error::Problem;
+
+/// Bytes before the first field: the kind of encoding and options.
+const HEADER: usize = 4;
+
+/// Bytes that may follow the last field, to fill up a word.
+const PADDING: usize = 8;
+
+/// A message; lists that are empty say nothing of the joints.
+pub(super) struct JointState<'a> {
+    /// Nanoseconds; 0 where the sender did not stamp it.
+    pub stamp: i64,
+    pub names: Vec<&'a str>,
+    /// Positions, velocities, efforts.
+    pub fields: [Vec<f64>; 3],
+}
+
+impl<'a> JointState<'a> {
+    /// Checks that every list that is there has an entry for every joint.
+    pub fn parse(message: &'a [u8]) -> Result<Self, Problem> {
+        let mut cdr = Cdr::new(message)?;
+        let (seconds, nanoseconds) = (cdr.word()? as i32, cdr.word()?);
+        cdr.text()?;
+        let names = cdr.texts()?;
+        let fields = [cdr.reals()?, cdr.reals()?, cdr.reals()?];
+        if cdr.rest().len() >= PADDING {
+            return Err(no("it goes on after its end"));
+        }
+        if fields.iter().any(|field| !field.is_empty() && field.len() != names.len()) {
+            return Err(no("it has other numbers of names and of values"));
+        }
+        let stamp = i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds);
+        Ok(Self { stamp, names, fields })
+    }
+}
+
+fn no(reason: &'static str) -> Problem {
+    Problem::NotJointState(reason)
+}
+
+/// What is left of a message. Fields lie at multiples of their size behind the header.
+struct Cdr<'a> {
+    body: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Cdr<'a> {
+    fn new(message: &'a [u8]) -> Result<Self, Problem> {
+        let big_endian = match *message {
+            [0, 0, _, _, ..] => true,
+            [0, 1, _, _, ..] => false,
+            _ => return Err(no("it does not begin as one")),
+        };
+        Ok(Self { body: message.get(HEADER..).unwrap_or_default(), at: 0, big_endian })
+    }
+
+    fn rest(&self) -> &'a [u8] {
+        self.body.get(self.at..).unwrap_or_default()
+    }
+
+    /// The next bytes, from a multiple of `alignment` on.
+    fn take(&mut self, count: usize, alignment: usize) -> Result<&'a [u8], Problem> {
+        self.at = self.at.next_multiple_of(alignment);
+        let bytes = self.rest().get(..count).ok_or_else(|| no("it ends before its last field"))?;
+        self.at += count;
+        Ok(bytes)
+    }
+
+    fn word(&mut self) -> Result<u32, Problem> {
+        let bytes = self.take(4, 4)?.first_chunk().copied().unwrap_or_default();
+        Ok(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    /// A string, whose length counts the zero at its end.
+    fn text(&mut self) -> Result<&'a str, Problem> {
+        let length = self.word()? as usize;
+        let bytes = self.take(length, 1)?;
+        let text = std::str::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(bytes));
+        text.map_err(|_| no("a name in it is not UTF-8"))
+    }
+
+    fn texts(&mut self) -> Result<Vec<&'a str>, Problem> {
+        // Each takes up four bytes at least: no count makes this more than the message holds.
+        let count = self.word()? as usize;
+        if count > self.rest().len() / 4 {
+            return Err(no("it names more joints than it has bytes for"));
+        }
+        (0..count).map(|_| self.text()).collect()
+    }
+
+    fn reals(&mut self) -> Result<Vec<f64>, Problem> {
+        let count = self.word()? as usize;
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let size = count.checked_mul(8).ok_or_else(|| no("it ends before its last field"))?;
+        let (numbers, _) = self.take(size, 8)?.as_chunks();
+        let real = |bytes: &[u8; 8]| {
+            if self.big_endian { f64::from_be_bytes(*bytes) } else { f64::from_le_bytes(*bytes) }
+        };
+        Ok(numbers.iter().map(real).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One joint "abcd" at 1.5, at 2 s and 3 ns.
+    const BIG_ENDIAN: [u8; 60] = [
+        0, 0, 0, 0, // CDR, big endian
+        0, 0, 0, 2, 0, 0, 0, 3, // stamp
+        0, 0, 0, 1, 0, 0, 0, 0, // frame, which is empty, and filling
+        0, 0, 0, 1, 0, 0, 0, 5, b'a', b'b', b'c', b'd', 0, 0, 0, 0, // names, and filling
+        0, 0, 0, 1, 0, 0, 0, 0, 0x3F, 0xF8, 0, 0, 0, 0, 0, 0, // positions, after filling
+        0, 0, 0, 0, 0, 0, 0, 0, // no velocities, no efforts
+    ];
+
+    #[test]
+    fn fields_lie_at_multiples_of_their_size() {
+        let message = JointState::parse(&BIG_ENDIAN).unwrap();
+        assert_eq!((message.stamp, &message.names[..]), (2_000_000_003, &["abcd"][..]));
+        assert_eq!(message.fields, [vec![1.5], vec![], vec![]]);
+    }
+
+    #[test]
+    fn what_is_cut_or_claims_gigabytes_is_no_message() {
+        for length in 0..BIG_ENDIAN.len() {
+            assert!(JointState::parse(&BIG_ENDIAN[..length]).is_err(), "{length}");
+        }
+        for at in (12..60).step_by(4) {
+            let mut claim = BIG_ENDIAN;
+            claim[at..at + 4].copy_from_slice(&[0xFF; 4]);
+            // Of filling and of a number anything may be.
+            assert!(JointState::parse(&claim).is_err() || [16, 28, 32, 40, 44, 48].contains(&at), "{at}");
+        }
+        let mut longer = BIG_ENDIAN.to_vec();
+        longer.extend([0; PADDING]);
+        assert!(JointState::parse(&longer).is_err());
+    }
+}

@@ -1,0 +1,65 @@
+//! Where in a file something is.
+
+use std::fmt;
+
+/// Where in a file something is. Lines count from 1, rows and columns of arrays from 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line of a CSV file.
+    Line(u64),
+    /// A cell of a CSV file.
+    Cell {
+        /// Line in the file, comments counted.
+        line: u64,
+        /// Name in the header line.
+        column: String,
+    },
+    /// An array of an NPZ file.
+    Key(String),
+    /// One sample of an array of an NPZ file.
+    Row {
+        /// Name of the array.
+        key: String,
+        /// Index along its first axis.
+        row: usize,
+    },
+    /// A message of an MCAP file, counted from 1 over all topics; where the file is damaged, the first that cannot be read.
+    Message(u64),
+    /// A number in a message of an MCAP file.
+    Value {
+        /// From 1, over all topics.
+        message: u64,
+        /// Name of the column.
+        column: String,
+    },
+    /// A trajectory in memory, by its id.
+    Trajectory(i64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, ", line {line}"),
+            Self::Cell { line, column } => write!(f, ", line {line}, column {column}"),
+            Self::Key(key) => write!(f, ", key {key}"),
+            Self::Row { key, row } => write!(f, ", key {key}, row {row}"),
+            Self::Message(message) => write!(f, ", message {message}"),
+            Self::Value { message, column } => write!(f, ", message {message}, {column}"),
+            Self::Trajectory(id) => write!(f, ", trajectory {id}"),
+        }
+    }
+}
+
+impl Place {
+    /// The same without the name of a column.
+    pub(crate) fn without_column(self) -> Self {
+        match self {
+            Self::Cell { line, .. } => Self::Line(line),
+            Self::Value { message, .. } => Self::Message(message),
+            other => other,
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Files of every kind, as tables.
+
+use crate::bag::Bag;
+use crate::columns::Columns;
+use crate::error::{Fault, Problem};
+use crate::note::Note;
+use crate::place::Place;
+use crate::table::Table;
+use crate::{csv_file, join, npz, npz_columns};
+use leastaction_core::forces::ControlKind;
+use std::borrow::Cow;
+use std::fs::{self, File};
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+/// The content of a file, of which a `.mcap` one is read bit by bit.
+pub(crate) enum Source<'a> {
+    Npz(Cow<'a, [u8]>),
+    Csv(Cow<'a, [u8]>),
+    /// And its length in bytes.
+    Mcap(Box<dyn Read + 'a>, u64),
+}
+
+impl Source<'static> {
+    pub(crate) fn open(path: &Path) -> Result<Self, Fault> {
+        let fault = |error: std::io::Error| (Place::File, error.into());
+        match format_of(path)? {
+            Format::Npz => fs::read(path).map(|bytes| Self::Npz(bytes.into())).map_err(fault),
+            Format::Csv => fs::read(path).map(|bytes| Self::Csv(bytes.into())).map_err(fault),
+            Format::Mcap => {
+                let file = File::open(path).map_err(fault)?;
+                let length = file.metadata().map_err(fault)?.len();
+                Ok(Self::Mcap(Box::new(BufReader::with_capacity(1 << 20, file)), length))
+            }
+        }
+    }
+}
+
+impl<'a> Source<'a> {
+    pub(crate) fn of(format: Format, bytes: &'a [u8]) -> Self {
+        match format {
+            Format::Npz => Self::Npz(bytes.into()),
+            Format::Csv => Self::Csv(bytes.into()),
+            Format::Mcap => Self::Mcap(Box::new(bytes), bytes.len() as u64),
+        }
+    }
+
+    /// What it holds under the names of this layout.
+    pub(crate) fn table(self) -> Result<Table, Fault> {
+        match self {
+            Self::Npz(bytes) => npz::read(&bytes),
+            Self::Csv(bytes) => csv_file::read(&bytes, None),
+            Self::Mcap(..) => Err((Place::File, Problem::Unnamed)),
+        }
+    }
+
+    /// What it holds under names of its own, in SI units.
+    pub(crate) fn named(
+        self,
+        columns: &Columns,
+        control: Option<ControlKind>,
+    ) -> Result<(Table, Vec<Note>), Fault> {
+        match self {
+            Self::Npz(bytes) => npz_columns::read(&bytes, columns).map(|table| (table, Vec::new())),
+            Self::Csv(bytes) => csv_file::read(&bytes, Some(columns)).map(|table| (table, Vec::new())),
+            Self::Mcap(mut source, length) => {
+                let (parts, mut notes) = Bag::read(&mut source, length)?.parts(columns)?;
+                let (table, more) = join::joined(parts, columns.widths(), control)?;
+                notes.extend(more);
+                Ok((table, notes))
+            }
+        }
+    }
+}
+
+/// What a file is by its name.
+pub(crate) enum Format {
+    Npz,
+    Csv,
+    Mcap,
+}
+
+/// By the extension.
+pub(crate) fn format_of(path: &Path) -> Result<Format, Fault> {
+    let extension = path.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("npz") {
+        Ok(Format::Npz)
+    } else if extension.eq_ignore_ascii_case("csv") {
+        Ok(Format::Csv)
+    } else if extension.eq_ignore_ascii_case("mcap") {
+        Ok(Format::Mcap)
+    } else {
+        Err((Place::File, Problem::Extension))
+    }
+}

@@ -1,0 +1,143 @@
+//! `[data]`: which logs, and how they are read.
+
+mod columns;
+mod list;
+mod recordings;
+
+pub use columns::ColumnsConfig;
+pub use recordings::{JoinConfig, LeftOutConfig};
+
+use super::fields;
+use crate::data::{self, Column, Columns, DataError, Dataset, Note, Reading};
+use leastaction_core::forces::ControlKind;
+use list::{OneOrMany, one_or_many};
+use serde::de::{Deserializer, Error};
+use serde::ser::Serializer;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DataConfig {
+    /// `.npz`, `.csv` or `.mcap`, one or several; relative to the configuration file.
+    pub file: LogFiles,
+    /// The step (s) that all samples are resampled onto; else that of the files.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_limit")]
+    pub step: Option<f64>,
+    /// Only the first so many trajectories, at least 1.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_positive")]
+    pub trajectories: Option<usize>,
+    /// Part of the trajectories held back from the end, in [0, 1).
+    #[serde(default = "validation", deserialize_with = "fields::fraction")]
+    pub validation: f64,
+    /// What u does between samples; else what the log says, and held where it says nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::control_kind")]
+    pub control: Option<ControlKind>,
+    /// Intervals of time that are left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub leave_out: Vec<LeftOutConfig>,
+    /// Names and units of the columns, where they are not q0, …, t.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub columns: Option<ColumnsConfig>,
+    /// Further files of each recording, by what their columns are called before a colon.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub join: BTreeMap<String, JoinConfig>,
+}
+
+fn validation() -> f64 {
+    0.1
+}
+
+impl DataConfig {
+    /// The defaults for a log.
+    pub fn new(file: impl Into<LogFiles>) -> Self {
+        Self {
+            file: file.into(),
+            step: None,
+            trajectories: None,
+            validation: validation(),
+            control: None,
+            leave_out: Vec::new(),
+            columns: None,
+            join: BTreeMap::new(),
+        }
+    }
+
+    /// How the files are read.
+    pub fn reading(&self) -> Reading {
+        let columns = self.columns.as_ref().map(|columns| columns.columns.clone());
+        let t = columns.as_ref().map_or_else(|| Column::si("t"), |columns| columns.t.clone());
+        let joins = self.join.iter().map(|(name, join)| join.named(name, &t)).collect();
+        let leave_out = self.leave_out.iter().map(|left| left.0.clone()).collect();
+        Reading { columns, step: self.step, control: self.control, joins, leave_out }
+    }
+
+    /// What cannot be: files are joined by names of columns.
+    pub(super) fn problem(&self) -> Option<String> {
+        let unnamed = self.columns.is_none().then(|| self.join.keys().next()).flatten();
+        unnamed.map(|name| format!("columns of {name:?} need names: {name}:… under [data.columns]"))
+    }
+
+    /// This and, where other columns may be u, the same with each of those.
+    pub fn alternatives(&self) -> Vec<Self> {
+        let Some(ColumnsConfig { columns, other_u }) = &self.columns else { return vec![self.clone()] };
+        let with = |u: &Vec<Column>| {
+            let columns = Columns { u: u.clone(), ..columns.clone() };
+            Self { columns: Some(ColumnsConfig { columns, other_u: Vec::new() }), ..self.clone() }
+        };
+        std::iter::once(&columns.u).chain(other_u).map(with).collect()
+    }
+
+    /// Reads the log; each note has its file.
+    ///
+    /// # Errors
+    /// [`DataError`] with the file, the place in it and the problem.
+    pub fn read(&self) -> Result<(Dataset, Vec<(PathBuf, Note)>), DataError> {
+        data::read_logs(&data::files(&self.file.0)?, &self.reading())
+    }
+}
+
+/// Files of logs, or patterns of their names with `*` and `?`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogFiles(
+    /// As they are written.
+    pub Vec<PathBuf>,
+);
+
+impl LogFiles {
+    /// The same with every path changed.
+    #[must_use]
+    pub fn map(&self, f: impl Fn(&Path) -> PathBuf) -> Self {
+        Self(self.0.iter().map(|path| f(path)).collect())
+    }
+}
+
+impl<P: Into<PathBuf>> From<P> for LogFiles {
+    fn from(file: P) -> Self {
+        Self(vec![file.into()])
+    }
+}
+
+impl fmt::Display for LogFiles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<String> = self.0.iter().map(|file| file.display().to_string()).collect();
+        f.write_str(&names.join(", "))
+    }
+}
+
+impl Serialize for LogFiles {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        one_or_many(&self.0, to)
+    }
+}
+
+impl<'de> Deserialize<'de> for LogFiles {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let files: Vec<PathBuf> =
+            from.deserialize_any(OneOrMany::new("the name of a file, or a list of them"))?;
+        if files.is_empty() { Err(Error::custom("name at least one file")) } else { Ok(Self(files)) }
+    }
+}
