@@ -255,7 +255,7 @@ mod tests {
         let parents = [None, Some(0), Some(0)];
         let bodies = parents.map(|parent| TreeBody { joint: Joint::Revolute, parent });
         let bodies = BodiesEnergies::new(bodies.to_vec()).unwrap();
-        let known = (0..crate::energies::Energies::parameters(&bodies));
+        let known = 0..crate::energies::Energies::parameters(&bodies);
         let known = known.map(|k| (k % 3 == 0).then_some([0.0, 1.0, -9.81][k / 3 % 3])).collect();
         let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
         System::new(&WithFriction::new(bodies.with_known(known).unwrap(), laws, 2, vec![0, 1, 1]).unwrap())
@@ -291,43 +291,5 @@ mod tests {
                 assert!((a - b).abs() < 1e-11 * (1.0 + b.abs()), "{a} and {b}");
             }
         }
-    }
-}
-#[cfg(test)]
-#[test]
-fn scratch_counts() {
-    use crate::energies::*;
-    use leastaction_core::energy::bodies::{Joint, TreeBody};
-    let b = [None, Some(0)].map(|parent| TreeBody { joint: Joint::Revolute, parent });
-    let e = BodiesEnergies::new(b.to_vec()).unwrap();
-    let mut known = vec![None; e.parameters()];
-    for (k, v) in [
-        (0, 0.0),
-        (1, -9.81),
-        (2, 0.0),
-        (3, 0.0),
-        (4, 0.0),
-        (6, 0.0),
-        (9, 0.0),
-        (10, 0.0),
-        (12, 0.0),
-        (13, 0.0),
-        (15, 0.0),
-    ] {
-        known[k] = Some(v);
-    }
-    let e = e.with_known(known).unwrap();
-    let e = WithFriction::new(e, FrictionLaws { viscous: true, dry: DryLaw::Loaded }, 2, vec![0, 1]).unwrap();
-    let s = crate::System::new(&e);
-    for p in [s.equation_of_motion_with_residual(2).0, s.residual_derivatives_with_control()] {
-        let n = p.numbers.as_ref().unwrap();
-        println!(
-            "steps {} first {} ops {} {} regs {}",
-            p.steps.len(),
-            p.first,
-            n.parts[0].len(),
-            n.parts[1].len(),
-            n.registers
-        );
     }
 }
