@@ -7,8 +7,6 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// A step of a mechanism's model: shorter ones tell noise from motion worse (s).
-const SHORTEST_STEP: f64 = 0.01;
 /// Sampling intervals that differ by less than this part are those of one clock.
 const SAME: f64 = 0.01;
 
@@ -98,16 +96,13 @@ fn model(text: &mut String, guess: &Guess) {
     line(text, format_args!("\n[training]\nloss = \"windows\""));
 }
 
-/// A hundredth of a second; the longest sampling interval of a file, to two digits, where that is longer and others have shorter ones;
-/// none where samples of all files lie at one such step.
+/// The longest sampling interval of a file, to two digits, where others have shorter ones; none where samples of all files lie at one
+/// step, with jitter or not.
 fn step(report: &Report, guess: &Guess) -> Option<f64> {
     let has_q = |file: &&File| guess.q.first().is_some_and(|q| file.may_have(q));
     let rates = || report.files.iter().filter(has_q).filter_map(|file| file.rate);
     let intervals = || rates().map(|rate| 1.0 / rate);
     let (longest, shortest) = (intervals().fold(0.0, f64::max), intervals().fold(f64::INFINITY, f64::min));
-    if longest < SHORTEST_STEP {
-        return (longest > 0.0).then_some(SHORTEST_STEP);
-    }
     let differ = shortest < (1.0 - SAME) * longest;
     format!("{longest:.1e}").parse().ok().filter(|_| differ)
 }

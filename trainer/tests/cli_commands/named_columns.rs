@@ -164,7 +164,7 @@ fn a_first_configuration_is_short() {
         (columns.columns.u[0].name.as_str(), columns.other_u[0][1].name.as_str()),
         ("tau_con1", "tau_meas2")
     );
-    assert_eq!((config.data.step, config.data.validation), (Some(0.01), 0.2));
+    assert_eq!((config.data.step, config.data.validation), (None, 0.2));
 }
 
 #[test]

@@ -6,8 +6,11 @@ use leastaction_core::forces::ControlKind;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Positions that a window's start state is guessed from, at most.
+/// Positions that a state is guessed from at least, and how long they take at least, s: noise of few neighbours hides velocities.
 const GUESS: usize = 7;
+const GUESS_TIME: f64 = 0.06;
+/// Positions that a state is guessed from at most.
+const LONGEST_GUESS: usize = 121;
 /// A rest of a log as long as this part of a stride has a window of its own.
 const REST: f64 = 0.5;
 
@@ -104,6 +107,11 @@ impl WindowLogs {
         [after + part * (before - after), (before - after) / self.h]
     }
 
+    /// Positions that a state is guessed from: an odd number.
+    fn guessed_from(&self) -> usize {
+        ((GUESS_TIME / self.h + 0.5) as usize).clamp(GUESS, LONGEST_GUESS) / 2 * 2 + 1
+    }
+
     /// Windows of so many steps over some logs, each beginning `stride` ≥ 1 steps after the one before.
     pub(super) fn windows(
         &self,
@@ -125,7 +133,7 @@ impl WindowLogs {
 
     /// (q_i, v_i) at the first sample of a window: of the parabola that is nearest to its first positions.
     pub(super) fn guess(&self, window: Window, steps: usize, i: usize) -> [f64; 2] {
-        let count = GUESS.min(steps + 1);
+        let count = self.guessed_from().min(steps + 1);
         let positions: Vec<f64> =
             (0..count).map(|k| self.position(window.log, window.first + k, i)).collect();
         let [value, slope] = parabola(&positions);
@@ -136,17 +144,18 @@ impl WindowLogs {
     /// smoothed, so for a first guess alone.
     pub fn smoothed(&self) -> [Vec<f64>; 4] {
         let mut states: [Vec<f64>; 4] = Default::default();
-        let shares = [Share::Value, Share::Slope, Share::Curvature].map(|share| shares(GUESS, MIDDLE, share));
+        let (count, middle) = (self.guessed_from(), self.guessed_from() / 2);
+        let shares = [Share::Value, Share::Slope, Share::Curvature].map(|share| shares(count, middle, share));
         for log in 0..self.count() {
-            let last = (self.samples(log) + 1).saturating_sub(GUESS);
-            for (first, i) in (0..last).step_by(MIDDLE).flat_map(|k| (0..self.n).map(move |i| (k, i))) {
+            let last = (self.samples(log) + 1).saturating_sub(count);
+            for (first, i) in (0..last).step_by(middle).flat_map(|k| (0..self.n).map(move |i| (k, i))) {
                 let sum = |shares: &[f64]| -> f64 {
                     let each = shares.iter().enumerate();
                     each.map(|(k, share)| share * self.position(log, first + k, i)).sum()
                 };
                 let (value, slope, curvature) = (sum(&shares[0]), sum(&shares[1]), sum(&shares[2]));
                 let u = |k: usize| self.delayed_control(log, first + k, i, 0.0)[0];
-                let force = (0..GUESS).map(u).sum::<f64>() / GUESS as f64;
+                let force = (0..count).map(u).sum::<f64>() / count as f64;
                 let own = [value, slope / self.h, curvature / (self.h * self.h), force];
                 states.iter_mut().zip(own).for_each(|(all, x)| all.push(x));
             }
@@ -205,9 +214,6 @@ impl WindowLogs {
         robust_deviation(differences) / 20_f64.sqrt()
     }
 }
-
-/// The sample in the middle of those that a parabola goes through.
-const MIDDLE: usize = GUESS / 2;
 
 /// What is asked of a parabola.
 #[derive(Clone, Copy)]
