@@ -9,6 +9,7 @@ use crate::graph::COMPOSED;
 use crate::operations::{Evaluations, operations};
 use crate::{Cost, cost};
 use leastaction_core::energy::modular::TransformShape;
+use leastaction_core::model::Law;
 use leastaction_core::network::NARROW;
 use leastaction_learning::architecture::Architecture;
 use leastaction_learning::model_file::{HostModel, Precision};
@@ -124,12 +125,14 @@ impl Evaluation {
 
 /// What of a model its cost depends on.
 pub struct CostFactors {
-    /// rigid, modular or graph.
+    /// rigid, modular, bodies or graph.
     pub family: &'static str,
     evaluations: Evaluations,
     cost: Cost,
     coordinates: usize,
     narrow: bool,
+    /// Whether it has dry friction.
+    dry: bool,
     /// Whether a network moves an element: it keeps its units beside those of the potentials.
     moved_by_network: bool,
 }
@@ -148,6 +151,7 @@ impl CostFactors {
             cost: cost(architecture).ok()?,
             coordinates,
             narrow: architecture.widths().into_iter().max().unwrap_or(0) <= NARROW,
+            dry: architecture.laws().contains(Law::Coulomb),
             moved_by_network: moved_by_network(architecture),
         })
     }
@@ -222,6 +226,8 @@ impl CostFactors {
             (format!("n_{name}"), n),
             (format!("n2_{name}"), n * n),
             (format!("moved_by_network_{kind}"), f64::from(self.moved_by_network)),
+            (format!("dry_{kind}"), f64::from(self.dry)),
+            (format!("dry_n_{kind}"), n * f64::from(self.dry)),
         ];
         common.into_iter().chain(own).collect()
     }
@@ -234,6 +240,8 @@ impl CostFactors {
             ("image", 1.0),
             (width, 1.0),
             ("order_4", f64::from(order == 4)),
+            ("dry", f64::from(self.dry)),
+            ("dry_order_4", f64::from(self.dry && order == 4)),
             ("n_from_2", from(2)),
             ("n_from_3", from(3)),
             ("n_from_4", from(4)),

@@ -6,7 +6,7 @@ mod target;
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_core::forces::DryFriction;
-use leastaction_core::model::{ActuatorBytes, CoordinateRange, FORMAT_VERSION, Interval, Law};
+use leastaction_core::model::{ActuatorBytes, CoordinateRange, FORMAT_VERSION, Interval};
 use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
 use leastaction_learning::model_file::{HostModel, Precision, decode};
@@ -106,7 +106,6 @@ fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Res
     let unknown = || {
         let name = target.processor().name();
         let why = match model.precision {
-            _ if model.architecture.laws().contains(Law::Coulomb) => "with dry friction it was not measured",
             Precision::Half => "of weights in half precision it was not measured",
             Precision::Single => "its shape is beyond those that were measured",
         };
