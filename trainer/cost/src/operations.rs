@@ -12,9 +12,9 @@ use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
-use leastaction_core::forces::{Coulomb, Forces, System, Viscous};
+use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{Law, LoadForces, Rod};
+use leastaction_core::model::{Laws, Rod};
 use leastaction_core::scalar::Packed;
 use leastaction_learning::architecture::{
     Architecture, DEPTH, Family, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH,
@@ -32,19 +32,16 @@ pub struct Evaluations {
     pub step_order_4: Operations,
 }
 
-/// The laws of force of a model with dry friction.
-type Friction<const N: usize> = (Viscous<Real, N>, Coulomb<Real, N>);
-
-/// Counts at a state of no importance; `None` where the shape is beyond what was measured on chips, which is but for graphs of up to
-/// 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
+/// Counts at a state of no importance, without dry friction; `None` where the shape is beyond what was measured on chips, which is but for
+/// graphs of up to 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
     match (&architecture.family, architecture.n()) {
         (Family::Graph(graph), _) if graph.dimension() == 3 => particles::<3>(graph, weights),
         (Family::Graph(graph), _) => particles::<2>(graph, weights),
-        (_, 1) => of_coordinates::<1>(architecture, weights),
-        (_, 2) => of_coordinates::<2>(architecture, weights),
-        (_, 3) => of_coordinates::<3>(architecture, weights),
-        (_, 4) => of_coordinates::<4>(architecture, weights),
+        (family, 1) => of_coordinates::<1>(family, weights),
+        (family, 2) => of_coordinates::<2>(family, weights),
+        (family, 3) => of_coordinates::<3>(family, weights),
+        (family, 4) => of_coordinates::<4>(family, weights),
         _ => None,
     }
 }
@@ -68,31 +65,20 @@ impl Packed for Real {
     }
 }
 
-fn of_coordinates<const N: usize>(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
-    if architecture.laws().contains(Law::Coulomb) {
-        under::<Friction<N>, N>(architecture, weights)
-    } else {
-        under::<Viscous<Real, N>, N>(architecture, weights)
-    }
-}
-
-fn under<F: LoadForces<Real, N>, const N: usize>(
-    architecture: &Architecture,
-    weights: &[f64],
-) -> Option<Evaluations> {
-    let laws = architecture.laws();
-    match &architecture.family {
+fn of_coordinates<const N: usize>(family: &Family, weights: &[f64]) -> Option<Evaluations> {
+    let laws = Laws::NONE;
+    match family {
         Family::Rigid(rigid) => {
             let system = rigid.header().system(laws, weights).ok()?;
-            steps::<Rigid<f64, N, MAX_WIDTH, DEPTH>, F, N>(&system)
+            steps::<Rigid<f64, N, MAX_WIDTH, DEPTH>, Viscous<Real, N>, N>(&system)
         }
         Family::Modular(modular) => {
             let system = modular.header().system(&modular.tree_header(), laws, weights).ok()?;
-            steps::<Modular<f64, N, MAX_TYPES, MAX_ELEMENT_UNITS, DEPTH>, F, N>(&system)
+            steps::<Modular<f64, N, MAX_TYPES, MAX_ELEMENT_UNITS, DEPTH>, Viscous<Real, N>, N>(&system)
         }
         Family::Bodies(bodies) => {
             let system = bodies.header().system(laws, weights).ok()?;
-            steps::<PlanarBodies<f64, N>, F, N>(&system)
+            steps::<PlanarBodies<f64, N>, Viscous<Real, N>, N>(&system)
         }
         Family::Graph(_) => None,
     }

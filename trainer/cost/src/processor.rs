@@ -176,6 +176,24 @@ impl CostFactors {
 
     /// What instructions are a sum over.
     pub fn work(&self, evaluation: Evaluation) -> Coefficients {
+        let energies =
+            if self.family == BODIES { self.measured(evaluation.name()) } else { self.counted(evaluation) };
+        energies.into_iter().chain(self.friction(evaluation.name())).collect()
+    }
+
+    /// Of rigid bodies, which differ little but in their number: what was measured of so many.
+    fn measured(&self, name: &str) -> Coefficients {
+        [(format!("{name}_of_{}", self.coordinates), 1.0)].into()
+    }
+
+    /// Dry friction is the same beside any energies.
+    fn friction(&self, name: &str) -> Coefficients {
+        let dry = f64::from(self.dry);
+        [(format!("dry_{name}"), dry), (format!("dry_n_{name}"), dry * self.coordinates as f64)].into()
+    }
+
+    /// Operations that were counted.
+    fn counted(&self, evaluation: Evaluation) -> Coefficients {
         let done = self.operations(evaluation);
         let beside = if self.narrow { "narrow" } else { "wide" };
         let [eights, fours, ones] = done.multiply_adds;
@@ -205,6 +223,12 @@ impl CostFactors {
 
     /// What stack is a sum over.
     pub fn stack(&self, evaluation: Evaluation) -> Coefficients {
+        let energies =
+            if self.family == BODIES { self.measured(evaluation.name()) } else { self.arrays(evaluation) };
+        energies.into_iter().chain(self.friction(evaluation.name())).collect()
+    }
+
+    fn arrays(&self, evaluation: Evaluation) -> Coefficients {
         let Cost { acceleration, step_order_2, step_order_4, .. } = self.cost;
         let arrays = match evaluation {
             Evaluation::Acceleration => acceleration,
@@ -226,22 +250,24 @@ impl CostFactors {
             (format!("n_{name}"), n),
             (format!("n2_{name}"), n * n),
             (format!("moved_by_network_{kind}"), f64::from(self.moved_by_network)),
-            (format!("dry_{kind}"), f64::from(self.dry)),
-            (format!("dry_n_{kind}"), n * f64::from(self.dry)),
         ];
         common.into_iter().chain(own).collect()
     }
 
     /// What code is a sum over.
     pub fn code(&self, order: u8) -> Coefficients {
+        let name = Evaluation::Step(order).name();
+        let energies = if self.family == BODIES { self.measured(name) } else { self.functions(order) };
+        energies.into_iter().chain(self.friction(name)).collect()
+    }
+
+    fn functions(&self, order: u8) -> Coefficients {
         let from = |n: usize| f64::from(self.family != GRAPH && self.coordinates >= n);
         let width = if self.narrow { "narrow" } else { "wide" };
         [
             ("image", 1.0),
             (width, 1.0),
             ("order_4", f64::from(order == 4)),
-            ("dry", f64::from(self.dry)),
-            ("dry_order_4", f64::from(self.dry && order == 4)),
             ("n_from_2", from(2)),
             ("n_from_3", from(3)),
             ("n_from_4", from(4)),
@@ -258,6 +284,7 @@ fn moved_by_network(architecture: &Architecture) -> bool {
 }
 
 const GRAPH: &str = "graph";
+const BODIES: &str = "bodies";
 
 fn product(fitted: &Coefficients, found: &Coefficients) -> f64 {
     found.iter().map(|(name, x)| x * fitted.get(name).copied().unwrap_or(0.0)).sum()

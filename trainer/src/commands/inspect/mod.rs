@@ -19,7 +19,7 @@ use target::{OnTarget, Target};
 
 /// Show what a model file is and what it costs on a chip.
 ///
-/// Multiply-adds are those of the network's layers. Stack bytes are the arrays that are live at once in an evaluation; call
+/// Multiply-adds are those of the network's layers, of rigid bodies those of their energies. Stack bytes are the arrays that are live at once in an evaluation; call
 /// frames come on top. A step takes 2 to 3 Newton iterations.
 #[derive(Args)]
 pub struct Inspect {
