@@ -155,6 +155,7 @@ if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax
 "${host[@]}" fmt --check
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
 checked=${families/ graph / graph graph,rods }
+checked=${checked/ bodies / bodies bodies,friction }
 for family in ${checked/ rigid / rigid rigid,friction }; do
     features=(--no-default-features --features "$family")
     "${host[@]}" test --quiet --lib "${features[@]}"
@@ -175,6 +176,7 @@ check rigid,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEAS
 check rigid,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 check modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
 check bodies crane "" "$arm" LEASTACTION_COORDINATES=3
+check bodies,friction crane-friction "" "$arm" LEASTACTION_COORDINATES=3
 for with in graph graph,rods; do
     check $with web pair '0.125 0.25 0.375 0.5' LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
         LEASTACTION_NETWORKS=6

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a
 # Cortex-M4F (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). One JSON line a board,
-# model and order, and of code one for an acceleration and one for a step alone: `--steps N` of each (1,000), `--only NAME` of them.
+# model and order, of code one for an acceleration and one for a step alone, and one for the instructions of friction: `--steps N` of each
+# (1,000), `--only NAME` of them.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
 # Uses rustup's targets where they can be had, else Debian's compiler with the standard library's source; installs what is missing.
@@ -21,10 +22,12 @@ while [ $# -gt 0 ]; do
     esac
 done
 
-images=(rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 rigid-f16_2 rigid-dry_2) bare_images=(bare_acceleration bare_step)
-case " ${boards[*]} ${images[*]} ${bare_images[*]} bare " in
+images=(rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
+    rigid-f16_2 rigid-dry_2 bodies-dry_2 bodies-dry_4)
+bare_images=(bare_acceleration bare_step)
+case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction " in
     *" ${only:-bare} "*) ;;
-    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare" >&2; exit 2 ;;
+    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction" >&2; exit 2 ;;
 esac
 
 if [ -n "$build_only" ]; then
@@ -62,6 +65,19 @@ bare() {
         "$board" "${image#bare_}" $(sections "$elf")
 }
 
+# Damping and dry friction that grows with the load, of a coordinate: at most 150 instructions on a Cortex-M4F.
+friction() {
+    local board=$1
+    output=$(emulate "$board" "$(program "$board" kernels)" 0 2>&1) || { printf 'kernels on %s: %s\n' "$board" "$output" >&2; return 1; }
+    printf '{"board": "%s", "only": "friction", "damping_instructions": %s, "friction_instructions": %s' \
+        "$board" "$(value viscous)" "$(value friction)"
+    printf ', "friction_with_derivatives_instructions": %s}\n' "$(value friction_with_derivatives)"
+    if [ "$board" = cortex-m4f ] && [ "$(value friction)" -gt 150 ]; then
+        echo "friction on $board: more than 150 instructions a coordinate" >&2
+        return 1
+    fi
+}
+
 run() {
     local board image
     for board in "${boards[@]}"; do
@@ -72,6 +88,7 @@ run() {
         for image in "${bare_images[@]}"; do
             case "$only" in "" | "$board" | "$image" | bare) bare "$board" "$image" ;; esac
         done
+        case "$only" in "" | "$board" | friction) friction "$board" ;; esac
     done
 }
 

@@ -59,25 +59,25 @@ pub struct Firmware<'a, M: Mechanism<N>, C, const N: usize> {
     model: &'a M,
     controller: C,
     observer: ObserverOf<'a, M, N>,
-    limit: ActuatorConfig<N>,
+    actuator: ActuatorConfig<N>,
     line: Commands<f32, N>,
     force: Control<f32, N>,
     last: Outcome<N>,
 }
 
 impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C, N> {
-    /// A program of ticks of h seconds for actuators of these limits (its delay is the observer's, not the actuator's);
-    /// `angle` says which encoders forget whole turns.
+    /// A program of ticks of h seconds for actuators of these limits, gains and offsets (the delay is the observer's, not the
+    /// actuator's); `angle` says which encoders forget whole turns.
     pub fn new(
         model: &'a M,
         controller: C,
         h: f32,
         angle: [bool; N],
         observer: &ObserverConfig,
-        limit: ActuatorConfig<N>,
+        actuator: ActuatorConfig<N>,
     ) -> Self {
-        let (line, observer) = (observer.commands(), observer.observer(model, h, angle));
-        Self { model, controller, observer, limit, line, force: Control::none(), last: Outcome::waiting() }
+        let (line, observer) = (observer.commands(&actuator.drive), observer.observer(model, h, angle));
+        Self { model, controller, observer, actuator, line, force: Control::none(), last: Outcome::waiting() }
     }
 
     /// The last outcome.
@@ -166,6 +166,6 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         if !all_finite(&u) {
             return Err(StepError::NotFinite);
         }
-        Ok(Command { u: self.limit.saturate(&u), mode })
+        Ok(Command { u: self.actuator.saturate(&self.actuator.drive.command(&u)), mode })
     }
 }

@@ -4,11 +4,10 @@ pub use leastaction_core::discrete::Order;
 pub use leastaction_core::observer::{Integrator, Observer, Tuning, ZerosPrior};
 
 use crate::Mechanism;
-use crate::devices::MAX_DELAY;
+use crate::devices::{Drive, MAX_DELAY};
 use crate::error::{Range, SetupError, require};
 use crate::wire::{NewtonWire, OrderWire};
 use leastaction_core::discrete::Newton;
-use leastaction_core::forces::Actuator;
 use leastaction_core::model::TrainedStep;
 use leastaction_core::observer::Commands;
 use serde::{Deserialize, Serialize};
@@ -139,10 +138,10 @@ impl ObserverConfig {
         Observer::new(model.system(), Integrator::new(self.order, h, self.newton), angle, tuning)
     }
 
-    /// The commands on their way, by the delay that the firmware knows.
-    pub(crate) fn commands<const N: usize>(&self) -> Commands<f32, N> {
+    /// The commands on their way, by the drive and the delay that the firmware knows.
+    pub(crate) fn commands<const N: usize>(&self, drive: &Drive<N>) -> Commands<f32, N> {
         let (whole, rest) = whole_and_rest(self.delay);
-        Commands::new(whole, Actuator { delay: rest, ..Actuator::ideal() })
+        Commands::new(whole, drive.late(rest))
     }
 }
 

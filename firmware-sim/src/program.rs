@@ -2,7 +2,7 @@ use crate::control::{
     CartPump, Catch, Controller, Gains, JointPump, Listen, PumpConfig, Reference, Regulator, SwingUp,
     TaskController, Tolerance, Track,
 };
-use crate::devices::ActuatorConfig;
+use crate::devices::{ActuatorConfig, Drive};
 use crate::error::{SetupError, require};
 use crate::firmware::Firmware;
 use crate::mechanism::{Mechanism, require_quadratic};
@@ -18,7 +18,7 @@ pub struct Program<const N: usize> {
     /// Which encoders measure angles, and wrap their readings.
     #[serde(with = "array")]
     pub angle: [bool; N],
-    /// The limits of the actuators; their delay is the observer's to know.
+    /// The limits of the actuators, and gain and offset as far as the firmware knows; their delay is the observer's to know.
     pub actuator: ActuatorConfig<N>,
     /// How the firmware steps its model and estimates the state.
     pub observer: ObserverConfig,
@@ -82,9 +82,10 @@ impl<const N: usize> Program<N> {
         require_quadratic(model, &self.task.reference(0.0))
     }
 
-    /// A program that estimates the state under the commands of somebody else, as of a log.
-    pub fn listening(tick: f32, angle: [bool; N], observer: ObserverConfig) -> Self {
-        Self { tick, angle, actuator: ActuatorConfig::new([0.0; N]), observer, task: Task::Listen }
+    /// A program that estimates the state under the commands of somebody else, as of a log, which become forces by `drive`.
+    pub fn listening(tick: f32, angle: [bool; N], drive: Drive<N>, observer: ObserverConfig) -> Self {
+        let actuator = ActuatorConfig { drive, ..ActuatorConfig::new([0.0; N]) };
+        Self { tick, angle, actuator, observer, task: Task::Listen }
     }
 
     /// The firmware over a model without a controller, whatever the task is.
@@ -138,7 +139,7 @@ impl<const N: usize> Program<N> {
             catch,
             swinging: N - 1,
             angle: self.angle,
-            limit: self.actuator.limit[0],
+            limit: self.actuator.drive.gain[0].abs() * self.actuator.limit[0],
             holding: false,
         }
     }

@@ -41,7 +41,7 @@ pub struct Tick<const N: usize> {
     pub reference: [f32; N],
     /// q − reference, angles in [−π, π]. (In `predict` the reference is the model's position.)
     pub error: [f32; N],
-    /// Force that the firmware asked for in this tick, within the limits, N or N m.
+    /// Command that the firmware gave in this tick, within the limits.
     pub commanded: [f32; N],
     /// Force that acts from this tick on, N or N m.
     pub applied: [f32; N],

@@ -97,8 +97,8 @@ const WEAK: f64 = 1e-6;
 /// Sweeps over the numbers, each set to its best with the others held.
 const SWEEPS: usize = 200_000;
 
-/// The numbers, none negative, whose sums are relatively nearest to what was measured, each pulled to what is `known` of it (else 1) with the
-/// weight of one more measurement of relative error 1/`pull`.
+/// The numbers, none negative, whose sums are relatively nearest to what was measured, each pulled to what is `known` of it with the
+/// weight of one more measurement of relative error 1/`pull`; to 1, hardly, where nothing is.
 fn solved(equations: &[Equation], known: &[(&str, f64)], pull: f64) -> Coefficients {
     let mut names: Vec<&String> = equations.iter().flat_map(|(terms, _)| terms.keys()).collect();
     names.sort();
@@ -111,7 +111,8 @@ fn solved(equations: &[Equation], known: &[(&str, f64)], pull: f64) -> Coefficie
         })
         .collect();
     for (i, name) in names.iter().enumerate() {
-        let known = known.iter().find(|(of, _)| of == name).map_or(1.0, |(_, x)| *x);
+        let known = known.iter().find(|(of, _)| of == name);
+        let (known, pull) = known.map_or((1.0, WEAK), |(_, x)| (*x, pull));
         let row = (0..n).map(|j| if i == j { pull / known } else { 0.0 }).collect();
         rows.push((row, pull));
     }

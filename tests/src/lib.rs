@@ -11,7 +11,8 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Entry, ModelError, entry_of};
 use leastaction_firmware_sim::damage::{Damage, Refusals};
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, dry, newton,
+    BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry,
+    newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion, fingerprint};
 use std::fmt::{self, Write};
@@ -43,6 +44,9 @@ const HALF_CARTPOLE: &Aligned<[u8]> =
 const DOUBLE: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip/models/double.postcard"));
 const PENDULUMS: &Aligned<[u8]> =
     &Aligned(*include_bytes!("../../firmware-sim/chip/models/pendulums.postcard"));
+const ACROBOT: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip/models/acrobot.postcard"));
+const DRY_CARTPOLE: &Aligned<[u8]> =
+    &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole-dry.postcard"));
 
 #[repr(align(4))]
 struct Aligned<T: ?Sized>(T);
@@ -50,7 +54,7 @@ struct Aligned<T: ?Sized>(T);
 /// A run whose fingerprint every target must give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// rigid, modular, graph, rigid-f16 or rigid-dry.
+    /// rigid, modular, graph, bodies, rigid-f16, rigid-dry or bodies-dry.
     pub family: &'static str,
     /// 2 or 4.
     pub order: u8,
@@ -61,7 +65,8 @@ impl Reference {
     pub fn all() -> impl Iterator<Item = Self> {
         let orders = |family| [2, 4].map(|order| Self { family, order });
         let others = ["rigid-f16", "rigid-dry"].map(|family| Self { family, order: 2 });
-        ["rigid", "modular", "graph"].into_iter().flat_map(orders).chain(others)
+        let families = ["rigid", "modular", "graph", "bodies"].into_iter().flat_map(orders);
+        families.chain(others).chain(orders("bodies-dry"))
     }
 
     /// The fingerprint of so many steps.
@@ -84,6 +89,14 @@ impl Reference {
             }
             ("modular", order) => {
                 let model = Double::load(&DOUBLE.0, TREE).map_err(Refused::Model)?;
+                free(&model.system, order, steps)
+            }
+            ("bodies", order) => {
+                let model = Links::load(&ACROBOT.0).map_err(Refused::Model)?;
+                free(&model.system, order, steps)
+            }
+            ("bodies-dry", order) => {
+                let model = DryBodies::load(&DRY_CARTPOLE.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
             }
             (_, 2) => bobs(Order::Two, steps),

@@ -36,6 +36,8 @@ mod resume;
 mod simulate;
 #[path = "cli_commands/support.rs"]
 mod support;
+#[path = "cli_commands/swing_up.rs"]
+mod swing_up;
 #[path = "cli_commands/train.rs"]
 mod train;
 #[path = "cli_commands/trees.rs"]

@@ -188,15 +188,32 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         Self { w: add_scaled(&self.w, part, dw), s: add_scaled(&self.s, part, ds), ..*self }
     }
 
-    /// The part of a change of w and s after which Newton's method looks again, by what the laws of force say of the velocities at
-    /// all Gauss points.
+    /// The part of a change (dw, ds) after which Newton's method looks again, by what the laws of force say of the velocities at
+    /// some Gauss points.
     #[inline(always)]
-    pub(super) fn trusted_part<F: Forces<R, N>>(&self, forces: &F, dw: &[R; N], ds: &[R; N]) -> R {
-        P::points().as_ref().iter().fold(R::one(), |least, point| {
+    pub(super) fn trusted_part<F: Forces<R, N>>(
+        &self,
+        forces: &F,
+        (dw, ds): (&[R; N], &[R; N]),
+        at: impl Fn(&GaussPoint<R>) -> bool,
+    ) -> R {
+        P::points().as_ref().iter().filter(|point| at(point)).fold(R::one(), |least, point| {
             let dv = if P::BUBBLE { add_scaled(dw, point.bubble_rate(), ds) } else { *dw };
             let part = forces.trusted_part(&self.point(point).1, &dv);
             if part < least { part } else { least }
         })
+    }
+
+    /// What the forces' change with the velocity at the early Gauss points adds to ∂dm_ld/∂s.
+    pub(super) fn early_force_s<F: Forces<R, N>>(&self, forces: &F) -> Matrix<R, N> {
+        let mut sum = [[R::zero(); N]; N];
+        for point in P::points().as_ref().iter().filter(|point| point.is_early()) {
+            let (q, v) = self.point(point);
+            let (_, force_v) = forces.derivatives(&q, &v, &self.u.at(point.c));
+            let Variation { force, momentum } = Variation::bubble(point, self.h);
+            sum = add_scaled_matrix(&sum, point.weight * force * momentum, &force_v);
+        }
+        sum
     }
 
     /// Position and velocity at a Gauss point.

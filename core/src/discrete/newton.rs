@@ -1,8 +1,8 @@
-use super::{Balance, Interval, Linearised, Path};
+use super::{Balance, GaussPoint, Interval, Linearised, Path};
 use crate::forces::{Forces, System};
 use crate::lagrangian::Lagrangian;
 use crate::linear::{
-    Matrix, SolveError, add_scaled, add_scaled_matrix, multiply, solve, solve_many, transpose,
+    Matrix, SolveError, add_scaled, add_scaled_matrix, dot, multiply, solve, solve_many, transpose,
 };
 use crate::newton::{Equations, Newton, Report, StepError, relative};
 use crate::scalar::{Real, max_abs};
@@ -130,6 +130,29 @@ where
     }
 }
 
+impl<R, L, F, P, const N: usize, const ENDS: bool> StepEquations<'_, R, L, F, P, N, ENDS>
+where
+    R: Real,
+    L: Lagrangian<R, N>,
+    F: Forces<R, N>,
+    P: Path,
+{
+    /// ds between two given ends.
+    ///
+    /// A bubble that grows speeds up the early Gauss point and slows down the late one. Friction at the late one therefore works against
+    /// it, as inertia does, but at the early one with it: where it bends sharply the equation turns back there, and an update
+    /// may lead the wrong way. It is then repeated without the early friction's derivative, and so goes the right way, if not as fast.
+    fn between_ends(&self) -> Result<[R; N], SolveError> {
+        let (matrix, right) = (&self.linearised.bubble_s, self.left.bubble.map(|r| -r));
+        let ds = solve(*matrix, right);
+        if ds.is_ok_and(|ds| dot(&ds, &right) > R::zero()) {
+            return ds;
+        }
+        let early = self.interval.early_force_s(&self.system.forces);
+        solve(add_scaled_matrix(matrix, -R::one(), &early), right)
+    }
+}
+
 impl<R, L, F, P, const N: usize, const ENDS: bool> Equations<R> for StepEquations<'_, R, L, F, P, N, ENDS>
 where
     R: Real,
@@ -156,12 +179,12 @@ where
     #[inline(always)]
     fn update(&mut self) -> Result<(), StepError<R>> {
         let (dw, ds) = if ENDS {
-            let ds = solve(self.linearised.bubble_s, self.left.bubble.map(|r| -r))?;
-            ([R::zero(); N], ds)
+            ([R::zero(); N], self.between_ends()?)
         } else {
             self.linearised.update(&self.left, P::BUBBLE)?
         };
-        let part = self.interval.trusted_part(&self.system.forces, &dw, &ds);
+        let trusted = |point: &GaussPoint<R>| !(ENDS && point.is_early());
+        let part = self.interval.trusted_part(&self.system.forces, (&dw, &ds), trusted);
         self.interval = self.interval.moved_by(part, &dw, &ds);
         Ok(())
     }

@@ -17,6 +17,15 @@ impl<S: Scalar> GaussPoint<S> {
         S::constant(4.0) * self.c * (S::one() - self.c)
     }
 
+    /// Whether it lies in the first half of the step, where γ > 0.
+    #[inline(always)]
+    pub(super) fn is_early(&self) -> bool
+    where
+        S: PartialOrd,
+    {
+        self.bubble_rate() > S::zero()
+    }
+
     /// γ(c) = β′ = 4(1 − 2c).
     #[inline(always)]
     pub fn bubble_rate(&self) -> S {

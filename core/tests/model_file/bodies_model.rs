@@ -1,7 +1,7 @@
 //! The model file of bodies: what is right loads, and everything else is a typed error.
 
 use crate::common::bodies::{Bodies, body};
-use crate::common::crane::{self, CRANE, DAMPING, GRAVITY, HEADER, NUMBERS, weights};
+use crate::common::crane::{self, CRANE, DAMPING, FRICTION, GRAVITY, HEADER, NUMBERS, weights};
 use crate::common::file::{self, Aligned};
 use crate::common::{assert_close, assert_vectors_close};
 use leastaction_core::continuous::acceleration;
@@ -9,7 +9,7 @@ use leastaction_core::energy::bodies::{BODY_PARAMETERS, Joint, TreeBody, TreeErr
 use leastaction_core::forces::{Coulomb, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    BodiesHeader, BodiesModel, FORMAT_VERSION, Family, Header, Laws, ModelError, RigidModel, Section, parse,
+    BodiesHeader, BodiesModel, FORMAT_VERSION, Family, Header, ModelError, RigidModel, Section, parse,
 };
 use leastaction_core::scalar::{Weights, f16};
 use proptest::prelude::*;
@@ -72,14 +72,11 @@ fn bodies_in_half_precision_are_the_same_bodies() {
 #[test]
 fn laws_have_numbers_for_every_body() {
     type Dry<'a> = BodiesModel<'a, 3, f32, (Viscous<f32, 3>, Coulomb<f32, 3>)>;
-    let friction = [[0.5, 0.25, 0.75, 0.0625], [0.125, 0.0, 1.0, 0.125], [0.0, 0.5, 0.25, 0.5]];
-    let header = Header { laws: Laws::FRICTION, ..HEADER };
-    let block = [weights(NUMBERS), friction.concat()].concat();
-    let file = Aligned::new(&file::write(header, &block));
+    let file = Aligned::new(&crane::with_friction());
     let (viscous, dry) = Dry::load(file.bytes()).unwrap().system.forces;
     assert_eq!(viscous.coefficients, DAMPING);
     let found = dry.coordinates.map(|dry| [dry.constant, dry.load, dry.smoothing, dry.width]);
-    for (found, expected) in found.iter().zip(&friction) {
+    for (found, expected) in found.iter().zip(&FRICTION) {
         assert_vectors_close("friction", &found.map(f64::from), &expected.map(f64::from), 0.0);
     }
     assert_eq!(Crane::load(file.bytes()).unwrap_err(), ModelError::Law { number: 1 });

@@ -176,7 +176,7 @@ fn web_text() -> String {
     Parts { before, weights }.text(&file::golden_web())
 }
 
-fn crane_text() -> String {
+fn crane_text(bytes: &[u8]) -> String {
     let mut before = vec![
         (1, "section 1: energies"),
         (4, HEAD),
@@ -185,14 +185,24 @@ fn crane_text() -> String {
         (7, "6 bytes: prismatic on the ground, revolute on body 0, prismatic on body 1"),
     ];
     before.extend(DAMPED);
-    let weights = vec![
+    let [start, end] = file::place(bytes, Section::Forces);
+    let dry = end - start > 1;
+    if dry {
+        before.push((1, "law 1: coulomb"));
+    }
+    let mut weights = vec![
         (4 * 2, "gravity in x and y"),
         (4 * 9, "cart: place in x and y, angle, mass, centre in x and y, moment of inertia, rotor, gear"),
         (4 * 9, "jib: the same"),
         (4 * 9, "trolley: the same"),
         (4 * 3, "viscous: c of each coordinate"),
     ];
-    Parts { before, weights }.text(&crane::golden())
+    if dry {
+        weights.extend([(4 * 4, "coulomb, of the cart: c, c_load, tau_s, epsilon")]);
+        weights
+            .extend([(4 * 4, "coulomb, of the jib: the same"), (4 * 4, "coulomb, of the trolley: the same")]);
+    }
+    Parts { before, weights }.text(bytes)
 }
 
 #[test]
@@ -225,7 +235,14 @@ fn the_graph_file_is_unchanged() {
 
 #[test]
 fn the_file_of_bodies_is_unchanged() {
-    file::assert_golden("crane.hex", &crane::golden(), &crane_text());
+    let file = crane::golden();
+    file::assert_golden("crane.hex", &file, &crane_text(&file));
+}
+
+#[test]
+fn the_file_of_bodies_with_dry_friction_is_unchanged() {
+    let file = crane::with_friction();
+    file::assert_golden("crane-friction.hex", &file, &crane_text(&file));
 }
 
 #[test]

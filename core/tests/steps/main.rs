@@ -4,6 +4,7 @@
 mod common;
 
 mod conservation;
+mod coulomb_bodies;
 mod coulomb_steps;
 mod forced_order;
 mod interval;

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Learns the models that the images carry, each from exact motion of seed 0, bit for bit as they lie here.
+# Learns the models that the images carry, each from exact motion of seed 0, and cartpole-dry from logs as a robot writes them
+# (docs/swing-up.md).
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$(cd ../../.. && pwd)
@@ -11,7 +12,10 @@ cp ./*.toml "$folder"
 leastaction generate cartpole -o "$folder/cartpole.npz"
 leastaction generate n-pendulum -o "$folder/double.npz"
 leastaction generate rod-pendulum --count 2 -o "$folder/pendulums.npz"
-for model in cartpole double pendulums; do
+leastaction generate acrobot -o "$folder/acrobot.npz"
+leastaction generate cartpole --robot "$folder/logs" --trajectories 12 --samples 401 --amplitude 1,5 --frequency 0.3,2 \
+    --spread 0.5 --coulomb 0.5,0 --width 0.05 --gain 0.9 --delay 8 --zeros 0.02 --noise 0.001 --grid 0.0005
+for model in cartpole double pendulums acrobot cartpole-dry; do
     leastaction train "$folder/$model.toml" -o "$folder/$model" --quiet
     leastaction export "$folder/$model" -o "$model.postcard"
 done

@@ -15,7 +15,7 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::particles::Particles;
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, GRAPH, HalfCartpole, STEP, TREE, aslant, chain, dry, newton,
+    BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry, newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion};
 
@@ -66,6 +66,18 @@ pub fn half_cartpole<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> 
 /// The double pendulum with steps along a path.
 pub fn double_pendulum<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| Double::load(black_box(file), TREE))?;
+    free::<_, _, P, 2>(&model.system, newton())
+}
+
+/// Two links as rigid bodies with steps along a path.
+pub fn links<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
+    let model = load(|| Links::load(black_box(file)))?;
+    free::<_, _, P, 2>(&model.system, newton())
+}
+
+/// A cart-pole as rigid bodies, with the dry friction that was learned with them.
+pub fn dry_bodies<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
+    let model = load(|| DryBodies::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
 }
 

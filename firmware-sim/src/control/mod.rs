@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// What a controller asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Command<const N: usize> {
-    /// Force, N or N m; the firmware limits it.
+    /// Force, N or N m; the firmware makes a command within the limits of it.
     #[serde(with = "array")]
     pub u: [f32; N],
     /// What the controller is doing.

@@ -43,7 +43,7 @@ pub struct SwingUp<P, const N: usize> {
     pub swinging: usize,
     /// Which coordinates are angles.
     pub angle: [bool; N],
-    /// Limit of the actuator, N or N m.
+    /// Largest force of the actuator, N or N m.
     pub limit: f32,
     /// Whether the regulator is at work.
     pub holding: bool,

@@ -1,31 +1,78 @@
 use crate::error::{SetupError, require};
 use crate::observer::whole_and_rest;
 use crate::wire::array;
+use leastaction_core::forces;
 use serde::{Deserialize, Serialize};
 
 pub use leastaction_core::observer::MAX_DELAY;
 
+/// Between the commands u and the forces τ = g u + o of all coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive<const N: usize> {
+    /// g, not 0: N or N m per unit of command.
+    #[serde(with = "array")]
+    pub gain: [f32; N],
+    /// o, N or N m.
+    #[serde(with = "array")]
+    pub offset: [f32; N],
+}
+
+impl<const N: usize> Drive<N> {
+    /// The command is the force.
+    pub const fn ideal() -> Self {
+        Self { gain: [1.0; N], offset: [0.0; N] }
+    }
+
+    /// τ = g u + o.
+    pub fn force(&self, u: &[f32; N]) -> [f32; N] {
+        self.late(0.0).output(u)
+    }
+
+    /// u = (τ − o)/g.
+    pub fn command(&self, tau: &[f32; N]) -> [f32; N] {
+        self.late(0.0).command(tau)
+    }
+
+    /// With a delay of so much of a tick, in \[0, 1\].
+    pub(crate) fn late(&self, delay: f32) -> forces::Actuator<f32, N> {
+        forces::Actuator { gain: self.gain, offset: self.offset, delay }
+    }
+
+    fn validate(&self) -> Result<(), SetupError> {
+        for gain in self.gain {
+            require("actuator gain", gain, gain.is_finite() && gain != 0.0, "finite and not 0")?;
+        }
+        for offset in self.offset {
+            require("actuator offset", offset, offset.is_finite(), "finite")?;
+        }
+        Ok(())
+    }
+}
+
 /// The actuators of all coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActuatorConfig<const N: usize> {
-    /// Largest force, N or N m, ≥ 0; 0 where a coordinate is not actuated.
+    /// Largest command, ≥ 0; 0 where a coordinate is not actuated.
     #[serde(with = "array")]
     pub limit: [f32; N],
+    /// Between command and force.
+    pub drive: Drive<N>,
     /// Ticks from a command to its effect, or any part of one, at most [`MAX_DELAY`]. The rest beyond whole ticks counts from when a
     /// tick is due: a command that comes later still acts at once.
     pub delay: f32,
 }
 
 impl<const N: usize> ActuatorConfig<N> {
-    /// Actuators of these limits, one tick late.
+    /// Actuators of these limits whose forces are the commands, one tick late.
     pub const fn new(limit: [f32; N]) -> Self {
-        Self { limit, delay: 1.0 }
+        Self { limit, drive: Drive::ideal(), delay: 1.0 }
     }
 
     pub(crate) fn validate(&self) -> Result<(), SetupError> {
         for limit in self.limit {
             require("actuator limit", limit, limit.is_finite() && limit >= 0.0, "finite and not negative")?;
         }
+        self.drive.validate()?;
         let sensible = (0.0..=f32::from(MAX_DELAY)).contains(&self.delay);
         require("actuator delay", self.delay, sensible, "from 0 to 8 ticks")
     }
@@ -48,9 +95,10 @@ pub struct Actuator<const N: usize> {
 }
 
 impl<const N: usize> Actuator<N> {
-    /// Actuators at rest.
+    /// Actuators without a command.
     pub fn new(config: ActuatorConfig<N>) -> Self {
-        Self { config, line: DelayLine::new(whole_and_rest(config.delay).0), force: [0.0; N] }
+        let line = DelayLine::new(whole_and_rest(config.delay).0);
+        Self { config, line, force: config.drive.force(&[0.0; N]) }
     }
 
     /// The force acting now, N or N m.
@@ -65,7 +113,7 @@ impl<const N: usize> Actuator<N> {
 
     /// Begins a tick: takes a command, if there is one, and applies the one that is due.
     pub fn advance(&mut self, command: Option<[f32; N]>) -> [f32; N] {
-        self.force = self.config.saturate(&self.line.advance(command));
+        self.force = self.config.drive.force(&self.config.saturate(&self.line.advance(command)));
         self.force
     }
 }

@@ -5,7 +5,7 @@ mod clock;
 mod encoder;
 mod random;
 
-pub use actuator::{Actuator, ActuatorConfig, DelayLine, MAX_DELAY};
+pub use actuator::{Actuator, ActuatorConfig, DelayLine, Drive, MAX_DELAY};
 pub use clock::{Arrival, Clock, ClockConfig};
 pub use encoder::{EncoderConfig, Encoders};
 pub use random::{Device, Stream};
@@ -29,7 +29,8 @@ impl<const N: usize> Devices<N> {
         Self { encoders, actuator: ActuatorConfig::new(limit), clock: ClockConfig::perfect() }
     }
 
-    /// The same mechanism with ideal devices: exact encoders (whose zeros stay), no delay, a perfect clock. The limits stay.
+    /// The same mechanism with ideal devices: exact encoders (whose zeros stay), no delay, a perfect clock. Limits, gains and offsets of
+    /// the actuators stay.
     #[must_use]
     pub fn perfect(self) -> Self {
         Self {

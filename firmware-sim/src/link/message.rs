@@ -6,7 +6,7 @@ use crate::wire::array;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages: the first byte of every document.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 
 /// What the world asks of a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub struct LoggedSamples<const N: usize> {
     /// Encoder readings, rad or m; `None` where missing.
     #[serde(with = "array")]
     pub measured: [Option<f32>; N],
-    /// The command that was given, N or N m.
+    /// The command that was given.
     #[serde(with = "array")]
     pub command: [f32; N],
 }

@@ -4,8 +4,9 @@ use super::refusal::Refusal;
 use crate::control::Controller;
 use crate::error::SetupError;
 use crate::firmware::Firmware;
+use crate::trajectory::reference::Friction;
 use crate::{Mechanism, Trained};
-use leastaction_core::model::{ModelError, RigidModel};
+use leastaction_core::model::{BodiesModel, ModelError, RigidModel};
 
 /// A board's end of a link.
 pub trait Port {
@@ -28,8 +29,30 @@ pub trait Port {
     }
 }
 
+/// Runs a program of `$n` coordinates over the model in a file: rigid, or of rigid bodies.
+macro_rules! run {
+    ($link:ident, $file:ident, $program:ident, $n:literal) => {
+        match $file.map(RigidModel::<$n, H, D, f32, Friction<$n>>::load) {
+            Some(Err(ModelError::OtherFamily { .. })) => {
+                over!($link, $file.map(BodiesModel::<$n, f32, Friction<$n>>::load), $program)
+            }
+            loaded => over!($link, loaded, $program),
+        }
+    };
+}
+
+/// Runs a program over a model that was loaded, or says why it was not.
+macro_rules! over {
+    ($link:ident, $loaded:expr, $program:ident) => {{
+        let loaded = $loaded.ok_or(Refusal::NoModel).and_then(|model| Ok(model?));
+        let model = loaded.as_ref().map_err(|refusal| *refusal);
+        let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
+        $link.program(model.as_ref(), |model| $program.start(model))?
+    }};
+}
+
 /// Serves requests until one is to end: programs over a rigid model of 1 or 2 coordinates with at most `D` hidden layers
-/// of at most `H` units, borrowed where it lies, in the name of a processor.
+/// of at most `H` units, or over 1 or 2 rigid bodies, borrowed where it lies, in the name of a processor.
 ///
 /// # Errors
 /// The port's own.
@@ -43,18 +66,8 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
     loop {
         next = match (parse_request::<1>(&next), parse_request::<2>(&next)) {
             (Ok(Request::End), _) | (_, Ok(Request::End)) => return Ok(()),
-            (Ok(Request::Begin(program)), _) => {
-                let model = load(model, RigidModel::<1, H, D>::load);
-                let model = model.as_ref().map_err(|refusal| *refusal);
-                let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
-                link.program(model.as_ref(), |model| program.start(model))?
-            }
-            (_, Ok(Request::Begin(program))) => {
-                let model = load(model, RigidModel::<2, H, D>::load);
-                let model = model.as_ref().map_err(|refusal| *refusal);
-                let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
-                link.program(model.as_ref(), |model| program.start(model))?
-            }
+            (Ok(Request::Begin(program)), _) => run!(link, model, program, 1),
+            (_, Ok(Request::Begin(program))) => run!(link, model, program, 2),
             (Ok(Request::Tick(_) | Request::Log(_)), _) | (_, Ok(Request::Tick(_) | Request::Log(_))) => {
                 link.refuse(Refusal::NotBegun)?
             }
@@ -63,13 +76,6 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
             }
         };
     }
-}
-
-fn load<'a, T>(
-    file: Option<&'a [u8]>,
-    load: impl FnOnce(&'a [u8]) -> Result<T, ModelError>,
-) -> Result<T, Refusal> {
-    Ok(load(file.ok_or(Refusal::NoModel)?)?)
 }
 
 /// A port with frames.

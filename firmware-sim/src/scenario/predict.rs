@@ -1,7 +1,7 @@
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
 use crate::angle::difference;
-use crate::devices::{Devices, EncoderConfig};
+use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::{SetupError, require};
 use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::{Integrator, ObserverConfig, Order};
@@ -60,6 +60,7 @@ impl<const N: usize> Predict<N> {
             substeps: 8,
             start,
             devices: Devices::new(encoders, limit),
+            known_drive: Drive::ideal(),
             observer: ObserverConfig { order: Order::Four, ..ObserverConfig::new() },
             goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
         };

@@ -15,7 +15,7 @@ pub struct Logged<const N: usize> {
     pub time: f32,
     /// Encoder readings, rad or m.
     pub measured: [Option<f32>; N],
-    /// The command that was given then, N or N m.
+    /// The command that was given then.
     pub command: [f32; N],
 }
 
@@ -27,8 +27,8 @@ impl<const N: usize> Logged<N> {
 /// Runs a firmware along a log: its observer takes the readings, the commands of the log take the place of the controller's.
 ///
 /// In a tick, q is the last reading, the reference what the model predicted that the encoder would read, and the error the innovation, one
-/// minus the other, 0 before there was an estimate; v, which no encoder reads, is 0. The force applied is the one of the log's command,
-/// delays apart. The goal is that the model never fails.
+/// minus the other, 0 before there was an estimate; v, which no encoder reads, is 0. The force applied is what the program takes the log's
+/// command for, delays apart. The goal is that the model never fails.
 ///
 /// # Errors
 /// A program out of range, and the first tick that the processor does not run.
@@ -46,7 +46,7 @@ pub fn replay<R: Processor<N>, const N: usize>(
         let outcome = processor.replay(logged.elapsed, &logged.measured, logged.command);
         let outcome = outcome.map_err(|error| RunError::Processor { tick: index, error })?;
         seen = core::array::from_fn(|i| logged.measured[i].unwrap_or(seen[i]));
-        let tick = tick(index, &logged, seen, &outcome, &program.angle);
+        let tick = tick(index, &logged, seen, &outcome, program);
         recorder.errors(outcome.errors, 0);
         recorder.record(&tick);
         sink(&tick, &outcome);
@@ -61,9 +61,9 @@ fn tick<const N: usize>(
     logged: &Logged<N>,
     seen: [f32; N],
     outcome: &Outcome<N>,
-    angle: &[bool; N],
+    program: &Program<N>,
 ) -> Tick<N> {
-    let innovation = difference(&seen, &outcome.predicted, angle);
+    let innovation = difference(&seen, &outcome.predicted, &program.angle);
     let arrived = |i: usize| logged.measured[i].is_some();
     Tick {
         index,
@@ -76,7 +76,7 @@ fn tick<const N: usize>(
         reference: outcome.predicted,
         error: core::array::from_fn(|i| if arrived(i) { innovation[i] } else { 0.0 }),
         commanded: logged.command,
-        applied: logged.command,
+        applied: program.actuator.drive.force(&logged.command),
         newton: outcome.newton,
         lateness: 0.0,
         missed: false,

@@ -1,4 +1,4 @@
-use crate::devices::{Device, Devices, EncoderConfig, Stream};
+use crate::devices::{ActuatorConfig, Device, Devices, Drive, EncoderConfig, Stream};
 use crate::error::{SetupError, require};
 use crate::observer::ObserverConfig;
 use crate::summary::Goal;
@@ -55,6 +55,8 @@ pub struct Setup<const N: usize> {
     pub start: Start<N>,
     /// Encoders, actuators and clock.
     pub devices: Devices<N>,
+    /// What the firmware takes gain and offset of the actuators for.
+    pub known_drive: Drive<N>,
     /// How the firmware steps its model and estimates the state.
     pub observer: ObserverConfig,
     /// When the run counts as a success.
@@ -76,8 +78,9 @@ impl<const N: usize> Setup<N> {
 
     /// What the firmware is told of it, for a task.
     pub(super) fn program(&self, task: Task<N>) -> Program<N> {
-        let Self { tick, devices, observer, .. } = *self;
-        Program { tick, angle: devices.angles(), actuator: devices.actuator, observer, task }
+        let Self { tick, devices, known_drive: drive, observer, .. } = *self;
+        let actuator = ActuatorConfig { drive, ..devices.actuator };
+        Program { tick, angle: devices.angles(), actuator, observer, task }
     }
 
     /// Whether every number is in its range.

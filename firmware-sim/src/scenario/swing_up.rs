@@ -2,7 +2,7 @@ use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
 use crate::control::{Catch, PumpConfig, Tolerance};
-use crate::devices::{Devices, EncoderConfig};
+use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
 use crate::observer::ObserverConfig;
 use crate::summary::{Goal, Summary};
@@ -39,6 +39,7 @@ impl SwingUpConfig<1> {
             substeps: 8,
             start: Start { q: [PI], q_spread: [0.5], v_spread: [0.5] },
             devices: Devices::new([EncoderConfig::rotary()], [2.0]),
+            known_drive: Drive::ideal(),
             observer: ObserverConfig::new(),
             goal: Goal { tolerance: [UPRIGHT], hold: HOLD, bounds: [f32::INFINITY] },
         };
@@ -61,6 +62,7 @@ impl SwingUpConfig<2> {
             substeps: 8,
             start: Start { q: [0.0, PI], q_spread: [0.2, 0.5], v_spread: [0.05, 0.5] },
             devices: Devices::new(CART_AND_POLE, [10.0, 0.0]),
+            known_drive: Drive::ideal(),
             observer: ObserverConfig::new(),
             goal: Goal { tolerance: [f32::INFINITY, UPRIGHT], hold: HOLD, bounds: [2.4, f32::INFINITY] },
         };

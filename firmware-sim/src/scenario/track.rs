@@ -2,7 +2,7 @@ use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
 use crate::control::{Gains, Reference};
-use crate::devices::{Devices, EncoderConfig};
+use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
 use crate::observer::ObserverConfig;
 use crate::summary::{Goal, Summary};
@@ -34,6 +34,7 @@ impl<const N: usize> TrackConfig<N> {
             substeps: 8,
             start: Start::at_rest(reference.from),
             devices: Devices::new(encoders, limit),
+            known_drive: Drive::ideal(),
             observer: ObserverConfig::new(),
             goal: Goal { tolerance: [0.05; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
         };

@@ -4,7 +4,7 @@ use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::Newton;
 use leastaction_core::energy::rigid::Rigid;
 use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
-use leastaction_core::model::{GraphModel, ModularModel, RigidModel};
+use leastaction_core::model::{BodiesModel, GraphModel, ModularModel, RigidModel};
 use leastaction_core::scalar::f16;
 
 /// The step, s.
@@ -13,8 +13,11 @@ pub const STEP: f32 = 0.01;
 /// A cart-pole: layers 2 → 32 → 32 → 4.
 pub type Cartpole<'a> = RigidModel<'a, 2, 32, 2>;
 
-/// The same with damping, and dry friction that grows with the load.
-pub type DryCartpole<'a> = System<Rigid<'a, f32, 2, 32, 2>, (Viscous<f32, 2>, Coulomb<f32, 2>)>;
+/// Damping, and dry friction that grows with the load.
+pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
+
+/// The cart-pole with friction.
+pub type DryCartpole<'a> = System<Rigid<'a, f32, 2, 32, 2>, Friction<2>>;
 
 /// The same with weights in half precision.
 pub type HalfCartpole<'a> = RigidModel<'a, 2, 32, 2, f16>;
@@ -24,6 +27,12 @@ pub type Double<'a> = ModularModel<'a, 2, 1, 8, 1>;
 
 /// The tree of [`Double`].
 pub const TREE: &str = "double";
+
+/// Two links as rigid bodies, hanging at 0.
+pub type Links<'a> = BodiesModel<'a, 2>;
+
+/// A cart and its pole as rigid bodies, with the friction of its file.
+pub type DryBodies<'a> = BodiesModel<'a, 2, f32, Friction<2>>;
 
 /// Bobs on rods: layers 2 → 8 → 1.
 pub type Bobs<'a> = GraphModel<'a, 2, 1, 8, 1>;

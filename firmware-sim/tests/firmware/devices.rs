@@ -93,7 +93,7 @@ fn a_missed_tick_repeats_the_last_command() {
 
 #[test]
 fn actuators_saturate() {
-    let mut actuator = Actuator::new(ActuatorConfig { limit: [2.0, 0.0], delay: 0.0 });
+    let mut actuator = Actuator::new(ActuatorConfig { delay: 0.0, ..ActuatorConfig::new([2.0, 0.0]) });
     assert_eq!(actuator.advance(Some([5.0, 1.0])), [2.0, 0.0]);
     assert_eq!(actuator.advance(Some([-5.0, -1.0])), [-2.0, 0.0]);
     assert_eq!(actuator.advance(Some([1.5, 0.0])), actuator.force());

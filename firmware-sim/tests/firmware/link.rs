@@ -1,13 +1,14 @@
 //! Frames of the link, whole and damaged, and what the processor's end makes of them.
 
 use leastaction_core::model::{CATALOGUE, Entry, ModelError};
+use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::link::{
     Answer, Broken, Done, Frame, LoggedSamples, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver,
     Refusal, Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
 };
 use leastaction_firmware_sim::observer::{LearnZeros, Order, OtherStep};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
-use leastaction_firmware_sim::trajectory::reference::Cartpole;
+use leastaction_firmware_sim::trajectory::reference::{Cartpole, DryBodies};
 use leastaction_firmware_sim::{Outcome, Program};
 use proptest::prelude::*;
 use std::convert::Infallible;
@@ -19,6 +20,9 @@ static CARTPOLE_FILE: Aligned<{ include_bytes!("../../chip/models/cartpole.postc
     Aligned(*include_bytes!("../../chip/models/cartpole.postcard"));
 static DOUBLE_FILE: Aligned<{ include_bytes!("../../chip/models/double.postcard").len() }> =
     Aligned(*include_bytes!("../../chip/models/double.postcard"));
+
+static DRY_FILE: Aligned<{ include_bytes!("../../chip/models/cartpole-dry.postcard").len() }> =
+    Aligned(*include_bytes!("../../chip/models/cartpole-dry.postcard"));
 
 /// The bytes of a frame as they go over the link.
 fn bytes(frame: &Frame) -> Vec<u8> {
@@ -91,9 +95,9 @@ fn requests_and_answers_come_back_as_they_went() {
 #[test]
 fn a_tick_has_the_bytes_of_the_document() {
     // Version, coordinates, a tick, its number 258, 2.57 s, 3 ticks, −0.25, nothing; the checksum.
-    let document = [3, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
+    let document = [VERSION, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
     let sent = bytes(&request(&tick()).unwrap());
-    assert_eq!(sent[..12], [12, 3, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
+    assert_eq!(sent[..12], [12, VERSION, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
     assert_eq!(sent[12..17], [1, 3, 0x80, 0xbe, 5], "zeros stand in the lengths of the blocks");
     assert_eq!((sent.len(), sent.last()), (document.len() + 4 + 2, Some(&0)));
     let sum = leastaction_core::model::checksum(&document);
@@ -216,10 +220,32 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
     }
 }
 
+/// Rigid bodies with friction behind a drive that gives less than it is told to.
+#[test]
+fn bodies_with_friction_run_as_they_do_in_place() {
+    let model = DryBodies::load(&DRY_FILE.0).unwrap();
+    let mut program = program();
+    program.actuator.drive = Drive { gain: [0.9, 1.0], offset: [0.1, 0.0] };
+    let mut firmware = program.start(&model.system).unwrap();
+    let tick = |i: u32| {
+        let measured = [Some(0.0), Some(3.0 - 0.02 * i as f32)];
+        Samples { sequence: i, time: 0.0125 * i as f32, elapsed: 1, measured }
+    };
+    let mut heard = bytes(&request(&Request::Begin(program)).unwrap());
+    (0..20).for_each(|i| heard.extend(bytes(&request(&Request::Tick(tick(i))).unwrap())));
+    let (said, _) = answers(Some(&DRY_FILE.0), heard);
+    for (i, frame) in (0..).zip(&said[1..]) {
+        let Samples { time, elapsed, measured, .. } = tick(i);
+        let outcome = firmware.run(time, elapsed, &measured);
+        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
+    }
+    assert!(said.len() == 21 && firmware.last().command.u[0] != 0.0);
+}
+
 #[test]
 fn a_log_runs_tick_by_tick_as_it_does_in_place() {
     let model = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
-    let program = Program::listening(0.05, [false, true], program().observer);
+    let program = Program::listening(0.05, [false, true], Drive::ideal(), program().observer);
     let mut firmware = program.listen(&model.system).unwrap();
     let mut heard = bytes(&request(&Request::Begin(program)).unwrap());
     (0..40).for_each(|i| heard.extend(bytes(&request(&Request::Log(logged(i))).unwrap())));

@@ -2,6 +2,7 @@
 
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE};
 use leastaction_core::forces::System;
+use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::{
     Logged, SwingUpConfig, TrackConfig, replay, swing_up_cartpole, track,
@@ -26,7 +27,7 @@ fn the_log_of_a_loop_is_estimated_as_in_the_loop() {
     config.setup.devices.encoders[1].drop = 0.1;
     config.setup.observer.delay = 1.0;
     let (system, log) = (System::conservative(CARTPOLE), log(&config));
-    let program = Program::listening(config.setup.tick, [false, true], config.setup.observer);
+    let program = Program::listening(config.setup.tick, [false, true], Drive::ideal(), config.setup.observer);
     let mut estimates = Vec::new();
     let rows = log.iter().map(|(logged, _)| *logged);
     let firmware = program.listen(&system).unwrap();
@@ -49,7 +50,7 @@ fn a_new_recording_begins_anew_and_keeps_the_zeros() {
     })
     .unwrap();
     config.setup.observer.zeros = Some(LearnZeros { deviation: 0.05, innovation: 1e-3 });
-    let program = Program::listening(config.setup.tick, [true; 2], config.setup.observer);
+    let program = Program::listening(config.setup.tick, [true; 2], Drive::ideal(), config.setup.observer);
     let again = Logged { elapsed: Logged::<2>::FIRST, ..rows[0] };
     let both: Vec<_> = rows.iter().chain([&again]).chain(&rows[1..]).copied().collect();
     let mut outcomes = Vec::new();
@@ -64,6 +65,6 @@ fn a_new_recording_begins_anew_and_keeps_the_zeros() {
 #[test]
 fn a_program_out_of_range_is_refused() {
     let (system, config) = (System::conservative(CARTPOLE), SwingUpConfig::cartpole());
-    let program = Program::listening(-1.0, [false, true], config.setup.observer);
+    let program = Program::listening(-1.0, [false, true], Drive::ideal(), config.setup.observer);
     assert!(matches!(program.listen(&system).err(), Some(SetupError::OutOfRange { what: "tick", .. })));
 }

@@ -4,6 +4,8 @@ use crate::common::{Exact, Perturbed};
 use core::f32::consts::PI;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
+use leastaction_core::model::BodiesModel;
+use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::{SwingUpConfig, swing_up_cartpole, swing_up_pendulum};
 use leastaction_firmware_sim::{Mode, SetupError, wrap};
@@ -163,5 +165,52 @@ fn friction_zeros_and_delay_do_not_keep_it_down() {
             let summary = swing_up_cartpole(&dry(0.5), &model, &config, |_| {}).unwrap();
             assert!(summary.success && summary.incidents.model == 0, "seed {seed}: {summary:?}");
         }
+    }
+}
+
+/// Its drive gives nine tenths of what it is told to, and the firmware believes in another.
+fn weak_drive(seed: u64, known: Drive<2>) -> SwingUpConfig<2> {
+    let mut config = on_the_table(seed);
+    config.setup.devices.actuator.drive = Drive { gain: [0.9, 1.0], offset: [0.0; 2] };
+    config.setup.known_drive = known;
+    config
+}
+
+/// A model file at an address that its weights can be read from.
+#[repr(C, align(4))]
+struct Aligned<const N: usize>([u8; N]);
+
+static LEARNED: Aligned<{ include_bytes!("../../chip/models/cartpole-dry.postcard").len() }> =
+    Aligned(*include_bytes!("../../chip/models/cartpole-dry.postcard"));
+
+/// The model of `chip/models/make.sh`, learned from logs of this very machine: `docs/swing-up.md`.
+#[test]
+fn learned_from_the_machines_own_logs() {
+    type Friction = (Viscous<f32, 2>, Coulomb<f32, 2>);
+    let model = BodiesModel::<2, f32, Friction>::load(&LEARNED.0).unwrap();
+    let file = model.actuator().unwrap().unwrap();
+    let mut hashes = std::collections::HashSet::new();
+    for seed in 0..STARTS {
+        let (_, known) = file.at_step(0.01).unwrap();
+        let mut config = weak_drive(seed, Drive { gain: known.gain, offset: known.offset });
+        config.setup.observer.delay = file.delay() / config.setup.tick;
+        config.setup.observer.zeros = Some(LearnZeros { deviation: 0.02, innovation: 3e-3 });
+        let summary = swing_up_cartpole(&dry(0.5), &model.system, &config, |_| {}).unwrap();
+        assert!(summary.success && summary.incidents.model == 0, "seed {seed}: {summary:?}");
+        hashes.insert(summary.hash);
+    }
+    assert_eq!(hashes.len() as u64, STARTS);
+}
+
+#[test]
+fn a_drive_that_is_turned_round_is_commanded_the_other_way() {
+    let turned = Drive { gain: [-0.5, 1.0], offset: [0.3, 0.0] };
+    for (known, expected) in [(turned, true), (Drive::ideal(), false)] {
+        let mut config = weak_drive(0, known);
+        (config.setup.devices.actuator.drive, config.setup.devices.actuator.limit) = (turned, [20.0, 0.0]);
+        let within = |u: [f32; 2]| (u[0] - 0.3).abs() <= 10.0 && u[1] == 0.0;
+        let summary =
+            swing_up_cartpole(&dry(0.5), &dry(0.5), &config, |tick| assert!(within(tick.applied))).unwrap();
+        assert_eq!(summary.success, expected, "{known:?}: {summary:?}");
     }
 }

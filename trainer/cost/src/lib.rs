@@ -1,23 +1,28 @@
 //! What a model costs on a chip, by its shape: multiply-adds, flash, RAM and stack.
 
+mod bodies;
 mod bytes;
 mod counted;
 mod graph;
 mod operations;
 pub mod processor;
 
+use bodies::{Evaluation, multiply_adds};
 use bytes::Bytes;
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::model::{Law, ModelError};
-use leastaction_learning::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture};
+use leastaction_learning::architecture::{
+    Architecture, BodiesArchitecture, Family, ModularArchitecture, RigidArchitecture,
+};
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Work {
-    /// Multiply-adds in the layers of the network; activations, features and small matrices come on top.
+    /// Multiply-adds in the layers of the network, of rigid bodies in their energies; activations, features, friction and small matrices come
+    /// on top.
     pub multiply_adds: usize,
     /// Bytes of the arrays that are live at once on the stack; call frames and spilled registers come on top.
     pub stack_bytes: usize,
@@ -50,7 +55,7 @@ pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
         Family::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
         Family::Modular(modular) => Evaluations::modular(modular, &bytes),
         Family::Graph(graph) => return graph::cost(graph),
-        Family::Bodies(bodies) => Evaluations::bodies(bodies.n(), &bytes),
+        Family::Bodies(bodies) => Evaluations::bodies(bodies, &bytes),
     };
     let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
     Ok(Cost {
@@ -115,14 +120,17 @@ impl Evaluations {
         }
     }
 
-    /// No layer; the arrays are those of the bodies in motion, and of the sums over what each carries.
-    fn bodies(n: usize, bytes: &Bytes) -> Self {
-        let frames = n * BODY * WORD;
-        let work = Work { multiply_adds: 0, stack_bytes: frames + 3 * n * n * WORD };
+    /// No layer; the arrays are those of the bodies in motion, and of the sums over what each carries. An acceleration of up to two
+    /// coordinates is the evaluation of a step.
+    fn bodies(bodies: &BodiesArchitecture, bytes: &Bytes) -> Self {
+        let (n, tree) = (bodies.n(), bodies.bodies().collect::<Vec<_>>());
+        let stack_bytes = n * BODY * WORD + 3 * n * n * WORD;
+        let work = |evaluation| Work { multiply_adds: multiply_adds(&tree, evaluation), stack_bytes };
+        let of_acceleration = if n <= 2 { Evaluation::Linearization } else { Evaluation::Dynamics };
         Self {
             handle_bytes: (n * JOINT).next_multiple_of(WORD) + bytes.damping + 2 * WORD,
-            dynamics: work,
-            linearization: work,
+            dynamics: work(of_acceleration),
+            linearization: work(Evaluation::Linearization),
         }
     }
 

@@ -8,15 +8,16 @@ use leastaction_core::discrete::{
     Order,
     rattle::{ParticleState, Rattle},
 };
+use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
+use leastaction_core::energy::rigid::Rigid;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{Law, Rod};
+use leastaction_core::model::{Laws, Rod};
 use leastaction_core::scalar::Packed;
 use leastaction_learning::architecture::{
-    Architecture, DEPTH, Family, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH, ModularArchitecture,
-    RigidArchitecture,
+    Architecture, DEPTH, Family, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH,
 };
 
 type Real = Counted<f64>;
@@ -31,31 +32,17 @@ pub struct Evaluations {
     pub step_order_4: Operations,
 }
 
-/// Counts at a state of no importance; `None` where the shape is beyond what was measured on chips, which is without dry friction and
-/// for rigid and modular models of 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
+/// Counts at a state of no importance, without dry friction; `None` where the shape is beyond what was measured on chips, which is but for
+/// graphs of up to 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
-    if architecture.laws().contains(Law::Coulomb) {
-        return None;
-    }
-    match &architecture.family {
-        Family::Graph(graph) if graph.dimension() == 3 => particles::<3>(graph, weights),
-        Family::Graph(graph) => particles::<2>(graph, weights),
-        Family::Rigid(rigid) => match rigid.n() {
-            1 => of_rigid::<1>(rigid, weights),
-            2 => of_rigid::<2>(rigid, weights),
-            3 => of_rigid::<3>(rigid, weights),
-            4 => of_rigid::<4>(rigid, weights),
-            _ => None,
-        },
-        // Bodies were not measured yet.
-        Family::Bodies(_) => None,
-        Family::Modular(modular) => match modular.n() {
-            1 => of_tree::<1>(modular, weights),
-            2 => of_tree::<2>(modular, weights),
-            3 => of_tree::<3>(modular, weights),
-            4 => of_tree::<4>(modular, weights),
-            _ => None,
-        },
+    match (&architecture.family, architecture.n()) {
+        (Family::Graph(graph), _) if graph.dimension() == 3 => particles::<3>(graph, weights),
+        (Family::Graph(graph), _) => particles::<2>(graph, weights),
+        (family, 1) => of_coordinates::<1>(family, weights),
+        (family, 2) => of_coordinates::<2>(family, weights),
+        (family, 3) => of_coordinates::<3>(family, weights),
+        (family, 4) => of_coordinates::<4>(family, weights),
+        _ => None,
     }
 }
 
@@ -78,15 +65,23 @@ impl Packed for Real {
     }
 }
 
-fn of_rigid<const N: usize>(rigid: &RigidArchitecture, weights: &[f64]) -> Option<Evaluations> {
-    steps(&rigid.system::<Real, N, MAX_WIDTH>(weights).ok()?)
-}
-
-fn of_tree<const N: usize>(modular: &ModularArchitecture, weights: &[f64]) -> Option<Evaluations> {
-    let (header, tree) = (modular.header(), modular.tree_header());
-    let system: System<Modular<f64, N, MAX_TYPES, MAX_ELEMENT_UNITS, DEPTH>, Viscous<Real, N>> =
-        header.system(&tree, modular.laws(), weights).ok()?;
-    steps(&system)
+fn of_coordinates<const N: usize>(family: &Family, weights: &[f64]) -> Option<Evaluations> {
+    let laws = Laws::NONE;
+    match family {
+        Family::Rigid(rigid) => {
+            let system = rigid.header().system(laws, weights).ok()?;
+            steps::<Rigid<f64, N, MAX_WIDTH, DEPTH>, Viscous<Real, N>, N>(&system)
+        }
+        Family::Modular(modular) => {
+            let system = modular.header().system(&modular.tree_header(), laws, weights).ok()?;
+            steps::<Modular<f64, N, MAX_TYPES, MAX_ELEMENT_UNITS, DEPTH>, Viscous<Real, N>, N>(&system)
+        }
+        Family::Bodies(bodies) => {
+            let system = bodies.header().system(laws, weights).ok()?;
+            steps::<PlanarBodies<f64, N>, Viscous<Real, N>, N>(&system)
+        }
+        Family::Graph(_) => None,
+    }
 }
 
 fn steps<L: Lagrangian<Real, N>, F: Forces<Real, N>, const N: usize>(

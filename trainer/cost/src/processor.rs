@@ -9,6 +9,7 @@ use crate::graph::COMPOSED;
 use crate::operations::{Evaluations, operations};
 use crate::{Cost, cost};
 use leastaction_core::energy::modular::TransformShape;
+use leastaction_core::model::Law;
 use leastaction_core::network::NARROW;
 use leastaction_learning::architecture::Architecture;
 use leastaction_learning::model_file::{HostModel, Precision};
@@ -124,12 +125,14 @@ impl Evaluation {
 
 /// What of a model its cost depends on.
 pub struct CostFactors {
-    /// rigid, modular or graph.
+    /// rigid, modular, bodies or graph.
     pub family: &'static str,
     evaluations: Evaluations,
     cost: Cost,
     coordinates: usize,
     narrow: bool,
+    /// Whether it has dry friction.
+    dry: bool,
     /// Whether a network moves an element: it keeps its units beside those of the potentials.
     moved_by_network: bool,
 }
@@ -148,6 +151,7 @@ impl CostFactors {
             cost: cost(architecture).ok()?,
             coordinates,
             narrow: architecture.widths().into_iter().max().unwrap_or(0) <= NARROW,
+            dry: architecture.laws().contains(Law::Coulomb),
             moved_by_network: moved_by_network(architecture),
         })
     }
@@ -172,6 +176,24 @@ impl CostFactors {
 
     /// What instructions are a sum over.
     pub fn work(&self, evaluation: Evaluation) -> Coefficients {
+        let energies =
+            if self.family == BODIES { self.measured(evaluation.name()) } else { self.counted(evaluation) };
+        energies.into_iter().chain(self.friction(evaluation.name())).collect()
+    }
+
+    /// Of rigid bodies, which differ little but in their number: what was measured of so many.
+    fn measured(&self, name: &str) -> Coefficients {
+        [(format!("{name}_of_{}", self.coordinates), 1.0)].into()
+    }
+
+    /// Dry friction is the same beside any energies.
+    fn friction(&self, name: &str) -> Coefficients {
+        let dry = f64::from(self.dry);
+        [(format!("dry_{name}"), dry), (format!("dry_n_{name}"), dry * self.coordinates as f64)].into()
+    }
+
+    /// Operations that were counted.
+    fn counted(&self, evaluation: Evaluation) -> Coefficients {
         let done = self.operations(evaluation);
         let beside = if self.narrow { "narrow" } else { "wide" };
         let [eights, fours, ones] = done.multiply_adds;
@@ -201,6 +223,12 @@ impl CostFactors {
 
     /// What stack is a sum over.
     pub fn stack(&self, evaluation: Evaluation) -> Coefficients {
+        let energies =
+            if self.family == BODIES { self.measured(evaluation.name()) } else { self.arrays(evaluation) };
+        energies.into_iter().chain(self.friction(evaluation.name())).collect()
+    }
+
+    fn arrays(&self, evaluation: Evaluation) -> Coefficients {
         let Cost { acceleration, step_order_2, step_order_4, .. } = self.cost;
         let arrays = match evaluation {
             Evaluation::Acceleration => acceleration,
@@ -228,6 +256,12 @@ impl CostFactors {
 
     /// What code is a sum over.
     pub fn code(&self, order: u8) -> Coefficients {
+        let name = Evaluation::Step(order).name();
+        let energies = if self.family == BODIES { self.measured(name) } else { self.functions(order) };
+        energies.into_iter().chain(self.friction(name)).collect()
+    }
+
+    fn functions(&self, order: u8) -> Coefficients {
         let from = |n: usize| f64::from(self.family != GRAPH && self.coordinates >= n);
         let width = if self.narrow { "narrow" } else { "wide" };
         [
@@ -250,6 +284,7 @@ fn moved_by_network(architecture: &Architecture) -> bool {
 }
 
 const GRAPH: &str = "graph";
+const BODIES: &str = "bodies";
 
 fn product(fitted: &Coefficients, found: &Coefficients) -> f64 {
     found.iter().map(|(name, x)| x * fitted.get(name).copied().unwrap_or(0.0)).sum()

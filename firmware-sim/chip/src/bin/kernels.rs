@@ -50,15 +50,20 @@ fn scalar(name: &[u8], mut f: impl FnMut(f32) -> f32) {
     print::number(name, mean(CALLS, || _ = black_box(f(black_box(x)))));
 }
 
-/// Prints the instructions of a law of force, its value, divided by its N coordinates.
+/// Prints the instructions of a law of force, its value and its value with its derivatives, divided by its N coordinates.
 #[inline(always)]
-fn law<F: Forces<f32, N>, const N: usize>(name: &[u8], law: &F) {
+fn law<F: Forces<f32, N>, const N: usize>(names: [&[u8]; 2], law: &F) {
     let at = [core::array::from_fn(|i| 0.3 - 0.1 * i as f32); 3];
-    let count = mean(CALLS, || {
+    let value = mean(CALLS, || {
         let [q, v, tau] = black_box(&at);
         black_box(black_box(law).force(q, v, tau));
     });
-    print::number(name, count / N as u32);
+    let both = mean(CALLS, || {
+        let ([q, v, tau], law) = (black_box(&at), black_box(law));
+        black_box((law.force(q, v, tau), law.derivatives(q, v, tau)));
+    });
+    print::number(names[0], value / N as u32);
+    print::number(names[1], both / N as u32);
 }
 
 /// Laws of force of six coordinates: none, damping, and damping with dry friction that grows with the load.
@@ -66,8 +71,9 @@ fn laws() {
     const N: usize = 6;
     let viscous = Viscous { coefficients: [0.1; N] };
     let friction = DryFriction { constant: 0.5, load: 0.2, smoothing: 0.1, width: 0.05 };
-    law::<_, N>(b"viscous", &viscous);
-    law::<_, N>(b"viscous_and_dry", &(viscous, Coulomb { coordinates: [friction; N] }));
+    law::<_, N>([b"viscous", b"viscous_with_derivatives"], &viscous);
+    let friction = (viscous, Coulomb { coordinates: [friction; N] });
+    law::<_, N>([b"friction", b"friction_with_derivatives"], &friction);
 }
 
 /// Prints the instructions of our elementary functions, and of micromath's.

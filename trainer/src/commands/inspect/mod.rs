@@ -6,10 +6,11 @@ mod target;
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_core::forces::DryFriction;
-use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval, Law};
+use leastaction_core::model::{ActuatorBytes, CoordinateRange, FORMAT_VERSION, Interval};
 use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
 use leastaction_learning::model_file::{HostModel, Precision, decode};
+use leastaction_learning::windows::Calibrated;
 use serde::Serialize;
 use shape::ShapeReport;
 use std::fmt;
@@ -18,7 +19,7 @@ use target::{OnTarget, Target};
 
 /// Show what a model file is and what it costs on a chip.
 ///
-/// Multiply-adds are those of the network's layers. Stack bytes are the arrays that are live at once in an evaluation; call
+/// Multiply-adds are those of the network's layers, of rigid bodies those of their energies. Stack bytes are the arrays that are live at once in an evaluation; call
 /// frames come on top. A step takes 2 to 3 Newton iterations.
 #[derive(Args)]
 pub struct Inspect {
@@ -44,6 +45,9 @@ struct Report {
     /// Of every coordinate; empty without dry friction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     dry_friction: Vec<DryFrictionReport>,
+    /// Between command and force; none where the command is the force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    actuator: Option<ActuatorReport>,
     parameters: usize,
     weight_bits: u8,
     order: Option<u8>,
@@ -102,7 +106,6 @@ fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Res
     let unknown = || {
         let name = target.processor().name();
         let why = match model.precision {
-            _ if model.architecture.laws().contains(Law::Coulomb) => "with dry friction it was not measured",
             Precision::Half => "of weights in half precision it was not measured",
             Precision::Single => "its shape is beyond those that were measured",
         };
@@ -126,6 +129,7 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         shape: ShapeReport::of(architecture),
         damping: (!damping.is_empty() && damped).then_some(damping),
         dry_friction: friction.iter().filter_map(|friction| friction.dry).map(Into::into).collect(),
+        actuator: ActuatorReport::of(&model),
         parameters: model.weights.len(),
         weight_bits: model.precision.bits(),
         order: model.facts.trained_step.map(|step| step.order.number()),
@@ -165,6 +169,34 @@ impl fmt::Display for DryFrictionReport {
             write!(f, " and {load:.4} of the load beyond {smoothing:.4} N or N m")?;
         }
         write!(f, ", changing sign over {width:.4} m/s or rad/s")
+    }
+}
+
+/// From the command u to the force that acts, gain u(t − delay) + offset.
+#[derive(Serialize)]
+struct ActuatorReport {
+    /// Of every coordinate.
+    gain: Vec<f64>,
+    /// Of every coordinate, N or N m.
+    offset: Vec<f64>,
+    /// s.
+    delay: f64,
+}
+
+impl ActuatorReport {
+    fn of(model: &HostModel) -> Option<Self> {
+        let bytes = &model.facts.actuator;
+        let n = ActuatorBytes::new(bytes).ok()?.n();
+        let Calibrated { gain, offset, delay, .. } = Calibrated::of_file(bytes, n).ok()?;
+        Some(Self { gain, offset, delay })
+    }
+}
+
+impl fmt::Display for ActuatorReport {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { gain, offset, delay } = self;
+        let list = |numbers: &[f64]| numbers.iter().map(|x| format!("{x:.4}")).collect::<Vec<_>>().join(", ");
+        write!(f, "gain {}, offset {} N or N m, delay {delay:.5} s", list(gain), list(offset))
     }
 }
 
@@ -208,6 +240,7 @@ impl fmt::Display for Report {
         for (i, dry) in self.dry_friction.iter().enumerate() {
             line(f, if i == 0 { "dry friction" } else { "" }, &format!("q{}: {dry}", i + 1))?;
         }
+        self.actuator.iter().try_for_each(|actuator| line(f, "actuator", &actuator.to_string()))?;
         line(f, "parameters", &format!("{} of {} bits", self.parameters, self.weight_bits))?;
         match (self.order, self.h) {
             (Some(order), Some(h)) => {

@@ -8,7 +8,7 @@ use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::{CoordinateRange, Interval};
 use leastaction_firmware_sim::Goal;
-use leastaction_firmware_sim::devices::{Devices, EncoderConfig};
+use leastaction_firmware_sim::devices::{Devices, Drive, EncoderConfig};
 use leastaction_firmware_sim::observer::ObserverConfig;
 use leastaction_firmware_sim::scenario::{Excitation, Predict, Setup, Start, predict};
 use leastaction_learning::ground_truth::Mechanism;
@@ -134,6 +134,7 @@ fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> 
             v_spread: ranges.map(|range| half(range.v)),
         },
         devices: Devices::new(encoders, amplitude),
+        known_drive: Drive::ideal(),
         observer: ObserverConfig::new(),
         goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
     };

@@ -2,11 +2,12 @@
 
 use super::remote::{Ran, Target};
 use super::scenario::misused;
+use super::world::known_actuator;
 use super::{Trace, median_and_most};
 use crate::commands::chip;
 use leastaction::cli::{Failure, Output};
 use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
-use leastaction_core::model::ActuatorBytes;
+use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::{LearnZeros, ObserverConfig, OtherStep};
 use leastaction_firmware_sim::scenario::{Logged, replay};
 use leastaction_firmware_sim::{Mode, Outcome, Program, SetupError, Summary, Tick, wrap};
@@ -103,21 +104,19 @@ impl Replay<'_> {
         let mut observer = ObserverConfig { other_step: OtherStep::Accepted, ..ObserverConfig::new() };
         let facts = &self.model.facts;
         observer.order = facts.trained_step.map_or(observer.order, |step| step.order);
-        observer.delay = actuator(self.model).map_or(0.0, |file| file.delay() / h);
+        let known = known_actuator(self.model, h)?;
+        observer.delay = known.map_or(0.0, |(_, delay)| delay);
         observer.zeros = self.learn_zeros.map(|deviation| LearnZeros { deviation, innovation: INNOVATION });
         let coordinates = self.model.architecture.coordinates();
         let mut angles = coordinates.chars().map(|letter| letter == 'a');
-        Ok(Program::listening(h, std::array::from_fn(|_| angles.next().unwrap_or(false)), observer))
+        let angle = std::array::from_fn(|_| angles.next().unwrap_or(false));
+        let drive = known.map_or(Drive::ideal(), |(drive, _)| drive);
+        Ok(Program::listening(h, angle, drive, observer))
     }
 }
 
 /// Standard deviation of an innovation while zeros are learned, rad or m.
 const INNOVATION: f32 = 3e-3;
-
-/// Between command and force, where the model file says it.
-fn actuator(model: &HostModel) -> Option<ActuatorBytes<'_>> {
-    ActuatorBytes::new(&model.facts.actuator).ok()
-}
 
 /// Runs along a log in as many coordinates as there are.
 struct Along<'r, 'a> {
@@ -135,7 +134,7 @@ impl<'c> Visitor<'c> for Along<'_, '_> {
     {
         let Self { replay: this, data, trace } = self;
         let program = this.program::<N>(data.h as f32)?;
-        let (log, mut innovations) = (ticks(data, this.model)?, Innovations::new(program.angle));
+        let (log, mut innovations) = (ticks(data), Innovations::new(program.angle));
         let mut sink = |tick: &Tick<N>, outcome: &Outcome<N>| {
             trace.push(tick);
             innovations.take(tick, outcome, log[tick.index as usize].elapsed);
@@ -158,13 +157,8 @@ impl<'c> Visitor<'c> for Along<'_, '_> {
     }
 }
 
-/// The recordings of a log one after another, with forces in the place of commands: the gains and offsets of the model's actuator, but
-/// not its delay, which the observer has.
-fn ticks<const N: usize>(data: &Dataset, model: &HostModel) -> Result<Vec<Logged<N>>, Failure> {
-    let failed = |error: leastaction_core::model::ModelError| Failure::Input(error.to_string());
-    let actuator =
-        actuator(model).map(|file| file.at_step::<N>(data.h as f32)).transpose().map_err(failed)?;
-    let force = |u: [f32; N]| actuator.map_or(u, |(_, actuator)| actuator.output(&u));
+/// The recordings of a log one after another.
+fn ticks<const N: usize>(data: &Dataset) -> Vec<Logged<N>> {
     let row = |rows: &Rows, k: usize| {
         let row = rows.get(k).unwrap_or_default();
         std::array::from_fn(|i| row.get(i).map_or(0.0, |x| *x as f32))
@@ -174,11 +168,11 @@ fn ticks<const N: usize>(data: &Dataset, model: &HostModel) -> Result<Vec<Logged
         for (k, time) in data.times(trajectory).enumerate() {
             let elapsed = if k == 0 { Logged::<N>::FIRST } else { 1 };
             let measured = row(&trajectory.q, k).map(Some);
-            let command = force(trajectory.u.as_ref().map_or([0.0; N], |u| row(u, k)));
+            let command = trajectory.u.as_ref().map_or([0.0; N], |u| row(u, k));
             log.push(Logged { elapsed, time: time as f32, measured, command });
         }
     }
-    Ok(log)
+    log
 }
 
 /// Sums over the innovations of the ticks before which the estimate was trusted.

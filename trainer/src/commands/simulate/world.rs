@@ -5,8 +5,9 @@ use super::{Plant, Scenario};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{finite, not_negative, positive};
-use leastaction_core::forces::{Coulomb, DryFriction, Viscous};
+use leastaction_core::forces::{Actuator, Coulomb, DryFriction, Viscous};
 use leastaction_core::model::ActuatorBytes;
+use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::Setup;
 use leastaction_learning::model_file::HostModel;
@@ -30,6 +31,12 @@ pub struct World {
     /// Standard deviation of the encoders' noise, rad or m [default: 0.001 rad, 0.0002 m].
     #[arg(long, value_name = "SD,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     noise: Vec<f64>,
+    /// The force that acts for a command of 1, not 0 [default: 1]. The firmware takes it for that of the model file, else for what it is.
+    #[arg(long, value_name = "G,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
+    gain: Vec<f64>,
+    /// The force that acts without a command, N or N m [default: 0]; known as the gain is.
+    #[arg(long, value_name = "O,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
+    offset: Vec<f64>,
     /// From a command to its effect, ms, at most 8 ticks [default: 1 tick].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     delay: Option<f64>,
@@ -53,8 +60,9 @@ impl World {
     /// Refuses what means nothing for a scenario.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         let friction = !self.viscous.is_empty() || !self.coulomb.is_empty();
-        let devices = !(self.zeros.is_empty() && self.noise.is_empty())
-            || [self.delay, self.known_delay, self.jitter, self.learn_zeros].iter().any(Option::is_some);
+        let devices =
+            [&self.zeros, &self.noise, &self.gain, &self.offset].iter().any(|list| !list.is_empty())
+                || [self.delay, self.known_delay, self.jitter, self.learn_zeros].iter().any(Option::is_some);
         if devices && request.scenario == Scenario::Predict {
             return Err(Failure::Input(
                 "predict has no encoders, no drives and no clock; leave out what is said of them, or take track or \
@@ -72,7 +80,8 @@ impl World {
 
     /// How far off zeros to be learned may be, along a log, which has its own friction and devices.
     pub fn only_zeros(&self) -> Result<Option<f32>, Failure> {
-        let lists = [&self.viscous, &self.coulomb, &self.width, &self.zeros, &self.noise];
+        let Self { viscous, coulomb, width, zeros, noise, gain, offset, .. } = self;
+        let lists = [viscous, coulomb, width, zeros, noise, gain, offset];
         let numbers = [self.delay, self.known_delay, self.jitter];
         if lists.iter().any(|list| !list.is_empty()) || numbers.iter().any(Option::is_some) {
             let reason = "--replay takes friction, delay and noise as they are in the log; of the options for them it \
@@ -97,26 +106,50 @@ impl World {
 
     /// The devices of a setup, and what the firmware knows of them.
     pub fn adapt<const N: usize>(&self, setup: &mut Setup<N>, model: &HostModel) -> Result<(), Failure> {
+        self.encoders(setup)?;
+        self.actuators(setup, model)?;
+        if let Some(jitter) = self.jitter {
+            let clock = &mut setup.devices.clock;
+            (clock.late, clock.jitter) = (1.0, (1e-3 * jitter / f64::from(setup.tick)) as f32);
+        }
+        Ok(())
+    }
+
+    fn encoders<const N: usize>(&self, setup: &mut Setup<N>) -> Result<(), Failure> {
         let zeros: [f32; N] = for_all("--zeros", &self.zeros, 0.0)?;
         let noises: [f32; N] = for_all("--noise", &self.noise, 0.0)?;
         for (i, encoder) in setup.devices.encoders.iter_mut().enumerate() {
             encoder.zero = zeros[i];
             encoder.noise = if self.noise.is_empty() { encoder.noise } else { noises[i] };
         }
-        let ticks = |ms: f64| (1e-3 * ms / f64::from(setup.tick)) as f32;
-        let delay = self.delay.map_or(setup.devices.actuator.delay, ticks);
-        let of_model = ActuatorBytes::new(&model.facts.actuator).ok().map(|file| file.delay() / setup.tick);
-        setup.observer.delay = self.known_delay.map(ticks).or(of_model).unwrap_or(delay);
-        if let Some(jitter) = self.jitter {
-            let clock = &mut setup.devices.clock;
-            (clock.late, clock.jitter) = (1.0, ticks(jitter));
-        }
-        setup.devices.actuator.delay = delay;
         setup.observer.zeros = self
             .learn_zeros
             .map(|deviation| LearnZeros { deviation: deviation as f32, innovation: INNOVATION });
         Ok(())
     }
+
+    fn actuators<const N: usize>(&self, setup: &mut Setup<N>, model: &HostModel) -> Result<(), Failure> {
+        let (h, truth) = (setup.tick, &mut setup.devices.actuator);
+        let ticks = |ms: f64| (1e-3 * ms / f64::from(h)) as f32;
+        truth.delay = self.delay.map_or(truth.delay, ticks);
+        truth.drive = Drive {
+            gain: for_all("--gain", &self.gain, 1.0)?,
+            offset: for_all("--offset", &self.offset, 0.0)?,
+        };
+        let known = known_actuator::<N>(model, h)?;
+        setup.known_drive = known.map_or(truth.drive, |(drive, _)| drive);
+        let of_model = known.map(|(_, delay)| delay);
+        setup.observer.delay = self.known_delay.map(ticks).or(of_model).unwrap_or(truth.delay);
+        Ok(())
+    }
+}
+
+/// Gain, offset and delay (in steps of h seconds) of a model file's actuator; nothing where the command is the force.
+pub fn known_actuator<const N: usize>(model: &HostModel, h: f32) -> Result<Option<(Drive<N>, f32)>, Failure> {
+    let Ok(file) = ActuatorBytes::new(&model.facts.actuator) else { return Ok(None) };
+    let (_, Actuator { gain, offset, .. }) =
+        file.at_step(h).map_err(|error| Failure::Input(error.to_string()))?;
+    Ok(Some((Drive { gain, offset }, file.delay() / h)))
 }
 
 /// One value for each coordinate.
