@@ -57,9 +57,10 @@ pub(super) fn sections(certainty: &Certainty, names: &Names) -> [String; 2] {
 fn about(certainty: &Certainty) -> String {
     let of = if certainty.whole_logs { "logs" } else { "parts of logs" };
     format!(
-        "± is a standard error: in two of three cases a number is no further off, if the model is right. The residuals of {} {of} were \
-         taken to be independent of one another, those within one not. A correlation near 1 or -1 says that two numbers are known \
-         together better than each.",
+        "± is a standard error: in two of three cases a number is no further off, in 95 of 100 no further than {:.2} times as much, if the \
+         model is right. The residuals of {} {of} were taken to be independent of one another, those within one not. A correlation \
+         near 1 or -1 says that two numbers are known together better than each.",
+        certainty.interval(),
         certainty.clusters
     )
 }

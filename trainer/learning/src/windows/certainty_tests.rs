@@ -114,24 +114,18 @@ fn what_is_only_shown_in_combination_is_said_to_be() {
 }
 
 #[test]
-fn windows_that_overlap_see_a_sample_more_than_once() {
-    let architecture = pendulum(false);
-    let overlap = |stride: usize| {
-        let calibration = Calibration::default();
-        let settings = WindowSettings { steps: 20, stride, longest_step: H, order: 4, calibration };
-        let logs = Arc::new(WindowLogs::new(&logs(&architecture, 1)));
-        let model = WindowModel::new(&architecture).unwrap();
-        WindowLoss::new(model, &logs, 0..1, settings).unwrap().overlap()
-    };
-    // Of one log of 40 steps: two windows, or those at 0, 10 and 20.
-    assert_eq!((overlap(20), overlap(10)), (1.0, 1.5));
-}
-
-#[test]
 fn few_logs_are_cut_into_parts() {
     let architecture = pendulum(false);
     let mut data = logs(&architecture, 3);
     data.trajectories.truncate(2);
     let certainty = learned(&architecture, &data, false);
     assert_eq!((certainty.clusters, certainty.whole_logs), (2, false));
+}
+
+#[test]
+fn intervals_of_few_logs_are_wider() {
+    let of = |clusters| Certainty { numbers: Vec::new(), hidden: 0, clusters, whole_logs: true }.interval();
+    for (clusters, percentile) in [(5, 2.776), (10, 2.262), (26, 2.060), (64, 1.998)] {
+        assert!((of(clusters) / percentile - 1.0).abs() < 3e-3, "{clusters}: {}", of(clusters));
+    }
 }

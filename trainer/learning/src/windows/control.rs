@@ -88,13 +88,26 @@ impl Lanes<'_> {
     }
 
     /// u_i as it arrives, and its slope in d, at the start and the end of a sample's step.
+    ///
+    /// A held u that arrives within the step jumps there, from b to a after the part p of the step: the straight line of the same impulse
+    /// and first moment goes from m − 3p(1 − p)(a − b) to m + 3p(1 − p)(a − b), m = pb + (1 − p)a.
     fn command(&self, sample: usize, i: usize, delay: f64) -> [[Row; 2]; 2] {
         let at = |sample: usize| {
             let u = self.windows.map(|of| self.logs.delayed_control(of.log, of.first + sample, i, delay));
             [0, 1].map(|part| Row(u.map(|u| u[part])))
         };
-        let start = at(sample);
-        [start, if self.logs.control == ControlKind::Held { start } else { at(sample + 1) }]
+        let [mean, slope] = at(sample);
+        if self.logs.control != ControlKind::Held {
+            return [[mean, slope], at(sample + 1)];
+        }
+        let (h, part) = (self.logs.h, (delay / self.logs.h).fract());
+        let [bend, turn] = [3.0 * part * (1.0 - part), 3.0 * (1.0 - 2.0 * part) / h];
+        [-1.0, 1.0].map(|end| {
+            let (mut u, mut own) = (mean, slope);
+            u.add_scaled(-end * bend * h, &slope);
+            own.add_scaled(-end * turn * h, &slope);
+            [u, own]
+        })
     }
 
     fn control_tangents(&self, commands: &[[[Row; 2]; 2]]) -> Vec<ControlTangent> {

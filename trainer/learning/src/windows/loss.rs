@@ -15,6 +15,10 @@ use std::sync::Arc;
 /// Steps of a new start state, from the guess of a parabola, at most.
 const FIRST_STEPS: usize = 8;
 
+/// What an iteration must lower the loss by, as a part of it, for another one.
+const LEAST_TOLERANCE: f64 = 1e-6;
+const MOST_TOLERANCE: f64 = 1e-4;
+
 /// The loss over windows ([`windows`](super)). Its numbers: the weight block, the calibration's, s of every coordinate, and the start
 /// states (q, v) of all windows; the first two are what windows share.
 pub struct WindowLoss {
@@ -186,14 +190,6 @@ impl WindowLoss {
             start..first
         };
         self.windows.chunk_by(|a, b| a.log == b.log).map(of).collect()
-    }
-
-    /// How many windows a sample is in, on average.
-    pub(super) fn overlap(&self) -> f64 {
-        let steps = |pair: &[Window]| (pair[1].first - pair[0].first).min(self.steps);
-        let covered = |log: &[Window]| self.steps + log.windows(2).map(steps).sum::<usize>();
-        let all: usize = self.windows.chunk_by(|a, b| a.log == b.log).map(covered).sum();
-        (self.windows.len() * self.steps) as f64 / all as f64
     }
 
     /// Positions of the shared numbers that are varied.
@@ -384,8 +380,9 @@ impl Residuals for WindowLoss {
         true
     }
 
+    /// A learned number that is off by its standard error raises the loss by about its share of one residual: less matters no more.
     fn tolerance(&self) -> f64 {
-        1e-4
+        (0.03 / (self.windows.len() * self.components()) as f64).clamp(LEAST_TOLERANCE, MOST_TOLERANCE)
     }
 
     fn bounds(&self) -> &Bounds {

@@ -87,7 +87,9 @@ impl Between {
     fn begin(&mut self, state: &State, tangents: Option<&Tangents>, samples: usize) {
         if samples > 1 {
             self.start.0.clone_from(state);
-            self.start.1.as_mut().zip(tangents).map(|(own, of)| own.clone_from(of));
+            if let (Some(own), Some(of)) = (&mut self.start.1, tangents) {
+                own.clone_from(of);
+            }
         }
     }
 
