@@ -85,6 +85,9 @@ pub enum Problem {
         /// Of the join.
         name: String,
     },
+    /// A file named under leave_out that is not read.
+    #[error("leave_out under [data] names it, but the path of none of the {0} files that are read ends so")]
+    NoSuchLog(usize),
     /// A log whose samples are all in intervals to leave out.
     #[error("no samples are left outside the intervals of leave_out under [data]; 3 in a row are needed")]
     AllLeftOut,

@@ -38,6 +38,22 @@ pub struct LeftOut {
 }
 
 impl Reading {
+    /// Refuses intervals of a file that is none of these.
+    ///
+    /// # Errors
+    /// [`Problem::NoSuchLog`].
+    pub fn check_left_out(&self, files: &[PathBuf]) -> Result<(), DataError> {
+        let is_there = |file: &&PathBuf| files.iter().any(|path| path.ends_with(file));
+        match self.leave_out.iter().filter_map(|left| left.file.as_ref()).find(|file| !is_there(file)) {
+            Some(file) => Err(DataError {
+                file: file.clone(),
+                place: Place::File,
+                problem: Problem::NoSuchLog(files.len()),
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// The intervals that a file is without (s).
     fn left_out(&self, path: &Path) -> Vec<(f64, f64)> {
         let of_file = |left: &&LeftOut| left.file.as_ref().is_none_or(|file| path.ends_with(file));

@@ -110,4 +110,8 @@ fn files_of_a_recording_are_joined_and_cut() {
     let (joined, exact) = (judged("--config run/config.toml --data angles-0.csv"), judged("--data data.npz"));
     assert_eq!((&joined["trajectories"], &exact["trajectories"]), (&1.into(), &4.into()));
     assert_eq!(judged("--config c.toml")["trajectories"], 5);
+    let wrong =
+        std::fs::read_to_string(bench.at("c.toml")).unwrap().replace("\"angles-1.csv\"", "\"angles-9.csv\"");
+    bench.write("wrong.toml", &wrong);
+    bench.run("train wrong.toml -o other -q").bad(2, &["angles-9.csv", "leave_out under [data] names it"]);
 }

@@ -42,6 +42,7 @@ pub enum ChoiceError {
 /// # Errors
 /// [`ChoiceError`]: a log cannot be read, or a run with it cannot begin.
 pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
+    config.data.check_left_out()?;
     let candidates = config.data.alternatives();
     if candidates.len() < 2 {
         let (data, notes) = config.data.read()?;

@@ -91,6 +91,14 @@ impl DataConfig {
         std::iter::once(&columns.u).chain(other_u).map(with).collect()
     }
 
+    /// Refuses intervals to leave out of a file that is not among these.
+    ///
+    /// # Errors
+    /// [`DataError`] with its name, or that of a file that is not there.
+    pub fn check_left_out(&self) -> Result<(), DataError> {
+        self.reading().check_left_out(&data::files(&self.file.0)?)
+    }
+
     /// Reads the log; each note has its file.
     ///
     /// # Errors
