@@ -76,8 +76,8 @@ const SHORT: f64 = 0.2;
 const FEWEST_STEPS: usize = 5;
 /// A step of a model with dry friction at most, s: friction turns fast where a velocity changes its sign.
 const STIFF_STEP: f64 = 0.005;
-/// A step of another model, s, where samples are not further apart.
-const SMOOTH_STEP: f64 = 0.01;
+/// A step of another model, s: of samples that are closer than the first, as many as fit; samples further apart than the second are divided.
+const SMOOTH_STEP: [f64; 2] = [0.01, 0.025];
 
 /// So many windows need not overlap: they say all that a log does, and overlapping ones take twice the time.
 const MANY_WINDOWS: usize = 2000;
@@ -134,8 +134,9 @@ pub(super) fn of_windows(
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
+    let [least, most] = SMOOTH_STEP;
     let longest_step =
-        if architecture.friction.dry.is_empty() { data.h.max(SMOOTH_STEP) } else { STIFF_STEP };
+        if architecture.friction.dry.is_empty() { data.h.clamp(least, most) } else { STIFF_STEP };
     let calibration = config.calibration.calibration();
     let settings = |steps: usize| {
         let stride =

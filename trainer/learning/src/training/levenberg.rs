@@ -108,10 +108,12 @@ impl Levenberg {
         equations.add_decay(self.decay, &self.weights);
         let theta = objective.bounds().free(&self.weights);
         equations.scale(objective.bounds().slopes_at(&theta));
-        let (scales, before) = (self.damping(objective, &equations), self.loss);
+        let scales = self.damping(objective, &equations);
+        let before = self.cost(objective, self.loss, &self.weights);
         while self.mu < MU_LIMIT {
             if self.try_step(objective, &theta, (&equations, &scales)) {
-                let falls = before - self.loss > objective.tolerance() * before;
+                let falls = before - self.cost(objective, self.loss, &self.weights);
+                let falls = falls > objective.tolerance() * before;
                 return if falls { Progress::Lower } else { Progress::Converged };
             }
             self.mu *= self.raise;

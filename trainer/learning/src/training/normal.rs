@@ -54,10 +54,14 @@ impl NormalEquations {
         }
     }
 
-    /// Adds the normal equations of the penalty λ|θ|² on the mean square.
+    /// Adds the normal equations of the penalty λ|θ|² on the mean square. Numbers that no residual varies with, known ones among them,
+    /// stay where they are.
     pub fn add_decay(&mut self, decay: f64, weights: &[f64]) {
         let decay = decay * self.rows as f64;
         for (i, w) in weights.iter().take(self.gradient.len()).enumerate() {
+            if self.gram[(i, i)] == 0.0 {
+                continue;
+            }
             self.gram[(i, i)] += decay;
             self.gradient[i] += decay * w;
         }
@@ -99,5 +103,19 @@ impl NormalEquations {
     /// Mean square of a residual component: the loss.
     pub fn mean_square(&self) -> f64 {
         self.squares / self.rows as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_penalty_leaves_numbers_alone_that_nothing_varies_with() {
+        let mut equations = NormalEquations::zero(2);
+        (equations.rows, equations.gram[(0, 0)]) = (4, 1.0);
+        equations.add_decay(0.5, &[3.0, 1.0]);
+        assert_eq!((equations.gram[(0, 0)], equations.gram[(1, 1)]), (3.0, 0.0));
+        assert_eq!(equations.gradient, [6.0, 0.0]);
     }
 }

@@ -203,17 +203,31 @@ impl WindowLogs {
         (sum / count.max(1) as f64).sqrt()
     }
 
-    /// The noise of sensor i: a robust standard deviation of third differences, in which smooth motion hardly shows, over √20.
+    /// The noise of sensor i: a robust standard deviation of third or, where motion shows in these, of fifth differences, over that of
+    /// noise of 1: √20 or √252.
     pub(crate) fn noise(&self, logs: Range<usize>, i: usize) -> f64 {
+        let third = self.difference(logs.clone(), i, &[1.0, -3.0, 3.0, -1.0]) / 20_f64.sqrt();
+        let fifth = self.difference(logs, i, &[1.0, -5.0, 10.0, -10.0, 5.0, -1.0]) / 252_f64.sqrt();
+        if fifth > 0.0 && fifth < MOTION * third { fifth } else { third }
+    }
+
+    /// A robust standard deviation of sums of consecutive positions with these shares.
+    fn difference(&self, logs: Range<usize>, i: usize, shares: &[f64]) -> f64 {
         let mut differences = Vec::new();
         for log in logs {
-            let q = |k: usize| self.position(log, k, i);
-            let third = |k: usize| (q(k + 3) - 3.0 * q(k + 2) + 3.0 * q(k + 1) - q(k)).abs();
-            differences.extend((0..self.samples(log).saturating_sub(3)).map(third));
+            let sum = |k: usize| -> f64 {
+                let each = shares.iter().enumerate();
+                each.map(|(j, share)| share * self.position(log, k + j, i)).sum()
+            };
+            let count = (self.samples(log) + 1).saturating_sub(shares.len());
+            differences.extend((0..count).map(|k| sum(k).abs()));
         }
-        robust_deviation(differences) / 20_f64.sqrt()
+        robust_deviation(differences)
     }
 }
+
+/// What noise seen in fifth differences is of what is seen in third ones at most, where these show motion as well.
+const MOTION: f64 = 0.9;
 
 /// What is asked of a parabola.
 #[derive(Clone, Copy)]
@@ -256,6 +270,7 @@ fn shares(count: usize, at: usize, of: Share) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::data::Trajectory;
+    use rand::{RngExt, SeedableRng};
 
     fn logs(samples: [usize; 2]) -> WindowLogs {
         let trajectory = |(id, count): (i64, usize)| {
@@ -295,6 +310,18 @@ mod tests {
         let motion = [logs.motion(&windows, 4, 0)];
         let moves: Vec<bool> = windows.iter().map(|window| logs.moves(*window, 4, &motion)).collect();
         assert_eq!(moves, [true, false]);
+    }
+
+    /// A swing at 7 rad/s, of which third differences at 20 Hz show more than of noise of 0.01.
+    #[test]
+    fn motion_at_long_steps_is_not_taken_for_noise() {
+        let mut stream = rand_pcg::Pcg64::seed_from_u64(5);
+        let mut q = |k: usize| 3.0 * (0.35 * k as f64).sin() + 0.0173 * stream.random_range(-1.0..1.0);
+        let q = Rows::from_flat(1, (0..600).map(&mut q).collect()).unwrap();
+        let trajectory = Trajectory { id: 0, t0: 0.0, q, v: None, a: None, u: None };
+        let logs = WindowLogs::new(&Dataset { n: 1, h: 0.05, control: None, trajectories: vec![trajectory] });
+        let noise = logs.noise(0..1, 0);
+        assert!((0.008..0.013).contains(&noise), "{noise}");
     }
 
     #[test]

@@ -14,6 +14,10 @@ use std::sync::Arc;
 
 /// Steps of a new start state, from the guess of a parabola, at most.
 const FIRST_STEPS: usize = 8;
+/// Parts of a window that new start states are found over before they are found over all of it.
+const GROWING: [f64; 2] = [0.25, 0.5];
+/// Steps of such a part at least.
+const FEWEST_STEPS: usize = 5;
 
 /// What an iteration must lower the loss by, as a part of it, for another one.
 const LEAST_TOLERANCE: f64 = 1e-6;
@@ -175,6 +179,14 @@ impl WindowLoss {
         }
     }
 
+    /// Steps of the parts of windows that start states are found over, one after the other, the whole at last: over a short part even a
+    /// rough guess leads to the best.
+    fn growing(&self) -> impl Iterator<Item = usize> {
+        let parts = GROWING.map(|part| self.pace.whole((part * self.steps as f64) as usize));
+        let all = self.steps;
+        parts.into_iter().filter(move |steps| (FEWEST_STEPS..all).contains(steps)).chain([all])
+    }
+
     /// The mean square that a unit of the loss is, (m, rad)²: the geometric mean over coordinates.
     fn unit(&self, weights: &[f64]) -> f64 {
         let logarithms: f64 = self.scales(weights).iter().map(|s| s.ln()).sum();
@@ -332,11 +344,13 @@ impl Residuals for WindowLoss {
             weights.extend(start);
             weights.extend(guess.iter().map(|[_, slope]| slope));
         }
-        let solved = self.of_blocks(|first, _, stepper| {
-            let starts = self.starts(&weights, first);
-            starts::solved(&self.lanes(&weights, first), stepper, &starts, FIRST_STEPS)
-        });
-        self.set_starts(&mut weights, solved.iter());
+        for steps in self.growing() {
+            let solved = self.of_blocks(|first, _, stepper| {
+                let lanes = Lanes { steps, ..self.lanes(&weights, first) };
+                starts::solved(&lanes, stepper, &self.starts(&weights, first), FIRST_STEPS)
+            });
+            self.set_starts(&mut weights, solved.iter());
+        }
         weights
     }
 

@@ -135,7 +135,11 @@ impl Symo {
             (false, false) => &[8, 16, 32, 64, 128],
         };
         let sizes = self.trajectories.map_or_else(|| all.to_vec(), |only| vec![only as usize]);
-        let models = self.model.map_or_else(|| Model::value_variants().to_vec(), |only| vec![only]);
+        let usual = || {
+            let all = Model::value_variants().iter().copied();
+            all.filter(|model| noise > 0.0 || !model.is_for_noise()).collect()
+        };
+        let models: Vec<Model> = self.model.map_or_else(usual, |only| vec![only]);
         let is_wanted = |order: &&u8| self.order.is_none_or(|only| only == **order);
         let most_iterations = if quick { QUICK } else { usize::MAX };
         let mut cases = Vec::new();

@@ -7,6 +7,7 @@ mod portrait;
 mod published;
 mod states;
 mod task;
+mod windows;
 
 pub use published::{NOISE, Published, published};
 pub use states::CaseError;
@@ -32,6 +33,9 @@ pub enum Model {
     Symo,
     /// The error of the implicit step's next position is minimised.
     E2eSymo,
+    /// From positions alone over whole trajectories with free start states, the position error of Runge–Kutta steps of order 4 is minimised;
+    /// stepped by the equation of the other two.
+    Windows,
     /// SyMo's network, the error of the next state by a Runge–Kutta step of order 4 is minimised.
     LNodeRk4,
     /// The same with the explicit midpoint rule.
@@ -45,14 +49,19 @@ pub enum Model {
 impl Model {
     /// Whether it is one of the discrete Euler–Lagrange equation, and not one that those are compared with.
     pub fn is_discrete(self) -> bool {
-        matches!(self, Self::Symo | Self::E2eSymo)
+        matches!(self, Self::Symo | Self::E2eSymo | Self::Windows)
+    }
+
+    /// Whether it is for data with noise alone: without any, single steps say as much.
+    pub fn is_for_noise(self) -> bool {
+        self == Self::Windows
     }
 
     /// Of its integrators.
     pub fn orders(self) -> &'static [u8] {
         match self {
             Self::Symo | Self::E2eSymo => &[2, 4],
-            Self::LNodeRk4 | Self::NodeRk4 => &[4],
+            Self::Windows | Self::LNodeRk4 | Self::NodeRk4 => &[4],
             Self::LNodeMidpoint | Self::NodeMidpoint => &[2],
         }
     }

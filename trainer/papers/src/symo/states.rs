@@ -13,6 +13,7 @@ use leastaction_learning::evaluate::{inertia_mse, integration_errors};
 use leastaction_learning::ground_truth::Exact;
 use leastaction_learning::runge_kutta::RungeKutta;
 use leastaction_learning::training::{LossKind, SampleError, Samples, objective};
+use leastaction_learning::windows::TooShort;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -25,6 +26,9 @@ pub enum CaseError {
     /// Its data.
     #[error(transparent)]
     Samples(#[from] SampleError),
+    /// Its trajectories are shorter than windows.
+    #[error(transparent)]
+    Windows(#[from] TooShort),
 }
 
 /// What a baseline has learned.

@@ -118,11 +118,10 @@ impl Task for Experiment {
             return Ok(vec![record(case, &outcome, [f64::NAN; 6])?]);
         }
         let (clock, recipe) = (Instant::now(), case.recipe());
-        let weights = case.train(&recipe, set, watch)?;
-        let outcome = case.outcome(&recipe.architecture, &weights, set, clock.elapsed().as_secs_f64())?;
+        let (architecture, weights) = case.learn(recipe, set, &mut { watch })?;
+        let outcome = case.outcome(&architecture, &weights, set, clock.elapsed().as_secs_f64())?;
         let drawn = folder.filter(|_| case.trajectories == PORTRAYED && case.noise == 0.0);
-        let drawn =
-            drawn.map(|folder| portrait::draw(folder, &self.name(), case, (&recipe.architecture, &weights)));
+        let drawn = drawn.map(|folder| portrait::draw(folder, &self.name(), case, (&architecture, &weights)));
         let record = record(case, &outcome, self.data.floor(case.order)?)?;
         Ok(vec![Record { pictures: drawn.transpose()?.into_iter().collect(), ..record }])
     }

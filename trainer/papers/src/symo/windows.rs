@@ -1,0 +1,168 @@
+//! From positions alone over windows of many steps, whose start states are free: noise averages out, and forces add up.
+
+use super::states::CaseError;
+use super::{Case, Model, Recipe};
+use leastaction_learning::architecture::{Architecture, RigidArchitecture};
+use leastaction_learning::data::symo::SymoSet;
+use leastaction_learning::data::{Dataset, Trajectory};
+use leastaction_learning::training::{Levenberg, Objective};
+use leastaction_learning::windows::{Calibration, WindowLogs, WindowLoss, WindowModel, WindowSettings};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Steps of the windows that are learned from first: whatever the initial weights, motion over them is hardly chaotic.
+const SHORT: usize = 7;
+/// A Runge–Kutta step of order 4 at most, s: its error is far below the noise.
+const LONGEST_STEP: f64 = 0.025;
+/// Parts of the trajectories, each of which judges once what is learned from the others.
+const FOLDS: usize = 4;
+/// Units of the hidden layer to choose from; without one, potential and the factor of the inertia are linear in what the network sees.
+const WIDTHS: [&[u16]; 2] = [&[], &[40]];
+/// Penalties on the weights of a hidden layer to choose from.
+const DECAYS: [f64; 3] = [1e-6, 1e-5, 1e-4];
+/// By which part the error of a later choice must be lower.
+const MARGIN: f64 = 0.02;
+
+impl Case {
+    /// What a discrete model learns, and its shape.
+    ///
+    /// # Errors
+    /// As [`Case::train`] and [`Case::learn_over_windows`].
+    pub(super) fn learn(
+        &self,
+        recipe: Recipe,
+        set: &SymoSet,
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Result<(Architecture, Vec<f64>), CaseError> {
+        if self.model == Model::Windows {
+            return self.learn_over_windows(&recipe, set, watch);
+        }
+        let weights = self.train(&recipe, set, watch)?;
+        Ok((recipe.architecture, weights))
+    }
+
+    /// Learns from all trajectories, first over short windows, then over their whole length; width and penalty are those with the lowest error
+    /// on trajectories held back, each of which is once.
+    ///
+    /// # Errors
+    /// Where the shape does not fit in itself, or trajectories are shorter than a window.
+    fn learn_over_windows(
+        &self,
+        recipe: &Recipe,
+        set: &SymoSet,
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Result<(Architecture, Vec<f64>), CaseError> {
+        let data = set.train.truncated(self.trajectories);
+        let mut candidates = candidates(recipe).into_iter();
+        let mut best = (f64::INFINITY, candidates.next().unwrap_or_else(|| recipe.clone()));
+        for candidate in std::iter::once(best.1.clone()).chain(candidates) {
+            let error = self.held_back_error(&candidate, &data, watch)?;
+            if error < (1.0 - MARGIN) * best.0 {
+                best = (error, candidate);
+            }
+        }
+        let weights = self.over_windows(&best.1, &data, 0..data.trajectories.len(), watch)?;
+        Ok((best.1.architecture, weights))
+    }
+
+    /// The geometric mean over folds of the mean square error over windows of the fold, learned from the others.
+    fn held_back_error(
+        &self,
+        recipe: &Recipe,
+        data: &Dataset,
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Result<f64, CaseError> {
+        let (count, folds) = (data.trajectories.len(), FOLDS.min(data.trajectories.len()));
+        let judges = (count / folds.max(1)).min(count.saturating_sub(1)).max(1);
+        let mut logarithms = 0.0;
+        for fold in 0..folds {
+            let mut rotated = data.clone();
+            rotated.trajectories.rotate_left(judges * fold);
+            let split = count - judges;
+            let weights = self.over_windows(recipe, &rotated, 0..split, watch)?;
+            let judge = windows(recipe, &rotated, split..count, whole(&rotated))?;
+            logarithms += Objective::held_back_loss(&judge, &weights).ln();
+        }
+        Ok((logarithms / folds as f64).exp())
+    }
+
+    /// The weights that are best over windows of some of the trajectories.
+    fn over_windows(
+        &self,
+        recipe: &Recipe,
+        data: &Dataset,
+        of: Range<usize>,
+        watch: &mut dyn FnMut(usize, f64),
+    ) -> Result<Vec<f64>, CaseError> {
+        let mut weights = recipe.architecture.initial_weights(self.seed);
+        let own = weights.len();
+        for steps in [SHORT.min(whole(data)), whole(data)] {
+            let loss = windows(recipe, data, of.clone(), steps)?;
+            let levenberg = Levenberg::new(&loss, weights).with_decay(recipe.decay);
+            weights = levenberg.run(&loss, recipe.iterations, |k, state| watch(k, state.loss)).weights;
+            weights.truncate(own);
+        }
+        Ok(weights)
+    }
+}
+
+/// Every width with every penalty; without a hidden layer there is nothing to keep small.
+fn candidates(recipe: &Recipe) -> Vec<Recipe> {
+    let Some(rigid) = recipe.architecture.rigid() else { return Vec::new() };
+    let of = |widths: &[u16]| -> Vec<Recipe> {
+        let architecture = RigidArchitecture { widths: widths.to_vec(), ..rigid.clone() };
+        let decays = if widths.is_empty() { &[0.0][..] } else { &DECAYS };
+        let one = |decay: &f64| Recipe {
+            architecture: architecture.clone().into(),
+            decay: *decay,
+            ..recipe.clone()
+        };
+        decays.iter().map(one).collect()
+    };
+    WIDTHS.into_iter().flat_map(of).collect()
+}
+
+/// Steps of the shortest trajectory.
+fn whole(data: &Dataset) -> usize {
+    data.trajectories.iter().map(Trajectory::samples).min().unwrap_or(0).saturating_sub(1).max(1)
+}
+
+/// The loss over windows of so many steps that overlap by half, of some trajectories.
+fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> Result<WindowLoss, CaseError> {
+    let settings = WindowSettings {
+        steps,
+        stride: steps.div_ceil(2),
+        longest_step: LONGEST_STEP,
+        order: 4,
+        calibration: Calibration::default(),
+    };
+    let model = WindowModel::new(&recipe.architecture)?;
+    Ok(WindowLoss::new(model, &Arc::new(WindowLogs::new(data)), of, settings)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leastaction_learning::ground_truth::{Mechanism, symo_set};
+
+    #[test]
+    fn noise_of_positions_hardly_matters_over_windows() {
+        let case = Case {
+            mechanism: Mechanism::Pendulum,
+            model: Model::Windows,
+            order: 4,
+            trajectories: 16,
+            seed: 1,
+            noise: 0.05,
+            most_iterations: 30,
+        };
+        let set = symo_set(case.mechanism, case.seed, case.noise).unwrap();
+        let recipe = Recipe { iterations: 30, ..candidates(&case.recipe()).remove(0) };
+        let weights = case.over_windows(&recipe, &set.train, 0..16, &mut |_, _| ()).unwrap();
+        let outcome = case.outcome(&recipe.architecture, &weights, &set, 0.0).unwrap();
+        // The position one step ahead of two noisy ones is off by √6 of their noise.
+        assert!(outcome.test_mse < 1.1 * 6.0 * 0.05 * 0.05, "{outcome:?}");
+        assert!(outcome.inertia_mse.unwrap() < 1e-4, "{outcome:?}");
+        assert!(outcome.integration_mse_100 < 0.2, "{outcome:?}");
+    }
+}
