@@ -27,9 +27,9 @@ pub enum Problem {
     /// Neither `.npz`, `.csv` nor `.mcap`.
     #[error("unknown kind of file; name it .npz, .csv or .mcap")]
     Extension,
-    /// A `.mcap` file that should be written.
-    #[error("files of this kind are read, not written; name it .npz or .csv")]
-    ReadOnly,
+    /// A file to be written that is neither `.npz` nor `.csv`.
+    #[error("logs are not written to files of this kind; name it .npz or .csv")]
+    NotWritten,
     /// A `.mcap` file without names of columns.
     #[error(
         "which joints are the coordinates? Name them under [data.columns]; `leastaction look` lists them and writes a configuration"

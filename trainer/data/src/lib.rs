@@ -305,13 +305,13 @@ pub fn decode_as(
 pub fn write(path: impl AsRef<Path>, dataset: &Dataset) -> Result<(), DataError> {
     let path = path.as_ref();
     located(path, || {
-        let format = format_of(path)?;
-        dataset.check()?;
-        let bytes = match format {
-            Format::Npz => npz::write(dataset)?,
-            Format::Csv => csv_file::write(dataset)?,
-            Format::Mcap => return Err((Place::File, Problem::ReadOnly)),
+        let write = match format_of(path) {
+            Ok(Format::Npz) => npz::write,
+            Ok(Format::Csv) => csv_file::write,
+            Ok(Format::Mcap) | Err(_) => return Err((Place::File, Problem::NotWritten)),
         };
+        dataset.check()?;
+        let bytes = write(dataset)?;
         store(path, &bytes)
     })
 }
