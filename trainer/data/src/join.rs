@@ -8,7 +8,7 @@ use crate::error::{Fault, Problem};
 use crate::intervals::{GAP, Intervals};
 use crate::note::Note;
 use crate::place::Place;
-use crate::resample::Track;
+use crate::resample::{Track, rising};
 use crate::table::{Origin, Table};
 use crate::{MIN_SAMPLES, Rows};
 use leastaction_core::forces::ControlKind;
@@ -100,8 +100,6 @@ impl Whole {
         let longest = GAP * median(&t).max(self.median);
         let track = Track { t: &t, rows: &rows };
         let (at, ends) = (self.t.clone(), self.ends());
-        let straight = track.straight(&part.values, &at);
-        let held = track.averaged(&part.values, &at, &ends);
         let is_held =
             |(index, _): &(usize, Column)| self.widths.is_control(*index) && control == ControlKind::Held;
         let choice: Vec<bool> = part.wanted.iter().map(is_held).collect();
@@ -109,7 +107,12 @@ impl Whole {
         for (covered, now) in self.covered.iter_mut().zip(&at) {
             *covered &= covers(&t, *now, longest, all_held);
         }
-        self.put(&part.wanted, |i| if choice[i] { held.column(i) } else { straight.column(i) }.collect());
+        let held = choice.contains(&true).then(|| track.averaged(&part.values, &at, &ends));
+        let straight = choice.contains(&false).then(|| track.straight(&part.values, &at));
+        self.put(&part.wanted, |i| {
+            let values = if choice[i] { &held } else { &straight };
+            values.iter().flat_map(|values| values.column(i)).collect()
+        });
         self.control = self.control.or(part.control);
         Ok(())
     }
@@ -126,7 +129,7 @@ impl Whole {
     /// Leaves samples out that have the stamp of the one before; where time goes back is an error.
     fn only_rising(&mut self) -> Result<(), Fault> {
         self.joined = true;
-        let (t, rows) = rising(&self.t, &self.origin)?;
+        let (t, rows) = rising(self.t.iter().copied().enumerate(), |row| self.origin.place("t", row))?;
         let kept = |column: &Vec<f64>| rows.iter().filter_map(|row| column.get(*row).copied()).collect();
         self.columns = self.columns.iter().map(kept).collect();
         self.origin = self.origin.select(&rows);
@@ -162,27 +165,10 @@ impl Whole {
 impl Part {
     /// Its stamps and the rows they belong to, of equal ones the first.
     fn rising(&self) -> Result<(Vec<f64>, Vec<usize>), Fault> {
-        let (t, rows) = rising(&self.t, &self.origin)?;
+        let (t, rows) = rising(self.t.iter().copied().enumerate(), |row| self.origin.place("t", row))?;
         let too_few = || (Place::File, Problem::NoOverlap { samples: t.len(), shared: 0 });
         if t.len() < 2 { Err(too_few()) } else { Ok((t, rows)) }
     }
-}
-
-fn rising(t: &[f64], origin: &Origin) -> Result<(Vec<f64>, Vec<usize>), Fault> {
-    let (mut stamps, mut rows): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
-    for (row, &now) in t.iter().enumerate() {
-        match stamps.last() {
-            Some(&before) if now < before => {
-                return Err((origin.place("t", row), Problem::Unsorted { before, after: now }));
-            }
-            Some(&before) if now == before => {}
-            _ => {
-                stamps.push(now);
-                rows.push(row);
-            }
-        }
-    }
-    Ok((stamps, rows))
 }
 
 fn median(t: &[f64]) -> f64 {

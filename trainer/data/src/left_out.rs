@@ -47,7 +47,7 @@ impl Table {
     }
 
     /// The stamp of a row; counted from the first of its trajectory where the file has a step alone (s).
-    fn stamp(&self, row: usize, first: usize) -> f64 {
+    pub(crate) fn stamp(&self, row: usize, first: usize) -> f64 {
         match (&self.t, &self.h) {
             (Some(t), _) => t.get(row).copied().unwrap_or_default(),
             (None, h) => h.as_ref().map_or(0.0, |(h, _)| *h) * (row - first) as f64,

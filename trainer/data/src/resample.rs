@@ -72,25 +72,31 @@ impl Table {
 
     /// The stamps of a run, of equal ones the first.
     pub(crate) fn stamped(&self, run: Run) -> Result<Stamped, Fault> {
-        let (mut t, mut rows) = (Vec::new(), Vec::new());
-        for row in run.rows.clone() {
-            let now = match (&self.t, &self.h) {
-                (Some(t), _) => t.get(row).copied().unwrap_or_default(),
-                (None, h) => (row - run.rows.start) as f64 * h.as_ref().map_or(0.0, |(h, _)| *h),
-            };
-            match t.last() {
-                Some(&before) if now < before => {
-                    return Err((self.place("t", row), Problem::Unsorted { before, after: now }));
-                }
-                Some(&before) if now == before => {}
-                _ => {
-                    t.push(now);
-                    rows.push(row);
-                }
-            }
-        }
+        let stamps = run.rows.clone().map(|row| (row, self.stamp(row, run.rows.start)));
+        let (t, rows) = rising(stamps, |row| self.place("t", row))?;
         Ok(Stamped { id: run.id, t, rows })
     }
+}
+
+/// Stamps with their rows, of equal ones the first; where time goes back is an error.
+pub(crate) fn rising(
+    stamps: impl Iterator<Item = (usize, f64)>,
+    place: impl Fn(usize) -> Place,
+) -> Result<(Vec<f64>, Vec<usize>), Fault> {
+    let (mut t, mut rows): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
+    for (row, now) in stamps {
+        match t.last() {
+            Some(&before) if now < before => {
+                return Err((place(row), Problem::Unsorted { before, after: now }));
+            }
+            Some(&before) if now == before => {}
+            _ => {
+                t.push(now);
+                rows.push(row);
+            }
+        }
+    }
+    Ok((t, rows))
 }
 
 /// Trajectories of one step in the making.

@@ -66,6 +66,13 @@ impl Row {
         result
     }
 
+    /// What is linear from here to another row, at a part of the way: self + part (end − self).
+    #[inline(always)]
+    #[must_use]
+    pub fn towards(&self, end: &Self, part: f64) -> Self {
+        self.zip(end, |a, b| a + part * (b - a))
+    }
+
     /// `f` of every sample's number, eight at a time.
     #[inline(always)]
     pub(crate) fn map_lanes(&self, f: impl Fn(Lanes) -> Lanes) -> Self {

@@ -222,9 +222,7 @@ impl Predictor<'_> {
 }
 
 fn between(start: &[Row], end: &[Row], part: f64) -> Vec<Row> {
-    let mean =
-        |(a, b): (&Row, &Row)| Row(std::array::from_fn(|lane| a.0[lane] + part * (b.0[lane] - a.0[lane])));
-    start.iter().zip(end).map(mean).collect()
+    start.iter().zip(end).map(|(start, end)| start.towards(end, part)).collect()
 }
 
 impl Prediction {

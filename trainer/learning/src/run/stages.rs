@@ -147,7 +147,7 @@ pub(super) fn of_windows(
         let settings = settings(steps);
         Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
     };
-    let layout = loss(all, 0..training)?.layout();
+    let layout = CalibrationLayout::new(architecture.parameters()?, &logs, calibration);
     let (count, held_back) = (logs.count(), training..logs.count());
     let stage = |(name, steps, iterations), of: Range<usize>, judges: Range<usize>| {
         let validation = (!judges.is_empty()).then(|| loss(all, judges)).transpose()?;

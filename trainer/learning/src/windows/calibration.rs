@@ -1,3 +1,4 @@
+use super::logs::WindowLogs;
 use crate::data::Rows;
 use leastaction_core::model::{ActuatorBytes, ModelError};
 use serde::{Deserialize, Serialize};
@@ -134,6 +135,11 @@ pub(super) struct Prior {
 }
 
 impl CalibrationLayout {
+    /// Behind a weight block of so many numbers, of these logs.
+    pub fn new(weights: usize, logs: &WindowLogs, calibration: Calibration) -> Self {
+        Self { start: weights, n: logs.n, logs: logs.count(), calibration, control: logs.control_size() }
+    }
+
     /// Position of g_i.
     pub fn gain(&self, i: usize) -> usize {
         self.start + i

@@ -38,8 +38,7 @@ pub(super) fn part_of(whole: &Acting, part: usize, parts: usize) -> Acting {
         return whole.clone();
     }
     let ends = [part, part + 1].map(|end| end as f64 / parts as f64);
-    let between =
-        |a: &Row, b: &Row| ends.map(|c| Row(std::array::from_fn(|k| a.0[k] + c * (b.0[k] - a.0[k]))));
+    let between = |a: &Row, b: &Row| ends.map(|end| a.towards(b, end));
     let each: Vec<[Row; 2]> = whole.tau[0].iter().zip(&whole.tau[1]).map(|(a, b)| between(a, b)).collect();
     let moved = |tangent: &ControlTangent| {
         let [a, b] = &tangent.change;

@@ -1,3 +1,5 @@
+mod fitted;
+
 use super::calibration::{CalibrationLayout, Prior};
 use super::logs::{TooShort, Window, WindowLogs};
 use super::model::{Projection, WindowModel, WindowSettings};
@@ -58,8 +60,7 @@ impl WindowLoss {
         let WindowModel { system, mut fixed, bounds, project } = model;
         let WindowSettings { steps, stride, longest_step, order, calibration } = settings;
         let (n, h, start) = (logs.n, logs.h, system.parameters());
-        let layout =
-            CalibrationLayout { start, n, logs: logs.count(), calibration, control: logs.control_size() };
+        let layout = CalibrationLayout::new(start, logs, calibration);
         fixed.extend(layout.fixed(|log| of.contains(&log)));
         let noise: Vec<f64> = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
         let pace = Pace::new(logs, of.clone(), longest_step, &noise);
@@ -191,45 +192,6 @@ impl WindowLoss {
     fn unit(&self, weights: &[f64]) -> f64 {
         let logarithms: f64 = self.scales(weights).iter().map(|s| s.ln()).sum();
         (2.0 * logarithms / self.n() as f64).exp()
-    }
-
-    /// The windows of every log that has some, in order.
-    pub(super) fn windows_of_logs(&self) -> Vec<Range<usize>> {
-        let mut first = 0;
-        let of = |part: &[Window]| {
-            let start = first;
-            first += part.len();
-            start..first
-        };
-        self.windows.chunk_by(|a, b| a.log == b.log).map(of).collect()
-    }
-
-    /// Positions of the shared numbers that are varied.
-    pub(super) fn learned(&self) -> Vec<usize> {
-        (0..self.layout.end()).filter(|position| !self.fixed.contains(position)).collect()
-    }
-
-    /// s of every coordinate, m or rad.
-    pub fn residual_scales(&self, weights: &[f64]) -> Vec<f64> {
-        self.scales(weights).to_vec()
-    }
-
-    /// (q̂_i + z_i − q̃_i)/s_i of every coordinate, over windows from all over the logs, so many at most; those that cannot be computed
-    /// are left out.
-    pub fn scaled_residuals(&self, weights: &[f64], most: usize) -> Vec<Vec<f64>> {
-        let blocks = self.windows.len().div_ceil(WIDTH);
-        let stride = blocks.div_ceil((most / WIDTH).max(1)).max(1);
-        let parts = parallel::map(blocks.div_ceil(stride), &|k| {
-            let first = k * stride * WIDTH;
-            let (lanes, starts) = (self.lanes(weights, first), self.starts(weights, first));
-            let (residuals, failures) = self.steppers.with(|stepper| lanes.residuals(stepper, &starts));
-            let count = (self.windows.len() - first).min(WIDTH);
-            let lanes: Vec<usize> = (0..count).filter(|lane| !failures.0[*lane]).collect();
-            let of = |i: usize| residuals.iter().skip(i).step_by(self.n());
-            let of = |i: usize| of(i).flat_map(|row| lanes.iter().map(|lane| row.0[*lane])).collect();
-            (0..self.n()).map(of).collect::<Vec<Vec<f64>>>()
-        });
-        (0..self.n()).map(|i| parts.iter().flat_map(|part| part[i].iter().copied()).collect()).collect()
     }
 
     /// Σ weight (w − c)².

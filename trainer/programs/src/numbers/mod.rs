@@ -120,38 +120,29 @@ impl<'v> Allocation<'v> {
     }
 
     fn numbers(mut self, results: &Results) -> Numbers {
-        let parts = self.parts(results);
-        let mut order: Vec<(usize, Id)> = Vec::new();
-        for part in 0..NEVER {
-            order.extend((0..self.values.len()).filter(|at| parts[*at] == part).map(|at| (part, at as Id)));
-        }
+        let parts = &self.parts(results);
+        let of_part =
+            |part: usize| (0..self.values.len()).filter(move |at| parts[*at] == part).map(|at| at as Id);
+        let [early, late] = [0, 1].map(|part| of_part(part).collect::<Vec<_>>());
         let mut adds: Vec<Vec<(u32, u32)>> = vec![Vec::new(); self.values.len()];
         results.rows.iter().for_each(|(row, at, x)| adds[*x as usize].push((*row, *at)));
         self.is_needed = parts.iter().map(|part| *part != NEVER).collect();
-        self.find_last_reads(&order, (results, &parts));
-        // What the outputs have is also added to rows, after them.
-        let first = order.iter().take_while(|(part, _)| *part == 0).count();
-        for (rank, (part, value)) in order.iter().enumerate() {
-            if rank == first {
-                self.add_early(&order[..first], &adds);
-            }
-            self.compute(*part, *value);
-            if *part == 1 {
-                self.add(*value, &adds);
-            }
+        self.find_last_reads(early.iter().chain(&late), (results, parts));
+        for (rank, value) in early.iter().enumerate() {
+            self.compute(0, *value);
             self.release(rank, *value);
         }
-        if first == order.len() {
-            self.add_early(&order, &adds);
+        // What the outputs have is also added to rows, after them.
+        early.iter().for_each(|value| self.add(*value, &adds));
+        for (rank, value) in (early.len()..).zip(&late) {
+            self.compute(1, *value);
+            self.add(*value, &adds);
+            self.release(rank, *value);
         }
         let places = &self.places;
         let register = |x: &Id| places[*x as usize].unwrap_or_default();
         self.program.outputs = results.outputs.iter().map(|of| of.iter().map(register).collect()).collect();
         self.program
-    }
-
-    fn add_early(&mut self, order: &[(usize, Id)], adds: &[Vec<(u32, u32)>]) {
-        order.iter().for_each(|(_, value)| self.add(*value, adds));
     }
 
     fn add(&mut self, value: Id, adds: &[Vec<(u32, u32)>]) {
@@ -172,8 +163,12 @@ impl<'v> Allocation<'v> {
         parts
     }
 
-    fn find_last_reads(&mut self, order: &[(usize, Id)], (results, parts): (&Results, &[usize])) {
-        for (rank, (_, value)) in order.iter().enumerate() {
+    fn find_last_reads<'i>(
+        &mut self,
+        order: impl Iterator<Item = &'i Id>,
+        (results, parts): (&Results, &[usize]),
+    ) {
+        for (rank, value) in order.enumerate() {
             self.last_read[*value as usize] = rank;
             self.values.reads(*value).for_each(|x| self.last_read[x as usize] = rank);
         }
@@ -204,29 +199,33 @@ impl<'v> Allocation<'v> {
         if self.places[value as usize].is_some() {
             return;
         }
-        if let Value::Constant(bits) = self.values.get(value) {
-            let to = self.new_register();
-            self.places[value as usize] = Some(to);
-            return self.program.constants.push((to, f64::from_bits(bits)));
-        }
-        if let Value::Curve { function, x, .. } = self.values.get(value) {
-            let needed =
-                |order: u8| self.values.curve(function, order, x).filter(|of| self.is_needed[*of as usize]);
-            let orders = [0, 1, 2, 3].map(needed);
-            let to = orders.map(|order| order.map(|of| self.reserve(of)));
-            let x = self.place(x);
-            let function = self.values.function(function);
-            return self.program.parts[part].push(Operation::Curve { function, x, to });
-        }
-        let to = self.reserve(value);
-        let [x, y, z] = self.values.operands(value).map(|x| self.place(x));
         let operation = match self.values.get(value) {
-            Value::Input(number, at) => Operation::Input { number, at, to },
-            Value::Parameter(at) => Operation::Parameter { at, to },
-            Value::Difference(..) => Operation::Difference { x, y, to },
-            Value::Product(..) => Operation::Product { x, y, to },
-            Value::ProductSum(..) => Operation::ProductSum { x, y, z, to },
-            Value::Sum(..) | Value::Constant(_) | Value::Curve { .. } => Operation::Sum { x, y, to },
+            Value::Constant(bits) => {
+                let to = self.new_register();
+                self.places[value as usize] = Some(to);
+                return self.program.constants.push((to, f64::from_bits(bits)));
+            }
+            Value::Curve { function, x, .. } => {
+                let curve = |order: u8| self.values.curve(function, order, x);
+                let needed = |order: u8| curve(order).filter(|of| self.is_needed[*of as usize]);
+                let to = [0, 1, 2, 3].map(needed).map(|order| order.map(|of| self.reserve(of)));
+                Operation::Curve { function: self.values.function(function), x: self.place(x), to }
+            }
+            Value::Input(number, at) => Operation::Input { number, at, to: self.reserve(value) },
+            Value::Parameter(at) => Operation::Parameter { at, to: self.reserve(value) },
+            Value::Sum(x, y) => {
+                Operation::Sum { x: self.place(x), y: self.place(y), to: self.reserve(value) }
+            }
+            Value::Difference(x, y) => {
+                Operation::Difference { x: self.place(x), y: self.place(y), to: self.reserve(value) }
+            }
+            Value::Product(x, y) => {
+                Operation::Product { x: self.place(x), y: self.place(y), to: self.reserve(value) }
+            }
+            Value::ProductSum(x, y, z) => {
+                let [x, y, z] = [x, y, z].map(|of| self.place(of));
+                Operation::ProductSum { x, y, z, to: self.reserve(value) }
+            }
         };
         self.program.parts[part].push(operation);
     }

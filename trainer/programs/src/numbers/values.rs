@@ -100,19 +100,15 @@ impl Values {
         matches!(self.get(id), Value::Constant(_))
     }
 
-    /// What a value is made of; itself where that is less than three.
-    pub fn operands(&self, id: Id) -> [Id; 3] {
-        match self.get(id) {
-            Value::Constant(_) | Value::Input(..) | Value::Parameter(_) => [id; 3],
-            Value::Sum(x, y) | Value::Difference(x, y) | Value::Product(x, y) => [x, y, id],
-            Value::ProductSum(x, y, z) => [x, y, z],
-            Value::Curve { x, .. } => [x, id, id],
-        }
-    }
-
-    /// The same, nothing where it is made of nothing.
+    /// What a value is made of.
     pub fn reads(&self, id: Id) -> impl Iterator<Item = Id> + use<> {
-        self.operands(id).into_iter().filter(move |x| *x != id)
+        let of = match self.get(id) {
+            Value::Constant(_) | Value::Input(..) | Value::Parameter(_) => [None; 3],
+            Value::Sum(x, y) | Value::Difference(x, y) | Value::Product(x, y) => [Some(x), Some(y), None],
+            Value::ProductSum(x, y, z) => [Some(x), Some(y), Some(z)],
+            Value::Curve { x, .. } => [Some(x), None, None],
+        };
+        of.into_iter().flatten()
     }
 
     /// A derivative of a function, where it is asked for.

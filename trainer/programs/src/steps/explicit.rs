@@ -1,4 +1,4 @@
-use super::stages::{Stages, along_step};
+use super::stages::Stages;
 use super::tangents::{ControlTangent, Tangents};
 use super::{RungeKutta, State};
 use crate::dynamics::{Failures, MotionSolver, Rods};
@@ -128,7 +128,7 @@ impl ExplicitSteps {
         };
         self.stages.carry((tangents, self.h), &self.slopes, own);
         for control in controls {
-            let change = along_step([&control.change[0], &control.change[1]], time);
+            let change = control.change[0].towards(&control.change[1], time);
             for (i, slopes) in self.slopes.chunks_exact(3 * n).enumerate() {
                 let slope = &slopes[2 * n + control.coordinate];
                 self.stages.add(weights + control.number, i, &change, slope);

@@ -21,11 +21,6 @@ pub(super) struct Stages {
     moved: Vec<Row>,
 }
 
-/// What is linear over a step, at a fraction of it.
-pub(super) fn along_step([start, end]: [&Row; 2], time: f64) -> Row {
-    start.zip(end, |a, b| a + time * (b - a))
-}
-
 impl Stages {
     pub fn new(n: usize, method: RungeKutta) -> Self {
         let (state, count) = (vec![Row::default(); 2 * n], method.stages().len());
@@ -49,7 +44,7 @@ impl Stages {
             self.at.iter_mut().zip(rate).for_each(|(x, rate)| x.add_scaled(h * share, rate));
         }
         let ends = tau[0].iter().zip(tau[1]);
-        self.tau.iter_mut().zip(ends).for_each(|(tau, (a, b))| *tau = along_step([a, b], time));
+        self.tau.iter_mut().zip(ends).for_each(|(tau, (a, b))| *tau = a.towards(b, time));
         self.rates[stage][..self.n].copy_from_slice(&self.at[self.n..]);
     }
 
