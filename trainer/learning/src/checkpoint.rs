@@ -167,8 +167,8 @@ impl From<Checkpoint> for Trained {
         let Checkpoint { architecture, trained_step, range, calibration, state, .. } = checkpoint;
         let mut best = state.best;
         let calibrated = calibration.map(|layout| layout.read(&best.weights));
-        // What follows the weight block belongs to the logs.
-        calibration.iter().for_each(|layout| best.weights.truncate(layout.start));
+        // What follows the weight block belongs to logs or samples.
+        best.weights.truncate(architecture.parameters().unwrap_or(usize::MAX));
         Self { architecture, trained_step, range, best, calibrated, iterations: state.iteration, provenance }
     }
 }

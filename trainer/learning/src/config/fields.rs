@@ -1,6 +1,7 @@
 //! Fields whose range is checked while they are read, so that the error knows the line.
 
 use crate::architecture::{DEPTH, MAX_COORDINATES, MAX_ELEMENT_UNITS, MAX_HIDDEN, MAX_UNITS};
+use crate::training::StateNoise;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::network::Activation;
 use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
@@ -134,6 +135,12 @@ pub(super) fn epsilon<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Erro
 
 pub(super) fn penalty<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     number(from, |x| x >= 0.0 && x.is_finite(), "a finite number, 0 or above")
+}
+
+pub(super) fn state_noise<'de, D: Deserializer<'de>>(from: D) -> Result<Option<StateNoise>, D::Error> {
+    let noise = StateNoise::deserialize(from)?;
+    let expected = "finite numbers q, v and a, 0 or above, and q or v above 0";
+    if noise.is_noise() { Ok(Some(noise)) } else { Err(Error::custom(format_args!("expected {expected}"))) }
 }
 
 pub(super) fn positive<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {

@@ -33,6 +33,7 @@ pub use problem::{Problem, ShapeError, Step};
 pub use rigid::RigidConfig;
 
 use crate::architecture::Architecture;
+use crate::training::StateNoise;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -101,6 +102,9 @@ pub struct TrainingConfig {
     /// Seconds from checkpoint to checkpoint.
     #[serde(deserialize_with = "fields::limit")]
     pub checkpoint_seconds: f64,
+    /// Standard deviations of logged states, where their noise is to be learned beside the weights: of the acceleration loss.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::state_noise")]
+    pub state_noise: Option<StateNoise>,
     /// λ ≥ 0 of the penalty λ|θ|² that Levenberg–Marquardt adds to the loss.
     #[serde(deserialize_with = "fields::penalty")]
     pub weight_decay: f64,
@@ -141,6 +145,7 @@ impl Default for TrainingConfig {
             threads: 0,
             checkpoint_iterations: 50,
             checkpoint_seconds: 10.0,
+            state_noise: None,
             weight_decay: 0.0,
             adam: AdamConfig::default(),
         }

@@ -207,3 +207,21 @@ fn the_pages_ways_to_name_logs_are_read() {
             && read.iter().any(|reading| reading.leave_out.len() == 2)
     );
 }
+
+#[test]
+fn noise_of_states_is_checked() {
+    let parse = |noise: &str| {
+        let text = format!(
+            "[data]\nfile = \"a.csv\"\n[model]\ncoordinates = \"a\"\n[training]\nstate_noise = {noise}\n"
+        );
+        Config::parse(&text, Path::new("c.toml"))
+    };
+    assert_eq!(
+        parse("{ q = 0.01 }").unwrap().training.state_noise,
+        Some(StateNoise { q: 0.01, ..StateNoise::default() })
+    );
+    for wrong in ["{ a = 1.0 }", "{ q = -1.0 }", "{ q = inf }", "{}", "{ q = 1.0, u = 1.0 }"] {
+        let error = parse(wrong).unwrap_err().to_string();
+        assert!(error.contains("c.toml:6"), "{error}");
+    }
+}

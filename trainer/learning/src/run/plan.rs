@@ -103,6 +103,12 @@ pub enum PlanError {
         /// By the log.
         stated: ControlKind,
     },
+    /// Only accelerations at noisy states are learned with them.
+    #[error(
+        "[training] state_noise takes loss = \"acceleration\" and optimiser = \"levenberg-marquardt\"; of noisy positions over time \
+         loss = \"windows\" finds the states itself"
+    )]
+    StateNoise,
     /// Nothing to choose from.
     #[error("[data.columns] names no columns of u to choose from")]
     NoColumns,
@@ -151,6 +157,12 @@ impl Plan {
         check_coordinates(&architecture, data)?;
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
+        let free = config.training.state_noise.is_some();
+        let takes_noise = (loss, config.training.optimiser)
+            == (TrainingLoss::Acceleration, OptimiserKind::LevenbergMarquardt);
+        if free && !takes_noise {
+            return Err(PlanError::StateNoise);
+        }
         let training = split(&data, config.data.validation, &mut notices);
         let (stages, windows) = match loss.of_samples() {
             Some(kind) => {
@@ -300,7 +312,8 @@ fn choose_loss(
     notices: &mut Vec<Notice>,
 ) -> TrainingLoss {
     let training = &mut config.training;
-    let chosen = training.loss.unwrap_or_else(|| {
+    let of_noise = training.state_noise.map(|_| TrainingLoss::Acceleration);
+    let chosen = training.loss.or(of_noise).unwrap_or_else(|| {
         let takes_windows =
             architecture.has_steps() && training.optimiser == OptimiserKind::LevenbergMarquardt;
         match windows::noise_of(data).filter(|_| takes_windows) {

@@ -5,7 +5,7 @@ use super::plan::{PlanError, is_forced};
 use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
 use crate::config::{Config, ModelConfig, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
-use crate::training::{LossKind, Objective, SampleError, Samples, objective};
+use crate::training::{LossKind, Objective, SampleError, Samples, free_states_objective, objective};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
 use std::ops::Range;
 use std::sync::Arc;
@@ -224,6 +224,20 @@ fn samples(data: &Dataset, kind: LossKind) -> Result<Samples, SampleError> {
     }
 }
 
+/// At logged states, or at free ones near them.
+fn build_objective(
+    architecture: &Architecture,
+    samples: Samples,
+    (kind, order): (LossKind, u8),
+    training: &TrainingConfig,
+) -> Result<Box<dyn Objective>, PlanError> {
+    let noise = training.state_noise.filter(|_| kind == LossKind::Acceleration);
+    Ok(match noise {
+        Some(noise) => free_states_objective(architecture, samples, noise)?,
+        None => objective(architecture, samples, kind, order)?,
+    })
+}
+
 /// `enough`: triples of a warm-up on the next position.
 fn stage(
     (name, kind): (&'static str, LossKind),
@@ -239,7 +253,7 @@ fn stage(
         own = own.shuffled(0).range(0..count);
     }
     let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
-        Ok(objective(architecture, samples(data, kind)?, kind, order)?)
+        build_objective(architecture, samples(data, kind)?, (kind, order), training)
     };
     // The loss that follows a warm-up must be finite on the training trajectories.
     let judges = validation.filter(|_| !warm_up).unwrap_or(data);
@@ -249,7 +263,7 @@ fn stage(
         name,
         optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
         iterations: if warm_up { training.warm_up } else { training.iterations },
-        objective: objective(architecture, own, kind, order)?,
+        objective: build_objective(architecture, own, (kind, order), training)?,
         validation: validation.map(|data| build(data, kind, order)).transpose()?,
         judge: judge.transpose()?,
     })

@@ -1,8 +1,9 @@
 use super::*;
 use crate::checkpoint::Trained;
-use crate::config::{Config, Coordinates, RigidConfig};
+use crate::config::{Config, Coordinates, RigidConfig, TrainingLoss};
 use crate::data::Dataset;
 use crate::ground_truth::{Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};
+use crate::training::StateNoise;
 use leastaction_core::energy::rigid::Coordinate;
 
 #[derive(Default)]
@@ -332,5 +333,21 @@ fn errors_of_writing_say_what_is_wrong() {
             assert!(message.contains(words), "{kind}: {message}");
             assert_eq!(message.contains("space"), kind == io::ErrorKind::StorageFull, "{kind}: {message}");
         }
+    }
+}
+
+#[test]
+fn noisy_states_are_learned_beside_the_weights_and_not_kept() {
+    let mut config = config();
+    config.training.state_noise = Some(StateNoise { q: 0.01, v: 0.01, a: 0.0 });
+    let plan = Plan::new(config.clone(), &data(4, true)).unwrap();
+    assert_eq!(plan.config.training.loss, Some(TrainingLoss::Acceleration));
+    let trained = plan.train().unwrap();
+    assert_eq!(trained.best.weights.len(), plan.parameters());
+    assert!(trained.best.validation.is_some());
+    for loss in [TrainingLoss::NextPosition, TrainingLoss::Windows] {
+        config.training.loss = Some(loss);
+        let error = Plan::new(config.clone(), &data(4, true)).err();
+        assert_eq!(error, Some(PlanError::StateNoise));
     }
 }

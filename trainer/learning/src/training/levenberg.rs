@@ -83,9 +83,9 @@ impl Levenberg {
         iterations: usize,
         mut watch: impl FnMut(usize, &Self),
     ) -> Vec<f64> {
-        let mut best = (judge.loss(&self.weights), self.weights.clone());
+        let mut best = (judge.held_back_loss(&self.weights), self.weights.clone());
         let _last = self.run(objective, iterations, |iteration, state| {
-            let loss = judge.loss(&state.weights);
+            let loss = judge.held_back_loss(&state.weights);
             if loss <= best.0 {
                 best = (loss, state.weights.clone());
             }

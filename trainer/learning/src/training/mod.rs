@@ -6,6 +6,7 @@
 mod adam;
 mod blocks;
 mod bounds;
+mod free_states;
 mod levenberg;
 mod linear_start;
 mod normal;
@@ -15,6 +16,7 @@ mod samples;
 
 pub use adam::{Adam, AdamSettings, Schedule};
 pub use bounds::{Bounds, LEAST, MARGIN, Range};
+pub use free_states::{StateNoise, free_states_objective};
 pub use levenberg::{Levenberg, Progress};
 pub use linear_start::linear_start;
 pub use normal::NormalEquations;

@@ -6,6 +6,7 @@ mod coverage;
 mod documented_bodies;
 mod documented_graphs;
 mod documented_trees;
+mod free_states;
 mod friction;
 mod friction_config;
 mod graph_config;

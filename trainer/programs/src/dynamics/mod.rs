@@ -9,6 +9,7 @@ mod matrix;
 mod newton;
 mod one_sample;
 mod rods;
+mod slopes;
 
 pub use acceleration::Accelerations;
 pub use del::{Del, DelState};
@@ -16,6 +17,7 @@ pub use interval::{Balance, Interval, Linearised, Order};
 pub use newton::Newton;
 pub use one_sample::OneSampleAccelerations;
 pub use rods::Rods;
+pub use slopes::AccelerationSlopes;
 
 pub(crate) use acceleration::MotionSolver;
 pub(crate) use cholesky::Cholesky;
