@@ -2,6 +2,7 @@
 
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::network::Activation;
+use leastaction_programs::dynamics::AccelerationSlopes;
 use leastaction_programs::energies::{Energies, RigidEnergies};
 use leastaction_programs::steps::{ControlTangent, ExplicitSteps, RungeKutta, State, Tangents};
 use leastaction_programs::{Builder, Node, Row, System, WIDTH};
@@ -187,5 +188,33 @@ fn derivatives_are_in_learned_weights_alone() {
     }
     for k in 0..2 + 2 * N {
         assert_eq!(some.of(learned.len() + k), every.of(system.parameters() + k));
+    }
+}
+
+#[test]
+fn accelerations_move_with_the_state_as_differences_do() {
+    let system = System::new(&model());
+    let Numbers { weights, start, control, .. } = Numbers::random(system.parameters());
+    let mut of = AccelerationSlopes::new(&system);
+    let mut evaluate = |state: &State| {
+        let (mut a, mut slopes) = (vec![Row::default(); N], vec![Row::default(); 2 * N * N]);
+        let failures = of.evaluate(&weights, [&state[..N], &state[N..], &control[0][0]], &mut a, &mut slopes);
+        assert!(!failures.any(WIDTH));
+        (a, slopes)
+    };
+    let (_, slopes) = evaluate(&start);
+    for (j, column) in slopes.chunks_exact(N).enumerate() {
+        let mut moved = |step: f64| {
+            let mut state = start.clone();
+            state[j].0.iter_mut().for_each(|x| *x += step);
+            evaluate(&state).0
+        };
+        let (forth, back) = (moved(1e-5), moved(-1e-5));
+        for ((slope, forth), back) in column.iter().zip(&forth).zip(&back) {
+            for lane in 0..WIDTH {
+                let difference = (forth.0[lane] - back.0[lane]) / 2e-5;
+                assert!((slope.0[lane] - difference).abs() < 1e-6 * (1.0 + difference.abs()), "{j} {lane}");
+            }
+        }
     }
 }

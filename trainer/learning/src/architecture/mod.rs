@@ -300,6 +300,17 @@ impl Architecture {
         let Some(graph) = self.graph() else { return Ok(Rods::default()) };
         Ok(Rods::new(graph.dimension(), &graph.graph()?.rods))
     }
+
+    /// Refuses rods where there must be none; `what` says where.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] with their number, or as [`Architecture::rods`].
+    pub(crate) fn check_without_rods(&self, what: &'static str) -> Result<(), ModelError> {
+        match self.rods()?.count() {
+            0 => Ok(()),
+            found => Err(ModelError::Shape { what, found, compiled: 0 }),
+        }
+    }
 }
 
 /// Random weights of layers of these inputs and outputs: uniform with Glorot's variance, biases zero.

@@ -157,12 +157,7 @@ impl Plan {
         check_coordinates(&architecture, data)?;
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
-        let free = config.training.state_noise.is_some();
-        let takes_noise = (loss, config.training.optimiser)
-            == (TrainingLoss::Acceleration, OptimiserKind::LevenbergMarquardt);
-        if free && !takes_noise {
-            return Err(PlanError::StateNoise);
-        }
+        check_state_noise(&config.training, loss)?;
         let training = split(&data, config.data.validation, &mut notices);
         let (stages, windows) = match loss.of_samples() {
             Some(kind) => {
@@ -264,6 +259,12 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
 /// Whether a known force acts, as a known friction does.
 pub(super) fn is_forced(architecture: &Architecture, data: &Dataset) -> bool {
     data.is_forced() || architecture.friction.shows_scale()
+}
+
+/// Refuses noisy states where they are not learned.
+fn check_state_noise(training: &TrainingConfig, loss: TrainingLoss) -> Result<(), PlanError> {
+    let takes = (loss, training.optimiser) == (TrainingLoss::Acceleration, OptimiserKind::LevenbergMarquardt);
+    if takes || training.state_noise.is_none() { Ok(()) } else { Err(PlanError::StateNoise) }
 }
 
 /// Refuses what free motion does not determine.

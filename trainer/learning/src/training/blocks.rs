@@ -43,6 +43,46 @@ fn squares(residual: &[Row], count: usize) -> f64 {
     (0..count).flat_map(|k| residual.iter().map(move |r| r.0[k] * r.0[k])).sum()
 }
 
+/// Where a block is: its first sample, and the samples of which the last fills it up.
+pub(super) type Place<'s> = (usize, &'s Range<usize>);
+
+/// Σ r² of samples, block by block; `evaluate` writes the residuals of one.
+pub(super) fn sum_of_squares(
+    components: usize,
+    samples: &Range<usize>,
+    mut evaluate: impl FnMut(Place, &mut [Row]) -> Result<(), Failed>,
+) -> Result<f64, Failed> {
+    let (mut residual, mut sum) = (vec![Row::default(); components], 0.0);
+    for start in samples.clone().step_by(WIDTH) {
+        evaluate((start, samples), &mut residual)?;
+        sum += squares(&residual, (samples.end - start).min(WIDTH));
+    }
+    Ok(sum)
+}
+
+/// Residuals of samples and their derivatives, block by block, those in `fixed` weights 0; `evaluate` writes the residuals of one and adds
+/// its derivatives.
+pub(super) fn linearise_blocks(
+    (components, parameters, fixed): (usize, usize, &[usize]),
+    samples: &Range<usize>,
+    rows: &mut ChunkRows,
+    mut evaluate: impl FnMut(Place, &mut [Row], &mut [Vec<Row>]) -> Result<(), Failed>,
+) -> Result<(), Failed> {
+    let count = samples.len();
+    rows.reset(count * components, parameters);
+    let mut own = Rows::new(components, components, parameters);
+    for start in (0..count).step_by(WIDTH) {
+        own.derivatives.iter_mut().for_each(|row| row.fill(Row::default()));
+        evaluate((samples.start + start, samples), &mut own.residual, &mut own.derivatives)?;
+        for (i, (residual, derivatives)) in own.residual.iter().zip(&mut own.derivatives).enumerate() {
+            fixed.iter().for_each(|position| derivatives[*position] = Row::default());
+            let first = i * count + start;
+            rows.store_rows(first..first + (count - start).min(WIDTH), residual, derivatives);
+        }
+    }
+    Ok(())
+}
+
 impl Blocks {
     /// Over these samples; `fixed` are the positions of the weights that are known.
     pub fn new(
@@ -67,7 +107,7 @@ impl Blocks {
         &self,
         loss: &mut dyn Loss,
         weights: &[f64],
-        (start, samples): (usize, &Range<usize>),
+        (start, samples): Place,
         (residual, derivatives): (&mut [Row], Derivatives),
     ) -> Result<(), Failed> {
         let block = self.samples.block(start, samples);
@@ -98,15 +138,10 @@ impl Residuals for Blocks {
     }
 
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        let mut residual = vec![Row::default(); self.components];
         self.losses.with(|loss| {
-            let mut sum = 0.0;
-            for start in samples.clone().step_by(WIDTH) {
-                let into = (&mut residual[..], Derivatives::None);
-                self.evaluate(loss.as_mut(), weights, (start, &samples), into)?;
-                sum += squares(&residual, (samples.end - start).min(WIDTH));
-            }
-            Ok(sum)
+            sum_of_squares(self.components, &samples, |place, residual| {
+                self.evaluate(loss.as_mut(), weights, place, (residual, Derivatives::None))
+            })
         })
     }
 
@@ -129,22 +164,11 @@ impl Residuals for Blocks {
     }
 
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        let count = samples.len();
-        rows.reset(count * self.components, weights.len());
-        let mut own = Rows::new(self.components, self.components, weights.len());
+        let shape = (self.components, weights.len(), &self.fixed[..]);
         self.losses.with(|loss| {
-            for start in (0..count).step_by(WIDTH) {
-                own.derivatives.iter_mut().for_each(|row| row.fill(Row::default()));
-                let into = (&mut own.residual[..], Derivatives::Jacobian(&mut own.derivatives));
-                self.evaluate(loss.as_mut(), weights, (samples.start + start, &samples), into)?;
-                for (i, (residual, derivatives)) in own.residual.iter().zip(&mut own.derivatives).enumerate()
-                {
-                    self.fixed.iter().for_each(|position| derivatives[*position] = Row::default());
-                    let first = i * count + start;
-                    rows.store_rows(first..first + (count - start).min(WIDTH), residual, derivatives);
-                }
-            }
-            Ok(())
+            linearise_blocks(shape, &samples, rows, |place, residual, derivatives| {
+                self.evaluate(loss.as_mut(), weights, place, (residual, Derivatives::Jacobian(derivatives)))
+            })
         })
     }
 

@@ -10,6 +10,7 @@
 
 mod whitening;
 
+use super::blocks::{Place, linearise_blocks, sum_of_squares};
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::{Bounds, Objective, Samples};
 use crate::architecture::Architecture;
@@ -87,10 +88,7 @@ pub fn free_states_objective(
     samples: Samples,
     noise: StateNoise,
 ) -> Result<Box<dyn Objective>, ModelError> {
-    let rods = architecture.rods()?.count();
-    if rods > 0 {
-        return Err(ModelError::Shape { what: "rods under noisy states", found: rods, compiled: 0 });
-    }
+    architecture.check_without_rods("rods under noisy states")?;
     let system = System::new(&*architecture.energies()?);
     let make =
         move || Evaluator { loss: AccelerationLoss::new(&system), slopes: AccelerationSlopes::new(&system) };
@@ -118,13 +116,13 @@ impl FreeStates {
     }
 
     /// The numbers of rows side by side from `start` on; the last of `samples` fills them up.
-    fn gathered(&self, weights: &[f64], (start, samples): (usize, &Range<usize>)) -> Vec<Row> {
+    fn gathered(&self, weights: &[f64], (start, samples): Place) -> Vec<Row> {
         let at = |k: usize, i: usize| weights[self.numbers((start + k).min(samples.end - 1)).start + i];
         (0..self.numbers(0).len()).map(|i| Row(std::array::from_fn(|k| at(k, i)))).collect()
     }
 
     /// The rows from `start` on at their states, with ã − c in place of ã.
-    fn block(&self, numbers: &[Row], place: (usize, &Range<usize>)) -> Block {
+    fn block(&self, numbers: &[Row], place: Place) -> Block {
         let n = self.n();
         let mut block = self.samples.block(place.0, place.1);
         let [q, v, a] = &mut block.states;
@@ -134,12 +132,12 @@ impl FreeStates {
         block
     }
 
-    /// W(v̇ + c − ã) of the rows from `start` on, with its derivatives.
+    /// Writes W(v̇ + c − ã) of the rows from `start` on, and its derivatives in place of zeros.
     fn evaluate(
         &self,
         evaluator: &mut Evaluator,
         weights: &[f64],
-        place: (usize, &Range<usize>),
+        place: Place,
         (residual, derivatives): (&mut [Row], Option<&mut [Vec<Row>]>),
     ) -> Result<(), Failed> {
         let numbers = self.gathered(weights, place);
@@ -149,11 +147,10 @@ impl FreeStates {
         let failures = match derivatives {
             None => evaluator.loss.evaluate(own, &block, residual, Derivatives::None),
             Some(rows) => {
-                rows.iter_mut().for_each(|row| row.fill(Row::default()));
                 let failures =
                     evaluator.loss.evaluate(own, &block, residual, Derivatives::Jacobian(&mut *rows));
-                let (mut column, learned) = (vec![Row::default(); n], 0..own.len());
-                for position in learned {
+                let mut column = vec![Row::default(); n];
+                for position in 0..own.len() {
                     column.iter_mut().zip(&*rows).for_each(|(x, row)| *x = row[position]);
                     whiten(w, &mut column);
                     rows.iter_mut().zip(&column).for_each(|(row, x)| row[position] = *x);
@@ -211,7 +208,7 @@ impl FreeStates {
         columns
             .map(|(i, (column, logged))| {
                 let mut away = Row::default();
-                away_of(column, &force, &mut away);
+                column.iter().zip(&force).for_each(|(slope, force)| away.add_product(slope, force));
                 let moved = |away: f64| {
                     let own = if away.is_finite() { away.clamp(-FURTHEST, FURTHEST) } else { 0.0 };
                     -self.deviation(i) * own
@@ -269,11 +266,6 @@ impl FreeStates {
     }
 }
 
-/// Σ column·force.
-fn away_of(column: &[Row], force: &[Row], away: &mut Row) {
-    column.iter().zip(force).for_each(|(slope, force)| away.add_product(slope, force));
-}
-
 /// −2 ln p a component of rows of these whitened residuals, by Student's distribution, but for a constant.
 fn unlikelihoods(w: &[Row], whitened: &[Row]) -> Row {
     let n = whitened.len();
@@ -303,34 +295,19 @@ impl Residuals for FreeStates {
     }
 
     fn squares(&self, weights: &[f64], samples: Range<usize>) -> Result<f64, Failed> {
-        let mut residual = vec![Row::default(); self.n()];
         self.evaluators.with(|evaluator| {
-            let mut sum = 0.0;
-            for start in samples.clone().step_by(WIDTH) {
-                self.evaluate(evaluator, weights, (start, &samples), (&mut residual, None))?;
-                let count = (samples.end - start).min(WIDTH);
-                sum += residual.iter().flat_map(|r| &r.0[..count]).map(|r| r * r).sum::<f64>();
-            }
-            Ok(sum)
+            sum_of_squares(self.n(), &samples, |place, residual| {
+                self.evaluate(evaluator, weights, place, (residual, None))
+            })
         })
     }
 
     fn linearise(&self, weights: &[f64], samples: Range<usize>, rows: &mut ChunkRows) -> Result<(), Failed> {
-        let (n, count) = (self.n(), samples.len());
-        rows.reset(count * n, self.parameters);
-        let mut residual = vec![Row::default(); n];
-        let mut own = vec![vec![Row::default(); self.parameters]; n];
+        let shape = (self.n(), self.parameters, &self.fixed[..]);
         self.evaluators.with(|evaluator| {
-            for start in (0..count).step_by(WIDTH) {
-                let place = (samples.start + start, &samples);
-                self.evaluate(evaluator, weights, place, (&mut residual, Some(&mut own)))?;
-                for (i, (residual, derivatives)) in residual.iter().zip(&mut own).enumerate() {
-                    self.fixed.iter().for_each(|position| derivatives[*position] = Row::default());
-                    let first = i * count + start;
-                    rows.store_rows(first..first + (count - start).min(WIDTH), residual, derivatives);
-                }
-            }
-            Ok(())
+            linearise_blocks(shape, &samples, rows, |place, residual, derivatives| {
+                self.evaluate(evaluator, weights, place, (residual, Some(derivatives)))
+            })
         })
     }
 

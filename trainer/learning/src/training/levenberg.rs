@@ -73,8 +73,8 @@ impl Levenberg {
         self
     }
 
-    /// [`Levenberg::run`]; of all iterations, the start included, the weights with the lowest loss by `judge`; of those with the same,
-    /// as where `judge` can evaluate none, the last.
+    /// [`Levenberg::run`]; of all iterations, the start included, the weights with the lowest held-back loss by `judge`; of those with
+    /// the same, as where `judge` can evaluate none, the last.
     #[must_use]
     pub fn best(
         self,

@@ -134,14 +134,8 @@ pub fn torque_objective(
     architecture: &Architecture,
     samples: Samples,
 ) -> Result<Box<dyn Objective>, ModelError> {
-    let (system, rods) = (System::new(&*architecture.energies()?), architecture.rods()?);
-    if rods.count() > 0 {
-        return Err(ModelError::Shape {
-            what: "rods under the torque loss",
-            found: rods.count(),
-            compiled: 0,
-        });
-    }
+    let system = System::new(&*architecture.energies()?);
+    architecture.check_without_rods("rods under the torque loss")?;
     of_architecture(architecture, samples, move || Box::new(TorqueLoss::new(&system)))
 }
 

@@ -42,11 +42,7 @@ impl WindowModel {
     /// # Errors
     /// Where the shape does not fit in itself, or has rods.
     pub fn new(architecture: &Architecture) -> Result<Self, ModelError> {
-        let rods = architecture.rods()?.count();
-        if rods > 0 {
-            let what = "rods under a loss over windows";
-            return Err(ModelError::Shape { what, found: rods, compiled: 0 });
-        }
+        architecture.check_without_rods("rods under a loss over windows")?;
         let own = architecture.clone();
         Ok(Self {
             system: System::new(&*architecture.energies()?),

@@ -20,7 +20,7 @@ fn shape() -> Architecture {
     RigidArchitecture { damped: true, widths: vec![4, 3], ..RigidArchitecture::new(&kinds, 0) }.into()
 }
 
-/// Nineteen states, no multiple of what is evaluated side by side; accelerations are those of the weights but for some noise.
+/// States and accelerations anywhere; nineteen are no multiple of what is evaluated side by side.
 fn samples(count: usize) -> Samples {
     let numbers =
         |k: usize, range: f64| (0..3 * count).map(|i| range * wave(7 * i + k)).collect::<Vec<f64>>();

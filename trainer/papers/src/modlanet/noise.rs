@@ -3,6 +3,7 @@
 use super::recipe::best_of;
 use super::{Experiment, Outcome, ReproduceError, held_back};
 use crate::baselines::{AccelerationModel, Mlp};
+use leastaction_core::model::ModelError;
 use leastaction_learning::architecture::ModularArchitecture;
 use leastaction_learning::data::Rows;
 use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
@@ -24,6 +25,9 @@ const AT_LOGGED: &str = "at logged states";
 /// Penalties λ|θ|² on what is 1 where the model explains all but the noise.
 const DECAYS: [f64; 3] = [100.0, 10.0, 1.0];
 
+/// The weights that are learned from rows, and chosen by others.
+type Learning<'a> = dyn Fn([&ModlanetRows; 2]) -> Result<Vec<f64>, ModelError> + 'a;
+
 impl Experiment<'_> {
     /// The system from few samples, without and with noise, by the model and by an MLP of at least as many weights: both by
     /// the same iterations, and of each that with the lowest error on a fifth of the samples, held back and as noisy as the
@@ -38,45 +42,46 @@ impl Experiment<'_> {
                 let train = few(&set.train, count, noise, self.options.seed);
                 let mlp = mlp.clone().scaled_to(&Samples::modlanet(&train));
                 let set = ModlanetSet { train, test: set.test.clone() };
-                if noise > 0.0 {
-                    (self.tell)(&format!("{count} samples, noise {noise}: trained"));
-                    let outcome = self.learn_free(system, &set, &modular, noise)?;
+                let mut learn = |kind, shape: &dyn AccelerationModel, learned: &Learning| {
+                    (self.tell)(&format!("{count} samples, noise {noise}: {kind}"));
+                    let outcome = self.learn_judged(system, kind, &set, (shape, learned))?;
                     rows.push(Outcome { noise, ..outcome });
+                    Ok::<_, ReproduceError>(())
+                };
+                let at_logged = |shape: &dyn AccelerationModel, rows: [&ModlanetRows; 2]| {
+                    best_of(shape, rows, shape.initial_weights(self.options.seed), self.iterations())
+                };
+                if noise > 0.0 {
+                    learn("trained", &modular, &|rows| self.free_states(&modular, rows, noise))?;
                 }
                 let kind = if noise > 0.0 { AT_LOGGED } else { "trained" };
-                for (kind, shape) in [(kind, &modular as &dyn AccelerationModel), ("mlp", &mlp)] {
-                    (self.tell)(&format!("{count} samples, noise {noise}: {kind}"));
-                    let outcome = self.learn_judged(system, kind, &set, shape)?;
-                    rows.push(Outcome { noise, ..outcome });
-                }
+                learn(kind, &modular, &|rows| at_logged(&modular, rows))?;
+                learn("mlp", &mlp, &|rows| at_logged(&mlp, rows))?;
             }
         }
         Ok(rows)
     }
 
-    /// At free states, from strong penalties on the weights to weak ones, each from where the one before was best: the best of all by the
-    /// likelihood of the fifth of the samples that is held back.
-    fn learn_free(
+    /// At free states, from strong penalties on the weights to weak ones, each from where the one before was best: the weights that are
+    /// best of all by the likelihood of the rows that judge.
+    fn free_states(
         &self,
-        system: ManyBody,
-        set: &ModlanetSet,
         modular: &ModularArchitecture,
+        rows: [&ModlanetRows; 2],
         noise: f64,
-    ) -> Result<Outcome, ReproduceError> {
-        let clock = Instant::now();
+    ) -> Result<Vec<f64>, ModelError> {
         let noise = StateNoise { q: noise, v: noise, a: 0.0 };
-        let [rows, judges] = held_back(&set.train, JUDGES);
-        let objective = |rows: &ModlanetRows| {
-            free_states_objective(&modular.clone().into(), Samples::modlanet(rows), noise)
-        };
-        let (objective, judge) = (objective(&rows)?, objective(&judges)?);
+        let shape = modular.clone().into();
+        let objective = |rows| free_states_objective(&shape, Samples::modlanet(rows), noise);
+        let [rows, judges] = rows;
+        let (objective, judge) = (objective(rows)?, objective(judges)?);
         let mut weights = modular.initial_weights(self.options.seed);
         for decay in DECAYS {
             let levenberg = Levenberg::new(&*objective, weights).with_decay(decay);
             weights = levenberg.best(&*objective, &*judge, self.iterations(), |_, _| ());
-            weights.truncate(objective.shared());
         }
-        self.outcome(system, "trained", set, (modular, &weights), clock.elapsed().as_secs_f64())
+        weights.truncate(objective.shared());
+        Ok(weights)
     }
 
     fn learn_judged(
@@ -84,12 +89,11 @@ impl Experiment<'_> {
         system: ManyBody,
         kind: &'static str,
         set: &ModlanetSet,
-        shape: &dyn AccelerationModel,
+        (shape, learned): (&dyn AccelerationModel, &Learning),
     ) -> Result<Outcome, ReproduceError> {
         let clock = Instant::now();
         let [rows, judges] = held_back(&set.train, JUDGES);
-        let start = shape.initial_weights(self.options.seed);
-        let weights = best_of(shape, [&rows, &judges], start, self.iterations())?;
+        let weights = learned([&rows, &judges])?;
         self.outcome(system, kind, set, (shape, &weights), clock.elapsed().as_secs_f64())
     }
 }
@@ -141,7 +145,7 @@ mod tests {
 
     #[test]
     fn the_model_is_better_than_a_network_of_its_size() {
-        let options = Options { iterations: Some(40), ..Options::new(0) };
+        let options = Options { iterations: Some(8), ..Options::new(0) };
         let rows = run(Case::Noise, &options, Some(&set()), &|_| ()).unwrap();
         let conditions: Vec<_> = rows.iter().map(|row| (row.samples, row.noise, row.kind)).collect();
         let expected = [(0.0, "trained"), (0.0, "mlp"), (0.01, "trained"), (0.01, AT_LOGGED), (0.01, "mlp")];
