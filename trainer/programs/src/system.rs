@@ -182,6 +182,20 @@ impl System {
         (Program::new(&builder, &outputs, &[]), DerivativeOutputs { n: self.n })
     }
 
+    /// Inputs q, v, τ; outputs the n columns ∂Q/∂τ_j, n rows each. None where no force depends on the control.
+    pub fn load_derivatives(&self) -> Option<Program> {
+        let mut builder = self.builder.clone();
+        if !builder.read_by(&[self.force], builder.operations.len())[self.tau.index()] {
+            return None;
+        }
+        let mut outputs = Vec::new();
+        for j in 0..self.n {
+            let axis = self.axis(&mut builder, j);
+            outputs.extend(builder.tangents(&[self.force], &[(self.tau, axis)]));
+        }
+        Some(Program::new(&builder, &outputs, &[]))
+    }
+
     /// Programs of L = T(v) − V(q) with drag Q(v), each of inputs q, v, τ: outputs L_q and the columns of L_qq; L_v and the columns
     /// of M; Q and the columns of ∂Q/∂v, n rows each. `None` where the system is of another form; no drag where Q = 0.
     pub fn separable(&self) -> Option<Separable> {

@@ -33,6 +33,7 @@ pub use problem::{Problem, ShapeError, Step};
 pub use rigid::RigidConfig;
 
 use crate::architecture::Architecture;
+use crate::windows::Integrator;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -72,7 +73,10 @@ pub struct TrainingConfig {
     /// Part of a window that the next one has as well, in [0, 1); none: a half where windows are few.
     #[serde(deserialize_with = "fields::some_fraction", skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
-    /// Of the discrete Euler–Lagrange equation or, for the next state, of the Runge–Kutta step: 2 or 4.
+    /// What windows are integrated by; by default Runge–Kutta steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub integrator: Option<Integrator>,
+    /// Of the discrete Euler–Lagrange equation or, for the next state and by default for windows, of the Runge–Kutta step: 2 or 4.
     #[serde(deserialize_with = "fields::order")]
     pub order: u8,
     /// Which optimiser.
@@ -130,6 +134,7 @@ impl Default for TrainingConfig {
             loss: None,
             window: 0.5,
             overlap: None,
+            integrator: None,
             order: 4,
             optimiser: OptimiserKind::LevenbergMarquardt,
             iterations: 200,

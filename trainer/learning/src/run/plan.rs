@@ -9,7 +9,7 @@ use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
 use crate::training::{Progress, SampleError, linear_start};
-use crate::windows::{self, CalibrationLayout, TooShort, WindowLogs};
+use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
@@ -109,6 +109,9 @@ pub enum PlanError {
     /// Only windows learn sensors and actuators.
     #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
     Calibration,
+    /// Only windows are integrated.
+    #[error("[training] integrator is of windows; set loss = \"windows\", or leave it out")]
+    Integrator,
     /// Only Levenberg–Marquardt eliminates start states.
     #[error("loss = \"windows\" takes optimiser = \"levenberg-marquardt\"")]
     WindowOptimiser,
@@ -169,10 +172,11 @@ impl Plan {
             }
         };
         let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
-        let TrainingConfig { order, .. } = config.training;
+        let TrainingConfig { order, integrator, .. } = config.training;
+        let has_step = loss.is_discrete() || integrator == Some(Integrator::Del);
         Ok(Self {
             initial,
-            trained_step: Order::from_number(order).filter(|_| loss.is_discrete()).map(step),
+            trained_step: Order::from_number(order).filter(|_| has_step).map(step),
             range: range::of(&architecture, &data),
             positions: ringing::positions(&data),
             data_fingerprint: fingerprint::of_data(&data, loss),
@@ -308,7 +312,9 @@ fn choose_loss(
                 notices.push(Notice::Noisy { noise, window: training.window });
                 TrainingLoss::Windows
             }
-            None if !config.calibration.is_default() => TrainingLoss::Windows,
+            None if !config.calibration.is_default() || training.integrator.is_some() => {
+                TrainingLoss::Windows
+            }
             None => TrainingLoss::NextPosition,
         }
     });

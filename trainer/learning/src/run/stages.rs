@@ -41,6 +41,9 @@ pub(super) fn of_samples(
     if !config.calibration.is_default() {
         return Err(PlanError::Calibration);
     }
+    if config.training.integrator.is_some() {
+        return Err(PlanError::Integrator);
+    }
     let scale = shows_scale(architecture, parts.0);
     let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
     let enough = enough_triples(parts.0, architecture.learned_parameters()?);
@@ -122,7 +125,9 @@ pub(super) fn of_windows(
     (data, training): (&Dataset, usize),
     notices: &mut Vec<Notice>,
 ) -> Result<(Vec<Stage>, Windowed), PlanError> {
-    let TrainingConfig { window, overlap, order, warm_up, iterations, optimiser, .. } = config.training;
+    let TrainingConfig { window, overlap, integrator, order, warm_up, iterations, optimiser, .. } =
+        config.training;
+    let integrator = integrator.unwrap_or_default();
     if optimiser != OptimiserKind::LevenbergMarquardt {
         return Err(PlanError::WindowOptimiser);
     }
@@ -141,7 +146,7 @@ pub(super) fn of_windows(
     let settings = |steps: usize| {
         let stride =
             ((1.0 - overlap.unwrap_or_else(|| usual_overlap(data, steps))) * steps as f64).round() as usize;
-        WindowSettings { steps, stride, longest_step, order, calibration }
+        WindowSettings { steps, stride, integrator, longest_step, order, calibration }
     };
     let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
         let settings = settings(steps);
