@@ -77,6 +77,14 @@ impl System {
         Self { builder, n, parameters: model.parameters(), q, v, tau, energies, lagrangian, force, bends }
     }
 
+    /// The same without forces: L alone, over the same weight block.
+    #[must_use]
+    pub fn conservative(&self) -> Self {
+        let mut own = self.clone();
+        own.force = own.builder.zeros(own.n);
+        Self { bends: None, ..own }
+    }
+
     /// Number of coordinates n.
     pub fn n(&self) -> usize {
         self.n

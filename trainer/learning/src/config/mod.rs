@@ -11,10 +11,13 @@ mod graph;
 mod loss;
 mod model;
 mod modular;
+mod origin;
 mod parts;
 mod problem;
 mod read;
 mod rigid;
+
+pub(crate) use origin::Origin;
 
 pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
@@ -201,7 +204,10 @@ impl Config {
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
             ModelConfig::Rigid(rigid) => {
+                let from = rigid.start_from.as_mut();
+                from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
                 rigid.friction().map_err(located)?;
+                rigid.origin().map_err(located)?;
             }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();
@@ -228,9 +234,12 @@ impl Config {
     pub fn identity(&self) -> Self {
         let defaults = TrainingConfig::default();
         let mut model = self.model.clone();
-        if let ModelConfig::Modular(modular) = &mut model {
-            modular.from = modular.from.as_ref().map(|_| PathBuf::new());
-        }
+        let from = match &mut model {
+            ModelConfig::Modular(modular) => modular.from.as_mut(),
+            ModelConfig::Rigid(rigid) => rigid.start_from.as_mut(),
+            _ => None,
+        };
+        from.into_iter().for_each(|from| *from = PathBuf::new());
         Self {
             model,
             calibration: self.calibration,
@@ -255,11 +264,7 @@ impl Config {
     pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ShapeError> {
         let seed = self.training.seed;
         match &self.model {
-            ModelConfig::Rigid(rigid) => {
-                let architecture = rigid.architecture()?;
-                let weights = architecture.initial_weights(seed);
-                Ok((architecture, weights))
-            }
+            ModelConfig::Rigid(rigid) => rigid.beginning(seed),
             ModelConfig::Modular(modular) => {
                 let assembled = modular.assemble()?;
                 let (family, weights) =

@@ -4,6 +4,8 @@ use super::bodies::BodiesConfig;
 use super::fields::Coordinates;
 use super::graph::GraphConfig;
 use super::modular::ModularConfig;
+use super::origin::Origin;
+use super::problem::ShapeError;
 use super::rigid::RigidConfig;
 use serde::Serialize;
 
@@ -19,6 +21,25 @@ pub enum ModelConfig {
     Graph(GraphConfig),
     /// `family = "bodies"`.
     Bodies(BodiesConfig),
+}
+
+impl ModelConfig {
+    /// The model of another shape whose energies training begins at, where there is one.
+    pub(crate) fn origin(&self) -> Result<Option<Origin>, ShapeError> {
+        match self {
+            Self::Rigid(rigid) => rigid.origin(),
+            _ => Ok(None),
+        }
+    }
+
+    /// Whether training begins with trained weights.
+    pub(crate) fn goes_on(&self) -> bool {
+        match self {
+            Self::Rigid(rigid) => rigid.start_from.is_some(),
+            Self::Modular(modular) => modular.from.is_some(),
+            _ => false,
+        }
+    }
 }
 
 impl From<Coordinates> for ModelConfig {

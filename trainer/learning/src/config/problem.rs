@@ -104,6 +104,20 @@ pub enum Problem {
         /// Its family.
         found: &'static str,
     },
+    /// The model to start from has other coordinates.
+    #[error(
+        "{} holds a model of the coordinates {found:?}, or one with rods; to start from is one of {needed:?}, without rods (t: a length, \
+         others: angles)",
+        file.display()
+    )]
+    OtherCoordinates {
+        /// The run or the model file.
+        file: PathBuf,
+        /// Its coordinates, one letter each.
+        found: String,
+        /// Those of this model.
+        needed: String,
+    },
     /// No element type.
     #[error(
         "no element types: add a [[model.types]] with a name and a transform, or name a trained model with from = \"run\""

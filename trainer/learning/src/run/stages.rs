@@ -3,7 +3,7 @@
 use super::notice::Notice;
 use super::plan::{PlanError, is_forced};
 use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
-use crate::config::{Config, ModelConfig, OptimiserKind, TrainingConfig};
+use crate::config::{Config, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, objective};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
@@ -49,7 +49,7 @@ pub(super) fn of_samples(
     let enough = enough_triples(parts.0, architecture.learned_parameters()?);
     let mut kinds = kinds((&config.training, kind), laws.is_some(), (scale, enough.is_some()), notices)?;
     let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
-    if goes_on(config) {
+    if config.model.goes_on() {
         // A warm-up would leave trained weights for ones that are better on another loss.
         kinds.retain(|(name, _)| *name != WARM_UP);
     }
@@ -66,11 +66,6 @@ fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
         || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
         || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
         || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
-}
-
-/// Whether training begins with trained weights.
-fn goes_on(config: &Config) -> bool {
-    matches!(&config.model, ModelConfig::Modular(modular) if modular.from.is_some())
 }
 
 /// The part of a window that is learned from first: whatever the initial weights, motion over it is hardly chaotic.
@@ -138,7 +133,8 @@ pub(super) fn of_windows(
     let all = ((window / data.h).round() as usize).max(1);
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
-    lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
+    let warms_up = |steps: usize, iterations: u64| steps < all && iterations > 0 && !config.model.goes_on();
+    lengths.retain(|(name, steps, iterations)| *name != WARM_UP || warms_up(*steps, *iterations));
     let [least, most] = SMOOTH_STEP;
     let longest_step =
         if architecture.friction.dry.is_empty() { data.h.clamp(least, most) } else { STIFF_STEP };

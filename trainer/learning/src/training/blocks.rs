@@ -192,7 +192,7 @@ impl Residuals for Blocks {
 
 impl Samples {
     /// Samples side by side from `start` on; the last of `samples` fills the block up.
-    fn block(&self, start: usize, samples: &Range<usize>) -> Block {
+    pub(super) fn block(&self, start: usize, samples: &Range<usize>) -> Block {
         let rows = |x: &Vec<f64>| -> Vec<Row> {
             let at = |k: usize, i: usize| x[(start + k).min(samples.end - 1) * self.n + i];
             (0..if x.is_empty() { 0 } else { self.n })

@@ -13,5 +13,6 @@ mod graphs;
 mod next_state;
 mod page;
 mod rods;
+mod start_from;
 mod trees;
 mod windows;
