@@ -34,7 +34,7 @@ fn logs(noise: f64, seed: u64) -> Dataset {
         drives: Drives { gain: vec![GAIN; 2], delay: 0.0, driven: vec![true; 2] },
         excitation: Excitation { sines: 3, frequency: [0.3, 2.5], amplitude: [0.1, 0.35] },
         start: StartSpread::default(),
-        logs: 10,
+        logs: 4,
         samples: 201,
         h: 0.01,
         seed,
@@ -58,7 +58,7 @@ chain = 2
 friction = { viscous = "learned", coulomb = "learned" }
 [training]
 loss = "windows"
-iterations = 12
+iterations = 6
 "#;
 
 fn network(model: &str, iterations: usize) -> String {
@@ -105,9 +105,9 @@ fn a_network_learns_faster_from_where_bodies_are() {
         assert!((constant(own) - constant(&theirs)).abs() < 1e-6, "{own:?} {theirs:?}");
     }
 
-    let from_bodies = trained(&network("start_from = \"bodies.postcard\"", 6), folder.path(), &data);
+    let from_bodies = trained(&network("start_from = \"bodies.postcard\"", 2), folder.path(), &data);
     let friction = "friction = { viscous = \"learned\", coulomb = \"learned\" }";
-    let from_random = trained(&network(friction, 18), folder.path(), &data);
+    let from_random = trained(&network(friction, 6), folder.path(), &data);
     assert!(from_bodies.iterations < from_random.iterations / 2);
     let [own, random] = [&from_bodies, &from_random].map(error);
     assert!(own < random, "{own} and {random}");
