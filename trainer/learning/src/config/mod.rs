@@ -3,6 +3,7 @@
 
 mod bodies;
 mod calibration;
+mod corrections;
 mod data;
 mod error;
 mod fields;
@@ -18,6 +19,7 @@ mod rigid;
 
 pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
+pub use corrections::{DissipationConfig, PotentialConfig, ScaleConfig};
 pub use data::{ColumnsConfig, DataConfig, JoinConfig, LeftOutConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
@@ -196,7 +198,7 @@ impl Config {
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
             ModelConfig::Rigid(rigid) => {
-                rigid.friction().map_err(located)?;
+                rigid.laws().map_err(located)?;
             }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();
@@ -259,8 +261,10 @@ impl Config {
                 let assembled = modular.assemble()?;
                 let (family, weights) =
                     (assembled.architecture.clone().into(), assembled.initial_weights(seed));
-                let architecture = Architecture { family, friction: assembled.friction };
-                let weights = architecture.with_friction(weights);
+                let Assembled { friction, corrections, trained_corrections, .. } = assembled;
+                let architecture = Architecture { family, friction, corrections };
+                let mut weights = architecture.with_laws(weights, seed);
+                architecture.corrections.put(&trained_corrections, &mut weights);
                 Ok((architecture, weights))
             }
             ModelConfig::Graph(graph) => {
