@@ -136,7 +136,7 @@ fn same_rigid<const N: usize>(sample: &RigidSample) {
     }
 }
 
-fn same_rigid_with<F: LoadForces<f32, N>, const N: usize>(sample: &RigidSample) {
+fn same_rigid_with<F: for<'w> LoadForces<'w, f32, f32, N>, const N: usize>(sample: &RigidSample) {
     let bytes = sample.file(Order::Four);
     let words = aligned(&bytes);
     let core = RigidModel::<N, 40, 4, f32, F>::load(flash(&words, &bytes)).unwrap();
@@ -153,7 +153,7 @@ fn same_tree<const N: usize>(sample: &TreeSample) {
     }
 }
 
-fn same_tree_with<F: LoadForces<f32, N>, const N: usize>(sample: &TreeSample) {
+fn same_tree_with<F: for<'w> LoadForces<'w, f32, f32, N>, const N: usize>(sample: &TreeSample) {
     let bytes = sample.file(Order::Four);
     let words = aligned(&bytes);
     let core = ModularModel::<N, 3, 24, 2, f32, F>::load(flash(&words, &bytes), TREES[1]).unwrap();
@@ -171,7 +171,7 @@ fn same_bodies<const N: usize>(laws: Laws<'static>, seed: u64) {
     }
 }
 
-fn same_bodies_with<F: LoadForces<f32, N>, const N: usize>(sample: &BodiesSample) {
+fn same_bodies_with<F: for<'w> LoadForces<'w, f32, f32, N>, const N: usize>(sample: &BodiesSample) {
     let bytes = sample.file(Order::Four);
     let words = aligned(&bytes);
     let core = BodiesModel::<N, f32, F>::load(flash(&words, &bytes)).unwrap();

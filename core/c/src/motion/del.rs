@@ -23,7 +23,7 @@ pub(crate) fn momentum(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Ve
 }
 
 pub(crate) fn energies(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Energies<f32>, Error> {
-    Ok(system(mechanism).lagrangian.energies(q, v))
+    Ok(system(mechanism).energies(q, v))
 }
 
 /// The state at position q and velocity v.

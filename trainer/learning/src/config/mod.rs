@@ -3,6 +3,7 @@
 
 mod bodies;
 mod calibration;
+mod corrections;
 mod data;
 mod error;
 mod fields;
@@ -21,6 +22,7 @@ pub(crate) use origin::Origin;
 
 pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
+pub use corrections::{DissipationConfig, PotentialConfig, ScaleConfig};
 pub use data::{ColumnsConfig, DataConfig, JoinConfig, LeftOutConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
@@ -206,7 +208,7 @@ impl Config {
             ModelConfig::Rigid(rigid) => {
                 let from = rigid.start_from.as_mut();
                 from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
-                rigid.friction().map_err(located)?;
+                rigid.laws().map_err(located)?;
                 rigid.origin().map_err(located)?;
             }
             ModelConfig::Modular(modular) => {
@@ -269,8 +271,10 @@ impl Config {
                 let assembled = modular.assemble()?;
                 let (family, weights) =
                     (assembled.architecture.clone().into(), assembled.initial_weights(seed));
-                let architecture = Architecture { family, friction: assembled.friction };
-                let weights = architecture.with_friction(weights);
+                let Assembled { friction, corrections, trained_corrections, .. } = assembled;
+                let architecture = Architecture { family, friction, corrections };
+                let mut weights = architecture.with_laws(weights, seed);
+                architecture.corrections.put(&trained_corrections, &mut weights);
                 Ok((architecture, weights))
             }
             ModelConfig::Graph(graph) => {

@@ -218,6 +218,37 @@ pub enum Problem {
         /// The other key.
         key: &'static str,
     },
+    /// A coordinate of a network that does not exist.
+    #[error(
+        "there is no coordinate {coordinate} in every tree of the model: {coordinates} are common to all, counted from 0"
+    )]
+    NoCoordinate {
+        /// As given.
+        coordinate: u64,
+        /// Of the model, of several trees that of the shortest.
+        coordinates: usize,
+    },
+    /// A coordinate twice.
+    #[error("coordinate {coordinate} stands there twice")]
+    CoordinateTwice {
+        /// From 0.
+        coordinate: usize,
+    },
+    /// A network that sees nothing.
+    #[error("a network must see a coordinate; name one, as [0], or leave out the network")]
+    NothingSeen,
+    /// The position of a coordinate that a network does not see.
+    #[error("coordinate {coordinate} is not among `coordinates` of this network")]
+    Unseen {
+        /// From 0.
+        coordinate: usize,
+    },
+    /// A potential of a cyclic coordinate.
+    #[error("coordinate {coordinate} is cyclic: energies do not depend on it")]
+    Cyclic {
+        /// From 0.
+        coordinate: usize,
+    },
     /// A type that does not exist.
     #[error("no {what} is called {name:?}; there are: {known}")]
     UnknownType {

@@ -1,10 +1,13 @@
 //! `[model]` of the rigid family.
 
+use super::corrections::{DissipationConfig, Known, PotentialConfig, assemble};
 use super::fields::{self, Coordinates, InertiaKind};
 use super::friction::FrictionConfig;
 use super::origin::Origin;
 use super::problem::{Problem, ShapeError};
-use crate::architecture::{Architecture, FrictionArchitecture, RigidArchitecture, largest_factor};
+use crate::architecture::{
+    Architecture, Corrections, FrictionArchitecture, RigidArchitecture, largest_factor,
+};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
@@ -40,6 +43,12 @@ pub struct RigidConfig {
     /// Friction of the coordinates, damping included.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// A network that dissipates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<DissipationConfig>,
+    /// A network that is added to the potential.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential: Option<PotentialConfig>,
 }
 
 fn hidden() -> Vec<u16> {
@@ -67,6 +76,8 @@ impl RigidConfig {
             damping: false,
             start_from: None,
             friction: FrictionConfig::default(),
+            dissipation: None,
+            potential: None,
         }
     }
 
@@ -86,7 +97,7 @@ impl RigidConfig {
                 Inertia::Factor { rows, epsilon: self.epsilon }
             }
         };
-        let friction = self.friction()?;
+        let (friction, corrections) = self.laws()?;
         let family = RigidArchitecture {
             widths: hidden.clone(),
             activation: *activation,
@@ -94,7 +105,7 @@ impl RigidConfig {
             damped: *damping,
             ..plain
         };
-        Ok(Architecture { family: family.into(), friction })
+        Ok(Architecture { family: family.into(), friction, corrections })
     }
 
     /// The model whose energies training begins at, where there is one.
@@ -122,10 +133,13 @@ impl RigidConfig {
         Ok((architecture, weights))
     }
 
-    /// The friction of the coordinates.
-    pub(super) fn friction(&self) -> Result<FrictionArchitecture, ShapeError> {
+    /// The friction of the coordinates, and the networks beside it.
+    pub(super) fn laws(&self) -> Result<(FrictionArchitecture, Corrections), ShapeError> {
         self.friction.check_damping("damping", self.damping)?;
-        self.friction.assemble(self.coordinates.0.len(), "coordinate")
+        let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
+        let known = Known { letters: &letters, common: letters.len() };
+        let friction = self.friction.assemble(letters.len(), "coordinate")?;
+        Ok((friction, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?))
     }
 
     /// The same with the rows that are asked for.

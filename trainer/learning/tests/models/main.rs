@@ -2,6 +2,7 @@
 
 mod bodies;
 mod control;
+mod corrections;
 mod coverage;
 mod documented_bodies;
 mod documented_graphs;
