@@ -164,6 +164,14 @@ impl Corrections {
         dissipation.chain(potential).collect()
     }
 
+    /// Numbers with which they do not act at all: scales, and zeros.
+    pub fn without_effect(&self) -> Vec<f64> {
+        let mut numbers = vec![0.0; self.count()];
+        let scales = self.dissipation.iter().flat_map(|of| &of.scales);
+        numbers.iter_mut().zip(scales).for_each(|(number, scale)| *number = *scale);
+        numbers
+    }
+
     /// The numbers that training must leave as they are, the first of all being at `start`: scales, and the last bias of a potential,
     /// which has no effect.
     pub(super) fn fixed_positions(&self, start: usize) -> Vec<usize> {

@@ -110,6 +110,9 @@ pub struct TrainingConfig {
     /// Seconds from checkpoint to checkpoint.
     #[serde(deserialize_with = "fields::limit")]
     pub checkpoint_seconds: f64,
+    /// Whether networks that correct the model are kept only where they predict held-back logs better.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub try_networks: bool,
     /// λ ≥ 0 of the penalty λ|θ|² that Levenberg–Marquardt adds to the loss.
     #[serde(deserialize_with = "fields::penalty")]
     pub weight_decay: f64,
@@ -151,6 +154,7 @@ impl Default for TrainingConfig {
             threads: 0,
             checkpoint_iterations: 50,
             checkpoint_seconds: 10.0,
+            try_networks: false,
             weight_decay: 0.0,
             adam: AdamConfig::default(),
         }

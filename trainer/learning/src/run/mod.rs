@@ -28,6 +28,7 @@ mod stages;
 mod state;
 #[cfg(test)]
 mod tests;
+mod tried;
 
 pub use choose::{ChoiceError, Chosen, choose};
 pub use error::RunError;
@@ -35,6 +36,7 @@ pub use notice::Notice;
 pub use plan::{Plan, PlanError};
 pub use resume::ResumeError;
 pub use state::Row;
+pub use tried::Tried;
 
 use crate::checkpoint::{Best, Checkpoint, State};
 use crate::config::TrainingConfig;

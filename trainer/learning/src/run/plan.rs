@@ -109,6 +109,12 @@ pub enum PlanError {
     /// Only windows learn sensors and actuators.
     #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
     Calibration,
+    /// Only over windows, of coordinates that can have them, networks are tried.
+    #[error(
+        "[training] try_networks: networks correct models of coordinates, which a graph has not, over windows; set loss = \"windows\", or \
+         leave it out"
+    )]
+    Networks,
     /// Only windows are integrated.
     #[error("[training] integrator is of windows; set loss = \"windows\", or leave it out")]
     Integrator,
@@ -168,6 +174,10 @@ impl Plan {
                 let of = (&data, training);
                 let (stages, windows) = stages::of_windows(&config, &architecture, of, &mut notices)?;
                 initial = first_guess(&architecture, &data.split(training).0, initial, &stages)?;
+                if !config.model.has_trained_networks() {
+                    let numbers = architecture.corrections.without_effect();
+                    initial.splice(architecture.corrections_start().., numbers);
+                }
                 (stages, Some(windows))
             }
         };
@@ -195,6 +205,12 @@ impl Plan {
 
     /// What training ends with, in memory alone; `None` where no stage has a finite loss.
     pub fn train(&self) -> Option<Trained> {
+        let trained = Trained::from(Checkpoint::new(self, &self.last_state()?));
+        trained.best.is_a_model().then_some(trained)
+    }
+
+    /// The state that training ends in; `None` for a plan without stages.
+    pub(super) fn last_state(&self) -> Option<State> {
         let mut state = State::new(self)?;
         while let Some(stage) = self.stages.get(state.stage) {
             let over = state.in_stage >= stage.iterations;
@@ -202,8 +218,7 @@ impl Plan {
                 break;
             }
         }
-        let trained = Trained::from(Checkpoint::new(self, &state));
-        trained.best.is_a_model().then_some(trained)
+        Some(state)
     }
 
     /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.

@@ -14,6 +14,8 @@ use std::sync::Arc;
 pub(super) struct Stage {
     /// In the history.
     pub name: &'static str,
+    /// Numbers that it begins with in place of those of the stage before, from a position on.
+    pub begins_with: Option<(usize, Vec<f64>)>,
     /// How it is minimised.
     pub optimiser: OptimiserKind,
     /// Iterations at most.
@@ -88,6 +90,8 @@ fn usual_overlap(data: &Dataset, steps: usize) -> f64 {
     if windows < MANY_WINDOWS { OVERLAP } else { 0.0 }
 }
 
+/// The name of the stage in which networks that correct a model are learned with it, after the model alone.
+pub(super) const NETWORKS: &str = "networks";
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
@@ -133,6 +137,11 @@ pub(super) fn of_windows(
     let all = ((window / data.h).round() as usize).max(1);
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
+    let corrections =
+        Some(&architecture.corrections).filter(|own| !own.is_none() && !config.model.has_trained_networks());
+    if corrections.is_some() {
+        lengths.push((NETWORKS, all, iterations));
+    }
     let warms_up = |steps: usize, iterations: u64| steps < all && iterations > 0 && !config.model.goes_on();
     lengths.retain(|(name, steps, iterations)| *name != WARM_UP || warms_up(*steps, *iterations));
     let [least, most] = SMOOTH_STEP;
@@ -144,19 +153,26 @@ pub(super) fn of_windows(
             ((1.0 - overlap.unwrap_or_else(|| usual_overlap(data, steps))) * steps as f64).round() as usize;
         WindowSettings { steps, stride, integrator, longest_step, order, calibration }
     };
-    let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
-        let settings = settings(steps);
-        Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
+    let loss = |steps: usize, part: Range<usize>, with_networks: bool| -> Result<WindowLoss, PlanError> {
+        let model = WindowModel::new(architecture)?;
+        let model = if with_networks { model } else { model.with_known_corrections(architecture) };
+        Ok(WindowLoss::new(model, &logs, part, settings(steps))?)
     };
     let layout = CalibrationLayout::new(architecture.parameters()?, &logs, calibration);
     let (count, held_back) = (logs.count(), training..logs.count());
     let stage = |(name, steps, iterations), of: Range<usize>, judges: Range<usize>| {
-        let validation = (!judges.is_empty()).then(|| loss(all, judges)).transpose()?;
+        // Simple physics first.
+        let with_networks = corrections.is_none() || name == NETWORKS || name == ALL_LOGS;
+        let validation = (!judges.is_empty()).then(|| loss(all, judges, with_networks)).transpose()?;
+        let first = corrections.filter(|_| name == NETWORKS);
+        let first =
+            first.map(|own| (architecture.corrections_start(), own.initial_weights(config.training.seed)));
         Ok::<_, PlanError>(Stage {
             name,
+            begins_with: first,
             optimiser,
             iterations,
-            objective: Box::new(loss(steps, of)?),
+            objective: Box::new(loss(steps, of, with_networks)?),
             validation: validation.map(|loss| Box::new(loss) as Box<dyn Objective>),
             judge: None,
         })
@@ -248,6 +264,7 @@ fn stage(
         (kind == LossKind::DelResidual).then(|| build(judges, LossKind::NextPosition, training.order));
     Ok(Stage {
         name,
+        begins_with: None,
         optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
         iterations: if warm_up { training.warm_up } else { training.iterations },
         objective: objective(architecture, own, kind, order)?,

@@ -211,6 +211,10 @@ impl Residuals for WindowLoss {
         self.layout.end()
     }
 
+    fn weights(&self) -> usize {
+        self.layout.start
+    }
+
     fn samples(&self) -> usize {
         self.windows.len()
     }

@@ -94,4 +94,12 @@ impl WindowModel {
             project: Box::new(move |weights: &mut [f64]| own.project(weights)),
         })
     }
+
+    /// The same with networks that correct it as they are.
+    #[must_use]
+    pub fn with_known_corrections(mut self, architecture: &Architecture) -> Self {
+        let start = architecture.corrections_start();
+        self.fixed.extend(start..start + architecture.corrections.count());
+        self
+    }
 }

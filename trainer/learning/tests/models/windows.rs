@@ -172,6 +172,20 @@ fn sensors_and_actuators_are_found() {
     assert!(found.zeros.iter().all(|zero| near(zero, &REAL.zero)), "{found:?}");
 }
 
+/// A penalty on weights is none on sensors and actuators: a gain is expected near 1, not near 0.
+#[test]
+fn weight_decay_leaves_sensors_and_actuators_alone() {
+    let loss = loss(&logs(REAL), ALL, true);
+    let gains = [0.0, 3e-2].map(|decay| {
+        let mut fit = Levenberg::new(&loss, weights(&model())).with_decay(decay);
+        (0..6).for_each(|_| {
+            let _ = fit.iterate(&loss);
+        });
+        loss.layout().read(&fit.weights).gain
+    });
+    assert!(gains[0].iter().zip(&gains[1]).all(|(own, with)| (own - with).abs() < 1e-6), "{gains:?}");
+}
+
 /// Where nothing is to be learned the numbers stay as they are known.
 #[test]
 fn what_is_known_stays() {
