@@ -56,6 +56,7 @@ impl NetworkShape {
 
     /// Takes the network from the front of `block`. `None` where the block is too short, or it has more than `L` hidden layers or
     /// `H` units in one.
+    #[inline(always)]
     pub(crate) fn take<'a, W: WeightFormat, const H: usize, const L: usize>(
         &self,
         block: &mut &'a [W],
