@@ -19,6 +19,7 @@ mod folder_tests;
 #[cfg(test)]
 mod friction_tests;
 mod notice;
+mod origin;
 mod plan;
 mod range;
 mod report;

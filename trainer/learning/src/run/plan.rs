@@ -2,13 +2,14 @@
 
 use super::fingerprint;
 use super::notice::{Notice, prepared};
+use super::origin::at_origin;
 use super::stages::{self, Stage, Windowed};
 use super::{range, ringing};
 use crate::architecture::{Architecture, Family};
 use crate::checkpoint::{Checkpoint, State, Trained};
-use crate::config::{Config, OptimiserKind, Origin, ShapeError, TrainingConfig, TrainingLoss};
+use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
-use crate::training::{Covered, Progress, SampleError, linear_start, network_start};
+use crate::training::{Progress, SampleError, linear_start};
 use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
@@ -314,25 +315,6 @@ fn first_guess(
     let guess = linear_start(architecture, states.each_ref().map(Vec::as_slice))?;
     let loss = |weights: &[f64]| stage.objective.held_back_loss(weights);
     Ok(if loss(&guess) < loss(&initial) { guess } else { initial })
-}
-
-/// The energies of the model that a network starts from, over the range of the data.
-fn at_origin(
-    network: (&Architecture, Vec<f64>),
-    data: &Dataset,
-    origin: &Origin,
-) -> Result<Vec<f64>, ModelError> {
-    let n = data.n;
-    let q: Vec<f64> = data.trajectories.iter().flat_map(|log| log.q.as_flat()).copied().collect();
-    if q.is_empty() {
-        return Ok(network.1);
-    }
-    let [_, v, a, _] = WindowLogs::new(data).smoothed();
-    let sizes = [v, a].map(|all| {
-        let square = |i: usize| all.iter().skip(i).step_by(n).map(|x| x * x).sum::<f64>();
-        (0..n).map(|i| (square(i) / (all.len() / n).max(1) as f64).sqrt()).collect()
-    });
-    network_start(network, (&origin.architecture, &origin.weights), &Covered { q: &q, sizes })
 }
 
 /// What is minimised, which the configuration then says: what it says, or else windows where positions are noisy, and the next position.

@@ -1,6 +1,8 @@
 use super::tangents::{ControlTangent, Tangents};
 use super::{State, Steps};
-use crate::dynamics::{Del, Failures, GaussPoint, Interval, Lu, Newton, Order, Variation, contracted, dot};
+use crate::dynamics::{
+    Del, DelState, Failures, GaussPoint, Interval, Lu, Newton, Order, Variation, contracted, dot,
+};
 use crate::program::{Program, Workspace};
 use crate::row::{Row, WIDTH};
 use crate::system::System;
@@ -29,7 +31,7 @@ pub struct VariationalSteps {
     sums: Sums,
     lu: Lu,
     /// The last states, which paths are extrapolated from.
-    last: crate::dynamics::DelState,
+    last: DelState,
     moved: Vec<Row>,
 }
 
@@ -94,7 +96,7 @@ impl VariationalSteps {
             gradients: vec![vec![Row::default(); weights]; 2 * n],
             sums: Sums::default(),
             lu: Lu::default(),
-            last: Default::default(),
+            last: DelState::default(),
             moved: vec![Row::default(); 2 * n],
         }
     }
@@ -229,6 +231,39 @@ impl VariationalSteps {
         }
     }
 
+    /// From how (q, v) moves to how (q, p) does: δp = ∂L_v/∂q δq + M δv + ∂L_v/∂θ.
+    fn carry_to_momenta(&mut self, weights: &[f64], [q, v]: [&[Row]; 2], tangents: &mut Tangents) {
+        let (n, learned) = (self.n, tangents.weights());
+        let none = vec![Row::default(); n];
+        self.del.integrals.differentiate(weights, [q, v, &none]);
+        if learned > 0 {
+            self.pull_momenta(weights, [q, v, &none]);
+        }
+        for (number, moved) in tangents.each_mut().enumerate() {
+            self.moved.copy_from_slice(moved);
+            let position = self.learned.get(number).filter(|_| number < learned);
+            for (i, place) in moved[n..].iter_mut().enumerate() {
+                *place = position.map_or(Row::default(), |position| self.gradients[i][*position]);
+                for j in 0..n {
+                    let [of_q, of_v] = self.del.integrals.momentum_columns(j).map(|column| &column[i]);
+                    place.add_product(of_q, &self.moved[j]);
+                    place.add_product(of_v, &self.moved[n + j]);
+                }
+            }
+        }
+    }
+
+    /// ∂L_v/∂θ, row by row.
+    fn pull_momenta(&mut self, weights: &[f64], at: [&[Row]; 3]) {
+        let n = self.n;
+        self.gradients[..n].iter_mut().for_each(|row| row.fill(Row::default()));
+        let axis = |k: usize| Row::splat(f64::from(u8::from(k / n == k % n)));
+        let axes: Vec<Row> = (0..n * n).map(axis).collect();
+        let inputs: Vec<&[Row]> = at.into_iter().chain(axes.chunks_exact(n)).collect();
+        let (program, workspace) = &mut self.momentum;
+        program.run(weights, &inputs, workspace, &mut self.gradients[..n]);
+    }
+
     /// How the end of a path moves with every number.
     fn carry(
         &mut self,
@@ -265,36 +300,12 @@ impl VariationalSteps {
 impl Steps for VariationalSteps {
     /// p = L_v(q, v).
     fn begin(&mut self, weights: &[f64], state: &mut State, tangents: Option<&mut Tangents>) {
-        let n = self.n;
-        let (q, v) = state.split_at(n);
-        let none = vec![Row::default(); n];
+        let (q, v) = state.split_at(self.n);
         self.last = self.del.start_at(weights, q, v);
         if let Some(tangents) = tangents {
-            self.del.integrals.differentiate(weights, [q, v, &none]);
-            self.gradients[..n].iter_mut().for_each(|row| row.fill(Row::default()));
-            if tangents.weights() > 0 {
-                let axis = |i: usize, j: usize| Row::splat(f64::from(u8::from(i == j)));
-                let axes: Vec<Row> = (0..n * n).map(|k| axis(k / n, k % n)).collect();
-                let mut inputs = vec![q, v, &none];
-                inputs.extend(axes.chunks_exact(n));
-                let (program, workspace) = &mut self.momentum;
-                program.run(weights, &inputs, workspace, &mut self.gradients[..n]);
-            }
-            let learned = tangents.weights();
-            for (number, moved) in tangents.each_mut().enumerate() {
-                self.moved.copy_from_slice(moved);
-                for (i, place) in moved[n..].iter_mut().enumerate() {
-                    let position = self.learned.get(number).filter(|_| number < learned);
-                    *place = position.map_or(Row::default(), |position| self.gradients[i][*position]);
-                    for j in 0..n {
-                        let [of_q, of_v] = self.del.integrals.momentum_columns(j).map(|column| &column[i]);
-                        place.add_product(of_q, &self.moved[j]);
-                        place.add_product(of_v, &self.moved[n + j]);
-                    }
-                }
-            }
+            self.carry_to_momenta(weights, [q, v], tangents);
         }
-        state[n..].copy_from_slice(&self.last.p);
+        state[self.n..].copy_from_slice(&self.last.p);
     }
 
     fn step(
