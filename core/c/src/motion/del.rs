@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::family::{Mechanism, system};
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Newton, Path, Report, State};
-use leastaction_core::lagrangian::{Energies, Lagrangian};
+use leastaction_core::lagrangian::Energies;
 
 /// A state as core knows it.
 pub(crate) type CoreState = State<f32, N>;
