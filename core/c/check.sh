@@ -155,8 +155,8 @@ if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax
 "${host[@]}" fmt --check
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
 checked=${families/ graph / graph graph,rods }
-checked=${checked/ bodies / bodies bodies,friction }
-for family in ${checked/ rigid / rigid rigid,friction }; do
+checked=${checked/ bodies / bodies bodies,friction bodies,networks }
+for family in ${checked/ rigid / rigid rigid,friction rigid,friction,networks }; do
     features=(--no-default-features --features "$family")
     "${host[@]}" test --quiet --lib "${features[@]}"
     "${host[@]}" clippy --version >/dev/null 2>&1 || continue
@@ -174,6 +174,11 @@ check rigid,half cartpole-f16 "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_H
 check rigid,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 # The same file without dry friction, by the same library: what it does is what the library without the feature does.
 check rigid,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+# With every law, and a file that has none with a network by the same library.
+for golden in cartpole-networks cartpole; do
+    check rigid,friction,networks $golden "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2 \
+        LEASTACTION_LAW_HIDDEN=4 LEASTACTION_LAW_LAYERS=1
+done
 check modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
 check bodies crane "" "$arm" LEASTACTION_COORDINATES=3
 check bodies,friction crane-friction "" "$arm" LEASTACTION_COORDINATES=3

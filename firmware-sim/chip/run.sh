@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the images for every board, runs them under QEMU and compares the hash of their steps with this machine's: a
 # Cortex-M4F (mps2-an386), a Cortex-M7 (mps2-an500) and a RISC-V without floating-point unit (virt). One JSON line a board,
-# model and order, of code one for an acceleration and one for a step alone, and one for the instructions of friction: `--steps N` of each
-# (1,000), `--only NAME` of them.
+# model and order, of code one for an acceleration and one for a step alone, one for the instructions of friction and one for
+# those of laws with networks: `--steps N` of each (1,000), `--only NAME` of them.
 # `--budgets check` compares flash, RAM, stack and instructions with budgets.jsonl, within 2%; `--budgets write` writes it.
 # `--build` only builds the images, as `leastaction simulate --on` needs them.
 # Uses rustup's targets where they can be had, else Debian's compiler with the standard library's source; installs what is missing.
@@ -72,6 +72,13 @@ friction() {
     printf '{"board": "%s", "only": "friction", "damping_instructions": %s, "friction_instructions": %s' \
         "$board" "$(value viscous)" "$(value friction)"
     printf ', "friction_with_derivatives_instructions": %s}\n' "$(value friction_with_derivatives)"
+    # Laws with networks of 8 units: dissipation of one angle and of two, a potential of two; together, not a coordinate.
+    printf '{"board": "%s", "only": "networks", "dissipation_instructions": %s, "dissipation_with_derivatives_instructions": %s' \
+        "$board" "$(value dissipation_of_one)" "$(value dissipation_of_one_with_derivatives)"
+    printf ', "dissipation_of_two_instructions": %s, "dissipation_of_two_with_derivatives_instructions": %s' \
+        "$(value dissipation_of_two)" "$(value dissipation_of_two_with_derivatives)"
+    printf ', "potential_instructions": %s, "potential_with_derivatives_instructions": %s}\n' \
+        "$(value potential_of_two)" "$(value potential_of_two_with_derivatives)"
     if [ "$board" = cortex-m4f ] && [ "$(value friction)" -gt 150 ]; then
         echo "friction on $board: more than 150 instructions a coordinate" >&2
         return 1

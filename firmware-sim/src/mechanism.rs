@@ -28,9 +28,9 @@ pub trait Mechanism<const N: usize> {
         None
     }
 
-    /// T(q, v) and V(q), J.
+    /// T(q, v) and V(q), J, with the potentials that forces store.
     fn energies(&self, q: &[f32; N], v: &[f32; N]) -> Energies<f32> {
-        self.system().lagrangian.energies(q, v)
+        self.system().energies(q, v)
     }
 
     /// All derivatives of L at (q, v).
@@ -38,7 +38,7 @@ pub trait Mechanism<const N: usize> {
         self.system().lagrangian.hessian(q, v)
     }
 
-    /// ∂Q/∂q and ∂Q/∂v of the damping.
+    /// ∂Q/∂q and ∂Q/∂v of the forces beside the control.
     fn damping(&self, q: &[f32; N], v: &[f32; N]) -> ([[f32; N]; N], [[f32; N]; N]) {
         self.system().forces.derivatives(q, v, &[0.0; N])
     }

@@ -4,6 +4,8 @@
 mod bags;
 #[path = "cli_commands/control.rs"]
 mod control;
+#[path = "cli_commands/corrections.rs"]
+mod corrections;
 #[path = "cli_commands/doubtful_logs.rs"]
 mod doubtful_logs;
 #[path = "cli_commands/files.rs"]

@@ -7,7 +7,7 @@ use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
-use leastaction_core::forces::{Coulomb, Forces, System, Viscous};
+use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::Model;
 
@@ -16,8 +16,11 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     halt()
 }
 
-/// All laws of force.
+/// Damping and dry friction.
 pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
+/// All laws of force.
+pub type AllForces<const N: usize> =
+    (Friction<N>, (Dissipation<'static, f32, N, 8, 2>, PotentialCorrection<'static, f32, N, 8, 2>));
 
 /// Everything continuous.
 #[inline(never)]
@@ -33,6 +36,7 @@ where
     let _ = black_box((a, force, p));
     let _ = black_box(rk4_step(system, &state, u, 0.01));
     let _ = black_box(midpoint_step(system, &state, u, 0.01));
+    black_box(system.energies(q, v));
     energy(&system.lagrangian, q, v)
 }
 

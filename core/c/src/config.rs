@@ -23,6 +23,12 @@ pub const LEASTACTION_HIDDEN: usize = size!("LEASTACTION_HIDDEN", 32, 1..=1024);
 /// Hidden layers of a network at most.
 #[cfg(not(feature = "bodies"))]
 pub const LEASTACTION_LAYERS: usize = size!("LEASTACTION_LAYERS", 2, 1..=4);
+/// Units of a hidden layer of a law's network at most.
+#[cfg(feature = "networks")]
+pub const LEASTACTION_LAW_HIDDEN: usize = size!("LEASTACTION_LAW_HIDDEN", 8, 1..=1024);
+/// Hidden layers of a law's network at most.
+#[cfg(feature = "networks")]
+pub const LEASTACTION_LAW_LAYERS: usize = size!("LEASTACTION_LAW_LAYERS", 2, 1..=4);
 /// Element types at most.
 #[cfg(feature = "modular")]
 pub const LEASTACTION_TYPES: usize = size!("LEASTACTION_TYPES", 2, 1..=5);
@@ -53,14 +59,20 @@ const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 #[cfg(not(feature = "graph"))]
 const FRICTION: usize = if cfg!(feature = "friction") { 4 * LEASTACTION_COORDINATES } else { 0 };
 
+/// Words of both laws with networks: the network, the coordinates that it sees, and scales.
+#[cfg(all(feature = "networks", not(feature = "graph")))]
+const LAWS: usize = 2 * (5 * (LEASTACTION_LAW_LAYERS + 1) + LEASTACTION_COORDINATES.div_ceil(2) + 6);
+#[cfg(not(any(feature = "networks", feature = "graph")))]
+const LAWS: usize = 0;
+
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "rigid")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + FRICTION + 12;
+    NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + FRICTION + LAWS + 12;
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "modular")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + FRICTION + 15;
+    LEASTACTION_TYPES * (3 * NETWORK + 13) + NETWORK + 6 * LEASTACTION_COORDINATES + FRICTION + LAWS + 15;
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "graph")]
 pub const LEASTACTION_MODEL_WORDS: usize =
@@ -69,7 +81,7 @@ pub const LEASTACTION_MODEL_WORDS: usize =
 /// Words, as wide as a pointer, of a loaded model.
 #[cfg(feature = "bodies")]
 pub const LEASTACTION_MODEL_WORDS: usize =
-    LEASTACTION_COORDINATES + (3 * LEASTACTION_COORDINATES).div_ceil(4) + FRICTION + 12;
+    LEASTACTION_COORDINATES + (3 * LEASTACTION_COORDINATES).div_ceil(4) + FRICTION + LAWS + 12;
 
 /// Words, as wide as a pointer, of a list of rods, where there may be one.
 #[cfg(feature = "graph")]

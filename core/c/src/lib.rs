@@ -23,6 +23,11 @@ compile_error!(
     "graphs have no dry friction: --no-default-features --features rigid,friction, modular,friction or bodies,friction"
 );
 
+#[cfg(all(feature = "networks", feature = "graph"))]
+compile_error!(
+    "graphs have no such laws: --no-default-features --features rigid,networks, modular,networks or bodies,networks"
+);
+
 mod arguments;
 mod config;
 mod contents;

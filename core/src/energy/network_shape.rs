@@ -54,6 +54,17 @@ impl NetworkShape {
         usize::from(self.inputs) == inputs && usize::from(self.outputs) == outputs
     }
 
+    /// Takes the network from the front of `block`. `None` where the block is too short, or it has more than `L` hidden layers or
+    /// `H` units in one.
+    #[inline(always)]
+    pub(crate) fn take<'a, W: WeightFormat, const H: usize, const L: usize>(
+        &self,
+        block: &mut &'a [W],
+    ) -> Option<Mlp<'a, W, H, L>> {
+        let (widths, depth) = self.widths();
+        Mlp::take(block, self.inputs.into(), widths.get(..depth)?, self.outputs.into(), self.activation)
+    }
+
     /// Checks that the network has at most `L` hidden layers, each of at most `H` units.
     ///
     /// # Errors

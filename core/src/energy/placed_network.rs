@@ -41,9 +41,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> PlacedNetwork<'a, W, H
     /// `None` where the block is too short, or the network has more than `L` hidden layers or `H` units in one.
     pub(super) fn take(block: &mut &'a [W], start: &mut usize, shape: &NetworkShape) -> Option<Self> {
         shape.check_size::<H, L>().ok()?;
-        let (widths, depth) = shape.widths();
-        let widths = widths.get(..depth)?;
-        let network = Mlp::take(block, shape.inputs.into(), widths, shape.outputs.into(), shape.activation)?;
+        let network: Mlp<'a, W, H, L> = shape.take(block)?;
         let placed = Self { network, start: *start };
         *start += network.len();
         Some(placed)

@@ -4,19 +4,27 @@
 //! The equation of motion is M v̇ = L_q − L_vq v + τ + Q(q, v, τ). τ is the control force at the actuator's output, which the
 //! solvers are given; [`Actuator`] makes it from the commands u. Q may see it: friction grows with the load.
 //!
-//! Several laws act together as a pair `(A, B)`, which is a law again: Q = Q_A + Q_B.
+//! Several laws act together as a pair `(A, B)`, which is a law again: Q = Q_A + Q_B. Beside friction with a formula there are
+//! networks that correct: [`Dissipation`], which only takes energy away, and [`PotentialCorrection`], which only stores it.
 
 mod actuator;
 mod control;
+mod correction;
 mod coulomb;
+mod dissipation;
 mod pair;
+mod seen;
 mod viscous;
 
 pub use actuator::{Actuator, ControlKind};
 pub use control::Control;
+pub use correction::PotentialCorrection;
 pub use coulomb::{Coulomb, DryFriction};
+pub use dissipation::Dissipation;
+pub use seen::Seen;
 pub use viscous::Viscous;
 
+use crate::lagrangian::{Energies, Lagrangian};
 use crate::linear::{Matrix, add_scaled};
 use crate::scalar::{Real, Scalar};
 
@@ -31,6 +39,12 @@ pub trait Forces<S: Scalar, const N: usize> {
     fn derivatives(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> (Matrix<S, N>, Matrix<S, N>);
     /// ∂Q/∂τ, entry \[i\]\[j\] = ∂Q_i/∂τ_j: what inverse dynamics needs, in which τ is the unknown.
     fn load_derivative(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> Matrix<S, N>;
+
+    /// The potential energy that it stores, J: of a force Q = −∂V/∂q its V, 0 of others.
+    #[inline(always)]
+    fn potential(&self, _q: &[S; N]) -> S {
+        S::zero()
+    }
 
     /// A τ with τ + Q(q, v, τ) = `total`, from which inverse dynamics starts: total − Q(q, v, 0), which is exact where Q does not
     /// see τ. A law that does has the solution for itself, and together with laws that do not see τ it remains exact.
@@ -71,6 +85,11 @@ impl<S: Scalar, F: Forces<S, N>, const N: usize> Forces<S, N> for &F {
         (**self).load_derivative(q, v, tau)
     }
 
+    #[inline(always)]
+    fn potential(&self, q: &[S; N]) -> S {
+        (**self).potential(q)
+    }
+
     fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
     where
         S: Real,
@@ -94,6 +113,18 @@ pub struct System<L, F> {
     pub lagrangian: L,
     /// Q beside the control force.
     pub forces: F,
+}
+
+impl<L, F> System<L, F> {
+    /// T and V, J, with the potentials that forces store.
+    pub fn energies<S: Scalar, const N: usize>(&self, q: &[S; N], v: &[S; N]) -> Energies<S>
+    where
+        L: Lagrangian<S, N>,
+        F: Forces<S, N>,
+    {
+        let Energies { kinetic, potential } = self.lagrangian.energies(q, v);
+        Energies { kinetic, potential: potential + self.forces.potential(q) }
+    }
 }
 
 impl<L, S: Scalar, const N: usize> System<L, Viscous<S, N>> {

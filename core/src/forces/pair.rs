@@ -19,6 +19,11 @@ impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> f
         add_scaled_matrix(&a.load_derivative(q, v, tau), S::one(), &b.load_derivative(q, v, tau))
     }
 
+    #[inline(always)]
+    fn potential(&self, q: &[S; N]) -> S {
+        self.0.potential(q) + self.1.potential(q)
+    }
+
     /// Each in turn, the other's force taken away: exact where at most one of them sees τ, whichever it is.
     fn control(&self, q: &[S; N], v: &[S; N], total: &[S; N]) -> [S; N]
     where

@@ -14,7 +14,7 @@ pub const MAGIC: [u8; 4] = *b"LACT";
 /// The format this build reads and writes.
 pub const FORMAT_VERSION: u8 = 2;
 /// Coordinates at most.
-const MAX_COORDINATES: usize = 16;
+pub(super) const MAX_COORDINATES: usize = 16;
 /// Coordinates of a tree at most.
 pub(super) const MAX_TREE_COORDINATES: usize = 64;
 /// Trees in one file at most.
@@ -174,6 +174,11 @@ impl Family<'_> {
 }
 
 impl<'a> ModularHeader<'a> {
+    /// Coordinates of the tree that has fewest.
+    pub fn fewest_coordinates(&self) -> usize {
+        self.trees().filter_map(|tree| tree.coordinates(&self.shape)).min().unwrap_or(0)
+    }
+
     /// The trees in order.
     pub fn trees(&self) -> impl Iterator<Item = &TreeHeader<'a>> + Clone {
         self.trees.iter().take_while(|tree| !tree.elements.is_empty())

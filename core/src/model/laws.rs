@@ -1,13 +1,14 @@
 //! The section of forces: laws beside the Lagrangian, their numbers in the weight block behind those of the energies.
 
-use super::ModelError;
 use super::header::require;
+use super::{LawNetwork, ModelError};
 use crate::expected::expected;
-use crate::forces::{Coulomb, DryFriction, Forces, Viscous};
+use crate::forces::{Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Viscous};
 use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
+use serde::Deserialize;
 
-/// Laws that a model file can have; each has numbers for every *group* of coordinates: a coordinate of the rigid family or of
-/// bodies, an element type of the modular one.
+/// Laws that a model file can have. Friction has numbers for every *group* of coordinates: a coordinate of the rigid family or of
+/// bodies, an element type of the modular one. A law with a network says which coordinates it sees ([`LawNetwork`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Law {
@@ -15,6 +16,10 @@ pub enum Law {
     Viscous = 0,
     /// [`Coulomb`]: c, c_load, τ_s and ε of each group, one group after another.
     Coulomb = 1,
+    /// [`Dissipation`]: the scale of every velocity that it sees, and its network.
+    Dissipation = 2,
+    /// [`PotentialCorrection`]: its network.
+    Potential = 3,
 }
 
 /// The numbers of dry friction in a model file, in this order for every group.
@@ -69,71 +74,83 @@ impl FrictionNumber {
 
 impl Law {
     /// All laws, in the order of a file.
-    pub const ALL: [Self; 2] = [Self::Viscous, Self::Coulomb];
+    pub const ALL: [Self; 4] = [Self::Viscous, Self::Coulomb, Self::Dissipation, Self::Potential];
 
     /// What it is called.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Viscous => "viscous",
             Self::Coulomb => "coulomb",
+            Self::Dissipation => "dissipation",
+            Self::Potential => "potential",
         }
     }
 
-    /// Numbers in the weight block.
-    const fn parameters(self, groups: usize) -> usize {
-        match self {
-            Self::Viscous => groups,
-            Self::Coulomb => groups.saturating_mul(FrictionNumber::ALL.len()),
-        }
-    }
-
-    /// Checks its numbers.
-    fn validate<W: FileWeightFormat>(self, numbers: &[W]) -> Result<(), ModelError> {
-        match self {
-            Self::Viscous => require(numbers.iter().all(|c| c.wide() >= 0.0), "damping coefficient"),
-            Self::Coulomb => FrictionNumber::validate(numbers),
-        }
+    const fn bit(self) -> u8 {
+        1 << self as u8
     }
 }
 
-/// The laws of a model, by their numbers in the file, each at most once and rising.
+/// The laws of a model, each at most once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Laws<'a>(&'a [u8]);
+pub struct Laws<'a> {
+    /// A bit each.
+    present: u8,
+    dissipation: Option<LawNetwork<'a>>,
+    potential: Option<LawNetwork<'a>>,
+}
 
 impl<'a> Laws<'a> {
     /// None.
-    pub const NONE: Self = Self(&[]);
+    pub const NONE: Laws<'static> = Laws { present: 0, dissipation: None, potential: None };
     /// Viscous damping alone.
-    pub const VISCOUS: Laws<'static> = Laws(&[Law::Viscous as u8]);
+    pub const VISCOUS: Laws<'static> = Laws { present: Law::Viscous.bit(), ..Laws::NONE };
     /// Dry friction alone.
-    pub const COULOMB: Laws<'static> = Laws(&[Law::Coulomb as u8]);
+    pub const COULOMB: Laws<'static> = Laws { present: Law::Coulomb.bit(), ..Laws::NONE };
     /// Viscous damping and dry friction.
-    pub const FRICTION: Laws<'static> = Laws(&[Law::Viscous as u8, Law::Coulomb as u8]);
+    pub const FRICTION: Laws<'static> =
+        Laws { present: Law::Viscous.bit() | Law::Coulomb.bit(), ..Laws::NONE };
 
-    /// From a model file: one byte a law.
+    /// The same with dissipation by a network.
+    #[must_use]
+    pub const fn with_dissipation(self, network: LawNetwork<'a>) -> Self {
+        Self { present: self.present | Law::Dissipation.bit(), dissipation: Some(network), ..self }
+    }
+
+    /// The same with a potential from a network.
+    #[must_use]
+    pub const fn with_potential(self, network: LawNetwork<'a>) -> Self {
+        Self { present: self.present | Law::Potential.bit(), potential: Some(network), ..self }
+    }
+
+    /// From a model file: one byte a law, rising, each followed by the shape of its network where it has one.
     ///
     /// # Errors
-    /// [`ModelError::Law`] for a number that is no law, [`ModelError::Malformed`] where they do not rise.
-    pub fn new(numbers: &'a [u8]) -> Result<Self, ModelError> {
-        Self::known(numbers, |_| true)
+    /// [`ModelError::Law`] for a number that is no law, [`ModelError::Malformed`] where they do not rise, or a shape is none.
+    pub fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        Self::known(bytes, |_| true)
     }
 
     /// [`Laws::new`] for a program that knows some laws, and refuses the others before anything else, so that it need not hold
     /// code for them.
     #[inline(always)]
-    pub(super) fn known(numbers: &'a [u8], knows: impl Fn(Law) -> bool) -> Result<Self, ModelError> {
-        for number in numbers {
-            let known = Law::ALL.iter().any(|law| *law as u8 == *number && knows(*law));
-            if !known {
-                return Err(ModelError::Law { number: *number });
+    pub(super) fn known(mut bytes: &'a [u8], knows: impl Fn(Law) -> bool) -> Result<Self, ModelError> {
+        let mut laws = Self::default();
+        while let Some((number, rest)) = bytes.split_first() {
+            let law = Law::ALL.into_iter().find(|law| *law as u8 == *number && knows(*law));
+            let law = law.ok_or(ModelError::Law { number: *number })?;
+            if laws.present >= law.bit() {
+                return Err(ModelError::Malformed);
+            }
+            (laws.present, bytes) = (laws.present | law.bit(), rest);
+            if knows(Law::Dissipation) && law == Law::Dissipation {
+                laws.dissipation = Some(network(&mut bytes)?);
+            }
+            if knows(Law::Potential) && law == Law::Potential {
+                laws.potential = Some(network(&mut bytes)?);
             }
         }
-        if numbers.is_sorted_by(|a, b| a < b) { Ok(Self(numbers)) } else { Err(ModelError::Malformed) }
-    }
-
-    /// As a model file has them.
-    pub const fn numbers(&self) -> &'a [u8] {
-        self.0
+        Ok(laws)
     }
 
     /// The laws in order.
@@ -148,15 +165,30 @@ impl<'a> Laws<'a> {
     }
 
     /// Whether it is among them.
-    #[allow(
-        clippy::manual_contains,
-        reason = "a search by words would take a quarter kilobyte for two bytes"
-    )]
-    pub fn contains(&self, law: Law) -> bool {
-        self.0.iter().any(|number| *number == law as u8)
+    pub const fn contains(&self, law: Law) -> bool {
+        self.present & law.bit() != 0
     }
 
-    /// Numbers in the weight block, of so many groups; `None` on overflow.
+    /// The network of a law, where it is among them and has one.
+    pub const fn network(&self, law: Law) -> Option<LawNetwork<'a>> {
+        match law {
+            Law::Dissipation => self.dissipation,
+            Law::Potential => self.potential,
+            Law::Viscous | Law::Coulomb => None,
+        }
+    }
+
+    /// Numbers of one of them in the weight block; `None` on overflow, or where its network cannot be.
+    #[inline(always)]
+    fn parameters_of(&self, law: Law, groups: usize) -> Option<usize> {
+        match law {
+            Law::Viscous => Some(groups),
+            Law::Coulomb => groups.checked_mul(FrictionNumber::ALL.len()),
+            Law::Dissipation | Law::Potential => self.network(law)?.parameters(law),
+        }
+    }
+
+    /// Numbers in the weight block, of so many groups; `None` on overflow, or where a network cannot be.
     pub fn parameters(&self, groups: usize) -> Option<usize> {
         self.parameters_knowing(groups, |_| true)
     }
@@ -164,7 +196,18 @@ impl<'a> Laws<'a> {
     /// [`Laws::parameters`] where a program knows all of them.
     #[inline(always)]
     pub(super) fn parameters_knowing(&self, groups: usize, knows: impl Fn(Law) -> bool) -> Option<usize> {
-        self.iter_known(knows).try_fold(0usize, |sum, law| sum.checked_add(law.parameters(groups)))
+        self.iter_known(knows).try_fold(0usize, |sum, law| sum.checked_add(self.parameters_of(law, groups)?))
+    }
+
+    /// Checks their networks for a model of at least so many coordinates, where a program knows all of them.
+    #[inline(always)]
+    pub(super) fn validate_networks(
+        &self,
+        coordinates: impl Fn() -> usize,
+        knows: impl Fn(Law) -> bool,
+    ) -> Result<(), ModelError> {
+        let mut networks = self.iter_known(knows).filter_map(|law| Some((law, self.network(law)?)));
+        networks.try_for_each(|(law, network)| network.validate(law, coordinates()))
     }
 
     /// Checks their numbers, which end the weight block, where a program knows all of them.
@@ -176,13 +219,29 @@ impl<'a> Laws<'a> {
         knows: impl Fn(Law) -> bool,
     ) -> Result<(), ModelError> {
         for law in self.iter_known(knows) {
-            let own = numbers.split_at_checked(law.parameters(groups));
+            let own = self.parameters_of(law, groups).and_then(|own| numbers.split_at_checked(own));
             let (own, rest) = expected(own, (numbers, &[]));
-            law.validate(own)?;
+            match law {
+                Law::Viscous => require(own.iter().all(|c| c.wide() >= 0.0), "damping coefficient")?,
+                Law::Coulomb => FrictionNumber::validate(own)?,
+                Law::Dissipation => {
+                    let mut scales = own.iter().take(self.dissipation.map_or(0, |of| of.count()));
+                    require(scales.all(|scale| scale.wide() > 0.0), "scale of a velocity")?;
+                }
+                Law::Potential => {}
+            }
             numbers = rest;
         }
         Ok(())
     }
+}
+
+/// Takes the shape of a network from the front of the section.
+fn network<'a>(bytes: &mut &'a [u8]) -> Result<LawNetwork<'a>, ModelError> {
+    let mut from = postcard::Deserializer::from_bytes(bytes);
+    let network = LawNetwork::deserialize(&mut from).map_err(|_| ModelError::Malformed)?;
+    *bytes = from.finalize().map_err(|_| ModelError::Malformed)?;
+    Ok(network)
 }
 
 /// The laws of a file with their numbers, of which a program takes one after another.
@@ -200,19 +259,32 @@ impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
     }
 
     /// The numbers of a law, where it comes next.
+    #[inline(always)]
     pub fn take(&mut self, law: Law) -> Option<&'w [W]> {
-        let (next, rest) = self.laws.0.split_first()?;
-        if *next != law as u8 {
+        if self.next()? != law as u8 {
             return None;
         }
-        let (own, numbers) = self.numbers.split_at_checked(law.parameters(self.groups))?;
-        (self.laws, self.numbers) = (Laws(rest), numbers);
+        let (own, numbers) = self.numbers.split_at_checked(self.laws.parameters_of(law, self.groups)?)?;
+        (self.laws.present, self.numbers) = (self.laws.present & !law.bit(), numbers);
         Some(own)
+    }
+
+    /// The network of a law and its numbers, where it comes next.
+    #[inline(always)]
+    pub fn take_network(&mut self, law: Law) -> Option<(LawNetwork<'l>, &'w [W])> {
+        let network = self.laws.network(law)?;
+        Some((network, self.take(law)?))
+    }
+
+    /// The number of the law that comes next.
+    fn next(&self) -> Option<u8> {
+        let present = self.laws.present;
+        (present != 0).then(|| present.trailing_zeros() as u8)
     }
 
     /// An error where a law is left, which the program was not compiled for.
     pub(super) fn finish(self) -> Result<(), ModelError> {
-        self.laws.0.first().map_or(Ok(()), |number| Err(ModelError::Law { number: *number }))
+        self.next().map_or(Ok(()), |number| Err(ModelError::Law { number }))
     }
 }
 
@@ -220,27 +292,34 @@ impl<'l, 'w, W> LawNumbers<'l, 'w, W> {
 ///
 /// A pair `(A, B)` takes those of A, then those of B: laws stand in it by their numbers, rising. A law that the file does not have
 /// is absent; a law that the program does not have is an error of loading.
-pub trait LoadForces<S: Scalar, const N: usize>: Forces<S, N> + Sized {
+///
+/// The numbers of networks stay where they are: `'w` is how long the weight block lives, `W` its type.
+pub trait LoadForces<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize>:
+    Forces<S, N> + Sized
+{
     /// Whether it takes this law, where a file has it.
     fn knows(law: Law) -> bool;
     /// Takes its laws; coordinate i is of group `groups[i]`.
-    fn take<W: WeightFormat<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self;
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where a network is larger than the program was compiled for.
+    fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError>;
 }
 
 /// The forces of a file's laws, all of them.
 ///
 /// # Errors
 /// [`ModelError::Law`] for a law that `F` does not take.
-pub(super) fn load_forces<
-    S: Scalar,
-    W: WeightFormat<Wide = S::Weight>,
-    F: LoadForces<S, N>,
-    const N: usize,
->(
-    mut laws: LawNumbers<'_, '_, W>,
+pub(super) fn load_forces<'w, W, S, F, const N: usize>(
+    mut laws: LawNumbers<'_, 'w, W>,
     groups: &[u8; N],
-) -> Result<F, ModelError> {
-    let forces = F::take(&mut laws, groups);
+) -> Result<F, ModelError>
+where
+    W: WeightFormat<Wide = S::Weight>,
+    S: Scalar,
+    F: LoadForces<'w, W, S, N>,
+{
+    let forces = F::take(&mut laws, groups)?;
     laws.finish()?;
     Ok(forces)
 }
@@ -253,33 +332,63 @@ fn of_groups<S: Scalar, W: WeightFormat<Wide = S::Weight>, const N: usize>(
     groups.map(|group| expected(numbers.get(usize::from(group)).map(|number| number.scalar()), S::zero()))
 }
 
-impl<S: Scalar, const N: usize> LoadForces<S, N> for Viscous<S, N> {
+impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForces<'w, W, S, N>
+    for Viscous<S, N>
+{
     #[inline(always)]
     fn knows(law: Law) -> bool {
         law == Law::Viscous
     }
 
-    fn take<W: WeightFormat<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
+    fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError> {
         let mut forces = Self::none();
         if let Some(numbers) = laws.take(Law::Viscous) {
             forces.coefficients = of_groups(numbers, groups);
         }
-        forces
+        Ok(forces)
     }
 }
 
-impl<S: Scalar, const N: usize> LoadForces<S, N> for Coulomb<S, N> {
+impl<'w, W: WeightFormat<Wide = S::Weight>, S: Scalar, const N: usize> LoadForces<'w, W, S, N>
+    for Coulomb<S, N>
+{
     #[inline(always)]
     fn knows(law: Law) -> bool {
         law == Law::Coulomb
     }
 
-    fn take<W: WeightFormat<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
-        let Some(numbers) = laws.take(Law::Coulomb) else { return Self::none() };
+    fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError> {
+        let Some(numbers) = laws.take(Law::Coulomb) else { return Ok(Self::none()) };
         let (numbers, _) = numbers.as_chunks();
-        Self { coordinates: groups.map(|group| dry_friction(numbers.get(usize::from(group)))) }
+        Ok(Self { coordinates: groups.map(|group| dry_friction(numbers.get(usize::from(group)))) })
     }
 }
+
+macro_rules! network_law {
+    ($forces:ident, $law:ident) => {
+        impl<'w, W, S, const N: usize, const H: usize, const L: usize> LoadForces<'w, W, S, N>
+            for $forces<'w, W, N, H, L>
+        where
+            W: WeightFormat<Wide = S::Weight>,
+            S: Scalar,
+        {
+            #[inline(always)]
+            fn knows(law: Law) -> bool {
+                law == Law::$law
+            }
+
+            fn take(laws: &mut LawNumbers<'_, 'w, W>, _: &[u8; N]) -> Result<Self, ModelError> {
+                let Some((network, mut numbers)) = laws.take_network(Law::$law) else {
+                    return Ok(Self::none());
+                };
+                let taken = Self::take(&mut numbers, network.seen()?, &network.network(Law::$law)?)?;
+                taken.ok_or(ModelError::Malformed)
+            }
+        }
+    };
+}
+network_law!(Dissipation, Dissipation);
+network_law!(PotentialCorrection, Potential);
 
 /// Of a group's numbers.
 fn dry_friction<S: Scalar, W: WeightFormat<Wide = S::Weight>>(numbers: Option<&[W; 4]>) -> DryFriction<S> {
@@ -288,14 +397,20 @@ fn dry_friction<S: Scalar, W: WeightFormat<Wide = S::Weight>>(numbers: Option<&[
     expected(numbers.map(of), DryFriction::none())
 }
 
-impl<S: Scalar, A: LoadForces<S, N>, B: LoadForces<S, N>, const N: usize> LoadForces<S, N> for (A, B) {
+impl<'w, W, S, A, B, const N: usize> LoadForces<'w, W, S, N> for (A, B)
+where
+    W: WeightFormat<Wide = S::Weight>,
+    S: Scalar,
+    A: LoadForces<'w, W, S, N>,
+    B: LoadForces<'w, W, S, N>,
+{
     #[inline(always)]
     fn knows(law: Law) -> bool {
         A::knows(law) || B::knows(law)
     }
 
-    fn take<W: WeightFormat<Wide = S::Weight>>(laws: &mut LawNumbers<'_, '_, W>, groups: &[u8; N]) -> Self {
-        let first = A::take(laws, groups);
-        (first, B::take(laws, groups))
+    fn take(laws: &mut LawNumbers<'_, 'w, W>, groups: &[u8; N]) -> Result<Self, ModelError> {
+        let first = A::take(laws, groups)?;
+        Ok((first, B::take(laws, groups)?))
     }
 }

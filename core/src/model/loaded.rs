@@ -118,7 +118,7 @@ impl<'a, M> Model<'a, M> {
     }
 }
 
-impl<'a, const N: usize, const H: usize, const L: usize, W: FileWeightFormat, F: LoadForces<f32, N>>
+impl<'a, const N: usize, const H: usize, const L: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>>
     RigidModel<'a, N, H, L, W, F>
 {
     /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
@@ -139,7 +139,7 @@ impl<
     const H: usize,
     const L: usize,
     W: FileWeightFormat,
-    F: LoadForces<f32, N>,
+    F: LoadForces<'a, W, f32, N>,
 > ModularModel<'a, N, E, H, L, W, F>
 {
     /// Reads, validates and borrows a model file, and takes the tree called `name`; `bytes` must be 4-aligned.
@@ -155,7 +155,7 @@ impl<
     }
 }
 
-impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<f32, N>> BodiesModel<'a, N, W, F> {
+impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>> BodiesModel<'a, N, W, F> {
     /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
     ///
     /// # Errors
@@ -221,7 +221,7 @@ impl RigidHeader<'_> {
     where
         W: WeightFormat,
         S: Scalar<Weight = W::Wide>,
-        F: LoadForces<S, N>,
+        F: LoadForces<'w, W, S, N>,
     {
         let shape =
             RigidShape { coordinates: self.kinds()?, network: self.network()?, inertia: self.inertia };
@@ -248,7 +248,7 @@ impl BodiesHeader<'_> {
     where
         W: WeightFormat,
         S: Scalar<Weight = W::Wide>,
-        F: LoadForces<S, N>,
+        F: LoadForces<'w, W, S, N>,
     {
         let (tree, needed, mut block) = (self.tree()?, self.parameters()?, weights);
         let lagrangian = PlanarBodies::take(&mut block, tree)
@@ -258,15 +258,12 @@ impl BodiesHeader<'_> {
 }
 
 /// The forces of a file's laws where a coordinate is a group of its own.
-fn forces_of_coordinates<
-    S: Scalar,
+fn forces_of_coordinates<'w, W, S, F, const N: usize>(laws: Laws, numbers: &'w [W]) -> Result<F, ModelError>
+where
     W: WeightFormat<Wide = S::Weight>,
-    F: LoadForces<S, N>,
-    const N: usize,
->(
-    laws: Laws,
-    numbers: &[W],
-) -> Result<F, ModelError> {
+    S: Scalar,
+    F: LoadForces<'w, W, S, N>,
+{
     load_forces(LawNumbers::new(laws, numbers, N), &core::array::from_fn(|i| i as u8))
 }
 
@@ -285,7 +282,7 @@ impl ModularHeader<'_> {
     where
         W: WeightFormat,
         S: Scalar<Weight = W::Wide>,
-        F: LoadForces<S, N>,
+        F: LoadForces<'w, W, S, N>,
     {
         self.shape.check_size::<E, H, L>()?;
         let tree = self.shape.tree(tree.nodes()).map_err(ModelError::Tree)?;

@@ -21,12 +21,14 @@ pub trait ShapeHeader<'a>: Deserialize<'a> {
     fn parameters(&self) -> Result<usize, ModelError>;
     /// Groups of coordinates that laws have numbers of their own for.
     fn groups(&self) -> usize;
+    /// Coordinates that every mechanism of the file has, by which laws may name them; 0 where they may not.
+    fn coordinates(&self) -> usize;
     /// Checks what the lengths do not say.
     fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError>;
 }
 
 macro_rules! shape_header {
-    ($header:ident, $number:literal, $name:literal) => {
+    ($header:ident, $number:literal, $name:literal, $coordinates:expr) => {
         impl<'a> ShapeHeader<'a> for $header<'a> {
             const FAMILY: (u32, &'static str) = ($number, $name);
 
@@ -38,16 +40,20 @@ macro_rules! shape_header {
                 self.groups()
             }
 
+            fn coordinates(&self) -> usize {
+                $coordinates(self)
+            }
+
             fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
                 self.validate(weights)
             }
         }
     };
 }
-shape_header!(RigidHeader, 0, "rigid");
-shape_header!(ModularHeader, 1, "modular");
-shape_header!(GraphHeader, 2, "graph");
-shape_header!(BodiesHeader, 3, "bodies");
+shape_header!(RigidHeader, 0, "rigid", RigidHeader::n);
+shape_header!(ModularHeader, 1, "modular", ModularHeader::fewest_coordinates);
+shape_header!(GraphHeader, 2, "graph", |_: &Self| 0);
+shape_header!(BodiesHeader, 3, "bodies", BodiesHeader::n);
 
 /// A validated file: its header and its weights, in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,6 +201,7 @@ fn finish<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     }
     let laws = Laws::known(sections.get(Section::Forces).unwrap_or(&[]), &knows)?;
     let (energies, groups) = (shape.parameters()?, shape.groups());
+    laws.validate_networks(|| shape.coordinates(), &knows)?;
     let needed = sum(energies, laws.parameters_knowing(groups, &knows))?;
     let weights: &[W] = numbers(unpadded(sections.required(Section::Weights)?)?, needed)?;
     let (of_energies, of_laws) = expected(weights.split_at_checked(energies), (weights, &[]));

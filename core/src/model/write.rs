@@ -1,7 +1,7 @@
 //! Writing a file, on the host: into the caller's memory, so that this needs no allocator either.
 
 use super::section::{SECTION_HEAD, Section};
-use super::{CRC_BYTES, FORMAT_VERSION, Family, Header, MAGIC, PREFIX_BYTES, ShapeHeader, checksum};
+use super::{CRC_BYTES, FORMAT_VERSION, Family, Header, Laws, MAGIC, PREFIX_BYTES, ShapeHeader, checksum};
 use core::fmt;
 use serde::Serialize;
 
@@ -40,7 +40,9 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
         Family::Graph(shape) => file.energies(&shape)?,
         Family::Bodies(shape) => file.energies(&shape)?,
     }
-    file.optional(Section::Forces, header.laws.numbers())?;
+    if header.laws != Laws::NONE {
+        file.section(Section::Forces, |file| file.laws(&header.laws))?;
+    }
     file.optional(Section::Actuator, header.actuator.map_or(&[], |actuator| actuator.bytes()))?;
     if let Some(step) = header.trained_step {
         file.section(Section::Step, |file| file.append(&step.to_bytes()))?;
@@ -91,13 +93,21 @@ impl<'m> File<'m> {
 
     /// The number of the family and its shape.
     fn energies<'a, H: ShapeHeader<'a> + Serialize>(&mut self, shape: &H) -> Result<(), WriteError> {
-        self.section(Section::Energies, |file| {
-            let rest = file.memory.get_mut(file.length..).ok_or(WriteError::TooShort)?;
-            let written =
-                postcard::to_slice(&(H::FAMILY.0, shape), rest).map_err(|_| WriteError::TooShort)?;
-            file.length += written.len();
-            Ok(())
+        self.section(Section::Energies, |file| file.document(&(H::FAMILY.0, shape)))
+    }
+
+    /// The number of every law, and the shape of its network where it has one.
+    fn laws(&mut self, laws: &Laws) -> Result<(), WriteError> {
+        laws.iter().try_for_each(|law| {
+            self.append(&[law as u8])?;
+            laws.network(law).map_or(Ok(()), |network| self.document(&network))
         })
+    }
+
+    fn document(&mut self, document: &impl Serialize) -> Result<(), WriteError> {
+        let rest = self.memory.get_mut(self.length..).ok_or(WriteError::TooShort)?;
+        self.length += postcard::to_slice(document, rest).map_err(|_| WriteError::TooShort)?.len();
+        Ok(())
     }
 
     /// The weights behind as many zeros as bring them to a multiple of 4 from the start of the file, and their number.

@@ -12,9 +12,9 @@ use leastaction_core::energy::modular::{
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Interval, Laws,
-    MAGIC, MAX_GRAPHS, MAX_TREES, ModelError, ModularHeader, RigidHeader, Section, TrainedStep,
-    TrainingRange, TreeHeader, checksum, parse,
+    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Interval,
+    LawNetwork, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError, ModularHeader, RigidHeader, Section,
+    TrainedStep, TrainingRange, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
@@ -82,6 +82,26 @@ pub fn with_friction(friction: &[f32]) -> Vec<u8> {
 }
 
 pub const FRICTION_HEADER: Header<'static> = Header { laws: Laws::FRICTION, ..HEADER };
+
+/// Dissipation of the angle that sees all, and a potential of it: 2 + 2 → 3 → 3 and 2 → 4 → 1.
+pub const DISSIPATION: LawNetwork<'static> =
+    LawNetwork { coordinates: "ca", widths: [3, 0, 0, 0], activation: Activation::Isru };
+pub const POTENTIAL: LawNetwork<'static> =
+    LawNetwork { coordinates: "-a", widths: [4, 0, 0, 0], activation: Activation::Softplus };
+
+/// The cart-pole of the golden file with laws of every kind.
+pub const NETWORKS_HEADER: Header<'static> =
+    Header { laws: Laws::FRICTION.with_dissipation(DISSIPATION).with_potential(POTENTIAL), ..HEADER };
+
+/// Numbers of both networks: the scales of two velocities, then multiples of 1/64.
+pub fn of_networks() -> Vec<f32> {
+    [vec![0.5, 2.0], exact(27), exact(17)].concat()
+}
+
+/// The file with laws of every kind, of these numbers of networks.
+pub fn with_networks(header: Header, networks: &[f32]) -> Vec<u8> {
+    write(header, &[&weights(&CARTPOLE), FRICTION.as_flattened(), networks].concat())
+}
 
 /// Multiples of 1/64 in ±1.
 fn exact(count: usize) -> Vec<f32> {
@@ -236,7 +256,7 @@ pub fn with_section(file: &[u8], section: Section, content: &[u8]) -> Vec<u8> {
 fn before_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
     let actuator = header.actuator.map(|actuator| (Section::Actuator, actuator.bytes().to_vec()));
     let step = header.trained_step.map(|step| (Section::Step, step.to_bytes().to_vec()));
-    let laws = Some((Section::Forces, header.laws.numbers().to_vec())).filter(|(_, laws)| !laws.is_empty());
+    let laws = Some((Section::Forces, laws(&header.laws))).filter(|(_, laws)| !laws.is_empty());
     let energies = Some((Section::Energies, energies(&header.family)));
     [energies, laws, actuator, step].into_iter().flatten().collect()
 }
@@ -249,6 +269,16 @@ fn after_weights(header: &Header) -> Vec<(Section, Vec<u8>)> {
         (Section::Provenance, header.provenance.as_bytes().to_vec()),
     ];
     all.into_iter().filter(|(_, content)| !content.is_empty()).collect()
+}
+
+/// The number of every law, and the shape of its network where it has one.
+pub fn laws(laws: &Laws) -> Vec<u8> {
+    let network = |law| laws.network(law).map(|network| document(&network)).unwrap_or_default();
+    laws.iter().flat_map(|law| [vec![law as u8], network(law)].concat()).collect()
+}
+
+fn document(of: &impl serde::Serialize) -> Vec<u8> {
+    postcard::to_slice(of, &mut [0; 64]).unwrap().to_vec()
 }
 
 /// The number of the family and its shape.

@@ -8,6 +8,7 @@ pub mod dual;
 pub mod file;
 pub mod forces;
 pub mod graphs;
+pub mod network_laws;
 pub mod oracle;
 pub mod particles;
 pub mod sections;

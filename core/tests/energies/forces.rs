@@ -29,7 +29,7 @@ fn derivatives<F: Forces<Dual, N>, const N: usize>(
     })
 }
 
-fn check_derivatives<F, G, const N: usize>(name: &str, law: F, dual: &G, seed: u64)
+pub fn check_derivatives<F, G, const N: usize>(name: &str, law: F, dual: &G, seed: u64)
 where
     F: Forces<f64, N>,
     G: Forces<Dual, N>,
@@ -129,7 +129,10 @@ fn check_inverse_under_dry_friction<L: Lagrangian<f64, N>, const N: usize>(lagra
     check_inverse_under(lagrangian, (coulomb, viscous));
 }
 
-fn check_inverse_under<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(lagrangian: &L, forces: F) {
+pub fn check_inverse_under<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
+    lagrangian: &L,
+    forces: F,
+) {
     let mut random = Random(12);
     let system = System { lagrangian, forces };
     for _ in 0..20 {

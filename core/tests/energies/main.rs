@@ -11,5 +11,6 @@ mod forces;
 mod graph;
 mod graph_union;
 mod modular;
+mod network_laws;
 mod rigid;
 mod trigonometric;

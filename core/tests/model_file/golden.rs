@@ -63,9 +63,19 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
     ];
     before.extend(DAMPED);
     let [start, end] = file::place(bytes, Section::Forces);
-    let dry = end - start > 1;
+    let (dry, corrected) = (end - start > 1, end - start > 2);
     if dry {
         before.push((1, "law 1: coulomb"));
+    }
+    if corrected {
+        before.extend([
+            (1, "law 2: dissipation"),
+            (3, "coordinates, 2 letters: c (x by its velocity alone), a"),
+            (5, "hidden width 3, then none; activation 3: isru"),
+            (1, "law 3: potential"),
+            (3, "coordinates, 2 letters: - (not x), a"),
+            (5, "hidden width 4, then none; activation 1: softplus"),
+        ]);
     }
     if file::place(bytes, Section::Step)[0] != before.iter().map(|(length, _)| length).sum::<usize>() + 10 {
         before.extend([
@@ -86,6 +96,15 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
         weights.extend([
             (each * 4, "coulomb, of x: c, c_load, tau_s, epsilon"),
             (each * 4, "coulomb, of the angle: the same"),
+        ]);
+    }
+    if corrected {
+        weights.extend([
+            (each * 2, "dissipation: the scales of both velocities"),
+            (each * 15, "layer 4 to 3: panels of 1, biases"),
+            (each * 12, "layer 3 to 3: panels of 1, biases"),
+            (each * 12, "potential: layer 2 to 4: panel of 4, biases"),
+            (each * 5, "layer 4 to 1: panel of 1, bias"),
         ]);
     }
     Parts { before, weights }.text(bytes)
@@ -221,6 +240,12 @@ fn the_rigid_file_in_half_precision_is_unchanged() {
 fn the_file_with_dry_friction_is_unchanged() {
     let file = file::with_friction(file::FRICTION.as_flattened());
     file::assert_golden("cartpole-friction.hex", &file, &cartpole_text(&file, 4));
+}
+
+#[test]
+fn the_file_with_networks_in_its_laws_is_unchanged() {
+    let file = file::with_networks(file::NETWORKS_HEADER, &file::of_networks());
+    file::assert_golden("cartpole-networks.hex", &file, &cartpole_text(&file, 4));
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod graph_model;
 mod half;
 mod model;
 mod modular_model;
+mod network_laws;
 mod section_contents;
 mod sections;
 mod training_range;

@@ -2,6 +2,7 @@
 
 use crate::common::forces::{actuator, all, dry};
 use crate::common::log_log_slope;
+use crate::common::network_laws::NetworkLaws;
 use leastaction_core::continuous::{acceleration, momentum};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE};
@@ -101,6 +102,15 @@ fn friction_that_sees_the_load_keeps_the_orders() {
     friction.coordinates.iter_mut().for_each(|friction| friction.width *= 4.0);
     check_forced_orders("cart-pole, dry", CARTPOLE, (viscous, friction));
     check_forced_orders("acrobot, dry", ACROBOT, (viscous, friction));
+}
+
+/// A step takes the network of a potential in as it takes L in, and that of a dissipation as other damping.
+#[test]
+fn laws_with_networks_keep_the_orders() {
+    let laws = NetworkLaws::of(2, 4).scaled(0.25);
+    let (dissipation, potential) = laws.in_f64::<2>();
+    check_forced_orders("cart-pole, networks", CARTPOLE, (dissipation, potential));
+    check_forced_orders("acrobot, networks", ACROBOT, (all::<f64, 2>(), (dissipation, potential)));
 }
 
 /// The motion under the true signal of an actuator: a step in pieces, before and after the jump or bend.

@@ -4,6 +4,7 @@ use crate::angle::difference;
 use crate::error::{Range, SetupError, require};
 use crate::wire::array;
 use leastaction_core::continuous::ContinuousState;
+use leastaction_core::forces::Forces;
 use leastaction_core::linear::{dot, solve_many, transpose};
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -70,7 +71,10 @@ impl<const N: usize> Regulator<N> {
         let (what, range) =
             ("actuated coordinate of the regulator", Range::Words("one of the model's, from 0"));
         let no_input = SetupError::OutOfRange { what, value: input as f32, range };
-        let bias = -*model.hessian(&target, &[0.0; N]).l_q.get(input).ok_or(no_input)?;
+        let rest = [0.0; N];
+        let beside = model.system().forces.force(&target, &rest, &rest);
+        let weight = model.hessian(&target, &rest).l_q;
+        let bias = -(*weight.get(input).ok_or(no_input)? + beside[input]);
         let system = linearise::<M, N, D>(model, &target, input)?.sampled(h);
         let k = riccati(&system, &tolerance.weights(), 1.0 / (tolerance.u * tolerance.u))?;
         Ok(Self { target, input, bias, gain_q: part(&k, 0), gain_v: part(&k, N) })

@@ -6,6 +6,7 @@ use crate::error::SetupError;
 use crate::firmware::Firmware;
 use crate::trajectory::reference::Friction;
 use crate::{Mechanism, Trained};
+use leastaction_core::forces::{Dissipation, PotentialCorrection};
 use leastaction_core::model::{BodiesModel, ModelError, RigidModel};
 
 /// A board's end of a link.
@@ -29,12 +30,25 @@ pub trait Port {
     }
 }
 
+/// Friction with laws that have networks. Models without such a law run as they do in a program that knows none.
+type AllForces<'a, const H: usize, const D: usize, const N: usize> =
+    (Friction<N>, (Dissipation<'a, f32, N, H, D>, PotentialCorrection<'a, f32, N, H, D>));
+
 /// Runs a program of `$n` coordinates over the model in a file: rigid, or of rigid bodies.
 macro_rules! run {
     ($link:ident, $file:ident, $program:ident, $n:literal) => {
         match $file.map(RigidModel::<$n, H, D, f32, Friction<$n>>::load) {
             Some(Err(ModelError::OtherFamily { .. })) => {
-                over!($link, $file.map(BodiesModel::<$n, f32, Friction<$n>>::load), $program)
+                match $file.map(BodiesModel::<$n, f32, Friction<$n>>::load) {
+                    Some(Err(ModelError::Law { .. })) => {
+                        over!($link, $file.map(BodiesModel::<$n, f32, AllForces<H, D, $n>>::load), $program)
+                    }
+                    loaded => over!($link, loaded, $program),
+                }
+            }
+            Some(Err(ModelError::Law { .. })) => {
+                let loaded = $file.map(RigidModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
+                over!($link, loaded, $program)
             }
             loaded => over!($link, loaded, $program),
         }
@@ -52,7 +66,7 @@ macro_rules! over {
 }
 
 /// Serves requests until one is to end: programs over a rigid model of 1 or 2 coordinates with at most `D` hidden layers
-/// of at most `H` units, or over 1 or 2 rigid bodies, borrowed where it lies, in the name of a processor.
+/// of at most `H` units, or over 1 or 2 rigid bodies, with laws of force of such networks or without, borrowed where it lies, in the name of a processor.
 ///
 /// # Errors
 /// The port's own.

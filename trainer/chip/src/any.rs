@@ -14,7 +14,7 @@ pub const UNITS: usize = 64;
 pub struct AnyLagrangian<'f, const N: usize>(Box<dyn Lagrangian<f32, N> + Send + Sync + 'f>);
 
 /// A model in N coordinates with the forces of its file: what the solvers of core step.
-pub type SystemOf<'f, const N: usize> = System<AnyLagrangian<'f, N>, ForcesOf<N>>;
+pub type SystemOf<'f, const N: usize> = System<AnyLagrangian<'f, N>, ForcesOf<'f, N>>;
 
 impl<'f, const N: usize> AnyLagrangian<'f, N> {
     /// The one behind the solvers from here on.
@@ -24,7 +24,7 @@ impl<'f, const N: usize> AnyLagrangian<'f, N> {
 
     /// The same system with its Lagrangian behind this type.
     pub(crate) fn erased<L: Lagrangian<f32, N> + Send + Sync + 'f>(
-        System { lagrangian, forces }: System<L, impl Into<ForcesOf<N>>>,
+        System { lagrangian, forces }: System<L, impl Into<ForcesOf<'f, N>>>,
     ) -> SystemOf<'f, N> {
         System { lagrangian: Self::new(lagrangian), forces: forces.into() }
     }

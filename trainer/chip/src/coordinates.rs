@@ -9,7 +9,7 @@ use leastaction_core::linear;
 
 impl<const N: usize> Evaluator for &SystemOf<'_, N> {
     fn energies(&mut self, q: &[f32], v: &[f32]) -> Result<Energies<f32>, ChipError> {
-        Ok(self.lagrangian.energies(&array("q", q)?, &array("v", v)?))
+        Ok(SystemOf::energies(*self, &array::<N>("q", q)?, &array("v", v)?))
     }
 
     fn acceleration(&mut self, q: &[f32], v: &[f32], tau: &[f32], to: &mut [f32]) -> Result<(), ChipError> {

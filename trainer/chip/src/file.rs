@@ -1,4 +1,4 @@
-use crate::forces::is_dry;
+use crate::forces::{AllForces, Needed};
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
 use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, Friction, LAYERS, RIGID_UNITS, SystemOf, UNITS};
@@ -153,14 +153,18 @@ struct RigidLoader<'f> {
 
 impl<'f> Load<'f> for RigidLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+        match Needed::by(self.laws) {
+            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
+            Needed::Friction => self.with::<N, Friction<N>>(),
+            Needed::All => self.with::<N, AllForces<N>>(),
+        }
     }
 }
 
 impl<'f> RigidLoader<'f> {
     fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
     where
-        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
     {
         let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, F> =
             self.header.system(self.laws, self.weights)?;
@@ -177,14 +181,18 @@ struct BodiesLoader<'f> {
 
 impl<'f> Load<'f> for BodiesLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+        match Needed::by(self.laws) {
+            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
+            Needed::Friction => self.with::<N, Friction<N>>(),
+            Needed::All => self.with::<N, AllForces<N>>(),
+        }
     }
 }
 
 impl<'f> BodiesLoader<'f> {
     fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
     where
-        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
     {
         let system: System<PlanarBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
@@ -201,14 +209,18 @@ struct TreeLoader<'f> {
 
 impl<'f> Load<'f> for TreeLoader<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        if is_dry(self.laws) { self.with::<N, Friction<N>>() } else { self.with::<N, Viscous<f32, N>>() }
+        match Needed::by(self.laws) {
+            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
+            Needed::Friction => self.with::<N, Friction<N>>(),
+            Needed::All => self.with::<N, AllForces<N>>(),
+        }
     }
 }
 
 impl<'f> TreeLoader<'f> {
     fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
     where
-        F: LoadForces<f32, N> + Into<ForcesOf<N>>,
+        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
     {
         let system: System<Modular<'f, f32, N, MAX_TYPES, UNITS, LAYERS>, F> =
             self.header.system(&self.tree, self.laws, self.weights)?;

@@ -35,7 +35,7 @@ pub use control::{Control, Step};
 pub use error::ChipError;
 pub use evaluator::Evaluator;
 pub use file::ModelFile;
-pub use forces::{ForcesOf, Friction};
+pub use forces::{AllForces, ForcesOf, Friction, Networks};
 pub use motion::Motion;
 pub use particles::ParticleSystem;
 pub use sizes::{COORDINATES, OfSize, Visitor};

@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{BodiesSample, GRAPHS, GraphSample, Random, RigidSample, TREES, TreeSample, bytes, step};
+use common::{
+    BodiesSample, GRAPHS, GraphSample, NETWORK, Random, RigidSample, TREES, TreeSample, bytes, step,
+};
 use leastaction_chip::{Chip, Control, Friction, ModelFile, Motion, Step};
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{
@@ -14,7 +16,7 @@ use leastaction_core::discrete::{Control as CoreControl, Del, Galerkin, Midpoint
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::rigid::Inertia;
-use leastaction_core::forces::{Forces, System, Viscous};
+use leastaction_core::forces::{Dissipation, Forces, PotentialCorrection, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{BodiesModel, GraphModel, Law, Laws, LoadForces, ModularModel, RigidModel};
 use leastaction_core::network::Activation;
@@ -38,6 +40,11 @@ fn aligned(bytes: &[u8]) -> Vec<u32> {
 
 fn flash<'w>(words: &'w [u32], bytes: &[u8]) -> &'w [u8] {
     &bytemuck::cast_slice(words)[..bytes.len()]
+}
+
+/// As long as a program runs.
+fn in_flash(bytes: &[u8]) -> &'static [u8] {
+    flash(aligned(bytes).leak(), bytes)
 }
 
 fn sized<const N: usize>(x: &[f32]) -> [f32; N] {
@@ -87,7 +94,7 @@ where
     let (mut evaluator, mut found) = (chip.evaluator().unwrap(), vec![0.0; N]);
     assert_eq!(chip.n(), N);
     let (ours, theirs) =
-        (evaluator.energies(&q, &v).unwrap(), system.lagrangian.energies(&sized(&q), &sized(&v)));
+        (evaluator.energies(&q, &v).unwrap(), system.energies::<f32, N>(&sized(&q), &sized(&v)));
     assert_eq!(bits(&[ours.kinetic, ours.potential]), bits(&[theirs.kinetic, theirs.potential]));
 
     evaluator.acceleration(&q, &v, &u, &mut found).unwrap();
@@ -127,36 +134,46 @@ fn same_motion<P: Path, L, F, const N: usize>(
     assert_eq!(stepped(&mut *ours, controls), stepped_by_core(&del, system, theirs, controls));
 }
 
+/// Compiled for the sizes of the sample's networks, not for those that this crate has room for.
+type All<const N: usize> =
+    (Friction<N>, (Dissipation<'static, f32, N, 6, 2>, PotentialCorrection<'static, f32, N, 6, 2>));
+
+fn has_networks(laws: Laws) -> bool {
+    laws.network(Law::Dissipation).or(laws.network(Law::Potential)).is_some()
+}
+
 /// Loads a rigid model both ways; core is compiled for the laws of the file.
 fn same_rigid<const N: usize>(sample: &RigidSample) {
-    if sample.laws.contains(Law::Coulomb) {
+    if has_networks(sample.laws) {
+        same_rigid_with::<All<N>, N>(sample);
+    } else if sample.laws.contains(Law::Coulomb) {
         same_rigid_with::<Friction<N>, N>(sample);
     } else {
         same_rigid_with::<Viscous<f32, N>, N>(sample);
     }
 }
 
-fn same_rigid_with<F: LoadForces<f32, N>, const N: usize>(sample: &RigidSample) {
+fn same_rigid_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &RigidSample) {
     let bytes = sample.file(Order::Four);
-    let words = aligned(&bytes);
-    let core = RigidModel::<N, 40, 4, f32, F>::load(flash(&words, &bytes)).unwrap();
+    let core = RigidModel::<N, 40, 4, f32, F>::load(in_flash(&bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.chip(None).unwrap(), &core.system, sample.seed ^ 77);
 }
 
 /// Loads a chain both ways; core is compiled for the laws of the file.
 fn same_tree<const N: usize>(sample: &TreeSample) {
-    if sample.laws.contains(Law::Coulomb) {
+    if has_networks(sample.laws) {
+        same_tree_with::<All<N>, N>(sample);
+    } else if sample.laws.contains(Law::Coulomb) {
         same_tree_with::<Friction<N>, N>(sample);
     } else {
         same_tree_with::<Viscous<f32, N>, N>(sample);
     }
 }
 
-fn same_tree_with<F: LoadForces<f32, N>, const N: usize>(sample: &TreeSample) {
+fn same_tree_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &TreeSample) {
     let bytes = sample.file(Order::Four);
-    let words = aligned(&bytes);
-    let core = ModularModel::<N, 3, 24, 2, f32, F>::load(flash(&words, &bytes), TREES[1]).unwrap();
+    let core = ModularModel::<N, 3, 24, 2, f32, F>::load(in_flash(&bytes), TREES[1]).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.chip(Some(TREES[1])).unwrap(), &core.system, sample.seed ^ 77);
 }
@@ -164,17 +181,18 @@ fn same_tree_with<F: LoadForces<f32, N>, const N: usize>(sample: &TreeSample) {
 /// Loads bodies both ways; core is compiled for the laws of the file.
 fn same_bodies<const N: usize>(laws: Laws<'static>, seed: u64) {
     let sample = BodiesSample::chain(N, laws, seed);
-    if laws.contains(Law::Coulomb) {
+    if has_networks(laws) {
+        same_bodies_with::<All<N>, N>(&sample);
+    } else if laws.contains(Law::Coulomb) {
         same_bodies_with::<Friction<N>, N>(&sample);
     } else {
         same_bodies_with::<Viscous<f32, N>, N>(&sample);
     }
 }
 
-fn same_bodies_with<F: LoadForces<f32, N>, const N: usize>(sample: &BodiesSample) {
+fn same_bodies_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &BodiesSample) {
     let bytes = sample.file(Order::Four);
-    let words = aligned(&bytes);
-    let core = BodiesModel::<N, f32, F>::load(flash(&words, &bytes)).unwrap();
+    let core = BodiesModel::<N, f32, F>::load(in_flash(&bytes)).unwrap();
     same(&ModelFile::new(&bytes).unwrap().chip(None).unwrap(), &core.system, sample.seed ^ 77);
 }
 
@@ -268,7 +286,12 @@ fn activations() -> impl Strategy<Value = Activation> {
 }
 
 fn laws() -> impl Strategy<Value = Laws<'static>> {
-    prop_oneof![Just(Laws::NONE), Just(Laws::VISCOUS), Just(Laws::COULOMB), Just(Laws::FRICTION)]
+    let friction =
+        prop_oneof![Just(Laws::NONE), Just(Laws::VISCOUS), Just(Laws::COULOMB), Just(Laws::FRICTION)];
+    (friction, 0..4_u8).prop_map(|(laws, networks)| {
+        let laws = if networks & 1 == 1 { laws.with_dissipation(NETWORK) } else { laws };
+        if networks & 2 == 2 { laws.with_potential(NETWORK) } else { laws }
+    })
 }
 
 fn widths() -> impl Strategy<Value = [u16; 4]> {

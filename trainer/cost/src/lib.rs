@@ -2,6 +2,7 @@
 
 mod bodies;
 mod bytes;
+mod corrections;
 mod counted;
 mod graph;
 mod operations;
@@ -9,6 +10,7 @@ pub mod processor;
 
 use bodies::{Evaluation, multiply_adds};
 use bytes::Bytes;
+use corrections::CorrectionsCost;
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
@@ -26,6 +28,16 @@ pub struct Work {
     pub multiply_adds: usize,
     /// Bytes of the arrays that are live at once on the stack; call frames and spilled registers come on top.
     pub stack_bytes: usize,
+}
+
+impl Work {
+    /// Both, one after the other.
+    fn before(self, other: Self) -> Self {
+        Self {
+            multiply_adds: self.multiply_adds + other.multiply_adds,
+            stack_bytes: self.stack_bytes.max(other.stack_bytes),
+        }
+    }
 }
 
 /// Work and memory of a model on a 32-bit chip.
@@ -58,9 +70,15 @@ pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
         Family::Bodies(bodies) => Evaluations::bodies(bodies, &bytes),
     };
     let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
+    let networks = CorrectionsCost::of(architecture);
+    let evaluations = Evaluations {
+        handle_bytes: evaluations.handle_bytes + dry + networks.handle_bytes,
+        dynamics: evaluations.dynamics.before(networks.force),
+        linearization: evaluations.linearization.before(networks.with_derivatives),
+    };
     Ok(Cost {
         state_bytes: bytes.state,
-        handle_bytes: evaluations.handle_bytes + dry,
+        handle_bytes: evaluations.handle_bytes,
         acceleration: evaluations.dynamics,
         step_order_2: evaluations.newton::<Midpoint>(bytes.newton_order_2),
         step_order_4: evaluations.newton::<Galerkin>(bytes.newton_order_4),

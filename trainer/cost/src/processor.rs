@@ -142,7 +142,7 @@ impl CostFactors {
     pub fn of(model: &HostModel) -> Option<Self> {
         let architecture = &model.architecture;
         let (family, coordinates) = (architecture.name(), architecture.n());
-        if model.precision == Precision::Half {
+        if model.precision == Precision::Half || !architecture.corrections.is_none() {
             return None;
         }
         Some(Self {

@@ -15,7 +15,7 @@ use thiserror::Error;
 pub(crate) const FILE: &str = "checkpoint.postcard";
 
 /// The first bytes of the file: what it is, and the version of its layout.
-const MAGIC: &[u8] = b"LARUN\x06";
+const MAGIC: &[u8] = b"LARUN\x07";
 
 /// Everything in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

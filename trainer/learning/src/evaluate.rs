@@ -12,8 +12,7 @@ pub mod rollouts;
 pub mod states;
 mod systems;
 
-pub(crate) use systems::masses_at;
-pub use systems::{Beginning, FreeAccelerations, rollout};
+pub use systems::{Beginning, FreeAccelerations, masses_at, rollout};
 
 use crate::architecture::{Architecture, Family, GraphArchitecture};
 use crate::data::{Dataset, Trajectory};

@@ -47,6 +47,19 @@ impl Layer {
         start..start + self.inputs * width
     }
 
+    /// Where the weight from input j to output i is.
+    pub(crate) const fn weight(&self, i: usize, j: usize) -> usize {
+        let (eights, fours) = (self.outputs / 8 * 8, self.outputs / 4 * 4);
+        let (first, width) = if i < eights {
+            (i / 8 * 8, 8)
+        } else if i < fours {
+            (eights, 4)
+        } else {
+            (i, 1)
+        };
+        self.panel(first, width).start + j * width + i - first
+    }
+
     /// Position of its first bias.
     pub(crate) const fn biases(&self) -> usize {
         self.start + self.all * self.outputs
@@ -120,12 +133,19 @@ pub struct Builder {
     pub(crate) slopes: HashMap<Node, Option<Node>>,
     known: HashMap<(Operation, usize), Node>,
     inputs: usize,
+    /// Whether most vectors are of two or three numbers, so that layers too are best applied number by number.
+    pub(crate) is_of_short_vectors: bool,
 }
 
 impl Builder {
     /// An empty list.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Says that most vectors are of two or three numbers: small layers of networks beside them are applied number by number too.
+    pub(crate) fn of_short_vectors(&mut self) {
+        self.is_of_short_vectors = true;
     }
 
     /// Numbers of a vector.

@@ -149,7 +149,7 @@ impl Program {
     /// The program for these vectors and these gradients in the weights, each a sum of terms.
     pub fn new(builder: &Builder, outputs: &[Node], rows: &[Vec<WeightTerm>]) -> Self {
         let mut program = Scheduler::new(builder, outputs, rows).schedule(outputs, rows);
-        program.numbers = Numbers::of(&program);
+        program.numbers = Numbers::of(&program, builder.is_of_short_vectors);
         program
     }
 

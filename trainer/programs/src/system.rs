@@ -77,6 +77,14 @@ impl System {
         Self { builder, n, parameters: model.parameters(), q, v, tau, energies, lagrangian, force, bends }
     }
 
+    /// The same without forces: L alone, over the same weight block.
+    #[must_use]
+    pub fn conservative(&self) -> Self {
+        let mut own = self.clone();
+        own.force = own.builder.zeros(own.n);
+        Self { bends: None, ..own }
+    }
+
     /// Number of coordinates n.
     pub fn n(&self) -> usize {
         self.n
@@ -180,6 +188,20 @@ impl System {
             outputs.extend(columns.iter().map(|[_, momentum]| *momentum));
         }
         (Program::new(&builder, &outputs, &[]), DerivativeOutputs { n: self.n })
+    }
+
+    /// Inputs q, v, τ; outputs the n columns ∂Q/∂τ_j, n rows each. None where no force depends on the control.
+    pub fn load_derivatives(&self) -> Option<Program> {
+        let mut builder = self.builder.clone();
+        if !builder.read_by(&[self.force], builder.operations.len())[self.tau.index()] {
+            return None;
+        }
+        let mut outputs = Vec::new();
+        for j in 0..self.n {
+            let axis = self.axis(&mut builder, j);
+            outputs.extend(builder.tangents(&[self.force], &[(self.tau, axis)]));
+        }
+        Some(Program::new(&builder, &outputs, &[]))
     }
 
     /// Programs of L = T(v) − V(q) with drag Q(v), each of inputs q, v, τ: outputs L_q and the columns of L_qq; L_v and the columns

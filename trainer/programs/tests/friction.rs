@@ -184,3 +184,44 @@ fn steps_are_cores() {
         check_steps::<Galerkin>(Order::Four, dry);
     }
 }
+
+/// The state that two positions determine is core's, also where the early friction turns the bubble's equation back.
+fn check_starts<P: Path>(order: Order, dry: [[f64; 4]; 2]) {
+    let weights = weights(ALL, dry, false, 9);
+    let (system, core, h) = (System::new(&model(ALL, false)), core(ALL, &weights), 0.01);
+    let newton = Newton { max_iterations: 50, stop: 1e-13, accept: 1e-9 };
+    let mut del = Del::new(&system, h, order, newton);
+    let numbers = Numbers::<N>::new(weights.clone(), 0.3, 4);
+    for push in [0.0, 3.0, -20.0] {
+        let [q, v] = [0, 1]
+            .map(|vector| std::array::from_fn(|i| Row(std::array::from_fn(|k| numbers.of(vector, k)[i]))));
+        let q: [Row; N] = q;
+        let v: [Row; N] = v;
+        let next: [Row; N] = std::array::from_fn(|i| {
+            let mut next = q[i];
+            next.add_scaled(h, &v[i]);
+            next
+        });
+        let tau = [Row::splat(push); N];
+        let found = del.start(&weights, [&q, &next], [&tau, &tau]);
+        for sample in 0..WIDTH {
+            let of = |rows: &[Row; N]| rows.map(|row| row.0[sample]);
+            let control = Control::held([push; N]);
+            let expected =
+                discrete::Del::<f64, P>::new(h).start(&core, &of(&q), &of(&next), &control).unwrap();
+            assert!(!found.failed.0[sample], "{order:?}, pushed by {push}, sample {sample}");
+            for (found, expected) in found.p.iter().zip(&expected.p()) {
+                let found = found.0[sample];
+                assert!((found - expected).abs() < 1e-8, "{order:?}, sample {sample}: {found} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn starts_are_cores() {
+    for dry in [DRY, STIFF, STIFF.map(|[c, load, smoothing, width]| [20.0 * c, load, smoothing, width])] {
+        check_starts::<Midpoint>(Order::Two, dry);
+        check_starts::<Galerkin>(Order::Four, dry);
+    }
+}

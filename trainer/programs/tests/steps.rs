@@ -1,10 +1,16 @@
-//! Steps that carry derivatives: against differences, in weights, control and start.
+//! Steps that carry derivatives: against differences, in weights, control and start; and against core.
 
+use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path};
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::energy::rigid::{Rigid, RigidShape};
+use leastaction_core::forces::{System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::AccelerationSlopes;
+use leastaction_programs::dynamics::Order;
 use leastaction_programs::energies::{Energies, RigidEnergies};
-use leastaction_programs::steps::{ControlTangent, ExplicitSteps, RungeKutta, State, Tangents};
+use leastaction_programs::steps::{
+    ControlTangent, ExplicitSteps, RungeKutta, State, Steps, Tangents, VariationalSteps,
+};
 use leastaction_programs::{Builder, Node, Row, System, WIDTH};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -93,8 +99,9 @@ impl Numbers {
         }
     }
 
-    fn end(&self, steps: &mut ExplicitSteps) -> State {
+    fn end(&self, steps: &mut dyn Steps) -> State {
         let mut state = self.start.clone();
+        steps.begin(&self.weights, &mut state, None);
         for step in 0..STEPS {
             let (tau, _) = self.acting(step);
             let failures = steps.step(&self.weights, &mut state, [&tau[0], &tau[1]], None);
@@ -104,22 +111,36 @@ impl Numbers {
     }
 }
 
+/// Every kind of steps.
+fn all_steps(system: &System) -> Vec<(String, Box<dyn Steps>)> {
+    let explicit = [RungeKutta::Midpoint, RungeKutta::ThreeEighths].map(|method| {
+        let steps: Box<dyn Steps> = Box::new(ExplicitSteps::new(system, H, method));
+        (format!("{method:?}"), steps)
+    });
+    let variational = [Order::Two, Order::Four].map(|order| {
+        let steps: Box<dyn Steps> = Box::new(VariationalSteps::new(system, H, order));
+        (format!("order {order:?}"), steps)
+    });
+    explicit.into_iter().chain(variational).collect()
+}
+
 #[test]
 fn tangents_are_differences() {
     let model = model();
     let system = System::new(&model);
-    for method in [RungeKutta::Midpoint, RungeKutta::ThreeEighths] {
-        let mut steps = ExplicitSteps::new(&system, H, method);
+    for (method, mut steps) in all_steps(&system) {
+        let steps = &mut *steps;
         let numbers = Numbers::random(system.parameters());
         let mut tangents = Tangents::at_start(N, system.parameters(), 2);
         let mut state = numbers.start.clone();
+        steps.begin(&numbers.weights, &mut state, Some(&mut tangents));
         for step in 0..STEPS {
             let (tau, controls) = numbers.acting(step);
             let with = Some((&mut tangents, &controls[..]));
             let failures = steps.step(&numbers.weights, &mut state, [&tau[0], &tau[1]], with);
             assert!(!failures.any(WIDTH));
         }
-        assert_eq!(state, numbers.end(&mut steps), "{method:?}");
+        assert_eq!(state, numbers.end(steps), "{method}");
         assert_eq!(tangents.columns(), system.parameters() + 2 + 2 * N);
         for (column, sample) in (0..tangents.columns()).map(|column| (column, column % WIDTH)) {
             let moved = |by: f64| {
@@ -128,11 +149,11 @@ fn tangents_are_differences() {
                 numbers
             };
             let step = 1e-5;
-            let [ahead, behind] = [step, -step].map(|by| moved(by).end(&mut steps));
+            let [ahead, behind] = [step, -step].map(|by| moved(by).end(steps));
             for i in 0..2 * N {
                 let slope = (ahead[i].0[sample] - behind[i].0[sample]) / (2.0 * step);
                 let own = tangents.of(column)[i].0[sample];
-                assert!((own - slope).abs() < 1e-7, "{method:?}, ∂x{i}/∂{column}: {own} and {slope}");
+                assert!((own - slope).abs() < 1e-7, "{method}, ∂x{i}/∂{column}: {own} and {slope}");
             }
         }
     }
@@ -143,26 +164,29 @@ fn tangents_are_differences() {
 fn a_sample_that_fails_leaves_the_others_alone() {
     let model = model();
     let system = System::new(&model);
-    let mut steps = ExplicitSteps::new(&system, H, RungeKutta::ThreeEighths);
     let numbers = Numbers::random(system.parameters());
     let (tau, controls) = numbers.acting(0);
-    let run = |start: &State, steps: &mut ExplicitSteps| {
+    let run = |start: &State, steps: &mut dyn Steps| {
         let (mut state, mut tangents) = (start.clone(), Tangents::at_start(N, system.parameters(), 2));
+        steps.begin(&numbers.weights, &mut state, Some(&mut tangents));
         let with = Some((&mut tangents, &controls[..]));
         let failures = steps.step(&numbers.weights, &mut state, [&tau[0], &tau[1]], with);
         (state, tangents, failures)
     };
     let mut broken = numbers.start.clone();
     broken[1].0[4] = f64::NAN;
-    let ((state, tangents, _), (other, others, failures)) =
-        (run(&numbers.start, &mut steps), run(&broken, &mut steps));
-    assert!((0..WIDTH).all(|sample| failures.0[sample] == (sample == 4)));
-    for sample in (0..WIDTH).filter(|sample| *sample != 4) {
-        assert!((0..2 * N).all(|i| state[i].0[sample] == other[i].0[sample]));
-        let same = |number: usize| {
-            tangents.of(number).iter().zip(others.of(number)).all(|(a, b)| a.0[sample] == b.0[sample])
-        };
-        assert!((0..tangents.columns()).all(same), "sample {sample}");
+    for (method, mut steps) in all_steps(&system) {
+        let ((state, tangents, _), (other, others, failures)) =
+            (run(&numbers.start, &mut *steps), run(&broken, &mut *steps));
+        assert!((0..WIDTH).all(|sample| failures.0[sample] == (sample == 4)), "{method}");
+        assert!(other.iter().any(|row| row.0[4].is_nan()), "{method}");
+        for sample in (0..WIDTH).filter(|sample| *sample != 4) {
+            assert!((0..2 * N).all(|i| state[i].0[sample] == other[i].0[sample]), "{method}");
+            let same = |number: usize| {
+                tangents.of(number).iter().zip(others.of(number)).all(|(a, b)| a.0[sample] == b.0[sample])
+            };
+            assert!((0..tangents.columns()).all(same), "{method}, sample {sample}");
+        }
     }
 }
 
@@ -174,20 +198,28 @@ fn derivatives_are_in_learned_weights_alone() {
     let numbers = Numbers::random(system.parameters());
     let (tau, controls) = numbers.acting(0);
     let learned: Vec<usize> = (0..system.parameters()).filter(|position| position % 3 != 1).collect();
-    let all: Vec<usize> = (0..system.parameters()).collect();
-    let [some, every] = [learned.clone(), all].map(|learned| {
-        let mut tangents = Tangents::at_start(N, learned.len(), 2);
-        let steps = ExplicitSteps::new(&system, H, RungeKutta::ThreeEighths);
-        let mut state = numbers.start.clone();
+    let carried = |steps: &mut dyn Steps, learned: usize| {
+        let (mut tangents, mut state) = (Tangents::at_start(N, learned, 2), numbers.start.clone());
+        steps.begin(&numbers.weights, &mut state, Some(&mut tangents));
         let with = Some((&mut tangents, &controls[..]));
-        let _ = steps.with_learned(learned).step(&numbers.weights, &mut state, [&tau[0], &tau[1]], with);
+        let _ = steps.step(&numbers.weights, &mut state, [&tau[0], &tau[1]], with);
         tangents
-    });
-    for (column, position) in learned.iter().enumerate() {
-        assert_eq!(some.of(column), every.of(*position));
-    }
-    for k in 0..2 + 2 * N {
-        assert_eq!(some.of(learned.len() + k), every.of(system.parameters() + k));
+    };
+    let explicit = || ExplicitSteps::new(&system, H, RungeKutta::ThreeEighths);
+    let variational = || VariationalSteps::new(&system, H, Order::Four);
+    let pairs: [[Box<dyn Steps>; 2]; 2] = [
+        [Box::new(explicit().with_learned(learned.clone())), Box::new(explicit())],
+        [Box::new(variational().with_learned(learned.clone())), Box::new(variational())],
+    ];
+    for [mut of_some, mut of_all] in pairs {
+        let some = carried(&mut *of_some, learned.len());
+        let every = carried(&mut *of_all, system.parameters());
+        for (column, position) in learned.iter().enumerate() {
+            assert_eq!(some.of(column), every.of(*position));
+        }
+        for k in 0..2 + 2 * N {
+            assert_eq!(some.of(learned.len() + k), every.of(system.parameters() + k));
+        }
     }
 }
 
@@ -217,4 +249,69 @@ fn accelerations_move_with_the_state_as_differences_do() {
             }
         }
     }
+}
+
+const KINDS: [Coordinate; N] = [Coordinate::Angle, Coordinate::Translation, Coordinate::Angle];
+
+/// From positions and velocities, and under a control that is another one at both ends.
+fn check_against_core<P: Path>(order: Order) {
+    let inertia = Inertia::Cholesky { epsilon: 0.7 };
+    let model = RigidEnergies::new(KINDS.to_vec(), (&[5, 4], Activation::Tanh), inertia, true);
+    let system = System::new(&model);
+    let mut numbers = Numbers::random(system.parameters());
+    let damping = system.parameters() - N;
+    numbers.weights[damping..].copy_from_slice(&[0.3, 0.1, 0.2]);
+    let shape = RigidShape::new(KINDS, &[5, 4], Activation::Tanh, inertia).unwrap();
+    let lagrangian: Rigid<f64, N, 5, 2> = Rigid::take(&mut &numbers.weights[..], &shape).unwrap();
+    let forces = Viscous { coefficients: std::array::from_fn(|i| numbers.weights[damping + i]) };
+    let core = CoreSystem { lagrangian, forces };
+    let found = numbers.end(&mut VariationalSteps::new(&system, H, order));
+    for sample in 0..WIDTH {
+        let at = |rows: &[Row]| -> [f64; N] { std::array::from_fn(|i| rows[i].0[sample]) };
+        let (q, v) = (at(&numbers.start), at(&numbers.start[N..]));
+        let mut state = discrete::State::new(&core.lagrangian, q, v).unwrap();
+        for step in 0..STEPS {
+            let (tau, _) = numbers.acting(step);
+            let control = Control { start: at(&tau[0]), end: at(&tau[1]) };
+            discrete::Del::<f64, P>::new(H).step(&core, &mut state, &control).unwrap();
+        }
+        let expected = state.q().into_iter().chain(state.p());
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found.0[sample] - expected).abs() < 1e-11, "{order:?}: {} {expected}", found.0[sample]);
+        }
+    }
+}
+
+/// Under a constant control, beside many small explicit steps.
+#[test]
+fn errors_of_variational_steps_fall_with_their_order() {
+    let model = model();
+    let system = System::new(&model);
+    let numbers = Numbers::random(system.parameters());
+    let (tau, _) = numbers.acting(0);
+    let end = |steps: &mut dyn Steps, count: usize| {
+        let mut state = numbers.start.clone();
+        steps.begin(&numbers.weights, &mut state, None);
+        for _ in 0..count {
+            let _ = steps.step(&numbers.weights, &mut state, [&tau[0], &tau[0]], None);
+        }
+        state
+    };
+    let time = 0.4;
+    let exact = end(&mut ExplicitSteps::new(&system, time / 512.0, RungeKutta::ThreeEighths), 512);
+    for (order, power) in [(Order::Two, 2.0), (Order::Four, 4.0)] {
+        let error = |count: usize| {
+            let found = end(&mut VariationalSteps::new(&system, time / count as f64, order), count);
+            let off = |i: usize, k: usize| (found[i].0[k] - exact[i].0[k]).powi(2);
+            (0..N).flat_map(|i| (0..WIDTH).map(move |k| (i, k))).map(|(i, k)| off(i, k)).sum::<f64>().sqrt()
+        };
+        let slope = (error(8) / error(16)).log2();
+        assert!((slope - power).abs() < 0.15, "{order:?}: {slope}");
+    }
+}
+
+#[test]
+fn variational_steps_are_cores() {
+    check_against_core::<Midpoint>(Order::Two);
+    check_against_core::<Galerkin>(Order::Four);
 }

@@ -3,7 +3,7 @@
 #![no_main]
 
 use leastaction_core::model::BodiesModel;
-use panic_free::{Flash, Friction, everything, halt, said};
+use panic_free::{AllForces, Flash, Friction, everything, halt, said};
 
 static FLASH: Flash = Flash::new();
 
@@ -14,6 +14,9 @@ extern "C" fn _start() -> ! {
         said::<_, 2>(&model);
     }
     if let Ok(model) = BodiesModel::<5, f32, Friction<5>>::load(FLASH.bytes()) {
+        everything(&model.system);
+    }
+    if let Ok(model) = BodiesModel::<3, f32, AllForces<3>>::load(FLASH.bytes()) {
         everything(&model.system);
     }
     halt()

@@ -23,6 +23,10 @@ pub(crate) use modular::{FAMILY, Lists, Mechanism, load, system};
 #[cfg(feature = "rigid")]
 pub(crate) use rigid::{FAMILY, Lists, Mechanism, load, system};
 
+#[cfg(not(feature = "graph"))]
+use crate::config::LEASTACTION_COORDINATES as N;
+#[cfg(feature = "networks")]
+use crate::config::{LEASTACTION_LAW_HIDDEN as H, LEASTACTION_LAW_LAYERS as L};
 use crate::error::Error;
 use crate::status::Status;
 use core::ffi::{CStr, c_char};
@@ -33,13 +37,22 @@ type Weight = f32;
 #[cfg(feature = "half")]
 type Weight = leastaction_core::scalar::f16;
 
-/// The laws of force that the library is built for; a file may have fewer.
+/// The laws of friction that the library is built for; a file may have fewer.
 #[cfg(not(any(feature = "friction", feature = "graph")))]
-type Laws = leastaction_core::forces::Viscous<f32, { crate::config::LEASTACTION_COORDINATES }>;
+type Friction = leastaction_core::forces::Viscous<f32, N>;
 #[cfg(feature = "friction")]
+type Friction = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
+
+/// The laws of force that the library is built for.
+#[cfg(not(any(feature = "networks", feature = "graph")))]
+type Laws = Friction;
+#[cfg(feature = "networks")]
 type Laws = (
-    leastaction_core::forces::Viscous<f32, { crate::config::LEASTACTION_COORDINATES }>,
-    leastaction_core::forces::Coulomb<f32, { crate::config::LEASTACTION_COORDINATES }>,
+    Friction,
+    (
+        leastaction_core::forces::Dissipation<'static, Weight, N, H, L>,
+        leastaction_core::forces::PotentialCorrection<'static, Weight, N, H, L>,
+    ),
 );
 
 /// Bytes of the name of a tree or graph at most, the zero at its end apart.

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::family::{Mechanism, system};
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Newton, Path, Report, State};
-use leastaction_core::lagrangian::{Energies, Lagrangian};
+use leastaction_core::lagrangian::Energies;
 
 /// A state as core knows it.
 pub(crate) type CoreState = State<f32, N>;
@@ -23,7 +23,7 @@ pub(crate) fn momentum(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Ve
 }
 
 pub(crate) fn energies(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Energies<f32>, Error> {
-    Ok(system(mechanism).lagrangian.energies(q, v))
+    Ok(system(mechanism).energies(q, v))
 }
 
 /// The state at position q and velocity v.

@@ -29,7 +29,7 @@ pub fn count(coordinates: &[Coordinate]) -> usize {
 
 /// One feature s(q_i) with s′ and s″, and the number i of its coordinate.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Feature<S> {
+pub(crate) struct Feature<S> {
     pub coordinate: usize,
     pub value: S,
     pub slope: S,
@@ -38,7 +38,7 @@ pub(super) struct Feature<S> {
 
 /// s(q) in SyMo's order: translations, then the cosines of all angles, then their sines.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Features<S, const N: usize> {
+pub(crate) struct Features<S, const N: usize> {
     slots: [[Feature<S>; N]; 2],
     count: usize,
 }

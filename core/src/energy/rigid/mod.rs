@@ -7,6 +7,7 @@ mod features;
 mod inertia;
 mod parameters;
 
+pub(crate) use features::Features;
 pub use features::{Coordinate, count as feature_count};
 pub use inertia::Inertia;
 
@@ -17,7 +18,6 @@ use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linea
 use crate::linear::{add_scaled, dot, multiply, transpose};
 use crate::network::{Activation, Jet, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
-use features::Features;
 use inertia::{Jets, OutputJets, Outputs, without_tangents};
 
 /// The shape of a rigid model, apart from its numbers.

@@ -5,7 +5,11 @@
 use core::hint::black_box;
 use leastaction_chip::instructions::mean;
 use leastaction_chip::{image, print};
-use leastaction_core::forces::{Coulomb, DryFriction, Forces, Viscous};
+use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::forces::{
+    Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Seen, Viscous,
+};
 use leastaction_core::network::{Activation, Dense, Jet};
 use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use leastaction_fpu as fpu;
@@ -53,6 +57,21 @@ fn scalar(name: &[u8], mut f: impl FnMut(f32) -> f32) {
 /// Prints the instructions of a law of force, its value and its value with its derivatives, divided by its N coordinates.
 #[inline(always)]
 fn law<F: Forces<f32, N>, const N: usize>(names: [&[u8]; 2], law: &F) {
+    let [value, both] = instructions_of(law);
+    print::number(names[0], value / N as u32);
+    print::number(names[1], both / N as u32);
+}
+
+/// The same, not divided.
+fn law_of_all<F: Forces<f32, N>, const N: usize>(names: [&[u8]; 2], law: &F) {
+    let [value, both] = instructions_of(law);
+    print::number(names[0], value);
+    print::number(names[1], both);
+}
+
+/// Instructions of a law of force, of its value and of its value with its derivatives.
+#[inline(always)]
+fn instructions_of<F: Forces<f32, N>, const N: usize>(law: &F) -> [u32; 2] {
     let at = [core::array::from_fn(|i| 0.3 - 0.1 * i as f32); 3];
     let value = mean(CALLS, || {
         let [q, v, tau] = black_box(&at);
@@ -62,8 +81,7 @@ fn law<F: Forces<f32, N>, const N: usize>(names: [&[u8]; 2], law: &F) {
         let ([q, v, tau], law) = (black_box(&at), black_box(law));
         black_box((law.force(q, v, tau), law.derivatives(q, v, tau)));
     });
-    print::number(names[0], value / N as u32);
-    print::number(names[1], both / N as u32);
+    [value, both]
 }
 
 /// Laws of force of six coordinates: none, damping, and damping with dry friction that grows with the load.
@@ -74,6 +92,27 @@ fn laws() {
     law::<_, N>([b"viscous", b"viscous_with_derivatives"], &viscous);
     let friction = (viscous, Coulomb { coordinates: [friction; N] });
     law::<_, N>([b"friction", b"friction_with_derivatives"], &friction);
+}
+
+/// Laws of force of two angles with networks of 8 units: dissipation of one of them and of both, and a potential of both.
+fn network_laws() -> Option<()> {
+    static WEIGHTS: [f32; 96] = [0.125; 96];
+    let (one, both) = ([None, Some(Coordinate::Angle)], [Some(Coordinate::Angle); 2]);
+    let shape = |inputs, outputs| NetworkShape::new(inputs, &[8], outputs, Activation::Tanh);
+    let dissipation = |seen, inputs, outputs| {
+        let mut weights = black_box(&WEIGHTS[..]);
+        Dissipation::<f32, 2, 8, 1>::take(&mut weights, Seen::new(seen).ok()?, &shape(inputs, outputs)?)
+            .ok()?
+    };
+    let first: [&[u8]; 2] = [b"dissipation_of_one", b"dissipation_of_one_with_derivatives"];
+    law_of_all::<_, 2>(first, &dissipation(one, 3, 1)?);
+    let second: [&[u8]; 2] = [b"dissipation_of_two", b"dissipation_of_two_with_derivatives"];
+    law_of_all::<_, 2>(second, &dissipation(both, 6, 3)?);
+    let mut weights = black_box(&WEIGHTS[..]);
+    let seen = Seen::new(both).ok()?;
+    let potential = PotentialCorrection::<f32, 2, 8, 1>::take(&mut weights, seen, &shape(4, 1)?).ok()??;
+    law_of_all::<_, 2>([b"potential_of_two", b"potential_of_two_with_derivatives"], &potential);
+    Some(())
 }
 
 /// Prints the instructions of our elementary functions, and of micromath's.
@@ -184,7 +223,7 @@ fn run() -> Result<(), &'static [u8]> {
     activation(b"isru", Activation::Isru);
     elementary();
     laws();
-    Ok(())
+    network_laws().ok_or(b"a law's network does not fit".as_slice())
 }
 
 image!(run);

@@ -14,8 +14,8 @@ use leastaction_core::energy::modular::{
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    BodiesHeader, Family, GraphHeader, GraphLayout, Header, Law, Laws, MAX_GRAPHS, MAX_TREES, ModularHeader,
-    RigidHeader, Rod, TrainedStep, TreeHeader, write,
+    BodiesHeader, Family, GraphHeader, GraphLayout, Header, Law, LawNetwork, Laws, MAX_GRAPHS, MAX_TREES,
+    ModularHeader, RigidHeader, Rod, TrainedStep, TreeHeader, write,
 };
 use leastaction_core::network::Activation;
 
@@ -62,8 +62,20 @@ fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
         let each = random.vector(4 * groups, 0.5).into_iter().map(|x| x.abs() + 0.0625);
         numbers.extend(each);
     }
+    for law in [Law::Dissipation, Law::Potential] {
+        let Some(network) = laws.network(law) else { continue };
+        if law == Law::Dissipation {
+            numbers.extend((0..network.count()).map(|k| 0.5 + k as f32));
+        }
+        let count = network.network(law).unwrap().parameters().unwrap();
+        numbers.extend(random.vector(count, 0.5));
+    }
     numbers
 }
+
+/// The network of a law of models of one coordinate or more.
+pub const NETWORK: LawNetwork<'static> =
+    LawNetwork { coordinates: "a", widths: [6, 5, 0, 0], activation: Activation::Tanh };
 
 /// A rigid model.
 #[derive(Clone, Debug)]

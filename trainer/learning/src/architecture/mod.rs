@@ -1,6 +1,7 @@
 //! The shape of a model on the host, where widths and the number of coordinates are known only at run time.
 
 mod bodies;
+mod corrections;
 mod family;
 mod friction;
 mod graph;
@@ -10,6 +11,7 @@ mod names;
 mod rigid;
 
 pub use bodies::{BodiesArchitecture, BodyNumbers};
+pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
 pub use family::Family;
 pub use friction::{CoordinateFriction, FrictionArchitecture, MOST_LOAD, WIDTHS};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, MAX_WIDTH as MAX_GRAPH_WIDTH, NamedGraph};
@@ -46,18 +48,24 @@ pub const DEPTH: usize = 3;
 /// Units of a hidden layer of a rigid model at most that is compiled for its sizes.
 pub const MAX_WIDTH: usize = 256;
 
-/// The shape of a model: energies of a family, and friction beside them.
+/// The shape of a model: energies of a family, friction beside them, and networks that correct both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Architecture {
     /// The energies, with the forces that the family has of its own.
     pub family: Family,
     /// Friction beside those.
     pub friction: FrictionArchitecture,
+    /// Networks beside both.
+    pub corrections: Corrections,
 }
 
 impl<F: Into<Family>> From<F> for Architecture {
     fn from(family: F) -> Self {
-        Self { family: family.into(), friction: FrictionArchitecture::default() }
+        Self {
+            family: family.into(),
+            friction: FrictionArchitecture::default(),
+            corrections: Corrections::default(),
+        }
     }
 }
 
@@ -72,8 +80,10 @@ impl Architecture {
         if let Some(law) = laws.iter().next().filter(|_| family.groups() == 0) {
             return Err(ModelError::Law { number: law as u8 });
         }
+        let corrections = Corrections::from_laws(laws, weights);
+        let weights = weights.get(..weights.len().saturating_sub(corrections.count())).unwrap_or_default();
         let friction = FrictionArchitecture::from_laws(laws, family.laws(), family.groups(), weights);
-        Ok(Self { family, friction })
+        Ok(Self { family, friction, corrections })
     }
 
     /// The shape, if it is of the rigid family.
@@ -136,9 +146,9 @@ impl Architecture {
         }
     }
 
-    /// The same friction beside other energies.
+    /// The same friction and networks beside other energies.
     fn with_family(&self, family: impl Into<Family>) -> Option<Self> {
-        Some(Self { family: family.into(), friction: self.friction.clone() })
+        Some(Self { family: family.into(), ..self.clone() })
     }
 
     /// Whether evaluation steps it by the discrete Euler–Lagrange equation: it has no rods.
@@ -179,7 +189,7 @@ impl Architecture {
         }
     }
 
-    /// Every hidden layer's units.
+    /// Every hidden layer's units, of the energies.
     pub fn widths(&self) -> Vec<usize> {
         match &self.family {
             Family::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
@@ -189,7 +199,7 @@ impl Architecture {
         }
     }
 
-    /// Hidden layers of the deepest network.
+    /// Hidden layers of the deepest network of the energies.
     pub fn depth(&self) -> usize {
         match &self.family {
             Family::Rigid(rigid) => rigid.widths.len(),
@@ -215,13 +225,23 @@ impl Architecture {
     }
 
     /// The laws of force beside the energies, whose numbers end the weight block.
-    pub fn laws(&self) -> Laws<'static> {
+    pub fn laws(&self) -> Laws<'_> {
+        self.corrections.laws(self.friction_laws())
+    }
+
+    /// Those without a network.
+    pub fn friction_laws(&self) -> Laws<'static> {
         self.friction.laws(self.family.laws())
     }
 
     /// Where the numbers of friction begin that are not the family's own.
-    fn friction_start(&self) -> usize {
+    pub(crate) fn friction_start(&self) -> usize {
         self.family.parameters().unwrap_or(0)
+    }
+
+    /// Where the numbers of the networks that correct begin.
+    pub fn corrections_start(&self) -> usize {
+        self.friction_start() + self.friction.count()
     }
 
     /// Numbers in the weight block that training changes.
@@ -234,20 +254,22 @@ impl Architecture {
 
     /// Random weights where they are learned, the given numbers elsewhere.
     pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        self.with_friction(self.family.initial_weights(seed))
+        self.with_laws(self.family.initial_weights(seed), seed)
     }
 
-    /// The weights of the family with the given numbers of friction behind them.
-    pub(crate) fn with_friction(&self, mut weights: Vec<f64>) -> Vec<f64> {
+    /// The weights of the family with the given numbers of friction and random weights of networks that correct behind them.
+    pub(crate) fn with_laws(&self, mut weights: Vec<f64>, seed: u64) -> Vec<f64> {
         weights.extend(self.friction.numbers().map(|number| number.value));
+        weights.extend(self.corrections.initial_weights(seed));
         weights
     }
 
     /// The friction of every coordinate at these weights, the family's own damping included; empty where there is no law.
     pub fn friction_of_coordinates(&self, weights: &[f64]) -> Vec<CoordinateFriction> {
-        let (laws, groups) = (self.laws(), self.family.groups());
-        let numbers = laws.parameters(groups).unwrap_or(0).min(weights.len());
-        let numbers = weights.get(weights.len() - numbers..).unwrap_or_default();
+        let (laws, groups) = (self.friction_laws(), self.family.groups());
+        let end = weights.len().saturating_sub(self.corrections.count());
+        let start = end.saturating_sub(laws.parameters(groups).unwrap_or(0));
+        let numbers = weights.get(start..end).unwrap_or_default();
         let viscous = if laws.contains(Law::Viscous) { groups } else { 0 };
         let (viscous, dry) = numbers.split_at(viscous.min(numbers.len()));
         let dry = dry.as_chunks().0;
@@ -262,7 +284,8 @@ impl Architecture {
     /// The numbers of the weight block that training must leave as they are.
     pub fn fixed_positions(&self) -> Vec<usize> {
         let friction = self.friction.fixed_positions(self.friction_start());
-        self.family.fixed_positions().into_iter().chain(friction).collect()
+        let networks = self.corrections.fixed_positions(self.corrections_start());
+        self.family.fixed_positions().into_iter().chain(friction).chain(networks).collect()
     }
 
     /// The ranges of numbers that are learned as free numbers ([`Bounds`](crate::training::Bounds)), by their positions.
@@ -283,13 +306,13 @@ impl Architecture {
     pub fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
         let family = self.family.energies()?;
         if self.friction.is_none() {
-            return Ok(family);
+            return self.corrections.energies(family);
         }
         let groups = self.family.groups();
         self.friction.check(self.family.laws(), groups)?;
         let beside = self.family.group_of_coordinates();
         let all = WithFriction::new(family, self.friction.laws_beside(), groups, beside);
-        Ok(Box::new(all.ok_or(ModelError::OutOfRange { what: "friction" })?))
+        self.corrections.energies(Box::new(all.ok_or(ModelError::OutOfRange { what: "friction" })?))
     }
 
     /// The rods of the graph that is meant; none of another family.

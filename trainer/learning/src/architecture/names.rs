@@ -58,13 +58,15 @@ fn of_friction(whose: &str, letter: Option<char>) -> [NumberName; 1 + FrictionNu
 }
 
 impl Architecture {
-    /// The name of every number of the weight block; none of a network's weights and of a graph's numbers.
+    /// The name of every number of the weight block; none of a network's weights and scales and of a graph's numbers.
     pub fn number_names(&self) -> Vec<Option<NumberName>> {
         let count = self.parameters().unwrap_or(0);
         let mut names = self.family_names();
         let friction = self.friction_names();
-        names.resize(count.saturating_sub(friction.len()), None);
+        let networks = self.corrections.count();
+        names.resize(count.saturating_sub(friction.len() + networks), None);
         names.extend(friction.into_iter().map(Some));
+        names.resize(count, None);
         names
     }
 
@@ -93,9 +95,9 @@ impl Architecture {
         }
     }
 
-    /// Those of all friction, the family's own included, which ends the weight block.
+    /// Those of all friction, the family's own included.
     fn friction_names(&self) -> Vec<NumberName> {
-        let (laws, groups) = (self.laws(), self.family.groups());
+        let (laws, groups) = (self.friction_laws(), self.family.groups());
         let letters: Vec<char> = self.coordinates().chars().collect();
         let of_coordinates = self.family.group_of_coordinates();
         let group = |group: usize| {

@@ -8,6 +8,7 @@ use leastaction_core::network::{Activation, Dense};
 use leastaction_core::scalar::Scalar;
 use leastaction_programs::energies::RigidEnergies;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A rigid system over host weights: its type has the compiled sizes.
 pub type HostSystem<'w, S, const N: usize, const H: usize> =
@@ -149,12 +150,16 @@ impl RigidArchitecture {
         }
     }
 
+    /// Where damping is in the weight block, if there is any.
+    pub fn damping(&self) -> Option<Range<usize>> {
+        let start = self.header().parameters().ok().filter(|_| self.damped)?;
+        Some(start..start + self.n())
+    }
+
     /// Damping not below 0.
     pub fn project(&self, weights: &mut [f64]) {
-        let start = self.header().parameters().unwrap_or(0);
-        let damping = weights.get_mut(start..).unwrap_or_default();
-        let own = if self.damped { self.n() } else { 0 };
-        damping.iter_mut().take(own).for_each(|damping| *damping = damping.max(0.0));
+        let damping = self.damping().and_then(|own| weights.get_mut(own)).unwrap_or_default();
+        damping.iter_mut().for_each(|damping| *damping = damping.max(0.0));
     }
 
     /// The system of this shape over a weight block.

@@ -3,6 +3,7 @@
 
 mod bodies;
 mod calibration;
+mod corrections;
 mod data;
 mod error;
 mod fields;
@@ -11,13 +12,17 @@ mod graph;
 mod loss;
 mod model;
 mod modular;
+mod origin;
 mod parts;
 mod problem;
 mod read;
 mod rigid;
 
+pub(crate) use origin::Origin;
+
 pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
+pub use corrections::{DissipationConfig, PotentialConfig, ScaleConfig};
 pub use data::{ColumnsConfig, DataConfig, JoinConfig, LeftOutConfig, LogFiles};
 pub use error::ConfigError;
 pub use fields::{Coordinates, InertiaKind, OptimiserKind};
@@ -34,6 +39,7 @@ pub use rigid::RigidConfig;
 
 use crate::architecture::Architecture;
 use crate::training::StateNoise;
+use crate::windows::Integrator;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -73,7 +79,10 @@ pub struct TrainingConfig {
     /// Part of a window that the next one has as well, in [0, 1); none: a half where windows are few.
     #[serde(deserialize_with = "fields::some_fraction", skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
-    /// Of the discrete Euler–Lagrange equation or, for the next state, of the Runge–Kutta step: 2 or 4.
+    /// What windows are integrated by; by default Runge–Kutta steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub integrator: Option<Integrator>,
+    /// Of the discrete Euler–Lagrange equation or, for the next state and by default for windows, of the Runge–Kutta step: 2 or 4.
     #[serde(deserialize_with = "fields::order")]
     pub order: u8,
     /// Which optimiser.
@@ -105,6 +114,9 @@ pub struct TrainingConfig {
     /// Standard deviations of logged states, where their noise is to be learned beside the weights: of the acceleration loss.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "fields::state_noise")]
     pub state_noise: Option<StateNoise>,
+    /// Whether networks that correct the model are kept only where they predict held-back logs better.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub try_networks: bool,
     /// λ ≥ 0 of the penalty λ|θ|² that Levenberg–Marquardt adds to the loss.
     #[serde(deserialize_with = "fields::penalty")]
     pub weight_decay: f64,
@@ -134,6 +146,7 @@ impl Default for TrainingConfig {
             loss: None,
             window: 0.5,
             overlap: None,
+            integrator: None,
             order: 4,
             optimiser: OptimiserKind::LevenbergMarquardt,
             iterations: 200,
@@ -146,6 +159,7 @@ impl Default for TrainingConfig {
             checkpoint_iterations: 50,
             checkpoint_seconds: 10.0,
             state_noise: None,
+            try_networks: false,
             weight_decay: 0.0,
             adam: AdamConfig::default(),
         }
@@ -201,7 +215,10 @@ impl Config {
         let located = |error: ShapeError| read::located(file, text, &error);
         match &mut config.model {
             ModelConfig::Rigid(rigid) => {
-                rigid.friction().map_err(located)?;
+                let from = rigid.start_from.as_mut();
+                from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
+                rigid.laws().map_err(located)?;
+                rigid.origin().map_err(located)?;
             }
             ModelConfig::Modular(modular) => {
                 let from = modular.from.as_mut();
@@ -228,9 +245,12 @@ impl Config {
     pub fn identity(&self) -> Self {
         let defaults = TrainingConfig::default();
         let mut model = self.model.clone();
-        if let ModelConfig::Modular(modular) = &mut model {
-            modular.from = modular.from.as_ref().map(|_| PathBuf::new());
-        }
+        let from = match &mut model {
+            ModelConfig::Modular(modular) => modular.from.as_mut(),
+            ModelConfig::Rigid(rigid) => rigid.start_from.as_mut(),
+            _ => None,
+        };
+        from.into_iter().for_each(|from| *from = PathBuf::new());
         Self {
             model,
             calibration: self.calibration,
@@ -255,17 +275,15 @@ impl Config {
     pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ShapeError> {
         let seed = self.training.seed;
         match &self.model {
-            ModelConfig::Rigid(rigid) => {
-                let architecture = rigid.architecture()?;
-                let weights = architecture.initial_weights(seed);
-                Ok((architecture, weights))
-            }
+            ModelConfig::Rigid(rigid) => rigid.beginning(seed),
             ModelConfig::Modular(modular) => {
                 let assembled = modular.assemble()?;
                 let (family, weights) =
                     (assembled.architecture.clone().into(), assembled.initial_weights(seed));
-                let architecture = Architecture { family, friction: assembled.friction };
-                let weights = architecture.with_friction(weights);
+                let Assembled { friction, corrections, trained_corrections, .. } = assembled;
+                let architecture = Architecture { family, friction, corrections };
+                let mut weights = architecture.with_laws(weights, seed);
+                architecture.corrections.put(&trained_corrections, &mut weights);
                 Ok((architecture, weights))
             }
             ModelConfig::Graph(graph) => {

@@ -4,6 +4,8 @@ use super::bodies::BodiesConfig;
 use super::fields::Coordinates;
 use super::graph::GraphConfig;
 use super::modular::ModularConfig;
+use super::origin::Origin;
+use super::problem::ShapeError;
 use super::rigid::RigidConfig;
 use serde::Serialize;
 
@@ -19,6 +21,45 @@ pub enum ModelConfig {
     Graph(GraphConfig),
     /// `family = "bodies"`.
     Bodies(BodiesConfig),
+}
+
+impl ModelConfig {
+    /// The model of another shape whose energies training begins at, where there is one.
+    pub(crate) fn origin(&self) -> Result<Option<Origin>, ShapeError> {
+        match self {
+            Self::Rigid(rigid) => rigid.origin(),
+            _ => Ok(None),
+        }
+    }
+
+    /// Whether training begins with trained networks that correct the model.
+    pub(crate) fn has_trained_networks(&self) -> bool {
+        matches!(self, Self::Modular(modular) if modular.from.is_some())
+    }
+
+    /// The same with these of the networks that correct a model alone, as they are given or else by default; `None` where its coordinates
+    /// can have none.
+    pub(crate) fn with_networks(&self, with_dissipation: bool, with_potential: bool) -> Option<Self> {
+        let mut own = self.clone();
+        let (dissipation, potential) = match &mut own {
+            Self::Rigid(rigid) => (&mut rigid.dissipation, &mut rigid.potential),
+            Self::Modular(modular) => (&mut modular.dissipation, &mut modular.potential),
+            Self::Bodies(bodies) => (&mut bodies.dissipation, &mut bodies.potential),
+            Self::Graph(_) => return None,
+        };
+        *dissipation = with_dissipation.then(|| dissipation.take().unwrap_or_default());
+        *potential = with_potential.then(|| potential.take().unwrap_or_default());
+        Some(own)
+    }
+
+    /// Whether training begins with trained weights.
+    pub(crate) fn goes_on(&self) -> bool {
+        match self {
+            Self::Rigid(rigid) => rigid.start_from.is_some(),
+            Self::Modular(modular) => modular.from.is_some(),
+            _ => false,
+        }
+    }
 }
 
 impl From<Coordinates> for ModelConfig {

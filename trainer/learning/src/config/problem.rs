@@ -104,6 +104,20 @@ pub enum Problem {
         /// Its family.
         found: &'static str,
     },
+    /// The model to start from has other coordinates.
+    #[error(
+        "{} holds a model of the coordinates {found:?}, or one with rods; to start from is one of {needed:?}, without rods (t: a length, \
+         others: angles)",
+        file.display()
+    )]
+    OtherCoordinates {
+        /// The run or the model file.
+        file: PathBuf,
+        /// Its coordinates, one letter each.
+        found: String,
+        /// Those of this model.
+        needed: String,
+    },
     /// No element type.
     #[error(
         "no element types: add a [[model.types]] with a name and a transform, or name a trained model with from = \"run\""
@@ -203,6 +217,37 @@ pub enum Problem {
     DampingTwice {
         /// The other key.
         key: &'static str,
+    },
+    /// A coordinate of a network that does not exist.
+    #[error(
+        "there is no coordinate {coordinate} in every tree of the model: {coordinates} are common to all, counted from 0"
+    )]
+    NoCoordinate {
+        /// As given.
+        coordinate: u64,
+        /// Of the model, of several trees that of the shortest.
+        coordinates: usize,
+    },
+    /// A coordinate twice.
+    #[error("coordinate {coordinate} stands there twice")]
+    CoordinateTwice {
+        /// From 0.
+        coordinate: usize,
+    },
+    /// A network that sees nothing.
+    #[error("a network must see a coordinate; name one, as [0], or leave out the network")]
+    NothingSeen,
+    /// The position of a coordinate that a network does not see.
+    #[error("coordinate {coordinate} is not among `coordinates` of this network")]
+    Unseen {
+        /// From 0.
+        coordinate: usize,
+    },
+    /// A potential of a cyclic coordinate.
+    #[error("coordinate {coordinate} is cyclic: energies do not depend on it")]
+    Cyclic {
+        /// From 0.
+        coordinate: usize,
     },
     /// A type that does not exist.
     #[error("no {what} is called {name:?}; there are: {known}")]

@@ -1,12 +1,17 @@
 //! `[model]` of the rigid family.
 
+use super::corrections::{DissipationConfig, Known, PotentialConfig, assemble};
 use super::fields::{self, Coordinates, InertiaKind};
 use super::friction::FrictionConfig;
+use super::origin::Origin;
 use super::problem::{Problem, ShapeError};
-use crate::architecture::{Architecture, FrictionArchitecture, RigidArchitecture, largest_factor};
+use crate::architecture::{
+    Architecture, Corrections, FrictionArchitecture, RigidArchitecture, largest_factor,
+};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::network::Activation;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// The shape of a rigid model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,9 +37,18 @@ pub struct RigidConfig {
     /// Whether viscous damping is learned.
     #[serde(default)]
     pub damping: bool,
+    /// The run or model file, of any family, whose inertia, potential and friction training begins at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_from: Option<PathBuf>,
     /// Friction of the coordinates, damping included.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// A network that dissipates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<DissipationConfig>,
+    /// A network that is added to the potential.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential: Option<PotentialConfig>,
 }
 
 fn hidden() -> Vec<u16> {
@@ -60,7 +74,10 @@ impl RigidConfig {
             rows: None,
             epsilon: epsilon(),
             damping: false,
+            start_from: None,
             friction: FrictionConfig::default(),
+            dissipation: None,
+            potential: None,
         }
     }
 
@@ -80,7 +97,7 @@ impl RigidConfig {
                 Inertia::Factor { rows, epsilon: self.epsilon }
             }
         };
-        let friction = self.friction()?;
+        let (friction, corrections) = self.laws()?;
         let family = RigidArchitecture {
             widths: hidden.clone(),
             activation: *activation,
@@ -88,13 +105,41 @@ impl RigidConfig {
             damped: *damping,
             ..plain
         };
-        Ok(Architecture { family: family.into(), friction })
+        Ok(Architecture { family: family.into(), friction, corrections })
     }
 
-    /// The friction of the coordinates.
-    pub(super) fn friction(&self) -> Result<FrictionArchitecture, ShapeError> {
+    /// The model whose energies training begins at, where there is one.
+    pub(crate) fn origin(&self) -> Result<Option<Origin>, ShapeError> {
+        let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
+        let read = |path: &PathBuf| Origin::read(path, &letters);
+        self.start_from.as_ref().map(read).transpose().map_err(|problem| problem.at(["start_from".into()]))
+    }
+
+    /// The shape, with the friction of the model to start from where no other is asked for; and weights, of the network random ones.
+    pub(super) fn beginning(&self, seed: u64) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        let mut architecture = self.architecture()?;
+        let Some(origin) = self.origin()? else {
+            let weights = architecture.initial_weights(seed);
+            return Ok((architecture, weights));
+        };
+        if self.friction.is_none() && !self.damping {
+            architecture.friction = origin.friction_to_learn();
+        } else {
+            origin.set_friction(&mut architecture.friction);
+        }
+        let mut weights = architecture.initial_weights(seed);
+        let damping = architecture.rigid().and_then(RigidArchitecture::damping).unwrap_or_default();
+        weights.splice(damping.clone(), origin.damping().into_iter().take(damping.len()));
+        Ok((architecture, weights))
+    }
+
+    /// The friction of the coordinates, and the networks beside it.
+    pub(super) fn laws(&self) -> Result<(FrictionArchitecture, Corrections), ShapeError> {
         self.friction.check_damping("damping", self.damping)?;
-        self.friction.assemble(self.coordinates.0.len(), "coordinate")
+        let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
+        let known = Known { letters: &letters, common: letters.len() };
+        let friction = self.friction.assemble(letters.len(), "coordinate")?;
+        Ok((friction, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?))
     }
 
     /// The same with the rows that are asked for.

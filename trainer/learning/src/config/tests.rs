@@ -36,8 +36,11 @@ fn printed_defaults_are_the_defaults() {
 fn printed_keys_that_are_off_can_be_switched_on() {
     let is_key =
         |line: &str| line.split(" = ").next().is_some_and(|key| !key.is_empty() && !key.contains(' '));
+    // A model to start from must exist.
+    let is_of_this_text = |line: &&str| !line.starts_with("# start_from");
     let switched: String = DEFAULTS
         .lines()
+        .filter(is_of_this_text)
         .map(|line| {
             line.strip_prefix("# ").filter(|rest| rest.contains(" = ") && is_key(rest)).unwrap_or(line)
         })

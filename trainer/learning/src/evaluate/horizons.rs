@@ -1,17 +1,18 @@
 //! How far off a model is after a while: predictions along logs, beside those of a constant velocity and beside the noise.
 //!
 //! A prediction starts in the middle of the parabola nearest to seven positions, under the forces that the model's actuator makes of the
-//! logged control. It is integrated by Runge–Kutta steps of order 4, several a sample. Its error to a horizon is the root mean square over
+//! logged control. It is integrated by Runge–Kutta steps of order 4, several a sample; where the model was trained with a step as long as
+//! that of the logs, by this one. Its error to a horizon is the root mean square over
 //! all samples from the start to there, of one coordinate or of all. A perfect model is off by the noise, and by what the noise does to
 //! the start.
 
 use super::{median, systems};
 use crate::architecture::Architecture;
 use crate::parallel::{self, Pool};
-use crate::windows::{Calibrated, WindowLogs};
+use crate::windows::{Calibrated, Integrator, WindowLogs};
 use leastaction_core::forces::ControlKind;
-use leastaction_core::model::ModelError;
-use leastaction_programs::steps::{ExplicitSteps, RungeKutta, State};
+use leastaction_core::model::{ModelError, TrainedStep};
+use leastaction_programs::steps::{State, Steps};
 use leastaction_programs::{Row, WIDTH};
 
 /// How far ahead is predicted, s.
@@ -37,6 +38,8 @@ pub struct Predictor<'a> {
     pub architecture: &'a Architecture,
     /// Its weight block.
     pub weights: &'a [f64],
+    /// The step that it was trained with, where it was.
+    pub trained_step: Option<TrainedStep>,
     /// Its actuator, and the zeros of the logs' encoders; those of logs without any are 0.
     pub calibrated: &'a Calibrated,
     /// Positions and controls.
@@ -99,13 +102,14 @@ impl Predictor<'_> {
     pub fn predict(&self) -> Result<Predictions, ModelError> {
         let (n, h) = (self.logs.n, self.logs.h);
         let system = systems::system(self.architecture, self.weights)?;
-        let parts = (h / STEP).ceil().max(1.0);
-        let pool = Pool::new(move || ExplicitSteps::new(&system, h / parts, RungeKutta::of_order(4)));
+        let (integrator, order) = Integrator::of_trained(self.trained_step, h);
+        let parts = if integrator == Integrator::Del { 1.0 } else { (h / STEP).ceil().max(1.0) };
+        let pool = Pool::new(move || integrator.steps(&system, (h / parts, order), Vec::new()));
         let roll = |starts: Vec<(usize, usize)>, most: f64| -> Vec<Prediction> {
             let most = (most / h).round() as usize;
             let blocks: Vec<&[(usize, usize)]> = starts.chunks(WIDTH).collect();
             let rolled = parallel::map(blocks.len(), &|k| {
-                pool.with(|stepper| self.roll(stepper, (blocks[k], most), parts as usize))
+                pool.with(|stepper| self.roll(&mut **stepper, (blocks[k], most), parts as usize))
             });
             rolled.into_iter().flatten().collect()
         };
@@ -175,7 +179,7 @@ impl Predictor<'_> {
     /// Predictions side by side over so many samples at most, `parts` steps a sample.
     fn roll(
         &self,
-        stepper: &mut ExplicitSteps,
+        stepper: &mut dyn Steps,
         (starts, most): (&[(usize, usize)], usize),
         parts: usize,
     ) -> Vec<Prediction> {
@@ -200,6 +204,7 @@ impl Predictor<'_> {
             path: Vec::new(),
         };
         let mut predictions: Vec<Prediction> = starts.iter().copied().map(prediction).collect();
+        stepper.begin(self.weights, &mut state, None);
         for step in 0..=longest {
             for (lane, own) in
                 predictions.iter_mut().enumerate().filter(|(lane, _)| step <= steps(starts[*lane]))

@@ -32,7 +32,8 @@ fn logs(samples: &[usize], zero: f64) -> WindowLogs {
 fn errors(logs: &WindowLogs, calibrated: &Calibrated) -> Vec<HorizonErrors> {
     let architecture = wheel();
     let weights = architecture.initial_weights(0);
-    let predictor = Predictor { architecture: &architecture, weights: &weights, calibrated, logs };
+    let predictor =
+        Predictor { architecture: &architecture, weights: &weights, trained_step: None, calibrated, logs };
     predictor.predict().unwrap().errors(logs)
 }
 
@@ -76,8 +77,13 @@ fn a_wrong_model_is_beside_the_logs_and_the_median_window_is_in_the_middle() {
     let (architecture, calibrated) = (wheel(), Calibrated::default());
     let mut weights = architecture.initial_weights(0);
     weights[2 + 6] = 1e-3;
-    let predictor =
-        Predictor { architecture: &architecture, weights: &weights, calibrated: &calibrated, logs: &logs };
+    let predictor = Predictor {
+        architecture: &architecture,
+        weights: &weights,
+        trained_step: None,
+        calibrated: &calibrated,
+        logs: &logs,
+    };
     let predictions = predictor.predict().unwrap();
     let growth = predictions.growth(&logs);
     assert!(growth.len() == 101 && growth[100][0] > growth[100][1] && growth[0][0] < 1e-9);

@@ -138,11 +138,11 @@ pub(super) fn masses(
     masses_at(architecture, weights, &positions)
 }
 
-/// The same at these positions.
+/// M(q) at rest at these positions, row by row.
 ///
 /// # Errors
 /// As [`FreeAccelerations::new`].
-pub(crate) fn masses_at(
+pub fn masses_at(
     architecture: &Architecture,
     weights: &[f64],
     positions: &[&[f64]],

@@ -56,8 +56,8 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
         writeln!(to, "use leastaction_core::constraints::Holonomic;")?;
         writeln!(to, "use leastaction_core::energy::graph::Edge;")?;
     }
-    if is_dry(model) {
-        writeln!(to, "use leastaction_core::forces::{{Coulomb, Viscous}};")?;
+    if let Some(forces) = ForcesType::of(model) {
+        writeln!(to, "use leastaction_core::forces::{{{}}};", forces.imports())?;
     }
     writeln!(to, "use leastaction_core::model::{{{imports}}};")?;
     if model.precision == Precision::Half {
@@ -70,13 +70,13 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     let architecture = &model.architecture;
     let widest = architecture.widths().into_iter().max().unwrap_or(0);
     let kinds = architecture.coordinates();
-    let (weight, friction) = match (model.precision, is_dry(model)) {
-        (Precision::Half, false) => (", f16", ""),
-        (Precision::Half, true) => (", f16", ", Friction"),
-        (Precision::Single, false) => ("", ""),
-        (Precision::Single, true) => (", f32", ", Friction"),
+    let law = ForcesType::of(model);
+    let weight = match (model.precision, &law) {
+        (Precision::Half, _) => ", f16",
+        (Precision::Single, None) => "",
+        (Precision::Single, Some(_)) => ", f32",
     };
-    let of = |n: &str| if friction.is_empty() { String::new() } else { format!("{friction}<{n}>") };
+    let of = |n: &str| law.as_ref().map_or(String::new(), |law| format!(", {}<{n}>", law.name()));
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
     if architecture.bodies().is_none() {
@@ -85,7 +85,7 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     }
     match &architecture.family {
         Family::Rigid(_) => {
-            write_friction(to, model)?;
+            write_forces(to, model)?;
             let forces = of("N");
             writeln!(
                 to,
@@ -96,7 +96,7 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
             writeln!(to, "/// Element types.\npub const E: usize = {};", modular.types.len())?;
             writeln!(to, "/// The tree of elements.\npub const TREE: &str = {:?};", modular.tree_name())?;
             write_trees(to, modular)?;
-            write_friction(to, model)?;
+            write_forces(to, model)?;
             let forces = of("M");
             writeln!(to, "\n/// A tree of `M` coordinates.")?;
             writeln!(
@@ -107,25 +107,84 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
         }
         Family::Graph(graph) => write_graphs(to, graph, weight),
         Family::Bodies(_) => {
-            write_friction(to, model)?;
+            write_forces(to, model)?;
             let forces = of("N");
             writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}{forces}>;")
         }
     }
 }
 
-/// Whether the model has dry friction, which a program must be compiled for.
-fn is_dry(model: &HostModel) -> bool {
-    model.architecture.laws().contains(Law::Coulomb)
+/// The laws of force that a program must be compiled for.
+struct ForcesType {
+    laws: Vec<Law>,
+    weight: &'static str,
+}
+
+impl ForcesType {
+    /// `None` where they are viscous damping alone.
+    fn of(model: &HostModel) -> Option<Self> {
+        let laws: Vec<Law> = model.architecture.laws().iter().collect();
+        let weight = if model.precision == Precision::Half { "f16" } else { "f32" };
+        laws.iter().any(|law| *law != Law::Viscous).then_some(Self { laws, weight })
+    }
+
+    fn has(&self, law: Law) -> bool {
+        self.laws.contains(&law)
+    }
+
+    fn has_networks(&self) -> bool {
+        self.has(Law::Dissipation) || self.has(Law::Potential)
+    }
+
+    /// What the type is called.
+    fn name(&self) -> &'static str {
+        if self.has_networks() { "Forces" } else { "Friction" }
+    }
+
+    fn imports(&self) -> String {
+        let names = [
+            (self.has(Law::Coulomb), "Coulomb"),
+            (self.has(Law::Dissipation), "Dissipation"),
+            (self.has(Law::Potential), "PotentialCorrection"),
+            (true, "Viscous"),
+        ];
+        names
+            .into_iter()
+            .filter(|(is_there, _)| *is_there)
+            .map(|(_, name)| name)
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    /// The type for M coordinates.
+    fn text(&self) -> String {
+        let mut text = "Viscous<f32, M>".to_owned();
+        if self.has(Law::Coulomb) {
+            text = format!("({text}, Coulomb<f32, M>)");
+        }
+        let networks = [(Law::Dissipation, "Dissipation"), (Law::Potential, "PotentialCorrection")];
+        for (_, name) in networks.into_iter().filter(|(law, _)| self.has(*law)) {
+            text = format!("({text}, {name}<'static, {}, M, LAW_H, LAW_L>)", self.weight);
+        }
+        text
+    }
 }
 
 /// The type of the forces, where it is not viscous damping alone.
-fn write_friction(to: &mut String, model: &HostModel) -> fmt::Result {
-    if !is_dry(model) {
-        return Ok(());
+fn write_forces(to: &mut String, model: &HostModel) -> fmt::Result {
+    let Some(forces) = ForcesType::of(model) else { return Ok(()) };
+    if !forces.has_networks() {
+        writeln!(to, "\n/// Viscous damping and dry friction of M coordinates.")?;
+    } else {
+        let corrections = &model.architecture.corrections;
+        let widest = corrections.widths().max().unwrap_or(0);
+        writeln!(to, "/// Units of the widest hidden layer of a law's network.")?;
+        writeln!(to, "pub const LAW_H: usize = {widest};")?;
+        writeln!(to, "/// Hidden layers of a law's network.")?;
+        writeln!(to, "pub const LAW_L: usize = {};", corrections.depth())?;
+        writeln!(to, "\n/// The laws of force of M coordinates.")?;
     }
-    writeln!(to, "\n/// Viscous damping and dry friction of M coordinates.")?;
-    writeln!(to, "pub type Friction<const M: usize> = (Viscous<f32, M>, Coulomb<f32, M>);")
+    writeln!(to, "pub type {}<const M: usize> = {};", forces.name(), forces.text())
 }
 
 /// All graphs, with their nodes and edges.

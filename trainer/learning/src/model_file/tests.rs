@@ -41,7 +41,7 @@ fn a_law_that_the_family_cannot_have_is_refused() {
         crate::architecture::GraphArchitecture::of_system(system, true, true).unwrap().into();
     for laws in [Laws::VISCOUS, Laws::COULOMB] {
         let found = graph.with_header(|family: Family| Architecture::from_header(&family, laws, &[0.0; 99]));
-        assert_eq!(found.map(|_| ()), Err(ModelError::Law { number: laws.numbers()[0] }));
+        assert_eq!(found.map(|_| ()), Err(ModelError::Law { number: laws.iter().next().unwrap() as u8 }));
     }
 }
 

@@ -1,6 +1,7 @@
 //! Which of several configurations predicts logs best that it has not seen.
 
 use super::plan::{Plan, PlanError};
+use super::tried::{self, Tried};
 use crate::config::Config;
 use crate::data::{DataError, Dataset, Note};
 use std::path::PathBuf;
@@ -23,6 +24,8 @@ pub struct Chosen {
     pub notes: Vec<(PathBuf, Note)>,
     /// Where there were several: the columns of u of each, and how far off positions of held-back logs were, m or rad.
     pub errors: Vec<(Vec<String>, f64)>,
+    /// What networks that correct the model were worth, where they were tried.
+    pub tried: Option<Tried>,
 }
 
 /// Why nothing could be chosen.
@@ -36,17 +39,27 @@ pub enum ChoiceError {
     Plan(#[from] PlanError),
 }
 
-/// Reads the log of a configuration. Where several columns may be u, what is learned with each from parts of the logs predicts the others:
-/// the best is taken.
+/// Reads the log of a configuration. Where several columns may be u, or networks are tried, what is learned with each from parts of the
+/// logs predicts the others: the best is taken.
 ///
 /// # Errors
 /// [`ChoiceError`]: a log cannot be read, or a run with it cannot begin.
 pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
+    let mut chosen = choose_columns(config)?;
+    if chosen.config.training.try_networks {
+        let (model, tried) = tried::networks(&chosen.config, &chosen.data)?;
+        (chosen.config.model, chosen.tried) = (model, Some(tried));
+    }
+    Ok(chosen)
+}
+
+/// With the columns of u that are best.
+fn choose_columns(config: Config) -> Result<Chosen, ChoiceError> {
     config.data.check_left_out()?;
     let candidates = config.data.alternatives();
     if candidates.len() < 2 {
         let (data, notes) = config.data.read()?;
-        return Ok(Chosen { config, data, notes, errors: Vec::new() });
+        return Ok(Chosen { config, data, notes, errors: Vec::new(), tried: None });
     }
     let (mut best, mut errors) = (None::<(f64, Chosen)>, Vec::new());
     for data in candidates {
@@ -56,7 +69,7 @@ pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
         let columns = config.data.columns.iter().flat_map(|columns| &columns.columns.u);
         errors.push((columns.map(|column| column.name.clone()).collect(), error));
         if best.as_ref().is_none_or(|(least, _)| error < *least) {
-            best = Some((error, Chosen { config, data, notes, errors: Vec::new() }));
+            best = Some((error, Chosen { config, data, notes, errors: Vec::new(), tried: None }));
         }
     }
     let (_, chosen) = best.ok_or(PlanError::NoColumns)?;
@@ -69,28 +82,42 @@ pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
 /// # Errors
 /// As [`Plan::new`].
 fn held_back_error(config: &Config, data: &Dataset) -> Result<Option<f64>, PlanError> {
-    let logs = data.trajectories.len();
-    let folds = FOLDS.min(logs);
-    if folds < 2 {
-        return Ok(None);
-    }
     let mut logarithms = 0.0;
+    let folds = folds(data);
     for fold in 0..folds {
-        let mut own = config.clone();
-        own.training.overlap = Some(0.0);
-        let of = |held_back: bool| (0..logs).filter(move |k| (k % folds == fold) == held_back);
-        let order = of(false).chain(of(true)).map(|k| data.trajectories[k].clone());
-        let parted = Dataset { trajectories: order.collect(), ..data.clone() };
-        let held_back = of(true).count();
-        own.data.validation = held_back as f64 / logs as f64;
-        let mut plan = Plan::new(own, &parted)?;
-        // What comes after the held-back logs have judged.
-        plan.stages.retain(|stage| stage.validation.is_some());
-        plan.stages.iter_mut().for_each(|stage| stage.iterations = stage.iterations.min(ITERATIONS));
+        let plan = plan_of_fold(config, data, (fold, folds))?;
         let Some(loss) = plan.train().and_then(|trained| trained.best.validation) else {
             return Ok(None);
         };
         logarithms += loss.ln() / folds as f64;
     }
-    Ok(Some(logarithms.exp()))
+    Ok((folds > 0).then(|| logarithms.exp()))
+}
+
+/// Parts that logs are divided into; none of one log alone.
+pub(super) fn folds(data: &Dataset) -> usize {
+    let logs = data.trajectories.len();
+    if logs < 2 { 0 } else { FOLDS.min(logs) }
+}
+
+/// A few iterations on the logs but for one part of them, which judges.
+///
+/// # Errors
+/// As [`Plan::new`].
+pub(super) fn plan_of_fold(
+    config: &Config,
+    data: &Dataset,
+    (fold, folds): (usize, usize),
+) -> Result<Plan, PlanError> {
+    let (mut own, logs) = (config.clone(), data.trajectories.len());
+    own.training.overlap = Some(0.0);
+    let of = |held_back: bool| (0..logs).filter(move |k| (k % folds == fold) == held_back);
+    let order = of(false).chain(of(true)).map(|k| data.trajectories[k].clone());
+    let parted = Dataset { trajectories: order.collect(), ..data.clone() };
+    own.data.validation = of(true).count() as f64 / logs as f64;
+    let mut plan = Plan::new(own, &parted)?;
+    // What comes after the held-back logs have judged.
+    plan.stages.retain(|stage| stage.validation.is_some());
+    plan.stages.iter_mut().for_each(|stage| stage.iterations = stage.iterations.min(ITERATIONS));
+    Ok(plan)
 }

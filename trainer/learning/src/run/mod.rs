@@ -19,6 +19,7 @@ mod folder_tests;
 #[cfg(test)]
 mod friction_tests;
 mod notice;
+mod origin;
 mod plan;
 mod range;
 mod report;
@@ -28,6 +29,7 @@ mod stages;
 mod state;
 #[cfg(test)]
 mod tests;
+mod tried;
 
 pub use choose::{ChoiceError, Chosen, choose};
 pub use error::RunError;
@@ -35,6 +37,7 @@ pub use notice::Notice;
 pub use plan::{Plan, PlanError};
 pub use resume::ResumeError;
 pub use state::Row;
+pub use tried::Tried;
 
 use crate::checkpoint::{Best, Checkpoint, State};
 use crate::config::TrainingConfig;

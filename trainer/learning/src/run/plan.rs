@@ -2,6 +2,7 @@
 
 use super::fingerprint;
 use super::notice::{Notice, prepared};
+use super::origin::at_origin;
 use super::stages::{self, Stage, Windowed};
 use super::{range, ringing};
 use crate::architecture::{Architecture, Family};
@@ -9,7 +10,7 @@ use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
 use crate::training::{Progress, SampleError, linear_start};
-use crate::windows::{self, CalibrationLayout, TooShort, WindowLogs};
+use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
@@ -115,6 +116,15 @@ pub enum PlanError {
     /// Only windows learn sensors and actuators.
     #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
     Calibration,
+    /// Only over windows, of coordinates that can have them, networks are tried.
+    #[error(
+        "[training] try_networks: networks correct models of coordinates, which a graph has not, over windows; set loss = \"windows\", or \
+         leave it out"
+    )]
+    Networks,
+    /// Only windows are integrated.
+    #[error("[training] integrator is of windows; set loss = \"windows\", or leave it out")]
+    Integrator,
     /// Only Levenberg–Marquardt eliminates start states.
     #[error("loss = \"windows\" takes optimiser = \"levenberg-marquardt\"")]
     WindowOptimiser,
@@ -172,14 +182,24 @@ impl Plan {
                 let of = (&data, training);
                 let (stages, windows) = stages::of_windows(&config, &architecture, of, &mut notices)?;
                 initial = first_guess(&architecture, &data.split(training).0, initial, &stages)?;
+                if !config.model.has_trained_networks() {
+                    let numbers = architecture.corrections.without_effect();
+                    initial.splice(architecture.corrections_start().., numbers);
+                }
                 (stages, Some(windows))
             }
         };
+        if let Some(origin) = config.model.origin()? {
+            initial = at_origin((&architecture, initial), &data, &origin)?;
+            let layout = windows.as_ref().map(|windows| windows.layout);
+            initial.extend(layout.into_iter().flat_map(|layout| layout.initial_at(&origin.calibrated)));
+        }
         let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
-        let TrainingConfig { order, .. } = config.training;
+        let TrainingConfig { order, integrator, .. } = config.training;
+        let has_step = loss.is_discrete() || integrator == Some(Integrator::Del);
         Ok(Self {
             initial,
-            trained_step: Order::from_number(order).filter(|_| loss.is_discrete()).map(step),
+            trained_step: Order::from_number(order).filter(|_| has_step).map(step),
             range: range::of(&architecture, &data),
             positions: ringing::positions(&data),
             data_fingerprint: fingerprint::of_data(&data, loss),
@@ -193,6 +213,12 @@ impl Plan {
 
     /// What training ends with, in memory alone; `None` where no stage has a finite loss.
     pub fn train(&self) -> Option<Trained> {
+        let trained = Trained::from(Checkpoint::new(self, &self.last_state()?));
+        trained.best.is_a_model().then_some(trained)
+    }
+
+    /// The state that training ends in; `None` for a plan without stages.
+    pub(super) fn last_state(&self) -> Option<State> {
         let mut state = State::new(self)?;
         while let Some(stage) = self.stages.get(state.stage) {
             let over = state.in_stage >= stage.iterations;
@@ -200,8 +226,7 @@ impl Plan {
                 break;
             }
         }
-        let trained = Trained::from(Checkpoint::new(self, &state));
-        trained.best.is_a_model().then_some(trained)
+        Some(state)
     }
 
     /// Where what is learned of sensors and actuators is, among the numbers of a loss over windows.
@@ -322,7 +347,9 @@ fn choose_loss(
                 notices.push(Notice::Noisy { noise, window: training.window });
                 TrainingLoss::Windows
             }
-            None if !config.calibration.is_default() => TrainingLoss::Windows,
+            None if !config.calibration.is_default() || training.integrator.is_some() => {
+                TrainingLoss::Windows
+            }
             None => TrainingLoss::NextPosition,
         }
     });

@@ -19,6 +19,7 @@ pub(super) fn html(plan: &Plan, best: &Best, seconds: f64) -> Result<Option<Stri
         predictor: Predictor {
             architecture: &plan.architecture,
             weights: shared.get(..layout.start).unwrap_or(shared),
+            trained_step: plan.trained_step,
             calibrated: &layout.read(shared),
             logs,
         },
@@ -79,8 +80,10 @@ fn facts(plan: &Plan, windows: &Windowed, best: &Best, seconds: f64) -> Vec<(&'s
 #[cfg(test)]
 mod tests {
     use super::super::tests::{Warned, config, data};
-    use super::super::{Plan, Run};
+    use super::super::{Plan, PlanError, Run};
     use crate::config::{Config, TrainingLoss};
+    use crate::windows::Integrator;
+    use leastaction_core::discrete::Order;
     use std::path::Path;
     use std::sync::atomic::AtomicBool;
 
@@ -96,6 +99,27 @@ mod tests {
         run.train(&mut said, &AtomicBool::new(false)).unwrap();
         assert!(said.warnings.is_empty(), "{:?}", said.warnings);
         run
+    }
+
+    /// What DEL steps from sample to sample were fitted to is said in the model file; what was fitted in continuous time has no step.
+    #[test]
+    fn a_model_of_windows_by_del_steps_has_its_step() {
+        let step = |integrator| {
+            let mut config = over_windows();
+            (config.training.loss, config.training.integrator) = (None, Some(integrator));
+            Plan::new(config, &data(6, true)).unwrap().train().unwrap().trained_step
+        };
+        let own = step(Integrator::Del).unwrap();
+        assert_eq!((own.order, own.h), (Order::Two, data(6, true).h as f32));
+        assert_eq!(step(Integrator::RungeKutta), None);
+    }
+
+    #[test]
+    fn single_steps_have_no_integrator() {
+        let mut config = over_windows();
+        (config.training.loss, config.training.integrator) =
+            (Some(TrainingLoss::NextPosition), Some(Integrator::Del));
+        assert_eq!(Plan::new(config, &data(6, true)).err(), Some(PlanError::Integrator));
     }
 
     #[test]

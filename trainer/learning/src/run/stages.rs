@@ -3,7 +3,7 @@
 use super::notice::Notice;
 use super::plan::{PlanError, is_forced};
 use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
-use crate::config::{Config, ModelConfig, OptimiserKind, TrainingConfig};
+use crate::config::{Config, OptimiserKind, TrainingConfig};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, free_states_objective, objective};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
@@ -14,6 +14,8 @@ use std::sync::Arc;
 pub(super) struct Stage {
     /// In the history.
     pub name: &'static str,
+    /// Numbers that it begins with in place of those of the stage before, from a position on.
+    pub begins_with: Option<(usize, Vec<f64>)>,
     /// How it is minimised.
     pub optimiser: OptimiserKind,
     /// Iterations at most.
@@ -41,12 +43,15 @@ pub(super) fn of_samples(
     if !config.calibration.is_default() {
         return Err(PlanError::Calibration);
     }
+    if config.training.integrator.is_some() {
+        return Err(PlanError::Integrator);
+    }
     let scale = shows_scale(architecture, parts.0);
     let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
     let enough = enough_triples(parts.0, architecture.learned_parameters()?);
     let mut kinds = kinds((&config.training, kind), laws.is_some(), (scale, enough.is_some()), notices)?;
     let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
-    if goes_on(config) {
+    if config.model.goes_on() {
         // A warm-up would leave trained weights for ones that are better on another loss.
         kinds.retain(|(name, _)| *name != WARM_UP);
     }
@@ -63,11 +68,6 @@ fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
         || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
         || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
         || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
-}
-
-/// Whether training begins with trained weights.
-fn goes_on(config: &Config) -> bool {
-    matches!(&config.model, ModelConfig::Modular(modular) if modular.from.is_some())
 }
 
 /// The part of a window that is learned from first: whatever the initial weights, motion over it is hardly chaotic.
@@ -90,6 +90,8 @@ fn usual_overlap(data: &Dataset, steps: usize) -> f64 {
     if windows < MANY_WINDOWS { OVERLAP } else { 0.0 }
 }
 
+/// The name of the stage in which networks that correct a model are learned with it, after the model alone.
+pub(super) const NETWORKS: &str = "networks";
 /// The name of the last stage of a loss over windows, where logs are held back before.
 pub(super) const ALL_LOGS: &str = "all logs";
 
@@ -122,7 +124,9 @@ pub(super) fn of_windows(
     (data, training): (&Dataset, usize),
     notices: &mut Vec<Notice>,
 ) -> Result<(Vec<Stage>, Windowed), PlanError> {
-    let TrainingConfig { window, overlap, order, warm_up, iterations, optimiser, .. } = config.training;
+    let TrainingConfig { window, overlap, integrator, order, warm_up, iterations, optimiser, .. } =
+        config.training;
+    let integrator = integrator.unwrap_or_default();
     if optimiser != OptimiserKind::LevenbergMarquardt {
         return Err(PlanError::WindowOptimiser);
     }
@@ -133,7 +137,13 @@ pub(super) fn of_windows(
     let all = ((window / data.h).round() as usize).max(1);
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
-    lengths.retain(|(name, steps, iterations)| *name != WARM_UP || (*steps < all && *iterations > 0));
+    let corrections =
+        Some(&architecture.corrections).filter(|own| !own.is_none() && !config.model.has_trained_networks());
+    if corrections.is_some() {
+        lengths.push((NETWORKS, all, iterations));
+    }
+    let warms_up = |steps: usize, iterations: u64| steps < all && iterations > 0 && !config.model.goes_on();
+    lengths.retain(|(name, steps, iterations)| *name != WARM_UP || warms_up(*steps, *iterations));
     let [least, most] = SMOOTH_STEP;
     let longest_step =
         if architecture.friction.dry.is_empty() { data.h.clamp(least, most) } else { STIFF_STEP };
@@ -141,21 +151,28 @@ pub(super) fn of_windows(
     let settings = |steps: usize| {
         let stride =
             ((1.0 - overlap.unwrap_or_else(|| usual_overlap(data, steps))) * steps as f64).round() as usize;
-        WindowSettings { steps, stride, longest_step, order, calibration }
+        WindowSettings { steps, stride, integrator, longest_step, order, calibration }
     };
-    let loss = |steps: usize, part: Range<usize>| -> Result<WindowLoss, PlanError> {
-        let settings = settings(steps);
-        Ok(WindowLoss::new(WindowModel::new(architecture)?, &logs, part, settings)?)
+    let loss = |steps: usize, part: Range<usize>, with_networks: bool| -> Result<WindowLoss, PlanError> {
+        let model = WindowModel::new(architecture)?;
+        let model = if with_networks { model } else { model.with_known_corrections(architecture) };
+        Ok(WindowLoss::new(model, &logs, part, settings(steps))?)
     };
     let layout = CalibrationLayout::new(architecture.parameters()?, &logs, calibration);
     let (count, held_back) = (logs.count(), training..logs.count());
     let stage = |(name, steps, iterations), of: Range<usize>, judges: Range<usize>| {
-        let validation = (!judges.is_empty()).then(|| loss(all, judges)).transpose()?;
+        // Simple physics first.
+        let with_networks = corrections.is_none() || name == NETWORKS || name == ALL_LOGS;
+        let validation = (!judges.is_empty()).then(|| loss(all, judges, with_networks)).transpose()?;
+        let first = corrections.filter(|_| name == NETWORKS);
+        let first =
+            first.map(|own| (architecture.corrections_start(), own.initial_weights(config.training.seed)));
         Ok::<_, PlanError>(Stage {
             name,
+            begins_with: first,
             optimiser,
             iterations,
-            objective: Box::new(loss(steps, of)?),
+            objective: Box::new(loss(steps, of, with_networks)?),
             validation: validation.map(|loss| Box::new(loss) as Box<dyn Objective>),
             judge: None,
         })
@@ -261,6 +278,7 @@ fn stage(
         (kind == LossKind::DelResidual).then(|| build(judges, LossKind::NextPosition, training.order));
     Ok(Stage {
         name,
+        begins_with: None,
         optimiser: if warm_up { OptimiserKind::LevenbergMarquardt } else { training.optimiser },
         iterations: if warm_up { training.warm_up } else { training.iterations },
         objective: build_objective(architecture, own, (kind, order), training)?,

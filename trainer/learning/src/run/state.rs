@@ -94,7 +94,16 @@ impl State {
         Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best })
     }
 
-    fn enter(plan: &Plan, stage: &Stage, weights: Vec<f64>, before: (u64, Option<f64>)) -> (Optimiser, Best) {
+    fn enter(
+        plan: &Plan,
+        stage: &Stage,
+        mut weights: Vec<f64>,
+        before: (u64, Option<f64>),
+    ) -> (Optimiser, Best) {
+        if let Some((start, numbers)) = &stage.begins_with {
+            let places = weights.get_mut(*start..).unwrap_or_default();
+            places.iter_mut().zip(numbers).for_each(|(place, number)| *place = *number);
+        }
         let optimiser = Optimiser::new(stage, weights, &plan.config.training);
         let best = Best::new(stage, &optimiser, before);
         (optimiser, best)

@@ -351,3 +351,26 @@ fn noisy_states_are_learned_beside_the_weights_and_not_kept() {
         assert_eq!(error, Some(PlanError::StateNoise));
     }
 }
+
+/// Networks that correct a model begin after the model alone is learned, and do not act before.
+#[test]
+fn networks_that_correct_come_after_the_model_alone() {
+    let mut config = config();
+    (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), 0.2);
+    config.model = config.model.with_networks(true, true).unwrap();
+    let plan = Plan::new(config, &data(6, true)).unwrap();
+    let names: Vec<_> = plan.stages.iter().map(|stage| stage.name).collect();
+    assert_eq!(names, ["training", "networks", "all logs"]);
+    let start = plan.architecture.corrections_start();
+    assert_eq!(plan.initial[start..], plan.architecture.corrections.without_effect());
+    let mut state = State::new(&plan).unwrap();
+    while state.iterate(&plan.stages[0]).0 == Progress::Lower {}
+    let count = plan.architecture.corrections.count();
+    let numbers = |state: &State| state.best.weights[start..start + count].to_vec();
+    assert_eq!(numbers(&state), plan.architecture.corrections.without_effect());
+    assert!(state.next_stage(&plan));
+    for _ in 0..4 {
+        let _ = state.iterate(&plan.stages[1]);
+    }
+    assert_ne!(numbers(&state), plan.architecture.corrections.without_effect());
+}

@@ -96,7 +96,7 @@ impl Levenberg {
 
     /// What is minimised: the loss and the penalty.
     fn cost(&self, objective: &dyn Objective, loss: f64, weights: &[f64]) -> f64 {
-        loss + self.decay * weights.iter().take(objective.shared()).map(|w| w * w).sum::<f64>()
+        loss + self.decay * weights.iter().take(objective.weights()).map(|w| w * w).sum::<f64>()
     }
 
     /// One iteration: normal equations once, then steps of growing damping until one lowers the loss.
@@ -105,7 +105,7 @@ impl Levenberg {
             self.loss = objective.loss(&self.weights);
         }
         let Some(mut equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
-        equations.add_decay(self.decay, &self.weights);
+        equations.add_decay(self.decay, &self.weights[..objective.weights()]);
         let theta = objective.bounds().free(&self.weights);
         equations.scale(objective.bounds().slopes_at(&theta));
         let scales = self.damping(objective, &equations);

@@ -160,8 +160,7 @@ impl Body {
 
 /// Positions of learned b, c and c_load of friction, and where they begin.
 fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
-    let (laws, start) = (architecture.laws(), architecture.parameters().unwrap_or(0));
-    let count = architecture.friction.count();
+    let (laws, start) = (architecture.laws(), architecture.friction_start());
     let viscous = if laws.contains(Law::Viscous) { architecture.friction.viscous.len() } else { 0 };
     let is_linear = |i: usize| {
         let dry = i.checked_sub(viscous).map(|k| k % FrictionNumber::ALL.len());
@@ -169,7 +168,7 @@ fn of_friction(architecture: &Architecture) -> Vec<(usize, f64)> {
     };
     let learned = architecture.friction.numbers().enumerate().filter(|(_, number)| number.learned);
     let linear = learned.filter(|(i, _)| is_linear(*i));
-    linear.map(|(i, number)| (start - count + i, number.value)).collect()
+    linear.map(|(i, number)| (start + i, number.value)).collect()
 }
 
 /// Weights after one Gauss–Newton step in the linear numbers, which is exact; `None` where it cannot be taken.

@@ -54,7 +54,7 @@ impl NormalEquations {
         }
     }
 
-    /// Adds the normal equations of the penalty λ|θ|² on the mean square. Numbers that no residual varies with, known ones among them,
+    /// Adds the normal equations of the penalty λ|θ|² of the first numbers on the mean square. Numbers that no residual varies with, known ones among them,
     /// stay where they are.
     pub fn add_decay(&mut self, decay: f64, weights: &[f64]) {
         let decay = decay * self.rows as f64;

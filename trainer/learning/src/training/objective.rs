@@ -57,6 +57,10 @@ pub trait Objective: Sync {
     fn shared(&self) -> usize {
         self.parameters()
     }
+    /// How many of these are weights of the model, which a penalty on weights is of: the first.
+    fn weights(&self) -> usize {
+        self.shared()
+    }
     /// All numbers, from those of an earlier objective or of the model alone.
     fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
         weights

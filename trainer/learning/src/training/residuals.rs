@@ -69,6 +69,10 @@ pub trait Residuals: Sync {
     fn shared(&self) -> usize {
         self.parameters()
     }
+    /// As [`Objective::weights`].
+    fn weights(&self) -> usize {
+        self.shared()
+    }
     /// Samples that are computed at once, at most.
     fn chunk(&self) -> usize {
         CHUNK
@@ -261,6 +265,10 @@ impl<R: Residuals> Objective for R {
 
     fn shared(&self) -> usize {
         Residuals::shared(self)
+    }
+
+    fn weights(&self) -> usize {
+        Residuals::weights(self)
     }
 
     fn enter(&self, weights: Vec<f64>) -> Vec<f64> {

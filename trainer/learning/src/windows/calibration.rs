@@ -184,6 +184,22 @@ impl CalibrationLayout {
         numbers
     }
 
+    /// Where they begin that were learned before: learned ones there, known ones as they are known; zeros belong to the logs of then.
+    pub(crate) fn initial_at(&self, before: &Calibrated) -> Vec<f64> {
+        let Calibration { gain, offset, delay, .. } = self.calibration;
+        let mut numbers = self.initial();
+        let of_coordinates = |numbers: &mut [f64], setting: Setting, before: &[f64]| {
+            let learned = setting == Setting::Learned && numbers.len() == before.len();
+            if learned {
+                numbers.copy_from_slice(before)
+            }
+        };
+        of_coordinates(&mut numbers[..self.n], gain, &before.gain);
+        of_coordinates(&mut numbers[self.n..2 * self.n], offset, &before.offset);
+        of_coordinates(&mut numbers[2 * self.n..=2 * self.n], delay, &[before.delay]);
+        numbers
+    }
+
     /// The numbers, from those that windows share.
     pub fn read(&self, weights: &[f64]) -> Calibrated {
         let of = |range: Range<usize>| weights.get(range).unwrap_or_default().to_vec();

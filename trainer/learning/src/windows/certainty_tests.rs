@@ -1,6 +1,6 @@
 use super::{
-    Calibration, Certainty, LearnedNumber, Shown, WindowLogs, WindowLoss, WindowModel, WindowSettings,
-    certainty,
+    Calibration, Certainty, Integrator, LearnedNumber, Shown, WindowLogs, WindowLoss, WindowModel,
+    WindowSettings, certainty,
 };
 use crate::architecture::{Architecture, BodiesArchitecture, FrictionArchitecture, Number};
 use crate::data::{Dataset, Rows, Trajectory};
@@ -8,7 +8,7 @@ use crate::parallel;
 use crate::training::Levenberg;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::forces::ControlKind;
-use leastaction_programs::steps::{ExplicitSteps, RungeKutta};
+use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps};
 use leastaction_programs::{Row, System};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -64,7 +64,9 @@ fn logs(architecture: &Architecture, seed: u64) -> Dataset {
 /// What is learned from logs, and how well it is known.
 fn learned(architecture: &Architecture, data: &Dataset, zero: bool) -> Certainty {
     let calibration = Calibration { zero, ..Calibration::default() };
-    let settings = WindowSettings { steps: STEPS, stride: STEPS, longest_step: H, order: 4, calibration };
+    let integrator = Integrator::RungeKutta;
+    let settings =
+        WindowSettings { steps: STEPS, stride: STEPS, integrator, longest_step: H, order: 4, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     let model = WindowModel::new(architecture).unwrap();
     let loss = WindowLoss::new(model, &logs, 0..data.trajectories.len(), settings).unwrap();

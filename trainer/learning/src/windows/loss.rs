@@ -2,14 +2,14 @@ mod fitted;
 
 use super::calibration::{CalibrationLayout, Prior};
 use super::logs::{TooShort, Window, WindowLogs};
-use super::model::{Projection, WindowModel, WindowSettings};
+use super::model::{Integrator, Projection, WindowModel, WindowSettings};
 use super::pace::Pace;
 use super::rollout::{In, Lanes, Learned, pseudo_huber};
 use super::scales::Amounts;
 use super::starts;
 use crate::parallel::{self, Pool};
 use crate::training::{Bounds, ChunkRows, Failed, NormalEquations, Residuals};
-use leastaction_programs::steps::{ExplicitSteps, RungeKutta, State};
+use leastaction_programs::steps::{State, Steps};
 use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ pub struct WindowLoss {
     noise: Vec<f64>,
     /// How far windows move, of every coordinate.
     motion: Vec<f64>,
-    steppers: Pool<ExplicitSteps>,
+    steppers: Pool<Box<dyn Steps>>,
     bounds: Bounds,
     project: Projection,
 }
@@ -58,12 +58,15 @@ impl WindowLoss {
         settings: WindowSettings,
     ) -> Result<Self, TooShort> {
         let WindowModel { system, mut fixed, bounds, project } = model;
-        let WindowSettings { steps, stride, longest_step, order, calibration } = settings;
+        let WindowSettings { steps, stride, integrator, longest_step, order, calibration } = settings;
         let (n, h, start) = (logs.n, logs.h, system.parameters());
         let layout = CalibrationLayout::new(start, logs, calibration);
         fixed.extend(layout.fixed(|log| of.contains(&log)));
         let noise: Vec<f64> = (0..n).map(|i| logs.noise(of.clone(), i)).collect();
-        let pace = Pace::new(logs, of.clone(), longest_step, &noise);
+        let pace = match integrator {
+            Integrator::RungeKutta => Pace::new(logs, of.clone(), longest_step, &noise),
+            Integrator::Del => Pace::of_samples(),
+        };
         let steps = pace.whole(steps);
         let mut windows = logs.windows(of.clone(), (steps, stride.max(1)))?;
         let is_learned = |position: &usize| !fixed.contains(position);
@@ -72,8 +75,7 @@ impl WindowLoss {
             controls: (0..layout.controls()).filter(|number| is_learned(&(start + number))).collect(),
         };
         let (own, step) = (learned.weights.clone(), h / pace.steps_in_sample());
-        let make =
-            move || ExplicitSteps::new(&system, step, RungeKutta::of_order(order)).with_learned(own.clone());
+        let make = move || integrator.steps(&system, (step, order), own.clone());
         let motion: Vec<f64> = (0..n).map(|i| logs.motion(&windows, steps, i)).collect();
         // What holds a mechanism at rest is stiction, which no smooth friction has.
         let moves = |window: &Window| logs.moves(*window, steps, &motion);
@@ -139,11 +141,11 @@ impl WindowLoss {
     }
 
     /// What `work` makes of all windows, so many side by side, in their order.
-    fn of_blocks<T: Send>(&self, work: impl Fn(usize, usize, &mut ExplicitSteps) -> T + Sync) -> Vec<T> {
+    fn of_blocks<T: Send>(&self, work: impl Fn(usize, usize, &mut dyn Steps) -> T + Sync) -> Vec<T> {
         parallel::map(self.windows.len().div_ceil(WIDTH), &|block| {
             let first = block * WIDTH;
             let count = (self.windows.len() - first).min(WIDTH);
-            self.steppers.with(|stepper| work(first, count, stepper))
+            self.steppers.with(|stepper| work(first, count, &mut **stepper))
         })
     }
 
@@ -209,6 +211,10 @@ impl Residuals for WindowLoss {
         self.layout.end()
     }
 
+    fn weights(&self) -> usize {
+        self.layout.start
+    }
+
     fn samples(&self) -> usize {
         self.windows.len()
     }
@@ -226,7 +232,7 @@ impl Residuals for WindowLoss {
         for first in samples.clone().step_by(WIDTH) {
             let lanes = self.lanes(weights, first);
             let starts = self.starts(weights, first);
-            let (residuals, _) = self.steppers.with(|stepper| lanes.residuals(stepper, &starts));
+            let (residuals, _) = self.steppers.with(|stepper| lanes.residuals(&mut **stepper, &starts));
             let count = (samples.end - first).min(WIDTH);
             sum += residuals.iter().flat_map(|row| &row.0[..count]).map(|x| pseudo_huber(*x)).sum::<f64>();
         }
@@ -239,7 +245,8 @@ impl Residuals for WindowLoss {
         let (mut sum, mut unsolved) = (0.0, 0);
         for first in samples.clone().step_by(WIDTH) {
             let (lanes, starts) = (self.lanes(weights, first), self.starts(weights, first));
-            let (residuals, failures) = self.steppers.with(|stepper| lanes.residuals(stepper, &starts));
+            let (residuals, failures) =
+                self.steppers.with(|stepper| lanes.residuals(&mut **stepper, &starts));
             for lane in 0..(samples.end - first).min(WIDTH) {
                 if failures.0[lane] {
                     unsolved += 1;
@@ -255,7 +262,7 @@ impl Residuals for WindowLoss {
         let (n, count) = (self.n(), samples.len());
         let lanes = self.lanes(weights, samples.start);
         let starts = self.starts(weights, samples.start);
-        let (mut own, _) = self.steppers.with(|stepper| lanes.rows(stepper, &starts, In::All));
+        let (mut own, _) = self.steppers.with(|stepper| lanes.rows(&mut **stepper, &starts, In::All));
         own.eliminate(2 * n);
         let unit = self.unit(weights).sqrt();
         rows.reset(count * self.components(), self.shared());

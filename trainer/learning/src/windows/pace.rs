@@ -1,4 +1,4 @@
-//! How Runge–Kutta steps lie among samples.
+//! How steps lie among samples.
 
 use super::logs::WindowLogs;
 use std::ops::Range;
@@ -32,7 +32,12 @@ impl Pace {
         Self { samples: (2..=samples).rev().find(is_smooth).unwrap_or(1), substeps: 1 }
     }
 
-    /// Runge–Kutta steps in a sample.
+    /// A step from each sample to the next.
+    pub(super) fn of_samples() -> Self {
+        Self { samples: 1, substeps: 1 }
+    }
+
+    /// Steps in a sample.
     pub fn steps_in_sample(self) -> f64 {
         self.substeps as f64 / self.samples as f64
     }

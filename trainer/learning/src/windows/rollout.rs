@@ -6,7 +6,7 @@ use super::elimination::Rows;
 use super::logs::{Window, WindowLogs};
 use super::pace::{Pace, cubic};
 use leastaction_programs::dynamics::Failures;
-use leastaction_programs::steps::{ExplicitSteps, State, Tangents, combine_positions};
+use leastaction_programs::steps::{State, Steps, Tangents, combine_positions};
 use leastaction_programs::{Row, WIDTH};
 
 /// κ of the pseudo-Huber function: residuals beyond so many robust standard deviations count less than their square.
@@ -131,12 +131,13 @@ impl Lanes<'_> {
     /// Calls `visit` with every sample's state, of which positions alone are there between the ends of a step.
     fn roll(
         &self,
-        stepper: &mut ExplicitSteps,
+        stepper: &mut dyn Steps,
         starts: &State,
         mut tangents: Option<Tangents>,
         mut visit: impl FnMut(usize, &State, Option<&Tangents>),
     ) -> Failures {
         let (mut state, mut failures) = (starts.clone(), Failures::default());
+        stepper.begin(self.numbers, &mut state, tangents.as_mut());
         let mut between = Between::new(starts, tangents.as_ref());
         let moves = tangents.as_ref().is_some_and(|tangents| tangents.controls() > 0);
         visit(0, &state, tangents.as_ref());
@@ -162,7 +163,7 @@ impl Lanes<'_> {
 
     /// Residuals, a row of all windows each: sample after sample, coordinate after coordinate. Those of windows that cannot be computed are
     /// of a constant velocity.
-    pub fn residuals(&self, stepper: &mut ExplicitSteps, starts: &State) -> (Vec<Row>, Failures) {
+    pub fn residuals(&self, stepper: &mut dyn Steps, starts: &State) -> (Vec<Row>, Failures) {
         let n = self.n();
         let mut residuals = Vec::new();
         let failures = self.roll(stepper, starts, None, |sample, state, _| {
@@ -173,7 +174,7 @@ impl Lanes<'_> {
     }
 
     /// Σρ of every window.
-    pub fn sums(&self, stepper: &mut ExplicitSteps, starts: &State) -> Row {
+    pub fn sums(&self, stepper: &mut dyn Steps, starts: &State) -> Row {
         let mut sums = Row::default();
         for residual in self.residuals(stepper, starts).0 {
             sums.0.iter_mut().zip(residual.0).for_each(|(sum, x)| *sum += pseudo_huber(x));
@@ -200,7 +201,7 @@ impl Lanes<'_> {
 
     /// Residuals and their derivatives, weighed so that their squares have the gradient of Σρ, and Σρ of every window. Columns: the learned
     /// ones of the weight block and of g, o and d, z, start states; or these alone. Windows that cannot be computed have rows of 0, and a sum that is no number.
-    pub fn rows(&self, stepper: &mut ExplicitSteps, starts: &State, of: In) -> (Rows, Row) {
+    pub fn rows(&self, stepper: &mut dyn Steps, starts: &State, of: In) -> (Rows, Row) {
         let n = self.n();
         let (weights, controls, zeros) = match of {
             In::Starts => (0, 0, 0),

@@ -1,7 +1,7 @@
 //! The start states that are best for given numbers, window by window.
 
 use super::rollout::{In, Lanes};
-use leastaction_programs::steps::{ExplicitSteps, State};
+use leastaction_programs::steps::{State, Steps};
 use leastaction_programs::{Row, WIDTH};
 
 /// What changes a sum by less than this part of it is as good as nothing.
@@ -11,7 +11,7 @@ const SHORTER: f64 = 0.25;
 
 /// Gauss–Newton steps from start states, until they hardly change anything, each window on its own; a step that raises its sum is taken
 /// back and shortened.
-pub(super) fn solved(lanes: &Lanes, stepper: &mut ExplicitSteps, starts: &State, iterations: usize) -> State {
+pub(super) fn solved(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State, iterations: usize) -> State {
     let count = starts.len();
     let mut linearise = |starts: &State| {
         let (mut rows, sums) = lanes.rows(stepper, starts, In::Starts);
@@ -44,7 +44,7 @@ pub(super) fn solved(lanes: &Lanes, stepper: &mut ExplicitSteps, starts: &State,
 }
 
 /// One Gauss–Newton step from start states, where it lowers the sum of a window, and Σρ of every window then.
-pub(super) fn stepped(lanes: &Lanes, stepper: &mut ExplicitSteps, starts: &State) -> (State, Row) {
+pub(super) fn stepped(lanes: &Lanes, stepper: &mut dyn Steps, starts: &State) -> (State, Row) {
     let (mut rows, mut sums) = lanes.rows(stepper, starts, In::Starts);
     let step = rows.eliminate(starts.len());
     let (mut best, mut trial) = (starts.clone(), starts.clone());

@@ -10,7 +10,7 @@ use leastaction_learning::ground_truth::robot::{
 use leastaction_learning::run::Plan;
 use leastaction_learning::training::Objective;
 use leastaction_learning::windows::{
-    Calibration, Setting, Shown, WindowLogs, WindowLoss, WindowModel, WindowSettings, certainty,
+    Calibration, Integrator, Setting, Shown, WindowLogs, WindowLoss, WindowModel, WindowSettings, certainty,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -102,7 +102,14 @@ fn intervals_cover_the_truth() {
         let trained = Plan::new(config, &data).unwrap().train().unwrap();
         let (architecture, found) = (&trained.architecture, trained.calibrated.as_ref().unwrap());
         let calibration = Calibration { zero: true, delay: Setting::Learned, ..Calibration::default() };
-        let settings = WindowSettings { steps: 50, stride: 25, longest_step: 0.005, order: 4, calibration };
+        let settings = WindowSettings {
+            steps: 50,
+            stride: 25,
+            integrator: Integrator::RungeKutta,
+            longest_step: 0.005,
+            order: 4,
+            calibration,
+        };
         let model = WindowModel::new(architecture).unwrap();
         let loss = WindowLoss::new(model, &Arc::new(WindowLogs::new(&data)), 0..LOGS, settings).unwrap();
         let shared =

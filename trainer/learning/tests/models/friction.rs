@@ -19,7 +19,7 @@ fn wave(k: usize) -> f64 {
     (1.7 * k as f64 + 0.4).sin()
 }
 
-fn architecture(model: &str) -> (Architecture, Vec<f64>) {
+pub fn architecture(model: &str) -> (Architecture, Vec<f64>) {
     let text = format!("[data]\nfile = \"a.npz\"\n[model]\n{model}");
     Config::parse(&text, Path::new("c.toml")).unwrap().beginning().unwrap()
 }
@@ -32,7 +32,7 @@ const ALL: &str = "[model.friction]\nviscous = \"learned\"\ncoulomb = { learn = 
 const PARTLY: &str = "[model.friction]\ncoulomb = 0.2\nload = \"learned\"\nwidth = 0.3\nsmoothing = 0.4\n";
 
 /// Forced samples of states anywhere; not a multiple of the samples that are evaluated side by side.
-fn samples(n: usize) -> Samples {
+pub fn samples(n: usize) -> Samples {
     let numbers = |k: usize, range: f64| -> Vec<f64> {
         (0..n * (LANES + 3)).map(|i| range * wave(7 * i + k)).collect()
     };

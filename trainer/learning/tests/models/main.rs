@@ -2,6 +2,7 @@
 
 mod bodies;
 mod control;
+mod corrections;
 mod coverage;
 mod documented_bodies;
 mod documented_graphs;
@@ -14,5 +15,6 @@ mod graphs;
 mod next_state;
 mod page;
 mod rods;
+mod start_from;
 mod trees;
 mod windows;

@@ -6,9 +6,10 @@ use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::training::{Levenberg, Objective, Progress};
 use leastaction_learning::windows::{
-    Calibration, Setting, WindowLogs, WindowLoss, WindowModel, WindowSettings, noise_of,
+    Calibration, Integrator, Setting, WindowLogs, WindowLoss, WindowModel, WindowSettings, noise_of,
 };
-use leastaction_programs::steps::{ExplicitSteps, RungeKutta};
+use leastaction_programs::dynamics::Order;
+use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps, VariationalSteps};
 use leastaction_programs::{Row, System};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -54,11 +55,22 @@ fn command(log: usize, k: usize, i: usize) -> f64 {
 
 /// Logs of the model itself, by the steps that the loss takes.
 fn logs(robot: Robot) -> Dataset {
-    let (model, mut stream) = (model(), Pcg64::seed_from_u64(5));
-    let (weights, system) = (weights(&model), System::new(&*model.energies().unwrap()));
-    let mut steps = ExplicitSteps::new(&system, 0.5 * H, RungeKutta::ThreeEighths);
+    let system = System::new(&*model().energies().unwrap());
+    logs_by(robot, (&mut ExplicitSteps::new(&system, 0.5 * H, RungeKutta::ThreeEighths), 2))
+}
+
+/// The same by DEL steps from sample to sample.
+fn del_logs(robot: Robot, order: Order) -> Dataset {
+    let system = System::new(&*model().energies().unwrap());
+    logs_by(robot, (&mut VariationalSteps::new(&system, H, order), 1))
+}
+
+/// Logs by so many steps a sample.
+fn logs_by(robot: Robot, (steps, count): (&mut dyn Steps, usize)) -> Dataset {
+    let (weights, mut stream) = (weights(&model()), Pcg64::seed_from_u64(5));
     let mut trajectory = |log: usize| {
         let mut state: Vec<Row> = (0..2 * N).map(|i| Row::splat(0.3 * (i + log) as f64 - 0.5)).collect();
+        steps.begin(&weights, &mut state, None);
         let (mut q, mut u) = (Vec::new(), Vec::new());
         for k in 0..SAMPLES {
             let sensor = |i: usize| state[i].0[0] + robot.zero[i];
@@ -67,7 +79,7 @@ fn logs(robot: Robot) -> Dataset {
             let arrived = k.saturating_sub(robot.delay);
             let force = |i: usize| robot.gain[i] * command(log, arrived, i) + robot.offset[i];
             let tau: Vec<Row> = (0..N).map(|i| Row::splat(force(i))).collect();
-            for _ in 0..2 {
+            for _ in 0..count {
                 let _ = steps.step(&weights, &mut state, [&tau, &tau], None);
             }
         }
@@ -83,12 +95,21 @@ fn loss(data: &Dataset, calibration: Calibration, known: bool) -> WindowLoss {
 }
 
 fn loss_over(data: &Dataset, steps: usize, calibration: Calibration, known: bool) -> WindowLoss {
+    loss_by((Integrator::RungeKutta, 4), data, (steps, calibration, known))
+}
+
+fn loss_by(
+    (integrator, order): (Integrator, u8),
+    data: &Dataset,
+    (steps, calibration, known): (usize, Calibration, bool),
+) -> WindowLoss {
     let architecture = model();
     let mut model = WindowModel::new(&architecture).unwrap();
     if known {
         model.fixed = (0..architecture.parameters().unwrap()).collect();
     }
-    let settings = WindowSettings { steps, stride: steps, longest_step: 0.5 * H, order: 4, calibration };
+    let settings =
+        WindowSettings { steps, stride: steps, integrator, longest_step: 0.5 * H, order, calibration };
     let logs = Arc::new(WindowLogs::new(data));
     WindowLoss::new(model, &logs, 0..LOGS, settings).unwrap()
 }
@@ -106,7 +127,12 @@ fn completed(loss: &dyn Objective, weights: &[f64]) -> Vec<f64> {
 #[test]
 fn the_gradient_is_that_of_the_loss_over_the_best_starts() {
     let data = logs(Robot { noise: 0.05, ..REAL });
-    let loss: &dyn Objective = &loss(&data, ALL, false);
+    for by in [(Integrator::RungeKutta, 4), (Integrator::Del, 2), (Integrator::Del, 4)] {
+        check_gradient(&loss_by(by, &data, (STEPS, ALL, false)));
+    }
+}
+
+fn check_gradient(loss: &dyn Objective) {
     let mut start = weights(&model());
     start.iter_mut().for_each(|w| *w *= 1.1);
     let mut all = loss.enter(start);
@@ -146,6 +172,20 @@ fn sensors_and_actuators_are_found() {
     assert!(found.zeros.iter().all(|zero| near(zero, &REAL.zero)), "{found:?}");
 }
 
+/// A penalty on weights is none on sensors and actuators: a gain is expected near 1, not near 0.
+#[test]
+fn weight_decay_leaves_sensors_and_actuators_alone() {
+    let loss = loss(&logs(REAL), ALL, true);
+    let gains = [0.0, 3e-2].map(|decay| {
+        let mut fit = Levenberg::new(&loss, weights(&model())).with_decay(decay);
+        (0..6).for_each(|_| {
+            let _ = fit.iterate(&loss);
+        });
+        loss.layout().read(&fit.weights).gain
+    });
+    assert!(gains[0].iter().zip(&gains[1]).all(|(own, with)| (own - with).abs() < 1e-6), "{gains:?}");
+}
+
 /// Where nothing is to be learned the numbers stay as they are known.
 #[test]
 fn what_is_known_stays() {
@@ -173,12 +213,37 @@ fn a_model_is_learned_through_noise() {
     assert!(after < 0.3 * noise && after < 0.25 * before, "from {before} to {after}");
 }
 
+/// Logs by DEL steps are explained by the same steps alone: those of the other order, and motion in continuous time, are off by what
+/// the step misses.
+#[test]
+fn windows_by_del_steps_are_their_own() {
+    for (order, own, others) in [
+        (Order::Two, (Integrator::Del, 2), [(Integrator::Del, 4), (Integrator::RungeKutta, 4)]),
+        (Order::Four, (Integrator::Del, 4), [(Integrator::Del, 2), (Integrator::RungeKutta, 2)]),
+    ] {
+        let data = del_logs(IDEAL, order);
+        let off = |by| {
+            let loss = loss_by(by, &data, (STEPS, Calibration::default(), true));
+            Objective::loss(&loss, &completed(&loss, &Objective::enter(&loss, weights(&model())))).sqrt()
+        };
+        assert!(off(own) < 1e-12, "{order:?}: {}", off(own));
+        let others = others.map(off);
+        assert!(others.iter().all(|other| *other > 1e-8), "{order:?}: {others:?}");
+    }
+}
+
 #[test]
 fn a_fit_is_the_same_bits_on_any_number_of_threads() {
+    for by in [(Integrator::RungeKutta, 4), (Integrator::Del, 4)] {
+        check_threads(by);
+    }
+}
+
+fn check_threads(by: (Integrator, u8)) {
     let fit = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let loss = loss(&logs(Robot { noise: 0.01, ..REAL }), ALL, false);
+            let loss = loss_by(by, &logs(Robot { noise: 0.01, ..REAL }), (STEPS, ALL, false));
             let mut fit = Levenberg::new(&loss, weights(&model()));
             (0..3).for_each(|_| assert_eq!(fit.iterate(&loss), Progress::Lower));
             (fit.weights, fit.loss)

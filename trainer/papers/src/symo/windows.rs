@@ -6,7 +6,9 @@ use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::data::{Dataset, Trajectory};
 use leastaction_learning::training::{Levenberg, Objective};
-use leastaction_learning::windows::{Calibration, WindowLogs, WindowLoss, WindowModel, WindowSettings};
+use leastaction_learning::windows::{
+    Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
+};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -132,6 +134,7 @@ fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> R
     let settings = WindowSettings {
         steps,
         stride: steps.div_ceil(2),
+        integrator: Integrator::RungeKutta,
         longest_step: LONGEST_STEP,
         order: 4,
         calibration: Calibration::default(),

@@ -10,7 +10,7 @@ const HISTORY: usize = 3;
 /// The variational integrator of a system, for samples side by side.
 #[derive(Clone, Debug)]
 pub struct Del {
-    integrals: Integrals,
+    pub(crate) integrals: Integrals,
     newton: Newton,
     factors: Factors,
 }
@@ -69,6 +69,11 @@ impl Del {
 }
 
 impl DelState {
+    /// The path of the last step: w and s.
+    pub(crate) fn last(&self) -> [&[Row]; 2] {
+        self.history.first().map_or([&[], &[]], |[w, s]| [w, s])
+    }
+
     /// w and s, extrapolated by the polynomials through the last ones.
     fn guess(&self) -> [Vec<Row>; 2] {
         let weights: &[f64] = match self.history.len() {

@@ -42,6 +42,11 @@ impl GaussPoint {
     pub fn bubble(&self, h: f64) -> Variation {
         Variation { force: h * 4.0 * self.c * (1.0 - self.c), momentum: 4.0 * (1.0 - 2.0 * self.c) }
     }
+
+    /// Whether it lies in the first half of the step, where a bubble that grows speeds the motion up.
+    pub fn is_early(&self) -> bool {
+        self.c < 0.5
+    }
 }
 
 impl Order {
@@ -81,18 +86,17 @@ impl Interval {
         Self { q0: q0.to_vec(), w: w.to_vec(), s, tau: tau.map(<[Row]>::to_vec) }
     }
 
-    /// The part of what is taken from w and s of a sample after which Newton's method looks again: up to rest where a velocity at a Gauss
-    /// point changes its sign from beyond where forces bend.
-    pub(crate) fn trusted_part(
+    /// The part of what is taken from w and s of a sample after which Newton's method looks again: up to rest where a velocity at one of
+    /// these Gauss points changes its sign from beyond where forces bend.
+    pub(crate) fn trusted_part<'p>(
         &self,
-        order: Order,
+        points: impl Iterator<Item = &'p GaussPoint>,
         bends: &[Row],
         [of_w, of_s]: [&[f64]; 2],
         sample: usize,
     ) -> f64 {
-        let rate = |point: &GaussPoint| point.bubble(1.0).momentum;
         let mut least = 1.0_f64;
-        for rate in order.points().iter().map(rate) {
+        for rate in points.map(|point| point.bubble(1.0).momentum) {
             for (i, bend) in bends.iter().enumerate() {
                 let change = |x: &[f64]| x.get(i).copied().unwrap_or_default();
                 let v = self.w[i].0[sample] + rate * self.s[i].0[sample];
@@ -168,6 +172,8 @@ pub struct Linearised {
     pub bubble_w: Vec<Row>,
     /// ∂ dm_ld/∂s.
     pub bubble_s: Vec<Row>,
+    /// What the forces' change with the velocity at the early Gauss point adds to ∂ dm_ld/∂s.
+    pub early_force_s: Vec<Row>,
     /// ∂(D₂L_d + f⁺)/∂s.
     pub end_momentum_s: Vec<Row>,
     /// The size of the terms that rounding acts on, also where they cancel; n rows.
@@ -232,13 +238,14 @@ impl Integrals {
             momentum_s: zero.clone(),
             bubble_w: zero.clone(),
             bubble_s: zero.clone(),
+            early_force_s: zero.clone(),
             end_momentum_s: zero,
             scale: vec![Row::default(); n],
         };
         for point in self.order.points() {
             let [q, v, tau] = interval.at(point, self.h);
-            let (program, workspace) = &mut self.second;
-            program.run(weights, &[&q, &v, &tau], workspace, &mut []);
+            self.differentiate(weights, [&q, &v, &tau]);
+            let workspace = &self.second.1;
             let force = plus(workspace.output(DerivativeOutputs::FORCE), &tau);
             sum.balance.add(point, self.h, &force, workspace.output(DerivativeOutputs::MOMENTUM));
             self.add_derivatives(point, &mut sum);
@@ -247,29 +254,55 @@ impl Integrals {
         sum
     }
 
+    /// Evaluates F and L_v with their derivatives at one point, for what reads them next.
+    pub fn differentiate(&mut self, weights: &[f64], at: [&[Row]; 3]) {
+        let (program, workspace) = &mut self.second;
+        program.run(weights, &at, workspace, &mut []);
+    }
+
+    /// ∂L_v/∂q, or M, of the last [`Integrals::differentiate`]: column j.
+    pub fn momentum_columns(&self, j: usize) -> [&[Row]; 2] {
+        [self.at.momentum_q(j), self.at.mass(j)].map(|output| self.second.1.output(output))
+    }
+
     fn add_derivatives(&self, point: &GaussPoint, sum: &mut Linearised) {
-        let (n, h, at, workspace) = (self.n, self.h, self.at, &self.second.1);
+        let (h, b) = (self.h, point.weight);
         let (start, end, bubble) = (point.start(h), point.end(h), point.bubble(h));
+        self.add_block((b, start, end), &mut sum.momentum_w);
+        if self.order.has_bubble() {
+            self.add_block((b, start, bubble), &mut sum.momentum_s);
+            self.add_block((b, bubble, end), &mut sum.bubble_w);
+            self.add_block((b, bubble, bubble), &mut sum.bubble_s);
+            self.add_block((b, end, bubble), &mut sum.end_momentum_s);
+        }
+        if self.order.has_bubble() && point.is_early() {
+            self.add_force_v(b * bubble.force * bubble.momentum, &mut sum.early_force_s);
+        }
+    }
+
+    /// Adds how b (row.force F + row.momentum L_v) moves where the point does by `column`: its position by the force part, its velocity
+    /// by the momentum part. n × n rows.
+    pub fn add_block(&self, (b, row, column): (f64, Variation, Variation), to: &mut [Row]) {
+        let (n, at, workspace) = (self.n, self.at, &self.second.1);
         for j in 0..n {
             let [force_q, force_v] = [at.force_q(j), at.force_v(j)].map(|output| workspace.output(output));
-            let [momentum_q, mass] = [at.momentum_q(j), at.mass(j)].map(|output| workspace.output(output));
-            let add = |of: &mut [Row], row: Variation, column: Variation| {
-                let b = point.weight;
-                for i in 0..n {
-                    let place = &mut of[i * n + j];
-                    place.add_scaled(b * row.force * column.force, &force_q[i]);
-                    place.add_scaled(b * row.force * column.momentum, &force_v[i]);
-                    place.add_scaled(b * row.momentum * column.force, &momentum_q[i]);
-                    place.add_scaled(b * row.momentum * column.momentum, &mass[i]);
-                }
-            };
-            add(&mut sum.momentum_w, start, end);
-            if self.order.has_bubble() {
-                add(&mut sum.momentum_s, start, bubble);
-                add(&mut sum.bubble_w, bubble, end);
-                add(&mut sum.bubble_s, bubble, bubble);
-                add(&mut sum.end_momentum_s, end, bubble);
+            let [momentum_q, mass] = self.momentum_columns(j);
+            for i in 0..n {
+                let place = &mut to[i * n + j];
+                place.add_scaled(b * row.force * column.force, &force_q[i]);
+                place.add_scaled(b * row.force * column.momentum, &force_v[i]);
+                place.add_scaled(b * row.momentum * column.force, &momentum_q[i]);
+                place.add_scaled(b * row.momentum * column.momentum, &mass[i]);
             }
+        }
+    }
+
+    /// Adds c ∂Q/∂v, which is ∂F/∂v without ∂L_q/∂v = (∂L_v/∂q)ᵀ.
+    fn add_force_v(&self, c: f64, to: &mut [Row]) {
+        let (n, at, workspace) = (self.n, self.at, &self.second.1);
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            to[i * n + j].add_scaled(c, &workspace.output(at.force_v(j))[i]);
+            to[i * n + j].add_scaled(-c, &workspace.output(at.momentum_q(i))[j]);
         }
     }
 

@@ -128,7 +128,8 @@ impl Newton {
                 break;
             }
             let before = progress.residual;
-            update(equations, &balance, interval, (factors, bends.as_deref()), &progress.done);
+            let matrix = (&mut *factors, &linearised, bends.as_deref());
+            update(equations, &balance, interval, matrix, &progress.done);
             balance = equations.integrals.balance(equations.weights, interval);
             equations.measure(&balance, &linearised.scale, self, &mut progress, false);
             let slow = (0..WIDTH).any(|k| !progress.done[k] && progress.residual[k] > SLOW * before[k]);
@@ -144,20 +145,43 @@ impl Newton {
     }
 }
 
-/// Moves w and s of the samples that are not done, as far as forces that bend let the matrix be trusted.
+/// Moves w and s of the samples that are not done, as far as forces that bend let the matrix be trusted: of an interval whose ends are
+/// given at the late Gauss point alone.
 fn update(
     equations: &Equations,
     balance: &Balance,
     interval: &mut Interval,
-    (factors, bends): (&mut Factors, Option<&[Row]>),
+    (factors, linearised, bends): (&mut Factors, &Linearised, Option<&[Row]>),
     done: &[bool; WIDTH],
 ) {
-    let (n, order) = (interval.q0.len(), equations.integrals.order);
+    let (n, order, is_free) = (interval.q0.len(), equations.integrals.order, equations.p0.is_some());
+    let mut mended = Lu::default();
     for (sample, lu) in factors.iter_mut().enumerate().filter(|(sample, _)| !done[*sample]) {
-        let change = lu.solve(|i| equations.left(balance, i, sample));
-        let (of_w, of_s) = if equations.p0.is_some() { change.split_at(n) } else { (&[][..], change) };
-        let part = bends.map_or(1.0, |bends| interval.trusted_part(order, bends, [of_w, of_s], sample));
+        let left = |i: usize| equations.left(balance, i, sample);
+        let mut change = lu.solve(left);
+        if !is_free && !leads_on(change, left) && without_early_friction(linearised, sample, &mut mended) {
+            change = mended.solve(left);
+        }
+        let (of_w, of_s) = if is_free { change.split_at(n) } else { (&[][..], change) };
+        let points = order.points().iter().filter(|point| is_free || !point.is_early());
+        let part = bends.map_or(1.0, |bends| interval.trusted_part(points, bends, [of_w, of_s], sample));
         interval.w.iter_mut().zip(of_w).for_each(|(w, change)| w.0[sample] -= part * change);
         interval.s.iter_mut().zip(of_s).for_each(|(s, change)| s.0[sample] -= part * change);
     }
+}
+
+/// Whether a change of the bubble between two given ends goes the way of what is left of its equation.
+///
+/// A bubble that grows speeds up the early Gauss point and slows down the late one. Friction at the late one therefore works against
+/// it, as inertia does, but at the early one with it: where it bends sharply the equation turns back there, and an update
+/// may lead the wrong way. It is then repeated without the early friction's derivative, and so goes the right way, if not as fast.
+fn leads_on(change: &[f64], left: impl Fn(usize) -> f64) -> bool {
+    change.iter().enumerate().map(|(i, change)| change * left(i)).sum::<f64>() > 0.0
+}
+
+/// Factors the matrix of a bubble between two given ends without the derivative of the early friction; false where that is singular.
+fn without_early_friction(linearised: &Linearised, sample: usize, lu: &mut Lu) -> bool {
+    let n = linearised.scale.len();
+    let of = |rows: &[Row], i: usize, j: usize| rows[i * n + j].0[sample];
+    lu.factor(n, |i, j| of(&linearised.bubble_s, i, j) - of(&linearised.early_force_s, i, j))
 }

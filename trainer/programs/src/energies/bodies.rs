@@ -165,6 +165,7 @@ impl Energies for BodiesEnergies {
     }
 
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
+        builder.of_short_vectors();
         let ground = Frame::ground(builder);
         let mut frames: Vec<Frame> = Vec::new();
         let (mut twice, mut moment) = (builder.zeros(1), builder.zeros(2));

@@ -3,6 +3,7 @@
 mod bodies;
 mod friction;
 mod graph;
+mod law_networks;
 mod modular;
 mod network;
 mod rigid;
@@ -10,11 +11,23 @@ mod rigid;
 pub use bodies::BodiesEnergies;
 pub use friction::{DryLaw, FrictionLaws, WithFriction};
 pub use graph::GraphEnergies;
+pub use law_networks::{LawNetwork, WithNetworks};
 pub use modular::ModularEnergies;
 pub use network::Network;
 pub use rigid::RigidEnergies;
 
 use crate::builder::{Builder, Node};
+use crate::function::Function;
+use leastaction_core::energy::rigid::Coordinate;
+
+/// s(q) of coordinates of these kinds: translations, then the cosines of all angles, then their sines.
+fn features(builder: &mut Builder, kinds: &[Coordinate], q: Node) -> Node {
+    let of = |kind| (0..kinds.len()).filter(|i| kinds[*i] == kind).collect::<Vec<_>>();
+    let (translations, angles) = (of(Coordinate::Translation), of(Coordinate::Angle));
+    let (translations, angles) = (builder.gather(q, &translations), builder.gather(q, &angles));
+    let (cosines, sines) = (builder.cosine(angles), builder.map(Function::Sine, angles));
+    builder.joined(&[translations, cosines, sines])
+}
 
 /// A family's model of some shape: its energies over a weight block, and the forces beside them.
 pub trait Energies {

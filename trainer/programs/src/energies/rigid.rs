@@ -1,4 +1,4 @@
-use super::{Energies, Network};
+use super::{Energies, Network, features};
 use crate::builder::{Builder, Node};
 use crate::function::Function;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
@@ -26,16 +26,6 @@ impl RigidEnergies {
         let outputs = inertia.outputs(coordinates.len());
         let network = Network::of_widths(features, widths, (outputs, activation), 0);
         Self { coordinates, inertia, network, damped }
-    }
-
-    /// s(q): translations, then the cosines of all angles, then their sines.
-    fn features(&self, builder: &mut Builder, q: Node) -> Node {
-        let of =
-            |kind| (0..self.coordinates.len()).filter(|i| self.coordinates[*i] == kind).collect::<Vec<_>>();
-        let (translations, angles) = (of(Coordinate::Translation), of(Coordinate::Angle));
-        let (translations, angles) = (builder.gather(q, &translations), builder.gather(q, &angles));
-        let (cosines, sines) = (builder.cosine(angles), builder.map(Function::Sine, angles));
-        builder.joined(&[translations, cosines, sines])
     }
 
     /// T = ½vᵀHv from the outputs that H is made of.
@@ -92,7 +82,7 @@ impl Energies for RigidEnergies {
     }
 
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
-        let features = self.features(builder, q);
+        let features = features(builder, &self.coordinates, q);
         let outputs = self.network.output(builder, features);
         let last = builder.length(outputs) - 1;
         let potential = builder.part(outputs, last..last + 1);

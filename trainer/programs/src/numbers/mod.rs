@@ -1,7 +1,8 @@
 //! Programs of short vectors, number by number.
 //!
 //! Energies of bodies are written in vectors of two or three numbers, of which many are 0 or 1. Number by number, what is known is
-//! computed once, what is the same is computed once, what is 0 is not computed; nothing is gathered or scattered.
+//! computed once, what is the same is computed once, what is 0 is not computed; nothing is gathered or scattered. So are small networks
+//! beside bodies, whose layers would otherwise make vectors of all.
 
 mod run;
 mod values;
@@ -76,9 +77,9 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    /// Those of a program; `None` where it applies layers of networks, or is long.
-    pub fn of(program: &Program) -> Option<Self> {
-        let (values, results) = Values::of(program)?;
+    /// Those of a program; `None` where it is long, or applies layers of networks that are not to be taken apart.
+    pub fn of(program: &Program, with_layers: bool) -> Option<Self> {
+        let (values, results) = Values::of(program, with_layers)?;
         (values.len() <= MOST).then(|| Allocation::new(&values).numbers(&results))
     }
 
@@ -239,9 +240,11 @@ impl<'v> Allocation<'v> {
 
 #[cfg(test)]
 mod tests {
-    use crate::energies::{BodiesEnergies, DryLaw, FrictionLaws, WithFriction};
+    use crate::energies::{BodiesEnergies, DryLaw, FrictionLaws, LawNetwork, WithFriction, WithNetworks};
     use crate::{Row, System};
     use leastaction_core::energy::bodies::{Joint, TreeBody};
+    use leastaction_core::energy::rigid::Coordinate;
+    use leastaction_core::network::Activation;
 
     const N: usize = 3;
 
@@ -249,21 +252,35 @@ mod tests {
         Row(std::array::from_fn(|sample| (1.3 * k as f64 + 0.7 * sample as f64).sin()))
     }
 
-    /// A tree of three bodies, of which some numbers are known, with friction that grows with the load.
-    fn system() -> System {
+    /// A tree of three bodies, of which some numbers are known, with friction that grows with the load, and with networks where they are
+    /// asked for.
+    fn system(with_networks: bool) -> System {
         let parents = [None, Some(0), Some(0)];
         let bodies = parents.map(|parent| TreeBody { joint: Joint::Revolute, parent });
         let bodies = BodiesEnergies::new(bodies.to_vec()).unwrap();
         let known = 0..crate::energies::Energies::parameters(&bodies);
         let known = known.map(|k| (k % 3 == 0).then_some([0.0, 1.0, -9.81][k / 3 % 3])).collect();
         let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
-        System::new(&WithFriction::new(bodies.with_known(known).unwrap(), laws, 2, vec![0, 1, 1]).unwrap())
+        let rubbing = WithFriction::new(bodies.with_known(known).unwrap(), laws, 2, vec![0, 1, 1]).unwrap();
+        let law = |coordinates| LawNetwork { coordinates, widths: vec![5], activation: Activation::Tanh };
+        let (one, other) = (law(vec![None, Some(Coordinate::Angle)]), law(vec![Some(Coordinate::Angle)]));
+        let networks = with_networks.then_some((&one, &other)).unzip();
+        System::new(&WithNetworks::new(rubbing, networks.0, networks.1).unwrap())
     }
 
     /// Outputs and rows are those of the vectors' program, but for rounding.
     #[test]
     fn number_by_number_the_results_are_the_same() {
-        let system = system();
+        check_results(&system(false));
+    }
+
+    /// Beside bodies small layers are taken apart.
+    #[test]
+    fn layers_beside_bodies_are_computed_number_by_number() {
+        check_results(&system(true));
+    }
+
+    fn check_results(system: &System) {
         let weights: Vec<f64> = (0..system.parameters()).map(|k| 0.5 + row(k).0[0].abs()).collect();
         let inputs: Vec<Vec<Row>> = (0..4 + N).map(|k| (0..N).map(|i| row(7 * k + i)).collect()).collect();
         let inputs: Vec<&[Row]> = inputs.iter().map(Vec::as_slice).collect();

@@ -1,5 +1,6 @@
 //! What every number of a program is, each once.
 
+use crate::builder::Layer;
 use crate::function::{Function, ORDERS};
 use crate::program::{Program, Step};
 use crate::row::Row;
@@ -33,6 +34,8 @@ pub(super) enum Value {
 pub(super) struct Values {
     all: Vec<Value>,
     known: HashMap<Value, Id>,
+    /// Whether layers are taken apart.
+    with_layers: bool,
     functions: HashMap<u32, Function>,
 }
 
@@ -45,8 +48,8 @@ pub(super) struct Results {
 
 impl Values {
     /// Those of a program; `None` where it has steps that are not of single numbers.
-    pub fn of(program: &Program) -> Option<(Self, Results)> {
-        let (mut values, mut results) = (Self::default(), Results::default());
+    pub fn of(program: &Program, with_layers: bool) -> Option<(Self, Results)> {
+        let (mut values, mut results) = (Self { with_layers, ..Self::default() }, Results::default());
         let mut slots: Vec<Vec<Id>> = program.slots.iter().map(|length| vec![0; *length]).collect();
         for (slot, rows) in &program.constants {
             slots[*slot] = rows.iter().map(|row| values.constant(row.0[0])).collect();
@@ -165,9 +168,89 @@ impl Values {
                 let adds = adds.filter(|(_, x)| self.get(**x) != Value::Constant(0));
                 results.rows.extend(adds.map(|(k, x)| (*row as u32, (start + k) as u32, *x)));
             }
+            _ if self.with_layers => self.layer(step, slots, results)?,
             _ => return None,
         }
         Some(())
+    }
+
+    /// What a step of a layer writes; `None` for one of a sample alone.
+    fn layer(&mut self, step: &Step, slots: &mut [Vec<Id>], results: &mut Results) -> Option<()> {
+        match step {
+            Step::Linear { layer, bias, x, to, .. } => {
+                let columns = slots[*x].chunks(layer.inputs.max(1)).map(<[Id]>::to_vec);
+                slots[*to] = columns.flat_map(|x| self.applied(layer, *bias, &x)).collect();
+            }
+            Step::Transposed { layer, y, to, .. } => {
+                let columns = slots[*y].chunks(layer.outputs.max(1)).map(<[Id]>::to_vec);
+                slots[*to] = columns.flat_map(|y| self.applied_transposed(layer, &y)).collect();
+            }
+            Step::Outer { row, layer, pairs } => {
+                for pair in pairs {
+                    let (y, x) = (slots[pair.y_bar].clone(), slots[pair.x].clone());
+                    let columns = y.chunks(layer.outputs.max(1)).zip(x.chunks(layer.inputs.max(1)));
+                    for (y, x) in columns.take(pair.columns) {
+                        self.outer((*row, layer, pair.bias), [y, x], results);
+                    }
+                }
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+
+    fn weight(&mut self, layer: &Layer, i: usize, j: usize) -> Id {
+        self.value(Value::Parameter(layer.weight(i, j) as u32))
+    }
+
+    /// Wx, and + b where there is one.
+    fn applied(&mut self, layer: &Layer, bias: bool, x: &[Id]) -> Vec<Id> {
+        let output = |values: &mut Self, i: usize| {
+            let start = match bias {
+                true => values.value(Value::Parameter((layer.biases() + i) as u32)),
+                false => values.constant(0.0),
+            };
+            x.iter().enumerate().fold(start, |sum, (j, x)| {
+                let weight = values.weight(layer, i, j);
+                let product = values.product(weight, *x);
+                values.sum(sum, product)
+            })
+        };
+        (0..layer.outputs).map(|i| output(self, i)).collect()
+    }
+
+    /// Wᵀy.
+    fn applied_transposed(&mut self, layer: &Layer, y: &[Id]) -> Vec<Id> {
+        let input = |values: &mut Self, j: usize| {
+            let start = values.constant(0.0);
+            y.iter().enumerate().fold(start, |sum, (i, y)| {
+                let weight = values.weight(layer, i, j);
+                let product = values.product(weight, *y);
+                values.sum(sum, product)
+            })
+        };
+        (0..layer.inputs).map(|j| input(self, j)).collect()
+    }
+
+    /// Adds ȳxᵀ to a row, and ȳ where the biases are meant too.
+    fn outer(
+        &mut self,
+        (row, layer, bias): (usize, &Layer, bool),
+        [y, x]: [&[Id]; 2],
+        results: &mut Results,
+    ) {
+        let is_there = |values: &Self, x: Id| values.get(x) != Value::Constant(0);
+        for (i, y) in y.iter().enumerate() {
+            for (j, x) in x.iter().enumerate() {
+                let product = self.product(*y, *x);
+                if is_there(self, product) {
+                    results.rows.push((row as u32, layer.weight(i, j) as u32, product));
+                }
+            }
+            if bias && is_there(self, *y) {
+                results.rows.push((row as u32, (layer.biases() + i) as u32, *y));
+            }
+        }
     }
 
     /// Of two slots number by number; the shorter one is repeated.

@@ -1,6 +1,6 @@
 use super::stages::Stages;
 use super::tangents::{ControlTangent, Tangents};
-use super::{RungeKutta, State};
+use super::{RungeKutta, State, Steps};
 use crate::dynamics::{Failures, MotionSolver, Rods};
 use crate::program::{Program, Workspace};
 use crate::row::Row;
@@ -56,36 +56,6 @@ impl ExplicitSteps {
         Self { learned, ..self }
     }
 
-    /// One step on, under controls τ at its start and end, linear between; with `tangents` also how the new state moves, of which
-    /// numbers of the control each moves as `controls` says. A sample that cannot be computed is no number from here on.
-    ///
-    /// # Panics
-    /// Where the numbers of coordinates, of learned weights or of controls do not fit.
-    pub fn step(
-        &mut self,
-        weights: &[f64],
-        state: &mut State,
-        tau: [&[Row]; 2],
-        tangents: Option<(&mut Tangents, &[ControlTangent])>,
-    ) -> Failures {
-        let mut failures = Failures::default();
-        let (carried, controls) = match tangents {
-            Some((tangents, controls)) => (Some(tangents), controls),
-            None => (None, &[][..]),
-        };
-        for (stage, time) in self.method.times().enumerate() {
-            self.stages.enter(stage, (state, self.h), (tau, time));
-            failures = failures.or(self.accelerate(weights, carried.is_some()));
-            if let Some(tangents) = carried.as_deref() {
-                self.differentiate(weights, tangents);
-                self.carry(tangents, (controls, time));
-            }
-        }
-        self.stages.finish((state, self.h), carried);
-        failures.add_not_finite(state);
-        failures
-    }
-
     /// v̇ of a stage, and M⁻¹ where it is wanted.
     fn accelerate(&mut self, weights: &[f64], differentiate: bool) -> Failures {
         let (program, workspace) = &mut self.motion;
@@ -134,5 +104,34 @@ impl ExplicitSteps {
                 self.stages.add(weights + control.number, i, &change, slope);
             }
         }
+    }
+}
+
+impl Steps for ExplicitSteps {
+    fn begin(&mut self, _: &[f64], _: &mut State, _: Option<&mut Tangents>) {}
+
+    fn step(
+        &mut self,
+        weights: &[f64],
+        state: &mut State,
+        tau: [&[Row]; 2],
+        tangents: Option<(&mut Tangents, &[ControlTangent])>,
+    ) -> Failures {
+        let mut failures = Failures::default();
+        let (carried, controls) = match tangents {
+            Some((tangents, controls)) => (Some(tangents), controls),
+            None => (None, &[][..]),
+        };
+        for (stage, time) in self.method.times().enumerate() {
+            self.stages.enter(stage, (state, self.h), (tau, time));
+            failures = failures.or(self.accelerate(weights, carried.is_some()));
+            if let Some(tangents) = carried.as_deref() {
+                self.differentiate(weights, tangents);
+                self.carry(tangents, (controls, time));
+            }
+        }
+        self.stages.finish((state, self.h), carried);
+        failures.add_not_finite(state);
+        failures
     }
 }

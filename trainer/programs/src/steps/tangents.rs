@@ -38,6 +38,10 @@ impl Tangents {
         &self.rows[number * self.width..][..self.width]
     }
 
+    pub(super) fn of_mut(&mut self, number: usize) -> &mut [Row] {
+        &mut self.rows[number * self.width..][..self.width]
+    }
+
     /// Learned numbers of the weight block.
     pub fn weights(&self) -> usize {
         self.weights

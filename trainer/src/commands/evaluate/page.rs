@@ -7,7 +7,7 @@ use leastaction_learning::evaluate::horizons::Predictor;
 use leastaction_learning::model_file::HostModel;
 use leastaction_learning::report::{Fit, Report};
 use leastaction_learning::windows::{
-    Calibrated, Calibration, WindowLogs, WindowLoss, WindowModel, WindowSettings,
+    Calibrated, Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
 };
 use std::ffi::OsStr;
 use std::path::Path;
@@ -37,7 +37,13 @@ pub fn write(
     let HostModel { architecture, weights, facts, .. } = model;
     let calibrated = Calibrated::of_file(&facts.actuator, log.n).map_err(|error| failed(&error))?;
     let logs = Arc::new(WindowLogs::new(log));
-    let predictor = Predictor { architecture, weights, calibrated: &calibrated, logs: &logs };
+    let predictor = Predictor {
+        architecture,
+        weights,
+        trained_step: facts.trained_step,
+        calibrated: &calibrated,
+        logs: &logs,
+    };
     let report = Report {
         title: format!("{} on {}", file.display(), data.display()),
         facts: vec![
@@ -67,11 +73,13 @@ fn fit(model: &HostModel, calibrated: &Calibrated, logs: &Arc<WindowLogs>) -> Op
     let longest = (0..logs.count()).map(|log| logs.samples(log)).max()?;
     let steps =
         ((WINDOW / logs.h).round() as usize).clamp(1, longest.checked_sub(1).filter(|steps| *steps > 0)?);
+    let (integrator, order) = Integrator::of_trained(model.facts.trained_step, logs.h);
     let settings = WindowSettings {
         steps,
         stride: steps,
+        integrator,
         longest_step: logs.h,
-        order: 4,
+        order,
         calibration: Calibration::default(),
     };
     let own = WindowModel::new(&model.architecture).ok()?;

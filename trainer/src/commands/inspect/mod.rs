@@ -1,5 +1,6 @@
 //! `leastaction inspect`.
 
+mod network;
 mod shape;
 mod target;
 
@@ -11,6 +12,7 @@ use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
 use leastaction_learning::model_file::{HostModel, Precision, decode};
 use leastaction_learning::windows::Calibrated;
+use network::NetworkReport;
 use serde::Serialize;
 use shape::ShapeReport;
 use std::fmt;
@@ -45,6 +47,12 @@ struct Report {
     /// Of every coordinate; empty without dry friction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     dry_friction: Vec<DryFrictionReport>,
+    /// The network that dissipates; none where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dissipation: Option<NetworkReport>,
+    /// The network that is added to the potential; none where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    potential: Option<NetworkReport>,
     /// Between command and force; none where the command is the force.
     #[serde(skip_serializing_if = "Option::is_none")]
     actuator: Option<ActuatorReport>,
@@ -107,6 +115,9 @@ fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Res
         let name = target.processor().name();
         let why = match model.precision {
             Precision::Half => "of weights in half precision it was not measured",
+            Precision::Single if !model.architecture.corrections.is_none() => {
+                "of laws with networks it was not measured"
+            }
             Precision::Single => "its shape is beyond those that were measured",
         };
         Failure::input(file, format!("what it takes on a {name} is not known: {why}"))
@@ -129,6 +140,12 @@ fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
         shape: ShapeReport::of(architecture),
         damping: (!damping.is_empty() && damped).then_some(damping),
         dry_friction: friction.iter().filter_map(|friction| friction.dry).map(Into::into).collect(),
+        dissipation: architecture
+            .corrections
+            .dissipation
+            .as_ref()
+            .map(|of| NetworkReport::of(&of.network, &of.scales)),
+        potential: architecture.corrections.potential.as_ref().map(|of| NetworkReport::of(of, &[])),
         actuator: ActuatorReport::of(&model),
         parameters: model.weights.len(),
         weight_bits: model.precision.bits(),
@@ -239,6 +256,10 @@ impl fmt::Display for Report {
         }
         for (i, dry) in self.dry_friction.iter().enumerate() {
             line(f, if i == 0 { "dry friction" } else { "" }, &format!("q{}: {dry}", i + 1))?;
+        }
+        for (name, network) in [("dissipation", &self.dissipation), ("potential beside it", &self.potential)]
+        {
+            network.iter().try_for_each(|network| line(f, name, &network.to_string()))?;
         }
         self.actuator.iter().try_for_each(|actuator| line(f, "actuator", &actuator.to_string()))?;
         line(f, "parameters", &format!("{} of {} bits", self.parameters, self.weight_bits))?;

@@ -35,6 +35,11 @@ fn sizes() -> Vec<(&'static str, usize)> {
         ("LEASTACTION_HIDDEN", config::LEASTACTION_HIDDEN),
         ("LEASTACTION_LAYERS", config::LEASTACTION_LAYERS),
     ]);
+    #[cfg(feature = "networks")]
+    sizes.extend([
+        ("LEASTACTION_LAW_HIDDEN", config::LEASTACTION_LAW_HIDDEN),
+        ("LEASTACTION_LAW_LAYERS", config::LEASTACTION_LAW_LAYERS),
+    ]);
     #[cfg(feature = "modular")]
     sizes.push(("LEASTACTION_TYPES", config::LEASTACTION_TYPES));
     #[cfg(feature = "graph")]

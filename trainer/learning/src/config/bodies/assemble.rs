@@ -2,6 +2,7 @@
 
 use super::{BodiesConfig, BodyConfig, BodyNumber, LEARNED, ZERO};
 use crate::architecture::{Architecture, BodiesArchitecture, MAX_TREE_COORDINATES, Number};
+use crate::config::corrections::{Known, assemble};
 use crate::config::parts::Range;
 use crate::config::problem::{Problem, ShapeError};
 use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
@@ -86,7 +87,10 @@ impl BodiesConfig {
     pub fn architecture(&self) -> Result<Architecture, ShapeError> {
         let family = self.tree()?;
         let friction = self.friction.assemble(family.n(), "body")?;
-        Ok(Architecture { family: family.into(), friction })
+        let letters = family.coordinates();
+        let known = Known { letters: &letters, common: letters.len() };
+        let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
+        Ok(Architecture { family: family.into(), friction, corrections })
     }
 
     /// The model that these bodies are.

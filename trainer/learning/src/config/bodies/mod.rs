@@ -5,6 +5,7 @@ mod values;
 
 pub use values::{BodyNumber, JointKind};
 
+use super::corrections::{DissipationConfig, PotentialConfig};
 use super::friction::FrictionConfig;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +28,12 @@ pub struct BodiesConfig {
     /// Friction of the joints.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// A network that dissipates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<DissipationConfig>,
+    /// A network that is added to the potential.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential: Option<PotentialConfig>,
 }
 
 fn gravity() -> [BodyNumber; 2] {
@@ -86,6 +93,8 @@ impl BodiesConfig {
             gear: None,
             bodies: Vec::new(),
             friction: FrictionConfig::default(),
+            dissipation: None,
+            potential: None,
         }
     }
 }

@@ -5,6 +5,7 @@ mod values;
 
 pub use values::{EdgeConfig, RodConfig, SeparationKind};
 
+use super::corrections::NoCorrections;
 use super::fields;
 use super::friction::NoFriction;
 use super::parts::NumberConfig;
@@ -34,6 +35,12 @@ pub struct GraphConfig {
     /// Not of graphs, whose node types have drag.
     #[serde(default, skip_serializing)]
     friction: NoFriction,
+    /// Not of graphs.
+    #[serde(default, skip_serializing)]
+    dissipation: NoCorrections,
+    /// The same.
+    #[serde(default, skip_serializing)]
+    potential: NoCorrections,
 }
 
 fn plane() -> u8 {

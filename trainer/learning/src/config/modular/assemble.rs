@@ -4,8 +4,10 @@ use super::numbers::DEFAULTS;
 use super::source::Source;
 use super::{ElementConfig, ModularConfig, PairConfig, Problem, ShapeError, TransformKind, TypeConfig};
 use crate::architecture::{
-    FrictionArchitecture, MAX_TREE_COORDINATES, ModularArchitecture, NamedTree, NamedType, Number,
+    Corrections, FrictionArchitecture, MAX_TREE_COORDINATES, ModularArchitecture, NamedTree, NamedType,
+    Number,
 };
+use crate::config::corrections::{Known, assemble};
 use crate::config::parts::Networks;
 use crate::config::problem::{check_count, check_name, list};
 use leastaction_core::energy::List;
@@ -29,6 +31,10 @@ pub struct Assembled {
     pub architecture: ModularArchitecture,
     /// The friction of the coordinates of its element types.
     pub friction: FrictionArchitecture,
+    /// Networks beside both.
+    pub corrections: Corrections,
+    /// The numbers of those that come from a trained model, of the dissipation and of the potential; none of new ones.
+    pub trained_corrections: [Vec<f64>; 2],
     /// The networks that come from a trained model, which are the first of the weight block.
     trained: Vec<f64>,
 }
@@ -108,7 +114,31 @@ impl ModularConfig {
         let chosen = self.chosen(&model).map_err(|problem| problem.at(["tree".into()]))?;
         model.trees.swap(0, chosen);
         model.check()?;
-        Ok(model.finish())
+        let mut assembled = model.finish();
+        self.correct(&mut assembled)?;
+        Ok(assembled)
+    }
+
+    /// Adds the networks that are given, in place of trained ones.
+    fn correct(&self, assembled: &mut Assembled) -> Result<(), ShapeError> {
+        let architecture = &assembled.architecture;
+        let (letters, common) = (architecture.coordinates(), architecture.header().fewest_coordinates());
+        let known = Known { letters: &letters, common };
+        let given = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
+        let [dissipation, potential] = &mut assembled.trained_corrections;
+        if given.dissipation.is_some() {
+            (assembled.corrections.dissipation, *dissipation) = (given.dissipation, Vec::new());
+        }
+        if given.potential.is_some() {
+            (assembled.corrections.potential, *potential) = (given.potential, Vec::new());
+        }
+        match assembled.corrections.networks().map(|network| network.coordinates.len()).max() {
+            Some(needed) if needed > common => {
+                let coordinate = needed as u64 - 1;
+                Err(Problem::NoCoordinate { coordinate, coordinates: common }.at(["trees".into()]))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The position of the tree that is trained.
@@ -138,6 +168,8 @@ struct Assembly {
     /// Whether damping is the types' own.
     damped: bool,
     friction: FrictionArchitecture,
+    corrections: Corrections,
+    trained_corrections: [Vec<f64>; 2],
     trees: Vec<NamedTree>,
     /// Types that come from a trained model; they are the first.
     old: usize,
@@ -146,7 +178,7 @@ struct Assembly {
 
 impl Assembly {
     fn of(source: &Source) -> Self {
-        let Source { architecture, friction, weights } = source;
+        let Source { architecture, friction, corrections, weights } = source;
         let shape = &architecture.shape;
         let types: Vec<_> = shape.types.iter().copied().zip(architecture.types.iter().cloned()).collect();
         let mut trees = architecture.trees.clone();
@@ -161,6 +193,8 @@ impl Assembly {
             coefficients: Some(architecture.coefficients),
             damped: architecture.damped,
             friction: friction.clone(),
+            corrections: corrections.clone(),
+            trained_corrections: corrections.split(weights).map(<[f64]>::to_vec),
             trees,
             trained: weights.get(..architecture.numbers_start()).unwrap_or_default().to_vec(),
         }
@@ -318,7 +352,8 @@ impl Assembly {
         let friction = self.friction.with_groups(shape.types.len());
         let mut architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);
         architecture.damped = self.damped;
-        Assembled { architecture, friction, trained: self.trained }
+        let Self { corrections, trained_corrections, trained, .. } = self;
+        Assembled { architecture, friction, corrections, trained_corrections, trained }
     }
 }
 

@@ -8,6 +8,7 @@ mod values;
 pub use assemble::Assembled;
 pub use values::{ElementConfig, PairKind, TransformKind};
 
+use super::corrections::{DissipationConfig, PotentialConfig};
 use super::fields;
 use super::friction::FrictionConfig;
 use super::parts::NumberConfig;
@@ -40,6 +41,12 @@ pub struct ModularConfig {
     /// Friction of the coordinates of every element type, damping included.
     #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
     pub friction: FrictionConfig,
+    /// A network that dissipates; coordinates are those of the trees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<DissipationConfig>,
+    /// A network that is added to the potential.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential: Option<PotentialConfig>,
 }
 
 /// An element type; what is left out has its default, or for a trained type stays as it is.

@@ -1,7 +1,7 @@
 //! The trained model that a new one begins from.
 
 use super::Problem;
-use crate::architecture::{Architecture, Family, FrictionArchitecture, ModularArchitecture};
+use crate::architecture::{Architecture, Corrections, Family, FrictionArchitecture, ModularArchitecture};
 use crate::checkpoint::Trained;
 use crate::model_file::decode;
 use std::path::Path;
@@ -10,6 +10,7 @@ use std::path::Path;
 pub(super) struct Source {
     pub architecture: ModularArchitecture,
     pub friction: FrictionArchitecture,
+    pub corrections: Corrections,
     pub weights: Vec<f64>,
 }
 
@@ -19,10 +20,12 @@ impl Source {
     pub fn read(path: &Path) -> Result<Self, Problem> {
         let (architecture, weights) = if path.is_dir() { run(path) } else { file(path) }
             .map_err(|message| Problem::From { message })?;
-        let friction = architecture.friction.with_numbers(&weights);
-        match architecture.family {
+        let Architecture { family, friction, corrections } = architecture;
+        let of_networks = weights.len().saturating_sub(corrections.count());
+        let friction = friction.with_numbers(weights.get(..of_networks).unwrap_or_default());
+        match family {
             Family::Modular(modular) => {
-                Ok(Self { architecture: modular.with_numbers(&weights), friction, weights })
+                Ok(Self { architecture: modular.with_numbers(&weights), friction, corrections, weights })
             }
             other => Err(Problem::OtherFamily { file: path.to_owned(), found: other.name() }),
         }

@@ -36,7 +36,8 @@ impl WindowLoss {
         let parts = parallel::map(blocks.div_ceil(stride), &|k| {
             let first = k * stride * WIDTH;
             let (lanes, starts) = (self.lanes(weights, first), self.starts(weights, first));
-            let (residuals, failures) = self.steppers.with(|stepper| lanes.residuals(stepper, &starts));
+            let (residuals, failures) =
+                self.steppers.with(|stepper| lanes.residuals(&mut **stepper, &starts));
             let count = (self.windows.len() - first).min(WIDTH);
             let lanes: Vec<usize> = (0..count).filter(|lane| !failures.0[*lane]).collect();
             let of = |i: usize| residuals.iter().skip(i).step_by(self.n());

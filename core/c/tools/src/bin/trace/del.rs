@@ -28,7 +28,7 @@ impl<L: Lagrangian<f32, N>, F: Forces<f32, N>> Mechanism for System<L, F> {
     }
 
     fn energies(&self, [q, v]: [&Vector; 2]) -> Energies<f32> {
-        self.lagrangian.energies(q, v)
+        System::energies(self, q, v)
     }
 
     fn start(&self, q: Vector, v: Vector) -> Result<Self::State, String> {

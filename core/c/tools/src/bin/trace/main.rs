@@ -13,6 +13,8 @@ mod rattle;
 use config::LEASTACTION_COORDINATES as N;
 #[cfg(not(feature = "bodies"))]
 use config::{LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
+#[cfg(feature = "networks")]
+use config::{LEASTACTION_LAW_HIDDEN as LH, LEASTACTION_LAW_LAYERS as LL};
 use leastaction_core::discrete::{Newton, Order, Report};
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::model::TrainedStep;
@@ -23,11 +25,23 @@ type Weight = f32;
 #[cfg(feature = "half")]
 type Weight = leastaction_core::scalar::f16;
 
-/// The laws of force that the program is built for.
+/// The laws of friction that the program is built for.
 #[cfg(not(any(feature = "friction", feature = "graph")))]
-type Laws = leastaction_core::forces::Viscous<f32, N>;
+type Friction = leastaction_core::forces::Viscous<f32, N>;
 #[cfg(feature = "friction")]
-type Laws = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
+type Friction = (leastaction_core::forces::Viscous<f32, N>, leastaction_core::forces::Coulomb<f32, N>);
+
+/// The laws of force that the program is built for.
+#[cfg(not(any(feature = "networks", feature = "graph")))]
+type Laws = Friction;
+#[cfg(feature = "networks")]
+type Laws<'w> = (
+    Friction,
+    (
+        leastaction_core::forces::Dissipation<'w, Weight, N, LH, LL>,
+        leastaction_core::forces::PotentialCorrection<'w, Weight, N, LH, LL>,
+    ),
+);
 
 type Vector = [f32; N];
 

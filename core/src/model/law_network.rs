@@ -1,0 +1,94 @@
+//! The shape of a law's network, behind the law's number in the section of forces.
+
+use super::header::{MAX_COORDINATES, require};
+use super::{Law, ModelError};
+use crate::energy::rigid::{Coordinate, feature_count};
+use crate::energy::{MAX_HIDDEN, NetworkShape};
+use crate::forces::Seen;
+use crate::network::Activation;
+use serde::{Deserialize, Serialize};
+
+/// What a law's network sees, and its hidden layers. Inputs and outputs follow from the law.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LawNetwork<'a> {
+    /// One letter a coordinate of the model, up to the last that the network sees: `t` by its length, `a` by cosine and sine of
+    /// its angle, `c` not by its position (of dissipation: by its velocity alone), `-` not at all.
+    pub coordinates: &'a str,
+    /// Units of the hidden layers; the first 0 ends the list.
+    pub widths: [u16; MAX_HIDDEN],
+    /// Of the hidden layers.
+    pub activation: Activation,
+}
+
+/// The letter of a coordinate that a law's network does not see.
+const UNSEEN: char = '-';
+
+impl LawNetwork<'_> {
+    /// How every coordinate enters, `None` for one that is not seen; an error for a letter that stands for nothing.
+    // Bytes: to decode characters takes code.
+    fn letters(&self) -> impl Iterator<Item = Result<Option<Coordinate>, ModelError>> {
+        self.coordinates.as_bytes().iter().map(|letter| match char::from(*letter) {
+            UNSEEN => Ok(None),
+            letter => Coordinate::from_letter(letter)
+                .map(Some)
+                .ok_or(ModelError::OutOfRange { what: "coordinate of a law's network" }),
+        })
+    }
+
+    fn seen_kinds(&self) -> impl Iterator<Item = Coordinate> {
+        self.letters().flatten().flatten()
+    }
+
+    /// The coordinates that are seen, of N.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] for more than N letters, [`ModelError::OutOfRange`] for one that stands for nothing.
+    pub fn seen<const N: usize>(&self) -> Result<Seen<N>, ModelError> {
+        self.letters().try_for_each(|letter| letter.map(|_| ()))?;
+        Ok(Seen::new(self.letters().flatten())?)
+    }
+
+    /// Coordinates that are seen, m.
+    pub fn count(&self) -> usize {
+        self.seen_kinds().count()
+    }
+
+    /// The network of this law.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for a law without a network.
+    pub fn network(&self, law: Law) -> Result<NetworkShape, ModelError> {
+        let (m, features) =
+            (self.count(), self.seen_kinds().map(|kind| feature_count(&[kind])).sum::<usize>());
+        let sizes = match law {
+            Law::Dissipation => Some((features + m, m * (m + 1) / 2)),
+            Law::Potential => Some((features, 1)),
+            Law::Viscous | Law::Coulomb => None,
+        };
+        let shape = |(inputs, outputs): (usize, usize)| {
+            let (inputs, outputs) = (inputs.try_into().ok()?, outputs.try_into().ok()?);
+            NetworkShape::new(inputs, &self.widths, outputs, self.activation)
+        };
+        sizes.and_then(shape).ok_or(ModelError::OutOfRange { what: "coordinates of a law's network" })
+    }
+
+    /// Numbers in the weight block: of dissipation the scale of every velocity, then the network's. `None` where they cannot be.
+    pub(super) fn parameters(&self, law: Law) -> Option<usize> {
+        let scales = if law == Law::Dissipation { self.count() } else { 0 };
+        self.network(law).ok()?.parameters()?.checked_add(scales)
+    }
+
+    /// Checks the shape for a model of at least so many coordinates.
+    pub(super) fn validate(&self, law: Law, coordinates: usize) -> Result<(), ModelError> {
+        const WHAT: &str = "coordinates of a law's network";
+        let letters = self.coordinates.len();
+        require((1..=MAX_COORDINATES).contains(&self.count()) && letters <= coordinates, WHAT)?;
+        self.letters().try_for_each(|letter| letter.map(|_| ()))?;
+        // One way to write each: no letters behind the last that is seen, and no position that a potential does not see.
+        require(!self.coordinates.ends_with(UNSEEN), WHAT)?;
+        let cyclic = self.seen_kinds().any(|kind| kind == Coordinate::Cyclic);
+        require(law != Law::Potential || !cyclic, WHAT)?;
+        require(self.network(law)?.is_valid(), "hidden width")
+    }
+}

@@ -1,0 +1,99 @@
+//! The trained model of another shape that the energies of a new one begin at.
+
+use super::Problem;
+use crate::architecture::{Architecture, CoordinateFriction, FrictionArchitecture, Number};
+use crate::checkpoint::Trained;
+use crate::model_file::decode;
+use crate::windows::Calibrated;
+use leastaction_core::model::FrictionNumber;
+use std::fmt::Display;
+use std::path::Path;
+
+/// A trained model: its shape, its weights, and its sensors and actuators.
+pub(crate) struct Origin {
+    pub architecture: Architecture,
+    pub weights: Vec<f64>,
+    pub calibrated: Calibrated,
+}
+
+impl Origin {
+    /// The best weights of the run in a folder, or a model file; of coordinates as these letters say.
+    pub fn read(path: &Path, coordinates: &str) -> Result<Self, Problem> {
+        let own = if path.is_dir() { Self::of_run(path) } else { Self::of_file(path) }
+            .map_err(|message| Problem::From { message })?;
+        let is_angle = |letter: char| letter != 't';
+        let found = own.architecture.coordinates();
+        if found.chars().map(is_angle).eq(coordinates.chars().map(is_angle)) && own.architecture.has_steps() {
+            return Ok(own);
+        }
+        let needed = coordinates.to_owned();
+        Err(Problem::OtherCoordinates { file: path.to_owned(), found, needed })
+    }
+
+    fn of_run(folder: &Path) -> Result<Self, String> {
+        let trained = Trained::read(folder).map_err(|error| error.to_string())?;
+        let Trained { architecture, best, calibrated, .. } = trained;
+        let ideal = || Calibrated::of_file(&[], architecture.n()).map_err(|error| error.to_string());
+        let calibrated = calibrated.map_or_else(ideal, Ok)?;
+        Ok(Self { architecture, weights: best.weights, calibrated })
+    }
+
+    fn of_file(path: &Path) -> Result<Self, String> {
+        let named = |error: &dyn Display| format!("{}: {error}", path.display());
+        let model = decode(&std::fs::read(path).map_err(|error| named(&error))?);
+        let model = model.map_err(|error| named(&error))?;
+        let calibrated = Calibrated::of_file(&model.facts.actuator, model.architecture.n());
+        let calibrated = calibrated.map_err(|error| named(&error))?;
+        Ok(Self { architecture: model.architecture, weights: model.weights, calibrated })
+    }
+
+    fn friction(&self) -> Vec<CoordinateFriction> {
+        self.architecture.friction_of_coordinates(&self.weights)
+    }
+
+    /// b of every coordinate.
+    pub fn damping(&self) -> Vec<f64> {
+        let own = self.friction();
+        (0..self.architecture.n()).map(|i| own.get(i).map_or(0.0, |friction| friction.viscous)).collect()
+    }
+
+    /// The friction of the coordinates, learned on, but for what is 0 and τ_s.
+    pub fn friction_to_learn(&self) -> FrictionArchitecture {
+        let friction = self.friction();
+        let number = |value: f64| Number { value, learned: value > 0.0 };
+        let viscous = friction.iter().map(|own| number(own.viscous)).collect::<Vec<_>>();
+        let of_dry = |own: &CoordinateFriction| {
+            let dry = own.dry?;
+            let width = Number { value: dry.width, learned: dry.constant > 0.0 };
+            Some([number(dry.constant), number(dry.load), Number::known(dry.smoothing), width])
+        };
+        let is_viscous = viscous.iter().any(|number| number.learned);
+        FrictionArchitecture {
+            viscous: if is_viscous { viscous } else { Vec::new() },
+            dry: friction.iter().map_while(of_dry).collect(),
+        }
+    }
+
+    /// Sets the learned numbers of friction to those here, where there are any.
+    pub fn set_friction(&self, friction: &mut FrictionArchitecture) {
+        let set = |number: &mut Number, value: f64| {
+            if number.learned && value > 0.0 {
+                number.value = value;
+            }
+        };
+        let own = self.friction();
+        friction.viscous.iter_mut().zip(&own).for_each(|(number, own)| set(number, own.viscous));
+        for (numbers, own) in friction.dry.iter_mut().zip(&own) {
+            let Some(dry) = own.dry else { continue };
+            for (number, kind) in numbers.iter_mut().zip(FrictionNumber::ALL) {
+                let value = match kind {
+                    FrictionNumber::Constant => dry.constant,
+                    FrictionNumber::Load => dry.load,
+                    FrictionNumber::Smoothing => dry.smoothing,
+                    FrictionNumber::Width => dry.width,
+                };
+                set(number, value);
+            }
+        }
+    }
+}
