@@ -15,7 +15,7 @@ use thiserror::Error;
 pub(crate) const FILE: &str = "checkpoint.postcard";
 
 /// The first bytes of the file: what it is, and the version of its layout.
-const MAGIC: &[u8] = b"LARUN\x07";
+const MAGIC: &[u8] = b"LARUN\x08";
 
 /// Everything in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,6 +85,8 @@ pub(crate) struct State {
     pub optimiser: Optimiser,
     /// Of this stage.
     pub best: Best,
+    /// The best numbers of the model alone, before networks that correct it.
+    pub alone: Option<Vec<f64>>,
 }
 
 /// A checkpoint that cannot be read.

@@ -1,6 +1,7 @@
 //! How good a model is, in SyMo's measures on equal terms, [`states`] those of models that are stepped from states;
 //! [`prediction`] has ModLaNet's, [`rollouts`] LGNN's.
 
+pub mod friction;
 pub mod horizons;
 #[cfg(test)]
 mod horizons_tests;
@@ -130,6 +131,17 @@ pub fn median(values: &[f64]) -> f64 {
         Some([low, high]) if sorted.len().is_multiple_of(2) => (low + high) / 2.0,
         _ => sorted.get(middle).copied().unwrap_or(f64::NAN),
     }
+}
+
+/// Of sorted values that at this part of the way from the first to the last, linear between; not a number of none.
+pub fn percentile(values: &[f64], part: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = part * sorted.len().saturating_sub(1) as f64;
+    let value = |k: f64| sorted.get(k as usize).copied().unwrap_or(f64::NAN);
+    let (low, high) = (value(at.floor()), value(at.ceil()));
+    // Both may be infinite.
+    if low == high { low } else { low + (at - at.floor()) * (high - low) }
 }
 
 fn mean(x: &[f64]) -> f64 {

@@ -105,6 +105,11 @@ impl System {
         Program::new(&self.builder, &self.energies, &[])
     }
 
+    /// Inputs q, v, τ; output Q, n rows: the forces beside the control.
+    pub fn force(&self) -> Program {
+        Program::new(&self.builder, &[self.force], &[])
+    }
+
     /// Inputs q, v; outputs L_q and L_v, n rows each.
     pub fn gradient(&self) -> Program {
         let mut builder = self.builder.clone();

@@ -85,6 +85,13 @@ fn a_network_learns_what_friction_lacks_and_runs_on_the_chip() {
         let report = bench.run(&format!("evaluate {name}.postcard --data test.npz --json")).good().json();
         (errors(&report), report["chip"]["one_step_mse"].as_f64().unwrap())
     });
+    let own = bench.text("with/report.html");
+    assert!(own.contains("<th>without networks, rad</th>") && own.contains("Friction of q0"));
+    assert!(!bench.text("without/report.html").contains("without networks"));
+    let beside = "evaluate with.postcard --data test.npz --beside without";
+    bench.run(&format!("{beside} -o page.html")).good();
+    assert!(bench.text("page.html").contains("<th>without, rad</th>"));
+    bench.run(beside).bad(2, &["--output"]);
     let [([with, one_step], chips), ([without, _], _)] = errors;
     println!("over 1.5 s, squared error in rad²: with {with:.2e}, without {without:.2e}");
     assert!(with < without / 10.0 && chips < one_step + 1e-9, "{errors:?}");

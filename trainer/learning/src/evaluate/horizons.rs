@@ -6,7 +6,7 @@
 //! all samples from the start to there, of one coordinate or of all. A perfect model is off by the noise, and by what the noise does to
 //! the start.
 
-use super::{median, systems};
+use super::{median, percentile, systems};
 use crate::architecture::Architecture;
 use crate::parallel::{self, Pool};
 use crate::windows::{Calibrated, Integrator, WindowLogs};
@@ -331,10 +331,7 @@ impl Predictions {
 }
 
 impl Spread {
-    fn of(mut values: Vec<f64>) -> Self {
-        let median = median(&values);
-        values.sort_by(f64::total_cmp);
-        let at = (TENTH * values.len().saturating_sub(1) as f64).ceil() as usize;
-        Self { median, percentile_90: values.get(at).copied().unwrap_or(f64::NAN) }
+    fn of(values: Vec<f64>) -> Self {
+        Self { median: median(&values), percentile_90: percentile(&values, TENTH) }
     }
 }

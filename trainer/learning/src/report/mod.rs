@@ -1,6 +1,7 @@
 //! What a fit is worth, as one HTML page: errors over horizons, predictions, friction, inertia and potential, residuals, and the
 //! learned numbers with their standard errors.
 
+mod friction;
 mod numbers;
 pub mod page;
 mod pictures;
@@ -78,6 +79,8 @@ pub struct Report<'a> {
     pub facts: Vec<(&'static str, String)>,
     /// The model, and the logs that it is judged by.
     pub predictor: Predictor<'a>,
+    /// A simpler model by the same logs, and what it is called.
+    pub beside: Option<(String, Predictor<'a>)>,
     /// Of what was learned from; none where that cannot be said.
     pub fit: Option<Fit>,
 }
@@ -94,8 +97,11 @@ impl Report<'_> {
     /// [`ReportError::Model`], [`ReportError::Picture`].
     pub fn html(&self) -> Result<String, ReportError> {
         let predictions = self.predictor.predict()?;
+        let beside = self.beside.as_ref().map(|(name, model)| Ok::<_, ModelError>((name, model.predict()?)));
+        let beside = beside.transpose()?;
+        let beside = beside.as_ref().map(|(name, predictions)| (name.as_str(), predictions));
         let mut body = self.facts();
-        body += &section("Errors of predictions", &self.errors(&predictions)?);
+        body += &section("Errors of predictions", &self.errors(&predictions, beside)?);
         body += &section("Measured and predicted", &self.motions(&predictions)?);
         body += &section("Friction", &self.friction(&predictions)?);
         body += &section("Inertia and potential", &self.shape()?);
@@ -139,8 +145,14 @@ impl Report<'_> {
         table(&["", ""], &[0, 1], &rows).replacen("<table>", "<table style=\"white-space:normal\">", 1)
     }
 
-    fn errors(&self, predictions: &Predictions) -> Result<Vec<String>, NotDrawn> {
+    fn errors(
+        &self,
+        predictions: &Predictions,
+        beside: Option<(&str, &Predictions)>,
+    ) -> Result<Vec<String>, NotDrawn> {
         let errors = predictions.errors(self.logs());
+        let others = beside.map(|(name, predictions)| (name, predictions.errors(self.logs())));
+        let others = others.as_ref().map(|(name, errors)| (*name, &errors[..]));
         if errors.is_empty() {
             return Ok(vec![paragraph(
                 "The logs are too short to predict 0.1 s from a start that is known.",
@@ -150,7 +162,7 @@ impl Report<'_> {
                      the root mean square over all samples up to the horizon; the median over predictions, and below it what nine of ten \
                      are better than. A perfect model would be off by the noise, and by what the noise does to the start.";
         let whole = format!("Whole logs are predicted from their start, {WHOLE} s at most.");
-        let of = |column: usize, noise: f64, unit: &str| self.error_table(&errors, column, (noise, unit));
+        let of = |column: usize, noise: f64, unit: &str| error_table(&errors, others, column, (noise, unit));
         let letters = self.letters();
         let each = (0..self.logs().n).map(|i| {
             let unit = unit_of(&letters, i);
@@ -158,7 +170,7 @@ impl Report<'_> {
         });
         let each: String = if self.logs().n > 1 { each.collect() } else { String::new() };
         let noise = self.whole_noise();
-        let growth = pictures::growth(predictions, self.logs(), (noise, self.unit()))?;
+        let growth = pictures::growth(predictions, beside, self.logs(), (noise, self.unit()))?;
         Ok(vec![
             paragraph(about),
             of(0, noise, self.unit()),
@@ -166,19 +178,6 @@ impl Report<'_> {
             each,
             if predictions.windows.is_empty() { String::new() } else { picture(&growth) },
         ])
-    }
-
-    fn error_table(&self, errors: &[HorizonErrors], column: usize, (noise, unit): (f64, &str)) -> String {
-        let spread = |of: &Spread| cell(number(of.median), &number(of.percentile_90));
-        let row = |of: &HorizonErrors| {
-            let horizon =
-                of.seconds.map_or_else(|| "whole logs".to_owned(), |seconds| format!("{seconds} s"));
-            let [model, straight] = [&of.model, &of.constant_velocity].map(|of| spread(&of[column]));
-            vec![horizon, of.predictions.to_string(), model, straight, number(noise)]
-        };
-        let names = ["this model", "constant velocity", "noise"].map(|name| format!("{name}, {unit}"));
-        let head = ["horizon", "predictions", &names[0], &names[1], &names[2]];
-        table(&head, &[0], &errors.iter().map(row).collect::<Vec<_>>())
     }
 
     fn motions(&self, predictions: &Predictions) -> Result<Vec<String>, NotDrawn> {
@@ -197,17 +196,18 @@ impl Report<'_> {
         Ok(pictures)
     }
 
-    fn friction(&self, predictions: &Predictions) -> Result<Vec<String>, NotDrawn> {
-        let Predictor { architecture, weights, .. } = self.predictor;
-        let of = architecture.friction_of_coordinates(weights);
-        let acts = of.iter().any(|of| of.viscous != 0.0 || of.dry.is_some());
-        let count = if acts { of.len().min(pictures::MOST) } else { 0 };
-        let letters = self.letters();
-        let draw = |i: usize| {
-            let most = [predictions.fastest(i), self.predictor.largest_force(i)];
-            pictures::friction(i, &of[i], most, unit_of(&letters, i) == "m").map(|svg| picture(&svg))
-        };
-        (0..count).map(draw).collect()
+    fn friction(&self, predictions: &Predictions) -> Result<Vec<String>, ReportError> {
+        let drawn = friction::pictures(&self.predictor, predictions)?;
+        let mut parts = Vec::new();
+        if !drawn.is_empty() {
+            let about = "What the model's friction does against one velocity alone. Where it depends on the position or on the force of \
+                         the drive, it is drawn at some of those that the logs have.";
+            parts.push(paragraph(about));
+        }
+        for svg in drawn {
+            parts.push(picture(&svg?));
+        }
+        Ok(parts)
     }
 
     fn shape(&self) -> Result<Vec<String>, ReportError> {
@@ -264,4 +264,29 @@ impl Report<'_> {
         };
         (0..self.logs().n).filter_map(moves).collect()
     }
+}
+
+/// Errors of one column over all horizons, beside those of another model that has the same horizons.
+fn error_table(
+    errors: &[HorizonErrors],
+    others: Option<(&str, &[HorizonErrors])>,
+    column: usize,
+    (noise, unit): (f64, &str),
+) -> String {
+    let spread = |of: &Spread| cell(number(of.median), &number(of.percentile_90));
+    let row = |(k, of): (usize, &HorizonErrors)| {
+        let horizon = of.seconds.map_or_else(|| "whole logs".to_owned(), |seconds| format!("{seconds} s"));
+        let other = others.and_then(|(_, errors)| errors.get(k)).map(|of| spread(&of.model[column]));
+        let mut row = vec![horizon, of.predictions.to_string(), spread(&of.model[column])];
+        row.extend(other);
+        row.extend([spread(&of.constant_velocity[column]), number(noise)]);
+        row
+    };
+    let mut names = vec!["this model"];
+    names.extend(others.map(|(name, _)| name));
+    names.extend(["constant velocity", "noise"]);
+    let names: Vec<String> = names.iter().map(|name| format!("{name}, {unit}")).collect();
+    let head: Vec<&str> =
+        ["horizon", "predictions"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    table(&head, &[0], &errors.iter().enumerate().map(row).collect::<Vec<_>>())
 }

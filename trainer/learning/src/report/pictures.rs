@@ -1,10 +1,8 @@
-//! Pictures of predictions, residuals and friction.
+//! Pictures of predictions and residuals.
 
 use super::unit_of;
-use crate::architecture::CoordinateFriction;
 use crate::evaluate::horizons::{Prediction, Predictions};
 use crate::windows::WindowLogs;
-use leastaction_core::forces::{Coulomb, Forces};
 use leastaction_plot::{NotDrawn, Panel, Series, Stroke, Vertical, curves_svg, stacked_svg};
 
 /// Coordinates that are drawn, at most.
@@ -38,22 +36,24 @@ pub(super) fn motion(
     stacked_svg(title, "time in the log (s)", &panels)
 }
 
-/// The median error over time, beside a constant velocity and the noise.
+/// The median error over time, beside another model where there is one, a constant velocity and the noise.
 pub(super) fn growth(
     predictions: &Predictions,
+    beside: Option<(&str, &Predictions)>,
     logs: &WindowLogs,
     (noise, unit): (f64, &str),
 ) -> Result<String, NotDrawn> {
     let errors = predictions.growth(logs);
-    let curve = |which: usize| {
-        errors.iter().enumerate().map(move |(k, both)| (k as f64 * logs.h, both[which])).collect::<Vec<_>>()
+    let curve = |errors: &[[f64; 2]], which: usize| {
+        errors.iter().enumerate().map(|(k, both)| (k as f64 * logs.h, both[which])).collect::<Vec<_>>()
     };
     let ends = [0.0, errors.len().saturating_sub(1) as f64 * logs.h];
-    let series = [
-        Series::new("this model", curve(0)),
-        Series::new("constant velocity", curve(1)),
+    let mut series = vec![Series::new("this model", curve(&errors, 0))];
+    series.extend(beside.map(|(name, other)| Series::new(name, curve(&other.growth(logs), 0))));
+    series.extend([
+        Series::new("constant velocity", curve(&errors, 1)),
         Series::new("noise of the sensors", ends.map(|t| (t, noise))).with_stroke(Stroke::Dashed),
-    ];
+    ]);
     let label = format!("median error ({unit})");
     curves_svg("Error over the horizon", ("time ahead (s)", &label), Vertical::Logarithmic, &series)
 }
@@ -89,32 +89,4 @@ pub(super) fn histogram(
     ];
     let (x, y) = (format!("residual of q{i} ({unit})"), format!("density (1/{unit})"));
     curves_svg(&format!("Residuals of q{i}"), (&x, &y), Vertical::Linear, &series)
-}
-
-/// The force against the motion of a coordinate, N or N m, at velocities up to `fastest`; under a load too, where it matters.
-pub(super) fn friction(
-    i: usize,
-    of: &CoordinateFriction,
-    [fastest, load]: [f64; 2],
-    slides: bool,
-) -> Result<String, NotDrawn> {
-    let force = |v: f64, tau: f64| {
-        let dry = of.dry.map_or(0.0, |dry| Coulomb { coordinates: [dry] }.force(&[0.0], &[v], &[tau])[0]);
-        of.viscous * v - dry
-    };
-    let curve = |label: String, tau: f64| {
-        let at = |k: usize| fastest * (2.0 * k as f64 / (POINTS - 1) as f64 - 1.0);
-        Series::new(label, (0..POINTS).map(|k| (at(k), force(at(k), tau))))
-    };
-    let unit = if slides { "N" } else { "N m" };
-    let grows = load > 0.0 && of.dry.is_some_and(|dry| dry.load > 0.0);
-    let series = if grows {
-        let label = format!("under a force of {} {unit}", super::page::number(load));
-        vec![curve("without a load".to_owned(), 0.0), curve(label, load).with_stroke(Stroke::Dashed)]
-    } else {
-        vec![curve(String::new(), 0.0)]
-    };
-    let velocity = format!("v{i} ({})", if slides { "m/s" } else { "rad/s" });
-    let label = format!("friction ({unit})");
-    curves_svg(&format!("Friction of q{i}"), (&velocity, &label), Vertical::Linear, &series)
 }

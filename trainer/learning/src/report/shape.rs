@@ -52,8 +52,8 @@ pub(super) fn pictures(
     Ok(slices.iter().flat_map(of).collect())
 }
 
-/// Some positions of a coordinate from all over the logs.
-fn column(logs: &WindowLogs, i: usize) -> Vec<f64> {
+/// Some positions of a coordinate from all over the logs, m or rad.
+pub(super) fn column(logs: &WindowLogs, i: usize) -> Vec<f64> {
     let all: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
     let stride = all.div_ceil(SAMPLES).max(1);
     let of = |log: usize| (0..logs.samples(log)).step_by(stride).map(move |k| logs.position(log, k, i));

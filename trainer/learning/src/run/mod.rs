@@ -242,8 +242,7 @@ impl Run {
 
     /// What the best numbers are worth, where they were learned over windows.
     fn write_report(&self) -> Result<(), ReportError> {
-        let State { best, seconds, .. } = &self.state;
-        match within(self.pool.as_ref(), || report::html(&self.plan, best, *seconds))? {
+        match within(self.pool.as_ref(), || report::html(&self.plan, &self.state))? {
             Some(page) => Ok(crate::atomic::write(&self.folder.report(), page.as_bytes())?),
             None => Ok(()),
         }

@@ -7,7 +7,7 @@ use super::stages::{self, Stage, Windowed};
 use super::{range, ringing};
 use crate::architecture::{Architecture, Family};
 use crate::checkpoint::{Checkpoint, State, Trained};
-use crate::config::{Config, OptimiserKind, ShapeError, TrainingConfig, TrainingLoss};
+use crate::config::{Config, OptimiserKind, Origin, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
 use crate::training::{Progress, SampleError, linear_start};
 use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs};
@@ -151,6 +151,8 @@ pub struct Plan {
     /// Some positions of the data, for what is said of the trained model.
     pub(super) positions: Vec<Vec<f64>>,
     pub(super) data_fingerprint: u64,
+    /// The model whose energies the initial weights are, where there is one.
+    pub(super) origin: Option<Origin>,
     /// What a loss over windows learns from.
     pub(super) windows: Option<Windowed>,
     pub(super) stages: Vec<Stage>,
@@ -189,8 +191,9 @@ impl Plan {
                 (stages, Some(windows))
             }
         };
-        if let Some(origin) = config.model.origin()? {
-            initial = at_origin((&architecture, initial), &data, &origin)?;
+        let origin = config.model.origin()?;
+        if let Some(origin) = &origin {
+            initial = at_origin((&architecture, initial), &data, origin)?;
             let layout = windows.as_ref().map(|windows| windows.layout);
             initial.extend(layout.into_iter().flat_map(|layout| layout.initial_at(&origin.calibrated)));
         }
@@ -203,6 +206,7 @@ impl Plan {
             range: range::of(&architecture, &data),
             positions: ringing::positions(&data),
             data_fingerprint: fingerprint::of_data(&data, loss),
+            origin,
             windows,
             stages,
             notices,

@@ -2,30 +2,74 @@
 
 use super::plan::Plan;
 use super::stages::Windowed;
-use crate::checkpoint::Best;
+use crate::architecture::Architecture;
+use crate::checkpoint::{Best, State};
+use crate::config::Origin;
 use crate::evaluate::horizons::Predictor;
 use crate::report::{Fit, Report, ReportError};
+use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
 
-/// The page on the best numbers of a plan; nothing where nothing was learned over windows.
-pub(super) fn html(plan: &Plan, best: &Best, seconds: f64) -> Result<Option<String>, ReportError> {
+/// The page on the best numbers of a run; nothing where nothing was learned over windows.
+pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportError> {
+    let State { best, seconds, .. } = state;
     let Some(windows) = &plan.windows else { return Ok(None) };
     let Windowed { logs, settings, layout } = windows;
     let Ok(loss) = windows.loss(&plan.architecture) else { return Ok(None) };
     let shared = best.weights.get(..layout.end()).unwrap_or(&best.weights);
     let length = settings.steps as f64 * logs.h;
+    let calibrated = layout.read(shared);
+    let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
     let report = Report {
         title: format!("Learned from {}", plan.config.data.file),
-        facts: facts(plan, windows, best, seconds),
+        facts: facts(plan, windows, best, *seconds),
         predictor: Predictor {
             architecture: &plan.architecture,
             weights: shared.get(..layout.start).unwrap_or(shared),
             trained_step: plan.trained_step,
-            calibrated: &layout.read(shared),
+            calibrated: &calibrated,
             logs,
         },
+        beside: simple.as_ref().map(|simple| (simple.name.to_owned(), simple.predictor(plan, logs))),
         fit: Some(Fit::new(&loss, shared, length, Some(&plan.architecture))),
     };
     report.html().map(Some)
+}
+
+/// The simple physics that a run began with.
+struct Simple<'a> {
+    name: &'static str,
+    architecture: &'a Architecture,
+    weights: &'a [f64],
+    calibrated: Calibrated,
+}
+
+impl<'a> Simple<'a> {
+    /// The model alone, before networks corrected it, or the model that a network started from, by the sensors and drives of the same
+    /// logs; none where the run had neither.
+    fn of(
+        plan: &'a Plan,
+        alone: Option<&'a [f64]>,
+        (layout, calibrated): (CalibrationLayout, &Calibrated),
+    ) -> Option<Self> {
+        let architecture = &plan.architecture;
+        if let Some(shared) = alone {
+            let (weights, calibrated) = (shared.get(..layout.start)?, layout.read(shared));
+            return Some(Self { name: "without networks", architecture, weights, calibrated });
+        }
+        let Origin { architecture, weights, calibrated: own } = plan.origin.as_ref()?;
+        let calibrated = Calibrated { zeros: calibrated.zeros.clone(), ..own.clone() };
+        Some(Self { name: "the model it started from", architecture, weights, calibrated })
+    }
+
+    fn predictor(&'a self, plan: &Plan, logs: &'a WindowLogs) -> Predictor<'a> {
+        Predictor {
+            architecture: self.architecture,
+            weights: self.weights,
+            trained_step: plan.trained_step,
+            calibrated: &self.calibrated,
+            logs,
+        }
+    }
 }
 
 fn facts(plan: &Plan, windows: &Windowed, best: &Best, seconds: f64) -> Vec<(&'static str, String)> {

@@ -1,7 +1,7 @@
 //! How the state of a run changes: by an iteration, and from stage to stage.
 
 use super::plan::Plan;
-use super::stages::Stage;
+use super::stages::{NETWORKS, Stage};
 use crate::checkpoint::{Best, Optimiser, State};
 use crate::config::{AdamConfig, OptimiserKind, TrainingConfig};
 use crate::training::{Adam, AdamSettings, Levenberg, Objective, Progress, Schedule};
@@ -91,7 +91,7 @@ impl State {
     /// Before the first iteration; `None` for a plan without stages.
     pub fn new(plan: &Plan) -> Option<Self> {
         let (optimiser, best) = Self::enter(plan, plan.stages.first()?, plan.initial.clone(), (0, None));
-        Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best })
+        Some(Self { stage: 0, in_stage: 0, iteration: 0, seconds: 0.0, optimiser, best, alone: None })
     }
 
     fn enter(
@@ -113,6 +113,9 @@ impl State {
     pub fn next_stage(&mut self, plan: &Plan) -> bool {
         let Some(stage) = plan.stages.get(self.stage + 1) else { return false };
         let weights = std::mem::take(&mut self.best.weights);
+        if stage.name == NETWORKS {
+            self.alone = Some(weights.clone());
+        }
         let before = (self.iteration, self.best.validation);
         (self.optimiser, self.best) = Self::enter(plan, stage, weights, before);
         (self.stage, self.in_stage) = (self.stage + 1, 0);

@@ -6,7 +6,7 @@ use super::polynomial::Polynomial;
 use super::predictor::Predictor;
 use super::rollout::{Run, roll_out};
 use leastaction_learning::data::Rows;
-use leastaction_learning::evaluate::median;
+use leastaction_learning::evaluate::{median, percentile};
 
 /// Steps of the predictions: 0.1, 0.5 and 1 s.
 pub const HORIZONS: [usize; 3] = [10, 50, 100];
@@ -106,20 +106,10 @@ impl Summary {
         let column = |horizon: usize| errors.iter().map(|of| of[horizon]).collect::<Vec<_>>();
         Self {
             medians: [0, 1, 2].map(|horizon| median(&column(horizon))),
-            percentiles: [0, 1, 2].map(|horizon| percentile(column(horizon), 0.9)),
+            percentiles: [0, 1, 2].map(|horizon| percentile(&column(horizon), 0.9)),
             windows: errors.len(),
         }
     }
-}
-
-/// Of sorted values that at this part of the way from the first to the last, linear between; not a number of none.
-fn percentile(mut values: Vec<f64>, part: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let at = part * values.len().saturating_sub(1) as f64;
-    let value = |k: f64| values.get(k as usize).copied().unwrap_or(f64::NAN);
-    let (low, high) = (value(at.floor()), value(at.ceil()));
-    // Both may be infinite.
-    if low == high { low } else { low + (at - at.floor()) * (high - low) }
 }
 
 #[cfg(test)]

@@ -76,6 +76,9 @@ pub struct Evaluate {
     /// Predictions over so many seconds [default: 30].
     #[arg(long, value_parser = positive, requires = "system")]
     seconds: Option<f64>,
+    /// Another model, a file or the folder of a run, to be shown beside this one on the page: a simpler one, to see what this is worth.
+    #[arg(long, value_name = "MODEL", requires = "output")]
+    beside: Option<PathBuf>,
     /// Of the random starts [default: 0].
     #[arg(long, value_parser = seed, requires = "system")]
     seed: Option<u64>,
@@ -89,7 +92,8 @@ impl Evaluate {
     /// Reads and measures.
     pub fn run(self, output: Output) -> Done {
         let page = self.page()?;
-        let model = self.load()?;
+        let model = self.load(&self.model)?;
+        let beside = self.beside(page, &model)?;
         let mut config = self.log()?;
         config.control = config.control.or(model.facts.trained_step.map(|step| step.control));
         let (mut log, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
@@ -119,7 +123,8 @@ impl Evaluate {
             report.prediction = Some(self.request(&model, system).run(folder)?);
         }
         if let Some(path) = page {
-            page::write(path, (&model, &self.model), (&file, &log))?;
+            let beside = self.beside.as_deref().zip(beside.as_ref());
+            page::write(path, ((&self.model, &model), beside), (&file, &log))?;
             output.note(&format!("page in {}", path.display()));
         }
         output.report(&report)
@@ -138,17 +143,31 @@ impl Evaluate {
     }
 
     /// The model of the file, or as `leastaction export` makes it of a run's folder.
-    fn load(&self) -> Result<HostModel, Failure> {
-        if !self.model.is_dir() {
-            return Ok(load_part(&self.model, self.tree.as_deref())?.0);
+    fn load(&self, path: &Path) -> Result<HostModel, Failure> {
+        if !path.is_dir() {
+            return Ok(load_part(path, self.tree.as_deref())?.0);
         }
-        let refused = |error: &dyn std::fmt::Display| Failure::input(&self.model, error);
-        let trained = Trained::read(&self.model).map_err(|error| refused(&error))?;
+        let refused = |error: &dyn std::fmt::Display| Failure::input(path, error);
+        let trained = Trained::read(path).map_err(|error| refused(&error))?;
         let bytes =
             encode_in(Precision::Single, &trained.architecture, &trained.best.weights, &trained.facts())
                 .map_err(|error| refused(&error))?;
         let model = decode(&bytes).map_err(|error| refused(&error))?;
-        of_part(&self.model, model, self.tree.as_deref())
+        of_part(path, model, self.tree.as_deref())
+    }
+
+    /// The model that is shown beside this one.
+    fn beside(&self, page: Option<&Path>, model: &HostModel) -> Result<Option<HostModel>, Failure> {
+        let Some(path) = &self.beside else { return Ok(None) };
+        if page.is_none() {
+            return Err(Failure::Input("--beside is shown on a page: name one, as -o page.html".to_owned()));
+        }
+        let other = self.load(path)?;
+        let [own, found] = [model, &other].map(|model| model.architecture.n());
+        if found == own {
+            return Ok(Some(other));
+        }
+        Err(Failure::input(path, format!("the model has {found} coordinates, the one beside it {own}")))
     }
 
     /// The log and how it is read.

@@ -26,24 +26,22 @@ pub fn is_page(path: &Path) -> Result<bool, Failure> {
 /// Seconds of a window that residuals are of, where the logs are so long.
 const WINDOW: f64 = 1.0;
 
-/// Writes the page of a model, from this file, on these logs.
+/// Writes the page of a model, from this file, on these logs, beside another model.
 pub fn write(
     path: &Path,
-    (model, file): (&HostModel, &Path),
+    ((file, model), beside): ((&Path, &HostModel), Option<(&Path, &HostModel)>),
     (data, log): (&Path, &Dataset),
 ) -> Result<(), Failure> {
     let failed =
         |error: &dyn std::fmt::Display| Failure::Work(format!("the page on {}: {error}", file.display()));
     let HostModel { architecture, weights, facts, .. } = model;
-    let calibrated = Calibrated::of_file(&facts.actuator, log.n).map_err(|error| failed(&error))?;
+    let actuator = |of: &HostModel| Calibrated::of_file(&of.facts.actuator, log.n);
+    let calibrated = actuator(model).map_err(|error| failed(&error))?;
+    let of_other = beside.map(|(_, of)| actuator(of)).transpose().map_err(|error| failed(&error))?;
     let logs = Arc::new(WindowLogs::new(log));
-    let predictor = Predictor {
-        architecture,
-        weights,
-        trained_step: facts.trained_step,
-        calibrated: &calibrated,
-        logs: &logs,
-    };
+    let other = beside
+        .zip(of_other.as_ref())
+        .map(|((file, model), calibrated)| (file.display().to_string(), predictor(model, calibrated, &logs)));
     let report = Report {
         title: format!("{} on {}", file.display(), data.display()),
         facts: vec![
@@ -62,10 +60,16 @@ pub fn write(
             ("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))),
         ],
         fit: fit(model, &calibrated, &logs),
-        predictor,
+        predictor: predictor(model, &calibrated, &logs),
+        beside: other,
     };
     let page = report.html().map_err(|error| failed(&error))?;
     atomic::write(path, page.as_bytes()).map_err(|error| Failure::file(path, error))
+}
+
+fn predictor<'a>(model: &'a HostModel, calibrated: &'a Calibrated, logs: &'a WindowLogs) -> Predictor<'a> {
+    let HostModel { architecture, weights, facts, .. } = model;
+    Predictor { architecture, weights, trained_step: facts.trained_step, calibrated, logs }
 }
 
 /// Residuals over windows; none where no log is as long as one of a few samples, or the model has rods.
