@@ -2,7 +2,7 @@
 
 use super::folder::{FolderError, Results};
 use super::record::Finished;
-use super::{symo, table};
+use super::{hardware, symo, table};
 use leastaction_learning::atomic;
 use leastaction_plot::PlotError;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ pub const HARDWARE: Paper = Paper {
             0.25 s from 2 s on, and count where a joint reaches 0.2 rad/s; those of the pendulum only away from upright \
             (cos q ≥ -0.9). As is: nothing of a tested log is used but the start states; calibrated: the zero offsets of its encoders \
             are estimated from its first 2 s. Identified parameters are those that others published for the machine.",
-    overview: none,
+    overview: hardware::overview,
 };
 
 /// All.

@@ -21,7 +21,7 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
     let report = Report {
         title: format!("Learned from {}", plan.config.data.file),
-        facts: facts(plan, windows, best, *seconds),
+        facts: facts(plan, windows, (best, *seconds), state.alone.is_some()),
         predictor: Predictor {
             architecture: &plan.architecture,
             weights: shared.get(..layout.start).unwrap_or(shared),
@@ -72,7 +72,12 @@ impl<'a> Simple<'a> {
     }
 }
 
-fn facts(plan: &Plan, windows: &Windowed, best: &Best, seconds: f64) -> Vec<(&'static str, String)> {
+fn facts(
+    plan: &Plan,
+    windows: &Windowed,
+    (best, seconds): (&Best, f64),
+    alone: bool,
+) -> Vec<(&'static str, String)> {
     let (logs, architecture) = (&windows.logs, &plan.architecture);
     let samples: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
     let length = windows.settings.steps as f64 * logs.h;
@@ -116,6 +121,10 @@ fn facts(plan: &Plan, windows: &Windowed, best: &Best, seconds: f64) -> Vec<(&'s
         facts.push(("held back", text));
     } else {
         facts.push(("held back", "no log: all that follows is of logs that were learned from".to_owned()));
+    }
+    if alone {
+        let text = "the model alone, as it was learned before its networks; of logs that were held back it has seen nothing";
+        facts.push(("without networks", text.to_owned()));
     }
     facts.push(("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))));
     facts

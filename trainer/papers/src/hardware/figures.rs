@@ -1,0 +1,47 @@
+//! Pictures of all rows.
+
+use super::super::record::{Finished, Record};
+use super::super::{Overview, distinct};
+use super::grid::STEP;
+use super::window::HORIZONS;
+use leastaction_plot::{PlotError, Series, Stroke, log_log};
+use std::path::Path;
+
+/// The median error of every model against the horizon, one picture a table and kind of zeros.
+///
+/// # Errors
+/// Where a file cannot be written.
+pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, PlotError> {
+    let records: Vec<&Record> = results.iter().flat_map(|task| &task.records).collect();
+    let mut drawn = Vec::new();
+    for table in distinct(records.iter().map(|record| record.table.as_str())) {
+        let rows: Vec<&Record> = records.iter().filter(|record| record.table == table).copied().collect();
+        for zeros in distinct(rows.iter().filter_map(|record| zeros(record))) {
+            let file = format!("{table}-{zeros}.svg").replace(", ", "-").replace(' ', "-");
+            let own: Vec<&Record> =
+                rows.iter().filter(|row| self::zeros(row) == Some(zeros)).copied().collect();
+            draw(&folder.join(&file), &format!("{table}: median error, {zeros}"), &own)?;
+            drawn.push(Overview { table: table.to_owned(), file });
+        }
+    }
+    Ok(drawn)
+}
+
+/// Whether as is or calibrated.
+fn zeros(record: &Record) -> Option<&str> {
+    record.subject.first().map(|(_, value)| value.as_str())
+}
+
+fn draw(file: &Path, title: &str, rows: &[&Record]) -> Result<(), PlotError> {
+    let seconds = HORIZONS.map(|steps| steps as f64 * STEP);
+    let series = |model: &str| {
+        let of = |record: &&&Record| record.model == model;
+        let first = rows.iter().find(of).map_or(&[][..], |record| &record.measures);
+        let points = seconds.into_iter().zip(first).filter_map(|(t, measure)| Some((t, measure.ours?)));
+        let is_ours = rows.iter().find(of).is_some_and(|record| record.is_ours);
+        Series::new(model, points).with_stroke(if is_ours { Stroke::Dotted } else { Stroke::Dashed })
+    };
+    let models = distinct(rows.iter().map(|record| record.model.as_str()));
+    let series: Vec<Series> = models.into_iter().map(series).collect();
+    log_log(file, title, ("time ahead (s)", "error (rad)"), &series, &[])
+}
