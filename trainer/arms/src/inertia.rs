@@ -15,7 +15,8 @@ impl Inertia {
     /// Of mass m (kg), centre of mass c (m) and the inertia about the centre of mass, along the axes of the frame (kg m²).
     #[must_use]
     pub fn of_centre(mass: f64, centre: Vector3<f64>, inertia: Matrix3<f64>) -> Self {
-        let about_origin = inertia + mass * (Matrix3::identity() * centre.norm_squared() - centre * centre.transpose());
+        let about_origin =
+            inertia + mass * (Matrix3::identity() * centre.norm_squared() - centre * centre.transpose());
         Self::of_parts(mass, mass * centre, about_origin)
     }
 

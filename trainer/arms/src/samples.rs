@@ -67,7 +67,9 @@ pub enum SampleError {
         step: f64,
     },
     /// Torques of another number than positions.
-    #[error("{torques} columns of torques and {positions} of positions: there must be one for each coordinate")]
+    #[error(
+        "{torques} columns of torques and {positions} of positions: there must be one for each coordinate"
+    )]
     Torques {
         /// Columns.
         torques: usize,

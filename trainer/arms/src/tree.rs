@@ -201,7 +201,8 @@ impl Tree {
     /// The names of the parameters, for messages and tables.
     #[must_use]
     pub fn parameter_names(&self) -> Vec<String> {
-        const NUMBERS: [&str; crate::INERTIAL] = ["m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+        const NUMBERS: [&str; crate::INERTIAL] =
+            ["m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
         let of_body = |body: &Body| NUMBERS.map(|number| format!("{} {number}", body.name));
         let rotors = (0..self.coordinates()).map(|k| format!("rotor {}", self.coordinate_name(k)));
         self.bodies.iter().flat_map(of_body).chain(rotors).collect()

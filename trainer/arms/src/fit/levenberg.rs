@@ -48,7 +48,8 @@ fn expected(equations: &Equations, step: &[f64]) -> f64 {
 
 /// A damped step of the numbers that are not held at a bound, cut off at the bounds.
 fn step(equations: &Equations, x: &[f64], bounds: &[[f64; 2]], damping: f64) -> Option<Vec<f64>> {
-    let mut free: Vec<usize> = (0..x.len()).filter(|k| !is_held(x[*k], bounds[*k], equations.gradient[*k])).collect();
+    let mut free: Vec<usize> =
+        (0..x.len()).filter(|k| !is_held(x[*k], bounds[*k], equations.gradient[*k])).collect();
     // What a step carries beyond its bound is held there, and the others step again.
     loop {
         let found = solve(equations, &free, damping)?;

@@ -61,7 +61,9 @@ const MOST_LOAD: f64 = 0.9;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FitError {
     /// The prior of a body is not one.
-    #[error("link {0}: its inertia is of no body that can be (the pseudo-inertia is not positive definite), so it cannot be a prior")]
+    #[error(
+        "link {0}: its inertia is of no body that can be (the pseudo-inertia is not positive definite), so it cannot be a prior"
+    )]
     Prior(String),
     /// Samples of another mechanism.
     #[error("samples of {found} coordinates, and an arm of {expected}")]
@@ -127,11 +129,13 @@ pub fn fit_by_folds(
             continue;
         }
         let start = Start::new(tree, &rest, learned)?;
-        let judge = |x: &Vec<f64>| mean_nmse(&squared_errors(&start.arm(x).torques(&held), &held), &variances);
+        let judge =
+            |x: &Vec<f64>| mean_nmse(&squared_errors(&start.arm(x).torques(&held), &held), &variances);
         errors.push(start.path(strengths).iter().map(judge).collect());
     }
     let mean = |k: usize| errors.iter().map(|fold| fold[k]).sum::<f64>() / errors.len() as f64;
-    let tried: Vec<(f64, f64)> = strengths.iter().enumerate().map(|(k, strength)| (*strength, mean(k))).collect();
+    let tried: Vec<(f64, f64)> =
+        strengths.iter().enumerate().map(|(k, strength)| (*strength, mean(k))).collect();
     let least = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1)).unwrap_or(0);
     // Of the difference from the least error: what all strengths have in common says nothing.
     let is_as_good = |k: usize| {
@@ -212,8 +216,7 @@ impl<'a> Start<'a> {
         let solution = design.solve().ok_or(FitError::Samples(samples.count()))?;
         let scales = scales(&design.predict(&solution.numbers), samples);
         let charts = charts(tree, learned.bodies).map_err(FitError::Prior)?;
-        let problem =
-            Problem { samples, regressors: regressors(tree, samples), charts, scales };
+        let problem = Problem { samples, regressors: regressors(tree, samples), charts, scales };
         let bodies = problem.body_numbers();
         let numbers = &solution.numbers[bodies..];
         let at = |kind: usize, i: usize| numbers[kind * n + i];
@@ -257,7 +260,9 @@ impl<'a> Start<'a> {
     /// Of the Jacobian without the prior, over the numbers that are learned.
     fn rank(&self, x: &[f64]) -> usize {
         let gram = self.problem.equations(x, 0.0).gram;
-        let learned: Vec<usize> = (0..x.len()).filter(|k| self.bounds[*k][0] < self.bounds[*k][1] && gram[(*k, *k)] > 0.0).collect();
+        let learned: Vec<usize> = (0..x.len())
+            .filter(|k| self.bounds[*k][0] < self.bounds[*k][1] && gram[(*k, *k)] > 0.0)
+            .collect();
         let scaled = faer::Mat::from_fn(learned.len(), learned.len(), |i, j| {
             let (i, j) = (learned[i], learned[j]);
             gram[(i, j)] / (gram[(i, i)] * gram[(j, j)]).sqrt()

@@ -1,7 +1,7 @@
 //! The least-squares problem of a fit: residuals of torques and their derivatives, in numbers without bounds on the bodies.
 
-use super::friction::{JOINT, JointNumbers};
 use super::Bodies;
+use super::friction::{JOINT, JointNumbers};
 use crate::{INERTIAL, LogCholesky, Samples, Tree};
 use faer::Mat;
 
@@ -38,13 +38,19 @@ pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
     let bodies = INERTIAL * tree.bodies().len();
     let states = samples.q.iter().zip(samples.v.iter().zip(samples.a.iter()));
     let rows = states.flat_map(|(q, (v, a))| tree.regressor(q, v, a));
-    rows.map(|mut row| { row.truncate(bodies); row }).collect()
+    rows.map(|mut row| {
+        row.truncate(bodies);
+        row
+    })
+    .collect()
 }
 
 /// Charts around a tree's own bodies; the first body that cannot be, by name.
 pub(super) fn charts(tree: &Tree, bodies: Bodies) -> Result<Vec<Chart>, String> {
     let of = |body: &crate::Body| match bodies {
-        Bodies::Consistent => LogCholesky::around(&body.inertia).map(Chart::Consistent).ok_or(body.name.clone()),
+        Bodies::Consistent => {
+            LogCholesky::around(&body.inertia).map(Chart::Consistent).ok_or(body.name.clone())
+        }
         Bodies::Free => Ok(Chart::Free(body.inertia.0)),
     };
     tree.bodies().iter().map(of).collect()
@@ -106,7 +112,8 @@ impl Problem<'_> {
 
     /// The sum of squares that is minimised, with a prior of this strength λ.
     pub fn squares(&self, x: &[f64], prior: f64) -> f64 {
-        let residual = |(k, predicted): (usize, &f64)| (predicted - self.row(k).3) / self.scales[k % self.n()];
+        let residual =
+            |(k, predicted): (usize, &f64)| (predicted - self.row(k).3) / self.scales[k % self.n()];
         let data: f64 = self.predict(x).iter().enumerate().map(residual).map(|r| r * r).sum();
         data + prior * x[..self.body_numbers()].iter().map(|x| x * x).sum::<f64>()
     }
@@ -117,7 +124,8 @@ impl Problem<'_> {
         let mut all = Equations { gram: Mat::zeros(p, p), gradient: vec![0.0; p] };
         let (inertial, joints) = (self.inertial(x), self.joints(x));
         let (thetas, _) = x[..self.body_numbers()].as_chunks();
-        let slopes: Vec<_> = self.charts.iter().zip(thetas).map(|(chart, theta)| chart.slopes(theta)).collect();
+        let slopes: Vec<_> =
+            self.charts.iter().zip(thetas).map(|(chart, theta)| chart.slopes(theta)).collect();
         for first in (0..self.regressors.len()).step_by(BLOCK) {
             let rows = first..(first + BLOCK).min(self.regressors.len());
             let mut jacobian = Mat::zeros(rows.len(), p);
@@ -126,7 +134,9 @@ impl Problem<'_> {
                 let (i, v, a, tau) = self.row(k);
                 let (predicted, gain, own) = joints[i].slopes(dot(&self.regressors[k], &inertial), v, a);
                 let (gain, scale) = (gain / self.scales[i], self.scales[i]);
-                for (body, (row, slopes)) in self.regressors[k].as_chunks::<INERTIAL>().0.iter().zip(&slopes).enumerate() {
+                for (body, (row, slopes)) in
+                    self.regressors[k].as_chunks::<INERTIAL>().0.iter().zip(&slopes).enumerate()
+                {
                     if row.iter().all(|x| *x == 0.0) {
                         continue;
                     }
@@ -135,7 +145,9 @@ impl Problem<'_> {
                     }
                 }
                 let joint = self.body_numbers() + JOINT * i;
-                own.iter().enumerate().for_each(|(number, slope)| jacobian[(at, joint + number)] = slope / scale);
+                own.iter()
+                    .enumerate()
+                    .for_each(|(number, slope)| jacobian[(at, joint + number)] = slope / scale);
                 residuals.push((predicted - tau) / scale);
             }
             all.add(&jacobian, &residuals);

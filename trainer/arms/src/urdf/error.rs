@@ -102,10 +102,14 @@ pub enum UrdfError {
         mass: f64,
     },
     /// An inertia of no body.
-    #[error("link {0}: no body has this inertia (a principal moment is negative or larger than the sum of the others)")]
+    #[error(
+        "link {0}: no body has this inertia (a principal moment is negative or larger than the sum of the others)"
+    )]
     NotABody(String),
     /// A moving link without mass.
-    #[error("link {link}, moved by joint {joint}, has no mass, and nothing fixed to it has: <inertial> is missing")]
+    #[error(
+        "link {link}, moved by joint {joint}, has no mass, and nothing fixed to it has: <inertial> is missing"
+    )]
     NoInertia {
         /// Which link.
         link: String,

@@ -138,8 +138,11 @@ impl Description {
 
     /// A coordinate for every joint that follows no other, and to those that do that of the one they follow.
     fn give_coordinates(&self, bodies: &mut [Body], moved: &HashMap<&str, usize>) -> Result<(), UrdfError> {
-        let followed: HashMap<&str, &(String, f64, f64)> =
-            self.joints.iter().filter_map(|joint| Some((joint.name.as_str(), joint.mimic.as_ref()?))).collect();
+        let followed: HashMap<&str, &(String, f64, f64)> = self
+            .joints
+            .iter()
+            .filter_map(|joint| Some((joint.name.as_str(), joint.mimic.as_ref()?)))
+            .collect();
         let mut next = 0;
         for body in bodies.iter_mut().filter(|body| !followed.contains_key(body.joint_name.as_str())) {
             body.coordinate = next;
@@ -186,7 +189,10 @@ impl JointElement {
 }
 
 /// Names with their places.
-fn numbered<'n>(kind: &str, names: impl Iterator<Item = &'n String>) -> Result<HashMap<&'n str, usize>, UrdfError> {
+fn numbered<'n>(
+    kind: &str,
+    names: impl Iterator<Item = &'n String>,
+) -> Result<HashMap<&'n str, usize>, UrdfError> {
     let mut all = HashMap::new();
     for (k, name) in names.enumerate() {
         if all.insert(name.as_str(), k).is_some() {

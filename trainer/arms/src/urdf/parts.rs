@@ -59,7 +59,12 @@ impl<'a, 'i> Element<'a, 'i> {
     /// So many numbers; `None` where the attribute is missing.
     fn numbers<const N: usize>(&self, what: &'static str) -> Result<Option<[f64; N]>, UrdfError> {
         let Some(text) = self.node.attribute(what) else { return Ok(None) };
-        let wrong = || UrdfError::Number { at: self.at.clone(), what, found: text.chars().take(60).collect(), expected: N };
+        let wrong = || UrdfError::Number {
+            at: self.at.clone(),
+            what,
+            found: text.chars().take(60).collect(),
+            expected: N,
+        };
         let mut numbers = [0.0; N];
         let mut words = text.split_whitespace();
         for number in &mut numbers {
