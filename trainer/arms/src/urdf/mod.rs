@@ -143,11 +143,8 @@ impl Description {
             .iter()
             .filter_map(|joint| Some((joint.name.as_str(), joint.mimic.as_ref()?)))
             .collect();
-        let mut next = 0;
-        for body in bodies.iter_mut().filter(|body| !followed.contains_key(body.joint_name.as_str())) {
-            body.coordinate = next;
-            next += 1;
-        }
+        let leading = bodies.iter_mut().filter(|body| !followed.contains_key(body.joint_name.as_str()));
+        leading.enumerate().for_each(|(k, body)| body.coordinate = k);
         for k in 0..bodies.len() {
             let joint = bodies[k].joint_name.clone();
             let Some((leader, multiplier, offset)) = followed.get(joint.as_str()) else { continue };
