@@ -4,15 +4,17 @@ use super::selection::{Selection, given};
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction_papers::HARDWARE;
-use leastaction_papers::hardware::{HardwareError, Machine, MachineData, Split, tasks};
+use leastaction_papers::hardware::{ArmData, HardwareError, Machine, MachineData, Split, arm_tasks, tasks};
 use leastaction_papers::task::Task;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-/// Machines of hardware: a double pendulum and a pendulum, learned from some of their logs and predicted along the others.
+/// Machines of hardware: a double pendulum, a pendulum and an arm, learned from some of their logs and predicted along the others.
 ///
 /// Prints the median window error after 0.1, 0.5 and 1 s (rad), as is and with the encoders' zeros calibrated from the first 2 s of a tested
 /// log, of ours and of what it is compared with. The logs are not part of this program: DIR has a folder of .csv files for
-/// each machine, double-pendulum and pendulum. With -o also as a page.
+/// each machine, double-pendulum, pendulum and panda. Of the arm, whose log is panda/excitation.csv, the error is that of the torques along
+/// motion that was not learned from. With -o also as a page.
 ///
 /// Example: leastaction-papers hardware --data DIR --machine double-pendulum --test 1,3,5 --json
 #[derive(Args)]
@@ -45,22 +47,35 @@ impl Hardware {
     }
 
     fn machines(&self) -> Result<Vec<Machine>, Failure> {
-        if self.baseline.is_some() && self.machine == Some(Machine::Pendulum) {
+        let is_other = |machine: Machine| machine != Machine::DoublePendulum;
+        if self.baseline.is_some() && self.machine.is_some_and(is_other) {
             return Err(Failure::Input("--baseline is of the double pendulum; leave it out".to_owned()));
         }
         let is_there = |machine: &Machine| self.data.join(machine.name()).is_dir();
+        if !self.test.is_empty() && self.machine == Some(Machine::Panda) {
+            let what =
+                "--test names logs; of the arm one log is learned from and tested in parts, so leave it out";
+            return Err(Failure::Input(what.to_owned()));
+        }
         let machines = match self.machine {
             Some(machine) => vec![machine],
             None => Machine::ALL.into_iter().filter(is_there).collect(),
         };
         if machines.is_empty() {
-            let names = Machine::ALL.map(Machine::name).join(" or ");
-            return Err(Failure::input(&self.data, format!("there is no folder {names} with logs")));
+            let names = Machine::ALL.map(Machine::name).join(", ");
+            return Err(Failure::input(
+                &self.data,
+                format!("there is none of the folders {names} with logs"),
+            ));
         }
         Ok(machines)
     }
 
     fn tasks(&self, machine: Machine) -> Result<Vec<Box<dyn Task>>, HardwareError> {
+        if machine == Machine::Panda {
+            let arguments = given("data", Some(self.data.display())) + &self.selection.arguments();
+            return Ok(arm_tasks(&Arc::new(ArmData::read(&self.data)?), &arguments));
+        }
         let data = MachineData::read(&self.data, machine, self.baseline.as_deref())?;
         let splits = match &self.test[..] {
             [] => Split::usual(machine, data.logs.len()),

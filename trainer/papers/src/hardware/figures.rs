@@ -3,6 +3,7 @@
 use super::super::record::{Finished, Record};
 use super::super::{Overview, distinct};
 use super::grid::STEP;
+use super::task::ZEROS;
 use super::window::HORIZONS;
 use leastaction_plot::{PlotError, Series, Stroke, log_log};
 use std::path::Path;
@@ -27,9 +28,9 @@ pub fn overview(folder: &Path, results: &[Finished]) -> Result<Vec<Overview>, Pl
     Ok(drawn)
 }
 
-/// Whether as is or calibrated.
+/// Whether as is or calibrated; none of a record that has no horizons.
 fn zeros(record: &Record) -> Option<&str> {
-    record.subject.first().map(|(_, value)| value.as_str())
+    record.subject.first().filter(|(name, _)| name == ZEROS).map(|(_, value)| value.as_str())
 }
 
 fn draw(file: &Path, title: &str, rows: &[&Record]) -> Result<(), PlotError> {
@@ -42,6 +43,8 @@ fn draw(file: &Path, title: &str, rows: &[&Record]) -> Result<(), PlotError> {
         Series::new(model, points).with_stroke(if is_ours { Stroke::Dotted } else { Stroke::Dashed })
     };
     let models = distinct(rows.iter().map(|record| record.model.as_str()));
-    let series: Vec<Series> = models.into_iter().map(series).collect();
+    let mut series: Vec<Series> = models.into_iter().map(series).collect();
+    // So that models of one colour have different strokes.
+    series.sort_by_key(|series| series.stroke == Stroke::Dotted);
     log_log(file, title, ("time ahead (s)", "error (rad)"), &series, &[])
 }

@@ -11,6 +11,8 @@ pub enum Machine {
     DoublePendulum,
     /// One link and a drive; q from hanging.
     Pendulum,
+    /// Franka Panda: seven joints, judged by torques.
+    Panda,
 }
 
 /// cos q of a pendulum below which it is about to fall either way.
@@ -18,13 +20,14 @@ const UPRIGHT: f64 = -0.9;
 
 impl Machine {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::DoublePendulum, Self::Pendulum];
+    pub const ALL: [Self; 3] = [Self::DoublePendulum, Self::Pendulum, Self::Panda];
 
     /// On the command line, and the folder of its logs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::DoublePendulum => "double-pendulum",
             Self::Pendulum => "pendulum",
+            Self::Panda => "panda",
         }
     }
 
@@ -33,6 +36,7 @@ impl Machine {
         match self {
             Self::DoublePendulum => 2,
             Self::Pendulum => 1,
+            Self::Panda => 7,
         }
     }
 
@@ -43,6 +47,9 @@ impl Machine {
 
     /// Its columns: u is the measured torque of every joint and then, where it is logged, the commanded one.
     pub fn columns(self) -> Columns {
+        if self == Self::Panda {
+            return Self::numbered_columns(self.joints());
+        }
         let of = |names: &[&str]| names.iter().map(|name| Column::si(*name)).collect();
         let [q, v, u]: [&[&str]; 3] = match self {
             Self::DoublePendulum => [
@@ -50,16 +57,23 @@ impl Machine {
                 &["vel_meas1", "vel_meas2"],
                 &["tau_meas1", "tau_meas2", "tau_con1", "tau_con2"],
             ],
-            Self::Pendulum => [&["position"], &["velocity"], &["torque"]],
+            _ => [&["position"], &["velocity"], &["torque"]],
         };
         Columns { t: Column::si("time"), q: of(q), v: of(v), u: of(u), actuation: None }
+    }
+
+    /// position_1, …, velocity_1, …, torque_1, ….
+    fn numbered_columns(n: usize) -> Columns {
+        let of = |name: &str| (1..=n).map(|k| Column::si(format!("{name}_{k}"))).collect();
+        let (q, v, u) = (of("position"), of("velocity"), of("torque"));
+        Columns { t: Column::si("time"), q, v, u, actuation: None }
     }
 
     /// Whether a window through these positions, \[samples\]\[n\], counts. A pendulum near its upright position falls either way,
     /// whatever the model: windows that pass it are left out. Those of the double pendulum all count.
     pub fn counts<'q>(self, mut positions: impl Iterator<Item = &'q [f64]>) -> bool {
         match self {
-            Self::DoublePendulum => true,
+            Self::DoublePendulum | Self::Panda => true,
             Self::Pendulum => positions.all(|q| q.iter().all(|q| q.cos() >= UPRIGHT)),
         }
     }

@@ -9,8 +9,11 @@
 //! As is: nothing of a tested log is used but the start states. Calibrated: the zero offsets of its encoders are estimated from its first
 //! 2 s.
 //!
+//! An arm of many joints is judged by its torques instead (`arm`).
+//!
 //! Data flows one way: files → [`Log`] → windows → [`Predictor`] → [`Summary`]. What is in the table is a list of [`Entry`].
 
+mod arm;
 mod calibration;
 mod configured;
 mod data;
@@ -31,6 +34,7 @@ mod states;
 mod task;
 mod window;
 
+pub use arm::{ArmData, ArmOutcome, arm_tasks, panda, panda_urdf};
 pub use calibration::zero_offsets;
 pub use data::MachineData;
 pub use entries::{Entry, Fitted, Training, entries};

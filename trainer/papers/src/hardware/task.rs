@@ -11,6 +11,9 @@ use crate::task::{Task, TaskError};
 use serde::Serialize;
 use std::path::Path;
 
+/// The column that says whether zero offsets of a tested log were estimated.
+pub(super) const ZEROS: &str = "zeros";
+
 /// A row of `--json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
@@ -180,7 +183,7 @@ impl Experiment {
         let calibrated = if row.calibrated { "calibrated" } else { "as is" };
         Ok(Record {
             table: format!("{}, {}", self.data.machine.name(), self.split.name),
-            subject: vec![("zeros".to_owned(), calibrated.to_owned())],
+            subject: vec![(ZEROS.to_owned(), calibrated.to_owned())],
             model: row.model.to_owned(),
             is_ours: self.entry.is_ours,
             parameters: row.parameters,

@@ -82,13 +82,16 @@ fn what_cannot_be_used_is_said() {
     let bench = bench(2);
     let run = |words: &str| bench.run(&format!("hardware {words} {KNOWN}"));
     let double = "--data . --machine double-pendulum";
-    run("--data nowhere").bad(2, &["nowhere", "double-pendulum or pendulum"]);
+    run("--data nowhere").bad(2, &["nowhere", "double-pendulum, pendulum, panda"]);
     run("--data . --machine pendulum").bad(2, &["./pendulum"]);
     run(&format!("{double} --test 0,2")).bad(2, &["--test 2", "there are 2 logs"]);
     run(&format!("{double} --test 0,1")).bad(2, &["--test", "none is left"]);
     run(&format!("{double} --test x")).bad(2, &["--test"]);
     run("--data . --test 0").bad(2, &["--machine"]);
     run("--data . --machine pendulum --baseline own.yml").bad(2, &["--baseline"]);
+    run("--data . --machine panda --baseline own.yml").bad(2, &["--baseline"]);
+    run("--data . --machine panda --test 0").bad(2, &["--test", "one log"]);
+    run("--data . --machine panda").bad(2, &["panda/excitation.csv"]);
     for (content, words) in [
         ("I1: 1\nI2 2\n", &["own.yml, line 2", "name: number"][..]),
         ("I1: 1\n", &["own.yml", "I2", "missing"]),

@@ -1,0 +1,286 @@
+//! Fits of bodies, rotors and friction to torques, near a prior.
+//!
+//! Minimised is Σ ((τ̂ − τ)/s_i)² + λ Σ |θ|², s_i a robust scale of coordinate i's residuals after linear least squares, θ the
+//! [log-Cholesky numbers](crate::LogCholesky) of every body relative to the tree's own, which are the prior: what the log does not show stays there.
+
+mod friction;
+mod levenberg;
+mod problem;
+
+pub use friction::{JOINT, JointNumbers, SOFTNESS};
+
+use crate::linear::{Design, Terms};
+use crate::{Samples, Tree};
+use problem::{Problem, charts, regressors};
+use thiserror::Error;
+
+/// What bodies may become.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bodies {
+    /// Bodies that can be: of positive definite pseudo-inertia.
+    Consistent,
+    /// Any numbers, as linear least squares gives them.
+    Free,
+}
+
+/// What is learned of every joint beside viscous and Coulomb friction, each ≥ 0, and a constant offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Learned {
+    /// Of the bodies.
+    pub bodies: Bodies,
+    /// Rotor inertia ≥ 0.
+    pub rotors: bool,
+    /// Friction that grows with the load.
+    pub load: bool,
+    /// The range of the width ε of tanh(v/ε); one number twice where it is known.
+    pub width: [f64; 2],
+}
+
+impl Default for Learned {
+    /// Consistent bodies, rotors, friction that grows with the load, widths from 0.02 to 1 rad/s.
+    fn default() -> Self {
+        Self { bodies: Bodies::Consistent, rotors: true, load: true, width: [0.02, 1.0] }
+    }
+}
+
+/// An arm that predicts torques.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arm {
+    /// Its bodies and rotors.
+    pub tree: Tree,
+    /// Of every coordinate; the rotors are those of the tree.
+    pub joints: Vec<JointNumbers>,
+}
+
+/// Where a width starts, rad/s.
+const FIRST_WIDTH: f64 = 0.05;
+/// Most of a load that friction may take.
+const MOST_LOAD: f64 = 0.9;
+
+/// What cannot be fitted.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FitError {
+    /// The prior of a body is not one.
+    #[error(
+        "link {0}: its inertia is of no body that can be (the pseudo-inertia is not positive definite), so it cannot be a prior"
+    )]
+    Prior(String),
+    /// Samples of another mechanism.
+    #[error("samples of {found} coordinates, and an arm of {expected}")]
+    Coordinates {
+        /// Of the samples.
+        found: usize,
+        /// Of the tree.
+        expected: usize,
+    },
+    /// Too few samples, or numbers that are not finite.
+    #[error("the samples determine nothing: {0} of them")]
+    Samples(usize),
+}
+
+/// A fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// The arm.
+    pub arm: Arm,
+    /// Numbers that were learned.
+    pub parameters: usize,
+    /// Of them what the samples determine alone, without the prior, to 10⁻⁶ of the best determined one.
+    pub rank: usize,
+    /// λ.
+    pub prior: f64,
+}
+
+/// Singular values of the weighted Jacobian, columns scaled, below this part of the largest one are not determined.
+const DETERMINED: f64 = 1e-6;
+
+/// Learns from samples; `tree` is the prior, `prior` its strength λ.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit(tree: &Tree, samples: &Samples, learned: &Learned, prior: f64) -> Result<Fitted, FitError> {
+    let start = Start::new(tree, samples, learned)?;
+    // From a stiff prior on: far from the minimum a weak one leads into corners.
+    let strengths: Vec<f64> = [1e4, 1e2, 1.0].into_iter().filter(|s| *s > prior).chain([prior]).collect();
+    let path = start.path(&strengths);
+    Ok(start.fitted(path.last().unwrap_or(&start.x), prior))
+}
+
+/// Learns from samples with a prior strength of `strengths`, from the strongest to the weakest, that folds choose: `folds` says which part each
+/// sample belongs to, in blocks of time, since neighbours are alike; each part is predicted by fits of the rest. The error is the mean
+/// over coordinates of the mean squared error over the variance of τ. Taken is the strongest prior whose error is within a standard
+/// error over the parts of the least one. Also gives what was tried: strengths with their errors.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_by_folds(
+    tree: &Tree,
+    samples: &Samples,
+    learned: &Learned,
+    (strengths, folds): (&[f64], &[usize]),
+) -> Result<(Fitted, Vec<(f64, f64)>), FitError> {
+    let count = folds.iter().max().map_or(0, |last| last + 1);
+    let variances = variances(samples);
+    // By fold and strength.
+    let mut errors: Vec<Vec<f64>> = Vec::new();
+    for fold in 0..count {
+        let [rest, held] = [false, true].map(|is_held| samples.selected(|k| (folds[k] == fold) == is_held));
+        if held.count() == 0 || rest.count() == 0 {
+            continue;
+        }
+        let start = Start::new(tree, &rest, learned)?;
+        let judge =
+            |x: &Vec<f64>| mean_nmse(&squared_errors(&start.arm(x).torques(&held), &held), &variances);
+        errors.push(start.path(strengths).iter().map(judge).collect());
+    }
+    let mean = |k: usize| errors.iter().map(|fold| fold[k]).sum::<f64>() / errors.len() as f64;
+    let tried: Vec<(f64, f64)> =
+        strengths.iter().enumerate().map(|(k, strength)| (*strength, mean(k))).collect();
+    let least = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1)).unwrap_or(0);
+    // Of the difference from the least error: what all strengths have in common says nothing.
+    let is_as_good = |k: usize| {
+        let differences: Vec<f64> = errors.iter().map(|fold| fold[k] - fold[least]).collect();
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        let squares: f64 = differences.iter().map(|d| (d - mean) * (d - mean)).sum();
+        let folds = differences.len() as f64;
+        mean <= (squares / (folds * (folds - 1.0).max(1.0))).sqrt()
+    };
+    let chosen = (0..least).find(|k| is_as_good(*k)).unwrap_or(least);
+    let start = Start::new(tree, samples, learned)?;
+    let path = start.path(&strengths[..(chosen + 1).min(strengths.len())]);
+    let x = path.last().cloned().unwrap_or_else(|| start.x.clone());
+    Ok((start.fitted(&x, strengths.get(chosen).copied().unwrap_or(0.0)), tried))
+}
+
+impl Arm {
+    /// Predicted torques of all samples, \[samples\]\[n\], row by row.
+    #[must_use]
+    pub fn torques(&self, samples: &Samples) -> Vec<f64> {
+        let mut bodies = self.tree.clone();
+        bodies.rotors.fill(0.0);
+        let states = samples.q.iter().zip(samples.v.iter().zip(samples.a.iter()));
+        let of = |(q, (v, a)): (&[f64], (&[f64], &[f64]))| -> Vec<f64> {
+            let forces = bodies.inverse_dynamics(q, v, a);
+            let rows = forces.iter().zip(v.iter().zip(a)).zip(&self.joints);
+            rows.map(|((force, (v, a)), joint)| joint.torque(*force, *v, *a)).collect()
+        };
+        states.flat_map(of).collect()
+    }
+}
+
+/// Mean squared error of every coordinate.
+#[must_use]
+pub fn squared_errors(predicted: &[f64], samples: &Samples) -> Vec<f64> {
+    let n = samples.tau.width();
+    let mut sums = vec![0.0; n];
+    let pairs = predicted.iter().zip(samples.tau.as_flat());
+    pairs.enumerate().for_each(|(k, (a, b))| sums[k % n] += (a - b) * (a - b));
+    sums.iter().map(|sum| sum / samples.count() as f64).collect()
+}
+
+/// Variance of every logged torque.
+#[must_use]
+pub fn variances(samples: &Samples) -> Vec<f64> {
+    let (n, count) = (samples.tau.width(), samples.count() as f64);
+    let column = |i: usize| samples.tau.as_flat().iter().skip(i).step_by(n);
+    let of = |i: usize| {
+        let mean = column(i).sum::<f64>() / count;
+        column(i).map(|x| (x - mean) * (x - mean)).sum::<f64>() / count
+    };
+    (0..n).map(of).collect()
+}
+
+/// Mean over coordinates of error over variance.
+#[must_use]
+pub fn mean_nmse(errors: &[f64], variances: &[f64]) -> f64 {
+    errors.iter().zip(variances).map(|(e, v)| e / v).sum::<f64>() / errors.len() as f64
+}
+
+/// What fits of the same samples have in common.
+struct Start<'a> {
+    tree: &'a Tree,
+    problem: Problem<'a>,
+    x: Vec<f64>,
+    bounds: Vec<[f64; 2]>,
+}
+
+impl<'a> Start<'a> {
+    fn new(tree: &'a Tree, samples: &'a Samples, learned: &Learned) -> Result<Self, FitError> {
+        let (n, found) = (tree.coordinates(), samples.q.width());
+        if n != found {
+            return Err(FitError::Coordinates { found, expected: n });
+        }
+        let width = FIRST_WIDTH.clamp(learned.width[0], learned.width[1]);
+        let terms = Terms { rotors: learned.rotors, viscous: true, coulomb: Some(width), offsets: true };
+        let design = Design::new(tree, samples, &terms);
+        let solution = design.solve().ok_or(FitError::Samples(samples.count()))?;
+        let scales = scales(&design.predict(&solution.numbers), samples);
+        let charts = charts(tree, learned.bodies).map_err(FitError::Prior)?;
+        let problem = Problem { samples, regressors: regressors(tree, samples), charts, scales };
+        let bodies = problem.body_numbers();
+        let numbers = &solution.numbers[bodies..];
+        let at = |kind: usize, i: usize| numbers[kind * n + i];
+        let shift = usize::from(learned.rotors);
+        let joint = |i: usize| {
+            let rotor = if learned.rotors { at(0, i).max(0.0) } else { 0.0 };
+            let (viscous, coulomb) = (at(shift, i).max(0.0), at(shift + 1, i).max(0.0));
+            JointNumbers { rotor, viscous, coulomb, load: 0.0, width, offset: at(shift + 2, i) }.array()
+        };
+        let x = vec![0.0; bodies].into_iter().chain((0..n).flat_map(joint)).collect();
+        let all = f64::INFINITY;
+        let rotor = if learned.rotors { all } else { 0.0 };
+        let load = if learned.load { MOST_LOAD } else { 0.0 };
+        let joint = [[0.0, rotor], [0.0, all], [0.0, all], [0.0, load], learned.width, [-all, all]];
+        let bounds = vec![[-all, all]; bodies].into_iter().chain((0..n).flat_map(|_| joint)).collect();
+        Ok(Self { tree, problem, x, bounds })
+    }
+
+    /// The minima under these strengths of the prior, each from the one before.
+    fn path(&self, strengths: &[f64]) -> Vec<Vec<f64>> {
+        let mut x = self.x.clone();
+        let mut minimum = |prior: &f64| {
+            x = levenberg::minimise(&self.problem, *prior, x.clone(), &self.bounds);
+            x.clone()
+        };
+        strengths.iter().map(&mut minimum).collect()
+    }
+
+    fn fitted(&self, x: &[f64], prior: f64) -> Fitted {
+        let parameters = self.bounds.iter().filter(|[least, most]| least < most).count();
+        Fitted { arm: self.arm(x), parameters, rank: self.rank(x), prior }
+    }
+
+    fn arm(&self, x: &[f64]) -> Arm {
+        let joints = self.problem.joints(x);
+        let rotors = joints.iter().map(|joint| joint.rotor);
+        let parameters: Vec<f64> = self.problem.inertial(x).into_iter().chain(rotors).collect();
+        Arm { tree: self.tree.with_parameters(&parameters), joints }
+    }
+
+    /// Of the Jacobian without the prior, over the numbers that are learned.
+    fn rank(&self, x: &[f64]) -> usize {
+        let gram = self.problem.equations(x, 0.0).gram;
+        let learned: Vec<usize> = (0..x.len())
+            .filter(|k| self.bounds[*k][0] < self.bounds[*k][1] && gram[(*k, *k)] > 0.0)
+            .collect();
+        let scaled = faer::Mat::from_fn(learned.len(), learned.len(), |i, j| {
+            let (i, j) = (learned[i], learned[j]);
+            gram[(i, j)] / (gram[(i, i)] * gram[(j, j)]).sqrt()
+        });
+        let Ok(values) = scaled.self_adjoint_eigenvalues(faer::Side::Lower) else { return 0 };
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        values.iter().filter(|value| **value > DETERMINED * DETERMINED * largest).count()
+    }
+}
+
+/// A robust scale of every coordinate's residuals: 1.4826 times their median size.
+fn scales(predicted: &[f64], samples: &Samples) -> Vec<f64> {
+    let n = samples.tau.width();
+    let of = |i: usize| {
+        let column = predicted.iter().zip(samples.tau.as_flat()).skip(i).step_by(n);
+        let mut sizes: Vec<f64> = column.map(|(a, b)| (a - b).abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        (1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(1.0)).max(1e-9)
+    };
+    (0..n).map(of).collect()
+}

@@ -1,0 +1,194 @@
+//! Linear least squares: what a log determines of the numbers that a torque is linear in.
+
+use crate::{Samples, Tree};
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Which numbers are learned beside those of the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Terms {
+    /// A rotor inertia J of every coordinate, J a.
+    pub rotors: bool,
+    /// Viscous friction b v.
+    pub viscous: bool,
+    /// Coulomb friction c tanh(v/ε) with this ε (rad/s, m/s).
+    pub coulomb: Option<f64>,
+    /// A constant torque.
+    pub offsets: bool,
+}
+
+/// Rows of a least-squares problem: row k n + i is torque i of sample k.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// \[rows\]\[columns\]: the bodies', then n each of rotors, viscous, Coulomb and offsets, as far as they are learned.
+    pub matrix: Mat<f64>,
+    /// The logged torques.
+    pub target: Vec<f64>,
+    /// Coordinates n.
+    pub coordinates: usize,
+}
+
+/// The least-squares solution of least norm, columns being measured by their own norm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// One for each column.
+    pub numbers: Vec<f64>,
+    /// Singular values that count: above [`TOLERANCE`] of the largest one, columns scaled to norm 1.
+    pub rank: usize,
+    /// The largest singular value over the least one that counts.
+    pub condition: f64,
+}
+
+/// Of the largest singular value what does not count.
+pub const TOLERANCE: f64 = 1e-9;
+
+impl Design {
+    /// Of a tree and samples.
+    #[must_use]
+    pub fn new(tree: &Tree, samples: &Samples, terms: &Terms) -> Self {
+        let n = tree.coordinates();
+        let bodies = tree.parameter_count() - n;
+        let inertial = bodies + if terms.rotors { n } else { 0 };
+        let mut rows: Vec<Vec<f64>> = Vec::with_capacity(n * samples.count());
+        for (q, (v, a)) in samples.q.iter().zip(samples.v.iter().zip(samples.a.iter())) {
+            for (i, mut row) in tree.regressor(q, v, a).into_iter().enumerate() {
+                row.truncate(inertial);
+                let unit = |x: f64| (0..n).map(move |k| if k == i { x } else { 0.0 });
+                if terms.viscous {
+                    row.extend(unit(v[i]));
+                }
+                if let Some(width) = terms.coulomb {
+                    row.extend(unit((v[i] / width).tanh()));
+                }
+                if terms.offsets {
+                    row.extend(unit(1.0));
+                }
+                rows.push(row);
+            }
+        }
+        let columns = rows.first().map_or(0, Vec::len);
+        let matrix = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
+        Self { matrix, target: samples.tau.as_flat().to_vec(), coordinates: n }
+    }
+
+    /// Every row over the scale of its coordinate.
+    #[must_use]
+    pub fn over(mut self, scales: &[f64]) -> Self {
+        let n = self.coordinates;
+        self.target.iter_mut().enumerate().for_each(|(i, x)| *x /= scales[i % n]);
+        self.matrix.col_iter_mut().for_each(|column| {
+            column.iter_mut().enumerate().for_each(|(i, x)| *x /= scales[i % n]);
+        });
+        self
+    }
+
+    /// What these numbers predict, row by row.
+    #[must_use]
+    pub fn predict(&self, numbers: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.matrix.nrows()];
+        for (j, number) in numbers.iter().enumerate() {
+            sums.iter_mut().zip(self.matrix.col_as_slice(j)).for_each(|(sum, x)| *sum += number * x);
+        }
+        sums
+    }
+
+    /// The solution; `None` where a number is not finite.
+    #[must_use]
+    pub fn solve(&self) -> Option<Solution> {
+        let scales = norms(&self.matrix);
+        let scaled =
+            Mat::from_fn(self.matrix.nrows(), self.matrix.ncols(), |i, j| self.matrix[(i, j)] / scales[j]);
+        let svd = scaled.thin_svd().ok()?;
+        let singular: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+        let largest = singular.first().copied().unwrap_or(0.0);
+        let rank = singular.iter().filter(|s| **s > TOLERANCE * largest).count();
+        let mut numbers = vec![0.0; self.matrix.ncols()];
+        for (k, s) in singular.iter().take(rank).enumerate() {
+            let part: f64 = svd.U().col(k).iter().zip(&self.target).map(|(u, y)| u * y).sum::<f64>() / s;
+            numbers.iter_mut().zip(svd.V().col(k).iter()).for_each(|(x, v)| *x += part * v);
+        }
+        numbers.iter_mut().zip(&scales).for_each(|(x, scale)| *x /= scale);
+        let condition = largest / rank.checked_sub(1).map_or(0.0, |last| singular[last]);
+        numbers.iter().all(|x| x.is_finite()).then_some(Solution { numbers, rank, condition })
+    }
+}
+
+/// The norm of every column, 1 for one that is 0.
+fn norms(matrix: &Mat<f64>) -> Vec<f64> {
+    let norm = |column: usize| matrix.col_as_slice(column).iter().map(|x| x * x).sum::<f64>().sqrt();
+    (0..matrix.ncols()).map(norm).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
+}
+
+/// The combinations of a tree's parameters that its torques can depend on: K π, every row one independent parameter and what belongs to it.
+///
+/// Source: Gautier, "Numerical calculation of the base inertial parameters of robots", 1991.
+#[derive(Clone, Debug)]
+pub struct BaseParameters {
+    /// The independent parameters, in rising order.
+    pub independent: Vec<usize>,
+    /// K, \[independent\]\[parameters\], 1 and 0 in the columns of the independent ones.
+    pub combination: Mat<f64>,
+}
+
+/// Of the seed of the states; any would do.
+const SEED: u64 = 1991;
+
+impl BaseParameters {
+    /// Of a tree, found at random states.
+    #[must_use]
+    pub fn of(tree: &Tree) -> Self {
+        let mut random = Pcg64::seed_from_u64(SEED);
+        let (n, p) = (tree.coordinates(), tree.parameter_count());
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        while rows.len() < 4 * p {
+            let mut state = || (0..n).map(|_| random.random_range(-3.0..3.0)).collect::<Vec<f64>>();
+            rows.extend(tree.regressor(&state(), &state(), &state()));
+        }
+        let matrix = Mat::from_fn(rows.len(), p, |i, j| rows[i][j]);
+        let scales = norms(&matrix);
+        let scaled = Mat::from_fn(rows.len(), p, |i, j| matrix[(i, j)] / scales[j]);
+        Self::of_columns(&scaled, &scales)
+    }
+
+    fn of_columns(scaled: &Mat<f64>, scales: &[f64]) -> Self {
+        let qr = scaled.col_piv_qr();
+        let (upper, order) = (qr.thin_R(), qr.P().arrays().0);
+        let count = upper.nrows().min(upper.ncols());
+        let first = upper[(0, 0)].abs();
+        let rank = (0..count).take_while(|k| upper[(*k, *k)].abs() > TOLERANCE * first).count();
+        let p = scaled.ncols();
+        // R₁⁻¹R₂ by back substitution.
+        let mut dependent = Mat::from_fn(rank, p - rank, |i, j| upper[(i, rank + j)]);
+        for j in 0..p - rank {
+            for i in (0..rank).rev() {
+                let later: f64 = (i + 1..rank).map(|k| upper[(i, k)] * dependent[(k, j)]).sum();
+                dependent[(i, j)] = (dependent[(i, j)] - later) / upper[(i, i)];
+            }
+        }
+        let mut rows: Vec<usize> = (0..rank).collect();
+        rows.sort_by_key(|k| order[*k]);
+        let mut combination = Mat::zeros(rank, p);
+        for (row, k) in rows.iter().enumerate() {
+            combination[(row, order[*k])] = 1.0;
+            for j in 0..p - rank {
+                let column = order[rank + j];
+                combination[(row, column)] = dependent[(*k, j)] * scales[column] / scales[order[*k]];
+            }
+        }
+        Self { independent: rows.iter().map(|k| order[*k]).collect(), combination }
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.independent.len()
+    }
+
+    /// K π.
+    #[must_use]
+    pub fn values(&self, parameters: &[f64]) -> Vec<f64> {
+        let row = |i: usize| parameters.iter().enumerate().map(|(j, x)| self.combination[(i, j)] * x).sum();
+        (0..self.count()).map(row).collect()
+    }
+}

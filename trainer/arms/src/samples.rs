@@ -1,0 +1,170 @@
+//! A log as a fit of torques sees it.
+
+use crate::signal::{Butterworth, derivative};
+use leastaction_data::{Measured, Rows};
+use thiserror::Error;
+
+/// How a log becomes samples: it is brought onto one step along straight lines, filtered, differentiated, and thinned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preparation {
+    /// Step of the grid, from the first stamp on (s).
+    pub step: f64,
+    /// Of the Butterworth filter of order 4, run forward and backward over positions, velocities and torques alike (Hz).
+    pub cut_off: f64,
+    /// Of the grid every so many samples are kept.
+    pub every: usize,
+    /// What is left out at each end (s): there the filter knows one side alone.
+    pub margin: f64,
+}
+
+impl Default for Preparation {
+    /// 1 ms, 20 Hz, every 20 ms, without the first and the last 0.2 s.
+    fn default() -> Self {
+        Self { step: 1e-3, cut_off: 20.0, every: 20, margin: 0.2 }
+    }
+}
+
+/// Samples of a motion and its torques.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples {
+    /// Times since the first stamp (s).
+    pub t: Vec<f64>,
+    /// Positions, \[samples\]\[n\] (rad, m).
+    pub q: Rows,
+    /// Velocities (rad/s, m/s).
+    pub v: Rows,
+    /// Accelerations (rad/s², m/s²).
+    pub a: Rows,
+    /// Torques and forces of the drives (N m, N).
+    pub tau: Rows,
+}
+
+/// A log that does not become samples.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SampleError {
+    /// A filter that cannot be.
+    #[error("a cut-off of {cut_off} Hz at a step of {step} s: it must be between 0 and half the sampling rate, {} Hz", 0.5 / step)]
+    CutOff {
+        /// As given.
+        cut_off: f64,
+        /// As given.
+        step: f64,
+    },
+    /// Nothing is left.
+    #[error("{duration:.3} s of log: nothing is left without {margin} s at each end")]
+    Short {
+        /// Of the log (s).
+        duration: f64,
+        /// As given (s).
+        margin: f64,
+    },
+    /// Too much would come.
+    #[error("{duration:.3e} s of log at a step of {step} s are more than {MOST} samples")]
+    Long {
+        /// Of the log (s).
+        duration: f64,
+        /// As given (s).
+        step: f64,
+    },
+    /// Torques of another number than positions.
+    #[error(
+        "{torques} columns of torques and {positions} of positions: there must be one for each coordinate"
+    )]
+    Torques {
+        /// Columns.
+        torques: usize,
+        /// Columns.
+        positions: usize,
+    },
+}
+
+/// Samples of the grid at most.
+const MOST: usize = 1 << 24;
+/// Order of the filter.
+const ORDER: usize = 4;
+
+impl Samples {
+    /// Samples of a log. Where it has no velocities they are differences of the filtered positions.
+    ///
+    /// # Errors
+    /// [`SampleError`].
+    pub fn prepare(log: &Measured, how: &Preparation) -> Result<Self, SampleError> {
+        let Preparation { step, cut_off, every, margin } = *how;
+        let filter = Butterworth::new(ORDER, cut_off, step).ok_or(SampleError::CutOff { cut_off, step })?;
+        let torques = log.u.as_ref().filter(|u| u.width() == log.q.width()).ok_or(SampleError::Torques {
+            torques: log.u.as_ref().map_or(0, Rows::width),
+            positions: log.q.width(),
+        })?;
+        let duration = log.t.last().zip(log.t.first()).map_or(0.0, |(last, first)| last - first);
+        if duration / step >= MOST as f64 {
+            return Err(SampleError::Long { duration, step });
+        }
+        let grid = Grid { t: &log.t, step, count: (duration / step + 1e-9) as usize + 1 };
+        let smooth = |rows: &Rows| -> Vec<Vec<f64>> {
+            (0..rows.width()).map(|k| filter.filter(&grid.straight(rows, k))).collect()
+        };
+        let slopes = |of: &[Vec<f64>]| of.iter().map(|x| derivative(x, step)).collect::<Vec<_>>();
+        let (q, tau) = (smooth(&log.q), smooth(torques));
+        let v = log.v.as_ref().map_or_else(|| slopes(&q), smooth);
+        let a = slopes(&v);
+        let cut = (margin / step).round() as usize;
+        let kept: Vec<usize> = (cut..grid.count.saturating_sub(cut)).step_by(every.max(1)).collect();
+        if kept.is_empty() {
+            return Err(SampleError::Short { duration, margin });
+        }
+        let rows = |columns: &[Vec<f64>]| rows(columns.len(), &kept, |k, column| columns[column][k]);
+        let t = kept.iter().map(|k| *k as f64 * step).collect();
+        Ok(Self { t, q: rows(&q), v: rows(&v), a: rows(&a), tau: rows(&tau) })
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Those at the times that are wanted.
+    #[must_use]
+    pub fn at(&self, is_wanted: impl Fn(f64) -> bool) -> Self {
+        self.selected(|k| is_wanted(self.t[k]))
+    }
+
+    /// Those of the numbers that are wanted.
+    #[must_use]
+    pub fn selected(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.count()).filter(|k| is_wanted(*k)).collect();
+        let of = |all: &Rows| rows(all.width(), &kept, |k, column| all.as_flat()[k * all.width() + column]);
+        let t = kept.iter().map(|k| self.t[*k]).collect();
+        Self { t, q: of(&self.q), v: of(&self.v), a: of(&self.a), tau: of(&self.tau) }
+    }
+}
+
+fn rows(width: usize, kept: &[usize], value: impl Fn(usize, usize) -> f64) -> Rows {
+    let values = kept.iter().flat_map(|k| (0..width).map(|column| value(*k, column)).collect::<Vec<_>>());
+    Rows::from_flat(width, values.collect()).expect("as many numbers as rows times columns")
+}
+
+/// t₀ + k step over stamps that rise.
+struct Grid<'t> {
+    t: &'t [f64],
+    step: f64,
+    count: usize,
+}
+
+impl Grid<'_> {
+    /// Column k along straight lines.
+    fn straight(&self, rows: &Rows, column: usize) -> Vec<f64> {
+        let value = |k: usize| rows.as_flat()[k * rows.width() + column];
+        let mut right = 1;
+        let at = |k: usize| {
+            let t = self.t[0] + k as f64 * self.step;
+            while right + 1 < self.t.len() && self.t[right] < t {
+                right += 1;
+            }
+            let left = right - 1;
+            let part = ((t - self.t[left]) / (self.t[right] - self.t[left])).clamp(0.0, 1.0);
+            value(left) + part * (value(right) - value(left))
+        };
+        if self.t.len() < 2 { vec![value(0); self.count] } else { (0..self.count).map(at).collect() }
+    }
+}

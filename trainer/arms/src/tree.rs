@@ -1,0 +1,244 @@
+//! A tree of rigid bodies.
+
+use crate::Inertia;
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use thiserror::Error;
+
+/// A constant pose: parent_x = R x + p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// R.
+    pub rotation: Matrix3<f64>,
+    /// p, m.
+    pub translation: Vector3<f64>,
+}
+
+impl Pose {
+    /// That of the parent itself.
+    #[must_use]
+    pub fn identity() -> Self {
+        Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+    }
+
+    /// Translation, and roll, pitch and yaw about the fixed axes x, y and z in that order (rad), as URDF has them.
+    #[must_use]
+    pub fn of_rpy(translation: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Self {
+        let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
+        Self { rotation, translation: translation.into() }
+    }
+
+    /// By the modified Denavit–Hartenberg numbers α, a and d (rad, m): Rot_x(α) Trans_x(a) Trans_z(d), before the turn about z.
+    ///
+    /// Source: Craig, "Introduction to Robotics", chapter 3.
+    #[must_use]
+    pub fn of_modified_dh(alpha: f64, a: f64, d: f64) -> Self {
+        let rotation = Rotation3::from_axis_angle(&Vector3::x_axis(), alpha).into_inner();
+        Self { rotation, translation: Vector3::new(a, 0.0, 0.0) + rotation * Vector3::new(0.0, 0.0, d) }
+    }
+
+    /// A pose on this one.
+    #[must_use]
+    pub fn then(&self, inner: &Self) -> Self {
+        Self {
+            rotation: self.rotation * inner.rotation,
+            translation: self.translation + self.rotation * inner.translation,
+        }
+    }
+}
+
+/// How a body moves on its parent, with a unit axis in the joint's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Joint {
+    /// Turns about the axis; q in rad. Also a continuous joint.
+    Revolute(Unit<Vector3<f64>>),
+    /// Slides along the axis; q in m.
+    Prismatic(Unit<Vector3<f64>>),
+}
+
+/// What a joint may do, in rad or m; infinite where nothing is said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Positions, from and to.
+    pub position: [f64; 2],
+    /// |v| at most.
+    pub velocity: f64,
+    /// |τ| at most, N m or N.
+    pub effort: f64,
+}
+
+impl Limits {
+    /// None.
+    #[must_use]
+    pub fn none() -> Self {
+        let all = f64::INFINITY;
+        Self { position: [-all, all], velocity: all, effort: all }
+    }
+}
+
+/// A rigid body on its joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name of the link, in messages.
+    pub name: String,
+    /// Name of its joint.
+    pub joint_name: String,
+    /// The body that carries it, one before it; `None` for the base.
+    pub parent: Option<usize>,
+    /// How it moves.
+    pub joint: Joint,
+    /// The joint's frame on the parent's.
+    pub pose: Pose,
+    /// Which coordinate moves it. Its joint is at ratio q + offset; ratio 1 and offset 0 but for joints that follow another one.
+    pub coordinate: usize,
+    /// See `coordinate`.
+    pub ratio: f64,
+    /// See `coordinate`, rad or m.
+    pub offset: f64,
+    /// Its inertial numbers.
+    pub inertia: Inertia,
+    /// Of the joint itself.
+    pub limits: Limits,
+}
+
+/// A tree of rigid bodies with rotors, on a base that rests.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tree {
+    bodies: Vec<Body>,
+    /// Rotor inertia J reflected to every coordinate, kg m² or kg: ½ J v² of kinetic energy.
+    pub rotors: Vec<f64>,
+    /// In the base frame, m/s².
+    pub gravity: Vector3<f64>,
+}
+
+/// What cannot be a tree.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum TreeError {
+    /// A parent that does not stand before its child.
+    #[error("body {body} ({name}): its parent {parent} does not stand before it")]
+    Parent {
+        /// Which.
+        body: usize,
+        /// Its name.
+        name: String,
+        /// As given.
+        parent: usize,
+    },
+    /// A coordinate that moves nothing.
+    #[error("coordinate {0} moves no body")]
+    Unused(usize),
+    /// A number that is not finite.
+    #[error("body {0}: a number is not finite")]
+    NotFinite(String),
+    /// No body moves.
+    #[error("no body moves")]
+    Empty,
+}
+
+impl Tree {
+    /// A tree under the usual gravity, (0, 0, −9.81) m/s², without rotors.
+    ///
+    /// # Errors
+    /// [`TreeError`].
+    pub fn new(bodies: Vec<Body>) -> Result<Self, TreeError> {
+        let coordinates = bodies.iter().map(|body| body.coordinate + 1).max().ok_or(TreeError::Empty)?;
+        for (i, body) in bodies.iter().enumerate() {
+            if let Some(parent) = body.parent.filter(|parent| *parent >= i) {
+                return Err(TreeError::Parent { body: i, name: body.name.clone(), parent });
+            }
+            let pose = body.pose.rotation.iter().chain(&body.pose.translation);
+            let numbers = pose.chain(&body.inertia.0).chain([&body.ratio, &body.offset]);
+            if !numbers.copied().all(f64::is_finite) {
+                return Err(TreeError::NotFinite(body.name.clone()));
+            }
+        }
+        // A far coordinate would make room for all below it.
+        let is_used = |k: &usize| bodies.iter().any(|body| body.coordinate == *k);
+        if let Some(k) = (0..coordinates).find(|k| !is_used(k)) {
+            return Err(TreeError::Unused(k));
+        }
+        Ok(Self { bodies, rotors: vec![0.0; coordinates], gravity: Vector3::new(0.0, 0.0, -9.81) })
+    }
+
+    /// Coordinates n.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        self.rotors.len()
+    }
+
+    /// The bodies, every one after its parent.
+    #[must_use]
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// All inertial parameters: ten numbers for every body, then a rotor inertia for every coordinate.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<f64> {
+        self.bodies.iter().flat_map(|body| body.inertia.0).chain(self.rotors.iter().copied()).collect()
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn parameter_count(&self) -> usize {
+        crate::INERTIAL * self.bodies.len() + self.coordinates()
+    }
+
+    /// The same tree of other bodies and rotors.
+    ///
+    /// # Panics
+    /// Where the number of parameters is another one.
+    #[must_use]
+    pub fn with_parameters(&self, parameters: &[f64]) -> Self {
+        assert_eq!(parameters.len(), self.parameter_count(), "parameters of another tree");
+        let (bodies, rotors) = parameters.split_at(crate::INERTIAL * self.bodies.len());
+        let mut tree = self.clone();
+        let (numbers, _) = bodies.as_chunks();
+        tree.bodies.iter_mut().zip(numbers).for_each(|(body, numbers)| body.inertia = Inertia(*numbers));
+        tree.rotors = rotors.to_vec();
+        tree
+    }
+
+    /// The names of the parameters, for messages and tables.
+    #[must_use]
+    pub fn parameter_names(&self) -> Vec<String> {
+        const NUMBERS: [&str; crate::INERTIAL] =
+            ["m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+        let of_body = |body: &Body| NUMBERS.map(|number| format!("{} {number}", body.name));
+        let rotors = (0..self.coordinates()).map(|k| format!("rotor {}", self.coordinate_name(k)));
+        self.bodies.iter().flat_map(of_body).chain(rotors).collect()
+    }
+
+    /// The joint that coordinate k is of: the first one that it moves with ratio 1 and offset 0, or else at all.
+    #[must_use]
+    pub fn coordinate_name(&self, k: usize) -> &str {
+        let mut moved = self.bodies.iter().filter(|body| body.coordinate == k);
+        let own = moved.clone().find(|body| body.ratio == 1.0 && body.offset == 0.0);
+        own.or_else(|| moved.next()).map_or("", |body| &body.joint_name)
+    }
+
+    /// The same kinematics with guessed bodies where one has no mass: `mass` (kg) shared in proportion to length among all bodies without
+    /// mass, each spread evenly between its frame and the frames that it carries, `radius` (m) wide in all directions.
+    #[must_use]
+    pub fn with_guessed_inertias(&self, mass: f64, radius: f64) -> Self {
+        let mut tree = self.clone();
+        let ends: Vec<Vector3<f64>> = (0..self.bodies.len()).map(|i| self.end(i)).collect();
+        let length = |i: usize| ends[i].norm() + 2.0 * radius;
+        let unknown: Vec<usize> = (0..ends.len()).filter(|i| self.bodies[*i].inertia.mass() == 0.0).collect();
+        let total: f64 = unknown.iter().map(|i| length(*i)).sum();
+        for i in unknown {
+            let (mass, centre) = (mass * length(i) / total, ends[i] / 2.0);
+            // Second moments about the centre: of a rod, and of a ball around every point of it.
+            let second = ends[i] * ends[i].transpose() / 12.0 + Matrix3::identity() * (radius * radius / 5.0);
+            let inertia = mass * (Matrix3::identity() * second.trace() - second);
+            tree.bodies[i].inertia = Inertia::of_centre(mass, centre, inertia);
+        }
+        tree
+    }
+
+    /// The mean place of the joints that a body carries, in its frame; its own origin where it carries none.
+    fn end(&self, body: usize) -> Vector3<f64> {
+        let carried = || self.bodies.iter().filter(move |other| other.parent == Some(body));
+        let sum: Vector3<f64> = carried().map(|other| other.pose.translation).sum();
+        sum / carried().count().max(1) as f64
+    }
+}

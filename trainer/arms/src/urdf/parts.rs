@@ -1,0 +1,162 @@
+//! Links and joints as they are written.
+
+use super::error::UrdfError;
+use crate::{Inertia, Limits, Pose};
+use nalgebra::{Matrix3, Vector3};
+use roxmltree::Node;
+
+/// A link.
+pub(super) struct Link {
+    pub name: String,
+    pub inertia: Inertia,
+}
+
+/// A joint.
+pub(super) struct JointElement {
+    pub name: String,
+    pub kind: String,
+    pub parent: String,
+    pub child: String,
+    pub pose: Pose,
+    pub axis: Vector3<f64>,
+    pub limits: Limits,
+    /// The joint that it follows, with multiplier and offset.
+    pub mimic: Option<(String, f64, f64)>,
+}
+
+/// An element with what it is called in messages.
+struct Element<'a, 'i> {
+    node: Node<'a, 'i>,
+    at: String,
+}
+
+impl<'a, 'i> Element<'a, 'i> {
+    /// A link or joint.
+    fn named(node: Node<'a, 'i>) -> Result<(Self, String), UrdfError> {
+        let kind = node.tag_name().name();
+        let missing = || UrdfError::Missing { at: format!("a {kind}"), what: "its name" };
+        let name = node.attribute("name").ok_or_else(missing)?.to_owned();
+        Ok((Self { node, at: format!("{kind} {name}") }, name))
+    }
+
+    fn child(&self, name: &str) -> Option<Self> {
+        let node = self.node.children().find(|node| node.has_tag_name(name))?;
+        Some(Self { node, at: self.at.clone() })
+    }
+
+    fn needed(&self, name: &'static str) -> Result<Self, UrdfError> {
+        self.child(name).ok_or_else(|| self.missing(name))
+    }
+
+    fn missing(&self, what: &'static str) -> UrdfError {
+        UrdfError::Missing { at: self.at.clone(), what }
+    }
+
+    fn text(&self, what: &'static str) -> Result<String, UrdfError> {
+        self.node.attribute(what).map(str::to_owned).ok_or_else(|| self.missing(what))
+    }
+
+    /// So many numbers; `None` where the attribute is missing.
+    fn numbers<const N: usize>(&self, what: &'static str) -> Result<Option<[f64; N]>, UrdfError> {
+        let Some(text) = self.node.attribute(what) else { return Ok(None) };
+        let wrong = || UrdfError::Number {
+            at: self.at.clone(),
+            what,
+            found: text.chars().take(60).collect(),
+            expected: N,
+        };
+        let mut numbers = [0.0; N];
+        let mut words = text.split_whitespace();
+        for number in &mut numbers {
+            let word = words.next().ok_or_else(wrong)?;
+            *number = word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(wrong)?;
+        }
+        if words.next().is_none() { Ok(Some(numbers)) } else { Err(wrong()) }
+    }
+
+    fn number(&self, what: &'static str) -> Result<Option<f64>, UrdfError> {
+        Ok(self.numbers(what)?.map(|[x]| x))
+    }
+
+    fn needed_number(&self, what: &'static str) -> Result<f64, UrdfError> {
+        self.number(what)?.ok_or_else(|| self.missing(what))
+    }
+
+    /// Of its `<origin>`.
+    fn pose(&self) -> Result<Pose, UrdfError> {
+        let Some(origin) = self.child("origin") else { return Ok(Pose::identity()) };
+        let of = |what| Ok::<_, UrdfError>(origin.numbers(what)?.unwrap_or_default());
+        Ok(Pose::of_rpy(of("xyz")?, of("rpy")?))
+    }
+}
+
+impl Link {
+    pub fn read(node: Node) -> Result<Self, UrdfError> {
+        let (element, name) = Element::named(node)?;
+        let inertia = element.child("inertial").map(|inertial| Self::inertia(&name, &inertial));
+        Ok(Self { inertia: inertia.transpose()?.unwrap_or_default(), name })
+    }
+
+    fn inertia(name: &str, inertial: &Element) -> Result<Inertia, UrdfError> {
+        let mass = inertial.needed("mass")?.needed_number("value")?;
+        if mass < 0.0 {
+            return Err(UrdfError::NegativeMass { link: name.to_owned(), mass });
+        }
+        let entries = inertial.needed("inertia")?;
+        let of = |what| entries.needed_number(what);
+        let (xx, xy, xz) = (of("ixx")?, of("ixy")?, of("ixz")?);
+        let (yy, yz, zz) = (of("iyy")?, of("iyz")?, of("izz")?);
+        let about_centre = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        if !is_of_a_body(&about_centre) || mass == 0.0 && about_centre.norm() > 0.0 {
+            return Err(UrdfError::NotABody(name.to_owned()));
+        }
+        let pose = inertial.pose()?;
+        let own = Inertia::of_centre(mass, Vector3::zeros(), about_centre);
+        Ok(own.placed(&pose.rotation, &pose.translation))
+    }
+}
+
+/// Part of the largest moment by which the last digits of a file may be wrong.
+const ROUNDING: f64 = 1e-3;
+
+/// Whether second moments ½ tr(I) 1 − I are not negative, but for rounding.
+fn is_of_a_body(inertia: &Matrix3<f64>) -> bool {
+    let second = Matrix3::identity() * (inertia.trace() / 2.0) - inertia;
+    second.symmetric_eigenvalues().min() >= -ROUNDING * inertia.norm()
+}
+
+impl JointElement {
+    pub fn read(node: Node) -> Result<Self, UrdfError> {
+        let (element, name) = Element::named(node)?;
+        let kind = element.text("type")?;
+        let axis = element.child("axis").map(|axis| axis.numbers("xyz")).transpose()?.flatten();
+        let mimic = element.child("mimic").map(|mimic| {
+            let of = |what, usual| Ok::<_, UrdfError>(mimic.number(what)?.unwrap_or(usual));
+            Ok::<_, UrdfError>((mimic.text("joint")?, of("multiplier", 1.0)?, of("offset", 0.0)?))
+        });
+        Ok(Self {
+            parent: element.needed("parent")?.text("link")?,
+            child: element.needed("child")?.text("link")?,
+            pose: element.pose()?,
+            axis: Vector3::from(axis.unwrap_or([1.0, 0.0, 0.0])),
+            limits: Self::limits(&element, &kind)?,
+            mimic: mimic.transpose()?,
+            name,
+            kind,
+        })
+    }
+
+    fn limits(element: &Element, kind: &str) -> Result<Limits, UrdfError> {
+        let Some(limit) = element.child("limit") else { return Ok(Limits::none()) };
+        let none = f64::INFINITY;
+        let lower = limit.number("lower")?;
+        let upper = limit.number("upper")?;
+        // One that is left out is 0 where the other is given.
+        let position = match (kind, lower, upper) {
+            ("continuous", ..) | (_, None, None) => [-none, none],
+            (_, lower, upper) => [lower.unwrap_or(0.0), upper.unwrap_or(0.0)],
+        };
+        let of = |what| Ok::<_, UrdfError>(limit.number(what)?.unwrap_or(none));
+        Ok(Limits { position, velocity: of("velocity")?, effort: of("effort")? })
+    }
+}

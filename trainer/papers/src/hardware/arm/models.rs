@@ -1,0 +1,123 @@
+//! The models of the table of an arm.
+
+use super::ArmData;
+use super::panda::panda;
+use crate::task::TaskError;
+use leastaction_arms::fit::{Bodies, Fitted, Learned as Numbers, fit, fit_by_folds, variances};
+use leastaction_arms::linear::{Design, Terms};
+use leastaction_arms::{Samples, Tree};
+
+/// A row of the table.
+#[derive(Clone, Copy)]
+pub struct Model {
+    /// As in the table and, in small letters, in the names of tasks.
+    pub name: &'static str,
+    /// Whether it is what a fit gives where nothing is chosen.
+    pub is_default: bool,
+    /// Whether it is ours.
+    pub is_ours: bool,
+    /// Roughly.
+    pub expected_seconds: f64,
+    /// Learns from the training samples.
+    pub learn: fn(&ArmData) -> Result<Learned, TaskError>,
+}
+
+/// What a model has become.
+pub struct Learned {
+    /// Torques of all samples, row by row.
+    pub predict: Box<dyn Fn(&Samples) -> Vec<f64>>,
+    /// Numbers that were learned.
+    pub parameters: usize,
+    /// Of them what the samples alone determine.
+    pub rank: usize,
+    /// Of the bodies, where they are found one by one.
+    pub consistency: Option<f64>,
+}
+
+impl Model {
+    /// In the names of tasks.
+    pub fn label(&self) -> String {
+        let words = self.name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+        words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
+    }
+}
+
+/// ε of the rows where it is not learned, rad/s.
+const WIDTH: f64 = 0.05;
+/// Nothing but the bodies.
+const RIGID: Terms = Terms { rotors: false, viscous: false, coulomb: None, offsets: false };
+const VISCOUS: Terms = Terms { viscous: true, ..RIGID };
+const COULOMB: Terms = Terms { rotors: true, viscous: true, coulomb: Some(WIDTH), offsets: true };
+/// Of the whole arm (kg), from its data sheet, and of its links about their lines (m): the guess that is the prior where no inertia is known.
+const MASS: f64 = 18.0;
+const RADIUS: f64 = 0.1;
+/// λ of a prior that only keeps the equations solvable.
+const WEAKEST: f64 = 1e-6;
+/// Strengths of the prior that are tried.
+const STRENGTHS: [f64; 9] = [1000.0, 300.0, 100.0, 30.0, 10.0, 3.0, 1.0, 0.1, 0.01];
+
+const LINEAR: Model = Model {
+    name: "least squares, rigid bodies alone",
+    is_default: false,
+    is_ours: false,
+    expected_seconds: 1.0,
+    learn: |data| linear(data, RIGID),
+};
+
+/// The rows of the table, in order.
+pub const MODELS: [Model; 6] = [
+    LINEAR,
+    Model { name: "least squares, viscous", learn: |data| linear(data, VISCOUS), ..LINEAR },
+    Model { name: "least squares, viscous + Coulomb", learn: |data| linear(data, COULOMB), ..LINEAR },
+    Model {
+        name: "least squares, Coulomb that grows with the load",
+        learn: |data| {
+            let learned = Numbers { bodies: Bodies::Free, width: [WIDTH; 2], ..Numbers::default() };
+            Ok(of_fit(fit(&guess()?, &data.train, &learned, WEAKEST)?))
+        },
+        ..LINEAR
+    },
+    Model {
+        name: "consistent bodies, Coulomb of constant size",
+        is_ours: true,
+        expected_seconds: 12.0,
+        learn: |data| consistent(data, Numbers { load: false, ..Numbers::default() }),
+        ..LINEAR
+    },
+    Model {
+        name: "leastaction, consistent bodies and friction that grows with the load",
+        is_default: true,
+        is_ours: true,
+        expected_seconds: 12.0,
+        learn: |data| consistent(data, Numbers::default()),
+    },
+];
+
+fn guess() -> Result<Tree, TaskError> {
+    Ok(panda()?.with_guessed_inertias(MASS, RADIUS))
+}
+
+/// Least squares with every torque over its standard deviation, so that what is minimised is what is judged.
+fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
+    let tree = panda()?;
+    let deviations: Vec<f64> = variances(&data.train).iter().map(|variance| variance.sqrt()).collect();
+    let solution = Design::new(&tree, &data.train, &terms).over(&deviations).solve();
+    let solution = solution.ok_or("the samples have numbers that are not finite")?;
+    let (parameters, rank) = (solution.numbers.len(), solution.rank);
+    let predict = move |samples: &Samples| Design::new(&tree, samples, &terms).predict(&solution.numbers);
+    Ok(Learned { predict: Box::new(predict), parameters, rank, consistency: None })
+}
+
+fn consistent(data: &ArmData, learned: Numbers) -> Result<Learned, TaskError> {
+    let (fitted, _) = fit_by_folds(&guess()?, &data.train, &learned, (&STRENGTHS, &data.folds()))?;
+    Ok(of_fit(fitted))
+}
+
+fn of_fit(fitted: Fitted) -> Learned {
+    let consistency = fitted.arm.tree.bodies().iter().map(|body| body.inertia.consistency());
+    // NaN where a diagonal is not positive.
+    let least = consistency.fold(f64::INFINITY, |least, x| if x < least || x.is_nan() { x } else { least });
+    let (parameters, rank, arm) = (fitted.parameters, fitted.rank, fitted.arm);
+    let predict = move |samples: &Samples| arm.torques(samples);
+    Learned { predict: Box::new(predict), parameters, rank, consistency: Some(least) }
+}
