@@ -94,9 +94,9 @@ impl<'a, W: WeightFormat, const N: usize> SpatialBodies<'a, W, N> {
     pub fn mass_matrix<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
         let motion = Motion::new(self, q, &[S::zero(); N]);
         let mut mass = [[S::zero(); N]; N];
-        for k in 0..N {
+        for (k, rotor) in motion.rotors.iter().enumerate() {
             let mut unit = motion.unit(k);
-            mass[k][k] = motion.frames[k].share(&unit) + motion.rotors[k];
+            mass[k][k] = motion.frames[k].share(&unit) + *rotor;
             motion.below(self, k, |j, step, frame| {
                 unit = unit.about(step);
                 mass[j][k] = frame.share(&unit);
