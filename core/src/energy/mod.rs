@@ -1,8 +1,9 @@
-//! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian), and, but for [`bodies`]
-//! (which the host's programs differentiate), its [`Learnable`] derivatives in the weights.
+//! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian), and, but for [`bodies`] and
+//! [`spatial`] (which the host's programs differentiate), its [`Learnable`] derivatives in the weights.
 //!
 //! - [`rigid`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
-//! - [`bodies`]: trees of rigid bodies on joints, by their masses, lengths and inertias;
+//! - [`bodies`]: trees of rigid bodies on joints in the plane, by their masses, lengths and inertias;
+//! - [`spatial`]: the same in space: arms;
 //! - [`modular`]: a tree of reusable elements (ModLaNet);
 //! - [`graph`]: particles with potentials of their own, of pairs and of messages (LGNN), any number of them;
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
@@ -15,6 +16,7 @@ pub mod modular;
 mod network_shape;
 mod placed_network;
 pub mod rigid;
+pub mod spatial;
 pub mod trigonometric;
 
 pub use list::List;

@@ -1,5 +1,6 @@
 use super::{
-    ActuatorBytes, BodiesHeader, GraphHeader, Laws, ModelError, ShapeHeader, TrainedStep, TrainingRange,
+    ActuatorBytes, ArmHeader, BodiesHeader, GraphHeader, Laws, ModelError, ShapeHeader, TrainedStep,
+    TrainingRange,
 };
 use crate::energy::modular::{self, TreeElement, TreeError};
 use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
@@ -80,8 +81,10 @@ pub enum Family<'a> {
     Modular(ModularHeader<'a>),
     /// Particles with energies of nodes and edges.
     Graph(GraphHeader<'a>),
-    /// A tree of rigid bodies on joints.
+    /// A tree of rigid bodies on joints in the plane.
     Bodies(BodiesHeader<'a>),
+    /// A tree of rigid bodies on joints in space.
+    Arm(ArmHeader<'a>),
 }
 
 /// The shape of a modular model, types and trees apart: one set of types serves many trees.
@@ -148,10 +151,11 @@ impl Family<'_> {
             Self::Modular(_) => ModularHeader::FAMILY.1,
             Self::Graph(_) => GraphHeader::FAMILY.1,
             Self::Bodies(_) => BodiesHeader::FAMILY.1,
+            Self::Arm(_) => ArmHeader::FAMILY.1,
         }
     }
 
-    /// Groups of coordinates that laws have numbers of their own for: coordinates of the rigid family and of bodies,
+    /// Groups of coordinates that laws have numbers of their own for: coordinates of the rigid family, of bodies and of arms,
     /// element types of the modular one, node types of graphs.
     pub fn groups(&self) -> usize {
         match self {
@@ -159,6 +163,7 @@ impl Family<'_> {
             Self::Modular(modular) => modular.groups(),
             Self::Graph(graph) => graph.groups(),
             Self::Bodies(bodies) => bodies.groups(),
+            Self::Arm(arm) => arm.groups(),
         }
     }
 
@@ -169,6 +174,7 @@ impl Family<'_> {
             Self::Modular(modular) => modular.parameters(),
             Self::Graph(graph) => graph.parameters(),
             Self::Bodies(bodies) => bodies.parameters(),
+            Self::Arm(arm) => arm.parameters(),
         }
     }
 }

@@ -3,8 +3,9 @@
 use super::laws::load_forces;
 use super::parse::parse_knowing;
 use super::{
-    ActuatorBytes, BodiesHeader, GraphHeader, GraphSystem, Law, LawNumbers, Laws, LoadForces, ModelError,
-    ModularHeader, ParsedAs, RigidHeader, Sections, ShapeHeader, TrainedStep, TrainingRange, TreeHeader,
+    ActuatorBytes, ArmHeader, BodiesHeader, GraphHeader, GraphSystem, Law, LawNumbers, Laws, LoadForces,
+    ModelError, ModularHeader, ParsedAs, RigidHeader, Sections, ShapeHeader, TrainedStep, TrainingRange,
+    TreeHeader,
 };
 use crate::constraints::Holonomic;
 use crate::discrete::rattle::Rattle;
@@ -13,6 +14,7 @@ use crate::energy::bodies::PlanarBodies;
 use crate::energy::graph::Edge;
 use crate::energy::modular::Modular;
 use crate::energy::rigid::{Rigid, RigidShape};
+use crate::energy::spatial::SpatialBodies;
 use crate::forces::{System, Viscous};
 use crate::scalar::{FileWeightFormat, Real, Scalar, WeightFormat};
 
@@ -57,11 +59,17 @@ pub type ModularModel<
 pub type GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> =
     Model<'a, GraphSystem<'a, D, K, H, L, W>>;
 
-/// A tree of N rigid bodies on joints.
+/// A tree of N rigid bodies on joints in the plane.
 ///
 /// `W` and `F` as of a [`RigidModel`].
 pub type BodiesModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
     Model<'a, System<PlanarBodies<'a, W, N>, F>>;
+
+/// A tree of N rigid bodies on joints in space.
+///
+/// `W` and `F` as of a [`RigidModel`].
+pub type ArmModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
+    Model<'a, System<SpatialBodies<'a, W, N>, F>>;
 
 impl<'a, M> Model<'a, M> {
     /// The one way to load: the file, then the system that a family makes of it, and whether that is the first of the file.
@@ -167,6 +175,18 @@ impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>> Bodi
     }
 }
 
+impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>> ArmModel<'a, N, W, F> {
+    /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        Self::read(bytes, F::knows, |parsed: &ParsedAs<ArmHeader, W>| {
+            Ok((parsed.shape.system(parsed.laws, parsed.weights)?, true))
+        })
+    }
+}
+
 impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: FileWeightFormat>
     GraphModel<'a, D, K, H, L, W>
 {
@@ -252,6 +272,29 @@ impl BodiesHeader<'_> {
     {
         let (tree, needed, mut block) = (self.tree()?, self.parameters()?, weights);
         let lagrangian = PlanarBodies::take(&mut block, tree)
+            .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
+        Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
+    }
+}
+
+impl ArmHeader<'_> {
+    /// The system of this tree and these laws over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in
+    /// training.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the block or the compiled number of bodies does not fit, or the program has not all laws.
+    pub fn system<'w, W, S, F, const N: usize>(
+        &self,
+        laws: Laws,
+        weights: &'w [W],
+    ) -> Result<System<SpatialBodies<'w, W, N>, F>, ModelError>
+    where
+        W: WeightFormat,
+        S: Scalar<Weight = W::Wide>,
+        F: LoadForces<'w, W, S, N>,
+    {
+        let (tree, needed, mut block) = (self.tree()?, self.parameters()?, weights);
+        let lagrangian = SpatialBodies::take(&mut block, tree)
             .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
         Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
     }

@@ -4,9 +4,11 @@
 //! numerically.
 //!
 //! A program names the family, the sizes and the laws of force that it is compiled for by a type, [`RigidModel`],
-//! [`ModularModel`], [`GraphModel`] or [`BodiesModel`]; [`parse`] reads a file of any of them on the host, and [`write`](fn@write) writes one.
+//! [`ModularModel`], [`GraphModel`], [`BodiesModel`] or [`ArmModel`]; [`parse`] reads a file of any of them on the host, and
+//! [`write`](fn@write) writes one.
 
 mod actuator;
+mod arm;
 mod bodies;
 mod catalogue;
 mod error;
@@ -23,6 +25,7 @@ mod write;
 
 pub use crate::energy::MAX_HIDDEN;
 pub use actuator::ActuatorBytes;
+pub use arm::ArmHeader;
 pub use bodies::BodiesHeader;
 pub use catalogue::{CATALOGUE, Coded, Entry, entry_of};
 pub use error::ModelError;
@@ -30,7 +33,7 @@ pub use graph::{GraphHeader, GraphLayout, GraphSystem, MAX_GRAPHS, ORIGIN, Rod};
 pub use header::{FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader, TreeHeader};
 pub use law_network::LawNetwork;
 pub use laws::{FrictionNumber, Law, LawNumbers, Laws, LoadForces};
-pub use loaded::{BodiesModel, GraphModel, Model, ModularModel, RigidModel};
+pub use loaded::{ArmModel, BodiesModel, GraphModel, Model, ModularModel, RigidModel};
 pub use parse::{Parsed, ParsedAs, ShapeHeader, parse, parse_as};
 pub use range::{CoordinateRange, Interval, Outside, TrainingRange};
 pub use section::{Section, Sections};

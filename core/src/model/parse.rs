@@ -3,16 +3,16 @@
 
 use super::header::sum;
 use super::{
-    ActuatorBytes, BodiesHeader, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Law, Laws, MAGIC,
-    MAX_PADDING, ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections, TrainedStep,
-    TrainingRange, checksum,
+    ActuatorBytes, ArmHeader, BodiesHeader, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Law,
+    Laws, MAGIC, MAX_PADDING, ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections,
+    TrainedStep, TrainingRange, checksum,
 };
 use crate::expected::expected;
 use crate::scalar::{FileWeightFormat, Weights, f16};
 use serde::Deserialize;
 
-/// The shape of one family, as it stands in a file: [`RigidHeader`], [`ModularHeader`], [`GraphHeader`] or
-/// [`BodiesHeader`].
+/// The shape of one family, as it stands in a file: [`RigidHeader`], [`ModularHeader`], [`GraphHeader`],
+/// [`BodiesHeader`] or [`ArmHeader`].
 pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// What the family is in a file, and what it is called.
     const FAMILY: (u32, &'static str);
@@ -54,6 +54,7 @@ shape_header!(RigidHeader, 0, "rigid", RigidHeader::n);
 shape_header!(ModularHeader, 1, "modular", ModularHeader::fewest_coordinates);
 shape_header!(GraphHeader, 2, "graph", |_: &Self| 0);
 shape_header!(BodiesHeader, 3, "bodies", BodiesHeader::n);
+shape_header!(ArmHeader, 4, "arm", ArmHeader::n);
 
 /// A validated file: its header and its weights, in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,6 +138,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
         1 => either(begun, Family::Modular),
         2 => either(begun, Family::Graph),
         3 => either(begun, Family::Bodies),
+        4 => either(begun, Family::Arm),
         _ => Err(ModelError::Malformed),
     }
 }
@@ -173,7 +175,13 @@ pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     if begun.family == H::FAMILY.0 {
         return finish(&begun, knows);
     }
-    let names = [RigidHeader::FAMILY, ModularHeader::FAMILY, GraphHeader::FAMILY, BodiesHeader::FAMILY];
+    let names = [
+        RigidHeader::FAMILY,
+        ModularHeader::FAMILY,
+        GraphHeader::FAMILY,
+        BodiesHeader::FAMILY,
+        ArmHeader::FAMILY,
+    ];
     let found = names.iter().find(|(number, _)| *number == begun.family).ok_or(ModelError::Malformed)?;
     Err(ModelError::OtherFamily { found: found.1 })
 }

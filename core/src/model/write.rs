@@ -39,6 +39,7 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
         Family::Modular(shape) => file.energies(&shape)?,
         Family::Graph(shape) => file.energies(&shape)?,
         Family::Bodies(shape) => file.energies(&shape)?,
+        Family::Arm(shape) => file.energies(&shape)?,
     }
     if header.laws != Laws::NONE {
         file.section(Section::Forces, |file| file.laws(&header.laws))?;

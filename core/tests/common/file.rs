@@ -289,6 +289,7 @@ pub fn energies(family: &Family) -> Vec<u8> {
         Family::Modular(shape) => postcard::to_slice(&(1_u8, shape), &mut buffer),
         Family::Graph(shape) => postcard::to_slice(&(2_u8, shape), &mut buffer),
         Family::Bodies(shape) => postcard::to_slice(&(3_u8, shape), &mut buffer),
+        Family::Arm(shape) => postcard::to_slice(&(4_u8, shape), &mut buffer),
         _ => unreachable!("a family without tests"),
     };
     written.unwrap().to_vec()

@@ -1,6 +1,7 @@
 //! What the tests share: an exact oracle of derivatives, seeded numbers, models of every shape, and comparisons.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub mod arms;
 pub mod bodies;
 pub mod cases;
 pub mod crane;

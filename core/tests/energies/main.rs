@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod arms;
 mod bodies;
 mod constraints;
 mod continuous;

@@ -4,6 +4,7 @@
 mod common;
 
 mod actuator;
+mod arm_model;
 mod bodies_model;
 mod golden;
 mod graph_model;

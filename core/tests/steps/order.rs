@@ -1,6 +1,6 @@
 //! Orders of accuracy, as slopes of the global error at a fixed time over the step, on nonlinear systems.
 
-use crate::common::{Random, bodies, log_log_slope, trees};
+use crate::common::{Random, arms, bodies, log_log_slope, trees};
 use leastaction_core::continuous::{ContinuousState, acceleration, midpoint_step, momentum, rk4_step};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, Trigonometric};
@@ -159,6 +159,18 @@ fn a_tree_of_bodies_that_turn_and_slide() {
     motion.assert_discrete_orders("five bodies");
     Motion { u: random.array(1.0), u_rate: random.array(3.0), ..motion }
         .assert_discrete_orders("five forced bodies");
+}
+
+#[test]
+fn an_arm_that_turns_and_slides_askew() {
+    let arm = &arms::of_three()[4];
+    let system = System { lagrangian: arm.in_f64(), forces: Viscous { coefficients: [0.0; 3] } };
+    let still = Motion { system, q: [0.4, -0.8, 0.3], v: [0.3, -0.5, 0.7], u: [0.0; 3], u_rate: [0.0; 3] };
+    still.assert_discrete_orders("arm");
+    let forces = Viscous { coefficients: [0.9, 0.3, 1.7] };
+    let system = System { lagrangian: arm.in_f64(), forces };
+    Motion { system, u: [1.0, -2.0, 0.5], u_rate: [-3.0, 1.0, 2.0], ..still }
+        .assert_discrete_orders("forced arm");
 }
 
 #[test]

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Joint {
-    /// It turns about the origin of the joint's frame; q is an angle, rad.
+    /// It turns about the origin of the joint's frame, in space about the joint's axis; q is an angle, rad.
     Revolute,
-    /// It slides along the x axis of the joint's frame; q is a length, m.
+    /// It slides along the x axis of the joint's frame, in space along the joint's axis; q is a length, m.
     Prismatic,
 }
 

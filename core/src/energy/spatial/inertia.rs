@@ -1,0 +1,101 @@
+use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale, turned};
+use crate::scalar::Scalar;
+use core::array::from_fn;
+
+/// Numbers of a [`SpatialInertia`].
+pub const INERTIAL_PARAMETERS: usize = 10;
+
+/// Mass, first moments and inertia about a point: all that inertia is of a rigid body, or of many that move as one.
+///
+/// A body of positive density has a positive definite pseudo-inertia [½ tr(I)·1 − I, mc; mcᵀ, m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpatialInertia<S> {
+    /// m, kg.
+    pub mass: S,
+    /// mc, from the point to the centre of mass times m, kg m.
+    pub moment: Vector<S>,
+    /// I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the point, kg m²: ∫(|x|²·1 − xxᵀ) dm.
+    pub matrix: [S; 6],
+}
+
+impl<S> SpatialInertia<S> {
+    /// From m, mc_x, mc_y, mc_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz.
+    pub fn from_array(numbers: [S; INERTIAL_PARAMETERS]) -> Self {
+        let [mass, x, y, z, matrix @ ..] = numbers;
+        Self { mass, moment: [x, y, z], matrix }
+    }
+
+    /// The same numbers in the order of [`SpatialInertia::from_array`].
+    pub fn into_array(self) -> [S; INERTIAL_PARAMETERS] {
+        let Self { mass, moment: [x, y, z], matrix: [xx, xy, yy, xz, yz, zz] } = self;
+        [mass, x, y, z, xx, xy, yy, xz, yz, zz]
+    }
+}
+
+impl<S: Scalar> SpatialInertia<S> {
+    pub(super) fn zero() -> Self {
+        Self { mass: S::zero(), moment: [S::zero(); 3], matrix: [S::zero(); 6] }
+    }
+
+    /// The same in a frame in which the axes of this one are the columns of a rotation.
+    #[inline(always)]
+    pub(super) fn turned(&self, rotation: &Rotation<S>) -> Self {
+        let half = rotation.map(|row| self.turning(row));
+        let entry = |i: usize, j: usize| dot(half[i], rotation[j]);
+        Self {
+            mass: self.mass,
+            moment: turned(rotation, self.moment),
+            matrix: [entry(0, 0), entry(0, 1), entry(1, 1), entry(0, 2), entry(1, 2), entry(2, 2)],
+        }
+    }
+
+    /// With another about the same point.
+    #[inline(always)]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            moment: add(self.moment, other.moment),
+            matrix: from_fn(|i| self.matrix[i] + other.matrix[i]),
+        }
+    }
+
+    /// The same about a point from which this one is at `step`.
+    #[inline(always)]
+    pub(super) fn about(&self, step: Vector<S>) -> Self {
+        let moment = add(self.moment, scale(self.mass, step));
+        // ∫(|x + d|²·1 − (x + d)(x + d)ᵀ) dm, with the mean e of both first moments.
+        let mean = add(self.moment, moment).map(S::half);
+        let [x, y, z] = from_fn(|i| mean[i] * step[i]);
+        let product = |i: usize, j: usize| -(mean[i] * step[j] + step[i] * mean[j]);
+        let more = [y + y + z + z, product(0, 1), x + x + z + z, product(0, 2), product(1, 2), x + x + y + y];
+        Self { mass: self.mass, moment, matrix: from_fn(|i| self.matrix[i] + more[i]) }
+    }
+
+    /// Iω.
+    #[inline(always)]
+    pub(super) fn turning(&self, [x, y, z]: Vector<S>) -> Vector<S> {
+        let [xx, xy, yy, xz, yz, zz] = self.matrix;
+        [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
+    }
+
+    /// The momentum at a velocity: (Iω + mc × ṙ, mṙ + ω × mc).
+    #[inline(always)]
+    pub(super) fn momentum(&self, velocity: &Twist<S>) -> Wrench<S> {
+        let Twist { angular, linear } = *velocity;
+        Wrench {
+            angular: add(self.turning(angular), cross(self.moment, linear)),
+            linear: add(scale(self.mass, linear), cross(angular, self.moment)),
+        }
+    }
+
+    /// The force that gives a body of this angular velocity an angular acceleration and an acceleration of the point:
+    /// its momentum at these, and (ω × Iω, ω × (ω × mc)).
+    #[inline(always)]
+    pub(super) fn force(&self, spin: Vector<S>, acceleration: &Twist<S>) -> Wrench<S> {
+        let turning = Wrench {
+            angular: cross(spin, self.turning(spin)),
+            linear: cross(spin, cross(spin, self.moment)),
+        };
+        self.momentum(acceleration).plus(turning)
+    }
+}

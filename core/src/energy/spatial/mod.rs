@@ -1,0 +1,23 @@
+//! Trees of rigid bodies on joints, in space.
+//!
+//! The frame of a body is its joint's frame, moved by q: turned about a unit axis a by a revolute joint, shifted along it by a
+//! prismatic one. The joint's frame stands on the parent's by a constant pose, x_parent = Rx + p at q = 0. With the angular
+//! velocity ω of a body and the velocity ṙ of its origin, its mass m, first moments mc and inertia I about that origin, the
+//! acceleration of gravity γ and the inertia J of a rotor as the joint sees it,
+//!
+//! T = Σ ½m|ṙ|² + ṙ·(ω × mc) + ½ω·Iω + ½Jq̇²,  V = −Σ γ·(mr + mc).
+//!
+//! Sources: Featherstone, *Rigid Body Dynamics Algorithms*, 2008 (recursions); Carpentier and Mansard, *Analytical derivatives of
+//! rigid body dynamics algorithms*, 2018, and Singh, Russell and Wensing, 2022 (their derivatives).
+
+mod bodies;
+mod inertia;
+mod motion;
+mod parameters;
+mod vector;
+
+pub use super::bodies::{BodyTree as SpatialTree, Joint, TreeBody, TreeError};
+pub use bodies::SpatialBodies;
+pub use inertia::{INERTIAL_PARAMETERS, SpatialInertia};
+pub use parameters::{SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialParameters};
+pub use vector::{Rotation, Vector};

@@ -1,0 +1,83 @@
+use super::header::{MAX_TREE_COORDINATES, require};
+use super::{BodiesHeader, ModelError};
+use crate::energy::modular::TreeError;
+use crate::energy::spatial::{
+    SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialParameters, SpatialTree, TreeBody,
+};
+use crate::expected::expected;
+use crate::scalar::FileWeightFormat;
+use serde::{Deserialize, Serialize};
+
+/// The shape of a tree of rigid bodies on joints in space.
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ArmHeader<'a> {
+    /// Two bytes a body ([`TreeBody::to_bytes`]).
+    pub bodies: &'a [u8],
+}
+
+/// What the rows of a rotation and the axis of a joint may lack of being orthonormal, in the products of two of them: what
+/// single precision and half precision round away, and not more.
+const ROUNDING: [(u8, f32); 2] = [(32, 1e-5), (16, 4e-3)];
+
+impl<'a> ArmHeader<'a> {
+    /// Number of coordinates n, one a body.
+    pub fn n(&self) -> usize {
+        self.bodies.len() / TreeBody::BYTES
+    }
+
+    /// Groups of coordinates: one each.
+    pub(super) fn groups(&self) -> usize {
+        self.n()
+    }
+
+    /// The bodies in order, `None` for one whose joint does not exist.
+    pub fn bodies(&self) -> impl Iterator<Item = Option<TreeBody>> + use<'a> {
+        BodiesHeader::planar(self.bodies).bodies()
+    }
+
+    /// The tree, which must have N bodies.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for a joint that does not exist, [`ModelError::Tree`] for what is no tree of N bodies.
+    pub fn tree<const N: usize>(&self) -> Result<SpatialTree<N>, ModelError> {
+        BodiesHeader::planar(self.bodies).tree()
+    }
+
+    /// Numbers in the weight block.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        require(self.bodies.len().is_multiple_of(TreeBody::BYTES), "length of a tree")?;
+        require(self.n() <= MAX_TREE_COORDINATES, "number of coordinates of a tree")?;
+        Ok(SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * self.n())
+    }
+
+    pub(super) fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
+        match self.tree::<0>() {
+            // Any number of bodies will do.
+            Ok(_) | Err(ModelError::Tree(TreeError::Coordinates { .. })) => {}
+            Err(error) => return Err(error),
+        }
+        let (numbers, _) = expected(weights.get(SPATIAL_GRAVITY_PARAMETERS..), &[]).as_chunks();
+        let rounding = ROUNDING.iter().find(|(bits, _)| *bits == W::BITS).map_or(0.0, |(_, most)| *most);
+        numbers.iter().try_for_each(|n| check(&SpatialParameters::from_array(n.map(W::wide)), rounding))
+    }
+}
+
+/// Checks the numbers of a body, which are finite.
+fn check(body: &SpatialParameters<f32>, rounding: f32) -> Result<(), ModelError> {
+    let near = |a: f32, b: f32| (a - b).max(b - a) <= rounding;
+    let dot = |a: &[f32; 3], b: &[f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let [x, y, z] = &body.rotation;
+    let unit = |a: &[f32; 3]| near(dot(a, a), 1.0);
+    let orthonormal =
+        [x, y, z].into_iter().all(unit) && [(x, y), (y, z), (z, x)].iter().all(|(a, b)| near(dot(a, b), 0.0));
+    let volume = x[0] * (y[1] * z[2] - y[2] * z[1])
+        + x[1] * (y[2] * z[0] - y[0] * z[2])
+        + x[2] * (y[0] * z[1] - y[1] * z[0]);
+    require(orthonormal && volume > 0.0, "rotation of a joint's frame")?;
+    require(unit(&body.axis), "axis of a joint")?;
+    let [xx, _, yy, _, _, zz] = body.inertia.matrix;
+    require(body.inertia.mass >= 0.0, "mass of a body")?;
+    require(xx >= 0.0 && yy >= 0.0 && zz >= 0.0, "moment of inertia of a body")?;
+    require(body.rotor >= 0.0, "inertia of a rotor")
+}

@@ -1,0 +1,140 @@
+//! Trees of rigid bodies in space against the point masses that they are made of and exact derivatives.
+
+use crate::common::arms::{self, Arm};
+use crate::common::dual::Dual;
+use crate::common::oracle::{at_states, check_lagrangian, check_second_derivatives};
+use crate::common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
+use leastaction_core::continuous::{acceleration, inverse_dynamics};
+use leastaction_core::energy::spatial::{SpatialBodies, SpatialInertia, SpatialParameters};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear;
+
+macro_rules! everywhere {
+    ($check:path) => {
+        at_states(&arms::of_one(), $check);
+        at_states(&arms::of_three(), $check);
+        at_states(&[arms::chain_of_seven()], $check);
+        at_states(&[arms::branched()], $check);
+    };
+}
+
+#[test]
+fn energies_are_those_of_the_point_masses() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let found = arm.in_f64().energies(q, v);
+        let (kinetic, potential) = arm.naive_energies(q, v);
+        // Velocities are differences there.
+        assert_close("kinetic", found.kinetic, kinetic, 1e-8);
+        assert_close("potential", found.potential, potential, 1e-13);
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn all_derivatives_are_those_of_the_energies() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let weights: Vec<Dual> = arm.weights.iter().map(|w| Dual::constant(*w)).collect();
+        check_lagrangian((&arm.in_f64(), &arm.over(&weights)), q, v);
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn what_a_step_needs_is_part_of_the_hessian() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let arm = arm.in_f64();
+        assert_eq!(arm.linearization(q, v), arm.hessian(q, v).into());
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        check_second_derivatives(&arm.in_f64(), q, v);
+    }
+    everywhere!(check);
+}
+
+/// The recursion of Newton and Euler against the Euler–Lagrange equation, whose terms the duals confirm.
+#[test]
+fn inverse_dynamics_is_the_equation_of_motion() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let a: [f64; N] = Random(7).array(4.0);
+        let (bodies, still) = (arm.in_f64(), [0.0; N]);
+        let d = bodies.dynamics(q, v);
+        let inertial = linear::multiply(&d.mass, &a);
+        let expected = core::array::from_fn(|i| inertial[i] + d.l_vq_v[i] - d.l_q[i]);
+        assert_vectors_close("inverse dynamics", &bodies.inverse_dynamics(q, v, &a), &expected, 1e-12);
+        let held = bodies.gravity_torque(q);
+        assert_vectors_close("gravity", &held, &bodies.inverse_dynamics(q, &still, &still), 1e-12);
+        assert_vectors_close("gravity", &held, &bodies.gradient(q, &still).l_q.map(|l_q| -l_q), 1e-12);
+        assert_matrices_close("M", &bodies.mass_matrix(q), &d.mass, 1e-13);
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn acceleration_and_inverse_dynamics_invert_each_other() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let tau: [f64; N] = Random(8).array(5.0);
+        let viscous = Viscous { coefficients: core::array::from_fn(|i| 0.1 * i as f64) };
+        let system = System { lagrangian: arm.in_f64(), forces: viscous };
+        let a = acceleration(&system, q, v, &tau).unwrap();
+        assert_vectors_close("τ", &inverse_dynamics(&system, q, v, &a).unwrap(), &tau, 1e-10);
+        let bodies = core::array::from_fn(|i| tau[i] - system.forces.coefficients[i] * v[i]);
+        assert_vectors_close("τ", &system.lagrangian.inverse_dynamics(q, v, &a), &bodies, 1e-10);
+    }
+    everywhere!(check);
+}
+
+/// In f32, over numbers rounded to it, beside f64 over the same numbers.
+#[test]
+fn single_precision_is_near() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let (single, a) = (arm.single(), Random(9).array::<N>(4.0));
+        let [q, v, a] = [q, v, &a].map(|x| x.map(|x| x as f32));
+        let [q64, v64, a64] = [q, v, a].map(|x| x.map(f64::from));
+        let wide: Vec<f64> = single.iter().map(|w| f64::from(*w)).collect();
+        let (found, exact) = (arm.over(&single), arm.over(&wide));
+        let size = |x: &[f64; N]| x.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        let expected = exact.inverse_dynamics(&q64, &v64, &a64);
+        let off = linear::add_scaled(&found.inverse_dynamics(&q, &v, &a).map(f64::from), -1.0, &expected);
+        assert!(size(&off.map(|x| 1e6 * x)) <= 4.0 * size(&expected), "{off:?} of {expected:?}");
+        let (rows, exact) = (found.mass_matrix(&q), exact.mass_matrix(&q64));
+        for (row, exact) in rows.iter().zip(&exact) {
+            let off = linear::add_scaled(&row.map(f64::from), -1.0, exact);
+            assert!(size(&off.map(|x| 1e6 * x)) <= 4.0 * size(exact), "{off:?} of {exact:?}");
+        }
+    }
+    everywhere!(check);
+}
+
+#[test]
+fn numbers_keep_their_order() {
+    let numbers = core::array::from_fn(|i| i as f64);
+    let body = SpatialParameters::from_array(numbers);
+    assert_eq!(body.into_array(), numbers);
+    assert_eq!(
+        (body.rotation[1], body.place, body.axis),
+        ([3.0, 4.0, 5.0], [9.0, 10.0, 11.0], [12.0, 13.0, 14.0])
+    );
+    let inertia = SpatialInertia {
+        mass: 15.0,
+        moment: [16.0, 17.0, 18.0],
+        matrix: [19.0, 20.0, 21.0, 22.0, 23.0, 24.0],
+    };
+    assert_eq!((body.inertia, body.rotor), (inertia, 25.0));
+    assert_eq!(inertia.into_array(), core::array::from_fn(|i| 15.0 + i as f64));
+}
+
+#[test]
+fn a_block_takes_what_is_its_own() {
+    let arm = arms::chain_of_seven();
+    assert!(SpatialBodies::take(&mut &arm.weights[1..], arm.tree()).is_none(), "too short");
+    let longer = [&arm.weights[..], &[1.0, 2.0]].concat();
+    let mut block = &longer[..];
+    assert!(SpatialBodies::take(&mut block, arm.tree()).is_some());
+    assert_eq!(block, [1.0, 2.0]);
+}
