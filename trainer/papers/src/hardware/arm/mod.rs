@@ -85,8 +85,8 @@ impl ArmData {
         let samples = Samples::prepare(&log, &Preparation::default())
             .map_err(|error| HardwareError::Parameters { file: file.clone(), what: error.to_string() })?;
         let [from, to] = TESTED;
-        let test = samples.at(|t| t >= from - 1e-9 && t <= to + 1e-9);
-        let train = samples.at(|t| t < LEARNED[0] - 1e-9 || t > LEARNED[1] + 1e-9);
+        let test = samples.at(|t| (from - 1e-9..=to + 1e-9).contains(&t));
+        let train = samples.at(|t| !(LEARNED[0] - 1e-9..=LEARNED[1] + 1e-9).contains(&t));
         if test.count() == 0 || train.count() == 0 {
             let what = format!("it must last longer than {to} s");
             return Err(HardwareError::Parameters { file, what });

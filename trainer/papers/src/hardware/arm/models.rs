@@ -22,10 +22,13 @@ pub struct Model {
     pub learn: fn(&ArmData) -> Result<Learned, TaskError>,
 }
 
+/// Torques of all samples, row by row.
+pub type Predict = dyn Fn(&Samples) -> Vec<f64>;
+
 /// What a model has become.
 pub struct Learned {
     /// Torques of all samples, row by row.
-    pub predict: Box<dyn Fn(&Samples) -> Vec<f64>>,
+    pub predict: Box<Predict>,
     /// Numbers that were learned.
     pub parameters: usize,
     /// Of them what the samples alone determine.
