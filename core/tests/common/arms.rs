@@ -96,10 +96,10 @@ impl<const N: usize> Arm<N> {
         let mut twice: f64 = self.numbers().iter().zip(v).map(|(n, v)| n.rotor * v * v).sum();
         let mut potential = 0.0;
         for (i, (mass, place)) in now.iter().enumerate() {
-            for k in 0..3 {
+            for (k, at) in place.iter().enumerate() {
                 let [a, b, c, d] = [&a, &b, &c, &d].map(|points| points[i].1[k]);
                 twice += mass * ((a - 8.0 * b + 8.0 * c - d) / (12.0 * STEP)).powi(2);
-                potential -= mass * self.weights[k] * place[k];
+                potential -= mass * self.weights[k] * at;
             }
         }
         (0.5 * twice, potential)
