@@ -230,8 +230,8 @@ fn padding_is_at_most_three_zeros() {
 fn impossible_encodings_are_malformed() {
     let file = file::golden();
     let body = &file[..file.len() - 4];
-    // Family 4; a coordinate string that is not UTF-8; activation 5; inertia 2.
-    for (position, value) in [(10, 4), (12, 0xff), (18, 5), (19, 2)] {
+    // Family 5; a coordinate string that is not UTF-8; activation 5; inertia 2.
+    for (position, value) in [(10, 5), (12, 0xff), (18, 5), (19, 2)] {
         let mut changed = body.to_vec();
         changed[position] = value;
         assert_eq!(load_error(&file::with_checksum(&changed)), ModelError::Malformed, "byte {position}");

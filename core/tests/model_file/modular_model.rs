@@ -289,8 +289,8 @@ fn weights_are_as_many_as_the_shape_says() {
 fn impossible_encodings_are_malformed() {
     let file = file::golden_arm();
     let body = &file[..file.len() - 4];
-    // Family 4; an option 2; activation 5; transform 4; input 3; pair input 4; a name that is not UTF-8.
-    for (position, value) in [(10, 4), (11, 2), (18, 5), (41, 4), (47, 3), (59, 4), (61, 0xff)] {
+    // Family 5; an option 2; activation 5; transform 4; input 3; pair input 4; a name that is not UTF-8.
+    for (position, value) in [(10, 5), (11, 2), (18, 5), (41, 4), (47, 3), (59, 4), (61, 0xff)] {
         let mut changed = body.to_vec();
         changed[position] = value;
         assert_eq!(refusal(&file::with_checksum(&changed)), ModelError::Malformed, "byte {position}");
