@@ -9,8 +9,8 @@ use crate::architecture::{Architecture, Family};
 use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, Origin, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
-use crate::training::{Progress, SampleError, linear_start};
-use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs};
+use crate::training::{Progress, SampleError};
+use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs, first_guess};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
@@ -183,7 +183,10 @@ impl Plan {
                 check_gauge(&architecture, is_forced(&architecture, &data))?;
                 let of = (&data, training);
                 let (stages, windows) = stages::of_windows(&config, &architecture, of, &mut notices)?;
-                initial = first_guess(&architecture, &data.split(training).0, initial, &stages)?;
+                if let Some(stage) = stages.first() {
+                    let logs = WindowLogs::new(&data.split(training).0);
+                    initial = first_guess(&architecture, &logs, initial, &*stage.objective)?;
+                }
                 if !config.model.has_trained_networks() {
                     let numbers = architecture.corrections.without_effect();
                     initial.splice(architecture.corrections_start().., numbers);
@@ -318,20 +321,6 @@ fn split(data: &Dataset, fraction: f64, notices: &mut Vec<Notice>) -> usize {
         return count;
     }
     count - ((fraction * count as f64).round() as usize).clamp(1, count - 1)
-}
-
-/// Where windows begin: of rigid bodies by least squares on smoothed states, if that predicts the first stage's windows better.
-fn first_guess(
-    architecture: &Architecture,
-    data: &Dataset,
-    initial: Vec<f64>,
-    stages: &[Stage],
-) -> Result<Vec<f64>, ModelError> {
-    let (Some(_), Some(stage)) = (architecture.bodies(), stages.first()) else { return Ok(initial) };
-    let states = WindowLogs::new(data).smoothed();
-    let guess = linear_start(architecture, states.each_ref().map(Vec::as_slice))?;
-    let loss = |weights: &[f64]| stage.objective.held_back_loss(weights);
-    Ok(if loss(&guess) < loss(&initial) { guess } else { initial })
 }
 
 /// What is minimised, which the configuration then says: what it says, or else windows where positions are noisy, and the next position.

@@ -17,6 +17,7 @@ mod certainty;
 mod certainty_tests;
 mod control;
 mod elimination;
+mod first_guess;
 mod logs;
 mod loss;
 mod model;
@@ -28,6 +29,7 @@ mod starts;
 
 pub use calibration::{Calibrated, Calibration, CalibrationLayout, Setting};
 pub use certainty::{Certainty, LearnedNumber, Shown, certainty};
+pub use first_guess::first_guess;
 pub use logs::{TooShort, WindowLogs};
 pub use loss::WindowLoss;
 pub use model::{Integrator, WindowModel, WindowSettings};

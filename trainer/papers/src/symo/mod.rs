@@ -1,6 +1,7 @@
 //! SyMo's experiments (Santos et al., L4DC 2022): pendulum, cart-pole and acrobot learned from 8 to 128 trajectories of
 //! positions and controls. The control is linear between samples, as in the authors' equation; in each trajectory it is constant.
 
+mod bodies;
 mod figures;
 mod floor;
 mod portrait;
@@ -36,6 +37,8 @@ pub enum Model {
     /// From positions alone over whole trajectories with free start states, the position error of Runge–Kutta steps of order 4 is minimised;
     /// stepped by the equation of the other two.
     Windows,
+    /// As `windows`, but the mechanism is described as rigid bodies on joints, whose numbers are learned.
+    Bodies,
     /// SyMo's network, the error of the next state by a Runge–Kutta step of order 4 is minimised.
     LNodeRk4,
     /// The same with the explicit midpoint rule.
@@ -49,19 +52,19 @@ pub enum Model {
 impl Model {
     /// Whether it is one of the discrete Euler–Lagrange equation, and not one that those are compared with.
     pub fn is_discrete(self) -> bool {
-        matches!(self, Self::Symo | Self::E2eSymo | Self::Windows)
+        matches!(self, Self::Symo | Self::E2eSymo | Self::Windows | Self::Bodies)
     }
 
     /// Whether it is for data with noise alone: without any, single steps say as much.
     pub fn is_for_noise(self) -> bool {
-        self == Self::Windows
+        matches!(self, Self::Windows | Self::Bodies)
     }
 
     /// Of its integrators.
     pub fn orders(self) -> &'static [u8] {
         match self {
             Self::Symo | Self::E2eSymo => &[2, 4],
-            Self::Windows | Self::LNodeRk4 | Self::NodeRk4 => &[4],
+            Self::Windows | Self::Bodies | Self::LNodeRk4 | Self::NodeRk4 => &[4],
             Self::LNodeMidpoint | Self::NodeMidpoint => &[2],
         }
     }
@@ -255,7 +258,7 @@ impl Case {
             model: self.model,
             order: self.order,
             trajectories: self.trajectories,
-            parameters: weights.len(),
+            parameters: architecture.learned_parameters()?,
             train_mse: one_step_mse(architecture, weights, self.order, &train)?.or_infinite(),
             test_mse: one_step_mse(architecture, weights, self.order, &set.test)?.or_infinite(),
             integration_mse: integration.mean,

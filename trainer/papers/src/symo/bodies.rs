@@ -1,0 +1,55 @@
+//! The mechanisms as planar rigid bodies on joints, whose masses, lengths, centres and moments of inertia are learned.
+//!
+//! Known is what an engineer knows who looks at the mechanism: which joints there are, that gravity is 9.81 m/s² and where it points
+//! at q = 0, and that the centres of mass lie on the links. Learned is every other number, from starts that are those of no mechanism here.
+
+use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
+use leastaction_learning::architecture::{Architecture, BodiesArchitecture, Number};
+use leastaction_learning::ground_truth::Mechanism;
+use std::f64::consts::FRAC_PI_2;
+
+/// m/s².
+const GRAVITY: f64 = 9.81;
+/// Starts of a mass, kg, the distance of a centre of mass from its joint, m, and a moment of inertia about it, kg m².
+const START: [f64; 3] = [0.6, 0.2, 0.05];
+/// The start of a length, m.
+const LENGTH: f64 = 0.4;
+
+/// The bodies of a mechanism; `None` where they are no tree, which they are.
+pub(super) fn bodies(mechanism: Mechanism) -> Option<Architecture> {
+    let (gravity, bodies) = match mechanism {
+        // Upright at 0.
+        Mechanism::Pendulum => ([-GRAVITY, 0.0], vec![link(None, 0.0, None)]),
+        // Along x, and upright at 0 on it.
+        Mechanism::Cartpole => ([0.0, GRAVITY], vec![cart(), link(Some(0), -FRAC_PI_2, None)]),
+        // Hanging at 0.
+        Mechanism::Acrobot => ([GRAVITY, 0.0], vec![link(None, 0.0, None), link(Some(0), 0.0, Some(LENGTH))]),
+    };
+    BodiesArchitecture::new(gravity.map(Number::known), bodies).map(Architecture::from)
+}
+
+fn learned(value: f64) -> Number {
+    Number { value, learned: true }
+}
+
+/// A link on a joint that is turned by `angle` and sits so far along its parent.
+fn link(parent: Option<u8>, angle: f64, length: Option<f64>) -> (TreeBody, BodyParameters<Number>) {
+    let ([mass, centre, inertia], zero) = (START.map(learned), Number::known(0.0));
+    let parameters = BodyParameters {
+        place: [length.map_or(zero, learned), zero],
+        angle: Number::known(angle),
+        mass,
+        centre: [centre, zero],
+        inertia,
+        rotor: zero,
+        gear: Number::known(1.0),
+    };
+    (TreeBody { joint: Joint::Revolute, parent }, parameters)
+}
+
+/// A mass on a rail, which never turns.
+fn cart() -> (TreeBody, BodyParameters<Number>) {
+    let (joint, (_, link)) = (Joint::Prismatic, link(None, 0.0, None));
+    let [zero, one] = [0.0, 1.0].map(Number::known);
+    (TreeBody { joint, parent: None }, BodyParameters { centre: [zero; 2], inertia: one, ..link })
+}
