@@ -15,7 +15,7 @@ const START: [f64; 3] = [0.6, 0.2, 0.05];
 /// The start of a length, m.
 const LENGTH: f64 = 0.4;
 
-/// The bodies of a mechanism; `None` where they are no tree, which they are.
+/// The bodies of a mechanism; `None` where they were no tree.
 pub(super) fn bodies(mechanism: Mechanism) -> Option<Architecture> {
     let (gravity, bodies) = match mechanism {
         // Upright at 0.

@@ -168,16 +168,20 @@ mod tests {
     /// Where gravity or an axis pointed elsewhere, no masses would move alike.
     #[test]
     fn bodies_are_the_mechanisms() {
-        for (mechanism, inertia) in
-            [(Mechanism::Pendulum, 1e-6), (Mechanism::Cartpole, 1e-5), (Mechanism::Acrobot, 1e-3)]
-        {
+        // The acrobot is chaotic.
+        let cases = [
+            (Mechanism::Pendulum, 1e-6, 1e-3),
+            (Mechanism::Cartpole, 1e-5, 1e-3),
+            (Mechanism::Acrobot, 1e-3, 0.5),
+        ];
+        for (mechanism, inertia, integration) in cases {
             let case = case(mechanism, Model::Bodies, 0.01);
             let set = symo_set(case.mechanism, case.seed, case.noise).unwrap();
             let (architecture, weights) = case.learn(case.recipe(), &set, &mut |_, _| ()).unwrap();
             let outcome = case.outcome(&architecture, &weights, &set, 0.0).unwrap();
             assert!(outcome.inertia_mse.unwrap() < inertia, "{outcome:?}");
             assert!(outcome.test_mse < 1.1 * 6.0 * 0.01 * 0.01, "{outcome:?}");
-            assert!(outcome.integration_mse_100 < 0.05, "{outcome:?}");
+            assert!(outcome.integration_mse_100 < integration, "{outcome:?}");
         }
     }
 
