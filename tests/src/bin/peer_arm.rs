@@ -1,0 +1,101 @@
+//! Our side of `tests/peers/arm_pinocchio.py`: dynamics of trees of rigid bodies in space, in f64, evaluated and timed one state a call.
+//! Input and output: `tests/peers/README.md`.
+
+use leastaction_core::continuous::acceleration;
+use leastaction_core::energy::spatial::{Joint, SPATIAL_PARAMETERS, SpatialBodies, SpatialTree, TreeBody};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::lagrangian::Lagrangian;
+use std::error::Error;
+use std::hint::black_box;
+use std::io::Read;
+use std::process::ExitCode;
+use std::str::{FromStr, SplitAsciiWhitespace};
+use std::time::Instant;
+
+/// Passes over all states that are timed; the fastest counts.
+const REPETITIONS: usize = 40;
+
+type Failure = Box<dyn Error>;
+
+/// q, v, and accelerations or forces.
+type State<const N: usize> = [[f64; N]; 3];
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("peer_arm: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    let mut text = String::new();
+    std::io::stdin().read_to_string(&mut text)?;
+    let mut words = text.split_ascii_whitespace();
+    match next(&mut words)? {
+        6 => measure::<6>(&mut words),
+        7 => measure::<7>(&mut words),
+        12 => measure::<12>(&mut words),
+        other => Err(format!("{other} bodies; 6, 7 and 12 are compiled").into()),
+    }
+}
+
+fn next<T: FromStr<Err: Error + 'static>>(words: &mut SplitAsciiWhitespace) -> Result<T, Failure> {
+    Ok(words.next().ok_or("the input ends too early")?.parse()?)
+}
+
+fn numbers(words: &mut SplitAsciiWhitespace, count: usize) -> Result<Vec<f64>, Failure> {
+    (0..count).map(|_| next(words)).collect()
+}
+
+fn tree<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<SpatialTree<N>, Failure> {
+    let mut bodies = Vec::new();
+    for _ in 0..N {
+        let (parent, slides): (i16, u8) = (next(words)?, next(words)?);
+        let joint = if slides == 1 { Joint::Prismatic } else { Joint::Revolute };
+        bodies.push(TreeBody { joint, parent: u8::try_from(parent).ok() });
+    }
+    SpatialTree::new(bodies).map_err(|error| format!("{error:?}").into())
+}
+
+fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failure> {
+    let tree = tree::<N>(words)?;
+    let weights = numbers(words, 3 + N * SPATIAL_PARAMETERS)?;
+    let arm = SpatialBodies::take(&mut &weights[..], tree).ok_or("too few weights")?;
+    let count: usize = next(words)?;
+    let states: Vec<f64> = numbers(words, 3 * N * count)?;
+    let state = |of: &[[f64; N]]| -> State<N> { [of[0], of[1], of[2]] };
+    let states: Vec<State<N>> = states.as_chunks().0.chunks_exact(3).map(state).collect();
+    let system = System { lagrangian: arm, forces: Viscous { coefficients: [0.0; N] } };
+    for [q, v, x] in &states {
+        let energies = arm.energies(q, v);
+        let a = acceleration(&system, q, v, x).map_err(|error| format!("{error:?}"))?;
+        let mut all = vec![energies.kinetic, energies.potential];
+        all.extend(arm.inverse_dynamics(q, v, x).iter().chain(&arm.gravity_torque(q)));
+        all.extend(arm.mass_matrix(q).as_flattened().iter().chain(&a));
+        println!("{}", all.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(" "));
+    }
+    let time = |name: &str, of: &dyn Fn(&State<N>)| println!("{name} {}", nanoseconds(&states, of));
+    time("inverse_dynamics", &|[q, v, x]| {
+        black_box(arm.inverse_dynamics(q, v, x));
+    });
+    time("mass_matrix", &|[q, ..]| {
+        black_box(arm.mass_matrix(q));
+    });
+    time("acceleration", &|[q, v, x]| {
+        let _refused = black_box(acceleration(&system, q, v, x));
+    });
+    Ok(())
+}
+
+/// Of a call, the fastest pass.
+fn nanoseconds<const N: usize>(states: &[State<N>], of: &dyn Fn(&State<N>)) -> f64 {
+    let pass = || {
+        let started = Instant::now();
+        states.iter().for_each(|state| of(black_box(state)));
+        started.elapsed().as_secs_f64() / states.len() as f64 * 1e9
+    };
+    (0..REPETITIONS).map(|_| pass()).fold(f64::INFINITY, f64::min)
+}
