@@ -85,4 +85,7 @@ measures() {
         "$(value load_stack)" "$(value acceleration_stack)" "$(value step_stack)"
     printf ', "acceleration_instructions": %s, "step_instructions": %s, "step_instructions_worst": %s' \
         "$(value acceleration_instructions)" "$(value step_instructions)" "$(value step_instructions_worst)"
+    local inverse
+    inverse=$(value inverse_dynamics_instructions)
+    [ -z "$inverse" ] || printf ', "inverse_dynamics_instructions": %s, "inverse_dynamics_stack_bytes": %s' "$inverse" "$(value inverse_dynamics_stack)"
 }

@@ -1,5 +1,7 @@
 //! What the cross-crate tests and the peer programs share.
 
+pub mod arm;
+
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
 use leastaction_core::discrete::{
@@ -11,7 +13,7 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Entry, ModelError, entry_of};
 use leastaction_firmware_sim::damage::{Damage, Refusals};
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry,
+    Arm, BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry,
     newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion, fingerprint};
@@ -45,6 +47,7 @@ const DOUBLE: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip
 const PENDULUMS: &Aligned<[u8]> =
     &Aligned(*include_bytes!("../../firmware-sim/chip/models/pendulums.postcard"));
 const ACROBOT: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip/models/acrobot.postcard"));
+const ARM: &Aligned<[u8]> = &Aligned(*include_bytes!("../../firmware-sim/chip/models/arm.postcard"));
 const DRY_CARTPOLE: &Aligned<[u8]> =
     &Aligned(*include_bytes!("../../firmware-sim/chip/models/cartpole-dry.postcard"));
 
@@ -54,7 +57,7 @@ struct Aligned<T: ?Sized>(T);
 /// A run whose fingerprint every target must give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// rigid, modular, graph, bodies, rigid-f16, rigid-dry or bodies-dry.
+    /// rigid, modular, graph, bodies, rigid-f16, rigid-dry, bodies-dry or arm.
     pub family: &'static str,
     /// 2 or 4.
     pub order: u8,
@@ -66,7 +69,7 @@ impl Reference {
         let orders = |family| [2, 4].map(|order| Self { family, order });
         let others = ["rigid-f16", "rigid-dry"].map(|family| Self { family, order: 2 });
         let families = ["rigid", "modular", "graph", "bodies"].into_iter().flat_map(orders);
-        families.chain(others).chain(orders("bodies-dry"))
+        families.chain(others).chain(["bodies-dry", "arm"].into_iter().flat_map(orders))
     }
 
     /// The fingerprint of so many steps.
@@ -97,6 +100,10 @@ impl Reference {
             }
             ("bodies-dry", order) => {
                 let model = DryBodies::load(&DRY_CARTPOLE.0).map_err(Refused::Model)?;
+                free(&model.system, order, steps)
+            }
+            ("arm", order) => {
+                let model = Arm::load(&ARM.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
             }
             (_, 2) => bobs(Order::Two, steps),

@@ -4,7 +4,7 @@
 use leastaction_tests::Reference;
 
 /// After 100,000 steps; by `cargo run --release -p leastaction-tests --bin trajectory_hash`.
-const EXPECTED: [(&str, u8, u64); 12] = [
+const EXPECTED: [(&str, u8, u64); 14] = [
     ("rigid", 2, 0xb71d_c8e9_d362_0964),
     ("rigid", 4, 0x4c97_2f12_2ed9_ed3f),
     ("modular", 2, 0xaffa_1254_3be8_c2ee),
@@ -17,6 +17,8 @@ const EXPECTED: [(&str, u8, u64); 12] = [
     ("rigid-dry", 2, 0xf17a_3e8e_bb3c_6a48),
     ("bodies-dry", 2, 0xbeb8_d63f_0ebb_d76c),
     ("bodies-dry", 4, 0xd717_bb99_bcea_9bf9),
+    ("arm", 2, 0xda61_d8f4_3e4d_dfc5),
+    ("arm", 4, 0xc70a_7e8d_cd12_792e),
 ];
 
 #[test]
@@ -27,4 +29,11 @@ fn every_family_and_order_has_its_fingerprint() {
             scope.spawn(move || assert_eq!(reference.hash(100_000), Ok(expected), "{family} {order}"));
         }
     });
+}
+
+/// `arm_model firmware-sim/chip/models/arm.postcard` wrote it.
+#[test]
+fn the_arm_of_the_chip_is_as_its_program_writes_it() {
+    let file = include_bytes!("../../firmware-sim/chip/models/arm.postcard");
+    assert_eq!(leastaction_tests::arm::model_file().as_deref(), Ok(&file[..]));
 }

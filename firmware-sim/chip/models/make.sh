@@ -19,4 +19,5 @@ for model in cartpole double pendulums acrobot cartpole-dry; do
     leastaction train "$folder/$model.toml" -o "$folder/$model" --quiet
     leastaction export "$folder/$model" -o "$model.postcard"
 done
+cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --bin arm_model arm.postcard
 leastaction export "$folder/cartpole" -o cartpole-f16.postcard --weights f16

@@ -15,7 +15,8 @@ use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::particles::Particles;
 use leastaction_firmware_sim::trajectory::reference::{
-    BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry, newton,
+    Arm, BOBS, Bobs, Cartpole, Double, DryBodies, GRAPH, HalfCartpole, Links, STEP, TREE, aslant, chain, dry,
+    newton,
 };
 use leastaction_firmware_sim::trajectory::{ParticleMotion, SystemMotion};
 
@@ -79,6 +80,17 @@ pub fn links<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
 pub fn dry_bodies<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
     let model = load(|| DryBodies::load(black_box(file)))?;
     free::<_, _, P, 2>(&model.system, newton())
+}
+
+/// Seven joints in space with steps along a path; their inverse dynamics too.
+pub fn arm<P: Path>(file: &'static [u8]) -> Result<(), &'static [u8]> {
+    let model = load(|| Arm::load(black_box(file)))?;
+    let at = [[0.1_f32; 7], [0.2; 7], [0.3; 7]];
+    report::evaluation(b"inverse_dynamics_instructions", b"inverse_dynamics_stack", || {
+        let [q, v, a] = black_box(&at);
+        black_box(model.system.lagrangian.inverse_dynamics(q, v, a));
+    });
+    free::<_, _, P, 7>(&model.system, newton())
 }
 
 /// The chain of bobs, straight and aslant, with steps of an order. Its rods are constants of the program, which takes a third

@@ -4,7 +4,7 @@ use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::Newton;
 use leastaction_core::energy::rigid::Rigid;
 use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
-use leastaction_core::model::{BodiesModel, GraphModel, ModularModel, RigidModel};
+use leastaction_core::model::{ArmModel, BodiesModel, GraphModel, ModularModel, RigidModel};
 use leastaction_core::scalar::f16;
 
 /// The step, s.
@@ -33,6 +33,9 @@ pub type Links<'a> = BodiesModel<'a, 2>;
 
 /// A cart and its pole as rigid bodies, with the friction of its file.
 pub type DryBodies<'a> = BodiesModel<'a, 2, f32, Friction<2>>;
+
+/// Seven joints in space, damped.
+pub type Arm<'a> = ArmModel<'a, 7>;
 
 /// Bobs on rods: layers 2 → 8 → 1.
 pub type Bobs<'a> = GraphModel<'a, 2, 1, 8, 1>;
