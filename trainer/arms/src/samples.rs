@@ -99,20 +99,27 @@ impl Samples {
         if duration / step >= MOST as f64 {
             return Err(SampleError::Long { duration, step });
         }
-        let grid = Grid { t: &log.t, step, count: (duration / step + 1e-9) as usize + 1 };
+        let start = log.t.first().copied().unwrap_or_default();
+        let count = (duration / step + 1e-9) as usize + 1;
+        let grid: Vec<f64> = (0..count).map(|k| start + k as f64 * step).collect();
         let smooth = |rows: &Rows| -> Vec<Vec<f64>> {
-            (0..rows.width()).map(|k| filter.filter(&grid.straight(rows, k))).collect()
+            let even = log.straight(rows, &grid);
+            let column = |k: usize| even.iter().map(|row| row[k]).collect::<Vec<f64>>();
+            (0..rows.width()).map(|k| filter.filter(&column(k))).collect()
         };
         let slopes = |of: &[Vec<f64>]| of.iter().map(|x| derivative(x, step)).collect::<Vec<_>>();
         let (q, tau) = (smooth(&log.q), smooth(torques));
         let v = log.v.as_ref().map_or_else(|| slopes(&q), smooth);
         let a = slopes(&v);
         let cut = (margin / step).round() as usize;
-        let kept: Vec<usize> = (cut..grid.count.saturating_sub(cut)).step_by(every.max(1)).collect();
+        let kept: Vec<usize> = (cut..count.saturating_sub(cut)).step_by(every.max(1)).collect();
         if kept.is_empty() {
             return Err(SampleError::Short { duration, margin });
         }
-        let rows = |columns: &[Vec<f64>]| rows(columns.len(), &kept, |k, column| columns[column][k]);
+        let rows = |columns: &[Vec<f64>]| {
+            let values = kept.iter().flat_map(|k| columns.iter().map(move |column| column[*k])).collect();
+            Rows::from_flat(columns.len(), values).expect("as many numbers as rows times columns")
+        };
         let t = kept.iter().map(|k| *k as f64 * step).collect();
         Ok(Self { t, q: rows(&q), v: rows(&v), a: rows(&a), tau: rows(&tau) })
     }
@@ -133,38 +140,8 @@ impl Samples {
     #[must_use]
     pub fn selected(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.count()).filter(|k| is_wanted(*k)).collect();
-        let of = |all: &Rows| rows(all.width(), &kept, |k, column| all.as_flat()[k * all.width() + column]);
+        let of = |all: &Rows| all.select(&kept);
         let t = kept.iter().map(|k| self.t[*k]).collect();
         Self { t, q: of(&self.q), v: of(&self.v), a: of(&self.a), tau: of(&self.tau) }
-    }
-}
-
-fn rows(width: usize, kept: &[usize], value: impl Fn(usize, usize) -> f64) -> Rows {
-    let values = kept.iter().flat_map(|k| (0..width).map(|column| value(*k, column)).collect::<Vec<_>>());
-    Rows::from_flat(width, values.collect()).expect("as many numbers as rows times columns")
-}
-
-/// t₀ + k step over stamps that rise.
-struct Grid<'t> {
-    t: &'t [f64],
-    step: f64,
-    count: usize,
-}
-
-impl Grid<'_> {
-    /// Column k along straight lines.
-    fn straight(&self, rows: &Rows, column: usize) -> Vec<f64> {
-        let value = |k: usize| rows.as_flat()[k * rows.width() + column];
-        let mut right = 1;
-        let at = |k: usize| {
-            let t = self.t[0] + k as f64 * self.step;
-            while right + 1 < self.t.len() && self.t[right] < t {
-                right += 1;
-            }
-            let left = right - 1;
-            let part = ((t - self.t[left]) / (self.t[right] - self.t[left])).clamp(0.0, 1.0);
-            value(left) + part * (value(right) - value(left))
-        };
-        if self.t.len() < 2 { vec![value(0); self.count] } else { (0..self.count).map(at).collect() }
     }
 }

@@ -3,6 +3,7 @@
 use crate::columns::Columns;
 use crate::error::{Fault, Problem};
 use crate::place::Place;
+use crate::resample::Track;
 use crate::source::Source;
 use crate::table::Table;
 use crate::{DataError, Rows, located};
@@ -19,6 +20,18 @@ pub struct Measured {
     pub v: Option<Rows>,
     /// Forces of the drives, one column each, however many (N, N m).
     pub u: Option<Rows>,
+}
+
+impl Measured {
+    /// A field of these samples at rising times (s), along straight lines between stamps; before the first and after the last it stays.
+    #[must_use]
+    pub fn straight(&self, field: &Rows, at: &[f64]) -> Rows {
+        if self.t.len() < 2 {
+            return field.select(&vec![0; at.len()]);
+        }
+        let rows: Vec<usize> = (0..self.t.len()).collect();
+        Track { t: &self.t, rows: &rows }.straight(field, at)
+    }
 }
 
 /// Reads the columns of a file as they are: nothing is resampled, split at gaps or made a generalised force.

@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use super::stages::Windowed;
 use crate::architecture::Architecture;
-use crate::checkpoint::{Best, State};
+use crate::checkpoint::State;
 use crate::config::Origin;
 use crate::evaluate::horizons::Predictor;
 use crate::report::{Fit, Report, ReportError};
@@ -11,7 +11,7 @@ use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
 
 /// The page on the best numbers of a run; nothing where nothing was learned over windows.
 pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportError> {
-    let State { best, seconds, .. } = state;
+    let best = &state.best;
     let Some(windows) = &plan.windows else { return Ok(None) };
     let Windowed { logs, settings, layout } = windows;
     let Ok(loss) = windows.loss(&plan.architecture) else { return Ok(None) };
@@ -21,7 +21,7 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
     let report = Report {
         title: format!("Learned from {}", plan.config.data.file),
-        facts: facts(plan, windows, (best, *seconds), state.alone.is_some()),
+        facts: facts(plan, windows, state),
         predictor: Predictor {
             architecture: &plan.architecture,
             weights: shared.get(..layout.start).unwrap_or(shared),
@@ -72,12 +72,8 @@ impl<'a> Simple<'a> {
     }
 }
 
-fn facts(
-    plan: &Plan,
-    windows: &Windowed,
-    (best, seconds): (&Best, f64),
-    alone: bool,
-) -> Vec<(&'static str, String)> {
+fn facts(plan: &Plan, windows: &Windowed, state: &State) -> Vec<(&'static str, String)> {
+    let State { best, seconds, alone, .. } = state;
     let (logs, architecture) = (&windows.logs, &plan.architecture);
     let samples: usize = (0..logs.count()).map(|log| logs.samples(log)).sum();
     let length = windows.settings.steps as f64 * logs.h;
@@ -122,7 +118,7 @@ fn facts(
     } else {
         facts.push(("held back", "no log: all that follows is of logs that were learned from".to_owned()));
     }
-    if alone {
+    if alone.is_some() {
         let text = "the model alone, as it was learned before its networks; of logs that were held back it has seen nothing";
         facts.push(("without networks", text.to_owned()));
     }

@@ -12,7 +12,7 @@ const SPARSEST: usize = 100;
 
 /// The grid t₀, t₀ + 10 ms, … over the stamps of a log.
 pub(super) struct Grid<'m> {
-    t: &'m [f64],
+    measured: &'m Measured,
     samples: usize,
 }
 
@@ -29,25 +29,24 @@ impl<'m> Grid<'m> {
         if steps > (SPARSEST * t.len()) as f64 {
             return Err(HardwareError::Sparse { file: file.to_owned(), span, samples: t.len() });
         }
-        Ok(Self { t, samples: steps as usize + 1 })
+        Ok(Self { measured, samples: steps as usize + 1 })
     }
 
     /// Along straight lines between samples, at every time of the grid.
     pub fn straight(&self, field: &Rows) -> Rows {
-        let mut place = Place::new(self.t, field);
-        let times = (0..self.samples).map(|k| self.at(k));
-        self.rows(field, times.flat_map(|now| place.value(now)).collect())
+        let times: Vec<f64> = (0..self.samples).map(|k| self.at(k)).collect();
+        self.measured.straight(field, &times)
     }
 
     /// The mean over every step of the grid of what goes along straight lines between samples; after the last sample it stays.
     pub fn averaged(&self, field: &Rows) -> Rows {
-        let mut place = Place::new(self.t, field);
+        let mut place = Place::new(&self.measured.t, field);
         let steps = (0..self.samples).map(|k| [self.at(k), self.at(k + 1)]);
         self.rows(field, steps.flat_map(|step| place.mean(step)).collect())
     }
 
     fn at(&self, k: usize) -> f64 {
-        self.t.first().copied().unwrap_or_default() + k as f64 * STEP
+        self.measured.t.first().copied().unwrap_or_default() + k as f64 * STEP
     }
 
     fn rows(&self, field: &Rows, values: Vec<f64>) -> Rows {

@@ -38,22 +38,15 @@ impl Case {
         set: &SymoSet,
         watch: &mut dyn FnMut(usize, f64),
     ) -> Result<(Architecture, Vec<f64>), CaseError> {
-        if self.model == Model::Windows {
+        if self.model.is_for_noise() {
             return self.learn_over_windows(&recipe, set, watch);
-        }
-        if self.model == Model::Bodies {
-            let architecture = bodies(self.mechanism).ok_or(ModelError::OutOfRange { what: "tree" })?;
-            let data = set.train.truncated(self.trajectories);
-            let recipe = Recipe { architecture, decay: 0.0, ..recipe };
-            let weights = self.over_windows(&recipe, &data, 0..data.trajectories.len(), watch)?;
-            return Ok((recipe.architecture, weights));
         }
         let weights = self.train(&recipe, set, watch)?;
         Ok((recipe.architecture, weights))
     }
 
-    /// Learns from all trajectories, first over short windows, then over their whole length; width and penalty are those with the lowest error
-    /// on trajectories held back, each of which is once.
+    /// Learns from all trajectories, first over short windows, then over their whole length; where there are several shapes and penalties,
+    /// with those that have the lowest error on trajectories held back, each of which is once.
     ///
     /// # Errors
     /// Where the shape does not fit in itself, or trajectories are shorter than a window.
@@ -64,16 +57,25 @@ impl Case {
         watch: &mut dyn FnMut(usize, f64),
     ) -> Result<(Architecture, Vec<f64>), CaseError> {
         let data = set.train.truncated(self.trajectories);
-        let mut candidates = candidates(recipe).into_iter();
-        let mut best = (f64::INFINITY, candidates.next().unwrap_or_else(|| recipe.clone()));
-        for candidate in std::iter::once(best.1.clone()).chain(candidates) {
-            let error = self.held_back_error(&candidate, &data, watch)?;
+        let candidates = self.candidates(recipe)?;
+        let mut best = (f64::INFINITY, candidates.first().unwrap_or(recipe).clone());
+        for candidate in candidates.iter().filter(|_| candidates.len() > 1) {
+            let error = self.held_back_error(candidate, &data, watch)?;
             if error < (1.0 - MARGIN) * best.0 {
-                best = (error, candidate);
+                best = (error, candidate.clone());
             }
         }
         let weights = self.over_windows(&best.1, &data, 0..data.trajectories.len(), watch)?;
         Ok((best.1.architecture, weights))
+    }
+
+    /// What is chosen from: the bodies of the mechanism, or networks.
+    fn candidates(&self, recipe: &Recipe) -> Result<Vec<Recipe>, ModelError> {
+        if self.model != Model::Bodies {
+            return Ok(networks(recipe));
+        }
+        let architecture = bodies(self.mechanism).ok_or(ModelError::OutOfRange { what: "tree" })?;
+        Ok(vec![Recipe { architecture, ..recipe.clone() }])
     }
 
     /// The geometric mean over folds of the mean square error over windows of the fold, learned from the others.
@@ -122,7 +124,7 @@ impl Case {
 }
 
 /// Every width with every penalty; without a hidden layer there is nothing to keep small.
-fn candidates(recipe: &Recipe) -> Vec<Recipe> {
+fn networks(recipe: &Recipe) -> Vec<Recipe> {
     let Some(rigid) = recipe.architecture.rigid() else { return Vec::new() };
     let of = |widths: &[u16]| -> Vec<Recipe> {
         let architecture = RigidArchitecture { widths: widths.to_vec(), ..rigid.clone() };
@@ -189,7 +191,7 @@ mod tests {
     fn noise_of_positions_hardly_matters_over_windows() {
         let case = case(Mechanism::Pendulum, Model::Windows, 0.05);
         let set = symo_set(case.mechanism, case.seed, case.noise).unwrap();
-        let recipe = Recipe { iterations: 30, ..candidates(&case.recipe()).remove(0) };
+        let recipe = Recipe { iterations: 30, ..networks(&case.recipe()).remove(0) };
         let weights = case.over_windows(&recipe, &set.train, 0..16, &mut |_, _| ()).unwrap();
         let outcome = case.outcome(&recipe.architecture, &weights, &set, 0.0).unwrap();
         // The position one step ahead of two noisy ones is off by √6 of their noise.
