@@ -78,6 +78,9 @@ pub enum SampleError {
     },
 }
 
+/// A list of numbers for each coordinate.
+type Columns = Vec<Vec<f64>>;
+
 /// Samples of the grid at most.
 const MOST: usize = 1 << 24;
 /// Order of the filter.
@@ -89,7 +92,7 @@ impl Samples {
     /// # Errors
     /// [`SampleError`].
     pub fn prepare(log: &Measured, how: &Preparation) -> Result<Self, SampleError> {
-        let Preparation { step, cut_off, every, margin } = *how;
+        let Preparation { step, cut_off, .. } = *how;
         let filter = Butterworth::new(ORDER, cut_off, step).ok_or(SampleError::CutOff { cut_off, step })?;
         let torques = log.u.as_ref().filter(|u| u.width() == log.q.width()).ok_or(SampleError::Torques {
             torques: log.u.as_ref().map_or(0, Rows::width),
@@ -102,26 +105,75 @@ impl Samples {
         let start = log.t.first().copied().unwrap_or_default();
         let count = (duration / step + 1e-9) as usize + 1;
         let grid: Vec<f64> = (0..count).map(|k| start + k as f64 * step).collect();
-        let smooth = |rows: &Rows| -> Vec<Vec<f64>> {
+        let even = |rows: &Rows| -> Columns {
             let even = log.straight(rows, &grid);
-            let column = |k: usize| even.iter().map(|row| row[k]).collect::<Vec<f64>>();
-            (0..rows.width()).map(|k| filter.filter(&column(k))).collect()
+            (0..rows.width()).map(|k| even.iter().map(|row| row[k]).collect()).collect()
         };
-        let slopes = |of: &[Vec<f64>]| of.iter().map(|x| derivative(x, step)).collect::<Vec<_>>();
-        let (q, tau) = (smooth(&log.q), smooth(torques));
-        let v = log.v.as_ref().map_or_else(|| slopes(&q), smooth);
+        Self::of_columns([Some(even(&log.q)), log.v.as_ref().map(even), Some(even(torques))], &filter, how)
+    }
+
+    /// Samples of positions, velocities (differences of positions where there are none) and torques that stand on the step of `how`
+    /// already.
+    ///
+    /// # Errors
+    /// [`SampleError`].
+    pub fn of_even(
+        (q, v, torques): (&Rows, Option<&Rows>, Option<&Rows>),
+        how: &Preparation,
+    ) -> Result<Self, SampleError> {
+        let Preparation { step, cut_off, .. } = *how;
+        let filter = Butterworth::new(ORDER, cut_off, step).ok_or(SampleError::CutOff { cut_off, step })?;
+        let torques = torques
+            .filter(|u| u.width() == q.width())
+            .ok_or(SampleError::Torques { torques: torques.map_or(0, Rows::width), positions: q.width() })?;
+        let columns = |rows: &Rows| -> Columns {
+            (0..rows.width()).map(|k| rows.iter().map(|row| row[k]).collect()).collect()
+        };
+        Self::of_columns([Some(columns(q)), v.map(columns), Some(columns(torques))], &filter, how)
+    }
+
+    /// Filtered, differentiated, thinned.
+    fn of_columns(
+        [q, v, tau]: [Option<Columns>; 3],
+        filter: &Butterworth,
+        how: &Preparation,
+    ) -> Result<Self, SampleError> {
+        let Preparation { step, every, margin, .. } = *how;
+        let smooth = |of: Columns| -> Columns { of.iter().map(|x| filter.filter(x)).collect() };
+        let slopes = |of: &Columns| -> Columns { of.iter().map(|x| derivative(x, step)).collect() };
+        let (q, tau) = (smooth(q.unwrap_or_default()), smooth(tau.unwrap_or_default()));
+        let v = v.map_or_else(|| slopes(&q), smooth);
         let a = slopes(&v);
+        let count = q.first().map_or(0, Vec::len);
         let cut = (margin / step).round() as usize;
         let kept: Vec<usize> = (cut..count.saturating_sub(cut)).step_by(every.max(1)).collect();
         if kept.is_empty() {
-            return Err(SampleError::Short { duration, margin });
+            return Err(SampleError::Short { duration: count.saturating_sub(1) as f64 * step, margin });
         }
-        let rows = |columns: &[Vec<f64>]| {
+        let rows = |columns: &Columns| {
             let values = kept.iter().flat_map(|k| columns.iter().map(move |column| column[*k])).collect();
             Rows::from_flat(columns.len(), values).expect("as many numbers as rows times columns")
         };
         let t = kept.iter().map(|k| *k as f64 * step).collect();
         Ok(Self { t, q: rows(&q), v: rows(&v), a: rows(&a), tau: rows(&tau) })
+    }
+
+    /// Adds those of another log of as many coordinates; its times go on from the last.
+    ///
+    /// # Panics
+    /// For another number of coordinates.
+    pub fn append(&mut self, other: &Self) {
+        let end = self.t.last().copied().unwrap_or_default();
+        self.t.extend(other.t.iter().map(|t| end + t));
+        for (own, more) in [
+            (&mut self.q, &other.q),
+            (&mut self.v, &other.v),
+            (&mut self.a, &other.a),
+            (&mut self.tau, &other.tau),
+        ] {
+            let values = [own.as_flat(), more.as_flat()].concat();
+            *own = Rows::from_flat(own.width(), values).expect("rows of as many coordinates");
+        }
     }
 
     /// How many there are.

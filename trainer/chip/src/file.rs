@@ -6,10 +6,11 @@ use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
+use leastaction_core::energy::spatial::SpatialBodies;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{
-    BodiesHeader, Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader, Parsed,
-    RigidHeader, TreeHeader, parse,
+    ArmHeader, BodiesHeader, Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader,
+    Parsed, RigidHeader, TreeHeader, parse,
 };
 
 /// A model file in memory, validated, its weights widened to single precision.
@@ -70,6 +71,7 @@ impl ModelFile {
             Family::Modular(modular) => self.tree(modular, header.laws, part)?,
             Family::Graph(graph) => self.graph(&graph, header.laws, part)?,
             Family::Bodies(bodies) => (self.bodies(bodies, header.laws)?, true),
+            Family::Arm(arm) => (self.arm(arm, header.laws)?, true),
             other => return Err(ModelError::OtherFamily { found: other.name() }.into()),
         };
         // The range of the training data is that of the first.
@@ -83,6 +85,10 @@ impl ModelFile {
 
     fn bodies<'f>(&'f self, header: BodiesHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
         AnySystem::load(header.n(), BodiesLoader { header, laws, weights: &self.weights })
+    }
+
+    fn arm<'f>(&'f self, header: ArmHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
+        AnySystem::load(header.n(), ArmLoader { header, laws, weights: &self.weights })
     }
 
     fn tree<'f>(
@@ -173,6 +179,32 @@ impl<'f> RigidLoader<'f> {
 }
 
 /// Loads trees of bodies.
+struct ArmLoader<'f> {
+    header: ArmHeader<'f>,
+    laws: Laws<'f>,
+    weights: &'f [f32],
+}
+
+impl<'f> Load<'f> for ArmLoader<'f> {
+    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
+        match Needed::by(self.laws) {
+            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
+            Needed::Friction => self.with::<N, Friction<N>>(),
+            Needed::All => self.with::<N, AllForces<N>>(),
+        }
+    }
+}
+
+impl<'f> ArmLoader<'f> {
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
+    {
+        let system: System<SpatialBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
+        Ok(AnyLagrangian::erased(system))
+    }
+}
+
 struct BodiesLoader<'f> {
     header: BodiesHeader<'f>,
     laws: Laws<'f>,

@@ -5,6 +5,7 @@ use crate::counted::{Counted, Operations, count};
 use leastaction_core::energy::bodies::{
     BODY_PARAMETERS, BodyTree, GRAVITY_PARAMETERS, PlanarBodies, TreeBody,
 };
+use leastaction_core::energy::spatial::{SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialBodies};
 use leastaction_core::lagrangian::Lagrangian;
 
 type Real = Counted<f64>;
@@ -18,12 +19,19 @@ pub(super) enum Evaluation {
     Linearization,
 }
 
+/// Where bodies move.
+#[derive(Clone, Copy)]
+pub(super) enum Where {
+    Plane,
+    Space,
+}
+
 /// Additions and multiplications of an evaluation, taken in pairs.
-pub(super) fn multiply_adds(bodies: &[TreeBody], evaluation: Evaluation) -> usize {
-    let alone = |joint| counted([TreeBody { joint, parent: None }], evaluation);
+pub(super) fn multiply_adds(place: Where, bodies: &[TreeBody], evaluation: Evaluation) -> usize {
+    let alone = |joint| counted(place, [TreeBody { joint, parent: None }], evaluation);
     let together = |first: &TreeBody, second: &TreeBody, parent| {
         let pair = [TreeBody { joint: first.joint, parent: None }, TreeBody { joint: second.joint, parent }];
-        counted(pair, evaluation) - alone(first.joint) - alone(second.joint)
+        counted(place, pair, evaluation) - alone(first.joint) - alone(second.joint)
     };
     let of_body = |(k, body): (usize, &TreeBody)| -> u64 {
         let carriers = carriers(bodies, body);
@@ -43,15 +51,26 @@ fn carriers(bodies: &[TreeBody], body: &TreeBody) -> Vec<usize> {
 }
 
 /// Additions and multiplications of an evaluation of a small tree.
-fn counted<const N: usize>(tree: [TreeBody; N], evaluation: Evaluation) -> u64 {
-    let weights = vec![1.0; GRAVITY_PARAMETERS + BODY_PARAMETERS * N];
-    let bodies: Option<PlanarBodies<f64, N>> =
-        BodyTree::new(tree).ok().and_then(|tree| PlanarBodies::take(&mut weights.as_slice(), tree));
+fn counted<const N: usize>(place: Where, tree: [TreeBody; N], evaluation: Evaluation) -> u64 {
+    let Ok(tree) = BodyTree::new(tree) else { return 0 };
+    let count = match place {
+        Where::Plane => GRAVITY_PARAMETERS + BODY_PARAMETERS * N,
+        Where::Space => SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * N,
+    };
+    let weights = vec![1.0; count];
+    let block = &mut weights.as_slice();
+    match place {
+        Where::Plane => flops(PlanarBodies::<f64, N>::take(block, tree), evaluation),
+        Where::Space => flops(SpatialBodies::<f64, N>::take(block, tree), evaluation),
+    }
+}
+
+fn flops<L: Lagrangian<Real, N>, const N: usize>(bodies: Option<L>, evaluation: Evaluation) -> u64 {
     let at = [Counted(0.1); N];
     let (_, Operations { flops, .. }) = count(|| {
         bodies.map(|bodies| match evaluation {
-            Evaluation::Dynamics => drop(Lagrangian::<Real, N>::dynamics(&bodies, &at, &at)),
-            Evaluation::Linearization => drop(Lagrangian::<Real, N>::linearization(&bodies, &at, &at)),
+            Evaluation::Dynamics => drop(bodies.dynamics(&at, &at)),
+            Evaluation::Linearization => drop(bodies.linearization(&at, &at)),
         })
     });
     flops
@@ -69,10 +88,15 @@ mod tests {
         let chain = [None, Some(0), Some(1), Some(2)].map(|on| body(turns, on));
         let crane = [body(slides, None), body(turns, Some(0)), body(slides, Some(1)), body(turns, Some(0))];
         for tree in [chain, crane] {
-            for evaluation in [Evaluation::Dynamics, Evaluation::Linearization] {
-                let whole = counted(tree, evaluation);
+            for (place, evaluation) in [
+                (Where::Plane, Evaluation::Dynamics),
+                (Where::Plane, Evaluation::Linearization),
+                (Where::Space, Evaluation::Dynamics),
+                (Where::Space, Evaluation::Linearization),
+            ] {
+                let whole = counted(place, tree, evaluation);
                 assert!(whole > 100);
-                assert_eq!(multiply_adds(&tree, evaluation), whole.div_ceil(2) as usize);
+                assert_eq!(multiply_adds(place, &tree, evaluation), whole.div_ceil(2) as usize);
             }
         }
     }

@@ -8,16 +8,15 @@ mod graph;
 mod operations;
 pub mod processor;
 
-use bodies::{Evaluation, multiply_adds};
+use bodies::{Evaluation, Where, multiply_adds};
 use bytes::Bytes;
 use corrections::CorrectionsCost;
 use leastaction_core::discrete::{Galerkin, Midpoint, Path};
 use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::bodies::TreeBody;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::model::{Law, ModelError};
-use leastaction_learning::architecture::{
-    Architecture, BodiesArchitecture, Family, ModularArchitecture, RigidArchitecture,
-};
+use leastaction_learning::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture};
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
@@ -67,7 +66,12 @@ pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
         Family::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
         Family::Modular(modular) => Evaluations::modular(modular, &bytes),
         Family::Graph(graph) => return graph::cost(graph),
-        Family::Bodies(bodies) => Evaluations::bodies(bodies, &bytes),
+        Family::Bodies(bodies) => {
+            Evaluations::bodies((Where::Plane, BODY), &bodies.bodies().collect::<Vec<_>>(), &bytes)
+        }
+        Family::Arm(arm) => {
+            Evaluations::bodies((Where::Space, SPATIAL_BODY), &arm.tree_bodies().collect::<Vec<_>>(), &bytes)
+        }
     };
     let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
     let networks = CorrectionsCost::of(architecture);
@@ -140,10 +144,10 @@ impl Evaluations {
 
     /// No layer; the arrays are those of the bodies in motion, and of the sums over what each carries. An acceleration of up to two
     /// coordinates is the evaluation of a step.
-    fn bodies(bodies: &BodiesArchitecture, bytes: &Bytes) -> Self {
-        let (n, tree) = (bodies.n(), bodies.bodies().collect::<Vec<_>>());
-        let stack_bytes = n * BODY * WORD + 3 * n * n * WORD;
-        let work = |evaluation| Work { multiply_adds: multiply_adds(&tree, evaluation), stack_bytes };
+    fn bodies((place, numbers): (Where, usize), tree: &[TreeBody], bytes: &Bytes) -> Self {
+        let n = tree.len();
+        let stack_bytes = n * numbers * WORD + 3 * n * n * WORD;
+        let work = |evaluation| Work { multiply_adds: multiply_adds(place, tree, evaluation), stack_bytes };
         let of_acceleration = if n <= 2 { Evaluation::Linearization } else { Evaluation::Dynamics };
         Self {
             handle_bytes: (n * JOINT).next_multiple_of(WORD) + bytes.damping + 2 * WORD,
@@ -226,6 +230,8 @@ fn ends(tangents: usize, n: usize) -> usize {
 
 /// Numbers of a body in motion: its own, of its frame, of the sums over what it carries, of its rotor.
 const BODY: usize = 9 + 9 + 7 + 3;
+/// The same in space: a frame, the motion of its joint, what it carries, its inertia and momentum, a rotor.
+const SPATIAL_BODY: usize = 12 + 12 + 12 + 10 + 6 + 1;
 /// Bytes of a joint and its parent.
 const JOINT: usize = 3;
 const WORD: usize = 4;

@@ -225,7 +225,7 @@ pub fn acceleration_mse(
     let square = samples.mean_square();
     let error = match &architecture.family {
         Family::Graph(graph) => graph_error(graph, weights, &samples)?,
-        Family::Rigid(_) | Family::Modular(_) | Family::Bodies(_) => {
+        Family::Rigid(_) | Family::Modular(_) | Family::Bodies(_) | Family::Arm(_) => {
             objective(architecture, samples, LossKind::Acceleration, 4)?.solved(weights)
         }
     };

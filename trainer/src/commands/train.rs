@@ -5,7 +5,9 @@ use super::notes::tell;
 use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output, print};
-use leastaction_learning::config::{BODIES_DEFAULTS, Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS};
+use leastaction_learning::config::{
+    ARM_DEFAULTS, BODIES_DEFAULTS, Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS,
+};
 use leastaction_learning::run::{ChoiceError, Chosen, Ending, Plan, PlanError, Run, choose};
 use serde::Serialize;
 use std::fmt;
@@ -54,6 +56,8 @@ enum Family {
     Graph,
     /// Rigid bodies on joints.
     Bodies,
+    /// Rigid bodies in space, from a robot description.
+    Arm,
 }
 
 /// What came out of training.
@@ -121,6 +125,7 @@ impl Train {
                 Some(Family::Modular) => MODULAR_DEFAULTS,
                 Some(Family::Graph) => GRAPH_DEFAULTS,
                 Some(Family::Bodies) => BODIES_DEFAULTS,
+                Some(Family::Arm) => ARM_DEFAULTS,
                 _ => DEFAULTS,
             });
         };

@@ -12,6 +12,7 @@ pub use friction::{JOINT, JointNumbers, SOFTNESS};
 use crate::linear::{Design, Terms};
 use crate::{Samples, Tree};
 use problem::{Problem, charts, regressors};
+use std::panic::resume_unwind;
 use thiserror::Error;
 
 /// What bodies may become.
@@ -21,25 +22,41 @@ pub enum Bodies {
     Consistent,
     /// Any numbers, as linear least squares gives them.
     Free,
+    /// Those of the tree.
+    Known,
 }
 
-/// What is learned of every joint beside viscous and Coulomb friction, each ≥ 0, and a constant offset.
+/// What is learned of bodies and joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Learned {
     /// Of the bodies.
     pub bodies: Bodies,
     /// Rotor inertia ≥ 0.
     pub rotors: bool,
+    /// Viscous friction ≥ 0.
+    pub viscous: bool,
+    /// Coulomb friction ≥ 0.
+    pub coulomb: bool,
     /// Friction that grows with the load.
     pub load: bool,
+    /// A constant offset of every logged torque.
+    pub offsets: bool,
     /// The range of the width ε of tanh(v/ε); one number twice where it is known.
     pub width: [f64; 2],
 }
 
 impl Default for Learned {
-    /// Consistent bodies, rotors, friction that grows with the load, widths from 0.02 to 1 rad/s.
+    /// Consistent bodies, rotors, all friction, that grows with the load, offsets, widths from 0.02 to 1 rad/s.
     fn default() -> Self {
-        Self { bodies: Bodies::Consistent, rotors: true, load: true, width: [0.02, 1.0] }
+        Self {
+            bodies: Bodies::Consistent,
+            rotors: true,
+            viscous: true,
+            coulomb: true,
+            load: true,
+            offsets: true,
+            width: [0.02, 1.0],
+        }
     }
 }
 
@@ -121,18 +138,23 @@ pub fn fit_by_folds(
 ) -> Result<(Fitted, Vec<(f64, f64)>), FitError> {
     let count = folds.iter().max().map_or(0, |last| last + 1);
     let variances = variances(samples);
-    // By fold and strength.
-    let mut errors: Vec<Vec<f64>> = Vec::new();
-    for fold in 0..count {
+    let of_fold = &|fold: usize| -> Result<Option<Vec<f64>>, FitError> {
         let [rest, held] = [false, true].map(|is_held| samples.selected(|k| (folds[k] == fold) == is_held));
         if held.count() == 0 || rest.count() == 0 {
-            continue;
+            return Ok(None);
         }
         let start = Start::new(tree, &rest, learned)?;
         let judge =
             |x: &Vec<f64>| mean_nmse(&squared_errors(&start.arm(x).torques(&held), &held), &variances);
-        errors.push(start.path(strengths).iter().map(judge).collect());
-    }
+        Ok(Some(start.path(strengths).iter().map(judge).collect()))
+    };
+    // By fold and strength; folds know nothing of each other.
+    let errors: Vec<Vec<f64>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..count).map(|fold| scope.spawn(move || of_fold(fold))).collect();
+        let joined =
+            threads.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        joined.filter_map(Result::transpose).collect::<Result<_, _>>()
+    })?;
     let mean = |k: usize| errors.iter().map(|fold| fold[k]).sum::<f64>() / errors.len() as f64;
     let tried: Vec<(f64, f64)> =
         strengths.iter().enumerate().map(|(k, strength)| (*strength, mean(k))).collect();
@@ -226,13 +248,25 @@ impl<'a> Start<'a> {
             let (viscous, coulomb) = (at(shift, i).max(0.0), at(shift + 1, i).max(0.0));
             JointNumbers { rotor, viscous, coulomb, load: 0.0, width, offset: at(shift + 2, i) }.array()
         };
-        let x = vec![0.0; bodies].into_iter().chain((0..n).flat_map(joint)).collect();
+        let x: Vec<f64> = vec![0.0; bodies].into_iter().chain((0..n).flat_map(joint)).collect();
         let all = f64::INFINITY;
-        let rotor = if learned.rotors { all } else { 0.0 };
-        let load = if learned.load { MOST_LOAD } else { 0.0 };
-        let joint = [[0.0, rotor], [0.0, all], [0.0, all], [0.0, load], learned.width, [-all, all]];
-        let bounds = vec![[-all, all]; bodies].into_iter().chain((0..n).flat_map(|_| joint)).collect();
-        Ok(Self { tree, problem, x, bounds })
+        let if_learned = |is_learned: bool, most: f64| if is_learned { most } else { 0.0 };
+        let load = if_learned(learned.load, MOST_LOAD);
+        let [rotor, viscous, coulomb, offset, body] = [
+            learned.rotors,
+            learned.viscous,
+            learned.coulomb,
+            learned.offsets,
+            learned.bodies != Bodies::Known,
+        ]
+        .map(|is_learned| if_learned(is_learned, all));
+        let dry = learned.coulomb || learned.load;
+        let width = if dry { learned.width } else { [width; 2] };
+        let joint = [[0.0, rotor], [0.0, viscous], [0.0, coulomb], [0.0, load], width, [-offset, offset]];
+        let bounds: Vec<[f64; 2]> =
+            vec![[-body, body]; bodies].into_iter().chain((0..n).flat_map(|_| joint)).collect();
+        let x = x.iter().zip(&bounds).map(|(x, [least, most]): (&f64, &[f64; 2])| x.clamp(*least, *most));
+        Ok(Self { tree, problem, x: x.collect(), bounds })
     }
 
     /// The minima under these strengths of the prior, each from the one before.

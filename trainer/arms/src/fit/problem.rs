@@ -51,7 +51,7 @@ pub(super) fn charts(tree: &Tree, bodies: Bodies) -> Result<Vec<Chart>, String> 
         Bodies::Consistent => {
             LogCholesky::around(&body.inertia).map(Chart::Consistent).ok_or(body.name.clone())
         }
-        Bodies::Free => Ok(Chart::Free(body.inertia.0)),
+        Bodies::Free | Bodies::Known => Ok(Chart::Free(body.inertia.0)),
     };
     tree.bodies().iter().map(of).collect()
 }

@@ -1,6 +1,9 @@
 //! What a family has of its own: energies, and the forces that its numbers are for.
 
-use super::{BodiesArchitecture, GraphArchitecture, ModularArchitecture, NamedGraph, RigidArchitecture};
+use super::{
+    ArmArchitecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture, NamedGraph,
+    RigidArchitecture,
+};
 use crate::training::Range;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use leastaction_programs::energies::{Energies, GraphEnergies, ModularEnergies};
@@ -17,6 +20,14 @@ pub enum Family {
     Graph(GraphArchitecture),
     /// A tree of rigid bodies on joints.
     Bodies(BodiesArchitecture),
+    /// A tree of rigid bodies on joints in space.
+    Arm(ArmArchitecture),
+}
+
+impl From<ArmArchitecture> for Family {
+    fn from(arm: ArmArchitecture) -> Self {
+        Self::Arm(arm)
+    }
 }
 
 impl From<BodiesArchitecture> for Family {
@@ -60,6 +71,7 @@ impl Family {
             }
             FamilyHeader::Graph(graph) => Ok(GraphArchitecture::from_header(graph, weights).into()),
             FamilyHeader::Bodies(bodies) => Ok(BodiesArchitecture::from_header(bodies, weights).into()),
+            FamilyHeader::Arm(arm) => Ok(ArmArchitecture::from_header(arm, weights).into()),
             other => Err(ModelError::OtherFamily { found: other.name() }),
         }
     }
@@ -71,6 +83,7 @@ impl Family {
             Self::Modular(modular) => read(FamilyHeader::Modular(modular.header())),
             Self::Graph(graph) => graph.with_header(|header| read(FamilyHeader::Graph(header))),
             Self::Bodies(bodies) => read(FamilyHeader::Bodies(bodies.header())),
+            Self::Arm(arm) => read(FamilyHeader::Arm(arm.header())),
         }
     }
 
@@ -81,6 +94,7 @@ impl Family {
             Self::Modular(_) => "modular",
             Self::Graph(_) => "graph",
             Self::Bodies(_) => "bodies",
+            Self::Arm(_) => "arm",
         }
     }
 
@@ -91,6 +105,7 @@ impl Family {
             Self::Modular(modular) => modular.n(),
             Self::Graph(graph) => graph.n(),
             Self::Bodies(bodies) => bodies.n(),
+            Self::Arm(arm) => arm.n(),
         }
     }
 
@@ -107,7 +122,7 @@ impl Family {
         match self {
             Self::Rigid(rigid) => rigid.laws(),
             Self::Modular(modular) => modular.laws(),
-            Self::Graph(_) | Self::Bodies(_) => Laws::NONE,
+            Self::Graph(_) | Self::Bodies(_) | Self::Arm(_) => Laws::NONE,
         }
     }
 
@@ -118,6 +133,7 @@ impl Family {
             Self::Modular(modular) => modular.types.len(),
             Self::Graph(_) => 0,
             Self::Bodies(bodies) => bodies.n(),
+            Self::Arm(arm) => arm.n(),
         }
     }
 
@@ -128,6 +144,7 @@ impl Family {
             Self::Modular(modular) => modular.type_of_coordinates(),
             Self::Graph(_) => Vec::new(),
             Self::Bodies(bodies) => (0..bodies.n()).collect(),
+            Self::Arm(arm) => (0..arm.n()).collect(),
         }
     }
 
@@ -138,6 +155,7 @@ impl Family {
             Self::Modular(modular) => modular.initial_weights(seed),
             Self::Graph(graph) => graph.initial_weights(seed),
             Self::Bodies(bodies) => bodies.initial_weights(),
+            Self::Arm(arm) => arm.initial_weights(),
         }
     }
 
@@ -148,6 +166,7 @@ impl Family {
             Self::Modular(modular) => modular.fixed_positions(),
             Self::Graph(graph) => graph.fixed_positions(),
             Self::Bodies(bodies) => bodies.fixed_positions(),
+            Self::Arm(arm) => arm.fixed_positions(),
         }
     }
 
@@ -156,6 +175,7 @@ impl Family {
         match self {
             Self::Rigid(_) | Self::Modular(_) | Self::Graph(_) => Vec::new(),
             Self::Bodies(bodies) => bodies.ranges(),
+            Self::Arm(arm) => arm.ranges(),
         }
     }
 
@@ -166,7 +186,7 @@ impl Family {
             Self::Modular(modular) => modular.project(weights),
             Self::Graph(graph) => graph.project(weights),
             // Ranges hold them.
-            Self::Bodies(_) => {}
+            Self::Bodies(_) | Self::Arm(_) => {}
         }
     }
 
@@ -186,6 +206,7 @@ impl Family {
                 Ok(Box::new(GraphEnergies::new(&graph.shape, nodes, edges, 0)?))
             }
             Self::Bodies(bodies) => Ok(Box::new(bodies.energies()?)),
+            Self::Arm(arm) => Ok(Box::new(arm.energies()?)),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The shape of a model on the host, where widths and the number of coordinates are known only at run time.
 
+mod arm;
 mod bodies;
 mod corrections;
 mod family;
@@ -10,6 +11,7 @@ mod modular;
 mod names;
 mod rigid;
 
+pub use arm::{ArmArchitecture, ArmBody};
 pub use bodies::{BodiesArchitecture, BodyNumbers};
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};
 pub use family::Family;
@@ -19,7 +21,7 @@ pub use modular::{ModularArchitecture, NamedTree, NamedType, Number, TYPE_NUMBER
 pub use names::NumberName;
 pub use rigid::{HostSystem, RigidArchitecture, largest_factor};
 
-use crate::training::Range;
+use crate::training::{Bounds, Range};
 use friction::dry_friction;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::{Family as FamilyHeader, Header, Law, Laws, ModelError};
@@ -118,10 +120,18 @@ impl Architecture {
         }
     }
 
+    /// The shape, if it is of the family of arms.
+    pub fn arm(&self) -> Option<&ArmArchitecture> {
+        match &self.family {
+            Family::Arm(arm) => Some(arm),
+            _ => None,
+        }
+    }
+
     /// What a model of several mechanisms calls them, tree or graph, and the name of the one that is meant.
     pub fn part(&self) -> Option<(&'static str, &str)> {
         match &self.family {
-            Family::Rigid(_) | Family::Bodies(_) => None,
+            Family::Rigid(_) | Family::Bodies(_) | Family::Arm(_) => None,
             Family::Modular(modular) => Some(("tree", modular.tree_name())),
             Family::Graph(graph) => Some(("graph", graph.graph().map_or("", |graph| &graph.name))),
         }
@@ -130,7 +140,7 @@ impl Architecture {
     /// The names of all trees or graphs.
     pub fn parts(&self) -> Vec<&str> {
         match &self.family {
-            Family::Rigid(_) | Family::Bodies(_) => Vec::new(),
+            Family::Rigid(_) | Family::Bodies(_) | Family::Arm(_) => Vec::new(),
             Family::Modular(modular) => modular.trees.iter().map(|tree| tree.name.as_str()).collect(),
             Family::Graph(graph) => graph.graphs.iter().map(|graph| graph.name.as_str()).collect(),
         }
@@ -140,7 +150,7 @@ impl Architecture {
     #[must_use]
     pub fn with_part_named(&self, name: &str) -> Option<Self> {
         match &self.family {
-            Family::Rigid(_) | Family::Bodies(_) => None,
+            Family::Rigid(_) | Family::Bodies(_) | Family::Arm(_) => None,
             Family::Modular(modular) => self.with_family(modular.with_tree_named(name)?),
             Family::Graph(graph) => self.with_family(graph.with_graph_named(name)?),
         }
@@ -186,6 +196,7 @@ impl Architecture {
             Family::Modular(modular) => modular.coordinates(),
             Family::Graph(graph) => "t".repeat(graph.n()),
             Family::Bodies(bodies) => bodies.coordinates(),
+            Family::Arm(arm) => arm.coordinates(),
         }
     }
 
@@ -195,7 +206,7 @@ impl Architecture {
             Family::Rigid(rigid) => rigid.widths.iter().map(|width| usize::from(*width)).collect(),
             Family::Modular(modular) => modular.shape.networks.iter().flat_map(hidden).collect(),
             Family::Graph(graph) => graph.shape.networks.iter().flat_map(hidden).collect(),
-            Family::Bodies(_) => Vec::new(),
+            Family::Bodies(_) | Family::Arm(_) => Vec::new(),
         }
     }
 
@@ -207,7 +218,7 @@ impl Architecture {
                 modular.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0)
             }
             Family::Graph(graph) => graph.shape.networks.iter().map(|n| n.widths().1).max().unwrap_or(0),
-            Family::Bodies(_) => 0,
+            Family::Bodies(_) | Family::Arm(_) => 0,
         }
     }
 
@@ -288,10 +299,16 @@ impl Architecture {
         self.family.fixed_positions().into_iter().chain(friction).chain(networks).collect()
     }
 
-    /// The ranges of numbers that are learned as free numbers ([`Bounds`](crate::training::Bounds)), by their positions.
+    /// The ranges of numbers that are learned as free numbers ([`Bounds`]), by their positions.
     pub fn ranges(&self) -> Vec<(usize, Range)> {
         let friction = self.friction.ranges(self.friction_start());
         self.family.ranges().into_iter().chain(friction).collect()
+    }
+
+    /// The ranges of all learned numbers as the optimisers see them.
+    pub fn bounds(&self) -> Bounds {
+        let bodies = self.arm().map(ArmArchitecture::learned_bodies).unwrap_or_default();
+        Bounds::new(self.ranges()).with_bodies(bodies)
     }
 
     /// Brings numbers that have a range but are learned as they are (masses, a family's own damping) back into it.

@@ -1,6 +1,6 @@
 //! What the numbers of a weight block are called.
 
-use super::{Architecture, Family, TYPE_NUMBERS};
+use super::{Architecture, ArmBody, Family, TYPE_NUMBERS};
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
 use leastaction_core::model::{FrictionNumber, Law};
 
@@ -39,6 +39,21 @@ const OF_ELEMENT: [(&str, &str); TYPE_NUMBERS] = [
     ("centre of mass", "m"),
     ("length", "m"),
     ("viscous friction", ""),
+];
+
+/// Those of a body in space that can be learned, and its rotor.
+const OF_ARM: [(&str, &str); 11] = [
+    ("mass", "kg"),
+    ("mass times centre x", "kg m"),
+    ("mass times centre y", "kg m"),
+    ("mass times centre z", "kg m"),
+    ("inertia xx about the joint", "kg m²"),
+    ("inertia xy about the joint", "kg m²"),
+    ("inertia yy about the joint", "kg m²"),
+    ("inertia xz about the joint", "kg m²"),
+    ("inertia yz about the joint", "kg m²"),
+    ("inertia zz about the joint", "kg m²"),
+    ("inertia of the rotor", "kg m²"),
 ];
 
 /// A group's viscous friction, and the others of dry friction.
@@ -81,6 +96,17 @@ impl Architecture {
                 });
                 let of_bodies = (0..bodies.n()).flat_map(|k| of_body(&format!("body {k}")));
                 gravity.into_iter().chain(of_bodies).map(Some).collect()
+            }
+            Family::Arm(arm) => {
+                let gravity = ["x", "y", "z"]
+                    .map(|axis| NumberName { name: format!("gravity along {axis}"), unit: "m/s²" });
+                let of_body = |(k, body): (usize, &ArmBody)| {
+                    let whose = if body.name.is_empty() { format!("joint {k}") } else { body.name.clone() };
+                    let frame = vec![None; body.frame.len()];
+                    frame.into_iter().chain(OF_ARM.map(|(name, unit)| Some(named(&whose, name, unit))))
+                };
+                let of_bodies = arm.bodies.iter().enumerate().flat_map(of_body);
+                gravity.into_iter().map(Some).chain(of_bodies).collect()
             }
             Family::Modular(modular) => {
                 let mut names = vec![None; modular.numbers_start()];

@@ -15,6 +15,8 @@ pub enum TrainingLoss {
     NextState,
     /// Positions over windows of many steps, each from a start state of its own ([`windows`](crate::windows)).
     Windows,
+    /// The torques of the drives of an arm, at filtered states.
+    Torque,
 }
 
 impl TrainingLoss {
@@ -25,7 +27,7 @@ impl TrainingLoss {
             Self::NextPosition => Some(LossKind::NextPosition),
             Self::Acceleration => Some(LossKind::Acceleration),
             Self::NextState => Some(LossKind::NextState),
-            Self::Windows => None,
+            Self::Windows | Self::Torque => None,
         }
     }
 

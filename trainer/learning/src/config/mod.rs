@@ -1,6 +1,7 @@
 //! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
 //! explained.
 
+mod arm;
 mod bodies;
 mod calibration;
 mod corrections;
@@ -20,6 +21,7 @@ mod rigid;
 
 pub(crate) use origin::Origin;
 
+pub use arm::{ArmConfig, Learning};
 pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
 pub use corrections::{DissipationConfig, PotentialConfig, ScaleConfig};
@@ -52,6 +54,9 @@ pub const GRAPH_DEFAULTS: &str = include_str!("graph.toml");
 /// A configuration for rigid bodies on joints, every key of `[model]` explained.
 pub const BODIES_DEFAULTS: &str = include_str!("bodies.toml");
 
+/// A configuration for an arm, every key of `[model]` explained.
+pub const ARM_DEFAULTS: &str = include_str!("arm.toml");
+
 /// What to learn, from what, and how.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Config {
@@ -79,6 +84,9 @@ pub struct TrainingConfig {
     /// Part of a window that the next one has as well, in [0, 1); none: a half where windows are few.
     #[serde(deserialize_with = "fields::some_fraction", skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
+    /// Of the filter of the loss of torques, Hz.
+    #[serde(deserialize_with = "fields::limit")]
+    pub cut_off: f64,
     /// What windows are integrated by; by default Runge–Kutta steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
@@ -146,6 +154,7 @@ impl Default for TrainingConfig {
             loss: None,
             window: 0.5,
             overlap: None,
+            cut_off: 20.0,
             integrator: None,
             order: 4,
             optimiser: OptimiserKind::LevenbergMarquardt,
@@ -231,6 +240,10 @@ impl Config {
             ModelConfig::Bodies(bodies) => {
                 bodies.architecture().map_err(located)?;
             }
+            ModelConfig::Arm(arm) => {
+                folder.into_iter().for_each(|folder| arm.urdf = folder.join(&arm.urdf));
+                arm.architecture().map_err(located)?;
+            }
         }
         Ok(config)
     }
@@ -248,6 +261,7 @@ impl Config {
         let from = match &mut model {
             ModelConfig::Modular(modular) => modular.from.as_mut(),
             ModelConfig::Rigid(rigid) => rigid.start_from.as_mut(),
+            ModelConfig::Arm(arm) => Some(&mut arm.urdf),
             _ => None,
         };
         from.into_iter().for_each(|from| *from = PathBuf::new());
@@ -290,6 +304,11 @@ impl Config {
                 let architecture = graph.assemble()?;
                 let weights = architecture.beginning(seed);
                 Ok((architecture.into(), weights))
+            }
+            ModelConfig::Arm(arm) => {
+                let architecture = arm.architecture()?;
+                let weights = architecture.initial_weights(seed);
+                Ok((architecture, weights))
             }
             ModelConfig::Bodies(bodies) => {
                 let architecture = bodies.architecture()?;

@@ -1,5 +1,6 @@
 //! `[model]`, whatever the family.
 
+use super::arm::ArmConfig;
 use super::bodies::BodiesConfig;
 use super::fields::Coordinates;
 use super::graph::GraphConfig;
@@ -21,6 +22,14 @@ pub enum ModelConfig {
     Graph(GraphConfig),
     /// `family = "bodies"`.
     Bodies(BodiesConfig),
+    /// `family = "arm"`.
+    Arm(ArmConfig),
+}
+
+impl From<ArmConfig> for ModelConfig {
+    fn from(arm: ArmConfig) -> Self {
+        Self::Arm(arm)
+    }
 }
 
 impl ModelConfig {
@@ -45,6 +54,7 @@ impl ModelConfig {
             Self::Rigid(rigid) => (&mut rigid.dissipation, &mut rigid.potential),
             Self::Modular(modular) => (&mut modular.dissipation, &mut modular.potential),
             Self::Bodies(bodies) => (&mut bodies.dissipation, &mut bodies.potential),
+            Self::Arm(arm) => (&mut arm.dissipation, &mut arm.potential),
             Self::Graph(_) => return None,
         };
         *dissipation = with_dissipation.then(|| dissipation.take().unwrap_or_default());

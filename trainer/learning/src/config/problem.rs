@@ -310,6 +310,33 @@ pub enum Problem {
         /// What it sits on.
         on: u64,
     },
+    /// A robot description that cannot be read.
+    #[error("{}: {message}", file.display())]
+    Description {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+    /// A joint that follows another one.
+    #[error(
+        "{}: a joint follows another one (<mimic>), and each joint of a model must have a coordinate of its own; give it a fixed joint, or \
+         one of its own",
+        file.display()
+    )]
+    Follows {
+        /// The file.
+        file: PathBuf,
+    },
+    /// Inertial numbers of no body.
+    #[error(
+        "link {link}: its inertia is of no body that can be (a moment of inertia is larger than the sum of the other two, or the mass is 0), \
+         so it cannot be where training begins; correct it, or set bodies = \"known\""
+    )]
+    NoBodyThatCanBe {
+        /// The link.
+        link: String,
+    },
     /// No node type.
     #[error("no node types: add a [[model.node_types]] with a name and a mass")]
     NoNodeTypes,

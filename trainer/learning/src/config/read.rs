@@ -1,5 +1,6 @@
 //! From the text of a file to a configuration.
 
+use super::arm::ArmConfig;
 use super::bodies::BodiesConfig;
 use super::graph::GraphConfig;
 use super::modular::ModularConfig;
@@ -19,6 +20,7 @@ enum Family {
     Modular,
     Graph,
     Bodies,
+    Arm,
 }
 
 /// A file with a model of a known family.
@@ -52,6 +54,7 @@ pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
         Family::Modular => read::<ModularConfig>(document),
         Family::Graph => read::<GraphConfig>(document),
         Family::Bodies => read::<BodiesConfig>(document),
+        Family::Arm => read::<ArmConfig>(document),
     }
 }
 

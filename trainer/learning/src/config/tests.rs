@@ -18,7 +18,7 @@ fn defaults() -> Config {
 fn rigid(config: &Config) -> &RigidConfig {
     match &config.model {
         ModelConfig::Rigid(rigid) => rigid,
-        ModelConfig::Modular(_) | ModelConfig::Graph(_) | ModelConfig::Bodies(_) => {
+        ModelConfig::Modular(_) | ModelConfig::Graph(_) | ModelConfig::Bodies(_) | ModelConfig::Arm(_) => {
             panic!("not a rigid model")
         }
     }

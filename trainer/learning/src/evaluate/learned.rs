@@ -34,7 +34,7 @@ pub fn with_forced<T>(
 ) -> Result<T, ModelError> {
     match &architecture.family {
         Family::Graph(graph) => with_forced_graph(graph, weights, then),
-        Family::Rigid(_) | Family::Modular(_) | Family::Bodies(_) => {
+        Family::Rigid(_) | Family::Modular(_) | Family::Bodies(_) | Family::Arm(_) => {
             let free = FreeAccelerations::new(architecture, weights)?;
             Ok(then(&|q, v, u, out| free.write(q, v, u, out)))
         }

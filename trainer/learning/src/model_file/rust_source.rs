@@ -51,6 +51,7 @@ fn write_head(to: &mut String, model: &HostModel, length: usize) -> fmt::Result 
         Family::Modular(_) => "ModelError, ModularModel",
         Family::Graph(_) => "GraphModel, ModelError",
         Family::Bodies(_) => "BodiesModel, ModelError",
+        Family::Arm(_) => "ArmModel, ModelError",
     };
     if model.architecture.graph().is_some() {
         writeln!(to, "use leastaction_core::constraints::Holonomic;")?;
@@ -79,7 +80,7 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
     let of = |n: &str| law.as_ref().map_or(String::new(), |law| format!(", {}<{n}>", law.name()));
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", architecture.n())?;
-    if architecture.bodies().is_none() {
+    if architecture.bodies().is_none() && architecture.arm().is_none() {
         writeln!(to, "/// Units of the widest hidden layer.\npub const H: usize = {widest};")?;
         writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
     }
@@ -106,10 +107,11 @@ fn write_sizes(to: &mut String, model: &HostModel) -> fmt::Result {
             writeln!(to, "/// The loaded model.\npub type Model = Tree<N>;")
         }
         Family::Graph(graph) => write_graphs(to, graph, weight),
-        Family::Bodies(_) => {
+        Family::Bodies(_) | Family::Arm(_) => {
             write_forces(to, model)?;
             let forces = of("N");
-            writeln!(to, "\n/// The loaded model.\npub type Model = BodiesModel<'static, N{weight}{forces}>;")
+            let model = if architecture.arm().is_some() { "ArmModel" } else { "BodiesModel" };
+            writeln!(to, "\n/// The loaded model.\npub type Model = {model}<'static, N{weight}{forces}>;")
         }
     }
 }
@@ -246,7 +248,7 @@ fn write_integrator(to: &mut String, TrainedStep { order, h, .. }: TrainedStep) 
 fn write_bytes(to: &mut String, model: &HostModel, bytes: &[u8]) -> fmt::Result {
     let length = bytes.len();
     let (edges, lists) = match &model.architecture.family {
-        Family::Rigid(_) | Family::Bodies(_) => ("", ""),
+        Family::Rigid(_) | Family::Bodies(_) | Family::Arm(_) => ("", ""),
         Family::Modular(_) => ("", ", TREE"),
         Family::Graph(_) => {
             ("edges: &'a mut [Edge; EDGES], rods: &'a mut [Rod; RODS]", ", GRAPH, edges, rods")

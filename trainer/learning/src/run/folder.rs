@@ -87,6 +87,7 @@ impl Folder {
         let mut config = config.clone();
         let model = match &mut config.model {
             ModelConfig::Modular(modular) => modular.from.as_mut(),
+            ModelConfig::Arm(arm) => Some(&mut arm.urdf),
             ModelConfig::Rigid(_) | ModelConfig::Graph(_) | ModelConfig::Bodies(_) => None,
         };
         if let Some(from) = model {

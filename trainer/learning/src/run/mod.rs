@@ -29,6 +29,7 @@ mod stages;
 mod state;
 #[cfg(test)]
 mod tests;
+mod torques;
 mod tried;
 
 pub use choose::{ChoiceError, Chosen, choose};
@@ -37,6 +38,7 @@ pub use notice::Notice;
 pub use plan::{Plan, PlanError};
 pub use resume::ResumeError;
 pub use state::Row;
+pub use torques::{TorqueError, TorqueReport};
 pub use tried::Tried;
 
 use crate::checkpoint::{Best, Checkpoint, State};

@@ -1,5 +1,6 @@
 //! What the user should know before training begins, and the data as it is trained on.
 
+use super::TorqueReport;
 use super::plan::PlanError;
 use crate::architecture::Architecture;
 use crate::config::Config;
@@ -23,6 +24,8 @@ pub enum Notice {
         /// Length of a window, s.
         window: f64,
     },
+    /// An arm was fitted to torques.
+    Torques(TorqueReport),
     /// What was changed in the data.
     Changed(Note),
     /// What the data can hardly mean.
@@ -58,6 +61,7 @@ impl std::fmt::Display for Notice {
                  \"next-position\" trains on single steps nonetheless",
                 100.0 * part.min(1.0),
             ),
+            Self::Torques(report) => report.fmt(f),
             Self::Changed(note) => note.fmt(f),
             Self::Doubtful(doubt) => doubt.fmt(f),
             Self::Rings { coordinate, stiffness, most, order } => write!(

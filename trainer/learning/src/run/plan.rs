@@ -4,13 +4,14 @@ use super::fingerprint;
 use super::notice::{Notice, prepared};
 use super::origin::at_origin;
 use super::stages::{self, Stage, Windowed};
-use super::{range, ringing};
+use super::{TorqueError, range, ringing, torques};
 use crate::architecture::{Architecture, Family};
 use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, Origin, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
 use crate::training::{Progress, SampleError};
 use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs, first_guess};
+use leastaction_arms::fit::FitError;
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{CoordinateRange, ModelError, TrainedStep};
@@ -70,6 +71,33 @@ pub enum PlanError {
         /// Of the data.
         data: usize,
     },
+    /// The data has another number of coordinates than the arm.
+    #[error(
+        "[model] urdf has {model} joints, in this order: {joints}; but the data has {data} coordinates; name the columns of all joints in \
+         that order"
+    )]
+    Arm {
+        /// Names of the joints.
+        joints: String,
+        /// Of the model.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// An arm without torques.
+    #[error(
+        "an arm is learned from the torques of its drives, and the data has none (u is zero or missing); add them under [data.columns]"
+    )]
+    NoTorques,
+    /// Torques of another family.
+    #[error("[training] loss = \"torque\" is of family = \"arm\"; set another loss, or leave it out")]
+    Torque,
+    /// An arm that cannot be fitted to the torques.
+    #[error("{0}")]
+    Fit(#[from] FitError),
+    /// A log that does not become samples of torques.
+    #[error("{0}")]
+    Torques(#[from] TorqueError),
     /// Masses that nothing determines.
     #[error(
         "[[model.{types}]]: every mass of the {of} is learned, but no sample is forced (u is zero or missing), and free motion does \
@@ -170,6 +198,9 @@ impl Plan {
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
         check_state_noise(&config.training, loss)?;
+        if loss == TrainingLoss::Torque && architecture.arm().is_none() {
+            return Err(PlanError::Torque);
+        }
         let training = split(&data, config.data.validation, &mut notices);
         let (stages, windows) = match loss.of_samples() {
             Some(kind) => {
@@ -183,13 +214,21 @@ impl Plan {
                 check_gauge(&architecture, is_forced(&architecture, &data))?;
                 let of = (&data, training);
                 let (stages, windows) = stages::of_windows(&config, &architecture, of, &mut notices)?;
-                if let Some(stage) = stages.first() {
+                if let Some(arm) = architecture.arm() {
+                    let of = ((&architecture, &initial[..]), arm, (&data, training));
+                    let fitted = torques::fitted(of.0, of.1, of.2, &config)?;
+                    initial = fitted.weights;
+                    notices.push(Notice::Torques(fitted.report));
+                    let begins = fitted.calibrated.iter();
+                    initial.extend(begins.flat_map(|calibrated| windows.layout.initial_at(calibrated)));
+                } else if let Some(stage) = stages.first() {
                     let logs = WindowLogs::new(&data.split(training).0);
                     initial = first_guess(&architecture, &logs, initial, &*stage.objective)?;
                 }
                 if !config.model.has_trained_networks() {
                     let numbers = architecture.corrections.without_effect();
-                    initial.splice(architecture.corrections_start().., numbers);
+                    let start = architecture.corrections_start();
+                    initial.splice(start..start + architecture.corrections.count(), numbers);
                 }
                 (stages, Some(windows))
             }
@@ -275,6 +314,10 @@ fn check_coordinates(architecture: &Architecture, data: &Dataset) -> Result<(), 
         _ if model == data => Ok(()),
         Family::Rigid(_) => Err(PlanError::Coordinates { model, data }),
         Family::Bodies(_) => Err(PlanError::Bodies { model, data }),
+        Family::Arm(arm) => {
+            let joints = arm.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>().join(", ");
+            Err(PlanError::Arm { joints, model, data })
+        }
         Family::Graph(graph) => {
             let (graph, dimension) = (graph.graph()?.name.clone(), graph.dimension());
             Err(PlanError::Graph { graph, dimension, model, data })
@@ -306,6 +349,10 @@ fn check_gauge(architecture: &Architecture, forced: bool) -> Result<(), PlanErro
         Family::Modular(modular) => ("types", "tree", modular.learns_every_mass()),
         Family::Graph(graph) => ("node_types", "graph", !graph.shows_scale()),
         Family::Bodies(bodies) => ("bodies", "tree", !bodies.shows_scale()),
+        // Only torques show them.
+        Family::Arm(arm) => {
+            return if arm.shows_scale() || forced { Ok(()) } else { Err(PlanError::NoTorques) };
+        }
     };
     if open && !forced { Err(PlanError::Masses { types, of }) } else { Ok(()) }
 }
@@ -332,7 +379,8 @@ fn choose_loss(
 ) -> TrainingLoss {
     let training = &mut config.training;
     let of_noise = training.state_noise.map(|_| TrainingLoss::Acceleration);
-    let chosen = training.loss.or(of_noise).unwrap_or_else(|| {
+    let of_torques = architecture.arm().map(|_| TrainingLoss::Torque);
+    let chosen = training.loss.or(of_noise).or(of_torques).unwrap_or_else(|| {
         let takes_windows =
             architecture.has_steps() && training.optimiser == OptimiserKind::LevenbergMarquardt;
         match windows::noise_of(data).filter(|_| takes_windows) {

@@ -2,8 +2,10 @@
 
 use super::notice::Notice;
 use super::plan::{PlanError, is_forced};
-use crate::architecture::{Architecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture};
-use crate::config::{Config, OptimiserKind, TrainingConfig};
+use crate::architecture::{
+    Architecture, ArmArchitecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture,
+};
+use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
 use crate::training::{LossKind, Objective, SampleError, Samples, free_states_objective, objective};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
@@ -68,6 +70,7 @@ fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
         || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
         || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
         || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
+        || architecture.arm().is_some_and(ArmArchitecture::shows_scale)
 }
 
 /// The part of a window that is learned from first: whatever the initial weights, motion over it is hardly chaotic.
@@ -136,6 +139,9 @@ pub(super) fn of_windows(
     let logs = Arc::new(WindowLogs::new(data));
     let all = ((window / data.h).round() as usize).max(1);
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
+    // What is learned from torques is learned before.
+    let of_torques = config.training.loss == Some(TrainingLoss::Torque);
+    let iterations = if of_torques { 0 } else { iterations };
     let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     let corrections =
         Some(&architecture.corrections).filter(|own| !own.is_none() && !config.model.has_trained_networks());
@@ -143,7 +149,8 @@ pub(super) fn of_windows(
         lengths.push((NETWORKS, all, iterations));
     }
     let warms_up = |steps: usize, iterations: u64| steps < all && iterations > 0 && !config.model.goes_on();
-    lengths.retain(|(name, steps, iterations)| *name != WARM_UP || warms_up(*steps, *iterations));
+    lengths
+        .retain(|(name, steps, iterations)| *name != WARM_UP || !of_torques && warms_up(*steps, *iterations));
     let [least, most] = SMOOTH_STEP;
     let longest_step =
         if architecture.friction.dry.is_empty() { data.h.clamp(least, most) } else { STIFF_STEP };
@@ -181,7 +188,7 @@ pub(super) fn of_windows(
     for length in lengths {
         stages.push(stage(length, 0..training, held_back.clone())?);
     }
-    if !held_back.is_empty() {
+    if !held_back.is_empty() && !of_torques {
         // What the held-back logs had to say of the model they have said; now they are learned from as well.
         stages.push(stage((ALL_LOGS, all, iterations), 0..count, 0..0)?);
     }

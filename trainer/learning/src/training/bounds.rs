@@ -9,6 +9,8 @@
 //! θ ends a little before the number would be at its bound in double precision, where its slope would be 0 and nothing could move it
 //! any more: [`LEAST`] and [`MARGIN`].
 
+use super::NormalEquations;
+use leastaction_arms::{INERTIAL, Inertia, LogCholesky};
 use serde::{Deserialize, Serialize};
 
 /// Numbers above 0 stay between this and one over it.
@@ -71,38 +73,71 @@ impl Range {
     }
 }
 
-/// The numbers of a weight block that have a range; all others may be anything.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// The numbers of a weight block that have a range, one by one or ten of a body; all others may be anything.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bounds {
     ranges: Vec<(usize, Range)>,
+    /// Where the inertial numbers of bodies begin, which are bodies that can be; θ are their log-Cholesky numbers.
+    bodies: Vec<(usize, LogCholesky)>,
 }
 
 /// No number has a range.
-pub(super) static NONE: Bounds = Bounds { ranges: Vec::new() };
+pub(super) static NONE: Bounds = Bounds { ranges: Vec::new(), bodies: Vec::new() };
 
 impl Bounds {
     /// Ranges of numbers by their positions in the weight block, each named once.
     pub fn new(mut ranges: Vec<(usize, Range)>) -> Self {
         ranges.retain(|(_, range)| *range != Range::Any);
-        Self { ranges }
+        Self { ranges, bodies: Vec::new() }
+    }
+
+    /// The same where ten numbers from each of these positions on are a body.
+    #[must_use]
+    pub fn with_bodies(self, bodies: Vec<(usize, LogCholesky)>) -> Self {
+        Self { bodies, ..self }
     }
 
     /// Whether every number may be anything, and so θ is the weight block itself.
     pub fn is_empty(&self) -> bool {
-        self.ranges.is_empty()
+        self.ranges.is_empty() && self.bodies.is_empty()
     }
 
-    /// θ of a weight block; of numbers out of range or at a bound that of the nearest that θ reaches.
+    /// θ of a weight block; of numbers out of range or at a bound that of the nearest that θ reaches, of a body that cannot be 0.
     pub fn free(&self, weights: &[f64]) -> Vec<f64> {
-        self.each(weights, Range::free)
+        let chart =
+            |chart: &LogCholesky, own: [f64; INERTIAL]| chart.numbers(&Inertia(own)).unwrap_or_default();
+        self.each_body(self.each(weights, Range::free), chart)
     }
 
     /// The weight block of θ, every number in its range.
     pub fn weights(&self, theta: &[f64]) -> Vec<f64> {
-        self.each(theta, Range::weight)
+        self.each_body(self.each(theta, Range::weight), |chart, own| chart.inertia(&own).0)
     }
 
-    /// dw/dθ of every number; 1 where it may be anything.
+    fn each_body(
+        &self,
+        mut numbers: Vec<f64>,
+        change: impl Fn(&LogCholesky, [f64; INERTIAL]) -> [f64; INERTIAL],
+    ) -> Vec<f64> {
+        for (position, chart) in &self.bodies {
+            if let Some(own) = numbers.get_mut(*position..).and_then(|rest| rest.first_chunk_mut()) {
+                *own = change(chart, *own);
+            }
+        }
+        numbers
+    }
+
+    /// Brings normal equations in the weights to θ.
+    pub(super) fn to_free(&self, theta: &[f64], equations: &mut NormalEquations) {
+        equations.scale(self.slopes_at(theta));
+        for (position, chart) in &self.bodies {
+            if let Some(own) = theta.get(*position..).and_then(|rest| rest.first_chunk()) {
+                equations.mix(*position, &chart.slopes(own));
+            }
+        }
+    }
+
+    /// dw/dθ of every number that has a range of its own; 1 of all others.
     pub fn slopes(&self, theta: &[f64]) -> Vec<f64> {
         let mut slopes = vec![1.0; theta.len()];
         self.slopes_at(theta).for_each(|(position, slope)| slopes[position] = slope);
@@ -266,6 +301,63 @@ mod tests {
         assert_eq!(scaled.gradient, expected.gradient);
         for (i, j) in (0..3).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             assert_eq!(scaled.gram[(i, j)], expected.gram[(i, j)]);
+        }
+    }
+
+    /// A body among other numbers.
+    fn with_a_body() -> (Bounds, Vec<f64>) {
+        let body = Inertia([2.0, 0.1, -0.2, 0.3, 0.4, 0.01, 0.5, -0.02, 0.03, 0.3]);
+        let bounds = Bounds::new(vec![(0, Range::Positive)])
+            .with_bodies(vec![(1, LogCholesky::around(&body).unwrap())]);
+        let mut weights = vec![0.7];
+        weights.extend(body.0.map(|x| 1.1 * x));
+        weights.push(-3.0);
+        (bounds, weights)
+    }
+
+    #[test]
+    fn a_body_comes_back_and_one_that_cannot_be_becomes_the_prior() {
+        let (bounds, weights) = with_a_body();
+        let back = bounds.weights(&bounds.free(&weights));
+        assert!(back.iter().zip(&weights).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
+        let mut wrong = weights.clone();
+        wrong[1] = -1.0;
+        assert!((bounds.within(wrong)[1] - 2.0).abs() < 1e-12);
+        let mut theta = bounds.free(&weights);
+        theta[1..11].fill(3.0);
+        let far: [f64; INERTIAL] = *bounds.weights(&theta)[1..].first_chunk().unwrap();
+        assert!(Inertia(far).consistency() > 0.0);
+    }
+
+    /// JᵀJ and Jᵀr in θ are those of a Jacobian times ∂w/∂θ, which is a difference of weights.
+    #[test]
+    fn normal_equations_of_a_body_are_in_its_free_numbers() {
+        let (bounds, weights) = with_a_body();
+        let (theta, count) = (bounds.free(&weights), weights.len());
+        let wave = |i: usize, j: usize| (1.3 * i as f64 + 2.7 * j as f64).sin();
+        let jacobian = faer::Mat::from_fn(15, count, wave);
+        let residual: Vec<f64> = (0..15).map(|i| wave(i, 40)).collect();
+        let slope = |j: usize, k: usize| {
+            let moved = |step: f64| {
+                let mut theta = theta.clone();
+                theta[k] += step;
+                bounds.weights(&theta)[j]
+            };
+            (moved(1e-6) - moved(-1e-6)) / 2e-6
+        };
+        let free = &jacobian * faer::Mat::from_fn(count, count, slope);
+        let mut equations = NormalEquations::zero(count);
+        equations.add(&jacobian, &residual);
+        bounds.to_free(&theta, &mut equations);
+        let mut expected = NormalEquations::zero(count);
+        expected.add(&free, &residual);
+        for i in 0..count {
+            let error = (equations.gradient[i] - expected.gradient[i]).abs();
+            assert!(error < 1e-7, "{i}: {error}");
+            for j in 0..=i {
+                let error = (equations.gram[(i, j)] - expected.gram[(i, j)]).abs();
+                assert!(error < 1e-7, "{i} {j}: {error}");
+            }
         }
     }
 }

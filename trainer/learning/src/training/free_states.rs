@@ -98,7 +98,7 @@ pub fn free_states_objective(
         fixed: architecture.fixed_positions(),
         samples,
         noise,
-        bounds: Bounds::new(architecture.ranges()),
+        bounds: architecture.bounds(),
         architecture: architecture.clone(),
     }))
 }

@@ -107,7 +107,7 @@ impl Levenberg {
         let Some(mut equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
         equations.add_decay(self.decay, &self.weights[..objective.weights()]);
         let theta = objective.bounds().free(&self.weights);
-        equations.scale(objective.bounds().slopes_at(&theta));
+        objective.bounds().to_free(&theta, &mut equations);
         let scales = self.damping(objective, &equations);
         let before = self.cost(objective, self.loss, &self.weights);
         while self.mu < MU_LIMIT {

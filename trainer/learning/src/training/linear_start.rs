@@ -1,7 +1,7 @@
 //! Where training of rigid bodies begins: least squares on the torques of logged motion.
 
 use super::blocks::Blocks;
-use super::{Bounds, Levenberg, Objective, Samples};
+use super::{Levenberg, Objective, Samples};
 use crate::architecture::{Architecture, BodiesArchitecture, Number};
 use crate::parallel;
 use faer::linalg::solvers::Solve;
@@ -61,7 +61,7 @@ fn balance(architecture: &Architecture, [q, v, a, tau]: [&[f64]; 4]) -> Result<B
         ..Samples::default()
     };
     let place = (architecture.parameters()?, architecture.fixed_positions());
-    let bounds = Bounds::new(architecture.ranges());
+    let bounds = architecture.bounds();
     let blocks =
         Blocks::new(move || Box::new(TorqueLoss::new(&system)), place, samples, Box::new(|_: &mut [f64]| ()));
     Ok(blocks.with_bounds(bounds))

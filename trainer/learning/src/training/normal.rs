@@ -86,6 +86,32 @@ impl NormalEquations {
         }
     }
 
+    /// Those in θ where the weights from a position on vary with as many θ, ∂w_j/∂θ_k being `slopes[k][j]`.
+    pub(super) fn mix<const M: usize>(&mut self, position: usize, slopes: &[[f64; M]; M]) {
+        let mixed = |own: [f64; M]| slopes.map(|row| row.iter().zip(own).map(|(slope, x)| slope * x).sum());
+        let of: [f64; M] = mixed(std::array::from_fn(|j| self.gradient[position + j]));
+        self.gradient[position..position + M].copy_from_slice(&of);
+        let count = self.gram.ncols();
+        // None where the gradient alone is summed.
+        if count == 0 {
+            return;
+        }
+        let at = |i: usize, j: usize| (i.max(j), i.min(j));
+        for other in (0..count).filter(|other| !(position..position + M).contains(other)) {
+            let own: [f64; M] = mixed(std::array::from_fn(|j| self.gram[at(position + j, other)]));
+            own.into_iter().enumerate().for_each(|(k, x)| self.gram[at(position + k, other)] = x);
+        }
+        let block: [[f64; M]; M] =
+            std::array::from_fn(|i| std::array::from_fn(|j| self.gram[at(position + i, position + j)]));
+        let half = block.map(mixed);
+        for (i, slopes) in slopes.iter().enumerate() {
+            for j in 0..=i {
+                let sum: f64 = slopes.iter().zip(&half).map(|(slope, row)| slope * row[j]).sum();
+                self.gram[(position + i, position + j)] = sum;
+            }
+        }
+    }
+
     /// Adds another part.
     pub fn merge(&mut self, other: &Self) {
         // None where the gradient alone is summed.

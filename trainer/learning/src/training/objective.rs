@@ -152,7 +152,7 @@ fn of_architecture(
     let (place, own) = ((architecture.parameters()?, architecture.fixed_positions()), architecture.clone());
     let project = Box::new(move |weights: &mut [f64]| own.project(weights));
     let blocks = Blocks::new(make, place, samples, project);
-    Ok(Box::new(blocks.with_bounds(Bounds::new(architecture.ranges()))))
+    Ok(Box::new(blocks.with_bounds(architecture.bounds())))
 }
 
 /// The objective of any loss over samples, for a model of so many weights, all of which are learned. `make` gives a loss to every

@@ -86,7 +86,7 @@ impl WindowModel {
         Ok(Self {
             system: System::new(&*architecture.energies()?),
             fixed: architecture.fixed_positions(),
-            bounds: Bounds::new(architecture.ranges()),
+            bounds: architecture.bounds(),
             project: Box::new(move |weights: &mut [f64]| own.project(weights)),
         })
     }

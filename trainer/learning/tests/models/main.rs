@@ -1,5 +1,6 @@
 //! Models of every family: from a configuration to training.
 
+mod arms;
 mod bodies;
 mod control;
 mod corrections;

@@ -1,5 +1,6 @@
 //! The families of [`leastaction_core::energy`], their Lagrangians written down for any size.
 
+mod arm;
 mod bodies;
 mod friction;
 mod graph;
@@ -8,6 +9,7 @@ mod modular;
 mod network;
 mod rigid;
 
+pub use arm::{ArmEnergies, ArmJoint};
 pub use bodies::BodiesEnergies;
 pub use friction::{DryLaw, FrictionLaws, WithFriction};
 pub use graph::GraphEnergies;

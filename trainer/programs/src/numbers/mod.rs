@@ -12,8 +12,8 @@ use crate::program::Program;
 use crate::row::Row;
 use values::{Id, Results, Value, Values};
 
-/// Operations at most: longer programs are of long vectors, which are fast as they are.
-const MOST: usize = 8192;
+/// Operations at most: longer programs are of long vectors, which are fast as they are. An arm of seven joints has 20,000 of short ones.
+const MOST: usize = 1 << 16;
 
 /// A place for a number of every sample.
 type Register = u32;

@@ -24,8 +24,10 @@ use leastaction_learning::evaluate::{
 };
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::{HostModel, Precision, decode, encode_in};
+use leastaction_learning::torques::{TorqueErrors, torque_errors};
+use leastaction_learning::windows::Calibrated;
 use long_term::{Request, Scalable};
-use report::{Acceleration, Report, Steps};
+use report::{Acceleration, Report, Steps, Torques};
 use std::path::{Path, PathBuf};
 
 /// Measure a model on logged motion.
@@ -314,6 +316,7 @@ impl Evaluate {
                 acceleration_relative: solved.mean_square.map(|error| error / square),
                 acceleration_unsolved: solved.unsolved,
             }),
+            torques: torques(model, log),
             steps: architecture.has_steps().then(steps).transpose()?,
             chip: None,
             inertia_mse: system.map(inertia).transpose()?,
@@ -355,4 +358,15 @@ fn prepare(log: &mut Dataset, letters: &str, output: Output) {
 enum Exact {
     Symo(Mechanism),
     Scalable(Scalable),
+}
+
+/// Of the filter of motion and torques, Hz, as training has it by default.
+const CUT_OFF: f64 = 20.0;
+
+/// Errors of the torques of an arm.
+fn torques(model: &HostModel, log: &Dataset) -> Option<Torques> {
+    let calibrated = Calibrated::of_file(&model.facts.actuator, model.architecture.n()).ok();
+    let of = (&model.architecture, &model.weights[..]);
+    let TorqueErrors { nmse, rmse, .. } = torque_errors(of, calibrated.as_ref(), log, CUT_OFF)?;
+    Some(Torques { torque_nmse: nmse, torque_rmse: rmse })
 }

@@ -27,6 +27,8 @@ pub struct Report {
     #[serde(flatten)]
     pub acceleration: Option<Acceleration>,
     #[serde(flatten)]
+    pub torques: Option<Torques>,
+    #[serde(flatten)]
     pub steps: Option<Steps>,
     /// None for a size that the chip's arithmetic is not compiled for here.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,6 +52,7 @@ impl fmt::Display for Report {
             "{part}{trajectories} trajectories, {samples} samples; order {order}, step {h} s{control}; mean squared errors"
         )?;
         self.acceleration.iter().try_for_each(|acceleration| write!(f, "{acceleration}"))?;
+        self.torques.iter().try_for_each(|torques| write!(f, "{torques}"))?;
         self.steps.iter().try_for_each(|steps| steps.write(f, ""))?;
         if let Some(chip) = &self.chip {
             writeln!(f, "on the chip, in single precision")?;
@@ -69,6 +72,23 @@ pub struct Acceleration {
     pub acceleration_relative: Option<f64>,
     /// Samples at which the model has none.
     pub acceleration_unsolved: usize,
+}
+
+/// Errors of the torques of an arm, of motion and torques filtered alike.
+#[derive(Serialize)]
+pub struct Torques {
+    /// Mean over joints of mean squared error over variance.
+    pub torque_nmse: f64,
+    /// Root mean squared error of every joint, N m or N.
+    pub torque_rmse: Vec<f64>,
+}
+
+impl fmt::Display for Torques {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        row(f, "torque, over its variance", Some(self.torque_nmse))?;
+        let rmse = self.torque_rmse.iter().map(|x| format!("{x:.4}")).collect::<Vec<_>>().join(" ");
+        writeln!(f, "{:<30} {rmse}", "  root mean square, N m")
+    }
 }
 
 /// Errors of steps.

@@ -312,7 +312,7 @@ impl Report {
             ["step, order 2", "step, order 4"]
         };
         match &self.shape {
-            ShapeReport::Rigid { .. } | ShapeReport::Bodies { .. } => {}
+            ShapeReport::Rigid { .. } | ShapeReport::Bodies { .. } | ShapeReport::Arm { .. } => {}
             ShapeReport::Modular { tree, .. } => {
                 writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
             }

@@ -5,9 +5,11 @@ use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
 use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::energy::spatial::SpatialParameters;
 use leastaction_core::model::TreeHeader;
 use leastaction_learning::architecture::{
-    Architecture, BodiesArchitecture, Family, GraphArchitecture, ModularArchitecture, RigidArchitecture,
+    Architecture, ArmArchitecture, BodiesArchitecture, Family, GraphArchitecture, ModularArchitecture,
+    RigidArchitecture,
 };
 use serde::Serialize;
 
@@ -55,6 +57,26 @@ pub enum ShapeReport {
         /// The bodies, in the order of the coordinates.
         bodies: Vec<Body>,
     },
+    /// A tree of rigid bodies in space.
+    Arm {
+        /// m/s².
+        gravity: [f64; 3],
+        /// The bodies, in the order of the coordinates.
+        bodies: Vec<SpatialBody>,
+    },
+}
+
+/// A rigid body in space on its joint.
+#[derive(Serialize)]
+pub struct SpatialBody {
+    joint: &'static str,
+    on: Option<u8>,
+    at: [f64; 3],
+    axis: [f64; 3],
+    mass: f64,
+    centre: [f64; 3],
+    inertia: [f64; 3],
+    rotor: f64,
 }
 
 /// A rigid body on its joint.
@@ -109,6 +131,7 @@ impl ShapeReport {
             Family::Modular(modular) => Self::modular(modular),
             Family::Graph(graph) => Self::graph(graph),
             Family::Bodies(bodies) => Self::bodies(bodies),
+            Family::Arm(arm) => Self::arm(arm),
         }
     }
 
@@ -209,6 +232,16 @@ impl ShapeReport {
         }
     }
 
+    fn arm(arm: &ArmArchitecture) -> Self {
+        let weights = arm.initial_weights();
+        let numbers = |k: usize| ArmArchitecture::body_of(&weights, k);
+        let each = arm.tree_bodies().enumerate().filter_map(|(k, body)| Some((body, numbers(k)?)));
+        Self::Arm {
+            gravity: arm.gravity,
+            bodies: each.map(|(body, numbers)| SpatialBody::new(body, numbers)).collect(),
+        }
+    }
+
     /// Names and values, line by line.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         match self {
@@ -237,7 +270,53 @@ impl ShapeReport {
                 let gravity = [("gravity", format!("({x:.4}, {y:.4}) m/s²"))].into_iter();
                 gravity.chain(bodies.iter().map(|body| ("body", body.line()))).collect()
             }
+            Self::Arm { gravity: [x, y, z], bodies } => {
+                let gravity = [("gravity", format!("({x:.4}, {y:.4}, {z:.4}) m/s²"))].into_iter();
+                gravity.chain(bodies.iter().map(|body| ("body", body.line()))).collect()
+            }
         }
+    }
+}
+
+/// What a joint is called.
+fn name(joint: Joint) -> &'static str {
+    match joint {
+        Joint::Revolute => "revolute",
+        Joint::Prismatic => "prismatic",
+    }
+}
+
+/// Numbers in brackets.
+fn vector(x: &[f64; 3]) -> String {
+    format!("({:.4}, {:.4}, {:.4})", x[0], x[1], x[2])
+}
+
+impl SpatialBody {
+    fn new(body: TreeBody, numbers: SpatialParameters<f64>) -> Self {
+        let [m, x, y, z, xx, _, yy, _, _, zz] = numbers.inertia.into_array();
+        let centre = if m > 0.0 { [x / m, y / m, z / m] } else { [0.0; 3] };
+        Self {
+            joint: name(body.joint),
+            on: body.parent,
+            at: numbers.place,
+            axis: numbers.axis,
+            mass: m,
+            centre,
+            inertia: [xx, yy, zz],
+            rotor: numbers.rotor,
+        }
+    }
+
+    fn line(&self) -> String {
+        let Self { joint, on, at, axis, mass, centre, inertia, rotor } = self;
+        let on = on.map_or_else(|| "the base".to_owned(), |on| format!("body {on}"));
+        format!(
+            "{joint} on {on} at {} m about {}, {mass:.4} kg, centre {} m, moments of inertia about the joint {} kg m², rotor {rotor:.4} kg m²",
+            vector(at),
+            vector(axis),
+            vector(centre),
+            vector(inertia)
+        )
     }
 }
 
@@ -272,10 +351,7 @@ impl Body {
     fn new(TreeBody { joint, parent }: TreeBody, numbers: [f64; 9]) -> Self {
         let BodyParameters { place, angle, mass, centre, inertia, rotor, gear } =
             BodyParameters::from_array(numbers);
-        let joint = match joint {
-            Joint::Revolute => "revolute",
-            Joint::Prismatic => "prismatic",
-        };
+        let joint = name(joint);
         Self { joint, on: parent, at: place, angle, mass, centre, inertia, rotor, gear }
     }
 

@@ -1,0 +1,228 @@
+//! The shape of a tree of rigid bodies in space on the host.
+
+use super::{Number, known_positions};
+use crate::training::Range;
+use leastaction_arms::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
+use leastaction_core::energy::spatial::{
+    Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialInertia, SpatialParameters, TreeBody,
+};
+use leastaction_core::model::{ArmHeader, ModelError};
+use leastaction_programs::energies::{ArmEnergies, ArmJoint};
+use serde::{Deserialize, Serialize};
+
+/// Numbers of a body that are its joint's frame and axis.
+const FRAME: usize = SPATIAL_PARAMETERS - INERTIAL - 1;
+
+/// A body of an arm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArmBody {
+    /// Of its joint; empty where a model file has none.
+    pub name: String,
+    /// R, p and the axis of its joint, as in a model file.
+    pub frame: Vec<f64>,
+    /// Its ten inertial numbers, where they are known or where training begins: then also the prior, and the body that its numbers are
+    /// learned in relation to.
+    pub inertia: [f64; INERTIAL],
+    /// Whether these are learned.
+    pub is_learned: bool,
+    /// J of its rotor, kg m² or kg.
+    pub rotor: Number,
+}
+
+/// The shape of a tree of rigid bodies on joints in space: its kinematics are known, its bodies and rotors known or learned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArmArchitecture {
+    /// As in [`ArmHeader::bodies`].
+    pub tree: Vec<u8>,
+    /// γ, m/s².
+    pub gravity: [f64; SPATIAL_GRAVITY_PARAMETERS],
+    /// Of every coordinate.
+    pub bodies: Vec<ArmBody>,
+}
+
+impl ArmArchitecture {
+    /// That of a tree in which every coordinate moves one body, in the same order; `None` for another one (a joint that follows another), or
+    /// where a body sits on body 255 or beyond.
+    pub fn new(tree: &Tree, learns_bodies: bool, rotor: Number) -> Option<Self> {
+        let (mut bytes, mut bodies) = (Vec::new(), Vec::new());
+        for (k, body) in tree.bodies().iter().enumerate() {
+            if body.coordinate != k || body.ratio != 1.0 || body.offset != 0.0 {
+                return None;
+            }
+            let (joint, axis) = match body.joint {
+                HostJoint::Revolute(axis) => (Joint::Revolute, axis),
+                HostJoint::Prismatic(axis) => (Joint::Prismatic, axis),
+            };
+            let parent = body.parent.map(u8::try_from).transpose().ok()?;
+            bytes.extend(TreeBody { joint, parent }.to_bytes()?);
+            let rows = body.pose.rotation.transpose();
+            let frame = rows.iter().chain(&body.pose.translation).chain(axis.iter()).copied().collect();
+            let (name, inertia) = (body.joint_name.clone(), body.inertia.0);
+            bodies.push(ArmBody { name, frame, inertia, is_learned: learns_bodies, rotor });
+        }
+        Some(Self { tree: bytes, gravity: tree.gravity.into(), bodies })
+    }
+
+    /// The shape in the words of the model file.
+    pub fn header(&self) -> ArmHeader<'_> {
+        ArmHeader { bodies: &self.tree }
+    }
+
+    /// The shape that a model file has; all numbers are known, as in the file.
+    pub fn from_header(header: &ArmHeader, weights: &[f64]) -> Self {
+        let (gravity, numbers) = weights.split_at(weights.len().min(SPATIAL_GRAVITY_PARAMETERS));
+        let of = |numbers: &[f64; SPATIAL_PARAMETERS]| ArmBody {
+            name: String::new(),
+            frame: numbers[..FRAME].to_vec(),
+            inertia: *numbers[FRAME..].first_chunk().unwrap_or(&[0.0; INERTIAL]),
+            is_learned: false,
+            rotor: Number::known(numbers[SPATIAL_PARAMETERS - 1]),
+        };
+        Self {
+            tree: header.bodies.to_vec(),
+            gravity: gravity.try_into().unwrap_or_default(),
+            bodies: numbers.as_chunks().0.iter().take(header.n()).map(of).collect(),
+        }
+    }
+
+    /// The joints and what they stand on, in order; none that a model file cannot hold.
+    pub fn tree_bodies(&self) -> impl Iterator<Item = TreeBody> {
+        self.header().bodies().flatten()
+    }
+
+    /// Number of coordinates n, one a body.
+    pub fn n(&self) -> usize {
+        self.header().n()
+    }
+
+    /// One letter a coordinate: `t` translation, `a` angle.
+    pub fn coordinates(&self) -> String {
+        let letter = |body: TreeBody| match body.joint {
+            Joint::Revolute => 'a',
+            Joint::Prismatic => 't',
+        };
+        self.tree_bodies().map(letter).collect()
+    }
+
+    /// All numbers, in the order of the weight block.
+    fn all_numbers(&self) -> impl Iterator<Item = Number> {
+        let of_body = |body: &ArmBody| {
+            let frame = body.frame.iter().map(|x| Number::known(*x)).collect::<Vec<_>>();
+            let number = |value| Number { value, learned: body.is_learned };
+            frame.into_iter().chain(body.inertia.map(number)).chain([body.rotor])
+        };
+        self.gravity.iter().map(|x| Number::known(*x)).chain(self.bodies.iter().flat_map(of_body))
+    }
+
+    /// The numbers as they are given, where training begins.
+    pub fn initial_weights(&self) -> Vec<f64> {
+        self.all_numbers().map(|number| number.value).collect()
+    }
+
+    /// The positions of the known numbers.
+    pub fn fixed_positions(&self) -> Vec<usize> {
+        known_positions(0, self.all_numbers())
+    }
+
+    /// Where the numbers of a body begin in the weight block.
+    fn start(body: usize) -> usize {
+        SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * body
+    }
+
+    /// The ranges of learned numbers that are one by one: rotors.
+    pub fn ranges(&self) -> Vec<(usize, Range)> {
+        let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.rotor.learned);
+        learned.map(|(k, _)| (Self::start(k + 1) - 1, Range::Positive)).collect()
+    }
+
+    /// Positions of the ten inertial numbers of every learned body, with the numbers that keep it a body that can be.
+    pub fn learned_bodies(&self) -> Vec<(usize, LogCholesky)> {
+        let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.is_learned);
+        let chart = |(k, body): (usize, &ArmBody)| {
+            Some((Self::start(k) + FRAME, LogCholesky::around(&Inertia(body.inertia))?))
+        };
+        learned.filter_map(chart).collect()
+    }
+
+    /// Whether the scale of L is known without a force: a body is, or a rotor.
+    pub fn shows_scale(&self) -> bool {
+        let is_known = |body: &ArmBody| {
+            !body.is_learned && body.inertia[0] > 0.0 || !body.rotor.learned && body.rotor.value > 0.0
+        };
+        self.bodies.iter().any(is_known)
+    }
+
+    /// The numbers of the k-th body in a weight block; `None` where it is too short.
+    pub fn body_of(weights: &[f64], k: usize) -> Option<SpatialParameters<f64>> {
+        Some(SpatialParameters::from_array(*weights.get(Self::start(k)..)?.first_chunk()?))
+    }
+
+    /// These bodies and rotors put into a weight block of this shape, where they are learned.
+    pub fn put(&self, tree: &Tree, weights: &mut [f64]) {
+        for (k, ((own, body), rotor)) in self.bodies.iter().zip(tree.bodies()).zip(&tree.rotors).enumerate() {
+            let Some(numbers) = weights.get_mut(Self::start(k)..Self::start(k + 1)) else { continue };
+            if own.is_learned {
+                numbers[FRAME..FRAME + INERTIAL].copy_from_slice(&body.inertia.0);
+            }
+            if own.rotor.learned {
+                numbers[SPATIAL_PARAMETERS - 1] = *rotor;
+            }
+        }
+    }
+
+    /// Its energies, written down.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the bodies form no tree, or have not as many numbers.
+    pub fn energies(&self) -> Result<ArmEnergies, ModelError> {
+        self.header().parameters()?;
+        let joint = |(body, own): (TreeBody, &ArmBody)| {
+            let mut numbers = [0.0; SPATIAL_PARAMETERS];
+            let places = numbers.iter_mut().zip(&own.frame);
+            places.for_each(|(place, number)| *place = *number);
+            let SpatialParameters { rotation, place, axis, .. } = SpatialParameters::from_array(numbers);
+            ArmJoint { body, rotation, place, axis }
+        };
+        if self.bodies.len() != self.n() || self.bodies.iter().any(|body| body.frame.len() != FRAME) {
+            return Err(ModelError::OutOfRange { what: "numbers of bodies" });
+        }
+        ArmEnergies::new(self.tree_bodies().zip(&self.bodies).map(joint).collect()).map_err(ModelError::Tree)
+    }
+
+    /// The host's tree of this shape with the bodies and rotors of a weight block.
+    pub fn host_tree(&self, weights: &[f64]) -> Option<Tree> {
+        let body = |(k, (body, own)): (usize, (TreeBody, &ArmBody))| {
+            let numbers = Self::body_of(weights, k)?;
+            Some(host_body(k, body, own, &numbers))
+        };
+        let bodies = self.tree_bodies().zip(&self.bodies).enumerate().map(body).collect::<Option<_>>()?;
+        let mut tree = Tree::new(bodies).ok()?;
+        tree.rotors = (0..self.n()).filter_map(|k| Some(Self::body_of(weights, k)?.rotor)).collect();
+        tree.gravity = self.gravity.into();
+        Some(tree)
+    }
+}
+
+fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &SpatialParameters<f64>) -> Body {
+    use leastaction_arms::{Limits, Pose};
+    use nalgebra::{Matrix3, Unit};
+    let axis = Unit::new_normalize(numbers.axis.into());
+    Body {
+        name: format!("body {k}"),
+        joint_name: own.name.clone(),
+        parent: body.parent.map(usize::from),
+        joint: match body.joint {
+            Joint::Revolute => HostJoint::Revolute(axis),
+            Joint::Prismatic => HostJoint::Prismatic(axis),
+        },
+        pose: Pose {
+            rotation: Matrix3::from_row_iterator(numbers.rotation.iter().flatten().copied()),
+            translation: numbers.place.into(),
+        },
+        coordinate: k,
+        ratio: 1.0,
+        offset: 0.0,
+        inertia: Inertia(SpatialInertia::into_array(numbers.inertia)),
+        limits: Limits::none(),
+    }
+}

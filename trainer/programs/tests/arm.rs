@@ -1,0 +1,118 @@
+//! Arms against the recursions of core, and differences.
+
+mod common;
+
+use common::Numbers;
+use leastaction_core::energy::spatial::{
+    Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialBodies, SpatialParameters, SpatialTree,
+    TreeBody, TreeError,
+};
+use leastaction_core::forces;
+use leastaction_programs::energies::{ArmEnergies, ArmJoint};
+use leastaction_programs::{System, WIDTH};
+
+const fn body(joint: Joint, parent: Option<u8>) -> TreeBody {
+    TreeBody { joint, parent }
+}
+
+/// Two branches, one of which slides.
+const BRANCHED: [TreeBody; 5] = [
+    body(Joint::Revolute, None),
+    body(Joint::Revolute, Some(0)),
+    body(Joint::Prismatic, Some(1)),
+    body(Joint::Revolute, Some(2)),
+    body(Joint::Revolute, Some(0)),
+];
+
+type Vector = [f64; 3];
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(a: Vector) -> Vector {
+    let norm = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    a.map(|x| x / norm)
+}
+
+/// Random numbers: frames are rotations, axes are unit vectors, and the mass is such that M is positive definite.
+fn weights(bodies: usize, seed: u64) -> Vec<f64> {
+    let mut weights = common::random_weights(SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * bodies, seed);
+    for own in weights[SPATIAL_GRAVITY_PARAMETERS..].as_chunks_mut::<SPATIAL_PARAMETERS>().0 {
+        let mut body = SpatialParameters::from_array(*own);
+        let [x, y, _] = body.rotation;
+        let x = unit(x);
+        let z = unit(cross(x, y));
+        body.rotation = [x, cross(z, x), z];
+        body.axis = unit(body.axis);
+        *own = body.into_array();
+        for (place, more) in [(15, 3.0), (19, 4.0), (21, 5.0), (24, 6.0), (25, 1.0)] {
+            own[place] += more;
+        }
+    }
+    weights
+}
+
+fn model(tree: &[TreeBody], weights: &[f64]) -> ArmEnergies {
+    let numbers = weights[SPATIAL_GRAVITY_PARAMETERS..].as_chunks::<SPATIAL_PARAMETERS>().0;
+    let joint = |(body, own): (&TreeBody, &[f64; SPATIAL_PARAMETERS])| {
+        let SpatialParameters { rotation, place, axis, .. } = SpatialParameters::from_array(*own);
+        ArmJoint { body: *body, rotation, place, axis }
+    };
+    ArmEnergies::new(tree.iter().zip(numbers).map(joint).collect()).unwrap()
+}
+
+fn check_against_core<const N: usize>(tree: [TreeBody; N], seed: u64) {
+    let numbers = Numbers::<N>::new(weights(N, seed), 2.0, seed);
+    let bodies = SpatialBodies::take(&mut &numbers.weights[..], SpatialTree::new(tree).unwrap()).unwrap();
+    let core = forces::System::conservative(bodies);
+    common::check_values(&System::new(&model(&tree, &numbers.weights)), &core, &numbers, 10.0);
+}
+
+#[test]
+fn values_and_derivatives_are_cores() {
+    check_against_core([BRANCHED[0]], 1);
+    check_against_core([body(Joint::Prismatic, None), BRANCHED[1]], 2);
+    check_against_core(BRANCHED, 3);
+}
+
+/// Rows ∂/∂θ y·(L_q − L_vq v − M a) of the numbers that can be learned against differences, number by number.
+#[test]
+fn gradients_are_the_differences_of_the_equation_of_motion() {
+    const N: usize = BRANCHED.len();
+    const STEP: f64 = 1e-5;
+    let weights = weights(N, 4);
+    let system = System::new(&model(&BRANCHED, &weights));
+    let numbers = Numbers::<N>::new(weights.clone(), 1.5, 4);
+    let (_, rows) = numbers.run(&system.residual(1), &[0, 1, 2, 3, 4]);
+    let (program, pattern) = system.equation_of_motion();
+    let work = |at: usize, step: f64, sample: usize| -> f64 {
+        let mut weights = weights.clone();
+        weights[at] += step;
+        let (motion, _) = Numbers::<N>::new(weights, 1.5, 4).run(&program, &[0, 1, 2]);
+        let of = |output: usize, i: usize| motion.output(output)[i].0[sample];
+        let [a, y] = [3, 4].map(|vector| numbers.of(vector, sample));
+        let inertial = |i: usize| -> f64 {
+            (0..N).filter_map(|j| Some(of(1 + pattern.direction(i, j)?, i) * a[j])).sum()
+        };
+        (0..N).map(|i| y[i] * (of(0, i) - inertial(i))).sum()
+    };
+    for (at, row) in rows[0].iter().enumerate() {
+        let place = at.checked_sub(SPATIAL_GRAVITY_PARAMETERS).map(|place| place % SPATIAL_PARAMETERS);
+        let is_of_frame = place.is_some_and(|place| place < 15);
+        for sample in [0, WIDTH - 1] {
+            let expected = (work(at, STEP, sample) - work(at, -STEP, sample)) / (2.0 * STEP);
+            // Frames are not read.
+            let expected = if is_of_frame { 0.0 } else { expected };
+            let error = (row.0[sample] - expected).abs() / (1.0 + expected.abs());
+            assert!(error < 1e-8, "number {at}: {} instead of {expected}", row.0[sample]);
+        }
+    }
+}
+
+#[test]
+fn what_is_no_tree_is_refused() {
+    let joint = ArmJoint { body: BRANCHED[1], rotation: [[0.0; 3]; 3], place: [0.0; 3], axis: [0.0; 3] };
+    assert_eq!(ArmEnergies::new(Vec::new()), Err(TreeError::Empty));
+    assert_eq!(ArmEnergies::new(vec![joint]), Err(TreeError::Parent { element: 0, parent: 0 }));
+}
