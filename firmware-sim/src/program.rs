@@ -1,5 +1,5 @@
 use crate::control::{
-    CartPump, Catch, Controller, Gains, JointPump, Listen, PumpConfig, Reference, Regulator, SwingUp,
+    CartPump, Catch, Controller, Gains, JointPump, Law, Listen, PumpConfig, Reference, Regulator, SwingUp,
     TaskController, Tolerance, Track,
 };
 use crate::devices::{ActuatorConfig, Drive};
@@ -8,6 +8,7 @@ use crate::firmware::Firmware;
 use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::ObserverConfig;
 use crate::wire::array;
+use leastaction_core::lagrangian::Lagrangian;
 use serde::{Deserialize, Serialize};
 
 /// All that the firmware is told of a scenario, wherever it runs.
@@ -35,6 +36,8 @@ pub enum Task<const N: usize> {
         reference: Reference<N>,
         /// The feedback.
         gains: Gains,
+        /// How both are used.
+        law: Law,
     },
     /// Bringing the last coordinate upright, θ = 0, by a force on the first, and holding it there.
     SwingUp {
@@ -60,7 +63,7 @@ impl<const N: usize> Task<N> {
 
     fn validate(&self) -> Result<(), SetupError> {
         match self {
-            Self::Track { reference, gains } => reference.validate().and_then(|()| gains.validate()),
+            Self::Track { reference, gains, .. } => reference.validate().and_then(|()| gains.validate()),
             Self::SwingUp { catch, .. } => catch.validate(),
             Self::Listen => Ok(()),
         }
@@ -116,7 +119,9 @@ impl<const N: usize> Program<N> {
     ) -> Result<TaskController<P, N>, SetupError> {
         self.check(model)?;
         match self.task {
-            Task::Track { reference, gains } => Ok(TaskController::Track(self.track(reference, gains))),
+            Task::Track { reference, gains, law } => {
+                Ok(TaskController::Track(self.track(model, reference, (gains, law))))
+            }
             Task::Listen => Ok(TaskController::Listen(Listen)),
             Task::SwingUp { pump: config, tolerance, catch } => {
                 let pump = pump(model, 0.0, config)?;
@@ -126,9 +131,16 @@ impl<const N: usize> Program<N> {
         }
     }
 
-    pub(crate) fn track(&self, reference: Reference<N>, gains: Gains) -> Track<N> {
+    pub(crate) fn track<M: Mechanism<N>>(
+        &self,
+        model: &M,
+        reference: Reference<N>,
+        (gains, law): (Gains, Law),
+    ) -> Track<N> {
         let delay = self.observer.delay * self.tick;
-        Track { reference, gains, angle: self.angle, delay, middle: 0.5 * self.tick }
+        let mass = model.system().lagrangian.linearization(&reference.at(0.0).q, &[0.0; N]).l_vv;
+        let inertia = core::array::from_fn(|i| mass[i][i]);
+        Track { reference, gains, law, inertia, angle: self.angle, delay, middle: 0.5 * self.tick }
     }
 
     fn swing_up<P>(&self, pump: P, regulator: Regulator<N>, catch: Catch) -> SwingUp<P, N> {

@@ -1,6 +1,7 @@
 //! Controllers that know a mechanism only through its model.
 
 mod pump;
+mod reference;
 mod regulator;
 mod riccati;
 mod swing_up;
@@ -8,11 +9,12 @@ mod task;
 mod track;
 
 pub use pump::{CartPump, JointPump, Pump, PumpConfig};
+pub use reference::{HARMONICS, Reference, Setpoint};
 pub use regulator::{Regulator, Tolerance};
 pub use riccati::{Linear, riccati};
 pub use swing_up::{Catch, SwingUp};
 pub use task::{Listen, TaskController};
-pub use track::{Gains, Reference, Setpoint, Track};
+pub use track::{Gains, Law, Track};
 
 use crate::tick::Mode;
 use crate::wire::array;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::Deserialize;
 
 /// Bytes of a document and its checksum at most; all messages of 2 coordinates are shorter.
-pub const MAX_FRAME: usize = 192;
+pub const MAX_FRAME: usize = 256;
 
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;

@@ -6,7 +6,7 @@ use crate::wire::array;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages: the first byte of every document.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 
 /// What the world asks of a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::control::{Gains, Reference};
+use crate::control::{Gains, Law, Reference};
 use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
 use crate::observer::ObserverConfig;
@@ -22,50 +22,59 @@ pub struct TrackConfig<const N: usize> {
     pub reference: Reference<N>,
     /// The feedback.
     pub gains: Gains,
+    /// How both are used.
+    pub law: Law,
 }
 
 impl<const N: usize> TrackConfig<N> {
-    /// A motion from rest, 10 s of 10 ms, errors within 0.05 rad or m throughout.
-    const fn new(encoders: [EncoderConfig; N], limit: [f32; N], reference: Reference<N>) -> Self {
+    /// A motion from rest at `start`, 10 s of 10 ms, errors within 0.05 rad or m throughout.
+    pub const fn new(
+        encoders: [EncoderConfig; N],
+        limit: [f32; N],
+        (start, reference): ([f32; N], Reference<N>),
+    ) -> Self {
         let setup = Setup {
             seed: 0,
             tick: 0.01,
             seconds: 10.0,
             substeps: 8,
-            start: Start::at_rest(reference.from),
+            start: Start::at_rest(start),
             devices: Devices::new(encoders, limit),
             known_drive: Drive::ideal(),
             observer: ObserverConfig::new(),
             goal: Goal { tolerance: [0.05; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
         };
-        Self { setup, reference, gains: Gains { frequency: 8.0, damping: 1.0 } }
+        Self { setup, reference, gains: Gains { frequency: 8.0, damping: 1.0 }, law: Law::ComputedTorque }
     }
 
     /// What the firmware is told.
     pub fn program(&self) -> Program<N> {
-        self.setup.program(Task::Track { reference: self.reference, gains: self.gains })
+        self.setup.program(Task::Track { reference: self.reference, gains: self.gains, law: self.law })
     }
 }
 
 impl TrackConfig<1> {
     /// The pendulum from hanging to upright and back every 4 s, at most 10 N m.
     pub const fn pendulum() -> Self {
-        let reference = Reference { begin: BEGIN, from: [PI], to: [0.0], frequency: [0.25] };
-        Self::new([EncoderConfig::rotary()], [10.0], reference)
+        let from = [PI];
+        let reference = Reference::there_and_back(BEGIN, from, [0.0], [0.25]);
+        Self::new([EncoderConfig::rotary()], [10.0], (from, reference))
     }
 }
 
 impl TrackConfig<2> {
     /// The cart-pole, cart and pole both actuated: the cart 1 m to and fro, the pole from hanging to upright and back.
     pub const fn cartpole() -> Self {
-        let reference = Reference { begin: BEGIN, from: [-0.5, PI], to: [0.5, 0.0], frequency: [0.4, 0.25] };
-        Self::new(CART_AND_POLE, [15.0, 2.0], reference)
+        let from = [-0.5, PI];
+        let reference = Reference::there_and_back(BEGIN, from, [0.5, 0.0], [0.4, 0.25]);
+        Self::new(CART_AND_POLE, [15.0, 2.0], (from, reference))
     }
 
     /// The acrobot, both joints actuated, from hanging at most 40 N m.
     pub const fn acrobot() -> Self {
-        let reference = Reference { begin: BEGIN, from: [0.0, 0.0], to: [2.0, -1.5], frequency: [0.25, 0.4] };
-        Self::new([EncoderConfig::rotary(); 2], [40.0, 40.0], reference)
+        let from = [0.0, 0.0];
+        let reference = Reference::there_and_back(BEGIN, from, [2.0, -1.5], [0.25, 0.4]);
+        Self::new([EncoderConfig::rotary(); 2], [40.0, 40.0], (from, reference))
     }
 }
 
@@ -82,6 +91,6 @@ pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
     let program = config.program();
     config.setup.validate()?;
     program.check(model)?;
-    let controller = program.track(config.reference, config.gains);
+    let controller = program.track(model, config.reference, (config.gains, config.law));
     run_in_place(plant, program.firmware(model, controller), &config.setup, sink)
 }

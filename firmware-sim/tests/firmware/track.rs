@@ -58,8 +58,21 @@ fn feed_forward_does_the_work() {
 
 #[test]
 fn velocity_and_acceleration_are_the_derivatives() {
-    let reference = Reference { begin: -0.5, from: [-0.5, 3.0], to: [0.5, 0.2], frequency: [0.4, 0.25] };
-    let e = 1e-2;
+    let from = [-0.5, 3.0];
+    let mut reference = Reference::there_and_back(-0.5, from, [0.5, 0.2], [0.4, 0.25]);
+    check_derivatives(&reference);
+    let rest = Reference { begin: 1.0, ..reference }.at(0.9);
+    let near = |a: [f32; 2], b: [f32; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
+    assert!(near(rest.q, from) && rest.v == [0.0; 2] && rest.a == [0.0; 2], "{rest:?}");
+    reference.waves[0] = [[0.2, -0.1], [0.0, 0.1], [0.05, 0.0], [0.0; 2], [0.02, 0.03]];
+    (reference.begin, reference.ramp) = (0.1, 1.5);
+    check_derivatives(&reference);
+    let begins = reference.at(0.1);
+    assert!(near(begins.v, [0.0; 2]) && near(begins.a, [0.0; 2]), "{begins:?}");
+}
+
+fn check_derivatives(reference: &Reference<2>) {
+    let e = 4e-3;
     for t in [0.0, 0.3, 1.7, 3.9] {
         let (before, now, after) = (reference.at(t - e), reference.at(t), reference.at(t + e));
         for i in 0..2 {
@@ -68,6 +81,4 @@ fn velocity_and_acceleration_are_the_derivatives() {
             assert!((v - now.v[i]).abs() < 1e-3 && (a - now.a[i]).abs() < 1e-2, "t = {t}: {now:?}, {v} {a}");
         }
     }
-    let rest = Reference { begin: 1.0, ..reference }.at(0.9);
-    assert_eq!((rest.q, rest.v, rest.a), (reference.from, [0.0; 2], [0.0; 2]));
 }

@@ -3,7 +3,7 @@
 mod portrait;
 
 use super::export::encoded;
-use super::simulate::{self, Plant, Request, Scenario, World, simulate};
+use super::simulate::{self, Motion, Plant, Request, Scenario, World, simulate};
 use super::{interrupt, train};
 use clap::Args;
 use leastaction::cli::arguments::seed;
@@ -92,6 +92,7 @@ impl Demo {
             seconds: None,
             tick: None,
             world: &World::default(),
+            motion: &Motion::default(),
             on: None,
         };
         let swing_up = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;

@@ -7,6 +7,7 @@ mod replay;
 mod report;
 mod scenario;
 mod trace;
+mod track;
 mod world;
 
 pub use picture::draw;
@@ -15,6 +16,7 @@ pub use remote::{Emulated, Target};
 pub use report::Report;
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
+pub use track::Motion;
 pub use world::World;
 
 use super::inspect::load;
@@ -47,6 +49,10 @@ use std::time::Duration;
 ///
 /// Example: leastaction simulate small.postcard --scenario predict --plant robot.postcard
 ///
+/// With --scenario track, --plant and --trajectory an arm of any of these sizes follows a motion, by default 1,000 times a second.
+///
+/// Example: leastaction simulate arm.postcard --scenario track --plant robot.postcard --trajectory motion.toml
+///
 /// With --replay, the observer runs along a log, and the report says how far the readings were from what the model predicted a tick
 /// before; exit code 1 where the model cannot be stepped.
 ///
@@ -67,7 +73,7 @@ pub struct Simulate {
     /// The mechanism that the loop acts on [default: by the model's coordinates].
     #[arg(long)]
     system: Option<SymoSystem>,
-    /// The model file of the mechanism that the loop acts on; for predict.
+    /// The model file of the mechanism that the loop acts on; for predict and track.
     #[arg(long, value_name = "FILE", conflicts_with = "system")]
     plant: Option<PathBuf>,
     /// Of the initial state and of all noise.
@@ -88,6 +94,8 @@ pub struct Simulate {
     /// Longest wait for an answer of the board, s.
     #[arg(long, requires = "on", default_value_t = 20.0, value_parser = positive, allow_negative_numbers = true)]
     timeout: f64,
+    #[command(flatten)]
+    motion: Motion,
     #[command(flatten)]
     world: World,
     /// The folder to write to.
@@ -135,8 +143,8 @@ impl Simulate {
         let Self { seed, seconds, tick, .. } = *self;
         let target = self.target()?;
         let on = target.as_ref();
-        let world = &self.world;
-        let request = Request { model: &model, plant, scenario, seed, seconds, tick, world, on };
+        let (world, motion) = (&self.world, &self.motion);
+        let request = Request { model: &model, plant, scenario, seed, seconds, tick, world, motion, on };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;

@@ -2,8 +2,9 @@
 
 use super::plant::{Plant, no_graphs, predict_beside};
 use super::remote::Target;
+use super::track::follow;
 use super::world::World;
-use super::{Report, Trace};
+use super::{Motion, Report, Trace};
 use crate::commands::chip;
 use clap::ValueEnum;
 use leastaction::cli::{Failure, Output};
@@ -58,6 +59,8 @@ pub struct Request<'a> {
     pub tick: Option<f32>,
     /// Friction and devices.
     pub world: &'a World,
+    /// What track follows, and how.
+    pub motion: &'a Motion,
     /// What runs the controller; this machine where nothing is named.
     pub on: Option<&'a Target>,
 }
@@ -74,7 +77,7 @@ impl Request<'_> {
         setup.tick = self.tick.unwrap_or(setup.tick);
         let order = self.model.facts.trained_step.map(|step| step.order);
         setup.observer.order = order.unwrap_or(setup.observer.order);
-        self.world.adapt(setup, self.model)?;
+        self.world.adapt(setup, (self.plant, self.model))?;
         setup.observer.other_step = OtherStep::Accepted;
         if let Err(other) = setup.observer.require_step(setup.tick, self.model.facts.trained_step) {
             Output { json: false }
@@ -93,6 +96,8 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
         ));
     }
     request.world.check(request)?;
+    let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
+    request.motion.check(is_followed)?;
     let file = chip::file(request.model).map_err(Failure::Input)?;
     let model = chip::meant(&file, request.model).map_err(Failure::Input)?;
     match (request.plant, request.scenario) {
@@ -100,8 +105,9 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
         (Plant::Model { model: plant, .. }, Scenario::Predict) => {
             predict_beside(request, &model, plant, trace)
         }
+        (Plant::Model { model: plant, .. }, Scenario::Track) => follow(request, &model, plant, trace),
         (Plant::Model { .. }, scenario) => Err(Failure::Input(format!(
-            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict"
+            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict or track"
         ))),
     }
 }

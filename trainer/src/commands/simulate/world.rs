@@ -31,10 +31,10 @@ pub struct World {
     /// Standard deviation of the encoders' noise, rad or m [default: 0.001 rad, 0.0002 m].
     #[arg(long, value_name = "SD,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     noise: Vec<f64>,
-    /// The force that acts for a command of 1, not 0 [default: 1]. The firmware takes it for that of the model file, else for what it is.
+    /// The force that acts for a command of 1, not 0 [default: that of the plant's file, else 1]. The firmware takes it for that of the model file, else for what it is.
     #[arg(long, value_name = "G,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     gain: Vec<f64>,
-    /// The force that acts without a command, N or N m [default: 0]; known as the gain is.
+    /// The force that acts without a command, N or N m [default: that of the plant's file, else 0]; known as the gain is.
     #[arg(long, value_name = "O,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     offset: Vec<f64>,
     /// From a command to its effect, ms, at most 8 ticks [default: 1 tick].
@@ -105,9 +105,13 @@ impl World {
     }
 
     /// The devices of a setup, and what the firmware knows of them.
-    pub fn adapt<const N: usize>(&self, setup: &mut Setup<N>, model: &HostModel) -> Result<(), Failure> {
+    pub fn adapt<const N: usize>(
+        &self,
+        setup: &mut Setup<N>,
+        (plant, model): (Plant, &HostModel),
+    ) -> Result<(), Failure> {
         self.encoders(setup)?;
-        self.actuators(setup, model)?;
+        self.actuators(setup, (plant, model))?;
         if let Some(jitter) = self.jitter {
             let clock = &mut setup.devices.clock;
             (clock.late, clock.jitter) = (1.0, (1e-3 * jitter / f64::from(setup.tick)) as f32);
@@ -128,7 +132,11 @@ impl World {
         Ok(())
     }
 
-    fn actuators<const N: usize>(&self, setup: &mut Setup<N>, model: &HostModel) -> Result<(), Failure> {
+    fn actuators<const N: usize>(
+        &self,
+        setup: &mut Setup<N>,
+        (plant, model): (Plant, &HostModel),
+    ) -> Result<(), Failure> {
         let (h, truth) = (setup.tick, &mut setup.devices.actuator);
         let ticks = |ms: f64| (1e-3 * ms / f64::from(h)) as f32;
         truth.delay = self.delay.map_or(truth.delay, ticks);
@@ -136,6 +144,12 @@ impl World {
             gain: for_all("--gain", &self.gain, 1.0)?,
             offset: for_all("--offset", &self.offset, 0.0)?,
         };
+        if let Plant::Model { model, .. } = plant
+            && let Some((drive, _)) = known_actuator::<N>(model, h)?
+        {
+            truth.drive.gain = if self.gain.is_empty() { drive.gain } else { truth.drive.gain };
+            truth.drive.offset = if self.offset.is_empty() { drive.offset } else { truth.drive.offset };
+        }
         let known = known_actuator::<N>(model, h)?;
         setup.known_drive = known.map_or(truth.drive, |(drive, _)| drive);
         let of_model = known.map(|(_, delay)| delay);

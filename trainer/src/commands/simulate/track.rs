@@ -1,0 +1,194 @@
+//! Following a motion that a file describes, by the model of one file on the plant of another.
+
+use super::plant::no_graphs;
+use super::scenario::{misused, reported};
+use super::{Report, Request, Trace};
+use crate::commands::chip;
+use clap::{Args, ValueEnum};
+use leastaction::cli::Failure;
+use leastaction::cli::arguments::positive_f32;
+use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_firmware_sim::control::{Gains, HARMONICS, Law, Reference};
+use leastaction_firmware_sim::devices::EncoderConfig;
+use leastaction_firmware_sim::scenario::{TrackConfig, track};
+use leastaction_learning::model_file::HostModel;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// How a motion is followed.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Following a motion (track)")]
+pub struct Motion {
+    /// A periodic motion of all coordinates, a TOML file: `frequency` (Hz), `centre` (rad or m), and a row of at most five harmonics a
+    /// coordinate each of `cosine` and `sine` (rad or m); `limit`, the largest forces (N m or N); `ramp`, the seconds in which
+    /// it is entered from rest (2 where it is left out).
+    #[arg(long, value_name = "FILE", requires = "plant")]
+    trajectory: Option<PathBuf>,
+    /// The controller [default: computed-torque].
+    #[arg(long, value_enum)]
+    law: Option<LawName>,
+    /// ω of the feedback −ω²e − 2ζωė (as an acceleration, of all coordinates alike), rad/s [default: 8].
+    #[arg(long, value_name = "RAD/S", value_parser = positive_f32)]
+    bandwidth: Option<f32>,
+    /// ζ of that feedback; 1 does not overshoot [default: 1].
+    #[arg(long, value_name = "ZETA", value_parser = positive_f32)]
+    damping: Option<f32>,
+}
+
+/// A controller's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LawName {
+    /// The model's inverse dynamics along the motion, feedback through its inertia matrix.
+    ComputedTorque,
+    /// Gravity compensation by the model and PD feedback joint by joint.
+    PdGravity,
+}
+
+impl From<LawName> for Law {
+    fn from(name: LawName) -> Self {
+        match name {
+            LawName::ComputedTorque => Self::ComputedTorque,
+            LawName::PdGravity => Self::PdGravity,
+        }
+    }
+}
+
+/// The file of a motion.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MotionFile {
+    frequency: f32,
+    centre: Vec<f32>,
+    cosine: Vec<Vec<f32>>,
+    sine: Vec<Vec<f32>>,
+    limit: Vec<f32>,
+    #[serde(default = "ramp")]
+    ramp: f32,
+}
+
+fn ramp() -> f32 {
+    2.0
+}
+
+/// When a motion begins, s: the observer needs a few samples before.
+const BEGIN: f32 = 0.1;
+/// What the observer remembers, s.
+const MEMORY: f32 = 0.05;
+
+impl Motion {
+    /// Refuses what means nothing where the motion is the scenario's own.
+    pub fn check(&self, is_followed: bool) -> Result<(), Failure> {
+        match (is_followed, &self.trajectory, self.is_tuned()) {
+            (true, None, _) => {
+                Err(Failure::Input("track of a --plant takes the motion as --trajectory FILE".to_owned()))
+            }
+            (false, Some(_), _) | (false, None, true) => {
+                let reason =
+                    "--trajectory, --law, --bandwidth and --damping are of --scenario track with a --plant";
+                Err(Failure::Input(reason.to_owned()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn is_tuned(&self) -> bool {
+        self.law.is_some() || self.bandwidth.is_some() || self.damping.is_some()
+    }
+
+    /// The motion of N coordinates with the limits of the forces.
+    fn read<const N: usize>(&self, path: &Path) -> Result<(Reference<N>, [f32; N]), Failure> {
+        let text = std::fs::read_to_string(path).map_err(|error| Failure::file(path, error))?;
+        let file: MotionFile = toml::from_str(&text).map_err(|error| Failure::input(path, error))?;
+        let wrong = |what: &str, found: usize| {
+            Failure::input(path, format!("{what} has {found} entries; the model has {N} coordinates"))
+        };
+        let all = |what: &str, list: &[f32]| <[f32; N]>::try_from(list).map_err(|_| wrong(what, list.len()));
+        let mut waves = [[[0.0; 2]; HARMONICS]; N];
+        for (part, (what, rows)) in [("cosine", &file.cosine), ("sine", &file.sine)].into_iter().enumerate() {
+            if rows.len() != N {
+                return Err(wrong(what, rows.len()));
+            }
+            for (wave, row) in waves.iter_mut().zip(rows) {
+                if row.len() > HARMONICS {
+                    let found = row.len();
+                    let message =
+                        format!("{what} has a row of {found} harmonics; at most {HARMONICS} are followed");
+                    return Err(Failure::input(path, message));
+                }
+                wave.iter_mut().zip(row).for_each(|(pair, x)| pair[part] = *x);
+            }
+        }
+        let centre = all("centre", &file.centre)?;
+        let limit = all("limit", &file.limit)?;
+        let frequency = [file.frequency; N];
+        Ok((Reference { begin: BEGIN, ramp: file.ramp, centre, frequency, waves }, limit))
+    }
+}
+
+/// Follows the motion.
+pub fn follow(
+    request: &Request,
+    model: &Chip,
+    plant: &HostModel,
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    if request.on.is_some() {
+        let reason =
+            "the images of the boards have controllers of one and two coordinates alone; leave out --on";
+        return Err(Failure::Input(reason.to_owned()));
+    }
+    let [own, others] = [request.model, plant].map(|model| model.architecture.coordinates());
+    if own != others {
+        let message = format!("--plant has coordinates {others:?}, the model {own:?}: they must be the same");
+        return Err(Failure::Input(message));
+    }
+    let file = chip::file(plant).map_err(Failure::Input)?;
+    let plant = &chip::meant(&file, plant).map_err(Failure::Input)?;
+    model.visit(Following { request, plant, trace })
+}
+
+/// The loop in as many coordinates as there are.
+struct Following<'r, 'c> {
+    request: &'r Request<'r>,
+    plant: &'r Chip<'c>,
+    trace: &'r mut Trace,
+}
+
+impl<'c> Visitor<'c> for Following<'_, '_> {
+    type Output = Result<Report, Failure>;
+
+    fn coordinates<const N: usize>(self, model: &'c SystemOf<'c, N>) -> Self::Output
+    where
+        for<'f> Chip<'f>: OfSize<N>,
+    {
+        let Self { request, plant, trace } = self;
+        let plant = OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?;
+        let config = config::<N>(request)?;
+        reported(request, track(plant, model, &config, |tick| trace.push(tick)))
+    }
+
+    fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
+        Err(no_graphs())
+    }
+}
+
+fn config<const N: usize>(request: &Request) -> Result<TrackConfig<N>, Failure> {
+    let Motion { trajectory, law, bandwidth, damping } = request.motion;
+    let path = trajectory.as_deref().unwrap_or(Path::new(""));
+    let (reference, limit) = request.motion.read::<N>(path)?;
+    let kinds = request.plant.coordinates();
+    let encoders = std::array::from_fn(|i| match kinds.get(i) {
+        Some(Coordinate::Angle) => EncoderConfig::rotary(),
+        _ => EncoderConfig::linear(),
+    });
+    let mut config = TrackConfig::new(encoders, limit, (reference.at(0.0).q, reference));
+    config.setup.tick = 1e-3;
+    config.law = law.map_or(Law::ComputedTorque, Into::into);
+    let Gains { frequency, damping: usual } = config.gains;
+    config.gains = Gains { frequency: bandwidth.unwrap_or(frequency), damping: damping.unwrap_or(usual) };
+    request.adapt(&mut config.setup)?;
+    config.setup.observer.memory = (MEMORY / config.setup.tick).round().clamp(5.0, 255.0) as u8;
+    config.setup.validate().map_err(misused)?;
+    Ok(config)
+}

@@ -1,0 +1,105 @@
+//! Arms: from a robot description and a log of torques to a model that follows a motion in the loop.
+
+use crate::support::Bench;
+use leastaction_arms::urdf::{Inertias, parse};
+use std::fmt::Write;
+use std::fs;
+
+const ROBOT: &str = r#"<robot name="r"><link name="base"/>
+<link name="upper"><inertial><origin xyz="0 0 0.2"/><mass value="MASS"/>
+<inertia ixx="0.03" iyy="0.03" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="lower"><inertial><origin xyz="0 0 0.15"/><mass value="1.5"/>
+<inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="yaw" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.3" rpy="0.4 0 0"/><axis xyz="0 0.6 0.8"/>
+<limit lower="-3" upper="3" velocity="9" effort="90"/></joint>
+<joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" velocity="9" effort="90"/></joint></robot>"#;
+
+const CONFIG: &str = "[data]\nfile = \"log.csv\"\ncontrol = \"linear\"\nvalidation = 0\n[model]\nfamily = \"arm\"\nurdf = \"robot.urdf\"\n\
+                      friction = \"learned\"\n";
+
+/// A motion with everything in it, and the torques of a robot whose first link is heavier than it is described.
+fn log() -> String {
+    let tree = parse(&ROBOT.replace("MASS", "3.0"), Inertias::Required).unwrap();
+    let mut text = "t,q0,q1,v0,v1,u0,u1\n".to_owned();
+    for k in 0..600 {
+        let t = 0.01 * f64::from(k);
+        let (mut q, mut v, mut a) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+        for (i, w) in [2.3, 3.1].into_iter().enumerate() {
+            for (w, size) in [(w, 0.6), (1.9 * w, 0.3)] {
+                let (sine, cosine) = (w * t + i as f64).sin_cos();
+                q[i] += size * sine;
+                v[i] += size * w * cosine;
+                a[i] -= size * w * w * sine;
+            }
+        }
+        let bodies = tree.inverse_dynamics(&q, &v, &a);
+        let torque = |i: usize| bodies[i] + 0.2 * v[i] + 0.3 * (v[i] / 0.1).tanh() + 0.05 * a[i];
+        let _ = writeln!(text, "{t},{},{},{},{},{},{}", q[0], q[1], v[0], v[1], torque(0), torque(1));
+    }
+    text
+}
+
+/// Speeds up to 2 rad/s.
+const MOTION: &str = "frequency = 0.25\ncentre = [0.2, 0.5]\ncosine = [[0.5, 0.2], [0.3]]\nsine = [[], [-0.6, 0.1]]\nlimit = [60.0, 60.0]\n";
+
+fn trained() -> Bench {
+    let bench = Bench::new();
+    let files = [
+        ("robot.urdf", ROBOT.replace("MASS", "2.0")),
+        ("log.csv", log()),
+        ("robot.toml", CONFIG.to_owned()),
+        ("motion.toml", MOTION.to_owned()),
+    ];
+    files.iter().for_each(|(name, text)| fs::write(bench.at(name), text).unwrap());
+    let trained = bench.run("train robot.toml -o run").good();
+    assert!(trained.stderr.contains("fitted to the torques of"), "{}", trained.stderr);
+    bench.run("export run -o m.postcard").good();
+    bench
+}
+
+#[test]
+fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
+    let bench = trained();
+    let report = bench.run("evaluate m.postcard --config robot.toml --json").good().json();
+    assert!(report["torque_nmse"].as_f64().unwrap() < 1e-3, "{report}");
+    assert!(bench.run("inspect m.postcard").good().stdout.contains("revolute on body 0"));
+    let words = "simulate m.postcard --scenario track --plant m.postcard --trajectory motion.toml --seconds 4 --known-delay 1 \
+                 --bandwidth 30 --json -o out";
+    let rms = |words: &str| {
+        let report = bench.run(words).good().json();
+        let all = report["rms_error"].as_array().unwrap();
+        let squares: f64 = all.iter().map(|x| x.as_f64().unwrap().powi(2)).sum();
+        (squares.sqrt(), report["trace_hash"].clone())
+    };
+    let ours = rms(words);
+    assert_eq!(ours, rms(words));
+    let (pd, _) = rms(&words.replace("--seconds", "--law pd-gravity --seconds"));
+    assert!(ours.0 < pd / 3.0, "{ours:?} {pd}");
+}
+
+#[test]
+fn what_cannot_be_followed_is_said() {
+    let bench = trained();
+    let words = "simulate m.postcard --scenario track --plant m.postcard";
+    bench.run(words).bad(2, &["--trajectory"]);
+    bench
+        .run("simulate m.postcard --scenario predict --plant m.postcard --law pd-gravity")
+        .bad(2, &["--scenario track"]);
+    bench.run(&format!("{words} --trajectory motion.toml --on cortex-m4")).bad(2, &["leave out --on"]);
+    for (found, other, message) in [
+        ("centre = [0.2, 0.5]", "centre = [0.2]", "centre has 1 entries"),
+        ("cosine = [[0.5, 0.2]", "cosine = [[1, 1, 1, 1, 1, 1]", "at most 5"),
+        ("frequency = 0.25", "frequency = -1", "finite and positive"),
+        ("frequency = 0.25", "frequency = nan", "must be finite"),
+        ("limit = [60.0, 60.0]", "limit = [60.0, -1.0]", "not negative"),
+        ("limit", "limits", "limits"),
+        ("sine = [[]", "sine = [[inf]", "finite"),
+    ] {
+        fs::write(bench.at("wrong.toml"), MOTION.replacen(found, other, 1)).unwrap();
+        bench.run(&format!("{words} --trajectory wrong.toml")).bad(2, &[message]);
+    }
+    fs::write(bench.at("wrong.toml"), "frequency = [").unwrap();
+    bench.run(&format!("{words} --trajectory wrong.toml")).bad(2, &["wrong.toml"]);
+    bench.run(&format!("{words} --trajectory nowhere.toml")).bad(1, &["nowhere.toml"]);
+}
