@@ -4,6 +4,7 @@
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/energy.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
+#include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -76,9 +77,16 @@ int main() {
         print(pin::computeGeneralizedGravity(model, data, q));
         print(Vector(Eigen::Map<const Vector>(mass.data(), mass.size())));
         print(pin::aba(model, data, q, v, x));
+        pin::computeRNEADerivatives(model, data, q, v, x);
+        for (const auto* of : {&data.dtau_dq, &data.dtau_dv}) {
+            const Eigen::MatrixXd rows = of->transpose();
+            print(Vector(Eigen::Map<const Vector>(rows.data(), rows.size())));
+        }
         std::printf("\n");
     }
     std::printf("inverse_dynamics %g\n", nanoseconds(states, [&](const State& s) { pin::rnea(model, data, s.q, s.v, s.x); }));
     std::printf("mass_matrix %g\n", nanoseconds(states, [&](const State& s) { pin::crba(model, data, s.q); }));
+    // The derivatives in the accelerations, M, come with them.
+    std::printf("derivatives %g\n", nanoseconds(states, [&](const State& s) { pin::computeRNEADerivatives(model, data, s.q, s.v, s.x); }));
     std::printf("acceleration %g\n", nanoseconds(states, [&](const State& s) { pin::aba(model, data, s.q, s.v, s.x); }));
 }

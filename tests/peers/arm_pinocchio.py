@@ -10,8 +10,8 @@ from pathlib import Path
 
 from common import HERE, Failure, build_ours, exit_code, need, positive, run
 
-QUANTITIES = ["T", "V", "inverse_dynamics", "gravity", "mass_matrix", "acceleration"]
-TIMED = ["inverse_dynamics", "mass_matrix", "acceleration"]
+QUANTITIES = ["T", "V", "inverse_dynamics", "gravity", "mass_matrix", "acceleration", "force_q", "force_v"]
+TIMED = ["inverse_dynamics", "mass_matrix", "derivatives", "acceleration"]
 HALF = math.pi / 2
 # Frames of the joints, (α, a, θ, d) one after the other: Rx(α) Tx(a) Rz(θ) Tz(d), as Craig has them, from the makers' documents.
 PANDA = [(0, 0, 0, 0.333), (-HALF, 0, 0, 0), (HALF, 0, 0, 0.316), (HALF, 0.0825, 0, 0), (-HALF, -0.0825, 0, 0.384),
@@ -123,7 +123,7 @@ def outcome(program, given):
 
 def differences(n, ours, theirs):
     """Of every quantity the largest difference over its largest entry in the state, and the state that has it."""
-    lengths = [1, 1, n, n, n * n, n]
+    lengths = [1, 1, n, n, n * n, n, n * n, n * n]
     worst = dict.fromkeys(QUANTITIES, 0.0)
     for own, other in zip(ours, theirs, strict=True):
         at = 0

@@ -89,6 +89,31 @@ fn acceleration_and_inverse_dynamics_invert_each_other() {
     everywhere!(check);
 }
 
+#[test]
+fn derivatives_of_inverse_dynamics_are_exact() {
+    fn check<const N: usize>(arm: &Arm<N>, q: &[f64; N], v: &[f64; N]) {
+        let a: [f64; N] = Random(11).array(4.0);
+        let found = arm.in_f64().inverse_dynamics_derivatives(q, v, &a);
+        let weights: Vec<Dual> = arm.weights.iter().map(|w| Dual::constant(*w)).collect();
+        let exact = arm.over(&weights);
+        for j in 0..N {
+            let moving = |x: &[f64; N], axis: usize| -> [Dual; N] {
+                core::array::from_fn(|i| {
+                    let mut along = [0.0; 3];
+                    along[axis] = f64::from(i == j && axis < 2);
+                    Dual::moving(x[i], along)
+                })
+            };
+            let force = exact.inverse_dynamics(&moving(q, 0), &moving(v, 1), &moving(&a, 2));
+            for i in 0..N {
+                assert_close(&format!("∂τ_{i}/∂q_{j}"), found.force_q[i][j], force[i].0.eps1, 1e-12);
+                assert_close(&format!("∂τ_{i}/∂v_{j}"), found.force_v[i][j], force[i].0.eps2, 1e-12);
+            }
+        }
+    }
+    everywhere!(check);
+}
+
 /// In f32, over numbers rounded to it, beside f64 over the same numbers.
 #[test]
 fn single_precision_is_near() {

@@ -75,6 +75,8 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
         let mut all = vec![energies.kinetic, energies.potential];
         all.extend(arm.inverse_dynamics(q, v, x).iter().chain(&arm.gravity_torque(q)));
         all.extend(arm.mass_matrix(q).as_flattened().iter().chain(&a));
+        let derivatives = arm.inverse_dynamics_derivatives(q, v, x);
+        all.extend([derivatives.force_q, derivatives.force_v].as_flattened().as_flattened());
         println!("{}", all.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(" "));
     }
     let time = |name: &str, of: &dyn Fn(&State<N>)| println!("{name} {}", nanoseconds(&states, of));
@@ -83,6 +85,10 @@ fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failu
     });
     time("mass_matrix", &|[q, ..]| {
         black_box(arm.mass_matrix(q));
+    });
+    // With M, which are those in the accelerations.
+    time("derivatives", &|[q, v, x]| {
+        black_box((arm.inverse_dynamics_derivatives(q, v, x), arm.mass_matrix(q)));
     });
     time("acceleration", &|[q, v, x]| {
         let _refused = black_box(acceleration(&system, q, v, x));

@@ -43,7 +43,7 @@ pub enum LinkError {
     #[error("a frame of the processor was damaged, or is of another version of the link")]
     Broken,
     /// An answer to something else.
-    #[error("the processor parse_answer something else than it was asked")]
+    #[error("the processor answers something else than it was asked")]
     OutOfStep,
     /// The processor refuses.
     #[error("the processor refuses: {0}")]

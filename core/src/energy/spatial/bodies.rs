@@ -1,6 +1,8 @@
 use super::motion::{Carried, Frame};
 use super::vector::{Twist, Vector, Wrench, cross, dot};
-use super::{Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialParameters, SpatialTree};
+use super::{
+    Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialInertia, SpatialParameters, SpatialTree,
+};
 use crate::expected::{expected, present};
 use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear;
@@ -38,16 +40,16 @@ impl<'a, W: WeightFormat, const N: usize> SpatialBodies<'a, W, N> {
         Some(Self { tree, gravity, numbers })
     }
 
-    fn gravity<S: Scalar<Weight = W::Wide>>(&self) -> Vector<S> {
+    pub(super) fn gravity<S: Scalar<Weight = W::Wide>>(&self) -> Vector<S> {
         self.gravity.map(W::scalar)
     }
 
     #[inline(always)]
-    fn body<S: Scalar<Weight = W::Wide>>(&self, k: usize) -> SpatialParameters<S> {
+    pub(super) fn body<S: Scalar<Weight = W::Wide>>(&self, k: usize) -> SpatialParameters<S> {
         SpatialParameters::from_array(self.numbers[k].map(W::scalar))
     }
 
-    fn parent(&self, k: usize) -> Option<usize> {
+    pub(super) fn parent(&self, k: usize) -> Option<usize> {
         self.tree.bodies()[k].parent.map(usize::from)
     }
 
@@ -90,18 +92,33 @@ impl<'a, W: WeightFormat, const N: usize> SpatialBodies<'a, W, N> {
         core::array::from_fn(|k| -dot(gravity, motion.unit(k).linear))
     }
 
-    /// M(q), symmetric.
+    /// M(q), symmetric: the composite inertias of all that a joint carries, without velocities.
     pub fn mass_matrix<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
-        let motion = Motion::new(self, q, &[S::zero(); N]);
+        let base = Frame::base();
+        let (mut frames, mut inertias) = ([base; N], [SpatialInertia::zero(); N]);
         let mut mass = [[S::zero(); N]; N];
-        for (k, rotor) in motion.rotors.iter().enumerate() {
-            let mut unit = motion.unit(k);
-            mass[k][k] = motion.frames[k].share(&unit) + *rotor;
-            motion.below(self, k, |j, step, frame| {
+        for k in 0..N {
+            let numbers = self.body(k);
+            let on = |parent: usize| expected(frames.get(parent).copied(), base);
+            let frame = self.parent(k).map_or(base, on).placed(self.tree.bodies()[k].joint, &numbers, q[k]);
+            inertias[k] = numbers.inertia.turned(&frame.rotation);
+            (frames[k], mass[k][k]) = (frame, numbers.rotor);
+        }
+        for k in (0..N).rev() {
+            let (mut step, mut unit) = (frames[k].step, inertias[k].unit_momentum(&frames[k]));
+            mass[k][k] = frames[k].share(&unit) + mass[k][k];
+            let carried = inertias[k].about(step);
+            if let Some(below) = self.parent(k).and_then(|parent| inertias.get_mut(parent)) {
+                *below = below.plus(&carried);
+            }
+            let mut below = self.parent(k);
+            while let Some(j) = below {
+                let Some(frame) = present(frames.get(j)) else { break };
                 unit = unit.about(step);
                 mass[j][k] = frame.share(&unit);
                 mass[k][j] = mass[j][k];
-            });
+                (step, below) = (frame.step, self.parent(j));
+            }
         }
         mass
     }

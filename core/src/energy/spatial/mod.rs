@@ -11,6 +11,7 @@
 //! rigid body dynamics algorithms*, 2018, and Singh, Russell and Wensing, 2022 (their derivatives).
 
 mod bodies;
+mod derivatives;
 mod inertia;
 mod motion;
 mod parameters;
@@ -18,6 +19,7 @@ mod vector;
 
 pub use super::bodies::{BodyTree as SpatialTree, Joint, TreeBody, TreeError};
 pub use bodies::SpatialBodies;
+pub use derivatives::InverseDynamicsDerivatives;
 pub use inertia::{INERTIAL_PARAMETERS, SpatialInertia};
 pub use parameters::{SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialParameters};
 pub use vector::{Rotation, Vector};

@@ -28,27 +28,30 @@ impl<S: Scalar> Frame<S> {
         Self { joint: Joint::Revolute, rotation, axis: none, step: none, velocity: Twist::zero() }
     }
 
-    /// The frame of a body on this one.
+    /// Where a body on this one is; its velocity is left 0.
     #[inline(always)]
-    pub fn carried(&self, joint: Joint, numbers: &SpatialParameters<S>, q: S, v: S) -> Self {
+    pub fn placed(&self, joint: Joint, numbers: &SpatialParameters<S>, q: S) -> Self {
         let rotation = product(&self.rotation, &numbers.rotation);
         let axis = turned(&rotation, numbers.axis);
         let place = turned(&self.rotation, numbers.place);
+        let (rotation, step) = match joint {
+            Joint::Revolute => (turned_about(&rotation, (axis, numbers.axis), q), place),
+            Joint::Prismatic => (rotation, add(place, scale(q, axis))),
+        };
+        Self { joint, rotation, axis, step, velocity: Twist::zero() }
+    }
+
+    /// The frame of a body on this one.
+    #[inline(always)]
+    pub fn carried(&self, joint: Joint, numbers: &SpatialParameters<S>, q: S, v: S) -> Self {
+        let frame = self.placed(joint, numbers, q);
         let Twist { angular, linear } = self.velocity;
-        let along = scale(v, axis);
-        match joint {
-            Joint::Revolute => {
-                let velocity =
-                    Twist { angular: add(angular, along), linear: add(linear, cross(angular, place)) };
-                let rotation = turned_about(&rotation, (axis, numbers.axis), q);
-                Self { joint, rotation, axis, step: place, velocity }
-            }
-            Joint::Prismatic => {
-                let step = add(place, scale(q, axis));
-                let linear = add(add(linear, cross(angular, step)), along);
-                Self { joint, rotation, axis, step, velocity: Twist { angular, linear } }
-            }
-        }
+        let (along, linear) = (scale(v, frame.axis), add(linear, cross(angular, frame.step)));
+        let velocity = match joint {
+            Joint::Revolute => Twist { angular: add(angular, along), linear },
+            Joint::Prismatic => Twist { angular, linear: add(linear, along) },
+        };
+        Self { velocity, ..frame }
     }
 
     /// Angular acceleration and acceleration of the origin of a body on the joint of this frame, whose parent has angular
@@ -114,12 +117,7 @@ impl<S: Scalar> Carried<S> {
     /// ∂/∂q̇ of its momentum: that of a unit velocity of the joint that carries it.
     #[inline(always)]
     pub fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
-        let SpatialInertia { mass, moment, .. } = self.inertia;
-        let axis = frame.axis;
-        match frame.joint {
-            Joint::Revolute => Wrench { angular: self.inertia.turning(axis), linear: cross(axis, moment) },
-            Joint::Prismatic => Wrench { angular: cross(moment, axis), linear: scale(mass, axis) },
-        }
+        self.inertia.unit_momentum(frame)
     }
 
     /// ∂/∂q of its momentum about a point that does not move with q: S ×* momentum + inertia of `bend`.
@@ -136,6 +134,18 @@ impl<S: Scalar> Carried<S> {
                 angular: add(cross(axis, linear), cross(moment, bend.linear)),
                 linear: scale(mass, bend.linear),
             },
+        }
+    }
+}
+
+impl<S: Scalar> SpatialInertia<S> {
+    /// The momentum at a unit velocity of the joint of this frame.
+    #[inline(always)]
+    pub(super) fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
+        let axis = frame.axis;
+        match frame.joint {
+            Joint::Revolute => Wrench { angular: self.turning(axis), linear: cross(axis, self.moment) },
+            Joint::Prismatic => Wrench { angular: cross(self.moment, axis), linear: scale(self.mass, axis) },
         }
     }
 }
