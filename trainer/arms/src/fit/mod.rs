@@ -10,7 +10,7 @@ mod problem;
 pub use friction::{JOINT, JointNumbers, SOFTNESS};
 
 use crate::linear::{Design, Terms};
-use crate::{Samples, Tree};
+use crate::{INERTIAL, Samples, Tree};
 use problem::{Problem, charts, regressors};
 use std::panic::resume_unwind;
 use thiserror::Error;
@@ -27,10 +27,12 @@ pub enum Bodies {
 }
 
 /// What is learned of bodies and joints.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Learned {
     /// Of the bodies.
     pub bodies: Bodies,
+    /// Bodies that are known whatever the others are, by their places in the tree.
+    pub known: Vec<usize>,
     /// Rotor inertia ≥ 0.
     pub rotors: bool,
     /// Viscous friction ≥ 0.
@@ -50,6 +52,7 @@ impl Default for Learned {
     fn default() -> Self {
         Self {
             bodies: Bodies::Consistent,
+            known: Vec::new(),
             rotors: true,
             viscous: true,
             coulomb: true,
@@ -263,8 +266,9 @@ impl<'a> Start<'a> {
         let dry = learned.coulomb || learned.load;
         let width = if dry { learned.width } else { [width; 2] };
         let joint = [[0.0, rotor], [0.0, viscous], [0.0, coulomb], [0.0, load], width, [-offset, offset]];
-        let bounds: Vec<[f64; 2]> =
-            vec![[-body, body]; bodies].into_iter().chain((0..n).flat_map(|_| joint)).collect();
+        let of_body = |k: usize| if learned.known.contains(&(k / INERTIAL)) { 0.0 } else { body };
+        let of_bodies = (0..bodies).map(|k| [-of_body(k), of_body(k)]);
+        let bounds: Vec<[f64; 2]> = of_bodies.chain((0..n).flat_map(|_| joint)).collect();
         let x = x.iter().zip(&bounds).map(|(x, [least, most]): (&f64, &[f64; 2])| x.clamp(*least, *most));
         Ok(Self { tree, problem, x: x.collect(), bounds })
     }

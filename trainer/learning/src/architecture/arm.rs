@@ -43,7 +43,11 @@ pub struct ArmArchitecture {
 impl ArmArchitecture {
     /// That of a tree in which every coordinate moves one body, in the same order; `None` for another one (a joint that follows another), or
     /// where a body sits on body 255 or beyond.
-    pub fn new(tree: &Tree, learns_bodies: bool, rotor: Number) -> Option<Self> {
+    pub fn new(
+        tree: &Tree,
+        learned: impl Fn(usize) -> bool,
+        rotor: impl Fn(usize) -> Number,
+    ) -> Option<Self> {
         let (mut bytes, mut bodies) = (Vec::new(), Vec::new());
         for (k, body) in tree.bodies().iter().enumerate() {
             if body.coordinate != k || body.ratio != 1.0 || body.offset != 0.0 {
@@ -58,7 +62,7 @@ impl ArmArchitecture {
             let rows = body.pose.rotation.transpose();
             let frame = rows.iter().chain(&body.pose.translation).chain(axis.iter()).copied().collect();
             let (name, inertia) = (body.joint_name.clone(), body.inertia.0);
-            bodies.push(ArmBody { name, frame, inertia, is_learned: learns_bodies, rotor });
+            bodies.push(ArmBody { name, frame, inertia, is_learned: learned(k), rotor: rotor(k) });
         }
         Some(Self { tree: bytes, gravity: tree.gravity.into(), bodies })
     }

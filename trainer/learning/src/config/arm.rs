@@ -2,9 +2,11 @@
 
 use super::corrections::{DissipationConfig, Known, PotentialConfig, assemble};
 use super::friction::FrictionConfig;
+use super::origin::Origin;
 use super::problem::{Problem, ShapeError};
 use crate::architecture::{Architecture, ArmArchitecture, MAX_TREE_COORDINATES, Number};
 use leastaction_arms::urdf::{self, Inertias};
+use leastaction_arms::{Body, Joint, LogCholesky, Tree};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -17,6 +19,25 @@ pub enum Learning {
     Learned,
     /// They are those of the description.
     Known,
+}
+
+/// Which bodies are learned.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "\"learned\", \"known\", or the names of the joints whose bodies are learned, as [\"joint7\"]"
+)]
+pub enum LearnedBodies {
+    /// All of them or none.
+    All(Learning),
+    /// Those on the joints of these names; the others are known.
+    On(Vec<String>),
+}
+
+impl Default for LearnedBodies {
+    fn default() -> Self {
+        Self::All(Learning::Learned)
+    }
 }
 
 /// An arm from its robot description (URDF).
@@ -34,10 +55,13 @@ pub struct ArmConfig {
     /// Of guessed bodies about their lines, m.
     #[serde(default = "radius")]
     pub radius: f64,
-    /// Whether bodies are learned; the description is where training begins, and where it stays in what the log does not show.
+    /// The run or model file of the same arm whose bodies, rotors and friction training begins at in place of the description's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_from: Option<PathBuf>,
+    /// Which bodies are learned; the description is where training begins, and where it stays in what the log does not show.
     #[serde(default)]
-    pub bodies: Learning,
-    /// Whether inertias of rotors are learned; a known one is 0.
+    pub bodies: LearnedBodies,
+    /// Whether inertias of rotors are learned; a known one is that of `start_from`, else 0.
     #[serde(default)]
     pub rotors: Learning,
     /// Friction of the joints.
@@ -61,6 +85,8 @@ fn radius() -> f64 {
 
 /// Where a learned rotor begins, kg m².
 const FIRST_ROTOR: f64 = 1e-3;
+/// Frames and axes of the same joint differ by less, m or 1.
+const SAME: f64 = 1e-4;
 
 impl ArmConfig {
     /// An arm of this description with the usual gravity, everything learned.
@@ -70,12 +96,18 @@ impl ArmConfig {
             gravity: gravity(),
             mass: None,
             radius: radius(),
-            bodies: Learning::Learned,
+            start_from: None,
+            bodies: LearnedBodies::default(),
             rotors: Learning::Learned,
             friction: FrictionConfig::default(),
             dissipation: None,
             potential: None,
         }
+    }
+
+    /// The files that it comes from.
+    pub(super) fn files(&mut self) -> Vec<&mut PathBuf> {
+        std::iter::once(&mut self.urdf).chain(&mut self.start_from).collect()
     }
 
     /// The shape of the model.
@@ -84,7 +116,8 @@ impl ArmConfig {
     /// [`ShapeError`]: what cannot be read or be, and where.
     pub fn architecture(&self) -> Result<Architecture, ShapeError> {
         let family = self.arm()?;
-        let friction = self.friction.assemble(family.n(), "joint")?;
+        let mut friction = self.friction.assemble(family.n(), "joint")?;
+        self.origin(&family.coordinates())?.iter().for_each(|origin| origin.set_friction(&mut friction));
         let letters = family.coordinates();
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
@@ -118,18 +151,74 @@ impl ArmConfig {
         if found > MAX_TREE_COORDINATES {
             return Err(at(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }));
         }
-        let learns_bodies = self.bodies == Learning::Learned;
-        let cannot_be = |body: &&leastaction_arms::Body| {
-            learns_bodies && leastaction_arms::LogCholesky::around(&body.inertia).is_none()
+        if let Some(origin) = self.origin(&coordinates(&tree))? {
+            tree = self.begun(&tree, &origin)?;
+        }
+        let names: Vec<&str> = tree.bodies().iter().map(|body| body.joint_name.as_str()).collect();
+        let is_learned = |k: usize| match &self.bodies {
+            LearnedBodies::All(learning) => *learning == Learning::Learned,
+            LearnedBodies::On(joints) => joints.iter().any(|joint| joint == names[k]),
         };
-        if let Some(body) = tree.bodies().iter().find(cannot_be) {
+        if let LearnedBodies::On(joints) = &self.bodies
+            && let Some(name) = joints.iter().find(|joint| !names.contains(&joint.as_str()))
+        {
+            let (what, known) = ("joint", names.join(", "));
+            return Err(Problem::UnknownType { what, name: name.clone(), known }.at(["bodies".into()]));
+        }
+        let cannot_be =
+            |(k, body): &(usize, &Body)| is_learned(*k) && LogCholesky::around(&body.inertia).is_none();
+        if let Some((_, body)) = tree.bodies().iter().enumerate().find(cannot_be) {
             return Err(at(Problem::NoBodyThatCanBe { link: body.name.clone() }));
         }
-        let rotor = match self.rotors {
-            Learning::Learned => Number::learned(FIRST_ROTOR),
-            Learning::Known => Number::known(0.0),
+        let rotor = |k: usize| match (self.rotors, tree.rotors[k]) {
+            (Learning::Learned, rotor) => Number::learned(if rotor > 0.0 { rotor } else { FIRST_ROTOR }),
+            (Learning::Known, rotor) => Number::known(rotor),
         };
-        ArmArchitecture::new(&tree, learns_bodies, rotor)
+        ArmArchitecture::new(&tree, is_learned, rotor)
             .ok_or_else(|| at(Problem::Follows { file: self.urdf.clone() }))
+    }
+
+    /// The model to start from.
+    fn origin(&self, letters: &str) -> Result<Option<Origin>, ShapeError> {
+        let read = |path: &PathBuf| Origin::read(path, letters);
+        self.start_from.as_ref().map(read).transpose().map_err(|problem| problem.at(["start_from".into()]))
+    }
+
+    /// The tree with the bodies and rotors of a model, which must stand on the same joints.
+    fn begun(&self, tree: &Tree, origin: &Origin) -> Result<Tree, ShapeError> {
+        let other = || {
+            let file = self.start_from.clone().unwrap_or_default();
+            Problem::OtherArm { file, urdf: self.urdf.clone() }.at(["start_from".into()])
+        };
+        let arm = origin.architecture.arm().ok_or_else(other)?;
+        let own = arm.host_tree(&origin.weights).ok_or_else(other)?;
+        let is_same = own.bodies().iter().zip(tree.bodies()).all(|(a, b)| is_same_joint(a, b));
+        if !is_same {
+            return Err(other());
+        }
+        Ok(tree.with_parameters(&own.parameters()))
+    }
+}
+
+/// One letter a coordinate.
+fn coordinates(tree: &Tree) -> String {
+    let letter = |body: &Body| match body.joint {
+        Joint::Revolute(_) => 'a',
+        Joint::Prismatic(_) => 't',
+    };
+    tree.bodies().iter().map(letter).collect()
+}
+
+/// Whether joints differ by no more than what single precision rounds away.
+fn is_same_joint(a: &Body, b: &Body) -> bool {
+    let (axis_a, axis_b) = (axis(a), axis(b));
+    let rotation = (a.pose.rotation - b.pose.rotation).amax();
+    let place = (a.pose.translation - b.pose.translation).amax();
+    a.parent == b.parent && rotation.max(place).max((axis_a - axis_b).amax()) < SAME
+}
+
+fn axis(body: &Body) -> nalgebra::Vector3<f64> {
+    match body.joint {
+        Joint::Revolute(axis) | Joint::Prismatic(axis) => axis.into_inner(),
     }
 }

@@ -21,7 +21,7 @@ mod rigid;
 
 pub(crate) use origin::Origin;
 
-pub use arm::{ArmConfig, Learning};
+pub use arm::{ArmConfig, LearnedBodies, Learning};
 pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
 pub use corrections::{DissipationConfig, PotentialConfig, ScaleConfig};
@@ -214,6 +214,7 @@ impl Config {
         let mut config: Self = read::parse(text).map_err(|error| ConfigError::invalid(file, text, &error))?;
         if let Some(folder) = folder {
             config.data.file = config.data.file.map(|file| folder.join(file));
+            config.model.files().into_iter().for_each(|file| *file = folder.join(&*file));
         }
         if let Some(problem) = config.data.problem() {
             return Err(read::at_key(file, text, &["data", "join"], problem));
@@ -222,16 +223,12 @@ impl Config {
             return Err(read::at_key(file, text, &["calibration", key], format!("`{key}` must be {must}")));
         }
         let located = |error: ShapeError| read::located(file, text, &error);
-        match &mut config.model {
+        match &config.model {
             ModelConfig::Rigid(rigid) => {
-                let from = rigid.start_from.as_mut();
-                from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
                 rigid.laws().map_err(located)?;
                 rigid.origin().map_err(located)?;
             }
             ModelConfig::Modular(modular) => {
-                let from = modular.from.as_mut();
-                from.into_iter().zip(folder).for_each(|(from, folder)| *from = folder.join(&*from));
                 modular.assemble().map_err(located)?;
             }
             ModelConfig::Graph(graph) => {
@@ -241,7 +238,6 @@ impl Config {
                 bodies.architecture().map_err(located)?;
             }
             ModelConfig::Arm(arm) => {
-                folder.into_iter().for_each(|folder| arm.urdf = folder.join(&arm.urdf));
                 arm.architecture().map_err(located)?;
             }
         }
@@ -258,13 +254,7 @@ impl Config {
     pub fn identity(&self) -> Self {
         let defaults = TrainingConfig::default();
         let mut model = self.model.clone();
-        let from = match &mut model {
-            ModelConfig::Modular(modular) => modular.from.as_mut(),
-            ModelConfig::Rigid(rigid) => rigid.start_from.as_mut(),
-            ModelConfig::Arm(arm) => Some(&mut arm.urdf),
-            _ => None,
-        };
-        from.into_iter().for_each(|from| *from = PathBuf::new());
+        model.files().into_iter().for_each(|file| *file = PathBuf::new());
         Self {
             model,
             calibration: self.calibration,

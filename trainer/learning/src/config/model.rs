@@ -9,6 +9,7 @@ use super::origin::Origin;
 use super::problem::ShapeError;
 use super::rigid::RigidConfig;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// The shape of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,6 +61,16 @@ impl ModelConfig {
         *dissipation = with_dissipation.then(|| dissipation.take().unwrap_or_default());
         *potential = with_potential.then(|| potential.take().unwrap_or_default());
         Some(own)
+    }
+
+    /// The files that the model comes from.
+    pub(crate) fn files(&mut self) -> Vec<&mut PathBuf> {
+        match self {
+            Self::Rigid(rigid) => rigid.start_from.iter_mut().collect(),
+            Self::Modular(modular) => modular.from.iter_mut().collect(),
+            Self::Arm(arm) => arm.files(),
+            Self::Graph(_) | Self::Bodies(_) => Vec::new(),
+        }
     }
 
     /// Whether training begins with trained weights.

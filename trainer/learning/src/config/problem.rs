@@ -337,6 +337,14 @@ pub enum Problem {
         /// The link.
         link: String,
     },
+    /// Another arm.
+    #[error("{} holds another model than the arm of {}: other bodies, or the same on other joints", file.display(), urdf.display())]
+    OtherArm {
+        /// The run or the model file.
+        file: PathBuf,
+        /// The description.
+        urdf: PathBuf,
+    },
     /// No node type.
     #[error("no node types: add a [[model.node_types]] with a name and a mass")]
     NoNodeTypes,

@@ -3,7 +3,7 @@
 use super::RunError;
 use super::state::Row;
 use crate::checkpoint;
-use crate::config::{Config, ModelConfig};
+use crate::config::Config;
 use crate::lock::{self, Lock};
 use leastaction_plot::{self as plot, PlotError};
 use std::fs::{self, File, OpenOptions};
@@ -85,14 +85,7 @@ impl Folder {
     /// Writes the configuration with full paths, so that it can be used from here; one that says the same stays as it is written.
     pub fn write_config(&self, config: &Config) -> io::Result<()> {
         let mut config = config.clone();
-        let model = match &mut config.model {
-            ModelConfig::Modular(modular) => modular.from.as_mut(),
-            ModelConfig::Arm(arm) => Some(&mut arm.urdf),
-            ModelConfig::Rigid(_) | ModelConfig::Graph(_) | ModelConfig::Bodies(_) => None,
-        };
-        if let Some(from) = model {
-            *from = full(from);
-        }
+        config.model.files().into_iter().for_each(|file| *file = full(file));
         config.data.file = config.data.file.map(full);
         let path = self.path.join(CONFIG);
         if Config::read(&path).is_ok_and(|there| there == config) {

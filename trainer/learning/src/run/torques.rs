@@ -153,10 +153,11 @@ fn learned(
     if must.into_iter().any(|number| !number.learned) || of_dry(3).any(|number| !number.learned) || !smooth {
         return Err(TorqueError::KnownFriction);
     }
+    let known = arm.bodies.iter().enumerate().filter(|(_, body)| !body.is_learned).map(|(k, _)| k).collect();
     let bodies = arm.bodies.iter().any(|body| body.is_learned);
     let rotors = arm.bodies.iter().any(|body| body.rotor.learned);
     let bodies = if bodies { Bodies::Consistent } else { Bodies::Known };
-    Ok(Learned { bodies, rotors, viscous, coulomb: dry, load, offsets, ..Learned::default() })
+    Ok(Learned { bodies, known, rotors, viscous, coulomb: dry, load, offsets, ..Learned::default() })
 }
 
 /// b, then c, c_load, τ_s and ε of every joint, where the shape has them.

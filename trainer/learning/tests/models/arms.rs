@@ -89,7 +89,10 @@ fn robot() -> Arm {
 
 /// Three logs of four seconds.
 fn data() -> Dataset {
-    let robot = robot();
+    data_of(&robot())
+}
+
+fn data_of(robot: &Arm) -> Dataset {
     let log = |log: usize| {
         let states: Vec<[[f64; N]; 3]> = (0..400).map(|k| motion(log, k as f64 * H)).collect();
         let rows = |part: usize| {
@@ -186,6 +189,43 @@ fn known_bodies_stay_as_they_are_described() {
     assert!((tree.rotors[2] - 0.3).abs() < 0.02, "{:?}", tree.rotors);
 }
 
+/// The arm is learned first, then what it carries, all else being known.
+#[test]
+fn a_payload_is_found_by_the_body_that_carries_it() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &description(2.0));
+    let plan = Plan::new(config_of(folder.path(), LEARNED).unwrap(), &data()).unwrap();
+    let trained = plan.train().unwrap();
+    let file = encode(&trained.architecture, &trained.best.weights, None, "test").unwrap();
+    std::fs::write(folder.path().join("arm.postcard"), file).unwrap();
+    let mut robot = robot();
+    let load = Inertia::of_centre(
+        1.0,
+        nalgebra::Vector3::new(0.05, 0.02, 0.2),
+        nalgebra::Matrix3::identity() * 0.002,
+    );
+    let mut parameters = robot.tree.parameters();
+    parameters[20..30].iter_mut().zip(load.0).for_each(|(own, more)| *own += more);
+    robot.tree = robot.tree.with_parameters(&parameters);
+    let rest = format!("start_from = \"arm.postcard\"\nbodies = [\"joint3\"]\n{LEARNED}");
+    let carrying =
+        Plan::new(config_of(folder.path(), &rest).unwrap(), &data_of(&robot)).unwrap().train().unwrap();
+    let [before, after] = [&trained, &carrying].map(|of| bodies(&of.architecture, &of.best.weights));
+    for k in 0..2 {
+        let [a, b] = [&before, &after].map(|tree| tree.bodies()[k].inertia.0);
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?} {b:?}");
+    }
+    let [before, after] = [before, after].map(|tree| tree.bodies()[2].inertia.mass());
+    assert!((after - before - 1.0).abs() < 0.02, "{before} {after}");
+    // Another arm, and a joint that it has not.
+    write(folder.path(), &description(2.0).replace("0.1 0 0.2", "0.1 0 0.3"));
+    let text = error(folder.path(), &rest);
+    assert!(text.contains("other joints"), "{text}");
+    write(folder.path(), &description(2.0));
+    let text = error(folder.path(), &rest.replace("joint3", "wrist"));
+    assert!(text.contains("wrist") && text.contains("joint1, joint2, joint3"), "{text}");
+}
+
 #[test]
 fn what_cannot_be_is_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -193,7 +233,8 @@ fn what_cannot_be_is_said() {
     assert!(error(path, "").contains("robot.urdf"), "{}", error(path, ""));
     write(path, &description(2.0));
     assert!(error(path, "mass = -1.0").contains("above 0"));
-    assert!(error(path, "bodies = \"guessed\"").contains("unknown variant"));
+    let text = error(path, "bodies = \"guessed\"");
+    assert!(text.contains("names of the joints"), "{text}");
     assert!(error(path, "friction = [1]").contains("friction"));
     write(path, &description(0.0));
     let text = error(path, "");
