@@ -105,9 +105,9 @@ fn derivatives_of_inverse_dynamics_are_exact() {
                 })
             };
             let force = exact.inverse_dynamics(&moving(q, 0), &moving(v, 1), &moving(&a, 2));
-            for i in 0..N {
-                assert_close(&format!("∂τ_{i}/∂q_{j}"), found.force_q[i][j], force[i].0.eps1, 1e-12);
-                assert_close(&format!("∂τ_{i}/∂v_{j}"), found.force_v[i][j], force[i].0.eps2, 1e-12);
+            for (i, force) in force.iter().enumerate() {
+                assert_close(&format!("∂τ_{i}/∂q_{j}"), found.force_q[i][j], force.0.eps1, 1e-12);
+                assert_close(&format!("∂τ_{i}/∂v_{j}"), found.force_v[i][j], force.0.eps2, 1e-12);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Motion runs of a model from a fixed start under a fixed force, whose positions have one fingerprint on every target.
+//! Runs of a model from a fixed start under a fixed force, whose positions have one fingerprint on every target.
 //!
 //! A square wave pushes the first coordinate (of particles: the last node along the first axis), 8 steps one way and 8
 //! the other.

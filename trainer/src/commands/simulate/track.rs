@@ -81,7 +81,7 @@ impl Motion {
     pub fn check(&self, is_followed: bool) -> Result<(), Failure> {
         match (is_followed, &self.trajectory, self.is_tuned()) {
             (true, None, _) => {
-                Err(Failure::Input("track of a --plant takes the motion as --trajectory FILE".to_owned()))
+                Err(Failure::Input("track with a --plant follows the motion of --trajectory FILE; name one, or leave out --plant".to_owned()))
             }
             (false, Some(_), _) | (false, None, true) => {
                 let reason =
