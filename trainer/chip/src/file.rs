@@ -150,16 +150,19 @@ fn named<'p, P: 'p>(
     parts.by_ref().enumerate().find(|(_, part)| name.is_none_or(|name| name_of(part) == name))
 }
 
-/// Loads rigid models.
-struct RigidLoader<'f> {
-    header: RigidHeader<'f>,
-    laws: Laws<'f>,
-    weights: &'f [f32],
+/// A loader of systems with forces of a type that has all laws of the file.
+trait LoadWith<'f>: Sized {
+    /// Those of the file.
+    fn laws(&self) -> Laws<'f>;
+    /// The system in N coordinates with forces of this type.
+    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+    where
+        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>;
 }
 
-impl<'f> Load<'f> for RigidLoader<'f> {
+impl<'f, L: LoadWith<'f>> Load<'f> for L {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        match Needed::by(self.laws) {
+        match Needed::by(self.laws()) {
             Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
             Needed::Friction => self.with::<N, Friction<N>>(),
             Needed::All => self.with::<N, AllForces<N>>(),
@@ -167,7 +170,18 @@ impl<'f> Load<'f> for RigidLoader<'f> {
     }
 }
 
-impl<'f> RigidLoader<'f> {
+/// Loads rigid models.
+struct RigidLoader<'f> {
+    header: RigidHeader<'f>,
+    laws: Laws<'f>,
+    weights: &'f [f32],
+}
+
+impl<'f> LoadWith<'f> for RigidLoader<'f> {
+    fn laws(&self) -> Laws<'f> {
+        self.laws
+    }
+
     fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
     where
         F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
@@ -178,24 +192,18 @@ impl<'f> RigidLoader<'f> {
     }
 }
 
-/// Loads trees of bodies.
+/// Loads trees of bodies in space.
 struct ArmLoader<'f> {
     header: ArmHeader<'f>,
     laws: Laws<'f>,
     weights: &'f [f32],
 }
 
-impl<'f> Load<'f> for ArmLoader<'f> {
-    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        match Needed::by(self.laws) {
-            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
-            Needed::Friction => self.with::<N, Friction<N>>(),
-            Needed::All => self.with::<N, AllForces<N>>(),
-        }
+impl<'f> LoadWith<'f> for ArmLoader<'f> {
+    fn laws(&self) -> Laws<'f> {
+        self.laws
     }
-}
 
-impl<'f> ArmLoader<'f> {
     fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
     where
         F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
@@ -205,23 +213,18 @@ impl<'f> ArmLoader<'f> {
     }
 }
 
+/// Loads trees of bodies in the plane.
 struct BodiesLoader<'f> {
     header: BodiesHeader<'f>,
     laws: Laws<'f>,
     weights: &'f [f32],
 }
 
-impl<'f> Load<'f> for BodiesLoader<'f> {
-    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        match Needed::by(self.laws) {
-            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
-            Needed::Friction => self.with::<N, Friction<N>>(),
-            Needed::All => self.with::<N, AllForces<N>>(),
-        }
+impl<'f> LoadWith<'f> for BodiesLoader<'f> {
+    fn laws(&self) -> Laws<'f> {
+        self.laws
     }
-}
 
-impl<'f> BodiesLoader<'f> {
     fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
     where
         F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
@@ -239,17 +242,11 @@ struct TreeLoader<'f> {
     weights: &'f [f32],
 }
 
-impl<'f> Load<'f> for TreeLoader<'f> {
-    fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError> {
-        match Needed::by(self.laws) {
-            Needed::Viscous => self.with::<N, Viscous<f32, N>>(),
-            Needed::Friction => self.with::<N, Friction<N>>(),
-            Needed::All => self.with::<N, AllForces<N>>(),
-        }
+impl<'f> LoadWith<'f> for TreeLoader<'f> {
+    fn laws(&self) -> Laws<'f> {
+        self.laws
     }
-}
 
-impl<'f> TreeLoader<'f> {
     fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
     where
         F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,

@@ -8,8 +8,8 @@ use leastaction_core::energy::spatial::{
     TreeBody, TreeError,
 };
 use leastaction_core::forces;
+use leastaction_programs::System;
 use leastaction_programs::energies::{ArmEnergies, ArmJoint};
-use leastaction_programs::{System, WIDTH};
 
 const fn body(joint: Joint, parent: Option<u8>) -> TreeBody {
     TreeBody { joint, parent }
@@ -80,34 +80,14 @@ fn values_and_derivatives_are_cores() {
 #[test]
 fn gradients_are_the_differences_of_the_equation_of_motion() {
     const N: usize = BRANCHED.len();
-    const STEP: f64 = 1e-5;
     let weights = weights(N, 4);
-    let system = System::new(&model(&BRANCHED, &weights));
-    let numbers = Numbers::<N>::new(weights.clone(), 1.5, 4);
-    let (_, rows) = numbers.run(&system.residual(1), &[0, 1, 2, 3, 4]);
-    let (program, pattern) = system.equation_of_motion();
-    let work = |at: usize, step: f64, sample: usize| -> f64 {
-        let mut weights = weights.clone();
-        weights[at] += step;
-        let (motion, _) = Numbers::<N>::new(weights, 1.5, 4).run(&program, &[0, 1, 2]);
-        let of = |output: usize, i: usize| motion.output(output)[i].0[sample];
-        let [a, y] = [3, 4].map(|vector| numbers.of(vector, sample));
-        let inertial = |i: usize| -> f64 {
-            (0..N).filter_map(|j| Some(of(1 + pattern.direction(i, j)?, i) * a[j])).sum()
-        };
-        (0..N).map(|i| y[i] * (of(0, i) - inertial(i))).sum()
-    };
-    for (at, row) in rows[0].iter().enumerate() {
+    let is_of_body = |at: usize| {
         let place = at.checked_sub(SPATIAL_GRAVITY_PARAMETERS).map(|place| place % SPATIAL_PARAMETERS);
-        let is_of_frame = place.is_some_and(|place| place < 15);
-        for sample in [0, WIDTH - 1] {
-            let expected = (work(at, STEP, sample) - work(at, -STEP, sample)) / (2.0 * STEP);
-            // Frames are not read.
-            let expected = if is_of_frame { 0.0 } else { expected };
-            let error = (row.0[sample] - expected).abs() / (1.0 + expected.abs());
-            assert!(error < 1e-8, "number {at}: {} instead of {expected}", row.0[sample]);
-        }
-    }
+        place.is_none_or(|place| place >= 15)
+    };
+    // Frames are not read.
+    let system = System::new(&model(&BRANCHED, &weights));
+    common::check_gradients_of_motion::<N>((&system, &weights), 4, is_of_body);
 }
 
 #[test]

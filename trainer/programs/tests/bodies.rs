@@ -135,29 +135,8 @@ fn values_and_derivatives_are_cores() {
 #[test]
 fn gradients_are_the_differences_of_the_equation_of_motion() {
     const N: usize = BRANCHED.len();
-    let (weights, system) = (weights(N, 4), System::new(&model(&BRANCHED)));
-    let numbers = Numbers::<N>::new(weights.clone(), 1.5, 4);
-    let (_, rows) = numbers.run(&system.residual(1), &[0, 1, 2, 3, 4]);
-    let (program, pattern) = system.equation_of_motion();
-    // y·(right side − M a): τ is in both of the differences.
-    let work = |at: usize, step: f64, sample: usize| -> f64 {
-        let mut weights = weights.clone();
-        weights[at] += step;
-        let moved = Numbers::<N>::new(weights, 1.5, 4);
-        let (motion, _) = moved.run(&program, &[0, 1, 2]);
-        let of = |output: usize, i: usize| motion.output(output)[i].0[sample];
-        let [a, y] = [3, 4].map(|vector| numbers.of(vector, sample));
-        let inertial = |i: usize| -> f64 {
-            (0..N).filter_map(|j| Some(of(1 + pattern.direction(i, j)?, i) * a[j])).sum()
-        };
-        (0..N).map(|i| y[i] * (of(0, i) - inertial(i))).sum()
-    };
-    for (at, row) in rows[0].iter().enumerate() {
-        for sample in [0, WIDTH - 1] {
-            let expected = (work(at, STEP, sample) - work(at, -STEP, sample)) / (2.0 * STEP);
-            close(row.0[sample], expected, 1e-8);
-        }
-    }
+    let system = System::new(&model(&BRANCHED));
+    common::check_gradients_of_motion::<N>((&system, &weights(N, 4)), 4, |_| true);
 }
 
 /// M of the double pendulum as textbooks have it, geared drives included.

@@ -1,6 +1,6 @@
 //! Trees of rigid bodies on joints in space, of any size ([`leastaction_core::energy::spatial`]).
 
-use super::Energies;
+use super::{Energies, check_tree};
 use crate::builder::{Builder, Node};
 use crate::function::Function;
 use leastaction_core::energy::spatial::{
@@ -52,14 +52,7 @@ impl ArmEnergies {
     /// # Errors
     /// [`TreeError::Empty`] for no body, [`TreeError::Parent`] for a body on one that does not come before it.
     pub fn new(joints: Vec<ArmJoint>) -> Result<Self, TreeError> {
-        if joints.is_empty() {
-            return Err(TreeError::Empty);
-        }
-        for (element, joint) in joints.iter().enumerate() {
-            if let Some(parent) = joint.body.parent.map(usize::from).filter(|parent| *parent >= element) {
-                return Err(TreeError::Parent { element, parent });
-            }
-        }
+        check_tree(joints.iter().map(|joint| &joint.body))?;
         Ok(Self { joints })
     }
 

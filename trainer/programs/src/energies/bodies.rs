@@ -1,6 +1,6 @@
 //! Trees of rigid bodies on joints of any size ([`leastaction_core::energy::bodies`]).
 
-use super::Energies;
+use super::{Energies, check_tree};
 use crate::builder::{Builder, Node};
 use crate::function::Function;
 use leastaction_core::energy::bodies::{
@@ -39,14 +39,7 @@ impl BodiesEnergies {
     /// # Errors
     /// [`TreeError::Empty`] for no body, [`TreeError::Parent`] for a body on one that does not come before it.
     pub fn new(bodies: Vec<TreeBody>) -> Result<Self, TreeError> {
-        if bodies.is_empty() {
-            return Err(TreeError::Empty);
-        }
-        for (element, body) in bodies.iter().enumerate() {
-            if let Some(parent) = body.parent.map(usize::from).filter(|parent| *parent >= element) {
-                return Err(TreeError::Parent { element, parent });
-            }
-        }
+        check_tree(bodies.iter())?;
         let known = vec![None; GRAVITY_PARAMETERS + BODY_PARAMETERS * bodies.len()];
         Ok(Self { bodies, known })
     }

@@ -20,6 +20,7 @@ pub use rigid::RigidEnergies;
 
 use crate::builder::{Builder, Node};
 use crate::function::Function;
+use leastaction_core::energy::bodies::{TreeBody, TreeError};
 use leastaction_core::energy::rigid::Coordinate;
 
 /// s(q) of coordinates of these kinds: translations, then the cosines of all angles, then their sines.
@@ -29,6 +30,19 @@ fn features(builder: &mut Builder, kinds: &[Coordinate], q: Node) -> Node {
     let (translations, angles) = (builder.gather(q, &translations), builder.gather(q, &angles));
     let (cosines, sines) = (builder.cosine(angles), builder.map(Function::Sine, angles));
     builder.joined(&[translations, cosines, sines])
+}
+
+/// Whether bodies form a tree, parents first.
+fn check_tree<'b>(bodies: impl ExactSizeIterator<Item = &'b TreeBody>) -> Result<(), TreeError> {
+    if bodies.len() == 0 {
+        return Err(TreeError::Empty);
+    }
+    for (element, body) in bodies.enumerate() {
+        if let Some(parent) = body.parent.map(usize::from).filter(|parent| *parent >= element) {
+            return Err(TreeError::Parent { element, parent });
+        }
+    }
+    Ok(())
 }
 
 /// A family's model of some shape: its energies over a weight block, and the forces beside them.

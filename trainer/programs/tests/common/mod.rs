@@ -55,6 +55,41 @@ impl<const N: usize> Numbers<N> {
     }
 }
 
+/// Steps of weights whose differences are taken.
+const STEP: f64 = 1e-5;
+
+/// Rows ∂/∂θ y·(L_q − L_vq v − M a) of a system against differences of its equation of motion, number by number; numbers that are not
+/// read have none.
+pub fn check_gradients_of_motion<const N: usize>(
+    (system, weights): (&System, &[f64]),
+    seed: u64,
+    is_read: impl Fn(usize) -> bool,
+) {
+    let numbers = Numbers::<N>::new(weights.to_vec(), 1.5, seed);
+    let (_, rows) = numbers.run(&system.residual(1), &[0, 1, 2, 3, 4]);
+    let (program, pattern) = system.equation_of_motion();
+    // y·(right side − M a): τ is in both of the differences.
+    let work = |at: usize, step: f64, sample: usize| -> f64 {
+        let mut weights = weights.to_vec();
+        weights[at] += step;
+        let (motion, _) = Numbers::<N>::new(weights, 1.5, seed).run(&program, &[0, 1, 2]);
+        let of = |output: usize, i: usize| motion.output(output)[i].0[sample];
+        let [a, y] = [3, 4].map(|vector| numbers.of(vector, sample));
+        let inertial = |i: usize| -> f64 {
+            (0..N).filter_map(|j| Some(of(1 + pattern.direction(i, j)?, i) * a[j])).sum()
+        };
+        (0..N).map(|i| y[i] * (of(0, i) - inertial(i))).sum()
+    };
+    for (at, row) in rows[0].iter().enumerate() {
+        for sample in [0, WIDTH - 1] {
+            let difference = (work(at, STEP, sample) - work(at, -STEP, sample)) / (2.0 * STEP);
+            let expected = if is_read(at) { difference } else { 0.0 };
+            let error = (row.0[sample] - expected).abs() / (1.0 + expected.abs());
+            assert!(error < 1e-8, "number {at}: {} instead of {expected}", row.0[sample]);
+        }
+    }
+}
+
 /// Viscous damping, its coefficients at these places of the weight block; nowhere: there is none.
 pub struct Damping<const N: usize> {
     viscous: Viscous<f64, N>,

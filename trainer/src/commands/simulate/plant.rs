@@ -62,12 +62,26 @@ impl Plant<'_> {
     }
 }
 
-/// Steps a model beside the mechanism of another under the same force.
-pub fn predict_beside(
+/// What is done with a model and the plant of another file, their size being a type.
+pub trait OnPlant {
+    /// Runs it.
+    ///
+    /// # Errors
+    /// Options that do not fit, and what the loop refuses.
+    fn run<const N: usize>(
+        self,
+        request: &Request,
+        systems: (&SystemOf<N>, &SystemOf<N>),
+        trace: &mut Trace,
+    ) -> Result<Report, Failure>;
+}
+
+/// Runs a model on the plant of another file, of the same coordinates.
+pub fn on_plant(
     request: &Request,
     model: &Chip,
     plant: &HostModel,
-    trace: &mut Trace,
+    (what, trace): (impl OnPlant, &mut Trace),
 ) -> Result<Report, Failure> {
     let [own, others] = [request.model, plant].map(|model| model.architecture.coordinates());
     if own != others {
@@ -76,27 +90,26 @@ pub fn predict_beside(
     }
     let file = chip::file(plant).map_err(Failure::Input)?;
     let plant = &chip::meant(&file, plant).map_err(Failure::Input)?;
-    model.visit(Beside { request, plant, trace })
+    model.visit(OfAnySize { request, plant, what, trace })
 }
 
-/// Runs the prediction in as many coordinates as there are.
-struct Beside<'r, 'c> {
+/// Runs it in as many coordinates as there are.
+struct OfAnySize<'r, 'c, W> {
     request: &'r Request<'r>,
     plant: &'r Chip<'c>,
+    what: W,
     trace: &'r mut Trace,
 }
 
-impl<'c> Visitor<'c> for Beside<'_, '_> {
+impl<'c, W: OnPlant> Visitor<'c> for OfAnySize<'_, '_, W> {
     type Output = Result<Report, Failure>;
 
     fn coordinates<const N: usize>(self, model: &'c SystemOf<'c, N>) -> Self::Output
     where
         for<'f> Chip<'f>: OfSize<N>,
     {
-        let Self { request, plant, trace } = self;
-        let plant = OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?;
-        let config = prediction(request)?;
-        reported(request, predict(plant, model, &config, |tick| trace.push(tick)))
+        let Self { request, plant, what, trace } = self;
+        what.run(request, (OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?, model), trace)
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
@@ -109,15 +122,34 @@ pub fn no_graphs() -> Failure {
     Failure::Input("the scenarios take rigid models and trees, no graphs".to_owned())
 }
 
+/// Stepping a model beside the plant under the same force.
+pub struct Predicting;
+
+impl OnPlant for Predicting {
+    fn run<const N: usize>(
+        self,
+        request: &Request,
+        (plant, model): (&SystemOf<N>, &SystemOf<N>),
+        trace: &mut Trace,
+    ) -> Result<Report, Failure> {
+        let config = prediction(request)?;
+        reported(request, predict(plant, model, &config, |tick| trace.push(tick)))
+    }
+}
+
+/// The usual encoders of the plant's coordinates.
+pub fn encoders<const N: usize>(request: &Request) -> [EncoderConfig; N] {
+    let kinds = request.plant.coordinates();
+    std::array::from_fn(|i| match kinds.get(i) {
+        Some(Coordinate::Angle) => EncoderConfig::rotary(),
+        _ => EncoderConfig::linear(),
+    })
+}
+
 /// 5 s at the model's own step, errors within 0.01 rad or m throughout: from the middle half of what the training data covered, at
 /// up to half its speeds, under half its largest forces at 0.5 Hz. Where the file does not say what they covered, from within
 /// 0.5 rad or m at up to 0.5 rad/s or m/s, without force.
 fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> {
-    let kinds = request.plant.coordinates();
-    let encoders = std::array::from_fn(|i| match kinds.get(i) {
-        Some(Coordinate::Angle) => EncoderConfig::rotary(),
-        _ => EncoderConfig::linear(),
-    });
     let facts = &request.model.facts;
     let ranges: [CoordinateRange; N] =
         std::array::from_fn(|i| facts.range.get(i).copied().unwrap_or(UNKNOWN));
@@ -133,7 +165,7 @@ fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> 
             q_spread: ranges.map(|range| 0.25 * (range.q.most - range.q.least)),
             v_spread: ranges.map(|range| half(range.v)),
         },
-        devices: Devices::new(encoders, amplitude),
+        devices: Devices::new(encoders(request), amplitude),
         known_drive: Drive::ideal(),
         observer: ObserverConfig::new(),
         goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },

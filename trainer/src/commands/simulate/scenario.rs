@@ -1,8 +1,8 @@
 //! The scenarios of the firmware loop.
 
-use super::plant::{Plant, no_graphs, predict_beside};
+use super::plant::{Plant, Predicting, no_graphs, on_plant};
 use super::remote::Target;
-use super::track::follow;
+use super::track::Following;
 use super::world::World;
 use super::{Motion, Report, Trace};
 use crate::commands::chip;
@@ -97,15 +97,17 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     }
     request.world.check(request)?;
     let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
-    request.motion.check(is_followed)?;
+    request.motion.check(is_followed, request.on.is_some())?;
     let file = chip::file(request.model).map_err(Failure::Input)?;
     let model = chip::meant(&file, request.model).map_err(Failure::Input)?;
     match (request.plant, request.scenario) {
         (Plant::Exact(mechanism), _) => beside_exact(request, &model, mechanism, trace),
         (Plant::Model { model: plant, .. }, Scenario::Predict) => {
-            predict_beside(request, &model, plant, trace)
+            on_plant(request, &model, plant, (Predicting, trace))
         }
-        (Plant::Model { model: plant, .. }, Scenario::Track) => follow(request, &model, plant, trace),
+        (Plant::Model { model: plant, .. }, Scenario::Track) => {
+            on_plant(request, &model, plant, (Following, trace))
+        }
         (Plant::Model { .. }, scenario) => Err(Failure::Input(format!(
             "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict or track"
         ))),

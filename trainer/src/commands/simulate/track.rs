@@ -1,18 +1,14 @@
 //! Following a motion that a file describes, by the model of one file on the plant of another.
 
-use super::plant::no_graphs;
+use super::plant::{OnPlant, encoders};
 use super::scenario::{misused, reported};
 use super::{Report, Request, Trace};
-use crate::commands::chip;
 use clap::{Args, ValueEnum};
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::positive_f32;
-use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_chip::SystemOf;
 use leastaction_firmware_sim::control::{Gains, HARMONICS, Law, Reference};
-use leastaction_firmware_sim::devices::EncoderConfig;
 use leastaction_firmware_sim::scenario::{TrackConfig, track};
-use leastaction_learning::model_file::HostModel;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -77,8 +73,13 @@ const BEGIN: f32 = 0.1;
 const MEMORY: f32 = 0.05;
 
 impl Motion {
-    /// Refuses what means nothing where the motion is the scenario's own.
-    pub fn check(&self, is_followed: bool) -> Result<(), Failure> {
+    /// Refuses what means nothing where the motion is the scenario's own, and boards where it is not.
+    pub fn check(&self, is_followed: bool, is_on_board: bool) -> Result<(), Failure> {
+        if is_followed && self.trajectory.is_some() && is_on_board {
+            let reason =
+                "the images of the boards have controllers of one and two coordinates alone; leave out --on";
+            return Err(Failure::Input(reason.to_owned()));
+        }
         match (is_followed, &self.trajectory, self.is_tuned()) {
             (true, None, _) => {
                 Err(Failure::Input("track with a --plant follows the motion of --trajectory FILE; name one, or leave out --plant".to_owned()))
@@ -126,50 +127,18 @@ impl Motion {
     }
 }
 
-/// Follows the motion.
-pub fn follow(
-    request: &Request,
-    model: &Chip,
-    plant: &HostModel,
-    trace: &mut Trace,
-) -> Result<Report, Failure> {
-    if request.on.is_some() {
-        let reason =
-            "the images of the boards have controllers of one and two coordinates alone; leave out --on";
-        return Err(Failure::Input(reason.to_owned()));
-    }
-    let [own, others] = [request.model, plant].map(|model| model.architecture.coordinates());
-    if own != others {
-        let message = format!("--plant has coordinates {others:?}, the model {own:?}: they must be the same");
-        return Err(Failure::Input(message));
-    }
-    let file = chip::file(plant).map_err(Failure::Input)?;
-    let plant = &chip::meant(&file, plant).map_err(Failure::Input)?;
-    model.visit(Following { request, plant, trace })
-}
+/// Following the motion.
+pub struct Following;
 
-/// The loop in as many coordinates as there are.
-struct Following<'r, 'c> {
-    request: &'r Request<'r>,
-    plant: &'r Chip<'c>,
-    trace: &'r mut Trace,
-}
-
-impl<'c> Visitor<'c> for Following<'_, '_> {
-    type Output = Result<Report, Failure>;
-
-    fn coordinates<const N: usize>(self, model: &'c SystemOf<'c, N>) -> Self::Output
-    where
-        for<'f> Chip<'f>: OfSize<N>,
-    {
-        let Self { request, plant, trace } = self;
-        let plant = OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?;
+impl OnPlant for Following {
+    fn run<const N: usize>(
+        self,
+        request: &Request,
+        (plant, model): (&SystemOf<N>, &SystemOf<N>),
+        trace: &mut Trace,
+    ) -> Result<Report, Failure> {
         let config = config::<N>(request)?;
         reported(request, track(plant, model, &config, |tick| trace.push(tick)))
-    }
-
-    fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
-        Err(no_graphs())
     }
 }
 
@@ -177,12 +146,7 @@ fn config<const N: usize>(request: &Request) -> Result<TrackConfig<N>, Failure> 
     let Motion { trajectory, law, bandwidth, damping } = request.motion;
     let path = trajectory.as_deref().unwrap_or(Path::new(""));
     let (reference, limit) = request.motion.read::<N>(path)?;
-    let kinds = request.plant.coordinates();
-    let encoders = std::array::from_fn(|i| match kinds.get(i) {
-        Some(Coordinate::Angle) => EncoderConfig::rotary(),
-        _ => EncoderConfig::linear(),
-    });
-    let mut config = TrackConfig::new(encoders, limit, (reference.at(0.0).q, reference));
+    let mut config = TrackConfig::new(encoders(request), limit, (reference.at(0.0).q, reference));
     config.setup.tick = 1e-3;
     config.law = law.map_or(Law::ComputedTorque, Into::into);
     let Gains { frequency, damping: usual } = config.gains;
