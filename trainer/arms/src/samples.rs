@@ -86,18 +86,21 @@ const MOST: usize = 1 << 24;
 /// Order of the filter.
 const ORDER: usize = 4;
 
+impl Preparation {
+    fn filter(&self) -> Result<Butterworth, SampleError> {
+        let Self { step, cut_off, .. } = *self;
+        Butterworth::new(ORDER, cut_off, step).ok_or(SampleError::CutOff { cut_off, step })
+    }
+}
+
 impl Samples {
     /// Samples of a log. Where it has no velocities they are differences of the filtered positions.
     ///
     /// # Errors
     /// [`SampleError`].
     pub fn prepare(log: &Measured, how: &Preparation) -> Result<Self, SampleError> {
-        let Preparation { step, cut_off, .. } = *how;
-        let filter = Butterworth::new(ORDER, cut_off, step).ok_or(SampleError::CutOff { cut_off, step })?;
-        let torques = log.u.as_ref().filter(|u| u.width() == log.q.width()).ok_or(SampleError::Torques {
-            torques: log.u.as_ref().map_or(0, Rows::width),
-            positions: log.q.width(),
-        })?;
+        let Preparation { step, .. } = *how;
+        let filter = how.filter()?;
         let duration = log.t.last().zip(log.t.first()).map_or(0.0, |(last, first)| last - first);
         if duration / step >= MOST as f64 {
             return Err(SampleError::Long { duration, step });
@@ -105,11 +108,9 @@ impl Samples {
         let start = log.t.first().copied().unwrap_or_default();
         let count = (duration / step + 1e-9) as usize + 1;
         let grid: Vec<f64> = (0..count).map(|k| start + k as f64 * step).collect();
-        let even = |rows: &Rows| -> Columns {
-            let even = log.straight(rows, &grid);
-            (0..rows.width()).map(|k| even.iter().map(|row| row[k]).collect()).collect()
-        };
-        Self::of_columns([Some(even(&log.q)), log.v.as_ref().map(even), Some(even(torques))], &filter, how)
+        let even = |rows: &Rows| log.straight(rows, &grid);
+        let [v, torques] = [&log.v, &log.u].map(|rows| rows.as_ref().map(even));
+        Self::filtered((&even(&log.q), v.as_ref(), torques.as_ref()), &filter, how)
     }
 
     /// Samples of positions, velocities (differences of positions where there are none) and torques that stand on the step of `how`
@@ -118,33 +119,30 @@ impl Samples {
     /// # Errors
     /// [`SampleError`].
     pub fn of_even(
-        (q, v, torques): (&Rows, Option<&Rows>, Option<&Rows>),
+        states: (&Rows, Option<&Rows>, Option<&Rows>),
         how: &Preparation,
     ) -> Result<Self, SampleError> {
-        let Preparation { step, cut_off, .. } = *how;
-        let filter = Butterworth::new(ORDER, cut_off, step).ok_or(SampleError::CutOff { cut_off, step })?;
-        let torques = torques
-            .filter(|u| u.width() == q.width())
-            .ok_or(SampleError::Torques { torques: torques.map_or(0, Rows::width), positions: q.width() })?;
-        let columns = |rows: &Rows| -> Columns {
-            (0..rows.width()).map(|k| rows.iter().map(|row| row[k]).collect()).collect()
-        };
-        Self::of_columns([Some(columns(q)), v.map(columns), Some(columns(torques))], &filter, how)
+        Self::filtered(states, &how.filter()?, how)
     }
 
     /// Filtered, differentiated, thinned.
-    fn of_columns(
-        [q, v, tau]: [Option<Columns>; 3],
+    fn filtered(
+        (q, v, torques): (&Rows, Option<&Rows>, Option<&Rows>),
         filter: &Butterworth,
         how: &Preparation,
     ) -> Result<Self, SampleError> {
         let Preparation { step, every, margin, .. } = *how;
-        let smooth = |of: Columns| -> Columns { of.iter().map(|x| filter.filter(x)).collect() };
+        let torques = torques
+            .filter(|u| u.width() == q.width())
+            .ok_or(SampleError::Torques { torques: torques.map_or(0, Rows::width), positions: q.width() })?;
+        let smooth = |rows: &Rows| -> Columns {
+            (0..rows.width()).map(|i| filter.filter(&rows.column(i).collect::<Vec<_>>())).collect()
+        };
         let slopes = |of: &Columns| -> Columns { of.iter().map(|x| derivative(x, step)).collect() };
-        let (q, tau) = (smooth(q.unwrap_or_default()), smooth(tau.unwrap_or_default()));
+        let count = q.len();
+        let (q, tau) = (smooth(q), smooth(torques));
         let v = v.map_or_else(|| slopes(&q), smooth);
         let a = slopes(&v);
-        let count = q.first().map_or(0, Vec::len);
         let cut = (margin / step).round() as usize;
         let kept: Vec<usize> = (cut..count.saturating_sub(cut)).step_by(every.max(1)).collect();
         if kept.is_empty() {

@@ -31,9 +31,16 @@ pub fn torque_errors(
 ) -> Option<TorqueErrors> {
     let arm = arm((architecture, weights), architecture.arm()?, calibrated)?;
     let samples = samples(&data.trajectories, (data.h, data.control_kind()), cut_off).ok()?;
-    let errors = squared_errors(&arm.torques(&samples), &samples);
-    let nmse = mean_nmse(&errors, &variances(&samples));
-    Some(TorqueErrors { nmse, rmse: errors.into_iter().map(f64::sqrt).collect(), samples: samples.count() })
+    Some(TorqueErrors::of(&arm, &samples))
+}
+
+impl TorqueErrors {
+    /// Those of an arm at samples.
+    pub(crate) fn of(arm: &Arm, samples: &Samples) -> Self {
+        let errors = squared_errors(&arm.torques(samples), samples);
+        let nmse = mean_nmse(&errors, &variances(samples));
+        Self { nmse, rmse: errors.into_iter().map(f64::sqrt).collect(), samples: samples.count() }
+    }
 }
 
 /// The arm of a weight block. The log has τ less what its calibration adds.

@@ -1,6 +1,6 @@
 //! The shape of a tree of rigid bodies in space on the host.
 
-use super::{Number, known_positions};
+use super::{Number, known_positions, letters_of_joints};
 use crate::training::Range;
 use leastaction_arms::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
 use leastaction_core::energy::spatial::{
@@ -101,11 +101,7 @@ impl ArmArchitecture {
 
     /// One letter a coordinate: `t` translation, `a` angle.
     pub fn coordinates(&self) -> String {
-        let letter = |body: TreeBody| match body.joint {
-            Joint::Revolute => 'a',
-            Joint::Prismatic => 't',
-        };
-        self.tree_bodies().map(letter).collect()
+        letters_of_joints(self.tree_bodies().map(|body| body.joint))
     }
 
     /// All numbers, in the order of the weight block.

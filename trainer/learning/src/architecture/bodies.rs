@@ -1,10 +1,8 @@
 //! The shape of a tree of rigid bodies on the host.
 
-use super::{Number, known_positions};
+use super::{Number, known_positions, letters_of_joints};
 use crate::training::Range;
-use leastaction_core::energy::bodies::{
-    BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS, Joint, TreeBody,
-};
+use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS, TreeBody};
 use leastaction_core::model::{BodiesHeader, ModelError};
 use leastaction_programs::energies::BodiesEnergies;
 use serde::{Deserialize, Serialize};
@@ -70,11 +68,7 @@ impl BodiesArchitecture {
 
     /// One letter a coordinate: `t` translation, `a` angle.
     pub fn coordinates(&self) -> String {
-        let letter = |body: TreeBody| match body.joint {
-            Joint::Revolute => 'a',
-            Joint::Prismatic => 't',
-        };
-        self.bodies().map(letter).collect()
+        letters_of_joints(self.bodies().map(|body| body.joint))
     }
 
     /// All numbers, in the order of the weight block.

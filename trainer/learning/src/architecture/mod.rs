@@ -24,6 +24,7 @@ pub use rigid::{HostSystem, RigidArchitecture, largest_factor};
 use crate::training::{Bounds, Range};
 use friction::dry_friction;
 use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::bodies::Joint;
 use leastaction_core::model::{Family as FamilyHeader, Header, Law, Laws, ModelError};
 use leastaction_core::network::Dense;
 use leastaction_programs::dynamics::Rods;
@@ -360,6 +361,15 @@ pub fn random_layers(layers: impl IntoIterator<Item = (usize, usize)>, seed: u64
         uniform_layer(&mut weights, inputs, outputs, &mut stream);
     }
     weights
+}
+
+/// One letter a joint: `t` translation, `a` angle.
+pub(crate) fn letters_of_joints(joints: impl Iterator<Item = Joint>) -> String {
+    let letter = |joint| match joint {
+        Joint::Revolute => 'a',
+        Joint::Prismatic => 't',
+    };
+    joints.map(letter).collect()
 }
 
 /// The positions, from `start` on, of the numbers that are known.

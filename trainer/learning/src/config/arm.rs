@@ -3,10 +3,11 @@
 use super::corrections::{DissipationConfig, Known, PotentialConfig, assemble};
 use super::friction::FrictionConfig;
 use super::origin::Origin;
-use super::problem::{Problem, ShapeError};
-use crate::architecture::{Architecture, ArmArchitecture, MAX_TREE_COORDINATES, Number};
+use super::problem::{Problem, ShapeError, list};
+use crate::architecture::{Architecture, ArmArchitecture, MAX_TREE_COORDINATES, Number, letters_of_joints};
 use leastaction_arms::urdf::{self, Inertias};
 use leastaction_arms::{Body, Joint, LogCholesky, Tree};
+use leastaction_core::energy::spatial::Joint as JointKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -115,67 +116,84 @@ impl ArmConfig {
     /// # Errors
     /// [`ShapeError`]: what cannot be read or be, and where.
     pub fn architecture(&self) -> Result<Architecture, ShapeError> {
-        let family = self.arm()?;
+        let tree = self.described()?;
+        let letters = letters_of_joints(tree.bodies().iter().map(kind));
+        let origin = self.origin(&letters)?;
+        let tree = origin.as_ref().map(|origin| self.begun(&tree, origin)).transpose()?.unwrap_or(tree);
+        let family = self.family(&tree)?;
         let mut friction = self.friction.assemble(family.n(), "joint")?;
-        self.origin(&family.coordinates())?.iter().for_each(|origin| origin.set_friction(&mut friction));
-        let letters = family.coordinates();
+        origin.iter().for_each(|origin| origin.set_friction(&mut friction));
         let known = Known { letters: &letters, common: letters.len() };
         let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
         Ok(Architecture { family: family.into(), friction, corrections })
     }
 
-    fn arm(&self) -> Result<ArmArchitecture, ShapeError> {
-        let positive = |x: &f64| x.is_finite() && *x > 0.0;
-        let out_of_range = |key, value| {
-            let range = "finite and above 0";
-            Problem::OutOfRange { key, value, range }.at([key.into()])
-        };
-        if let Some(mass) = self.mass.filter(|mass| !positive(mass)) {
-            return Err(out_of_range("mass", mass));
-        }
-        if !positive(&self.radius) {
-            return Err(out_of_range("radius", self.radius));
+    /// Refuses numbers out of their range.
+    fn check(&self) -> Result<(), ShapeError> {
+        let range = "finite and above 0";
+        for (key, value) in [("mass", self.mass), ("radius", Some(self.radius))] {
+            if let Some(value) = value.filter(|x| !(x.is_finite() && *x > 0.0)) {
+                return Err(Problem::OutOfRange { key, value, range }.at([key.into()]));
+            }
         }
         if let Some(value) = self.gravity.into_iter().find(|x| !x.is_finite()) {
             return Err(Problem::OutOfRange { key: "gravity", value, range: "finite" }.at(["gravity".into()]));
         }
+        Ok(())
+    }
+
+    /// The tree of the description, its bodies guessed where that is asked for.
+    fn described(&self) -> Result<Tree, ShapeError> {
+        self.check()?;
         let inertias = if self.mass.is_some() { Inertias::Optional } else { Inertias::Required };
-        let at = |problem: Problem| problem.at(["urdf".into()]);
-        let tree = urdf::read(&self.urdf, inertias).map_err(|error| {
-            at(Problem::Description { file: self.urdf.clone(), message: error.to_string() })
+        let mut tree = urdf::read(&self.urdf, inertias).map_err(|error| {
+            self.at_urdf(Problem::Description { file: self.urdf.clone(), message: error.to_string() })
         })?;
-        let mut tree =
-            self.mass.map_or_else(|| tree.clone(), |mass| tree.with_guessed_inertias(mass, self.radius));
+        if let Some(mass) = self.mass {
+            tree = tree.with_guessed_inertias(mass, self.radius);
+        }
         tree.gravity = self.gravity.into();
         let found = tree.coordinates();
         if found > MAX_TREE_COORDINATES {
-            return Err(at(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }));
+            return Err(self.at_urdf(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }));
         }
-        if let Some(origin) = self.origin(&coordinates(&tree))? {
-            tree = self.begun(&tree, &origin)?;
-        }
-        let names: Vec<&str> = tree.bodies().iter().map(|body| body.joint_name.as_str()).collect();
-        let is_learned = |k: usize| match &self.bodies {
-            LearnedBodies::All(learning) => *learning == Learning::Learned,
-            LearnedBodies::On(joints) => joints.iter().any(|joint| joint == names[k]),
-        };
-        if let LearnedBodies::On(joints) = &self.bodies
-            && let Some(name) = joints.iter().find(|joint| !names.contains(&joint.as_str()))
-        {
-            let (what, known) = ("joint", names.join(", "));
-            return Err(Problem::UnknownType { what, name: name.clone(), known }.at(["bodies".into()]));
-        }
+        Ok(tree)
+    }
+
+    fn at_urdf(&self, problem: Problem) -> ShapeError {
+        problem.at(["urdf".into()])
+    }
+
+    /// The shape with what of it is learned.
+    fn family(&self, tree: &Tree) -> Result<ArmArchitecture, ShapeError> {
+        let learned = self.learned_bodies(tree)?;
         let cannot_be =
-            |(k, body): &(usize, &Body)| is_learned(*k) && LogCholesky::around(&body.inertia).is_none();
-        if let Some((_, body)) = tree.bodies().iter().enumerate().find(cannot_be) {
-            return Err(at(Problem::NoBodyThatCanBe { link: body.name.clone() }));
+            |(body, learned): &(&Body, &bool)| **learned && LogCholesky::around(&body.inertia).is_none();
+        if let Some((body, _)) = tree.bodies().iter().zip(&learned).find(cannot_be) {
+            return Err(self.at_urdf(Problem::NoBodyThatCanBe { link: body.name.clone() }));
         }
         let rotor = |k: usize| match (self.rotors, tree.rotors[k]) {
             (Learning::Learned, rotor) => Number::learned(if rotor > 0.0 { rotor } else { FIRST_ROTOR }),
             (Learning::Known, rotor) => Number::known(rotor),
         };
-        ArmArchitecture::new(&tree, is_learned, rotor)
-            .ok_or_else(|| at(Problem::Follows { file: self.urdf.clone() }))
+        ArmArchitecture::new(tree, |k| learned[k], rotor)
+            .ok_or_else(|| self.at_urdf(Problem::Follows { file: self.urdf.clone() }))
+    }
+
+    /// Of every body whether it is learned.
+    fn learned_bodies(&self, tree: &Tree) -> Result<Vec<bool>, ShapeError> {
+        let names = || tree.bodies().iter().map(|body| body.joint_name.as_str());
+        let joints = match &self.bodies {
+            LearnedBodies::All(learning) => {
+                return Ok(names().map(|_| *learning == Learning::Learned).collect());
+            }
+            LearnedBodies::On(joints) => joints,
+        };
+        if let Some(name) = joints.iter().find(|joint| !names().any(|name| name == *joint)) {
+            let (what, known) = ("joint", list(names()));
+            return Err(Problem::UnknownType { what, name: name.clone(), known }.at(["bodies".into()]));
+        }
+        Ok(names().map(|name| joints.iter().any(|joint| joint == name)).collect())
     }
 
     /// The model to start from.
@@ -200,13 +218,12 @@ impl ArmConfig {
     }
 }
 
-/// One letter a coordinate.
-fn coordinates(tree: &Tree) -> String {
-    let letter = |body: &Body| match body.joint {
-        Joint::Revolute(_) => 'a',
-        Joint::Prismatic(_) => 't',
-    };
-    tree.bodies().iter().map(letter).collect()
+/// How a body moves.
+fn kind(body: &Body) -> JointKind {
+    match body.joint {
+        Joint::Revolute(_) => JointKind::Revolute,
+        Joint::Prismatic(_) => JointKind::Prismatic,
+    }
 }
 
 /// Whether joints differ by no more than what single precision rounds away.

@@ -215,8 +215,8 @@ impl Plan {
                 let of = (&data, training);
                 let (stages, windows) = stages::of_windows(&config, &architecture, of, &mut notices)?;
                 if let Some(arm) = architecture.arm() {
-                    let of = ((&architecture, &initial[..]), arm, (&data, training));
-                    let fitted = torques::fitted(of.0, of.1, of.2, &config)?;
+                    let of = (&data, training);
+                    let fitted = torques::fitted((&architecture, arm), &initial, of, &config)?;
                     initial = fitted.weights;
                     notices.push(Notice::Torques(fitted.report));
                     let begins = fitted.calibrated.iter();

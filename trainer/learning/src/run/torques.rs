@@ -3,12 +3,9 @@
 use crate::architecture::{Architecture, ArmArchitecture};
 use crate::config::Config;
 use crate::data::{Dataset, Trajectory};
-use crate::torques::samples;
+use crate::torques::{TorqueErrors, samples};
 use crate::windows::{Calibrated, Setting};
-use leastaction_arms::fit::{
-    Bodies, FitError, Fitted, JointNumbers, Learned, SOFTNESS, fit, fit_by_folds, mean_nmse, squared_errors,
-    variances,
-};
+use leastaction_arms::fit::{Bodies, FitError, Fitted, JointNumbers, Learned, SOFTNESS, fit, fit_by_folds};
 use leastaction_arms::{SampleError, Samples, Tree};
 use leastaction_core::model::ModelError;
 use std::fmt;
@@ -49,33 +46,35 @@ pub struct TorqueFit {
 /// How well an arm explains torques.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueReport {
-    /// Samples that it was learned from.
-    pub samples: usize,
     /// Numbers that were learned, and of them what the samples alone determine.
     pub learned: (usize, usize),
     /// Strength of the prior.
     pub prior: f64,
-    /// Mean over joints of mean squared error over variance, where it was learned from and, if any, of trajectories that are held back.
-    pub nmse: (f64, Option<f64>),
-    /// Root mean squared error of every joint, N m or N, on what is held back or else on what was learned from.
-    pub rmse: Vec<f64>,
+    /// Where it was learned from.
+    pub train: TorqueErrors,
+    /// Of trajectories that are held back, if there are any.
+    pub held_back: Option<TorqueErrors>,
 }
 
 impl fmt::Display for TorqueReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { samples, learned: (learned, rank), prior, nmse: (train, held), rmse } = self;
-        let rmse = rmse.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join(", ");
+        let Self { learned: (learned, rank), prior, train, held_back } = self;
+        let TorqueErrors { nmse, samples, .. } = train;
+        let rmse =
+            |of: &TorqueErrors| of.rmse.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join(", ");
         write!(
             f,
             "fitted to the torques of {samples} samples: {learned} numbers, of which the log alone determines {rank}; prior of strength \
-             {prior}; squared error over variance {train:.4}"
+             {prior}; squared error over variance {nmse:.4}"
         )?;
-        match held {
+        match held_back {
             Some(held) => write!(
                 f,
-                ", of held-back trajectories {held:.4}, there joint by joint {rmse} N m (root mean square)"
+                ", of held-back trajectories {:.4}, there joint by joint {} N m (root mean square)",
+                held.nmse,
+                rmse(held)
             ),
-            None => write!(f, ", joint by joint {rmse} N m (root mean square)"),
+            None => write!(f, ", joint by joint {} N m (root mean square)", rmse(train)),
         }
     }
 }
@@ -85,8 +84,8 @@ impl fmt::Display for TorqueReport {
 /// # Errors
 /// Where the logs do not become samples, the friction is not learned, or bodies cannot be fitted.
 pub(super) fn fitted(
-    (architecture, initial): (&Architecture, &[f64]),
-    arm: &ArmArchitecture,
+    (architecture, arm): (&Architecture, &ArmArchitecture),
+    initial: &[f64],
     (data, training): (&Dataset, usize),
     config: &Config,
 ) -> Result<TorqueFit, super::PlanError> {
@@ -108,14 +107,12 @@ pub(super) fn fitted(
         offset: found.arm.joints.iter().map(|joint| -joint.offset).collect(),
         ..Calibrated::default()
     });
-    let errors = |of: &Samples| squared_errors(&found.arm.torques(of), of);
-    let nmse = |of: &Samples| mean_nmse(&errors(of), &variances(of));
+    let errors = |of: &Samples| TorqueErrors::of(&found.arm, of);
     let report = TorqueReport {
-        samples: train.count(),
         learned: (found.parameters, found.rank),
         prior: found.prior,
-        nmse: (nmse(&train), held.as_ref().map(nmse)),
-        rmse: errors(held.as_ref().unwrap_or(&train)).into_iter().map(f64::sqrt).collect(),
+        train: errors(&train),
+        held_back: held.as_ref().map(errors),
     };
     Ok(TorqueFit { weights, calibrated, report })
 }

@@ -122,8 +122,8 @@ fn an_arm_is_learned_from_its_description_and_torques() {
         Notice::Torques(report) => Some(report.clone()),
         _ => None,
     });
-    let (train, held) = report.unwrap().nmse;
-    assert!(train < 1e-3 && held.unwrap() < 1e-3, "{train} {held:?}");
+    let report = report.unwrap();
+    assert!(report.train.nmse < 1e-3 && report.held_back.clone().unwrap().nmse < 1e-3, "{report:?}");
     let trained = plan.train().unwrap();
     let (architecture, weights) = (&trained.architecture, &trained.best.weights);
     let is_body = |inertia: Inertia| inertia.consistency() > 0.0;

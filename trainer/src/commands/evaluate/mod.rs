@@ -17,7 +17,7 @@ use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use leastaction_learning::architecture::Architecture;
 use leastaction_learning::checkpoint::Trained;
-use leastaction_learning::config::{Config, DataConfig};
+use leastaction_learning::config::{Config, DataConfig, TrainingConfig};
 use leastaction_learning::data::{Dataset, control_name};
 use leastaction_learning::evaluate::{
     Beginning, acceleration_mse, energy_mse, finished, inertia_mse, one_step_mse, rollout,
@@ -360,13 +360,11 @@ enum Exact {
     Scalable(Scalable),
 }
 
-/// Of the filter of motion and torques, Hz, as training has it by default.
-const CUT_OFF: f64 = 20.0;
-
-/// Errors of the torques of an arm.
+/// Errors of the torques of an arm, motion and torques filtered as training does by default.
 fn torques(model: &HostModel, log: &Dataset) -> Option<Torques> {
     let calibrated = Calibrated::of_file(&model.facts.actuator, model.architecture.n()).ok();
     let of = (&model.architecture, &model.weights[..]);
-    let TorqueErrors { nmse, rmse, .. } = torque_errors(of, calibrated.as_ref(), log, CUT_OFF)?;
+    let cut_off = TrainingConfig::default().cut_off;
+    let TorqueErrors { nmse, rmse, .. } = torque_errors(of, calibrated.as_ref(), log, cut_off)?;
     Some(Torques { torque_nmse: nmse, torque_rmse: rmse })
 }
