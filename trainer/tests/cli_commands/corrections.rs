@@ -71,8 +71,8 @@ fn errors(report: &Value) -> [f64; 2] {
 #[test]
 fn a_network_learns_what_friction_lacks_and_runs_on_the_chip() {
     let bench = Bench::new();
-    data::write(bench.at("stribeck.npz"), &log(0..8)).unwrap();
-    data::write(bench.at("test.npz"), &log(20..26)).unwrap();
+    data::write(bench.at("stribeck.npz"), &log(0..5)).unwrap();
+    data::write(bench.at("test.npz"), &log(20..23)).unwrap();
     bench.write("with.toml", configuration());
     let without = configuration().replace("[model.dissipation]\nhidden = [8]\n", "");
     bench.write(

@@ -168,7 +168,7 @@ mod tests {
 
     fn tried(model: &str, data: &Dataset) -> Result<(ModelConfig, Tried), PlanError> {
         let text = format!(
-            "[data]\nfile = \"logs.csv\"\n[model]\n{model}\n[training]\nloss = \"windows\"\ntry_networks = true\n"
+            "[data]\nfile = \"logs.csv\"\n[model]\n{model}\n[training]\nloss = \"windows\"\niterations = 12\ntry_networks = true\n"
         );
         networks(&Config::parse(&text, Path::new("c.toml")).unwrap(), data)
     }

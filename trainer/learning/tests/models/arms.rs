@@ -166,9 +166,10 @@ fn windows_go_on_from_torques() {
     write(folder.path(), &description(2.0));
     let rest =
         format!("{LEARNED}\n[training]\nloss = \"windows\"\nwindow = 0.2\niterations = 3\nwarm_up = 0");
-    let plan = Plan::new(config_of(folder.path(), &rest).unwrap(), &data()).unwrap();
-    let few = rest.replace("iterations = 3", "iterations = 0");
-    let before = Plan::new(config_of(folder.path(), &few).unwrap(), &data()).unwrap();
+    let mut data = data();
+    data.trajectories.truncate(2);
+    let plan = |rest: &str| Plan::new(config_of(folder.path(), rest).unwrap(), &data).unwrap();
+    let (before, plan) = (plan(&rest.replace("iterations = 3", "iterations = 0")), plan(&rest));
     let [after, before] = [plan, before].map(|plan| plan.train().unwrap());
     assert!(after.best.train < 0.9 * before.best.train, "{} {}", after.best.train, before.best.train);
     let tree = bodies(&after.architecture, &after.best.weights);

@@ -34,8 +34,8 @@ fn logs(noise: f64, seed: u64) -> Dataset {
         drives: Drives { gain: vec![GAIN; 2], delay: 0.0, driven: vec![true; 2] },
         excitation: Excitation { sines: 3, frequency: [0.3, 2.5], amplitude: [0.1, 0.35] },
         start: StartSpread::default(),
-        logs: 4,
-        samples: 201,
+        logs: 3,
+        samples: 121,
         h: 0.01,
         seed,
     })
