@@ -1,7 +1,7 @@
 use super::{GaussPoint, Path};
 use crate::forces::{Control, Forces, System};
 use crate::lagrangian::{Gradient, Lagrangian, Linearization};
-use crate::linear::{Matrix, add_scaled, add_scaled_matrix, transpose};
+use crate::linear::{Matrix, add_scaled, add_scaled_matrix};
 use crate::scalar::Real;
 use core::marker::PhantomData;
 
@@ -53,19 +53,15 @@ impl<R: Real, const N: usize> Balance<R, N> {
     }
 }
 
-/// The balance of an interval with the derivatives of its two equations in w and s.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Linearised<R, const N: usize> {
+/// The balance of an interval with the derivatives of its equations in w and s.
+#[derive(Clone, Copy, Debug)]
+pub struct Linearised<R: Real, P: Path, const N: usize> {
     /// The equations.
     pub balance: Balance<R, N>,
     /// ∂ d1_ld/∂w.
     pub momentum_w: Matrix<R, N>,
-    /// ∂ d1_ld/∂s.
-    pub momentum_s: Matrix<R, N>,
-    /// ∂ dm_ld/∂w.
-    pub bubble_w: Matrix<R, N>,
-    /// ∂ dm_ld/∂s.
-    pub bubble_s: Matrix<R, N>,
+    /// The derivatives that a bubble adds, where the path has one.
+    pub bubble: P::Bubbles<BubbleDerivatives<R, N>>,
     /// Σ b [Σ_j |M_ij| (|v_j| + √ε |q_j|/h) + Σ_j |∂L_v,i/∂q_j q_j|] + h Σ b (|L_q,i| + |Q_i| + |τ_i| + Σ_j |∂Q_i/∂q_j q_j|):
     /// the size of the terms that rounding acts on, also where they cancel. With √ε it takes a residual as solved that would
     /// carry the system by no more than the rounding of its position: at rest nothing else is left of the terms.
@@ -74,17 +70,22 @@ pub struct Linearised<R, const N: usize> {
     pub scale: [R; N],
 }
 
-impl<R: Real, const N: usize> Linearised<R, N> {
+/// The derivatives of the equations of a step that a bubble adds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BubbleDerivatives<R, const N: usize> {
+    /// ∂ d1_ld/∂s.
+    pub momentum_s: Matrix<R, N>,
+    /// ∂ dm_ld/∂w.
+    pub bubble_w: Matrix<R, N>,
+    /// ∂ dm_ld/∂s.
+    pub bubble_s: Matrix<R, N>,
+}
+
+impl<R: Real, P: Path, const N: usize> Linearised<R, P, N> {
     pub(super) fn zero() -> Self {
         let zero = [[R::zero(); N]; N];
-        Self {
-            balance: Balance::zero(),
-            momentum_w: zero,
-            momentum_s: zero,
-            bubble_w: zero,
-            bubble_s: zero,
-            scale: [R::zero(); N],
-        }
+        let bubble = P::bubbles(BubbleDerivatives { momentum_s: zero, bubble_w: zero, bubble_s: zero });
+        Self { balance: Balance::zero(), momentum_w: zero, bubble, scale: [R::zero(); N] }
     }
 }
 
@@ -117,28 +118,43 @@ impl<R: Real> Variation<R> {
     }
 }
 
-/// F and L_v at a Gauss point with their derivatives.
-struct PointDerivatives<R, const N: usize> {
-    force: [R; N],
-    l_v: [R; N],
-    force_q: Matrix<R, N>,
-    force_v: Matrix<R, N>,
-    l_vq: Matrix<R, N>,
-    l_vv: Matrix<R, N>,
-    /// The terms of [`Linearised::scale`] at this point.
-    scale: [R; N],
+/// The derivatives of F and L_v at a Gauss point, from those of L and of the forces.
+struct PointDerivatives<'a, R, const N: usize> {
+    l: &'a Linearization<R, N>,
+    l_qq: Option<&'a Matrix<R, N>>,
+    /// ∂Q/∂q and ∂Q/∂v.
+    forces: (Matrix<R, N>, Matrix<R, N>),
 }
 
-impl<R: Real, const N: usize> PointDerivatives<R, N> {
-    /// (∂F, ∂L_v) when the point moves by `column`: position by its `force` part, velocity by its `momentum` part.
-    #[inline]
-    fn along(&self, column: Variation<R>) -> (Matrix<R, N>, Matrix<R, N>) {
-        let mix = |q: &Matrix<R, N>, v: &Matrix<R, N>| -> Matrix<R, N> {
-            core::array::from_fn(|i| {
-                core::array::from_fn(|j| q[i][j] * column.force + v[i][j] * column.momentum)
-            })
-        };
-        (mix(&self.force_q, &self.force_v), mix(&self.l_vq, &self.l_vv))
+impl<R: Real, const N: usize> PointDerivatives<'_, R, N> {
+    /// Entry i of (∂F, ∂L_v) when coordinate j of the point moves by `column`: its position by the `force` part, its velocity by
+    /// the `momentum` part.
+    #[inline(always)]
+    fn entry(&self, (i, j): (usize, usize), column: Variation<R>) -> (R, R) {
+        let (q_q, q_v) = (self.forces.0[i][j], self.forces.1[i][j]);
+        let force_q = self.l_qq.map_or(q_q, |l_qq| l_qq[i][j] + q_q);
+        let force_v = self.l.l_vq[j][i] + q_v;
+        let mix = |q: R, v: R| q * column.force + v * column.momentum;
+        (mix(force_q, force_v), mix(self.l.l_vq[i][j], self.l.l_vv[i][j]))
+    }
+
+    /// Adds b(row.force · ∂F + row.momentum · ∂L_v), the point moving by `column`, to the block of every row.
+    #[inline(always)]
+    fn add<const C: usize>(
+        &self,
+        weight: R,
+        column: Variation<R>,
+        rows: [(Variation<R>, &mut Matrix<R, N>); C],
+    ) {
+        let mut rows = rows.map(|(row, block)| (weight * row.force, weight * row.momentum, block));
+        for i in 0..N {
+            for j in 0..N {
+                let (force, l_v) = self.entry((i, j), column);
+                for (of_force, of_momentum, block) in &mut rows {
+                    block[i][j] = (block[i][j] + *of_force * force) + *of_momentum * l_v;
+                }
+            }
+        }
     }
 }
 
@@ -146,17 +162,6 @@ impl<R: Real, const N: usize> PointDerivatives<R, N> {
 #[inline(always)]
 fn sizes<R: Real, const N: usize>(a: &[R; N], x: &[R; N]) -> R {
     a.iter().zip(x).fold(R::zero(), |sum, (a, x)| sum + (*a * *x).abs())
-}
-
-/// Adds b(row.force · ∂F + row.momentum · ∂L_v).
-#[inline(always)]
-fn add_block<R: Real, const N: usize>(
-    sum: &mut Matrix<R, N>,
-    weight: R,
-    row: Variation<R>,
-    (force, l_v): &(Matrix<R, N>, Matrix<R, N>),
-) {
-    *sum = add_scaled_matrix(&add_scaled_matrix(sum, weight * row.force, force), weight * row.momentum, l_v);
 }
 
 impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
@@ -239,36 +244,6 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         (tau, system.forces.force(q, v, &tau))
     }
 
-    /// From the derivatives of L at position and velocity `at` of a Gauss point; without L_qq where it is not given.
-    #[inline(always)]
-    fn derivatives<L, F: Forces<R, N>>(
-        &self,
-        system: &System<L, F>,
-        point: &GaussPoint<R>,
-        at: &([R; N], [R; N]),
-        l: &Linearization<R, N>,
-        l_qq: Option<&Matrix<R, N>>,
-    ) -> PointDerivatives<R, N> {
-        let (one, (q, v)) = (R::one(), at);
-        let (tau, force) = self.forces(system, point, at);
-        let (q_q, q_v) = system.forces.derivatives(q, v, &tau);
-        let rounding = R::EPSILON.sqrt() / self.h.abs();
-        let scale = core::array::from_fn(|i| {
-            let forces = l.l_q[i].abs() + force[i].abs() + tau[i].abs() + sizes(&q_q[i], q);
-            let moved = sizes(&l.l_vv[i], v) + rounding * sizes(&l.l_vv[i], q);
-            moved + sizes(&l.l_vq[i], q) + self.h.abs() * forces
-        });
-        PointDerivatives {
-            force: core::array::from_fn(|i| l.l_q[i] + force[i] + tau[i]),
-            l_v: l.l_v,
-            force_q: l_qq.map_or(q_q, |l_qq| add_scaled_matrix(l_qq, one, &q_q)),
-            force_v: add_scaled_matrix(&transpose(&l.l_vq), one, &q_v),
-            l_vq: l.l_vq,
-            l_vv: l.l_vv,
-            scale,
-        }
-    }
-
     /// The balance from first derivatives alone.
     pub fn balance<L, F>(&self, system: &System<L, F>) -> Balance<R, N>
     where
@@ -287,52 +262,70 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
     }
 
     /// The balance and its exact derivatives.
-    pub fn linearise<L, F>(&self, system: &System<L, F>) -> Linearised<R, N>
+    pub fn linearise<L, F>(&self, system: &System<L, F>) -> Linearised<R, P, N>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        self.summed(|point, at| {
+        let mut sum = Linearised::zero();
+        for point in P::points().as_ref() {
+            let at = self.point(point);
             let hessian = system.lagrangian.hessian(&at.0, &at.1);
-            self.derivatives(system, point, at, &hessian.into(), Some(&hessian.l_qq))
-        })
+            self.add_point(&mut sum, system, (point, &at), (&hessian.into(), Some(&hessian.l_qq)));
+        }
+        sum
     }
 
     /// The balance and its derivatives but for what L_qq adds to them: of a relative size of (hω)²/4 where ω is the fastest
     /// rate, rad/s, at which the system oscillates. One evaluation of [`Lagrangian::linearization`] at each Gauss point.
-    pub fn linearise_without_l_qq<L, F>(&self, system: &System<L, F>) -> Linearised<R, N>
+    pub fn linearise_without_l_qq<L, F>(&self, system: &System<L, F>) -> Linearised<R, P, N>
     where
         L: Lagrangian<R, N>,
         F: Forces<R, N>,
     {
-        self.summed(|point, at| {
-            let l = system.lagrangian.linearization(&at.0, &at.1);
-            self.derivatives(system, point, at, &l, None)
-        })
-    }
-
-    /// Sums what is at the Gauss points.
-    #[inline(always)]
-    fn summed(
-        &self,
-        derivatives: impl Fn(&GaussPoint<R>, &([R; N], [R; N])) -> PointDerivatives<R, N>,
-    ) -> Linearised<R, N> {
         let mut sum = Linearised::zero();
         for point in P::points().as_ref() {
-            let d = derivatives(point, &self.point(point));
-            let (start, along_w) = (Variation::start(point, self.h), d.along(Variation::end(point, self.h)));
-            sum.balance.add(point, self.h, &d.force, &d.l_v, P::BUBBLE);
-            sum.scale = add_scaled(&sum.scale, point.weight, &d.scale);
-            add_block(&mut sum.momentum_w, point.weight, start, &along_w);
-            if P::BUBBLE {
-                let bubble = Variation::bubble(point, self.h);
-                let along_s = d.along(bubble);
-                add_block(&mut sum.momentum_s, point.weight, start, &along_s);
-                add_block(&mut sum.bubble_w, point.weight, bubble, &along_w);
-                add_block(&mut sum.bubble_s, point.weight, bubble, &along_s);
-            }
+            let at = self.point(point);
+            let l = system.lagrangian.linearization(&at.0, &at.1);
+            self.add_point(&mut sum, system, (point, &at), (&l, None));
         }
         sum
+    }
+
+    /// Adds a Gauss point's share, from the derivatives of L there; without L_qq where it is not given.
+    #[inline(always)]
+    fn add_point<L, F: Forces<R, N>>(
+        &self,
+        sum: &mut Linearised<R, P, N>,
+        system: &System<L, F>,
+        (point, at): (&GaussPoint<R>, &([R; N], [R; N])),
+        (l, l_qq): (&Linearization<R, N>, Option<&Matrix<R, N>>),
+    ) {
+        let (tau, force) = self.forces(system, point, at);
+        let d = PointDerivatives { l, l_qq, forces: system.forces.derivatives(&at.0, &at.1, &tau) };
+        let total = core::array::from_fn(|i| l.l_q[i] + force[i] + tau[i]);
+        sum.balance.add(point, self.h, &total, &l.l_v, P::BUBBLE);
+        for (i, scale) in sum.scale.iter_mut().enumerate() {
+            let forces = l.l_q[i].abs() + force[i].abs() + tau[i].abs();
+            *scale += point.weight * self.scale(&d, i, at, forces);
+        }
+        let (b, start, end) = (point.weight, Variation::start(point, self.h), Variation::end(point, self.h));
+        match sum.bubble.as_mut().first_mut() {
+            None => d.add(b, end, [(start, &mut sum.momentum_w)]),
+            Some(blocks) => {
+                let bubble = Variation::bubble(point, self.h);
+                d.add(b, end, [(start, &mut sum.momentum_w), (bubble, &mut blocks.bubble_w)]);
+                d.add(b, bubble, [(start, &mut blocks.momentum_s), (bubble, &mut blocks.bubble_s)]);
+            }
+        }
+    }
+
+    /// The terms of [`Linearised::scale`] of a coordinate at a Gauss point on which forces of this size act.
+    #[inline(always)]
+    fn scale(&self, d: &PointDerivatives<R, N>, i: usize, (q, v): &([R; N], [R; N]), forces: R) -> R {
+        let rounding = R::EPSILON.sqrt() / self.h.abs();
+        let moved = sizes(&d.l.l_vv[i], v) + rounding * sizes(&d.l.l_vv[i], q);
+        moved + sizes(&d.l.l_vq[i], q) + self.h.abs() * (forces + sizes(&d.forces.0[i], q))
     }
 
     /// ∂(D₂L_d + f⁺)/∂s: how the momentum at the end moves with the bubble.
@@ -344,10 +337,11 @@ impl<R: Real, P: Path, const N: usize> Interval<R, P, N> {
         let mut sum = [[R::zero(); N]; N];
         for point in P::points().as_ref() {
             let at = self.point(point);
-            let hessian = system.lagrangian.hessian(&at.0, &at.1);
-            let d = self.derivatives(system, point, &at, &hessian.into(), Some(&hessian.l_qq));
-            let along_s = d.along(Variation::bubble(point, self.h));
-            add_block(&mut sum, point.weight, Variation::end(point, self.h), &along_s);
+            let (tau, hessian) = (self.u.at(point.c), system.lagrangian.hessian(&at.0, &at.1));
+            let forces = system.forces.derivatives(&at.0, &at.1, &tau);
+            let d = PointDerivatives { l: &hessian.into(), l_qq: Some(&hessian.l_qq), forces };
+            let end = (Variation::end(point, self.h), &mut sum);
+            d.add(point.weight, Variation::bubble(point, self.h), [end]);
         }
         sum
     }

@@ -90,7 +90,7 @@ mod state;
 
 pub use crate::forces::Control;
 pub use crate::newton::{Newton, Report, StepError};
-pub use interval::{Balance, Interval, Linearised, Variation};
+pub use interval::{Balance, BubbleDerivatives, Interval, Linearised, Variation};
 pub use newton::Solved;
 pub use order::Order;
 pub use path::{Galerkin, GaussPoint, Midpoint, Path};
@@ -140,7 +140,7 @@ impl<R: Real, P: Path> Del<R, P> {
     {
         let guess = state.initial_guess::<P>(self.h, u);
         let solved = self.newton.solve_target(system, guess, &state.target())?;
-        *state = state.advanced(self.h, &solved)?;
+        state.advance(self.h, &solved)?;
         Ok(solved.report)
     }
 

@@ -1,4 +1,4 @@
-use super::{Balance, GaussPoint, Interval, Linearised, Path};
+use super::{Balance, BubbleDerivatives, GaussPoint, Interval, Linearised, Path};
 use crate::forces::{Forces, System};
 use crate::lagrangian::Lagrangian;
 use crate::linear::{
@@ -20,27 +20,30 @@ pub struct Solved<R, P, const N: usize> {
     pub(super) left: Residual<R, N>,
 }
 
-impl<R: Real, const N: usize> Linearised<R, N> {
+impl<R: Real, P: Path, const N: usize> Linearised<R, P, N> {
     /// (dw, ds) with momentum_w dw + momentum_s ds = −r_momentum and bubble_w dw + bubble_s ds = −r_bubble, by eliminating
     /// ds.
-    fn update(&self, r: &Residual<R, N>, bubble: bool) -> Result<Update<R, N>, SolveError> {
+    #[inline(always)]
+    fn update(&self, r: &Residual<R, N>) -> Result<Update<R, N>, SolveError> {
         let minus = -R::one();
-        if !bubble {
+        let Some(blocks) = self.bubble.as_ref().first() else {
             return Ok((solve(self.momentum_w, r.momentum.map(|r| -r))?, [R::zero(); N]));
-        }
-        let [free] = solve_many(self.bubble_s, [r.bubble])?;
-        let (slaved, reduced) = self.reduced()?;
-        let right = add_scaled(&multiply(&self.momentum_s, &free), minus, &r.momentum);
+        };
+        let [free] = solve_many(blocks.bubble_s, [r.bubble])?;
+        let (slaved, reduced) = blocks.reduced(&self.momentum_w)?;
+        let right = add_scaled(&multiply(&blocks.momentum_s, &free), minus, &r.momentum);
         let dw = solve(reduced, right)?;
         let ds = add_scaled(&free, R::one(), &multiply(&slaved, &dw)).map(|x| -x);
         Ok((dw, ds))
     }
+}
 
+impl<R: Real, const N: usize> BubbleDerivatives<R, N> {
     /// X = bubble_s⁻¹ bubble_w (the bubble follows as ds = −X dw) and the reduced matrix momentum_w − momentum_s X.
-    pub fn reduced(&self) -> Result<(Matrix<R, N>, Matrix<R, N>), SolveError> {
+    pub fn reduced(&self, momentum_w: &Matrix<R, N>) -> Result<(Matrix<R, N>, Matrix<R, N>), SolveError> {
         let columns = solve_many(self.bubble_s, transpose(&self.bubble_w))?;
         let product = core::array::from_fn(|i| multiply(&columns, &self.momentum_s[i]));
-        Ok((transpose(&columns), add_scaled_matrix(&self.momentum_w, -R::one(), &product)))
+        Ok((transpose(&columns), add_scaled_matrix(momentum_w, -R::one(), &product)))
     }
 }
 
@@ -102,11 +105,11 @@ impl<R: Real> Newton<R> {
 }
 
 /// The equations of a step in w and s; with `ENDS` both ends are given, and s alone is unknown.
-struct StepEquations<'a, R, L, F, P, const N: usize, const ENDS: bool> {
+struct StepEquations<'a, R: Real, L, F, P: Path, const N: usize, const ENDS: bool> {
     system: &'a System<L, F>,
     target: &'a Target<R, N>,
     interval: Interval<R, P, N>,
-    linearised: Linearised<R, N>,
+    linearised: Linearised<R, P, N>,
     left: Residual<R, N>,
 }
 
@@ -143,7 +146,10 @@ where
     /// it, as inertia does, but at the early one with it: where it bends sharply the equation turns back there, and an update
     /// may lead the wrong way. It is then repeated without the early friction's derivative, and so goes the right way, if not as fast.
     fn between_ends(&self) -> Result<[R; N], SolveError> {
-        let (matrix, right) = (&self.linearised.bubble_s, self.left.bubble.map(|r| -r));
+        let right = self.left.bubble.map(|r| -r);
+        let Some(BubbleDerivatives { bubble_s: matrix, .. }) = self.linearised.bubble.as_ref().first() else {
+            return Ok([R::zero(); N]);
+        };
         let ds = solve(*matrix, right);
         if ds.is_ok_and(|ds| dot(&ds, &right) > R::zero()) {
             return ds;
@@ -178,11 +184,8 @@ where
 
     #[inline(always)]
     fn update(&mut self) -> Result<(), StepError<R>> {
-        let (dw, ds) = if ENDS {
-            ([R::zero(); N], self.between_ends()?)
-        } else {
-            self.linearised.update(&self.left, P::BUBBLE)?
-        };
+        let (dw, ds) =
+            if ENDS { ([R::zero(); N], self.between_ends()?) } else { self.linearised.update(&self.left)? };
         let trusted = |point: &GaussPoint<R>| !(ENDS && point.is_early());
         let part = self.interval.trusted_part(&self.system.forces, (&dw, &ds), trusted);
         self.interval = self.interval.moved_by(part, &dw, &ds);

@@ -1,5 +1,6 @@
 use super::Order;
 use crate::scalar::Scalar;
+use core::fmt::Debug;
 
 /// A Gauss point of the unit interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +40,12 @@ pub trait Path: Copy {
     const ORDER: Order;
     /// Whether the path has a bubble.
     const BUBBLE: bool;
+    /// What is kept for the bubble: one of it, or none where there is no bubble.
+    type Bubbles<T: Copy + Debug>: Copy + Debug + AsRef<[T]> + AsMut<[T]>;
     /// The Gauss points.
     fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]>;
+    /// `value` for the bubble, where there is one.
+    fn bubbles<T: Copy + Debug>(value: T) -> Self::Bubbles<T>;
 }
 
 /// A straight path, the action taken at its midpoint: order 2.
@@ -50,10 +55,16 @@ pub struct Midpoint;
 impl Path for Midpoint {
     const ORDER: Order = Order::Two;
     const BUBBLE: bool = false;
+    type Bubbles<T: Copy + Debug> = [T; 0];
 
     #[inline(always)]
     fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]> {
         [GaussPoint { c: S::constant(0.5), weight: S::one() }]
+    }
+
+    #[inline(always)]
+    fn bubbles<T: Copy + Debug>(_: T) -> [T; 0] {
+        []
     }
 }
 
@@ -64,6 +75,7 @@ pub struct Galerkin;
 impl Path for Galerkin {
     const ORDER: Order = Order::Four;
     const BUBBLE: bool = true;
+    type Bubbles<T: Copy + Debug> = [T; 1];
 
     #[inline(always)]
     fn points<S: Scalar>() -> impl AsRef<[GaussPoint<S>]> {
@@ -72,5 +84,10 @@ impl Path for Galerkin {
         let late = S::constant(0.788_675_134_594_812_9);
         let point = |c| GaussPoint { c, weight: S::constant(0.5) };
         [point(S::one() - late), point(late)]
+    }
+
+    #[inline(always)]
+    fn bubbles<T: Copy + Debug>(value: T) -> [T; 1] {
+        [value]
     }
 }

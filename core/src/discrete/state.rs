@@ -34,14 +34,10 @@ impl<R: Real, const N: usize> State<R, N> {
     /// Position q, momentum p, and a guess of the next increment (about the velocity). An error where a number is not
     /// finite.
     pub fn with_momentum(q: [R; N], p: [R; N], w: [R; N]) -> Result<Self, StepError<R>> {
-        let state = Self {
-            q: q.map(Compensated::new),
-            p: p.map(Compensated::new),
-            history: [Increment { w, s: [R::zero(); N] }; HISTORY],
-            known: 1,
-            left: Residual::zero(),
-        };
-        state.checked()
+        let (q, p) = (q.map(Compensated::new), p.map(Compensated::new));
+        Self::checked(&q, &p, &w)?;
+        let history = [Increment { w, s: [R::zero(); N] }; HISTORY];
+        Ok(Self { q, p, history, known: 1, left: Residual::zero() })
     }
 
     /// q.
@@ -83,22 +79,24 @@ impl<R: Real, const N: usize> State<R, N> {
         }
     }
 
-    /// The state one step on.
-    pub(super) fn advanced<P: Path>(&self, h: R, solved: &Solved<R, P, N>) -> Result<Self, StepError<R>> {
-        let [a, b, _] = self.history;
+    /// Goes one step on; on error the state is what it was.
+    pub(super) fn advance<P: Path>(&mut self, h: R, solved: &Solved<R, P, N>) -> Result<(), StepError<R>> {
         let (w, s) = (solved.interval.increment(), solved.interval.bubble());
-        let advanced = Self {
-            q: core::array::from_fn(|i| self.q[i].plus(h * w[i])),
-            p: core::array::from_fn(|i| self.p[i].plus(solved.balance.impulse[i])),
-            history: [Increment { w, s }, a, b],
-            known: (self.known + 1).min(HISTORY as u8),
-            left: solved.left,
-        };
-        advanced.checked()
+        let q = core::array::from_fn(|i| self.q[i].plus(h * w[i]));
+        let p = core::array::from_fn(|i| self.p[i].plus(solved.balance.impulse[i]));
+        Self::checked(&q, &p, &w)?;
+        let [a, b, _] = self.history;
+        (self.q, self.p) = (q, p);
+        self.history = [Increment { w, s }, a, b];
+        self.known = (self.known + 1).min(HISTORY as u8);
+        self.left = solved.left;
+        Ok(())
     }
 
-    fn checked(self) -> Result<Self, StepError<R>> {
-        let finite = all_finite(&self.q()) && all_finite(&self.p()) && all_finite(&self.history[0].w);
-        if finite { Ok(self) } else { Err(StepError::NotFinite) }
+    /// An error where a number is not finite.
+    #[inline(always)]
+    fn checked(q: &[Compensated<R>; N], p: &[Compensated<R>; N], w: &[R; N]) -> Result<(), StepError<R>> {
+        let finite = [q, p].iter().all(|sums| all_finite(&sums.map(|sum| sum.value())));
+        if finite && all_finite(w) { Ok(()) } else { Err(StepError::NotFinite) }
     }
 }

@@ -4,6 +4,7 @@ use crate::scalar::{Real, Scalar};
 
 /// Two laws that act together.
 impl<S: Scalar, A: Forces<S, N>, B: Forces<S, N>, const N: usize> Forces<S, N> for (A, B) {
+    #[inline(always)]
     fn force(&self, q: &[S; N], v: &[S; N], tau: &[S; N]) -> [S; N] {
         let (a, b) = self;
         add_scaled(&a.force(q, v, tau), S::one(), &b.force(q, v, tau))

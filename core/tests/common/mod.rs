@@ -9,6 +9,7 @@ pub mod dual;
 pub mod file;
 pub mod forces;
 pub mod graphs;
+pub mod manipulator;
 pub mod network_laws;
 pub mod oracle;
 pub mod particles;

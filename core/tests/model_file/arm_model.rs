@@ -9,6 +9,7 @@ use leastaction_core::energy::spatial::{Joint, SPATIAL_PARAMETERS};
 use leastaction_core::forces::{Coulomb, Viscous};
 use leastaction_core::model::{ArmHeader, ArmModel, BodiesModel, Family, Header, Laws, ModelError, parse};
 use leastaction_core::scalar::{Weights, f16};
+use proptest::prelude::*;
 
 const TREE: ArmHeader<'static> = ArmHeader { bodies: &[1, 0, 0, 1, 0, 1] };
 const HEADER: Header<'static> = Header { family: Family::Arm(TREE), ..file::HEADER };
@@ -134,4 +135,70 @@ fn an_arm_of_seven_joints_loads() {
         ArmModel::<7>::load(file.bytes()).unwrap().system.lagrangian.tree,
         arms::chain_of_seven().tree()
     );
+}
+
+/// A tree's two bytes a body as they may stand in a file, mostly right.
+fn tree_bytes() -> impl Strategy<Value = Vec<u8>> {
+    let body = |index: usize| (0..=2_u8, 0..=index as u8 + 1);
+    let bodies = (0..=6_usize).prop_flat_map(move |n| (0..n).map(body).collect::<Vec<_>>());
+    (bodies, any::<bool>()).prop_map(|(bodies, odd)| {
+        let bytes = bodies.into_iter().flat_map(|(joint, parent)| [joint, parent]);
+        bytes.chain(odd.then_some(0)).collect()
+    })
+}
+
+/// By the words of the format page: revolute or prismatic joints, each on the ground or on a body before its own.
+fn is_tree(bytes: &[u8]) -> bool {
+    let (bodies, rest) = bytes.as_chunks::<2>();
+    let fits = |(index, [joint, parent]): (usize, &[u8; 2])| *joint <= 1 && usize::from(*parent) <= index;
+    rest.is_empty() && !bodies.is_empty() && bodies.iter().enumerate().all(fits)
+}
+
+/// As many weights as bodies and dampers need: every body that of the test.
+fn weights_of(bodies: usize) -> Vec<f32> {
+    let (gravity, body) = (&weights()[..3], &weights()[3..3 + SPATIAL_PARAMETERS]);
+    [gravity, &body.repeat(bodies), &vec![0.25; bodies]].concat()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
+
+    #[test]
+    fn a_header_is_read_as_it_was_written_or_refused(bytes in tree_bytes()) {
+        let header = Header { family: Family::Arm(ArmHeader { bodies: &bytes }), ..HEADER };
+        let file = Aligned::new(&file::write(header, &weights_of(bytes.len() / 2)));
+        match parse(file.bytes()) {
+            Ok(parsed) => {
+                prop_assert!(is_tree(&bytes), "{bytes:?} is no tree");
+                prop_assert_eq!(parsed.header, header);
+            }
+            Err(error) => prop_assert!(!is_tree(&bytes), "{bytes:?}: {error}"),
+        }
+    }
+
+    #[test]
+    fn only_a_tree_of_the_compiled_size_loads(bytes in tree_bytes()) {
+        let header = Header { family: Family::Arm(ArmHeader { bodies: &bytes }), ..HEADER };
+        let file = Aligned::new(&file::write(header, &weights_of(bytes.len() / 2)));
+        match ArmModel::<3>::load(file.bytes()) {
+            Ok(model) => {
+                prop_assert!(is_tree(&bytes) && bytes.len() == 6);
+                let found = model.system.lagrangian.tree.bodies().map(|body| body.to_bytes().unwrap());
+                prop_assert_eq!(found.as_flattened(), &bytes[..]);
+            }
+            Err(error) => prop_assert!(!is_tree(&bytes) || bytes.len() != 6, "{bytes:?}: {error}"),
+        }
+    }
+
+    /// Whatever stands in a body's numbers, a file is refused or its arm moves: nothing panics.
+    #[test]
+    fn any_number_is_refused_or_evaluated(at in 0_usize..3 + 3 * SPATIAL_PARAMETERS, bits in any::<u32>()) {
+        let mut weights = weights();
+        weights[at] = f32::from_bits(bits);
+        let file = Aligned::new(&file::write(HEADER, &weights));
+        if let Ok(model) = ArmModel::<3>::load(file.bytes()) {
+            prop_assert!(weights[at].is_finite());
+            let _ = acceleration(&model.system, &[0.3; 3], &[0.2; 3], &[0.0; 3]);
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! The model file is what it was, byte for byte, and what its bytes are.
 
-use crate::common::crane;
 use crate::common::file::{self, CARTPOLE};
+use crate::common::{crane, manipulator};
 use leastaction_core::model::Section;
 
 /// Names of the parts before the weights, and of those behind them.
@@ -196,32 +196,68 @@ fn web_text() -> String {
 }
 
 fn crane_text(bytes: &[u8]) -> String {
-    let mut before = vec![
+    let before = vec![
         (1, "section 1: energies"),
         (4, HEAD),
         (1, "family 3: bodies"),
         (1, "2 dimensions"),
         (7, "6 bytes: prismatic on the ground, revolute on body 0, prismatic on body 1"),
     ];
-    before.extend(DAMPED);
-    let [start, end] = file::place(bytes, Section::Forces);
-    let dry = end - start > 1;
-    if dry {
-        before.push((1, "law 1: coulomb"));
-    }
-    let mut weights = vec![
+    let weights = vec![
         (4 * 2, "gravity in x and y"),
         (4 * 9, "cart: place in x and y, angle, mass, centre in x and y, moment of inertia, rotor, gear"),
         (4 * 9, "jib: the same"),
         (4 * 9, "trolley: the same"),
-        (4 * 3, "viscous: c of each coordinate"),
     ];
-    if dry {
-        weights.extend([(4 * 4, "coulomb, of the cart: c, c_load, tau_s, epsilon")]);
-        weights
-            .extend([(4 * 4, "coulomb, of the jib: the same"), (4 * 4, "coulomb, of the trolley: the same")]);
+    let friction = [
+        "coulomb, of the cart: c, c_load, tau_s, epsilon",
+        "coulomb, of the jib: the same",
+        "coulomb, of the trolley: the same",
+    ];
+    damped_text(bytes, Parts { before, weights }, friction)
+}
+
+/// Of three damped coordinates, with what a file says of their dry friction.
+fn damped_text(
+    bytes: &[u8],
+    Parts { mut before, mut weights }: Parts,
+    friction: [&'static str; 3],
+) -> String {
+    before.extend(DAMPED);
+    weights.push((4 * 3, "viscous: c of each coordinate"));
+    let [start, end] = file::place(bytes, Section::Forces);
+    if end - start > 1 {
+        before.push((1, "law 1: coulomb"));
+        weights.extend(friction.map(|of| (4 * 4, of)));
     }
     Parts { before, weights }.text(bytes)
+}
+
+fn manipulator_text(bytes: &[u8]) -> String {
+    let before = vec![
+        (1, "section 1: energies"),
+        (4, HEAD),
+        (1, "family 4: arm"),
+        (7, "6 bytes: revolute on the ground, revolute on body 0, prismatic on body 1"),
+    ];
+    let mut weights = vec![(4 * 3, "gravity in x, y and z")];
+    for of_body in [
+        [
+            "column: rotation of the joint's frame, row by row",
+            "column: place in x, y and z, axis",
+            "column: mass, first moments, inertia (xx, xy, yy, xz, yz, zz), rotor",
+        ],
+        ["upper arm: rotation", "upper arm: place, axis", "upper arm: mass, first moments, inertia, rotor"],
+        ["forearm: rotation", "forearm: place, axis", "forearm: mass, first moments, inertia, rotor"],
+    ] {
+        weights.extend([4 * 9, 4 * 6, 4 * 11].into_iter().zip(of_body));
+    }
+    let friction = [
+        "coulomb, of the column: c, c_load, tau_s, epsilon",
+        "coulomb, of the upper arm: the same",
+        "coulomb, of the forearm: the same",
+    ];
+    damped_text(bytes, Parts { before, weights }, friction)
 }
 
 #[test]
@@ -268,6 +304,18 @@ fn the_file_of_bodies_is_unchanged() {
 fn the_file_of_bodies_with_dry_friction_is_unchanged() {
     let file = crane::with_friction();
     file::assert_golden("crane-friction.hex", &file, &crane_text(&file));
+}
+
+#[test]
+fn the_file_of_an_arm_is_unchanged() {
+    let file = manipulator::golden();
+    file::assert_golden("manipulator.hex", &file, &manipulator_text(&file));
+}
+
+#[test]
+fn the_file_of_an_arm_with_dry_friction_is_unchanged() {
+    let file = manipulator::with_friction();
+    file::assert_golden("manipulator-friction.hex", &file, &manipulator_text(&file));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! reversibility.
 
 use crate::common::shapes::{Angle, Cyclic, Model};
-use crate::common::{bodies, trees};
+use crate::common::{arms, bodies, trees};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
@@ -156,6 +156,22 @@ fn energy_of_bodies_over_a_million_steps_of_order_4_in_f32() {
     let pendulum = bodies::double_pendulum().rounded();
     Trend::of::<f32, Galerkin, 2>(pendulum.over(&pendulum.single()), &pendulum.in_f64(), [0.9, -0.6], 0.01)
         .assert_random_walk("geared double pendulum, order 4", 1e-5);
+}
+
+/// Seven joints that stand askew, under gravity that points anywhere, released at rest, in f32 at 2 ms: their motion is chaotic.
+fn arm_trend<P: Path>() -> Trend {
+    let arm = arms::chain_of_seven();
+    let single = arm.single();
+    let rounded = arms::Arm { weights: single.iter().map(|w| f64::from(*w)).collect(), ..arm };
+    let q = [0.3, -0.5, 0.2, 0.7, -0.4, 0.6, -0.2];
+    Trend::of::<f32, P, 7>(rounded.over(&single), &rounded.in_f64(), q, 0.002)
+}
+
+#[test]
+#[ignore = "minutes"]
+fn energy_of_an_arm_over_a_million_steps_in_f32() {
+    arm_trend::<Midpoint>().assert_drift_free("seven joints, order 2", 1.0);
+    arm_trend::<Galerkin>().assert_random_walk("seven joints, order 4", 1e-2);
 }
 
 /// Damping takes energy out at every step, and leaves the mechanism at rest at the bottom.

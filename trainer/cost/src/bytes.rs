@@ -44,7 +44,7 @@ impl Bytes {
 }
 
 fn newton<P: Path, const N: usize>() -> usize {
-    size_of::<Linearised<f32, N>>() + size_of::<Solved<f32, P, N>>() + size_of::<State<f32, N>>()
+    size_of::<Linearised<f32, P, N>>() + size_of::<Solved<f32, P, N>>() + size_of::<State<f32, N>>()
 }
 
 /// At n the polynomial of degree 2 that has these values at 1, 2 and 3, by Newton's forward differences.

@@ -123,23 +123,23 @@ impl<'a, W: WeightFormat, const N: usize> SpatialBodies<'a, W, N> {
         mass
     }
 
-    /// All derivatives; those of second order in positions where they are asked for.
+    /// All derivatives but L_qq, which is written where it is asked for.
     #[inline(always)]
-    fn derivatives<S: Scalar<Weight = W::Wide>, const POSITIONS: bool>(
+    fn derivatives<S: Scalar<Weight = W::Wide>>(
         &self,
         q: &[S; N],
         v: &[S; N],
-    ) -> Hessian<S, N> {
+        mut l_qq: Option<&mut [[S; N]; N]>,
+    ) -> Linearization<S, N> {
         let (motion, gravity) = (Motion::new(self, q, v), self.gravity());
-        let zero = [[S::zero(); N]; N];
-        let (mut l_qq, mut l_vq, mut l_vv) = (zero, zero, zero);
+        let (mut l_vq, mut l_vv) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);
         for k in 0..N {
             let (frame, carried, bend) = (&motion.frames[k], &motion.carried[k], motion.bends[k]);
             let (mut unit, mut slope) = (motion.unit(k), carried.momentum_slope(frame, &bend));
             let pull = cross(unit.linear, gravity);
             l_vv[k][k] = frame.share(&unit) + motion.rotors[k];
             l_vq[k][k] = frame.share(&slope);
-            if POSITIONS {
+            if let Some(l_qq) = &mut l_qq {
                 l_qq[k][k] = bend.dot(&slope) + bent(frame, pull);
             }
             motion.below(self, k, |j, step, frame| {
@@ -148,13 +148,13 @@ impl<'a, W: WeightFormat, const N: usize> SpatialBodies<'a, W, N> {
                 l_vv[j][k] = frame.share(&unit);
                 l_vv[k][j] = l_vv[j][k];
                 (l_vq[j][k], l_vq[k][j]) = (frame.share(&slope), bend.dot(&unit));
-                if POSITIONS {
+                if let Some(l_qq) = &mut l_qq {
                     l_qq[j][k] = bend.dot(&slope) + bent(frame, pull);
                     l_qq[k][j] = l_qq[j][k];
                 }
             });
         }
-        Hessian { l_q: motion.force(gravity), l_v: motion.momentum(v), l_qq, l_vq, l_vv }
+        Linearization { l_q: motion.force(gravity), l_v: motion.momentum(v), l_vq, l_vv }
     }
 }
 
@@ -180,24 +180,29 @@ struct Motion<S, const N: usize> {
 impl<S: Scalar, const N: usize> Motion<S, N> {
     #[inline(always)]
     fn new<W: WeightFormat<Wide = S::Weight>>(bodies: &SpatialBodies<W, N>, q: &[S; N], v: &[S; N]) -> Self {
-        let base = Frame::base();
-        let (mut frames, mut carried, mut whole) = ([base; N], [Carried::nothing(); N], Carried::nothing());
-        let (mut rotors, mut bends) = ([S::zero(); N], [Twist::zero(); N]);
+        let mut motion = Self {
+            frames: [Frame::base(); N],
+            bends: [Twist::zero(); N],
+            carried: [Carried::nothing(); N],
+            rotors: [S::zero(); N],
+            whole: Carried::nothing(),
+        };
         for k in 0..N {
             let numbers = bodies.body(k);
-            let on = |parent: usize| expected(frames.get(parent).copied(), base);
-            let parent = bodies.parent(k).map_or(base, on);
+            let on = |parent: usize| expected(motion.frames.get(parent).copied(), Frame::base());
+            let parent = bodies.parent(k).map_or(Frame::base(), on);
             let frame = parent.carried(bodies.tree.bodies()[k].joint, &numbers, q[k], v[k]);
             let inertia = numbers.inertia.turned(&frame.rotation);
-            carried[k] = Carried::nothing().with_body(&inertia, &frame.velocity);
-            (frames[k], bends[k], rotors[k]) = (frame, frame.bend(), numbers.rotor);
+            motion.carried[k] = Carried::nothing().with_body(&inertia, &frame.velocity);
+            (motion.frames[k], motion.bends[k], motion.rotors[k]) = (frame, frame.bend(), numbers.rotor);
         }
         for k in (0..N).rev() {
-            let own = carried[k];
-            let below = bodies.parent(k).and_then(|parent| carried.get_mut(parent)).unwrap_or(&mut whole);
-            *below = below.with_joint(frames[k].step, &own);
+            let (step, own) = (motion.frames[k].step, motion.carried[k]);
+            let below = bodies.parent(k).and_then(|parent| motion.carried.get_mut(parent));
+            let below = below.unwrap_or(&mut motion.whole);
+            *below = below.with_joint(step, &own);
         }
-        Self { frames, bends, carried, rotors, whole }
+        motion
     }
 
     /// What a joint carries at its unit velocity.
@@ -250,10 +255,12 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize> Lagrangian<S,
     }
 
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
-        self.derivatives::<S, false>(q, v).into()
+        self.derivatives(q, v, None)
     }
 
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
-        self.derivatives::<S, true>(q, v)
+        let mut l_qq = [[S::zero(); N]; N];
+        let Linearization { l_q, l_v, l_vq, l_vv } = self.derivatives(q, v, Some(&mut l_qq));
+        Hessian { l_q, l_v, l_qq, l_vq, l_vv }
     }
 }
