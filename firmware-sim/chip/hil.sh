@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The controller on emulated boards against the plant on this machine: swing-up and tracking of the learned cart-pole, and the swing-up of
-# one with friction, a weak and late drive and encoders that are off by a model of its own logs (docs/swing-up.md), must leave
-# the trace of a run on this machine alone, bit for bit. One JSON line a board, model and scenario. `LEASTACTION` names the command where it
+# one with friction, a weak and late drive and encoders that are off by a model of its own logs (docs/swing-up.md), and seven joints that follow
+# a motion 1,000 times a second, must leave the trace of a run on this machine alone, bit for bit. One JSON line a board, model and scenario. `LEASTACTION` names the command where it
 # is built already; `STARTS=20 hil.sh` swings the one with friction up from so many starts (1) on the first board.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -23,12 +23,13 @@ value() { sed -E "s/.*\"$1\":(\"[^\"]*\"|\[[^]]*\]|[^,}]*).*/\1/" <<<"$report"; 
 need qemu-system-arm qemu-system-arm
 need qemu-system-riscv32 qemu-system-misc
 for board in "${boards[@]}"; do
-    build "$board" --bin controller
+    build "$board" --bin controller --bin arm_controller
 done
 
 # A run of a model on some boards.
 on_boards() {
-    local boards=($1) model=$2 run=("${@:3}") expected board begin
+    local boards=($1) model=$2 run=("${@:3}") image=controller expected board begin
+    [ "$model" != arm ] || image=arm_controller
     report=$(simulate "$model" "${run[@]}")
     expected=$(value trace_hash)
     for board in "${boards[@]}"; do
@@ -54,3 +55,7 @@ on_boards "${boards[*]}" cartpole-dry "${dry[@]}"
 for ((seed = 1; seed < ${STARTS:-1}; seed++)); do
     on_boards "${boards[0]}" cartpole-dry "${dry[@]}" --seed $seed
 done
+# Seven joints, from the motion's rest to full speed on the first board.
+arm=(--scenario track --plant firmware-sim/chip/models/arm.postcard --trajectory firmware-sim/chip/models/arm-motion.toml --bandwidth 30)
+on_boards "${boards[0]}" arm "${arm[@]}" --seconds 1
+on_boards "${boards[*]:1}" arm "${arm[@]}" --seconds 0.1

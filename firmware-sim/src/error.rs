@@ -17,6 +17,8 @@ pub enum SetupError {
     SingularInertia,
     /// The Riccati equation has no finite solution for the model: its upright position cannot be held by this input.
     NotStabilisable,
+    /// Only mechanisms of one and two coordinates are brought upright.
+    NoSwingUp,
 }
 
 /// What a number of a configuration must be.
@@ -48,6 +50,9 @@ impl fmt::Display for SetupError {
             Self::NotStabilisable => {
                 write!(f, "no feedback holds the model upright: train it further, or check its coordinates")
             }
+            Self::NoSwingUp => {
+                write!(f, "only a pendulum and a pole on a cart are brought upright: choose another task")
+            }
         }
     }
 }
@@ -63,4 +68,9 @@ pub(crate) fn require(
 ) -> Result<(), SetupError> {
     let range = Range::Words(range);
     if condition { Ok(()) } else { Err(SetupError::OutOfRange { what, value, range }) }
+}
+
+/// Whether all of them are finite.
+pub(crate) fn require_finite(what: &'static str, values: &[f32]) -> Result<(), SetupError> {
+    values.iter().try_for_each(|x| require(what, *x, x.is_finite(), "finite"))
 }

@@ -1,5 +1,5 @@
 use crate::Mechanism;
-use crate::control::{Command, Controller};
+use crate::control::{Command, Controller, Target};
 use crate::devices::ActuatorConfig;
 use crate::observer::{ObserverConfig, ObserverOf};
 use crate::tick::Mode;
@@ -85,16 +85,11 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         &self.last
     }
 
-    /// Where the mechanism should be at time t, s.
-    pub fn reference(&self, t: f32) -> [f32; N] {
-        self.controller.reference(t)
-    }
-
-    /// Runs at time t (s), `elapsed` ticks after the last run, on the samples that arrived.
-    pub fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Outcome<N> {
+    /// Runs `elapsed` ticks after the last run, on the samples that arrived, towards a target.
+    pub fn run(&mut self, elapsed: u32, measured: &[Option<f32>; N], target: &Target<N>) -> Outcome<N> {
         let mut outcome = Outcome { errors: 0, ..self.last };
         let estimated = self.estimate(elapsed, measured, &mut outcome);
-        let command = estimated.and_then(|()| self.command(t));
+        let command = estimated.and_then(|()| self.command(target));
         if command.is_err() {
             outcome.errors += 1;
         }
@@ -157,12 +152,12 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
         }
     }
 
-    fn command(&mut self, t: f32) -> Result<Command<N>, StepError<f32>> {
+    fn command(&mut self, target: &Target<N>) -> Result<Command<N>, StepError<f32>> {
         let state = match self.observer.ahead(&self.line)? {
             Some(state) if self.observer.trusted() => state,
             _ => return Ok(Outcome::waiting().command),
         };
-        let Command { u, mode } = self.controller.command(self.model, t, &state)?;
+        let Command { u, mode } = self.controller.command(self.model, target, &state)?;
         if !all_finite(&u) {
             return Err(StepError::NotFinite);
         }

@@ -1,5 +1,5 @@
 use crate::Mechanism;
-use crate::control::Controller;
+use crate::control::{Controller, Target};
 use crate::firmware::{Firmware, Outcome};
 use core::convert::Infallible;
 
@@ -8,11 +8,16 @@ pub trait Processor<const N: usize> {
     /// Why a tick did not run; a [`Firmware`] in place always does.
     type Error;
 
-    /// Runs at time t (s), `elapsed` ticks after the last run, on the samples that arrived.
+    /// Runs `elapsed` ticks after the last run, on the samples that arrived, towards a target.
     ///
     /// # Errors
     /// Where there is no outcome; a run ends there.
-    fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Result<Outcome<N>, Self::Error>;
+    fn run(
+        &mut self,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        target: &Target<N>,
+    ) -> Result<Outcome<N>, Self::Error>;
     /// Runs on the samples and the command of a log, which takes the place of the controller's.
     ///
     /// # Errors
@@ -25,15 +30,18 @@ pub trait Processor<const N: usize> {
     ) -> Result<Outcome<N>, Self::Error>;
     /// The last outcome.
     fn last(&self) -> &Outcome<N>;
-    /// Where the mechanism should be at time t, s.
-    fn reference(&self, t: f32) -> [f32; N];
 }
 
 impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for Firmware<'_, M, C, N> {
     type Error = Infallible;
 
-    fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Result<Outcome<N>, Infallible> {
-        Ok(self.run(t, elapsed, measured))
+    fn run(
+        &mut self,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        target: &Target<N>,
+    ) -> Result<Outcome<N>, Infallible> {
+        Ok(self.run(elapsed, measured, target))
     }
 
     fn replay(
@@ -47,9 +55,5 @@ impl<M: Mechanism<N>, C: Controller<M, N>, const N: usize> Processor<N> for Firm
 
     fn last(&self) -> &Outcome<N> {
         self.last()
-    }
-
-    fn reference(&self, t: f32) -> [f32; N] {
-        self.reference(t)
     }
 }

@@ -1,9 +1,9 @@
 use crate::control::{
-    CartPump, Catch, Controller, Gains, JointPump, Law, Listen, PumpConfig, Reference, Regulator, SwingUp,
+    CartPump, Catch, Controller, Gains, JointPump, Law, Listen, NoPump, PumpConfig, Regulator, SwingUp,
     TaskController, Tolerance, Track,
 };
 use crate::devices::{ActuatorConfig, Drive};
-use crate::error::{SetupError, require};
+use crate::error::{SetupError, require, require_finite};
 use crate::firmware::Firmware;
 use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::ObserverConfig;
@@ -32,11 +32,12 @@ pub struct Program<const N: usize> {
 pub enum Task<const N: usize> {
     /// Following a motion.
     Track {
-        /// The motion.
-        reference: Reference<N>,
+        /// Where the motion begins, rad or m; the targets come with the samples.
+        #[serde(with = "array")]
+        begin: [f32; N],
         /// The feedback.
         gains: Gains,
-        /// How both are used.
+        /// How feed-forward and feedback are used.
         law: Law,
     },
     /// Bringing the last coordinate upright, θ = 0, by a force on the first, and holding it there.
@@ -53,17 +54,19 @@ pub enum Task<const N: usize> {
 }
 
 impl<const N: usize> Task<N> {
-    /// Where the mechanism should be at time t, s.
-    pub fn reference(&self, t: f32) -> [f32; N] {
+    /// Where the model's kinetic energy is checked.
+    fn begin(&self) -> [f32; N] {
         match self {
-            Self::Track { reference, .. } => reference.at(t).q,
+            Self::Track { begin, .. } => *begin,
             Self::SwingUp { .. } | Self::Listen => [0.0; N],
         }
     }
 
     fn validate(&self) -> Result<(), SetupError> {
         match self {
-            Self::Track { reference, gains, .. } => reference.validate().and_then(|()| gains.validate()),
+            Self::Track { begin, gains, .. } => {
+                require_finite("begin of the motion", begin).and_then(|()| gains.validate())
+            }
             Self::SwingUp { catch, .. } => catch.validate(),
             Self::Listen => Ok(()),
         }
@@ -82,7 +85,7 @@ impl<const N: usize> Program<N> {
     pub(crate) fn check<M: Mechanism<N>>(&self, model: &M) -> Result<(), SetupError> {
         self.validate()?;
         self.observer.check_step(self.tick, model.trained_step())?;
-        require_quadratic(model, &self.task.reference(0.0))
+        require_quadratic(model, &self.task.begin())
     }
 
     /// A program that estimates the state under the commands of somebody else, as of a log, which become forces by `drive`.
@@ -111,36 +114,50 @@ impl<const N: usize> Program<N> {
         Firmware::new(model, controller, self.tick, self.angle, &self.observer, self.actuator)
     }
 
-    /// The controller over a model, with a pump made by `pump`; D is 2N.
-    fn controller<M: Mechanism<N>, P, const D: usize>(
+    /// The firmware over a model of any coordinates, for every task but bringing it upright.
+    ///
+    /// # Errors
+    /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v;
+    /// [`SetupError::NoSwingUp`].
+    pub fn follow<'m, M: Mechanism<N>>(
+        &self,
+        model: &'m M,
+    ) -> Result<Firmware<'m, M, TaskController<NoPump, N>, N>, SetupError> {
+        let controller = self.controller(model, |_, _, _, _| Err(SetupError::NoSwingUp))?;
+        Ok(self.firmware(model, controller))
+    }
+
+    /// The controller over a model, of which `swing_up` brings it upright.
+    fn controller<M: Mechanism<N>, P>(
         &self,
         model: &M,
-        pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
+        swing_up: impl FnOnce(&M, PumpConfig, Tolerance<N>, Catch) -> Result<SwingUp<P, N>, SetupError>,
     ) -> Result<TaskController<P, N>, SetupError> {
         self.check(model)?;
         match self.task {
-            Task::Track { reference, gains, law } => {
-                Ok(TaskController::Track(self.track(model, reference, (gains, law))))
+            Task::Track { begin, gains, law } => {
+                let mass = model.system().lagrangian.linearization(&begin, &[0.0; N]).l_vv;
+                let inertia = core::array::from_fn(|i| mass[i][i]);
+                Ok(TaskController::Track(Track { gains, law, inertia, angle: self.angle }))
             }
             Task::Listen => Ok(TaskController::Listen(Listen)),
-            Task::SwingUp { pump: config, tolerance, catch } => {
-                let pump = pump(model, 0.0, config)?;
-                let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, self.tick)?;
-                Ok(TaskController::SwingUp(self.swing_up(pump, regulator, catch)))
+            Task::SwingUp { pump, tolerance, catch } => {
+                Ok(TaskController::SwingUp(swing_up(model, pump, tolerance, catch)?))
             }
         }
     }
 
-    pub(crate) fn track<M: Mechanism<N>>(
+    /// The same, with a pump made by `pump` and a regulator; D is 2N.
+    fn upright_controller<M: Mechanism<N>, P, const D: usize>(
         &self,
         model: &M,
-        reference: Reference<N>,
-        (gains, law): (Gains, Law),
-    ) -> Track<N> {
-        let delay = self.observer.delay * self.tick;
-        let mass = model.system().lagrangian.linearization(&reference.at(0.0).q, &[0.0; N]).l_vv;
-        let inertia = core::array::from_fn(|i| mass[i][i]);
-        Track { reference, gains, law, inertia, angle: self.angle, delay, middle: 0.5 * self.tick }
+        pump: impl FnOnce(&M, f32, PumpConfig) -> Result<P, SetupError>,
+    ) -> Result<TaskController<P, N>, SetupError> {
+        self.controller(model, |model, config, tolerance, catch| {
+            let pump = pump(model, 0.0, config)?;
+            let regulator = Regulator::design::<M, D>(model, [0.0; N], 0, &tolerance, self.tick)?;
+            Ok(self.swing_up(pump, regulator, catch))
+        })
     }
 
     fn swing_up<P>(&self, pump: P, regulator: Regulator<N>, catch: Catch) -> SwingUp<P, N> {
@@ -167,12 +184,12 @@ impl Program<1> {
         &self,
         model: &'m M,
     ) -> Result<Firmware<'m, M, TaskController<JointPump, 1>, 1>, SetupError> {
-        Ok(self.firmware(model, self.controller::<M, _, 2>(model, JointPump::new)?))
+        Ok(self.firmware(model, self.upright_controller::<M, _, 2>(model, JointPump::new)?))
     }
 }
 
 impl Program<2> {
-    /// The firmware over a model of a cart and its pole, q = (x, θ); of any two coordinates where it is to follow a motion.
+    /// The firmware over a model of a cart and its pole, q = (x, θ); of any two coordinates for another task.
     ///
     /// # Errors
     /// Numbers out of range, a step that the model was not trained for, a kinetic energy that is not quadratic in v, and models
@@ -181,6 +198,6 @@ impl Program<2> {
         &self,
         model: &'m M,
     ) -> Result<Firmware<'m, M, TaskController<CartPump, 2>, 2>, SetupError> {
-        Ok(self.firmware(model, self.controller::<M, _, 4>(model, CartPump::new)?))
+        Ok(self.firmware(model, self.upright_controller::<M, _, 4>(model, CartPump::new)?))
     }
 }

@@ -8,8 +8,8 @@ mod swing_up;
 mod task;
 mod track;
 
-pub use pump::{CartPump, JointPump, Pump, PumpConfig};
-pub use reference::{HARMONICS, Reference, Setpoint};
+pub use pump::{CartPump, JointPump, NoPump, Pump, PumpConfig};
+pub use reference::{HARMONICS, Reference, Setpoint, Target, Trajectory, enter};
 pub use regulator::{Regulator, Tolerance};
 pub use riccati::{Linear, riccati};
 pub use swing_up::{Catch, SwingUp};
@@ -34,13 +34,11 @@ pub struct Command<const N: usize> {
 
 /// A feedback law over a model.
 pub trait Controller<M, const N: usize> {
-    /// Where the mechanism should be at time t, s.
-    fn reference(&self, t: f32) -> [f32; N];
-    /// The force for the estimated state at which it will act, time t (s). An error where the model cannot say.
+    /// The force for the estimated state at which it will act, towards a target. An error where the model cannot say.
     fn command(
         &mut self,
         model: &M,
-        t: f32,
+        target: &Target<N>,
         state: &ContinuousState<f32, N>,
     ) -> Result<Command<N>, StepError<f32>>;
 }

@@ -53,6 +53,16 @@ pub trait Pump<M, const N: usize> {
     fn force(&self, model: &M, state: &ContinuousState<f32, N>) -> Result<[f32; N], StepError<f32>>;
 }
 
+/// What pumps nothing: of mechanisms that nothing brings upright.
+#[derive(Clone, Copy, Debug)]
+pub enum NoPump {}
+
+impl<M, const N: usize> Pump<M, N> for NoPump {
+    fn force(&self, _: &M, _: &ContinuousState<f32, N>) -> Result<[f32; N], StepError<f32>> {
+        match *self {}
+    }
+}
+
 /// Pumps a single joint: u = ±effort with the sign of θ̇ while energy is missing, for Ė = uθ̇.
 ///
 /// Source: K. J. Åström and K. Furuta, "Swinging up a pendulum by energy control", Automatica 36, 2000.

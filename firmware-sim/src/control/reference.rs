@@ -1,4 +1,4 @@
-use crate::error::{SetupError, require};
+use crate::error::{SetupError, require, require_finite};
 use crate::wire::array;
 use core::f32::consts::TAU;
 use leastaction_core::scalar::Scalar;
@@ -7,38 +7,134 @@ use serde::{Deserialize, Serialize};
 /// Harmonics of a motion at most.
 pub const HARMONICS: usize = 5;
 
-/// A periodic motion, entered from rest: a Fourier series of the time s since it began,
+/// A periodic motion, entered from rest ([`enter`]): a Fourier series of the time s since it began,
 ///
 /// q_i(s) = centre_i + Σ_k a_ik cos 2πk f_i s + b_ik sin 2πk f_i s.
 ///
-/// Over the first `ramp` seconds r time itself sets in, s = r(x³ − x⁴/2) with x = t/r, so that velocity and acceleration begin at 0;
-/// then s = t − r/2. Source: Swevers et al., "Optimal robot excitation and identification", 1997 (the series).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Source: Swevers et al., "Optimal robot excitation and identification", 1997 (the series).
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference<const N: usize> {
     /// When it begins, s: the observer needs a few samples before.
     pub begin: f32,
     /// r ≥ 0, s: 0 for a motion that begins at rest by itself.
     pub ramp: f32,
     /// rad or m.
-    #[serde(with = "array")]
     pub centre: [f32; N],
     /// f > 0, Hz.
-    #[serde(with = "array")]
     pub frequency: [f32; N],
     /// a and b of every harmonic, rad or m.
-    #[serde(with = "array")]
     pub waves: [[[f32; 2]; HARMONICS]; N],
 }
 
-/// A point of a reference.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A point of a trajectory.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setpoint<const N: usize> {
-    /// Position.
+    /// Position, rad or m.
+    #[serde(with = "array")]
     pub q: [f32; N],
-    /// Velocity.
+    /// Velocity, rad/s or m/s.
+    #[serde(with = "array")]
     pub v: [f32; N],
-    /// Acceleration.
+    /// Acceleration, rad/s² or m/s².
+    #[serde(with = "array")]
     pub a: [f32; N],
+}
+
+/// Where a mechanism should be over time.
+pub trait Trajectory<const N: usize> {
+    /// Position, velocity and acceleration at time t ≥ 0, s.
+    fn at(&self, t: f32) -> Setpoint<N>;
+    /// Whether it is one: its numbers are in their ranges.
+    ///
+    /// # Errors
+    /// The first that is not.
+    fn validate(&self) -> Result<(), SetupError> {
+        require_finite("trajectory", &self.at(0.0).q)
+    }
+}
+
+/// Rest at a position, rad or m.
+impl<const N: usize> Trajectory<N> for [f32; N] {
+    fn at(&self, _: f32) -> Setpoint<N> {
+        Setpoint { q: *self, v: [0.0; N], a: [0.0; N] }
+    }
+}
+
+impl<T: Trajectory<N>, const N: usize> Trajectory<N> for &T {
+    fn at(&self, t: f32) -> Setpoint<N> {
+        (**self).at(t)
+    }
+
+    fn validate(&self) -> Result<(), SetupError> {
+        (**self).validate()
+    }
+}
+
+/// What a command is for: where the mechanism should be when it takes effect, and while it acts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Target<const N: usize> {
+    /// Position when the command takes effect, rad or m.
+    #[serde(with = "array")]
+    pub q: [f32; N],
+    /// Velocity then, rad/s or m/s.
+    #[serde(with = "array")]
+    pub v: [f32; N],
+    /// In the middle of the tick over which the command is held.
+    pub middle: Setpoint<N>,
+}
+
+impl<const N: usize> Target<N> {
+    /// Of a trajectory, for a command that acts from the time `effect` on for a tick of h, s.
+    pub fn of(trajectory: &impl Trajectory<N>, effect: f32, h: f32) -> Self {
+        let Setpoint { q, v, .. } = trajectory.at(effect);
+        Self { q, v, middle: trajectory.at(effect + 0.5 * h) }
+    }
+}
+
+impl<const N: usize> Trajectory<N> for Reference<N> {
+    fn at(&self, t: f32) -> Setpoint<N> {
+        enter(t - self.begin, self.ramp, |s| self.series(s))
+    }
+
+    fn validate(&self) -> Result<(), SetupError> {
+        require("reference begin", self.begin, self.begin.is_finite(), "finite")?;
+        require(
+            "reference ramp",
+            self.ramp,
+            self.ramp.is_finite() && self.ramp >= 0.0,
+            "finite and not negative",
+        )?;
+        require_finite("reference", &self.centre)?;
+        require_finite("reference", self.waves.as_flattened().as_flattened())?;
+        self.frequency.iter().try_for_each(|f| {
+            require("reference frequency", *f, f.is_finite() && *f > 0.0, "finite and positive")
+        })
+    }
+}
+
+/// A motion of its own time s, entered from rest: the point at t (s) after it began, from the position and its first two derivatives
+/// by s. Before, it rests where the motion begins; over the first r seconds s = r(x³ − x⁴/2) with x = t/r, then s = t − r/2.
+pub fn enter<const N: usize>(t: f32, r: f32, motion: impl Fn(f32) -> [[f32; N]; 3]) -> Setpoint<N> {
+    if t < 0.0 {
+        let [q, ..] = motion(0.0);
+        return q.at(0.0);
+    }
+    let (s, rate, growth) = entered(t, r);
+    let [q, slope, curvature] = motion(s);
+    Setpoint {
+        q,
+        v: slope.map(|slope| slope * rate),
+        a: core::array::from_fn(|i| curvature[i] * rate * rate + slope[i] * growth),
+    }
+}
+
+/// s, ds/dt and d²s/dt² at t ≥ 0.
+fn entered(t: f32, r: f32) -> (f32, f32, f32) {
+    if t >= r {
+        return (t - 0.5 * r, 1.0, 0.0);
+    }
+    let x = t / r;
+    (r * x * x * x * (1.0 - 0.5 * x), x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x) / r)
 }
 
 impl<const N: usize> Reference<N> {
@@ -55,32 +151,6 @@ impl<const N: usize> Reference<N> {
         Self { begin, ramp: 0.0, centre, frequency, waves }
     }
 
-    /// Position, velocity and acceleration at time t, s.
-    pub fn at(&self, t: f32) -> Setpoint<N> {
-        let t = t - self.begin;
-        if t < 0.0 {
-            let [q, ..] = self.series(0.0);
-            return Setpoint { q, v: [0.0; N], a: [0.0; N] };
-        }
-        let (s, rate, growth) = self.entered(t);
-        let [q, slope, curvature] = self.series(s);
-        Setpoint {
-            q,
-            v: slope.map(|slope| slope * rate),
-            a: core::array::from_fn(|i| curvature[i] * rate * rate + slope[i] * growth),
-        }
-    }
-
-    /// s, ds/dt and d²s/dt² at t ≥ 0.
-    fn entered(&self, t: f32) -> (f32, f32, f32) {
-        let r = self.ramp;
-        if t >= r {
-            return (t - 0.5 * r, 1.0, 0.0);
-        }
-        let x = t / r;
-        (r * x * x * x * (1.0 - 0.5 * x), x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x) / r)
-    }
-
     /// The series and its first two derivatives.
     fn series(&self, s: f32) -> [[f32; N]; 3] {
         let mut sums = [self.centre, [0.0; N], [0.0; N]];
@@ -94,21 +164,5 @@ impl<const N: usize> Reference<N> {
             }
         }
         sums
-    }
-
-    pub(crate) fn validate(&self) -> Result<(), SetupError> {
-        require("reference begin", self.begin, self.begin.is_finite(), "finite")?;
-        require(
-            "reference ramp",
-            self.ramp,
-            self.ramp.is_finite() && self.ramp >= 0.0,
-            "finite and not negative",
-        )?;
-        for x in self.centre.iter().chain(self.waves.as_flattened().as_flattened()) {
-            require("reference", *x, x.is_finite(), "finite")?;
-        }
-        self.frequency.iter().try_for_each(|f| {
-            require("reference frequency", *f, f.is_finite() && *f > 0.0, "finite and positive")
-        })
     }
 }

@@ -1,4 +1,4 @@
-use super::{Command, Controller, Pump, Regulator};
+use super::{Command, Controller, Pump, Regulator, Target};
 use crate::angle::difference;
 use crate::error::{SetupError, require};
 use crate::tick::Mode;
@@ -65,14 +65,10 @@ impl<P, const N: usize> SwingUp<P, N> {
 }
 
 impl<M, P: Pump<M, N>, const N: usize> Controller<M, N> for SwingUp<P, N> {
-    fn reference(&self, _: f32) -> [f32; N] {
-        self.regulator.target
-    }
-
     fn command(
         &mut self,
         model: &M,
-        _: f32,
+        _: &Target<N>,
         state: &ContinuousState<f32, N>,
     ) -> Result<Command<N>, StepError<f32>> {
         let force = self.regulator.force(state, &self.angle);

@@ -1,4 +1,4 @@
-use super::{Command, Controller, Reference};
+use super::{Command, Controller, Target};
 use crate::Mechanism;
 use crate::angle::difference;
 use crate::error::{SetupError, require};
@@ -42,39 +42,28 @@ pub enum Law {
 /// where the motion begins. Source: Siciliano et al., "Robotics", 2009, sections 8.5 and 8.5.1.
 #[derive(Clone, Copy, Debug)]
 pub struct Track<const N: usize> {
-    /// The motion.
-    pub reference: Reference<N>,
     /// The feedback.
     pub gains: Gains,
-    /// How both are used.
+    /// How feed-forward and feedback are used.
     pub law: Law,
     /// D, kg m² or kg.
     pub inertia: [f32; N],
     /// Which coordinates are angles.
     pub angle: [bool; N],
-    /// From a command to its effect, s: the state that the controller sees is the one by then.
-    pub delay: f32,
-    /// From there to the middle of the interval over which the force is held, s.
-    pub middle: f32,
 }
 
 impl<M: Mechanism<N>, const N: usize> Controller<M, N> for Track<N> {
-    fn reference(&self, t: f32) -> [f32; N] {
-        self.reference.at(t).q
-    }
-
     fn command(
         &mut self,
         model: &M,
-        t: f32,
+        target: &Target<N>,
         state: &ContinuousState<f32, N>,
     ) -> Result<Command<N>, StepError<f32>> {
-        let t = t + self.delay;
-        let (now, middle) = (self.reference.at(t), self.reference.at(t + self.middle));
-        let error = difference(&state.q, &now.q, &self.angle);
+        let Target { q, v, middle } = target;
+        let error = difference(&state.q, q, &self.angle);
         let (stiffness, damping) =
             (square(self.gains.frequency), 2.0 * self.gains.damping * self.gains.frequency);
-        let wanted = core::array::from_fn(|i| stiffness * error[i] + damping * (state.v[i] - now.v[i]));
+        let wanted = core::array::from_fn(|i| stiffness * error[i] + damping * (state.v[i] - v[i]));
         let (feedforward, feedback) = match self.law {
             Law::ComputedTorque => (
                 model.inverse_dynamics(&middle.q, &middle.v, &middle.a)?,

@@ -8,7 +8,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use serde::Serialize;
 use serde::de::Deserialize;
 
-/// Bytes of a document and its checksum at most; all messages of 2 coordinates are shorter.
+/// Bytes of a document and its checksum at most; all messages of up to 7 coordinates are shorter.
 pub const MAX_FRAME: usize = 256;
 
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);

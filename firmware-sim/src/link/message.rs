@@ -1,12 +1,13 @@
 use super::frame::{Broken, Frame};
 use super::refusal::Refusal;
+use crate::control::Target;
 use crate::firmware::Outcome;
 use crate::program::Program;
 use crate::wire::array;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages: the first byte of every document.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 
 /// What the world asks of a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,13 +42,13 @@ pub struct LoggedSamples<const N: usize> {
 pub struct Samples<const N: usize> {
     /// The number of the request; its answer has the same.
     pub sequence: u32,
-    /// When the tick is due, s.
-    pub time: f32,
     /// Ticks since the last one that was run.
     pub elapsed: u32,
     /// Encoder readings, rad or m; `None` where dropped.
     #[serde(with = "array")]
     pub measured: [Option<f32>; N],
+    /// What the command of this tick is for.
+    pub target: Target<N>,
 }
 
 /// What a processor answers.
@@ -75,9 +76,6 @@ pub struct Done<const N: usize> {
     pub instructions: u32,
 }
 
-/// Coordinates that programs are made for.
-pub const MAX_COORDINATES: u8 = 2;
-
 /// The frame of a request.
 pub fn request<const N: usize>(request: &Request<N>) -> Result<Frame, Broken> {
     Frame::of(&(VERSION, N as u8, request))
@@ -93,7 +91,7 @@ pub fn parse_request<const N: usize>(frame: &Frame) -> Result<Request<N>, Refusa
         return Err(Refusal::Version { supported: VERSION });
     }
     if usize::from(coordinates) != N {
-        return Err(Refusal::Coordinates { supported: MAX_COORDINATES });
+        return Err(Refusal::Coordinates { supported: N as u8 });
     }
     frame.message::<(u8, u8, _)>().map(|(_, _, request)| request).map_err(|_| Refusal::Frame)
 }

@@ -1,7 +1,7 @@
 //! The link between a world and a processor in another place: what goes over it, and the processor's end, [`serve`].
 //!
 //! `firmware-sim/LINK.md` has the frames byte by byte. The world asks and the processor answers, one frame each way:
-//! first a [`Program`](crate::Program), parse_answer with [`Answer::Ready`] or a [`Refusal`], then tick after tick. Nothing
+//! first a [`Program`](crate::Program), answered with [`Answer::Ready`] or a [`Refusal`], then tick after tick. Nothing
 //! is sent twice: a frame that does not arrive whole ends the run.
 
 mod frame;
@@ -11,8 +11,7 @@ mod serve;
 
 pub use frame::{Broken, Frame, MAX_FRAME, Receiver};
 pub use message::{
-    Answer, Done, LoggedSamples, MAX_COORDINATES, Request, Samples, VERSION, answer, parse_answer,
-    parse_request, request,
+    Answer, Done, LoggedSamples, Request, Samples, VERSION, answer, parse_answer, parse_request, request,
 };
 pub use refusal::{ModelRefusal, ProgramFault, Refusal};
-pub use serve::{Port, serve};
+pub use serve::{Port, serve, serve_arm};

@@ -15,7 +15,7 @@ pub enum Refusal {
     },
     /// It has no program for so many coordinates.
     Coordinates {
-        /// At most.
+        /// The largest number that it has one for.
         supported: u8,
     },
     /// A tick before a program was begun.
@@ -53,6 +53,8 @@ pub enum ProgramFault {
     SingularInertia,
     /// No feedback holds the model upright.
     NotStabilisable,
+    /// Only mechanisms of one and two coordinates are brought upright.
+    NoSwingUp,
 }
 
 impl From<SetupError> for ProgramFault {
@@ -61,6 +63,7 @@ impl From<SetupError> for ProgramFault {
             SetupError::OutOfRange { .. } => Self::OutOfRange,
             SetupError::SingularInertia => Self::SingularInertia,
             SetupError::NotStabilisable => Self::NotStabilisable,
+            SetupError::NoSwingUp => Self::NoSwingUp,
         }
     }
 }
@@ -85,7 +88,7 @@ impl fmt::Display for Refusal {
                 write!(f, "its image speaks version {supported} of the link, not {}", super::VERSION)
             }
             Self::Coordinates { supported } => {
-                write!(f, "its image runs models of at most {supported} coordinates")
+                write!(f, "its image has no program for so many coordinates ({supported} at most)")
             }
             Self::NotBegun => write!(f, "no program was begun"),
             Self::NoModel => write!(f, "there is no model in its flash"),
@@ -109,6 +112,7 @@ impl fmt::Display for ProgramFault {
             Self::OutOfRange => "a number is out of range, or the model is no higher upright than hanging",
             Self::SingularInertia => "the model's inertia matrix at the upright position is singular",
             Self::NotStabilisable => "no feedback holds the model upright",
+            Self::NoSwingUp => "only a pendulum and a pole on a cart are brought upright",
         })
     }
 }

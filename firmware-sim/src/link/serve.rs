@@ -7,7 +7,7 @@ use crate::firmware::Firmware;
 use crate::trajectory::reference::Friction;
 use crate::{Mechanism, Trained};
 use leastaction_core::forces::{Dissipation, PotentialCorrection};
-use leastaction_core::model::{BodiesModel, ModelError, RigidModel};
+use leastaction_core::model::{ArmModel, BodiesModel, ModelError, RigidModel};
 
 /// A board's end of a link.
 pub trait Port {
@@ -55,13 +55,16 @@ macro_rules! run {
     };
 }
 
-/// Runs a program over a model that was loaded, or says why it was not.
+/// Runs a program over a model that was loaded, begun by `$start`, or says why it was not.
 macro_rules! over {
-    ($link:ident, $loaded:expr, $program:ident) => {{
+    ($link:ident, $loaded:expr, $program:ident) => {
+        over!($link, $loaded, $program, start)
+    };
+    ($link:ident, $loaded:expr, $program:ident, $start:ident) => {{
         let loaded = $loaded.ok_or(Refusal::NoModel).and_then(|model| Ok(model?));
         let model = loaded.as_ref().map_err(|refusal| *refusal);
         let model = model.map(|model| Trained { system: &model.system, step: model.trained_step });
-        $link.program(model.as_ref(), |model| $program.start(model))?
+        $link.program(model.as_ref(), |model| $program.$start(model))?
     }};
 }
 
@@ -88,6 +91,30 @@ pub fn serve<P: Port, const H: usize, const D: usize>(
             (Err(Refusal::Coordinates { .. }), Err(refusal)) | (Err(refusal), Err(_)) => {
                 link.refuse(refusal)?
             }
+        };
+    }
+}
+
+/// Serves requests until one is to end: programs over an arm of N joints, with damping and dry friction or without, borrowed where it
+/// lies, in the name of a processor. It follows targets, and brings nothing upright.
+///
+/// # Errors
+/// The port's own.
+pub fn serve_arm<P: Port, const N: usize>(
+    port: &mut P,
+    model: Option<&[u8]>,
+    processor: &str,
+) -> Result<(), P::Error> {
+    let mut link = Link { port, receiver: Receiver::default(), processor };
+    let mut next = link.receive()?;
+    loop {
+        next = match parse_request::<N>(&next) {
+            Ok(Request::End) => return Ok(()),
+            Ok(Request::Begin(program)) => {
+                over!(link, model.map(ArmModel::<N, f32, Friction<N>>::load), program, follow)
+            }
+            Ok(Request::Tick(_) | Request::Log(_)) => link.refuse(Refusal::NotBegun)?,
+            Err(refusal) => link.refuse(refusal)?,
         };
     }
 }
@@ -153,8 +180,8 @@ impl<P: Port> Link<'_, P> {
         loop {
             let frame = self.receive()?;
             let (sequence, (instructions, outcome)) = match parse_request::<N>(&frame) {
-                Ok(Request::Tick(Samples { sequence, time, elapsed, measured })) => {
-                    (sequence, self.port.count(|| firmware.run(time, elapsed, &measured)))
+                Ok(Request::Tick(Samples { sequence, elapsed, measured, target })) => {
+                    (sequence, self.port.count(|| firmware.run(elapsed, &measured, &target)))
                 }
                 Ok(Request::Log(LoggedSamples { sequence, elapsed, measured, command })) => {
                     (sequence, self.port.count(|| firmware.replay(elapsed, &measured, command)))

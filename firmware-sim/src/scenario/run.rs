@@ -1,5 +1,6 @@
 use super::Setup;
 use crate::angle::difference;
+use crate::control::{Target, Trajectory};
 use crate::devices::{Actuator, Arrival, Clock, Encoders};
 use crate::error::SetupError;
 use crate::firmware::Outcome;
@@ -49,16 +50,19 @@ impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
 }
 
 /// A processor in its world, tick by tick.
-struct Loop<'a, P, R, const N: usize> {
+struct Loop<'a, P, R, T, const N: usize> {
     world: World<'a, P, N>,
     processor: R,
+    trajectory: T,
+    /// From a command to its effect as far as the firmware knows, s.
+    delay: f32,
     recorder: Recorder<N>,
     angle: [bool; N],
     /// Ticks since the firmware last ran.
     elapsed: u32,
 }
 
-impl<P: Mechanism<N>, R: Processor<N>, const N: usize> Loop<'_, P, R, N> {
+impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_, P, R, T, N> {
     /// One tick of world and firmware.
     fn tick(&mut self, index: u32) -> Result<Tick<N>, R::Error> {
         let (arrival, true_state) = (self.world.clock.tick(), *self.world.plant.state());
@@ -69,7 +73,7 @@ impl<P: Mechanism<N>, R: Processor<N>, const N: usize> Loop<'_, P, R, N> {
         let outcome = self.run(time, &arrival, &measured)?;
         let command = (!arrival.missed).then_some(outcome.command.u);
         let applied = self.world.act(command, arrival.lateness);
-        let reference = self.processor.reference(time);
+        let reference = self.trajectory.at(time).q;
         Ok(Tick {
             index,
             time,
@@ -100,7 +104,8 @@ impl<P: Mechanism<N>, R: Processor<N>, const N: usize> Loop<'_, P, R, N> {
         if arrival.missed {
             return Ok(*self.processor.last());
         }
-        let outcome = self.processor.run(time, self.elapsed, measured)?;
+        let target = Target::of(&self.trajectory, time + self.delay, self.world.h);
+        let outcome = self.processor.run(self.elapsed, measured, &target)?;
         self.elapsed = 0;
         self.recorder.errors(outcome.errors, 0);
         Ok(outcome)
@@ -142,7 +147,7 @@ impl From<RunError<Infallible>> for SetupError {
     }
 }
 
-/// Runs a world against what runs the firmware's part of its ticks.
+/// Runs a world against what runs the firmware's part of its ticks, along a trajectory.
 ///
 /// # Errors
 /// A setup out of range, and the first tick that the processor does not run.
@@ -150,6 +155,7 @@ pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
     plant: &P,
     processor: R,
     setup: &Setup<N>,
+    trajectory: impl Trajectory<N>,
     mut sink: impl FnMut(&Tick<N>),
 ) -> Result<Summary<N>, RunError<R::Error>> {
     setup.validate().map_err(RunError::Setup)?;
@@ -157,6 +163,8 @@ pub fn run_on<P: Mechanism<N>, R: Processor<N>, const N: usize>(
     let mut looped = Loop {
         world: World::new(plant, setup),
         processor,
+        trajectory,
+        delay: setup.observer.delay * setup.tick,
         recorder: Recorder::new(setup.goal, angle),
         angle,
         elapsed: 0,
@@ -175,11 +183,12 @@ pub(super) fn run_in_place<P, R, const N: usize>(
     plant: &P,
     firmware: R,
     setup: &Setup<N>,
+    trajectory: impl Trajectory<N>,
     sink: impl FnMut(&Tick<N>),
 ) -> Result<Summary<N>, SetupError>
 where
     P: Mechanism<N>,
     R: Processor<N, Error = Infallible>,
 {
-    Ok(run_on(plant, firmware, setup, sink)?)
+    Ok(run_on(plant, firmware, setup, trajectory, sink)?)
 }

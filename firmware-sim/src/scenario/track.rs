@@ -1,7 +1,7 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::control::{Gains, Law, Reference};
+use crate::control::{Gains, Law, Reference, Trajectory};
 use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
 use crate::observer::ObserverConfig;
@@ -13,25 +13,25 @@ use core::f32::consts::PI;
 /// When the motions begin, s.
 const BEGIN: f32 = 0.1;
 
-/// A fully actuated mechanism following a reference from its start.
+/// A fully actuated mechanism following a trajectory from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackConfig<const N: usize> {
+pub struct TrackConfig<const N: usize, T = Reference<N>> {
     /// Loop, devices, goal; the limits of the actuators must suffice for the motion.
     pub setup: Setup<N>,
     /// The motion.
-    pub reference: Reference<N>,
+    pub reference: T,
     /// The feedback.
     pub gains: Gains,
-    /// How both are used.
+    /// How feed-forward and feedback are used.
     pub law: Law,
 }
 
-impl<const N: usize> TrackConfig<N> {
+impl<const N: usize, T: Copy> TrackConfig<N, T> {
     /// A motion from rest at `start`, 10 s of 10 ms, errors within 0.05 rad or m throughout.
     pub const fn new(
         encoders: [EncoderConfig; N],
         limit: [f32; N],
-        (start, reference): ([f32; N], Reference<N>),
+        (start, reference): ([f32; N], T),
     ) -> Self {
         let setup = Setup {
             seed: 0,
@@ -46,10 +46,21 @@ impl<const N: usize> TrackConfig<N> {
         };
         Self { setup, reference, gains: Gains { frequency: 8.0, damping: 1.0 }, law: Law::ComputedTorque }
     }
+}
+
+impl<const N: usize, T: Trajectory<N>> TrackConfig<N, T> {
+    /// Whether every number of loop and motion is in its range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn validate(&self) -> Result<(), SetupError> {
+        self.setup.validate()?;
+        self.reference.validate()
+    }
 
     /// What the firmware is told.
     pub fn program(&self) -> Program<N> {
-        self.setup.program(Task::Track { reference: self.reference, gains: self.gains, law: self.law })
+        self.setup.program(Task::Track { begin: self.reference.at(0.0).q, gains: self.gains, law: self.law })
     }
 }
 
@@ -78,19 +89,17 @@ impl TrackConfig<2> {
     }
 }
 
-/// Follows a reference by the model's inverse dynamics and PD feedback.
+/// Follows a trajectory by the model's inverse dynamics and PD feedback.
 ///
 /// # Errors
 /// Numbers out of range, a step that the model was not trained for, and a kinetic energy that is not quadratic in v.
-pub fn track<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
+pub fn track<P: Mechanism<N>, M: Mechanism<N>, T: Trajectory<N>, const N: usize>(
     plant: &P,
     model: &M,
-    config: &TrackConfig<N>,
+    config: &TrackConfig<N, T>,
     sink: impl FnMut(&Tick<N>),
 ) -> Result<Summary<N>, SetupError> {
-    let program = config.program();
-    config.setup.validate()?;
-    program.check(model)?;
-    let controller = program.track(model, config.reference, (config.gains, config.law));
-    run_in_place(plant, program.firmware(model, controller), &config.setup, sink)
+    config.validate()?;
+    let firmware = config.program().follow(model)?;
+    run_in_place(plant, firmware, &config.setup, &config.reference, sink)
 }

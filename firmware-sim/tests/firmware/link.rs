@@ -1,15 +1,16 @@
 //! Frames of the link, whole and damaged, and what the processor's end makes of them.
 
 use leastaction_core::model::{CATALOGUE, Entry, ModelError};
-use leastaction_firmware_sim::devices::Drive;
+use leastaction_firmware_sim::control::{Gains, Law, Target, Tolerance};
+use leastaction_firmware_sim::devices::{ActuatorConfig, Drive};
 use leastaction_firmware_sim::link::{
-    Answer, Broken, Done, Frame, LoggedSamples, MAX_COORDINATES, ModelRefusal, Port, ProgramFault, Receiver,
-    Refusal, Request, Samples, VERSION, answer, parse_answer, parse_request, request, serve,
+    Answer, Broken, Done, Frame, LoggedSamples, ModelRefusal, Port, ProgramFault, Receiver, Refusal, Request,
+    Samples, VERSION, answer, parse_answer, parse_request, request, serve, serve_arm,
 };
 use leastaction_firmware_sim::observer::{LearnZeros, Order, OtherStep};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
-use leastaction_firmware_sim::trajectory::reference::{Cartpole, DryBodies};
-use leastaction_firmware_sim::{Outcome, Program};
+use leastaction_firmware_sim::trajectory::reference::{Arm, Cartpole, DryBodies};
+use leastaction_firmware_sim::{Outcome, Program, Task};
 use proptest::prelude::*;
 use std::convert::Infallible;
 
@@ -20,6 +21,9 @@ static CARTPOLE_FILE: Aligned<{ include_bytes!("../../chip/models/cartpole.postc
     Aligned(*include_bytes!("../../chip/models/cartpole.postcard"));
 static DOUBLE_FILE: Aligned<{ include_bytes!("../../chip/models/double.postcard").len() }> =
     Aligned(*include_bytes!("../../chip/models/double.postcard"));
+
+static ARM_FILE: Aligned<{ include_bytes!("../../chip/models/arm.postcard").len() }> =
+    Aligned(*include_bytes!("../../chip/models/arm.postcard"));
 
 static DRY_FILE: Aligned<{ include_bytes!("../../chip/models/cartpole-dry.postcard").len() }> =
     Aligned(*include_bytes!("../../chip/models/cartpole-dry.postcard"));
@@ -66,9 +70,14 @@ fn logged(sequence: u32) -> LoggedSamples<2> {
     LoggedSamples { sequence, elapsed: 1, measured, command: [0.5, 0.0] }
 }
 
+/// Of a motion of the cart-pole.
+fn target(t: f32) -> Target<2> {
+    Target::of(&TrackConfig::<2>::cartpole().reference, t, 0.0125)
+}
+
 fn tick() -> Request<2> {
     let measured = [Some(-0.25), None];
-    Request::Tick(Samples { sequence: 258, time: 2.57, elapsed: 3, measured })
+    Request::Tick(Samples { sequence: 258, elapsed: 3, measured, target: target(2.57) })
 }
 
 #[test]
@@ -94,14 +103,18 @@ fn requests_and_answers_come_back_as_they_went() {
 
 #[test]
 fn a_tick_has_the_bytes_of_the_document() {
-    // Version, coordinates, a tick, its number 258, 2.57 s, 3 ticks, −0.25, nothing; the checksum.
-    let document = [VERSION, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1, 0, 0, 0x80, 0xbe, 0];
-    let sent = bytes(&request(&tick()).unwrap());
-    assert_eq!(sent[..12], [12, VERSION, 2, 1, 0x82, 2, 0xe1, 0x7a, 0x24, 0x40, 3, 1]);
-    assert_eq!(sent[12..17], [1, 3, 0x80, 0xbe, 5], "zeros stand in the lengths of the blocks");
-    assert_eq!((sent.len(), sent.last()), (document.len() + 4 + 2, Some(&0)));
-    let sum = leastaction_core::model::checksum(&document);
-    assert_eq!(sent[17..21], sum.to_le_bytes());
+    // Version, coordinates, a tick, its number 258, 3 ticks, −0.25, nothing.
+    let head = [VERSION, 2, 1, 0x82, 2, 3, 1, 0, 0, 0x80, 0xbe, 0];
+    // 0.5 and 0 at rest, now and in the middle of the tick.
+    let position = [0, 0, 0, 0x3f, 0, 0, 0, 0];
+    let document = [&head[..], &position, &[0; 8], &position, &[0; 8], &[0; 8]].concat();
+    let sum = leastaction_core::model::checksum(&document).to_le_bytes();
+    let stuffed = [document, sum.to_vec()].concat();
+    let blocks = stuffed.split(|byte| *byte == 0).map(|run| [&[run.len() as u8 + 1], run].concat());
+    let expected: Vec<u8> = blocks.flatten().chain([0]).collect();
+    let target = Target::of(&[0.5, 0.0], 0.0, 0.01);
+    let samples = Samples { sequence: 258, elapsed: 3, measured: [Some(-0.25), None], target };
+    assert_eq!(bytes(&request(&Request::Tick(samples)).unwrap()), expected);
 }
 
 #[test]
@@ -204,7 +217,8 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
     let model = Cartpole::load(&CARTPOLE_FILE.0).unwrap();
     let mut firmware = program().start(&model.system).unwrap();
     let readings = |i: u32| [Some(0.01 * i as f32), (!i.is_multiple_of(3)).then_some(3.0 - 0.02 * i as f32)];
-    let tick = |i| Samples { sequence: i, time: 0.0125 * i as f32, elapsed: 1, measured: readings(i) };
+    let tick =
+        |i| Samples { sequence: i, elapsed: 1, measured: readings(i), target: target(0.0125 * i as f32) };
     let mut heard = bytes(&request(&Request::Begin(program())).unwrap());
     (0..40).for_each(|i| heard.extend(bytes(&request(&Request::Tick(tick(i))).unwrap())));
     heard.extend(bytes(&request::<2>(&Request::End).unwrap()));
@@ -214,8 +228,8 @@ fn a_program_runs_tick_by_tick_as_it_does_in_place() {
     assert_eq!(parse_answer::<2>(&said[0]), Ok(Answer::Ready { processor: "tester" }));
     assert_eq!(said.len(), 41);
     for (i, frame) in (0..).zip(&said[1..]) {
-        let Samples { time, elapsed, measured, .. } = tick(i);
-        let outcome = firmware.run(time, elapsed, &measured);
+        let Samples { elapsed, measured, target, .. } = tick(i);
+        let outcome = firmware.run(elapsed, &measured, &target);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
 }
@@ -229,17 +243,63 @@ fn bodies_with_friction_run_as_they_do_in_place() {
     let mut firmware = program.start(&model.system).unwrap();
     let tick = |i: u32| {
         let measured = [Some(0.0), Some(3.0 - 0.02 * i as f32)];
-        Samples { sequence: i, time: 0.0125 * i as f32, elapsed: 1, measured }
+        Samples { sequence: i, elapsed: 1, measured, target: target(0.0125 * i as f32) }
     };
     let mut heard = bytes(&request(&Request::Begin(program)).unwrap());
     (0..20).for_each(|i| heard.extend(bytes(&request(&Request::Tick(tick(i))).unwrap())));
     let (said, _) = answers(Some(&DRY_FILE.0), heard);
     for (i, frame) in (0..).zip(&said[1..]) {
-        let Samples { time, elapsed, measured, .. } = tick(i);
-        let outcome = firmware.run(time, elapsed, &measured);
+        let Samples { elapsed, measured, target, .. } = tick(i);
+        let outcome = firmware.run(elapsed, &measured, &target);
         assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence: i, outcome, instructions: 0 })));
     }
     assert!(said.len() == 21 && firmware.last().command.u[0] != 0.0);
+}
+
+/// A program of seven joints whose every number is one that takes the most bytes.
+fn arm_program() -> Program<7> {
+    let Program { tick, observer, .. } = program();
+    let (actuator, gains) = (ActuatorConfig::new([80.0; 7]), Gains { frequency: 20.0, damping: 1.0 });
+    let task = Task::Track { begin: [0.25; 7], gains, law: Law::ComputedTorque };
+    Program { tick, angle: [true; 7], actuator, observer, task }
+}
+
+#[test]
+fn an_arm_runs_tick_by_tick_as_it_does_in_place() {
+    let model = Arm::load(&ARM_FILE.0).unwrap();
+    let mut firmware = arm_program().follow(&model.system).unwrap();
+    let tick = |i: u32| {
+        let target = Target::of(&[0.25 + 1e-3 * i as f32; 7], 0.0, 0.0125);
+        Samples { sequence: u32::MAX - i, elapsed: 1, measured: [Some(0.25); 7], target }
+    };
+    let mut heard = bytes(&request(&Request::Begin(arm_program())).unwrap());
+    (0..20).for_each(|i| heard.extend(bytes(&request(&Request::Tick(tick(i))).unwrap())));
+    heard.extend(bytes(&request(&Request::Begin(program())).unwrap()));
+    heard.extend(bytes(&request::<7>(&Request::End).unwrap()));
+    let mut script = Script { heard: heard.into_iter(), said: Vec::new() };
+    assert_eq!(serve_arm::<_, 7>(&mut script, Some(&ARM_FILE.0), "tester"), Ok(()));
+    let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();
+    assert_eq!((said.len(), parse_answer::<7>(&said[0])), (22, Ok(Answer::Ready { processor: "tester" })));
+    for (i, frame) in (0..).zip(&said[1..21]) {
+        let Samples { sequence, elapsed, measured, target } = tick(i);
+        let outcome = firmware.run(elapsed, &measured, &target);
+        assert_eq!(parse_answer(frame), Ok(Answer::Done(Done { sequence, outcome, instructions: 0 })));
+    }
+    assert!(firmware.last().command.u.iter().all(|u| *u != 0.0));
+    assert_eq!(parse_answer::<7>(&said[21]), Ok(Answer::Refused(Refusal::Coordinates { supported: 7 })));
+}
+
+#[test]
+fn nothing_brings_an_arm_upright() {
+    let SwingUpConfig { pump, catch, .. } = SwingUpConfig::cartpole();
+    let tolerance = Tolerance { q: [0.1; 7], v: [1.0; 7], u: 1.0 };
+    let program = Program { task: Task::SwingUp { pump, tolerance, catch }, ..arm_program() };
+    let sent = bytes(&request(&Request::Begin(program)).unwrap());
+    let mut script = Script { heard: sent.into_iter(), said: Vec::new() };
+    assert_eq!(serve_arm::<_, 7>(&mut script, Some(&ARM_FILE.0), "tester"), Err(Silence));
+    let said: Vec<Frame> = frames(&script.said).into_iter().map(Result::unwrap).collect();
+    let refusal = Refusal::Program(ProgramFault::NoSwingUp);
+    assert_eq!(parse_answer::<7>(&said[0]), Ok(Answer::Refused(refusal)));
 }
 
 #[test]
@@ -264,7 +324,7 @@ fn a_log_runs_tick_by_tick_as_it_does_in_place() {
 fn a_program_can_be_begun_again_and_a_damaged_frame_is_refused() {
     let begin = bytes(&request(&Request::Begin(program())).unwrap());
     let mut damaged = bytes(&request(&tick()).unwrap());
-    damaged[7] ^= 1;
+    damaged[4] ^= 1;
     let (said, end) = answers(Some(&CARTPOLE_FILE.0), [&begin[..], &damaged, &begin].concat());
     assert_eq!(end, Err(Silence));
     let said: Vec<_> = said.iter().map(|frame| parse_answer::<2>(frame).unwrap()).collect();
@@ -297,7 +357,7 @@ fn what_cannot_be_run_is_refused_with_its_reason() {
     assert_eq!(refusal(Some(file), &other), Refusal::Program(ProgramFault::OutOfRange));
 
     let three = Frame::of(&(VERSION, 3_u8, Request::<2>::End)).unwrap();
-    assert_eq!(refusal(Some(file), &three), Refusal::Coordinates { supported: MAX_COORDINATES });
+    assert_eq!(refusal(Some(file), &three), Refusal::Coordinates { supported: 2 });
     let newer = Frame::of(&(VERSION + 1, 2_u8, Request::<2>::End)).unwrap();
     assert_eq!(refusal(Some(file), &newer), Refusal::Version { supported: VERSION });
 }

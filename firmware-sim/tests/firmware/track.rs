@@ -3,7 +3,7 @@
 use crate::common::Perturbed;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 use leastaction_core::forces::System;
-use leastaction_firmware_sim::control::Reference;
+use leastaction_firmware_sim::control::{Reference, Trajectory};
 use leastaction_firmware_sim::scenario::{TrackConfig, track};
 
 /// Largest errors over 20 seeds against the exact plant.

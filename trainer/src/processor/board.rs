@@ -33,6 +33,11 @@ pub enum BoardError {
     /// A path that the emulator cannot be told.
     #[error("{0:?}: the emulator takes paths in UTF-8 only")]
     Path(PathBuf),
+    /// No image for so many coordinates.
+    #[error(
+        "the boards' images run models of 1 and 2 coordinates, and arms of 7 joints, but this one has {0} coordinates: leave out --on"
+    )]
+    Coordinates(usize),
     /// More than fits.
     #[error("the model has {bytes} bytes, the image has room for {}", Board::ROOM)]
     TooLarge {
@@ -89,12 +94,12 @@ impl Board {
         if matches!(self, Self::Riscv) { 0x803f_0000 } else { 0x003f_0000 }
     }
 
-    /// The controller's image: the one named, or the one built in the repository that holds this program or in which it is
-    /// called. `LEASTACTION_CHIP_TARGET` names another folder of builds.
+    /// The controller's image for so many coordinates: the one named, or the one built in the repository that holds this program
+    /// or in which it is called. `LEASTACTION_CHIP_TARGET` names another folder of builds.
     ///
     /// # Errors
     /// Where there is none.
-    pub fn image(self, named: Option<&Path>) -> Result<PathBuf, BoardError> {
+    pub fn image(self, named: Option<&Path>, coordinates: usize) -> Result<PathBuf, BoardError> {
         if let Some(image) = named {
             return if image.is_file() {
                 Ok(image.to_owned())
@@ -102,7 +107,13 @@ impl Board {
                 Err(BoardError::NotAFile(image.to_owned()))
             };
         }
-        let below = |folder: PathBuf| folder.join(self.name()).join(self.target()).join("release/controller");
+        let program = match coordinates {
+            1 | 2 => "controller",
+            7 => "arm_controller",
+            other => return Err(BoardError::Coordinates(other)),
+        };
+        let release = Path::new(self.name()).join(self.target()).join("release");
+        let below = |folder: PathBuf| folder.join(&release).join(program);
         let images: Vec<PathBuf> = build_folders().into_iter().map(below).collect();
         let expected = images.first().cloned().unwrap_or_else(|| below("target/chip".into()));
         let found = images.into_iter().find(|image| image.is_file());

@@ -1,8 +1,9 @@
 use super::{Line, LinkError};
+use leastaction_firmware_sim::control::Target;
 use leastaction_firmware_sim::link::{
     Answer, Done, Frame, LoggedSamples, Receiver, Request, Samples, parse_answer, request,
 };
-use leastaction_firmware_sim::{Outcome, Processor, Program, Task};
+use leastaction_firmware_sim::{Outcome, Processor, Program};
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
 
@@ -11,7 +12,6 @@ use std::time::{Duration, Instant};
 pub struct Remote<L, const N: usize> {
     messenger: Messenger<L>,
     name: String,
-    task: Task<N>,
     last: Outcome<N>,
     sequence: u32,
     instructions: Vec<u32>,
@@ -30,7 +30,7 @@ impl<L: Line, const N: usize> Remote<L, N> {
             _ => return Err(LinkError::OutOfStep),
         };
         let (last, instructions) = (Outcome::waiting(), Vec::new());
-        Ok(Self { messenger, name, task: program.task, last, sequence: 0, instructions })
+        Ok(Self { messenger, name, last, sequence: 0, instructions })
     }
 
     /// The processor's own name.
@@ -69,9 +69,14 @@ impl<L: Line, const N: usize> Remote<L, N> {
 impl<L: Line, const N: usize> Processor<N> for &mut Remote<L, N> {
     type Error = LinkError;
 
-    fn run(&mut self, t: f32, elapsed: u32, measured: &[Option<f32>; N]) -> Result<Outcome<N>, LinkError> {
+    fn run(
+        &mut self,
+        elapsed: u32,
+        measured: &[Option<f32>; N],
+        target: &Target<N>,
+    ) -> Result<Outcome<N>, LinkError> {
         self.sequence = self.sequence.wrapping_add(1);
-        let samples = Samples { sequence: self.sequence, time: t, elapsed, measured: *measured };
+        let samples = Samples { sequence: self.sequence, elapsed, measured: *measured, target: *target };
         self.outcome(&Request::Tick(samples))
     }
 
@@ -88,10 +93,6 @@ impl<L: Line, const N: usize> Processor<N> for &mut Remote<L, N> {
 
     fn last(&self) -> &Outcome<N> {
         &self.last
-    }
-
-    fn reference(&self, t: f32) -> [f32; N] {
-        self.task.reference(t)
     }
 }
 

@@ -5,7 +5,8 @@ use super::{Report, Request, Trace};
 use crate::commands::interrupt;
 use clap::ValueEnum;
 use leastaction::cli::Failure;
-use leastaction::processor::{Board, Emulator, LinkError, Remote};
+use leastaction::processor::{Board, BoardError, Emulator, LinkError, Remote};
+use leastaction_firmware_sim::control::Trajectory;
 use leastaction_firmware_sim::scenario::{RunError, Setup, run_on};
 use leastaction_firmware_sim::{Mechanism, Program, Summary};
 use std::path::PathBuf;
@@ -58,11 +59,12 @@ impl Target {
         &self,
         request: &Request,
         plant: &P,
-        setup: &Setup<N>,
+        (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
         program: &Program<N>,
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
-        let ran = self.with(program, |remote| run_on(plant, remote, setup, |tick| trace.push(tick)))?;
+        let ran =
+            self.with(program, |remote| run_on(plant, remote, setup, trajectory, |tick| trace.push(tick)))?;
         let mut report = Report::new(request, &ran.summary);
         report.on_processor(self.board.name(), &ran.instructions);
         Ok(report)
@@ -76,7 +78,7 @@ impl Target {
     ) -> Result<Ran<N>, Failure> {
         let name = self.board.name();
         let mut remote =
-            Remote::begin(self.start()?, program, self.patience).map_err(|error| not_begun(error, name))?;
+            Remote::begin(self.start(N)?, program, self.patience).map_err(|error| not_begun(error, name))?;
         if remote.name() != name {
             return Err(Failure::Work(format!(
                 "the image on the {name} says that it is a {}",
@@ -95,9 +97,12 @@ impl Target {
         Ok(Ran { summary, instructions })
     }
 
-    fn start(&self) -> Result<Emulator, Failure> {
+    fn start(&self, coordinates: usize) -> Result<Emulator, Failure> {
         let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
-        let image = self.board.image(self.image.as_deref()).map_err(|error| failed(&error))?;
+        let image = self.board.image(self.image.as_deref(), coordinates).map_err(|error| match error {
+            BoardError::Coordinates(_) => Failure::Input(error.to_string()),
+            error => failed(&error),
+        })?;
         Emulator::start(self.board, &image, &self.model, interrupt::flag()?).map_err(|error| failed(&error))
     }
 }

@@ -11,6 +11,7 @@ use leastaction::cli::{Failure, Output};
 use leastaction_chip::{Chip, OfSize, SystemOf};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
+use leastaction_firmware_sim::control::Trajectory;
 use leastaction_firmware_sim::observer::OtherStep;
 use leastaction_firmware_sim::scenario::{Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on};
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary};
@@ -97,7 +98,7 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     }
     request.world.check(request)?;
     let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
-    request.motion.check(is_followed, request.on.is_some())?;
+    request.motion.check(is_followed)?;
     let file = chip::file(request.model).map_err(Failure::Input)?;
     let model = chip::meant(&file, request.model).map_err(Failure::Input)?;
     match (request.plant, request.scenario) {
@@ -146,14 +147,13 @@ fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result
         Scenario::Track => {
             let mut config = TrackConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
-            let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
+            following(request, (&plant, model), &config, trace)
         }
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
             let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
+            closed_loop(request, &plant, (&config.setup, [0.0]), (&program, program.start(model)), trace)
         }
     }
 }
@@ -176,14 +176,13 @@ fn two_coordinates(
         (Scenario::Track, _) => {
             let mut config = if acrobot { TrackConfig::<2>::acrobot() } else { TrackConfig::<2>::cartpole() };
             request.adapt(&mut config.setup)?;
-            let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
+            following(request, (&plant, model), &config, trace)
         }
         (Scenario::SwingUp, false) => {
             let mut config = SwingUpConfig::<2>::cartpole();
             request.adapt(&mut config.setup)?;
             let program = config.program();
-            closed_loop(request, &plant, &config.setup, (&program, program.start(model)), trace)
+            closed_loop(request, &plant, (&config.setup, [0.0; 2]), (&program, program.start(model)), trace)
         }
         (Scenario::SwingUp, true) => {
             Err(Failure::Input("there is no swing-up of the acrobot; take predict or track".to_owned()))
@@ -191,11 +190,29 @@ fn two_coordinates(
     }
 }
 
+/// Follows a trajectory.
+pub(super) fn following<P, M, T, const N: usize>(
+    request: &Request,
+    (plant, model): (&P, &M),
+    config: &TrackConfig<N, T>,
+    trace: &mut Trace,
+) -> Result<Report, Failure>
+where
+    P: firmware_sim::Mechanism<N>,
+    M: firmware_sim::Mechanism<N>,
+    T: Trajectory<N>,
+{
+    config.validate().map_err(misused)?;
+    let program = config.program();
+    let firmware = (&program, program.follow(model));
+    closed_loop(request, plant, (&config.setup, &config.reference), firmware, trace)
+}
+
 /// Runs a program, which has the firmware here, here or on the processor asked for.
 fn closed_loop<P: firmware_sim::Mechanism<N>, R: Processor<N, Error = Infallible>, const N: usize>(
     request: &Request,
     plant: &P,
-    setup: &Setup<N>,
+    (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
     (program, firmware): (&Program<N>, Result<R, SetupError>),
     trace: &mut Trace,
 ) -> Result<Report, Failure> {
@@ -203,10 +220,10 @@ fn closed_loop<P: firmware_sim::Mechanism<N>, R: Processor<N, Error = Infallible
     let firmware = firmware.map_err(misused)?;
     match request.on {
         None => {
-            let summary = run_on(plant, firmware, setup, |tick| trace.push(tick));
+            let summary = run_on(plant, firmware, setup, trajectory, |tick| trace.push(tick));
             reported(request, summary.map_err(SetupError::from))
         }
-        Some(target) => target.run(request, plant, setup, program, trace),
+        Some(target) => target.run(request, plant, (setup, trajectory), program, trace),
     }
 }
 

@@ -1,14 +1,14 @@
 //! Following a motion that a file describes, by the model of one file on the plant of another.
 
 use super::plant::{OnPlant, encoders};
-use super::scenario::{misused, reported};
+use super::scenario::following;
 use super::{Report, Request, Trace};
 use clap::{Args, ValueEnum};
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::positive_f32;
 use leastaction_chip::SystemOf;
-use leastaction_firmware_sim::control::{Gains, HARMONICS, Law, Reference};
-use leastaction_firmware_sim::scenario::{TrackConfig, track};
+use leastaction_firmware_sim::control::{Gains, HARMONICS, Law, Reference, Trajectory};
+use leastaction_firmware_sim::scenario::TrackConfig;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -73,13 +73,8 @@ const BEGIN: f32 = 0.1;
 const MEMORY: f32 = 0.05;
 
 impl Motion {
-    /// Refuses what means nothing where the motion is the scenario's own, and boards where it is not.
-    pub fn check(&self, is_followed: bool, is_on_board: bool) -> Result<(), Failure> {
-        if is_followed && self.trajectory.is_some() && is_on_board {
-            let reason =
-                "the images of the boards have controllers of one and two coordinates alone; leave out --on";
-            return Err(Failure::Input(reason.to_owned()));
-        }
+    /// Refuses what means nothing where the motion is the scenario's own.
+    pub fn check(&self, is_followed: bool) -> Result<(), Failure> {
         match (is_followed, &self.trajectory, self.is_tuned()) {
             (true, None, _) => {
                 Err(Failure::Input("track with a --plant follows the motion of --trajectory FILE; name one, or leave out --plant".to_owned()))
@@ -134,11 +129,10 @@ impl OnPlant for Following {
     fn run<const N: usize>(
         self,
         request: &Request,
-        (plant, model): (&SystemOf<N>, &SystemOf<N>),
+        systems: (&SystemOf<N>, &SystemOf<N>),
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
-        let config = config::<N>(request)?;
-        reported(request, track(plant, model, &config, |tick| trace.push(tick)))
+        following(request, systems, &config::<N>(request)?, trace)
     }
 }
 
@@ -153,6 +147,5 @@ fn config<const N: usize>(request: &Request) -> Result<TrackConfig<N>, Failure> 
     config.gains = Gains { frequency: bandwidth.unwrap_or(frequency), damping: damping.unwrap_or(usual) };
     request.adapt(&mut config.setup)?;
     config.setup.observer.memory = (MEMORY / config.setup.tick).round().clamp(5.0, 255.0) as u8;
-    config.setup.validate().map_err(misused)?;
     Ok(config)
 }
