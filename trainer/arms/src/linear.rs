@@ -1,7 +1,7 @@
 //! Linear least squares: what a log determines of the numbers that a torque is linear in.
 
 use crate::{Samples, Tree};
-use faer::Mat;
+use faer::{Mat, Side};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -93,6 +93,20 @@ impl Design {
         sums
     }
 
+    /// The condition number of some columns, each scaled to norm 1; infinite where they are not independent.
+    #[must_use]
+    pub fn condition_of(&self, columns: &[usize]) -> f64 {
+        let chosen = Mat::from_fn(self.matrix.nrows(), columns.len(), |i, j| self.matrix[(i, columns[j])]);
+        let scales = norms(&chosen);
+        let gram = chosen.transpose() * &chosen;
+        let scaled =
+            Mat::from_fn(columns.len(), columns.len(), |i, j| gram[(i, j)] / (scales[i] * scales[j]));
+        let Ok(squares) = scaled.self_adjoint_eigenvalues(Side::Lower) else { return f64::INFINITY };
+        let (least, largest) =
+            squares.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), x| (least.min(*x), most.max(*x)));
+        if least > TOLERANCE * TOLERANCE * largest { (largest / least).sqrt() } else { f64::INFINITY }
+    }
+
     /// The solution; `None` where a number is not finite.
     #[must_use]
     pub fn solve(&self) -> Option<Solution> {
@@ -138,6 +152,12 @@ impl BaseParameters {
     /// Of a tree, found at random states.
     #[must_use]
     pub fn of(tree: &Tree) -> Self {
+        Self::among(tree, &(0..tree.parameter_count()).collect::<Vec<_>>())
+    }
+
+    /// Of these parameters of a tree, the others being known; K is 0 in the columns of the known ones.
+    #[must_use]
+    pub fn among(tree: &Tree, learned: &[usize]) -> Self {
         let mut random = Pcg64::seed_from_u64(SEED);
         let (n, p) = (tree.coordinates(), tree.parameter_count());
         let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -145,17 +165,22 @@ impl BaseParameters {
             let mut state = || (0..n).map(|_| random.random_range(-3.0..3.0)).collect::<Vec<f64>>();
             rows.extend(tree.regressor(&state(), &state(), &state()));
         }
-        let matrix = Mat::from_fn(rows.len(), p, |i, j| rows[i][j]);
+        let matrix = Mat::from_fn(rows.len(), learned.len(), |i, j| rows[i][learned[j]]);
         let scales = norms(&matrix);
-        let scaled = Mat::from_fn(rows.len(), p, |i, j| matrix[(i, j)] / scales[j]);
-        Self::of_columns(&scaled, &scales)
+        let scaled = Mat::from_fn(rows.len(), learned.len(), |i, j| matrix[(i, j)] / scales[j]);
+        let Self { independent, combination } = Self::of_columns(&scaled, &scales);
+        let mut all = Mat::zeros(combination.nrows(), p);
+        for (j, column) in learned.iter().enumerate() {
+            all.col_mut(*column).copy_from(combination.col(j));
+        }
+        Self { independent: independent.into_iter().map(|j| learned[j]).collect(), combination: all }
     }
 
     fn of_columns(scaled: &Mat<f64>, scales: &[f64]) -> Self {
         let qr = scaled.col_piv_qr();
         let (upper, order) = (qr.thin_R(), qr.P().arrays().0);
         let count = upper.nrows().min(upper.ncols());
-        let first = upper[(0, 0)].abs();
+        let first = if count > 0 { upper[(0, 0)].abs() } else { 0.0 };
         let rank = (0..count).take_while(|k| upper[(*k, *k)].abs() > TOLERANCE * first).count();
         let p = scaled.ncols();
         // R₁⁻¹R₂ by back substitution.

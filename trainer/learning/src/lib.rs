@@ -14,6 +14,7 @@ pub mod parallel;
 pub mod report;
 pub mod run;
 pub mod runge_kutta;
+pub mod torque_numbers;
 pub mod torques;
 pub mod training;
 pub mod windows;

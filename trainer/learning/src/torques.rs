@@ -44,7 +44,7 @@ impl TorqueErrors {
 }
 
 /// The arm of a weight block. The log has τ less what its calibration adds.
-fn arm(
+pub(crate) fn arm(
     (architecture, weights): (&Architecture, &[f64]),
     family: &ArmArchitecture,
     calibrated: Option<&Calibrated>,

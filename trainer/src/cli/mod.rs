@@ -6,7 +6,7 @@ mod output;
 mod replaced;
 
 pub use output::{Failure, Output, folder, object, print, refuse, written};
-pub use replaced::{CONFIGURATION_HEAD, FileKind, replaceable};
+pub use replaced::{CONFIGURATION_HEAD, FileKind, MOTION_HEAD, replaceable};
 
 /// What every command gives back.
 pub type Done = Result<(), Failure>;

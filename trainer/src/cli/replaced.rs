@@ -20,6 +20,8 @@ pub enum FileKind {
     Log,
     /// A configuration that `leastaction look` wrote.
     Configuration,
+    /// A motion that `leastaction excite` wrote.
+    Motion,
     /// A table that begins with these names.
     Table(&'static str),
     /// A picture.
@@ -31,6 +33,9 @@ pub enum FileKind {
 /// How a configuration of `leastaction look` begins.
 pub const CONFIGURATION_HEAD: &str = "# Guessed by names";
 
+/// How a motion of `leastaction excite` begins.
+pub const MOTION_HEAD: &str = "# A motion of `leastaction excite`";
+
 impl FileKind {
     fn name(self) -> &'static str {
         match self {
@@ -38,6 +43,7 @@ impl FileKind {
             Self::RustModule => "Rust module of `leastaction export`",
             Self::Log => "log of motion",
             Self::Configuration => "configuration of `leastaction look`",
+            Self::Motion => "motion of `leastaction excite`",
             Self::Table(_) => "table of this command",
             Self::Picture => "picture (SVG)",
             Self::Page => "page (HTML)",
@@ -50,6 +56,7 @@ impl FileKind {
             Self::Model => Some(&MAGIC),
             Self::RustModule => Some(RUST_HEAD.as_bytes()),
             Self::Configuration => Some(CONFIGURATION_HEAD.as_bytes()),
+            Self::Motion => Some(MOTION_HEAD.as_bytes()),
             Self::Log if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) => {
                 Some(b"PK\x03\x04")
             }

@@ -4,6 +4,7 @@ mod chip;
 mod convert;
 mod demo;
 mod evaluate;
+mod excite;
 mod export;
 mod generate;
 mod import;
@@ -47,6 +48,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Demo(demo::Demo),
     Evaluate(evaluate::Evaluate),
+    Excite(excite::Excite),
     Import(import::Import),
     #[command(hide = true, disable_help_flag = true)]
     Reproduce(reproduce::Reproduce),
@@ -66,6 +68,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(command) => command.run(output),
         Command::Demo(command) => command.run(output),
         Command::Evaluate(command) => command.run(output),
+        Command::Excite(command) => command.run(output),
         Command::Import(command) => command.run(output),
         Command::Reproduce(command) => command.run(),
     };

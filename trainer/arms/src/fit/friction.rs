@@ -21,6 +21,29 @@ pub struct JointNumbers {
     pub offset: f64,
 }
 
+/// The numbers of [`JointNumbers`], in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointNumber {
+    /// J.
+    Rotor,
+    /// b.
+    Viscous,
+    /// c.
+    Coulomb,
+    /// l.
+    Load,
+    /// ε.
+    Width,
+    /// o.
+    Offset,
+}
+
+impl JointNumber {
+    /// All of them.
+    pub const ALL: [Self; JOINT] =
+        [Self::Rotor, Self::Viscous, Self::Coulomb, Self::Load, Self::Width, Self::Offset];
+}
+
 /// s, of a load's size √(τ² + s²) − s (N m, N): smooth at 0, and below a tenth of a newton metre as good as none.
 pub const SOFTNESS: f64 = 0.1;
 

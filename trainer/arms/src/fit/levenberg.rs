@@ -3,7 +3,7 @@
 //! Source: Nocedal and Wright, "Numerical Optimization", sections 10.3 and 16.7 (projected steps over the numbers that are free); the
 //! damping follows Nielsen 1999.
 
-use super::problem::{Equations, Problem, dot};
+use super::problem::{Equations, LeastSquares, dot};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
@@ -15,16 +15,16 @@ const WORTH: f64 = 1e-7;
 const MOST_DAMPING: f64 = 1e10;
 
 /// From x to a minimum of the problem with every number in its range.
-pub(super) fn minimise(problem: &Problem, prior: f64, mut x: Vec<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
+pub(super) fn minimise(problem: &impl LeastSquares, mut x: Vec<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
     let mut damping = (1e-3, 2.0);
-    let mut squares = problem.squares(&x, prior);
+    let mut squares = problem.squares(&x);
     for _ in 0..ITERATIONS {
-        let equations = problem.equations(&x, prior);
+        let equations = problem.equations(&x);
         let before = squares;
         while damping.0 < MOST_DAMPING {
             let Some(step) = step(&equations, &x, bounds, damping.0) else { break };
             let trial: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
-            let found = problem.squares(&trial, prior);
+            let found = problem.squares(&trial);
             if found < squares {
                 let gain = (squares - found) / expected(&equations, &step).max(f64::MIN_POSITIVE);
                 damping = ((damping.0 * (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 2.0)).max(1e-12), 2.0);

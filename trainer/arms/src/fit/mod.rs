@@ -3,15 +3,17 @@
 //! Minimised is Σ ((τ̂ − τ)/s_i)² + λ Σ |θ|², s_i a robust scale of coordinate i's residuals after linear least squares, θ the
 //! [log-Cholesky numbers](crate::LogCholesky) of every body relative to the tree's own, which are the prior: what the log does not show stays there.
 
+mod alone;
 mod friction;
 mod levenberg;
 mod problem;
 
-pub use friction::{JOINT, JointNumbers, SOFTNESS};
+pub use alone::{Alone, Estimate, Shown, student};
+pub use friction::{JOINT, JointNumber, JointNumbers, SOFTNESS};
 
 use crate::linear::{Design, Terms};
 use crate::{INERTIAL, Samples, Tree};
-use problem::{Problem, charts, regressors};
+use problem::{Near, Problem, charts, regressors};
 use std::panic::resume_unwind;
 use thiserror::Error;
 
@@ -221,12 +223,24 @@ pub fn mean_nmse(errors: &[f64], variances: &[f64]) -> f64 {
     errors.iter().zip(variances).map(|(e, v)| e / v).sum::<f64>() / errors.len() as f64
 }
 
+/// What samples say by themselves, without the prior, of the base parameters among what is learned and of the joints' numbers; `tree` has
+/// the numbers that are known.
+///
+/// # Errors
+/// [`FitError`].
+pub fn alone(tree: &Tree, samples: &Samples, learned: &Learned) -> Result<Alone, FitError> {
+    let start = Start::new(tree, samples, learned)?;
+    Ok(alone::alone(&start, learned))
+}
+
 /// What fits of the same samples have in common.
 struct Start<'a> {
     tree: &'a Tree,
     problem: Problem<'a>,
     x: Vec<f64>,
     bounds: Vec<[f64; 2]>,
+    /// By linear least squares, of the bodies and then of the rotors.
+    linear: Vec<f64>,
 }
 
 impl<'a> Start<'a> {
@@ -269,15 +283,17 @@ impl<'a> Start<'a> {
         let of_body = |k: usize| if learned.known.contains(&(k / INERTIAL)) { 0.0 } else { body };
         let of_bodies = (0..bodies).map(|k| [-of_body(k), of_body(k)]);
         let bounds: Vec<[f64; 2]> = of_bodies.chain((0..n).flat_map(|_| joint)).collect();
+        let rotors = if learned.rotors { &numbers[..n] } else { &tree.rotors[..] };
+        let linear = [&solution.numbers[..bodies], rotors].concat();
         let x = x.iter().zip(&bounds).map(|(x, [least, most]): (&f64, &[f64; 2])| x.clamp(*least, *most));
-        Ok(Self { tree, problem, x: x.collect(), bounds })
+        Ok(Self { tree, problem, x: x.collect(), bounds, linear })
     }
 
     /// The minima under these strengths of the prior, each from the one before.
     fn path(&self, strengths: &[f64]) -> Vec<Vec<f64>> {
         let mut x = self.x.clone();
         let mut minimum = |prior: &f64| {
-            x = levenberg::minimise(&self.problem, *prior, x.clone(), &self.bounds);
+            x = levenberg::minimise(&Near(&self.problem, *prior), x.clone(), &self.bounds);
             x.clone()
         };
         strengths.iter().map(&mut minimum).collect()

@@ -31,7 +31,7 @@ pub(super) struct Equations {
 }
 
 /// Rows of J at a time.
-const BLOCK: usize = 1024;
+pub(super) const BLOCK: usize = 1024;
 
 /// Y of the bodies at all samples.
 pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
@@ -73,7 +73,7 @@ impl Chart {
 }
 
 impl Problem<'_> {
-    fn n(&self) -> usize {
+    pub fn n(&self) -> usize {
         self.scales.len()
     }
 
@@ -95,7 +95,7 @@ impl Problem<'_> {
     }
 
     /// What drives one row: coordinate, v, a, logged torque.
-    fn row(&self, row: usize) -> (usize, f64, f64, f64) {
+    pub fn row(&self, row: usize) -> (usize, f64, f64, f64) {
         let of = |rows: &leastaction_data::Rows| rows.as_flat()[row];
         (row % self.n(), of(&self.samples.v), of(&self.samples.a), of(&self.samples.tau))
     }
@@ -112,16 +112,21 @@ impl Problem<'_> {
 
     /// The sum of squares that is minimised, with a prior of this strength λ.
     pub fn squares(&self, x: &[f64], prior: f64) -> f64 {
+        self.squares_of(&self.predict(x))
+            + prior * x[..self.body_numbers()].iter().map(|x| x * x).sum::<f64>()
+    }
+
+    /// The sum of squares of the residuals of these torques.
+    pub fn squares_of(&self, predicted: &[f64]) -> f64 {
         let residual =
             |(k, predicted): (usize, &f64)| (predicted - self.row(k).3) / self.scales[k % self.n()];
-        let data: f64 = self.predict(x).iter().enumerate().map(residual).map(|r| r * r).sum();
-        data + prior * x[..self.body_numbers()].iter().map(|x| x * x).sum::<f64>()
+        predicted.iter().enumerate().map(residual).map(|r| r * r).sum()
     }
 
     /// Normal equations at x with a prior of this strength λ.
     pub fn equations(&self, x: &[f64], prior: f64) -> Equations {
         let p = x.len();
-        let mut all = Equations { gram: Mat::zeros(p, p), gradient: vec![0.0; p] };
+        let mut all = Equations::zero(p);
         let (inertial, joints) = (self.inertial(x), self.joints(x));
         let (thetas, _) = x[..self.body_numbers()].as_chunks();
         let slopes: Vec<_> =
@@ -160,8 +165,34 @@ impl Problem<'_> {
     }
 }
 
+/// Sums of squares with their normal equations.
+pub(super) trait LeastSquares {
+    /// What is minimised.
+    fn squares(&self, x: &[f64]) -> f64;
+    /// Its normal equations.
+    fn equations(&self, x: &[f64]) -> Equations;
+}
+
+/// A problem with a prior of this strength λ.
+pub(super) struct Near<'a, 'b>(pub &'a Problem<'b>, pub f64);
+
+impl LeastSquares for Near<'_, '_> {
+    fn squares(&self, x: &[f64]) -> f64 {
+        self.0.squares(x, self.1)
+    }
+
+    fn equations(&self, x: &[f64]) -> Equations {
+        self.0.equations(x, self.1)
+    }
+}
+
 impl Equations {
-    fn add(&mut self, jacobian: &Mat<f64>, residuals: &[f64]) {
+    /// Of so many numbers, without rows.
+    pub fn zero(p: usize) -> Self {
+        Self { gram: Mat::zeros(p, p), gradient: vec![0.0; p] }
+    }
+
+    pub fn add(&mut self, jacobian: &Mat<f64>, residuals: &[f64]) {
         self.gram += jacobian.transpose() * jacobian;
         for (j, sum) in self.gradient.iter_mut().enumerate() {
             *sum += dot(jacobian.col_as_slice(j), residuals);

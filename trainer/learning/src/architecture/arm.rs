@@ -129,17 +129,27 @@ impl ArmArchitecture {
         SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * body
     }
 
+    /// Where the ten inertial numbers of a body begin in the weight block.
+    pub fn inertia_position(body: usize) -> usize {
+        Self::start(body) + FRAME
+    }
+
+    /// Where the rotor of a coordinate stands in the weight block.
+    pub fn rotor_position(coordinate: usize) -> usize {
+        Self::start(coordinate + 1) - 1
+    }
+
     /// The ranges of learned numbers that are one by one: rotors.
     pub fn ranges(&self) -> Vec<(usize, Range)> {
         let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.rotor.learned);
-        learned.map(|(k, _)| (Self::start(k + 1) - 1, Range::Positive)).collect()
+        learned.map(|(k, _)| (Self::rotor_position(k), Range::Positive)).collect()
     }
 
     /// Positions of the ten inertial numbers of every learned body, with the numbers that keep it a body that can be.
     pub fn learned_bodies(&self) -> Vec<(usize, LogCholesky)> {
         let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.is_learned);
         let chart = |(k, body): (usize, &ArmBody)| {
-            Some((Self::start(k) + FRAME, LogCholesky::around(&Inertia(body.inertia))?))
+            Some((Self::inertia_position(k), LogCholesky::around(&Inertia(body.inertia))?))
         };
         learned.filter_map(chart).collect()
     }

@@ -9,6 +9,7 @@ mod shape;
 
 use crate::architecture::Architecture;
 use crate::evaluate::horizons::{HorizonErrors, Predictions, Predictor, Spread, WHOLE};
+use crate::torque_numbers::TorqueNumbers;
 use crate::training::Residuals;
 use crate::windows::{CalibrationLayout, Certainty, WindowLogs, WindowLoss, certainty};
 use leastaction_core::model::ModelError;
@@ -83,6 +84,8 @@ pub struct Report<'a> {
     pub beside: Option<(String, Predictor<'a>)>,
     /// Of what was learned from; none where that cannot be said.
     pub fit: Option<Fit>,
+    /// What the logs say of an arm by its torques, in place of what windows say of it.
+    pub torques: Option<&'a TorqueNumbers>,
 }
 
 /// The unit of a coordinate.
@@ -247,10 +250,13 @@ impl Report<'_> {
     }
 
     fn numbers(&self) -> String {
+        if let Some(of_torques) = self.torques {
+            return numbers::of_torques(of_torques);
+        }
         let Some((certainty, layout)) = self.fit.as_ref().and_then(|fit| fit.certainty.as_ref()) else {
             return String::new();
         };
-        let names = numbers::Names::new(self.predictor.architecture, layout);
+        let names = numbers::Names::of_windows(self.predictor.architecture, layout);
         numbers::sections(certainty, &names).concat()
     }
 

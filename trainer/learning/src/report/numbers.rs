@@ -2,34 +2,63 @@
 
 use super::page::{escaped, folded, list, number, paragraph, section, table};
 use crate::architecture::{Architecture, NumberName};
+use crate::torque_numbers::TorqueNumbers;
 use crate::windows::{CalibrationLayout, Certainty, LearnedNumber, Shown};
 
 /// A number whose standard error is more than this part of it is hardly shown.
 const HARDLY: f64 = 0.5;
 
-/// Names of all numbers that windows share.
-pub(super) struct Names<'a> {
-    weights: Vec<Option<NumberName>>,
-    layout: &'a CalibrationLayout,
-    letters: String,
+/// Names of all numbers by their positions, with what a model has for them where that is another.
+pub(super) struct Names {
+    /// None of a weight of a network.
+    names: Vec<Option<NumberName>>,
+    model: Option<Vec<f64>>,
+    /// Where the zero offsets of encoders begin.
+    zeros: usize,
 }
 
-impl<'a> Names<'a> {
-    pub fn new(architecture: &Architecture, layout: &'a CalibrationLayout) -> Self {
-        Self { weights: architecture.number_names(), layout, letters: architecture.coordinates() }
+impl Names {
+    /// Of the numbers that windows share.
+    pub fn of_windows(architecture: &Architecture, layout: &CalibrationLayout) -> Self {
+        let (mut names, letters) = (architecture.number_names(), architecture.coordinates());
+        let of_calibration = |position: usize| {
+            let (name, unit) = layout.name(position, |i| super::unit_of(&letters, i))?;
+            Some(NumberName { name, unit })
+        };
+        names.extend((names.len()..layout.end()).map(of_calibration).collect::<Vec<_>>());
+        Self { names, model: None, zeros: layout.zero(0, 0) }
+    }
+
+    /// Of the numbers that torques depend on.
+    pub fn of_torques(numbers: &TorqueNumbers) -> Self {
+        let names: Vec<_> = numbers.full_names().map(Some).collect();
+        Self { zeros: names.len(), names, model: Some(numbers.model.clone()) }
     }
 
     /// Name and unit; none of a weight of a network.
     fn of(&self, position: usize) -> Option<(String, &'static str)> {
-        match self.weights.get(position) {
-            Some(name) => name.as_ref().map(|name| (name.name.clone(), name.unit)),
-            None => self.layout.name(position, |i| super::unit_of(&self.letters, i)),
-        }
+        let name = self.names.get(position)?.as_ref()?;
+        Some((name.name.clone(), name.unit))
     }
 
     fn is_zero(&self, position: usize) -> bool {
-        position >= self.layout.zero(0, 0)
+        position >= self.zeros
     }
+}
+
+/// The sections on what a log of torques says alone.
+pub(super) fn of_torques(numbers: &TorqueNumbers) -> String {
+    let about = "Base parameters, the combinations of masses, centres and inertias that torques depend on at all, and friction: by this log \
+                 alone, without the prior and without the bounds of bodies, beside what the model has. Intervals cover what a log \
+                 shows; where it shows little, the model stays near the description instead.";
+    let sum = |(name, parts): (&NumberName, &Vec<(f64, String)>)| {
+        let rest: String = parts.iter().map(|(factor, name)| format!(" {factor:+.4} × {name}")).collect();
+        format!("{}{rest}", name.name)
+    };
+    let sums: Vec<String> = numbers.names.iter().zip(&numbers.combinations).map(sum).collect();
+    let [learned, hidden] = sections(&numbers.certainty, &Names::of_torques(numbers));
+    [paragraph(about), learned, folded("what the base parameters are the sums of", &list(&sums)), hidden]
+        .concat()
 }
 
 /// The sections on numbers, and on what was not shown.
@@ -78,11 +107,16 @@ fn rows(numbers: &[&LearnedNumber], names: &Names) -> String {
                 names.of(position).map_or_else(|| "a weight of a network".to_owned(), |(name, _)| name);
             (format!("{part:.2}"), escaped(&name))
         });
-        let value = format!("<b>{}</b>", number(of.value));
-        Some(vec![escaped(&name), value, within, escaped(unit), strongest.0, strongest.1])
+        let shown = if of.shown == Shown::Together && names.model.is_some() { f64::NAN } else { of.value };
+        let value = format!("<b>{}</b>", number(shown));
+        let mut row = vec![escaped(&name), value, within, escaped(unit), strongest.0, strongest.1];
+        row.extend(names.model.iter().filter_map(|model| Some(number(*model.get(of.position)?))));
+        Some(row)
     };
     let rows: Vec<Vec<String>> = numbers.iter().filter_map(row).collect();
-    table(&["number", "value", "", "unit", "strongest correlation", "with"], &[0, 3, 5], &rows)
+    let mut head = vec!["number", "value", "", "unit", "strongest correlation", "with"];
+    head.extend(names.model.iter().map(|_| "in the model"));
+    table(&head, &[0, 3, 5], &rows)
 }
 
 fn not_shown(certainty: &Certainty, names: &Names) -> String {

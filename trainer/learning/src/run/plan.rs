@@ -4,7 +4,7 @@ use super::fingerprint;
 use super::notice::{Notice, prepared};
 use super::origin::at_origin;
 use super::stages::{self, Stage, Windowed};
-use super::{TorqueError, range, ringing, torques};
+use super::{TorqueError, TorqueReport, range, ringing, torques};
 use crate::architecture::{Architecture, Family};
 use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, Origin, ShapeError, TrainingConfig, TrainingLoss};
@@ -283,6 +283,14 @@ impl Plan {
     /// What the user should know.
     pub fn notices(&self) -> &[Notice] {
         &self.notices
+    }
+
+    /// How well an arm explains the torques that it was fitted to.
+    pub(super) fn torques(&self) -> Option<&TorqueReport> {
+        self.notices.iter().find_map(|notice| match notice {
+            Notice::Torques(report) => Some(report),
+            _ => None,
+        })
     }
 
     /// Samples of the last stage, and those that judge.

@@ -4,7 +4,7 @@ use super::plan::Plan;
 use super::stages::Windowed;
 use crate::architecture::Architecture;
 use crate::checkpoint::State;
-use crate::config::Origin;
+use crate::config::{Origin, TrainingLoss};
 use crate::evaluate::horizons::Predictor;
 use crate::report::{Fit, Report, ReportError};
 use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
@@ -19,6 +19,8 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     let length = settings.steps as f64 * logs.h;
     let calibrated = layout.read(shared);
     let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
+    let torques = plan.torques().filter(|_| plan.config.training.loss == Some(TrainingLoss::Torque));
+    let torques = torques.map(|report| &report.numbers);
     let report = Report {
         title: format!("Learned from {}", plan.config.data.file),
         facts: facts(plan, windows, state),
@@ -30,7 +32,8 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
             logs,
         },
         beside: simple.as_ref().map(|simple| (simple.name.to_owned(), simple.predictor(plan, logs))),
-        fit: Some(Fit::new(&loss, shared, length, Some(&plan.architecture))),
+        fit: Some(Fit::new(&loss, shared, length, torques.is_none().then_some(&plan.architecture))),
+        torques,
     };
     report.html().map(Some)
 }

@@ -3,6 +3,7 @@
 use crate::architecture::{Architecture, ArmArchitecture};
 use crate::config::Config;
 use crate::data::{Dataset, Trajectory};
+use crate::torque_numbers::TorqueNumbers;
 use crate::torques::{TorqueErrors, samples};
 use crate::windows::{Calibrated, Setting};
 use leastaction_arms::fit::{Bodies, FitError, Fitted, JointNumbers, Learned, SOFTNESS, fit, fit_by_folds};
@@ -54,11 +55,13 @@ pub struct TorqueReport {
     pub train: TorqueErrors,
     /// Of trajectories that are held back, if there are any.
     pub held_back: Option<TorqueErrors>,
+    /// What the log that was learned from says alone of what was learned.
+    pub numbers: TorqueNumbers,
 }
 
 impl fmt::Display for TorqueReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { learned: (learned, rank), prior, train, held_back } = self;
+        let Self { learned: (learned, rank), prior, train, held_back, numbers } = self;
         let TorqueErrors { nmse, samples, .. } = train;
         let rmse =
             |of: &TorqueErrors| of.rmse.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join(", ");
@@ -75,7 +78,8 @@ impl fmt::Display for TorqueReport {
                 rmse(held)
             ),
             None => write!(f, ", joint by joint {} N m (root mean square)", rmse(train)),
-        }
+        }?;
+        write!(f, "; {numbers}")
     }
 }
 
@@ -113,6 +117,7 @@ pub(super) fn fitted(
         prior: found.prior,
         train: errors(&train),
         held_back: held.as_ref().map(errors),
+        numbers: TorqueNumbers::of((architecture, arm), &found.arm, (&train, &learned))?,
     };
     Ok(TorqueFit { weights, calibrated, report })
 }

@@ -38,16 +38,7 @@ const RANK: f64 = 1e-9;
 /// A number is free where directions that are not shown have this part of it.
 const FREE: f64 = 1e-4;
 
-/// What the logs say of a learned number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shown {
-    /// Its standard error, in its unit.
-    Within(f64),
-    /// It is shown in combination with others alone: it may move with them without any residual.
-    Together,
-    /// It ended where its range ends.
-    AtBound,
-}
+pub use leastaction_arms::fit::Shown;
 
 /// A learned number.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,17 +66,11 @@ pub struct Certainty {
     pub whole_logs: bool,
 }
 
-/// The 97.5th percentile of the normal distribution.
-const NORMAL: f64 = 1.959_963_984_540_054;
-
 impl Certainty {
-    /// By how many standard errors a number is off at most in 95 of 100 cases: the 97.5th percentile of Student's distribution with one
-    /// degree of freedom less than there are clusters, by the expansion of Fisher and Cornish (within 0.3% from five clusters on).
+    /// By how many standard errors a number is off at most in 95 of 100 cases, by Student's distribution with one degree of freedom less
+    /// than there are clusters.
     pub fn interval(&self) -> f64 {
-        let (z, free) = (NORMAL, self.clusters.saturating_sub(1).max(1) as f64);
-        let powers = [z.powi(3) + z, 5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z];
-        let third = 3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z;
-        z + powers[0] / (4.0 * free) + powers[1] / (96.0 * free.powi(2)) + third / (384.0 * free.powi(3))
+        leastaction_arms::fit::student(self.clusters.saturating_sub(1))
     }
 }
 

@@ -24,6 +24,7 @@ use leastaction_learning::evaluate::{
 };
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::{HostModel, Precision, decode, encode_in};
+use leastaction_learning::torque_numbers::torque_numbers;
 use leastaction_learning::torques::{TorqueErrors, torque_errors};
 use leastaction_learning::windows::Calibrated;
 use long_term::{Request, Scalable};
@@ -126,7 +127,8 @@ impl Evaluate {
         }
         if let Some(path) = page {
             let beside = self.beside.as_deref().zip(beside.as_ref());
-            page::write(path, ((&self.model, &model), beside), (&file, &log))?;
+            let numbers = report.torques.as_ref().and_then(|torques| torques.torque_numbers.as_ref());
+            page::write(path, ((&self.model, &model), beside), (&file, &log), numbers)?;
             output.note(&format!("page in {}", path.display()));
         }
         output.report(&report)
@@ -366,5 +368,6 @@ fn torques(model: &HostModel, log: &Dataset) -> Option<Torques> {
     let of = (&model.architecture, &model.weights[..]);
     let cut_off = TrainingConfig::default().cut_off;
     let TorqueErrors { nmse, rmse, .. } = torque_errors(of, calibrated.as_ref(), log, cut_off)?;
-    Some(Torques { torque_nmse: nmse, torque_rmse: rmse })
+    let torque_numbers = torque_numbers(of, calibrated.as_ref(), log, cut_off);
+    Some(Torques { torque_nmse: nmse, torque_rmse: rmse, torque_numbers })
 }

@@ -6,6 +6,7 @@ use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::horizons::Predictor;
 use leastaction_learning::model_file::HostModel;
 use leastaction_learning::report::{Fit, Report};
+use leastaction_learning::torque_numbers::TorqueNumbers;
 use leastaction_learning::windows::{
     Calibrated, Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
 };
@@ -31,6 +32,7 @@ pub fn write(
     path: &Path,
     ((file, model), beside): ((&Path, &HostModel), Option<(&Path, &HostModel)>),
     (data, log): (&Path, &Dataset),
+    torques: Option<&TorqueNumbers>,
 ) -> Result<(), Failure> {
     let failed =
         |error: &dyn std::fmt::Display| Failure::Work(format!("the page on {}: {error}", file.display()));
@@ -62,6 +64,7 @@ pub fn write(
         fit: fit(model, &calibrated, &logs),
         predictor: predictor(model, &calibrated, &logs),
         beside: other,
+        torques,
     };
     let page = report.html().map_err(|error| failed(&error))?;
     atomic::write(path, page.as_bytes()).map_err(|error| Failure::file(path, error))

@@ -3,8 +3,9 @@
 use super::long_term::LongTerm;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::integration_errors;
+use leastaction_learning::torque_numbers::TorqueNumbers;
 use leastaction_learning::training::Solved;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -81,13 +82,21 @@ pub struct Torques {
     pub torque_nmse: f64,
     /// Root mean squared error of every joint, N m or N.
     pub torque_rmse: Vec<f64>,
+    /// What the log says alone of base parameters and friction.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "rows_of")]
+    pub torque_numbers: Option<TorqueNumbers>,
+}
+
+fn rows_of<S: Serializer>(numbers: &Option<TorqueNumbers>, serializer: S) -> Result<S::Ok, S::Error> {
+    numbers.as_ref().map(TorqueNumbers::rows).serialize(serializer)
 }
 
 impl fmt::Display for Torques {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         row(f, "torque, over its variance", Some(self.torque_nmse))?;
         let rmse = self.torque_rmse.iter().map(|x| format!("{x:.4}")).collect::<Vec<_>>().join(" ");
-        writeln!(f, "{:<30} {rmse}", "  root mean square, N m")
+        writeln!(f, "{:<30} {rmse}", "  root mean square, N m")?;
+        self.torque_numbers.iter().try_for_each(|numbers| write!(f, "{numbers}"))
     }
 }
 

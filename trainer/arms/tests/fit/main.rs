@@ -1,10 +1,15 @@
 //! Fits: what is found of a mechanism that is known, and what is not seen.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod excitation;
+mod panda;
+mod simulated;
 
 use common::tree;
 use leastaction_arms::fit::{
-    Arm, Bodies, JOINT, JointNumbers, Learned, fit, fit_by_folds, mean_nmse, squared_errors, variances,
+    Arm, Bodies, JOINT, JointNumbers, Learned, Shown, alone, fit, fit_by_folds, mean_nmse, squared_errors,
+    variances,
 };
 use leastaction_arms::linear::{BaseParameters, Design, Terms};
 use leastaction_arms::{INERTIAL, Inertia, LogCholesky, Samples, Tree};
@@ -198,4 +203,39 @@ proptest! {
             prop_assert!((difference - slopes[k]).abs() < 1e-4 * (1.0 + slopes[k].abs()), "{k} {difference} {}", slopes[k]);
         }
     }
+}
+
+#[test]
+fn what_samples_say_alone_has_errors_of_its_size_and_leaves_the_prior_out() {
+    let truth = arm(tree(8));
+    let train = samples(&truth, 400, 0.3, 1);
+    let learned = Learned::default();
+    let found = alone(&near(&truth.tree), &train, &learned).unwrap();
+    let other = alone(&near(&near(&truth.tree)), &train, &learned).unwrap();
+    let numbers = found.of_model(&truth.tree.parameters(), &truth.joints);
+    assert_eq!(numbers.len(), found.base.count() + 4 * (JOINT - 1));
+    for ((found, other), truth) in found.estimates.iter().zip(&other.estimates).zip(&numbers) {
+        if let Shown::Within(error) = found.shown {
+            assert!((found.value - truth).abs() < 5.0 * error && error < 0.3, "{found:?} {truth}");
+            assert!((found.value - other.value).abs() < 0.02 * error, "{found:?} {other:?}");
+        }
+    }
+    let shown = found.estimates.iter().filter(|of| matches!(of.shown, Shown::Within(_))).count();
+    assert!(shown + 4 > numbers.len() && found.hidden == 0, "{shown} of {}", numbers.len());
+}
+
+#[test]
+fn of_known_bodies_nothing_is_said_and_what_was_never_seen_is_hidden() {
+    let truth = arm(tree(9));
+    let mut train = samples(&truth, 200, 0.1, 1);
+    let learned = Learned { known: vec![0, 1, 2, 3], rotors: false, ..Learned::default() };
+    let found = alone(&truth.tree, &train, &learned).unwrap();
+    assert!(found.base.independent.iter().all(|column| (4 * INERTIAL..5 * INERTIAL).contains(column)));
+    // The load hangs on its own joint and moves with all of them: all of it is seen, but for what the second coordinate turns alone.
+    assert_eq!((found.base.count(), found.hidden), (INERTIAL, 0));
+    let still = |rows: &Rows| Rows::from_flat(4, vec![0.0; rows.as_flat().len()]).unwrap();
+    (train.v, train.a) = (still(&train.v), still(&train.a));
+    let at_rest = alone(&truth.tree, &train, &learned).unwrap();
+    assert!(at_rest.hidden >= INERTIAL - 4, "{}", at_rest.hidden);
+    assert!(at_rest.estimates.iter().any(|of| of.shown == Shown::Together));
 }

@@ -1,0 +1,399 @@
+//! Motions that show the numbers of an arm: Fourier series within its limits, along which base parameters and friction are well told apart.
+//!
+//! q_i(t) = centre_i + Σ_k a_ik cos 2πkft + b_ik sin 2πkft with Σ k b_ik = 0 and Σ k² a_ik = 0: velocity and acceleration are 0 at t = 0,
+//! so the motion starts and ends every period at rest. What is minimised is the condition number of the regressor of base parameters and friction
+//! (viscous, Coulomb, offset) over one period, its columns scaled to norm 1. Every coordinate is scaled to its limits, so that all
+//! that is searched keeps them; torques of the tree itself beyond its limits are punished. The search does not know what the arm
+//! might hit.
+//!
+//! Source: Swevers et al., "Optimal robot excitation and identification", 1997; Gautier and Khalil, "Exciting trajectories for the
+//! identification of base inertial parameters of robots", 1992.
+
+use crate::linear::{BaseParameters, Design, Terms};
+use crate::{INERTIAL, Limits, Samples, Tree};
+use leastaction_data::Rows;
+use rand::RngExt;
+use rand_pcg::Pcg64;
+use std::f64::consts::TAU;
+use std::num::NonZero;
+use std::panic::resume_unwind;
+use std::thread;
+use thiserror::Error;
+
+/// A periodic motion of all coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// f, of the first harmonic (Hz).
+    pub frequency: f64,
+    /// centre (rad, m).
+    pub centre: Vec<f64>,
+    /// a and b of every harmonic, \[coordinates\]\[harmonics\] (rad, m).
+    pub waves: Vec<Vec<[f64; 2]>>,
+}
+
+/// What motion is searched, and how long.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// Of the motion (s).
+    pub period: f64,
+    /// Harmonics of every coordinate, 3 or more: two numbers of them are taken by the start at rest.
+    pub harmonics: usize,
+    /// Of every limit the part that may be used, in (0, 1].
+    pub share: f64,
+    /// Searches from starts of their own.
+    pub starts: usize,
+    /// Motions that each of them tries.
+    pub trials: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for Search {
+    /// 10 s, five harmonics, nine tenths of the limits, 8 searches of 500 motions.
+    fn default() -> Self {
+        Self { period: 10.0, harmonics: 5, share: 0.9, starts: 8, trials: 500, seed: 0 }
+    }
+}
+
+/// How near to the limits of a coordinate a motion comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Use {
+    /// Positions, from and to (rad, m).
+    pub position: [f64; 2],
+    /// Largest |v| (rad/s, m/s).
+    pub velocity: f64,
+    /// Largest |τ| of the tree itself, without friction (N m, N).
+    pub effort: f64,
+}
+
+/// A motion that was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Excitation {
+    /// The motion.
+    pub series: Series,
+    /// Condition numbers: of the first motion that was tried, and of this one.
+    pub condition: [f64; 2],
+    /// Of every coordinate.
+    pub uses: Vec<Use>,
+}
+
+/// No motion can be found.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ExcitationError {
+    /// A limit that is needed.
+    #[error("joint {joint}: the description has no limit of {what} for it")]
+    NoLimit {
+        /// Its name.
+        joint: String,
+        /// Position or velocity.
+        what: &'static str,
+    },
+    /// Limits that leave nothing.
+    #[error("joint {joint}: no motion is within limits of {from} to {to} and a velocity of {velocity}")]
+    NoRoom {
+        /// Its name.
+        joint: String,
+        /// Of positions.
+        from: f64,
+        /// Of positions.
+        to: f64,
+        /// Of velocities.
+        velocity: f64,
+    },
+    /// A search that cannot be.
+    #[error("{0}")]
+    Search(&'static str),
+    /// Torques are beyond their limits all the same.
+    #[error(
+        "joint {joint}: its own weight and motion take {found:.3} (N m, N) of at most {most:.3}; give a longer period, a smaller share of the \
+         limits, or more trials"
+    )]
+    Effort {
+        /// Its name.
+        joint: String,
+        /// Largest |τ|.
+        found: f64,
+        /// That may be used.
+        most: f64,
+    },
+    /// No motion that was tried tells all numbers apart.
+    #[error("none of the motions that were tried tells all base parameters and friction apart")]
+    NotSeen,
+}
+
+/// Samples of a period that a trial looks at.
+const LOOKS: usize = 100;
+/// Samples of a period that limits are checked on.
+const CHECKS: usize = 2000;
+/// Width of Coulomb friction in the regressor (rad/s, m/s).
+const WIDTH: f64 = 0.05;
+/// How much more a torque beyond its limit by its size counts than a factor e of the condition number.
+const PENALTY: f64 = 20.0;
+/// Numbers of a coordinate beside its waves: how much of the room is used, and where the centre is.
+const PLACE: usize = 2;
+/// First size of a random step.
+const STEP: f64 = 0.3;
+
+impl Series {
+    /// Positions, velocities and accelerations at a time t (s).
+    #[must_use]
+    pub fn at(&self, t: f64) -> [Vec<f64>; 3] {
+        let n = self.centre.len();
+        let mut state = [self.centre.clone(), vec![0.0; n], vec![0.0; n]];
+        for (i, waves) in self.waves.iter().enumerate() {
+            for (k, [a, b]) in waves.iter().enumerate() {
+                let omega = TAU * self.frequency * (k + 1) as f64;
+                let (sine, cosine) = (omega * t).sin_cos();
+                let wave = a * cosine + b * sine;
+                let terms = [wave, omega * (b * cosine - a * sine), -omega * omega * wave];
+                state.iter_mut().zip(terms).for_each(|(state, term)| state[i] += term);
+            }
+        }
+        state
+    }
+
+    /// So many states at a step (s) from t = 0 on, without torques.
+    #[must_use]
+    pub fn samples(&self, count: usize, step: f64) -> Samples {
+        let t: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
+        let states: Vec<[Vec<f64>; 3]> = t.iter().map(|t| self.at(*t)).collect();
+        let n = self.centre.len();
+        let rows = |part: usize| {
+            let values = states.iter().flat_map(|state| state[part].iter().copied()).collect();
+            Rows::from_flat(n, values).expect("n numbers a row")
+        };
+        let still = Rows::from_flat(n, vec![0.0; n * count]).expect("n numbers a row");
+        Samples { q: rows(0), v: rows(1), a: rows(2), tau: still, t }
+    }
+}
+
+impl Tree {
+    /// Limits of a coordinate: those of all joints that it moves; the effort is that of the joint that it is of.
+    #[must_use]
+    pub fn limits(&self, coordinate: usize) -> Limits {
+        let mut all = Limits::none();
+        for body in self.bodies().iter().filter(|body| body.coordinate == coordinate && body.ratio != 0.0) {
+            let mut ends = body.limits.position.map(|x| (x - body.offset) / body.ratio);
+            ends.sort_by(f64::total_cmp);
+            all.position = [all.position[0].max(ends[0]), all.position[1].min(ends[1])];
+            all.velocity = all.velocity.min(body.limits.velocity / body.ratio.abs());
+            if body.joint_name == self.coordinate_name(coordinate) {
+                all.effort = body.limits.effort;
+            }
+        }
+        all
+    }
+}
+
+/// Finds a motion of a tree within these limits of its coordinates. It depends on the seed alone, not on the number of threads.
+///
+/// # Errors
+/// [`ExcitationError`].
+pub fn excite(tree: &Tree, limits: &[Limits], search: &Search) -> Result<Excitation, ExcitationError> {
+    let space = Space::new(tree, limits, search)?;
+    let found = parallel(search.starts, &|start| space.search(start, search));
+    let first = space.condition(&space.motion(&space.begin(0, search).1));
+    let best = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|best| best.1.is_finite());
+    let series = space.motion(&best.ok_or(ExcitationError::NotSeen)?.0);
+    let condition = [first, space.condition(&series)];
+    let uses = uses(tree, &series);
+    for (k, (own, limits)) in uses.iter().zip(limits).enumerate() {
+        if own.effort > limits.effort {
+            let joint = tree.coordinate_name(k).to_owned();
+            return Err(ExcitationError::Effort { joint, found: own.effort, most: limits.effort });
+        }
+    }
+    Ok(Excitation { series, condition, uses })
+}
+
+/// How near to its limits a motion brings every coordinate.
+#[must_use]
+pub fn uses(tree: &Tree, series: &Series) -> Vec<Use> {
+    let samples = series.samples(CHECKS, (series.frequency * CHECKS as f64).recip());
+    let n = tree.coordinates();
+    let none = Use { position: [f64::INFINITY, -f64::INFINITY], velocity: 0.0, effort: 0.0 };
+    let mut uses = vec![none; n];
+    for (q, (v, a)) in samples.q.iter().zip(samples.v.iter().zip(samples.a.iter())) {
+        let forces = tree.inverse_dynamics(q, v, a);
+        for (i, own) in uses.iter_mut().enumerate() {
+            own.position = [own.position[0].min(q[i]), own.position[1].max(q[i])];
+            own.velocity = own.velocity.max(v[i].abs());
+            own.effort = own.effort.max(forces[i].abs());
+        }
+    }
+    uses
+}
+
+/// All motions that keep the limits of position and velocity, as vectors of numbers without bounds.
+struct Space<'a> {
+    tree: &'a Tree,
+    limits: &'a [Limits],
+    /// Of the regressor, bodies' and rotors' base parameters and friction.
+    columns: Vec<usize>,
+    frequency: f64,
+    harmonics: usize,
+    share: f64,
+}
+
+impl<'a> Space<'a> {
+    fn new(tree: &'a Tree, limits: &'a [Limits], search: &Search) -> Result<Self, ExcitationError> {
+        let Search { period, harmonics, share, starts, trials, .. } = *search;
+        let is_share = share > 0.0 && share <= 1.0;
+        if !(period.is_finite() && period > 0.0 && is_share) || harmonics < 3 || starts == 0 || trials == 0 {
+            let what = "a period above 0, a share of the limits in (0, 1], at least 3 harmonics, one start and one trial";
+            return Err(ExcitationError::Search(what));
+        }
+        for (k, own) in limits.iter().enumerate() {
+            let joint = || tree.coordinate_name(k).to_owned();
+            let ([from, to], velocity) = (own.position, own.velocity);
+            for (what, is_there) in
+                [("position", from.is_finite() && to.is_finite()), ("velocity", velocity.is_finite())]
+            {
+                if !is_there {
+                    return Err(ExcitationError::NoLimit { joint: joint(), what });
+                }
+            }
+            if to <= from || velocity <= 0.0 {
+                return Err(ExcitationError::NoRoom { joint: joint(), from, to, velocity });
+            }
+        }
+        let (bodies, n) = (INERTIAL * tree.bodies().len(), tree.coordinates());
+        let friction = bodies + n..bodies + 4 * n;
+        let columns = BaseParameters::of(tree).independent.into_iter().chain(friction).collect();
+        Ok(Self { tree, limits, columns, frequency: period.recip(), harmonics, share })
+    }
+
+    /// Numbers of a coordinate.
+    fn width(&self) -> usize {
+        2 * self.harmonics + PLACE
+    }
+
+    /// The random numbers of a start, and where it begins.
+    fn begin(&self, start: usize, search: &Search) -> (Pcg64, Vec<f64>) {
+        let mut random = Pcg64::new(u128::from(search.seed), start as u128);
+        let mut coordinate = || -> Vec<f64> {
+            let waves = (0..2 * self.harmonics).map(|_| normal(&mut random)).collect::<Vec<_>>();
+            // Nearly all of the room is used at first.
+            let place = [3.0, normal(&mut random)];
+            waves.into_iter().chain(place).collect()
+        };
+        let numbers = (0..self.limits.len()).flat_map(|_| coordinate()).collect();
+        (random, numbers)
+    }
+
+    /// The best of a start's motions with what is minimised: steps of a random direction whose size follows their success.
+    ///
+    /// Source: Rechenberg's (1 + 1) evolution strategy with the rule of one fifth.
+    fn search(&self, start: usize, search: &Search) -> (Vec<f64>, f64) {
+        let (mut random, mut numbers) = self.begin(start, search);
+        let mut cost = self.cost(&numbers);
+        let mut size = STEP;
+        for _ in 1..search.trials {
+            // Of some coordinates alone: a few numbers are improved more easily than all.
+            let width = self.width();
+            let moved: Vec<bool> = self.limits.iter().map(|_| random.random_range(0.0..1.0) < 0.4).collect();
+            let step =
+                |(k, x): (usize, &f64)| if moved[k / width] { x + size * normal(&mut random) } else { *x };
+            let trial: Vec<f64> = numbers.iter().enumerate().map(step).collect();
+            let found = self.cost(&trial);
+            if found < cost {
+                (numbers, cost) = (trial, found);
+                size = (1.5 * size).min(1.0);
+            } else {
+                size = (0.9 * size).max(0.01);
+            }
+        }
+        (numbers, cost)
+    }
+
+    fn cost(&self, numbers: &[f64]) -> f64 {
+        let series = self.motion(numbers);
+        let torques = self.over_effort(&series);
+        self.condition(&series).ln() + PENALTY * torques
+    }
+
+    /// By how much of its size the worst torque is beyond what may be used of its limit.
+    fn over_effort(&self, series: &Series) -> f64 {
+        let samples = series.samples(LOOKS, self.step());
+        let over = |(q, (v, a)): (&[f64], (&[f64], &[f64]))| -> f64 {
+            let forces = self.tree.inverse_dynamics(q, v, a);
+            let part = |(force, own): (&f64, &Limits)| force.abs() / (self.share * own.effort) - 1.0;
+            forces.iter().zip(self.limits).map(part).fold(0.0, f64::max)
+        };
+        samples.q.iter().zip(samples.v.iter().zip(samples.a.iter())).map(over).fold(0.0, f64::max)
+    }
+
+    fn step(&self) -> f64 {
+        (self.frequency * LOOKS as f64).recip()
+    }
+
+    fn condition(&self, series: &Series) -> f64 {
+        let terms = Terms { rotors: true, viscous: true, coulomb: Some(WIDTH), offsets: true };
+        Design::new(self.tree, &series.samples(LOOKS, self.step()), &terms).condition_of(&self.columns)
+    }
+
+    /// The motion of a vector of numbers.
+    fn motion(&self, numbers: &[f64]) -> Series {
+        let (mut centre, mut waves) = (Vec::new(), Vec::new());
+        for (numbers, limits) in numbers.chunks(self.width()).zip(self.limits) {
+            let (of_waves, place) = numbers.split_at(2 * self.harmonics);
+            let unit = from_rest(of_waves.as_chunks().0);
+            let alone = Series { frequency: self.frequency, centre: vec![0.0], waves: vec![unit] };
+            let samples = alone.samples(LOOKS, self.step());
+            let (low, high) = samples
+                .q
+                .as_flat()
+                .iter()
+                .fold((0.0_f64, 0.0_f64), |(low, high), q| (low.min(*q), high.max(*q)));
+            let fastest = samples.v.as_flat().iter().fold(f64::MIN_POSITIVE, |most, v| most.max(v.abs()));
+            let [from, to] = limits.position;
+            let slack = (1.0 - self.share) * (to - from) / 2.0;
+            let (from, to) = (from + slack, to - slack);
+            let room = ((to - from) / (high - low).max(f64::MIN_POSITIVE))
+                .min(self.share * limits.velocity / fastest);
+            let scale = room * logistic(place[0]);
+            let (least, most) = (from - scale * low, to - scale * high);
+            centre.push(least + (most - least) * logistic(place[1]));
+            waves.push(alone.waves[0].iter().map(|wave| wave.map(|x| scale * x)).collect());
+        }
+        Series { frequency: self.frequency, centre, waves }
+    }
+}
+
+/// The nearest waves whose velocity and acceleration are 0 at t = 0.
+fn from_rest(waves: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let k = |i: usize| (i + 1) as f64;
+    let of = |part: usize, power: i32| {
+        let product: f64 = waves.iter().enumerate().map(|(i, wave)| k(i).powi(power) * wave[part]).sum();
+        product / (0..waves.len()).map(|i| k(i).powi(2 * power)).sum::<f64>()
+    };
+    let (a, b) = (of(0, 2), of(1, 1));
+    let project = |(i, wave): (usize, &[f64; 2])| [wave[0] - a * k(i).powi(2), wave[1] - b * k(i)];
+    waves.iter().enumerate().map(project).collect()
+}
+
+fn logistic(x: f64) -> f64 {
+    (1.0 + (-x).exp()).recip()
+}
+
+/// A normal deviate, by Box and Muller.
+fn normal(random: &mut Pcg64) -> f64 {
+    let radius = (-2.0 * (1.0 - random.random_range(0.0..1.0_f64)).ln()).sqrt();
+    radius * (TAU * random.random_range(0.0..1.0_f64)).cos()
+}
+
+/// f(0), …, f(count − 1) on all processors, in order.
+fn parallel<T: Send>(count: usize, f: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
+    let threads = thread::available_parallelism().map_or(1, NonZero::get).min(count);
+    let mut all: Vec<(usize, T)> = thread::scope(|scope| {
+        let share =
+            |first: usize| move || (first..count).step_by(threads).map(|k| (k, f(k))).collect::<Vec<_>>();
+        let running: Vec<_> = (0..threads).map(|first| scope.spawn(share(first))).collect();
+        running
+            .into_iter()
+            .flat_map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect()
+    });
+    all.sort_by_key(|(k, _)| *k);
+    all.into_iter().map(|(_, of)| of).collect()
+}

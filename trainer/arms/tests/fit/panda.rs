@@ -1,0 +1,169 @@
+//! A simulated Franka Panda: its frames and limits, bodies and friction of its size, sensors with noise.
+
+use leastaction_arms::excitation::{Search, Series, excite};
+use leastaction_arms::fit::{Arm, JointNumbers};
+use leastaction_arms::{Body, Inertia, Joint, Limits, Pose, Preparation, Samples, Tree};
+use leastaction_data::Rows;
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+const N: usize = 7;
+/// Modified Denavit–Hartenberg numbers α, a and d.
+const FRAMES: [[f64; 3]; N] = [
+    [0.0, 0.0, 0.333],
+    [-FRAC_PI_2, 0.0, 0.0],
+    [FRAC_PI_2, 0.0, 0.316],
+    [FRAC_PI_2, 0.0825, 0.0],
+    [-FRAC_PI_2, -0.0825, 0.384],
+    [FRAC_PI_2, 0.0, 0.0],
+    [FRAC_PI_2, 0.088, 0.0],
+];
+/// Positions from and to, velocity and effort.
+const LIMITS: [[f64; 4]; N] = [
+    [-2.8973, 2.8973, 2.175, 87.0],
+    [-1.7628, 1.7628, 2.175, 87.0],
+    [-2.8973, 2.8973, 2.175, 87.0],
+    [-3.0718, -0.0698, 2.175, 87.0],
+    [-2.8973, 2.8973, 2.61, 12.0],
+    [-0.0175, 3.7525, 2.61, 12.0],
+    [-2.8973, 2.8973, 2.61, 12.0],
+];
+/// Mass, its centre, and the inertia xx, xy, xz, yy, yz, zz about the centre, as Gaz et al. identified them ("Dynamic identification of
+/// the Franka Emika Panda robot with retrieval of feasible parameters", 2019).
+const BODIES: [[f64; 10]; N] = [
+    [4.970684, 3.875e-3, 2.081e-3, -0.1750, 0.70337, -1.39e-4, 6.772e-3, 0.70661, 1.9169e-2, 9.117e-3],
+    [0.646926, -3.141e-3, -2.872e-2, 3.495e-3, 7.962e-3, -3.925e-3, 1.0254e-2, 2.811e-2, 7.04e-4, 2.5995e-2],
+    [
+        3.228604, 2.7518e-2, 3.9252e-2, -6.6502e-2, 3.7242e-2, -4.761e-3, -1.1396e-2, 3.6155e-2, -1.2805e-2,
+        1.083e-2,
+    ],
+    [
+        3.587895, -5.317e-2, 0.104419, 2.7454e-2, 2.5853e-2, 7.796e-3, -1.332e-3, 1.9552e-2, 8.641e-3,
+        2.8323e-2,
+    ],
+    [
+        1.225946, -1.1953e-2, 4.1065e-2, -3.8437e-2, 3.5549e-2, -2.117e-3, -4.037e-3, 2.9474e-2, 2.29e-4,
+        8.627e-3,
+    ],
+    [1.666555, 6.0149e-2, -1.4117e-2, -1.0517e-2, 1.964e-3, 1.09e-4, -1.158e-3, 4.354e-3, 3.41e-4, 5.433e-3],
+    [
+        0.735522, 1.0517e-2, -4.252e-3, 6.1597e-2, 1.2516e-2, -4.28e-4, -1.196e-3, 1.0027e-2, -7.41e-4,
+        4.815e-3,
+    ],
+];
+/// Rotor, viscous friction, Coulomb friction, its growth with the load, its width, offset: of the size that fits of the real arm's log have.
+const JOINTS: [[f64; 6]; N] = [
+    [0.2, 0.25, 0.45, 0.0, 0.05, 0.1],
+    [0.2, 0.30, 0.50, 0.02, 0.06, -0.2],
+    [0.15, 0.20, 0.40, 0.0, 0.05, 0.1],
+    [0.15, 0.25, 0.45, 0.02, 0.06, 0.15],
+    [0.05, 0.10, 0.30, 0.01, 0.08, 0.05],
+    [0.05, 0.10, 0.25, 0.0, 0.07, -0.05],
+    [0.05, 0.08, 0.20, 0.0, 0.08, 0.0],
+];
+/// Step of the log, s.
+pub const STEP: f64 = 1e-3;
+
+/// What the sensors add: of positions (rad), of torques from sample to sample, and of torques that drift over `MEMORY` (N m, of the
+/// first four joints; a quarter of it of the others).
+#[derive(Clone, Copy)]
+pub struct Noise {
+    pub encoder: f64,
+    pub torque: f64,
+    pub drift: f64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self { encoder: 5e-5, torque: 0.2, drift: 0.1 }
+    }
+}
+
+/// Of drifts, s.
+const MEMORY: f64 = 0.1;
+
+/// Its frames without bodies, or with those of Gaz et al.
+fn tree(with_bodies: bool) -> Tree {
+    let body = |k: usize| {
+        let [alpha, a, d] = FRAMES[k];
+        let [from, to, velocity, effort] = LIMITS[k];
+        let [m, x, y, z, xx, xy, xz, yy, yz, zz] = BODIES[k];
+        let about = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let inertia = if with_bodies {
+            Inertia::of_centre(m, Vector3::new(x, y, z), about)
+        } else {
+            Inertia::default()
+        };
+        Body {
+            name: format!("link{}", k + 1),
+            joint_name: format!("joint{}", k + 1),
+            parent: k.checked_sub(1),
+            joint: Joint::Revolute(Vector3::z_axis()),
+            pose: Pose::of_modified_dh(alpha, a, d),
+            coordinate: k,
+            ratio: 1.0,
+            offset: 0.0,
+            inertia,
+            limits: Limits { position: [from, to], velocity, effort },
+        }
+    };
+    Tree::new((0..N).map(body).collect()).unwrap()
+}
+
+/// The description that a user has: frames, and bodies that are guessed.
+pub fn guessed() -> Tree {
+    tree(false).with_guessed_inertias(18.0, 0.1)
+}
+
+/// The arm with what it carries in its hand.
+pub fn arm(load: Option<Inertia>) -> Arm {
+    let mut tree = tree(true);
+    assert!(tree.bodies().iter().all(|body| body.inertia.consistency() > 0.0));
+    tree.rotors = JOINTS.map(|numbers| numbers[0]).to_vec();
+    if let Some(load) = load {
+        let mut parameters = tree.parameters();
+        parameters[60..70].iter_mut().zip(load.0).for_each(|(own, more)| *own += more);
+        tree = tree.with_parameters(&parameters);
+    }
+    Arm { tree, joints: JOINTS.map(JointNumbers::of_array).into() }
+}
+
+/// A motion within its limits, of this period.
+pub fn motion(period: f64) -> Series {
+    let tree = guessed();
+    let limits: Vec<Limits> = (0..N).map(|k| tree.limits(k)).collect();
+    let search = Search { period, starts: 2, trials: 60, ..Search::default() };
+    excite(&tree, &limits, &search).unwrap().series
+}
+
+/// Exact states and torques of the arm along a motion.
+pub fn exact(arm: &Arm, motion: &Series, seconds: f64) -> Samples {
+    let mut samples = motion.samples((seconds / STEP) as usize + 1, STEP);
+    samples.tau = Rows::from_flat(N, arm.torques(&samples)).unwrap();
+    samples
+}
+
+/// What a log of them becomes: positions and torques with noise, filtered and differentiated.
+pub fn logged(exact: &Samples, noise: &Noise, seed: u64) -> Samples {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut normal = move || {
+        let radius = (-2.0 * (1.0 - random.random_range(0.0..1.0_f64)).ln()).sqrt();
+        radius * (TAU * random.random_range(0.0..1.0_f64)).cos()
+    };
+    let size = |i: usize| if i < 4 { 1.0 } else { 0.25 };
+    let mut drifts = [0.0; N];
+    let kept = (-STEP / MEMORY).exp();
+    let renewed = (1.0 - kept * kept).sqrt();
+    drifts.iter_mut().enumerate().for_each(|(i, drift)| *drift = noise.drift * size(i) * normal());
+    let q = exact.q.as_flat().iter().map(|q| q + noise.encoder * normal()).collect();
+    let torque = |(k, tau): (usize, &f64)| {
+        let i = k % N;
+        drifts[i] = kept * drifts[i] + renewed * noise.drift * size(i) * normal();
+        tau + drifts[i] + noise.torque * size(i) * normal()
+    };
+    let tau = exact.tau.as_flat().iter().enumerate().map(torque).collect();
+    let [q, tau] = [q, tau].map(|values| Rows::from_flat(N, values).unwrap());
+    Samples::of_even((&q, None, Some(&tau)), &Preparation::default()).unwrap()
+}

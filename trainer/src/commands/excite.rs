@@ -1,0 +1,259 @@
+//! `leastaction excite`.
+
+use clap::Args;
+use leastaction::cli::arguments::{positive, seed};
+use leastaction::cli::{Done, Failure, FileKind, MOTION_HEAD, Output, replaceable, written};
+use leastaction_arms::excitation::{Excitation, ExcitationError, Search, Use, excite};
+use leastaction_arms::urdf::{self, Inertias};
+use leastaction_arms::{Limits, Tree};
+use leastaction_learning::atomic;
+use leastaction_learning::data::{self, Dataset, Trajectory};
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+
+/// Find a motion along which an arm shows its masses, inertias and friction.
+///
+/// A Fourier series of every joint, from rest and back to rest every period, within the limits of position, velocity and effort of the
+/// robot description (URDF). What is minimised is the condition number of the regressor of base parameters and friction, its columns scaled
+/// to norm 1. The same seed gives the same motion on any number of threads. What the arm may hit, itself included, is not known here: look at the
+/// motion before it runs.
+///
+/// Torques are held to their limits as far as the description has masses, without friction.
+///
+/// Example: leastaction excite panda.urdf -o excitation.csv --motion excitation.toml
+#[derive(Args)]
+pub struct Excite {
+    /// The robot description.
+    urdf: PathBuf,
+    /// The motion to write, .csv or .npz: t, q and v of one period.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Also as a Fourier series, for `simulate --scenario track --trajectory`.
+    #[arg(long, value_name = "FILE.toml")]
+    motion: Option<PathBuf>,
+    /// Of the motion, s.
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = positive)]
+    period: f64,
+    /// Harmonics of every joint.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u8).range(3..=5))]
+    harmonics: u8,
+    /// Time between rows, s.
+    #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
+    h: f64,
+    /// Of every limit the part that may be used, up to 1.
+    #[arg(long, value_name = "PART", default_value_t = 0.9, value_parser = positive)]
+    share: f64,
+    /// Positions of joints without limits go from minus to plus this, rad or m.
+    #[arg(long, value_name = "RAD", value_parser = positive)]
+    position: Option<f64>,
+    /// Of joints without a limit of velocity, rad/s or m/s.
+    #[arg(long, value_name = "RAD/S", value_parser = positive)]
+    velocity: Option<f64>,
+    /// Of joints without a limit of effort, N m or N; without it theirs is not limited.
+    #[arg(long, value_name = "NM", value_parser = positive)]
+    effort: Option<f64>,
+    /// Of all links together that have no mass in the description, kg: their bodies are guessed from it.
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    mass: Option<f64>,
+    /// Searches from starts of their own.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..))]
+    starts: u16,
+    /// Motions that each of them tries.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
+    trials: u32,
+    /// Of the random numbers.
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
+    seed: u64,
+}
+
+/// Of guessed bodies about their lines, m.
+const RADIUS: f64 = 0.1;
+/// Rows at most.
+const MOST_ROWS: f64 = 1e7;
+
+/// A file of a motion, as `simulate` reads it.
+#[derive(Serialize)]
+struct MotionFile {
+    frequency: f64,
+    ramp: f64,
+    centre: Vec<f64>,
+    limit: Vec<f64>,
+    cosine: Vec<Vec<f64>>,
+    sine: Vec<Vec<f64>>,
+}
+
+/// What was found and written.
+#[derive(Serialize)]
+struct Report {
+    file: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    motion: Option<PathBuf>,
+    rows: usize,
+    h: f64,
+    period: f64,
+    seed: u64,
+    /// Of the first motion that was tried.
+    condition_before: f64,
+    condition: f64,
+    joints: Vec<JointUse>,
+}
+
+/// How near to its limits a joint comes; limits that do not exist are null.
+#[derive(Serialize)]
+struct JointUse {
+    joint: String,
+    position: [f64; 2],
+    position_limits: [f64; 2],
+    velocity: f64,
+    velocity_limit: f64,
+    effort: f64,
+    effort_limit: Option<f64>,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { file, rows, h, period, condition_before, condition, joints, .. } = self;
+        writeln!(f, "{}: {rows} rows, one every {h} s, period {period} s", file.display())?;
+        writeln!(f, "condition number {condition:.1}, of the first motion {condition_before:.1}")?;
+        let width = joints.iter().map(|of| of.joint.chars().count()).max().unwrap_or(0).max(5);
+        writeln!(
+            f,
+            "{:width$} {:>34} {:>18} {:>18}",
+            "joint", "position (limits)", "velocity (limit)", "effort (limit)"
+        )?;
+        for of in joints {
+            let [[from, to], [least, most]] = [of.position, of.position_limits];
+            let position = format!("{from:.3} … {to:.3} ({least:.3} … {most:.3})");
+            let velocity = format!("{:.3} ({:.3})", of.velocity, of.velocity_limit);
+            let limit = of.effort_limit.map_or("none".to_owned(), |limit| format!("{limit:.1}"));
+            let effort = format!("{:.2} ({limit})", of.effort);
+            writeln!(f, "{:width$} {position:>34} {velocity:>18} {effort:>18}", of.joint)?;
+        }
+        Ok(())
+    }
+}
+
+impl Excite {
+    /// Searches and writes.
+    pub fn run(self, output: Output) -> Done {
+        replaceable(&self.output, FileKind::Log)?;
+        self.motion.iter().try_for_each(|path| replaceable(path, FileKind::Motion))?;
+        if self.period / self.h > MOST_ROWS {
+            return Err(Failure::Input(format!("--period over --h: more than {MOST_ROWS:e} rows")));
+        }
+        let tree = self.tree(output)?;
+        let limits: Vec<Limits> = (0..tree.coordinates()).map(|k| self.limits(&tree, k)).collect();
+        if self.motion.is_some() && limits.iter().any(|of| !of.effort.is_finite()) {
+            let what = "--motion has the largest forces in it, and the description has no effort for every joint; give --effort";
+            return Err(Failure::Input(what.to_owned()));
+        }
+        let found = excite(&tree, &limits, &self.search()).map_err(|error| self.failed(&error))?;
+        let rows = self.write(&found)?;
+        if let Some(path) = &self.motion {
+            let text = format!(
+                "{MOTION_HEAD}\n{}",
+                motion_text(&found, &limits).map_err(|error| Failure::file(path, error))?
+            );
+            atomic::write(path, text.as_bytes()).map_err(|error| Failure::file(path, error))?;
+        }
+        output.report(&self.report((&tree, &limits), &found, rows))
+    }
+
+    fn search(&self) -> Search {
+        let Self { period, harmonics, share, starts, trials, seed, .. } = *self;
+        Search {
+            period,
+            harmonics: harmonics.into(),
+            share,
+            starts: starts.into(),
+            trials: trials as usize,
+            seed,
+        }
+    }
+
+    fn tree(&self, output: Output) -> Result<Tree, Failure> {
+        let tree =
+            urdf::read(&self.urdf, Inertias::Optional).map_err(|error| Failure::input(&self.urdf, error))?;
+        let tree = self.mass.map_or_else(|| tree.clone(), |mass| tree.with_guessed_inertias(mass, RADIUS));
+        let massless = tree.bodies().iter().filter(|body| body.inertia.mass() == 0.0).count();
+        if massless > 0 {
+            output.note(&format!(
+                "note: {massless} of {} bodies have no mass in the description, so torques are not held to their limits; --mass guesses them",
+                tree.bodies().len()
+            ));
+        }
+        Ok(tree)
+    }
+
+    /// Those of the description, and of the options where it has none.
+    fn limits(&self, tree: &Tree, coordinate: usize) -> Limits {
+        let Limits { position, velocity, effort } = tree.limits(coordinate);
+        let or =
+            |limit: f64, given: Option<f64>| if limit.is_finite() { limit } else { given.unwrap_or(limit) };
+        let [from, to] = position;
+        let position = [-or(-from, self.position), or(to, self.position)];
+        Limits { position, velocity: or(velocity, self.velocity), effort: or(effort, self.effort) }
+    }
+
+    fn failed(&self, error: &ExcitationError) -> Failure {
+        match error {
+            ExcitationError::NoLimit { what, .. } => {
+                Failure::input(&self.urdf, format!("{error}; give one with --{what}"))
+            }
+            ExcitationError::NoRoom { .. } => Failure::input(&self.urdf, error),
+            ExcitationError::Search(_) => Failure::Input(error.to_string()),
+            _ => Failure::file(&self.urdf, error),
+        }
+    }
+
+    /// Writes the log of one period, and gives its rows.
+    fn write(&self, found: &Excitation) -> Result<usize, Failure> {
+        let rows = (self.period / self.h + 1e-9) as usize + 1;
+        let samples = found.series.samples(rows, self.h);
+        let n = samples.q.width();
+        let one = Trajectory { id: 0, t0: 0.0, q: samples.q, v: Some(samples.v), a: None, u: None };
+        let log = Dataset { n, h: self.h, control: None, trajectories: vec![one] };
+        data::write(&self.output, &log).map_err(written)?;
+        Ok(rows)
+    }
+
+    fn report(&self, (tree, limits): (&Tree, &[Limits]), found: &Excitation, rows: usize) -> Report {
+        let joint = |(k, (own, limits)): (usize, (&Use, &Limits))| JointUse {
+            joint: tree.coordinate_name(k).to_owned(),
+            position: own.position,
+            position_limits: limits.position,
+            velocity: own.velocity,
+            velocity_limit: limits.velocity,
+            effort: own.effort,
+            effort_limit: Some(limits.effort).filter(|effort| effort.is_finite()),
+        };
+        Report {
+            file: self.output.clone(),
+            motion: self.motion.clone(),
+            rows,
+            h: self.h,
+            period: self.period,
+            seed: self.seed,
+            condition_before: found.condition[0],
+            condition: found.condition[1],
+            joints: found.uses.iter().zip(limits).enumerate().map(joint).collect(),
+        }
+    }
+}
+
+fn motion_text(found: &Excitation, limits: &[Limits]) -> Result<String, toml::ser::Error> {
+    let Excitation { series, .. } = found;
+    let part = |part: usize| -> Vec<Vec<f64>> {
+        series.waves.iter().map(|waves| waves.iter().map(|wave| wave[part]).collect()).collect()
+    };
+    toml::to_string(&MotionFile {
+        frequency: series.frequency,
+        // It begins at rest by itself.
+        ramp: 0.0,
+        centre: series.centre.clone(),
+        limit: limits.iter().map(|of| of.effort).collect(),
+        cosine: part(0),
+        sine: part(1),
+    })
+}
