@@ -2,6 +2,7 @@
 
 use crate::architecture::{Architecture, ArmArchitecture};
 use crate::data::{Dataset, Rows, Trajectory};
+use crate::training;
 use crate::windows::Calibrated;
 use leastaction_arms::fit::{Arm, JointNumbers, SOFTNESS, mean_nmse, squared_errors, variances};
 use leastaction_arms::{Preparation, SampleError, Samples};
@@ -91,6 +92,12 @@ pub(crate) fn samples(
         }
     }
     all.ok_or(failure)
+}
+
+/// Those of all trajectories that are long enough, as a loss over single samples takes them.
+pub(crate) fn filtered(data: &Dataset, cut_off: f64) -> Result<training::Samples, SampleError> {
+    let own = samples(&data.trajectories, (data.h, data.control_kind()), cut_off)?;
+    Ok(training::Samples::of_torques(&own, data.h))
 }
 
 /// Torques at the samples: of those that are held between samples the mean of before and after.

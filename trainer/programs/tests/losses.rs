@@ -8,7 +8,9 @@ use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
 use leastaction_core::forces::{ControlKind, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Accelerations, Order};
-use leastaction_programs::energies::{Energies, RigidEnergies};
+use leastaction_programs::energies::{
+    DryLaw, Energies, FrictionLaws, RigidEnergies, WithFriction, WithOffsets,
+};
 use leastaction_programs::losses::{AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, TorqueLoss};
 use leastaction_programs::steps::RungeKutta;
 use leastaction_programs::{Row, System, WIDTH};
@@ -156,6 +158,38 @@ fn torques() {
         let model = model(n);
         let (system, weights) = (System::new(&model), weights(&model, 3));
         check_derivatives(&mut TorqueLoss::new(&system), &weights, &block(n, 5), 1e-6);
+    }
+}
+
+/// With friction that grows with the load, of drives whose torque is off, each coordinate in its unit.
+#[test]
+fn torques_of_drives_in_units_of_their_own() {
+    let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
+    let plain = RigidEnergies::new(vec![KINDS[0]; 3], (&[5], Activation::Tanh), INERTIA, false);
+    let of_network = plain.parameters();
+    let model = WithOffsets(WithFriction::new(plain, laws, 3, vec![0, 1, 2]).unwrap());
+    let mut stream = Pcg64::seed_from_u64(7);
+    let mut weights: Vec<f64> = (0..model.parameters()).map(|_| stream.random_range(-0.8..0.8)).collect();
+    weights[of_network..].iter_mut().for_each(|number| *number = number.abs() + 0.1);
+    let (system, block) = (System::new(&model), block(3, 5));
+    let units = [0.5, 2.0, 10.0];
+    let mut loss = TorqueLoss::new(&system).in_units(&units);
+    check_derivatives(&mut loss, &weights, &block, 1e-6);
+    let found = evaluate(&mut loss, &weights, &block);
+    for ((found, plain), unit) in
+        found.iter().zip(evaluate(&mut TorqueLoss::new(&system), &weights, &block)).zip(units)
+    {
+        assert!(found.0.iter().zip(&plain.0).all(|(found, plain)| (found * unit - plain).abs() < 1e-12));
+    }
+    // An offset is as good as the same torque in the log.
+    let (offsets, mut shifted) = (weights.len() - 3, block.clone());
+    for (row, offset) in shifted.controls[0].iter_mut().zip(&weights[offsets..]) {
+        row.0.iter_mut().for_each(|u| *u += offset);
+    }
+    let mut without = weights.clone();
+    without[offsets..].fill(0.0);
+    for (a, b) in found.iter().zip(evaluate(&mut loss, &without, &shifted)) {
+        assert!(a.0.iter().zip(&b.0).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 }
 

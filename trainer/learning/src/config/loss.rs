@@ -15,7 +15,7 @@ pub enum TrainingLoss {
     NextState,
     /// Positions over windows of many steps, each from a start state of its own ([`windows`](crate::windows)).
     Windows,
-    /// The torques of the drives of an arm, at filtered states.
+    /// The torques of the drives, at filtered states; of an arm its bodies one by one.
     Torque,
 }
 
@@ -27,13 +27,14 @@ impl TrainingLoss {
             Self::NextPosition => Some(LossKind::NextPosition),
             Self::Acceleration => Some(LossKind::Acceleration),
             Self::NextState => Some(LossKind::NextState),
-            Self::Windows | Self::Torque => None,
+            Self::Torque => Some(LossKind::Torque),
+            Self::Windows => None,
         }
     }
 
     /// Whether it reads logged velocities.
     pub fn reads_velocities(self) -> bool {
-        matches!(self, Self::Acceleration | Self::NextState)
+        matches!(self, Self::Acceleration | Self::NextState | Self::Torque)
     }
 
     /// Whether it is one of the DEL integrator.
@@ -49,6 +50,7 @@ impl From<LossKind> for TrainingLoss {
             LossKind::NextPosition => Self::NextPosition,
             LossKind::Acceleration => Self::Acceleration,
             LossKind::NextState => Self::NextState,
+            LossKind::Torque => Self::Torque,
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::architecture::{Architecture, Family};
 use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, Origin, ShapeError, TrainingConfig, TrainingLoss};
 use crate::data::{Dataset, Doubt, control_name};
-use crate::training::{Progress, SampleError};
+use crate::training::{LossKind, Progress, SampleError};
 use crate::windows::{self, CalibrationLayout, Integrator, TooShort, WindowLogs, first_guess};
 use leastaction_arms::fit::FitError;
 use leastaction_core::discrete::Order;
@@ -84,14 +84,12 @@ pub enum PlanError {
         /// Of the data.
         data: usize,
     },
-    /// An arm without torques.
+    /// A loss of torques without torques.
     #[error(
-        "an arm is learned from the torques of its drives, and the data has none (u is zero or missing); add them under [data.columns]"
+        "an arm, and whatever has loss = \"torque\", is learned from the torques of its drives, and the data has none (u is zero or missing); \
+         add them under [data.columns]"
     )]
     NoTorques,
-    /// Torques of another family.
-    #[error("[training] loss = \"torque\" is of family = \"arm\"; set another loss, or leave it out")]
-    Torque,
     /// An arm that cannot be fitted to the torques.
     #[error("{0}")]
     Fit(#[from] FitError),
@@ -198,11 +196,11 @@ impl Plan {
         let (data, mut notices) = prepared(data, &config, &architecture)?;
         let loss = choose_loss(&mut config, &architecture, &data, &mut notices);
         check_state_noise(&config.training, loss)?;
-        if loss == TrainingLoss::Torque && architecture.arm().is_none() {
-            return Err(PlanError::Torque);
-        }
         let training = split(&data, config.data.validation, &mut notices);
-        let (stages, windows) = match loss.of_samples() {
+        // Bodies of an arm are found one by one, before any stage.
+        let of_samples =
+            loss.of_samples().filter(|kind| *kind != LossKind::Torque || architecture.arm().is_none());
+        let (stages, windows) = match of_samples {
             Some(kind) => {
                 let parts = data.split(training);
                 let held_back = (!parts.1.trajectories.is_empty()).then_some(parts.1);

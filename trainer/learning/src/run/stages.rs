@@ -1,5 +1,6 @@
 //! The stages of a run, each with its loss.
 
+use super::TorqueError;
 use super::notice::Notice;
 use super::plan::{PlanError, is_forced};
 use crate::architecture::{
@@ -7,7 +8,8 @@ use crate::architecture::{
 };
 use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
-use crate::training::{LossKind, Objective, SampleError, Samples, free_states_objective, objective};
+use crate::torques::filtered;
+use crate::training::{LossKind, Objective, Samples, free_states_objective, objective};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
 use std::ops::Range;
 use std::sync::Arc;
@@ -213,8 +215,10 @@ fn kinds(
     (scale, fewer): (bool, bool),
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<(&'static str, LossKind)>, PlanError> {
-    if !scale && loss == LossKind::DelResidual {
-        return Err(PlanError::Unforced);
+    match loss {
+        LossKind::DelResidual if !scale => return Err(PlanError::Unforced),
+        LossKind::Torque if !scale => return Err(PlanError::NoTorques),
+        _ => (),
     }
     if !scale {
         notices.push(Notice::UnknownScale);
@@ -240,12 +244,13 @@ fn kinds(
 pub(super) const WARM_UP: &str = "warm-up";
 
 /// All samples that a loss is over.
-fn samples(data: &Dataset, kind: LossKind) -> Result<Samples, SampleError> {
-    match kind {
-        LossKind::Acceleration => Samples::accelerations(data),
-        LossKind::NextState => Samples::next_states(data),
-        LossKind::DelResidual | LossKind::NextPosition => Ok(Samples::triples(data)),
-    }
+fn samples(data: &Dataset, kind: LossKind, training: &TrainingConfig) -> Result<Samples, PlanError> {
+    Ok(match kind {
+        LossKind::Acceleration => Samples::accelerations(data)?,
+        LossKind::NextState => Samples::next_states(data)?,
+        LossKind::Torque => filtered(data, training.cut_off).map_err(TorqueError::from)?,
+        LossKind::DelResidual | LossKind::NextPosition => Samples::triples(data),
+    })
 }
 
 /// At logged states, or at free ones near them.
@@ -272,12 +277,12 @@ fn stage(
     let warm_up = name == WARM_UP;
     // At order 2 the DEL residual is explicit, and so finite whatever the initial weights.
     let order = if warm_up && kind != LossKind::NextPosition { 2 } else { training.order };
-    let mut own = samples(data, kind)?;
+    let mut own = samples(data, kind, training)?;
     if let Some(count) = enough.filter(|_| warm_up && kind == LossKind::NextPosition) {
         own = own.shuffled(0).range(0..count);
     }
     let build = |data: &Dataset, kind: LossKind, order: u8| -> Result<Box<dyn Objective>, PlanError> {
-        build_objective(architecture, samples(data, kind)?, (kind, order), training)
+        build_objective(architecture, samples(data, kind, training)?, (kind, order), training)
     };
     // The loss that follows a warm-up must be finite on the training trajectories.
     let judges = validation.filter(|_| !warm_up).unwrap_or(data);

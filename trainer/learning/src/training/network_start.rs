@@ -19,7 +19,7 @@ const ITERATIONS: [usize; 2] = [40, 60];
 const GOOD: f64 = 1e-7;
 
 /// What the motion of logs covers.
-pub(crate) struct Covered<'a> {
+pub struct Covered<'a> {
     /// Positions, \[samples\]\[n\], flat.
     pub q: &'a [f64],
     /// Root mean squares of velocities and accelerations of every coordinate.
@@ -34,7 +34,7 @@ pub(crate) struct Covered<'a> {
 ///
 /// # Errors
 /// Where a shape does not fit in itself.
-pub(crate) fn network_start(
+pub fn network_start(
     (architecture, initial): (&Architecture, Vec<f64>),
     (model, weights): (&Architecture, &[f64]),
     covered: &Covered,
@@ -45,8 +45,8 @@ pub(crate) fn network_start(
     let (system, model) = (system?.conservative(), model?.conservative());
     let n = architecture.n();
     let states = (EQUATIONS * own).div_ceil(n).clamp(STATES[0], STATES[1]);
-    let samples = states_like(covered, n, states);
-    let samples = with_torques(samples, (&mut TorqueLoss::new(&model), weights));
+    let mut samples = states_like(covered, n, states);
+    samples.controls[0] = inverse_dynamics(&model, weights, &samples);
     let fixed: Vec<usize> = (own..parameters).collect();
     let objective = |make: fn(&System) -> Box<dyn Loss>| {
         let (system, fixed) = (system.clone(), fixed.clone());
@@ -88,19 +88,35 @@ fn states_like(Covered { q, sizes }: &Covered, n: usize, count: usize) -> Sample
     Samples { n, states, controls: [vec![0.0; count * n], Vec::new(), Vec::new()], ..Samples::default() }
 }
 
-/// The same with the torques that a model takes there.
-fn with_torques(mut samples: Samples, (loss, weights): (&mut dyn Loss, &[f64])) -> Samples {
-    let (n, count) = (samples.n, samples.states[0].len() / samples.n);
-    let mut torques = vec![0.0; count * n];
+/// Passes at most until friction that grows with the torque is that of the torque itself: each leaves less than the largest c_load of the error.
+const PASSES: usize = 200;
+/// What is left then, beside 1 N m or N and the torque.
+const SETTLED: f64 = 1e-12;
+
+/// The torques that a model takes at states (q, v, v̇) of samples, \[samples\]\[n\], flat: τ = M v̇ + L_vq v − L_q − Q(q, v, τ). What the samples
+/// have as controls is not read.
+pub fn inverse_dynamics(model: &System, weights: &[f64], samples: &Samples) -> Vec<f64> {
+    let (n, count) = (model.n(), samples.len());
+    let (mut loss, mut torques) = (TorqueLoss::new(model), Vec::with_capacity(count * n));
     for start in (0..count).step_by(WIDTH) {
-        let range = start..(start + WIDTH).min(count);
+        let mut block = samples.block(start, &(start..count));
+        block.controls[0] = vec![Row::default(); n];
         let mut residual = vec![Row::default(); n];
-        let _failures =
-            loss.evaluate(weights, &samples.block(start, &range), &mut residual, Derivatives::None);
-        for (k, torque) in torques[n * range.start..n * range.end].iter_mut().enumerate() {
-            *torque = residual[k % n].0[k / n];
+        for _ in 0..PASSES {
+            let _not_finite = loss.evaluate(weights, &block, &mut residual, Derivatives::None);
+            for (torque, more) in block.controls[0].iter_mut().zip(&residual) {
+                torque.add_scaled(1.0, more);
+            }
+            if block.controls[0].iter().zip(&residual).all(|(torque, more)| is_settled(torque, more)) {
+                break;
+            }
         }
+        let samples = 0..WIDTH.min(count - start);
+        torques.extend(samples.flat_map(|k| block.controls[0].iter().map(move |row| row.0[k])));
     }
-    samples.controls[0] = torques;
-    samples
+    torques
+}
+
+fn is_settled(torque: &Row, change: &Row) -> bool {
+    torque.0.iter().zip(&change.0).all(|(torque, change)| change.abs() <= SETTLED * (1.0 + torque.abs()))
 }

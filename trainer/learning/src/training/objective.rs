@@ -6,6 +6,7 @@ use crate::architecture::Architecture;
 use leastaction_core::model::ModelError;
 use leastaction_programs::System;
 use leastaction_programs::dynamics::{Order, Rods};
+use leastaction_programs::energies::WithOffsets;
 use leastaction_programs::losses::{AccelerationLoss, DelLoss, Loss, NextStateLoss, RodsLoss, TorqueLoss};
 use leastaction_programs::steps::RungeKutta;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,17 @@ pub enum LossKind {
     Acceleration,
     /// Position and velocity after an explicit Runge–Kutta step from logged ones (L-NODE); without rods.
     NextState,
+    /// The torque that the motion takes, over its standard deviation in the samples (DeLaN); without rods.
+    Torque,
+}
+
+/// What a loss of torques minimises beside the plain residual.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TorqueTerms {
+    /// Units of the coordinates' residuals, N m or N; none: 1 of each.
+    pub units: Vec<f64>,
+    /// Whether offsets o of the drives, τ = u + o, are learned: they follow the weights of the model, N m or N.
+    pub offsets: bool,
 }
 
 impl LossKind {
@@ -126,7 +138,8 @@ pub fn objective(
     let (system, h) = (System::new(&*architecture.energies()?), samples.h);
     let rods = architecture.rods()?;
     check_rods(&system, &rods, kind)?;
-    of_architecture(architecture, samples, move || loss(kind, &system, &rods, (h, order)))
+    let units = if kind == LossKind::Torque { samples.torque_deviations() } else { Vec::new() };
+    of_architecture((architecture, 0), samples, move || loss(kind, &system, &rods, (h, order, &units)))
 }
 
 /// The objective of the torque that a motion takes by a model of this shape ([`TorqueLoss`]), over states with accelerations and
@@ -137,19 +150,24 @@ pub fn objective(
 pub fn torque_objective(
     architecture: &Architecture,
     samples: Samples,
+    TorqueTerms { units, offsets }: TorqueTerms,
 ) -> Result<Box<dyn Objective>, ModelError> {
-    let system = System::new(&*architecture.energies()?);
     architecture.check_without_rods("rods under the torque loss")?;
-    of_architecture(architecture, samples, move || Box::new(TorqueLoss::new(&system)))
+    let energies = architecture.energies()?;
+    let system = if offsets { System::new(&WithOffsets(energies)) } else { System::new(&*energies) };
+    let beside = if offsets { architecture.n() } else { 0 };
+    let make = move || -> Box<dyn Loss> { Box::new(TorqueLoss::new(&system).in_units(&units)) };
+    of_architecture((architecture, beside), samples, make)
 }
 
-/// That of a loss, in the numbers that the shape learns.
+/// That of a loss, in the numbers that the shape learns and so many beside them.
 fn of_architecture(
-    architecture: &Architecture,
+    (architecture, beside): (&Architecture, usize),
     samples: Samples,
     make: impl Fn() -> Box<dyn Loss> + Send + Sync + 'static,
 ) -> Result<Box<dyn Objective>, ModelError> {
-    let (place, own) = ((architecture.parameters()?, architecture.fixed_positions()), architecture.clone());
+    let place = (architecture.parameters()? + beside, architecture.fixed_positions());
+    let own = architecture.clone();
     let project = Box::new(move |weights: &mut [f64]| own.project(weights));
     let blocks = Blocks::new(make, place, samples, project);
     Ok(Box::new(blocks.with_bounds(architecture.bounds())))
@@ -172,6 +190,7 @@ fn check_rods(system: &System, rods: &Rods, kind: LossKind) -> Result<(), ModelE
         _ if rods.count() == 0 => Ok(()),
         LossKind::Acceleration => Ok(()),
         LossKind::NextState => refused("rods under the next-state loss"),
+        LossKind::Torque => refused("rods under the torque loss"),
         LossKind::DelResidual | LossKind::NextPosition if system.separable().is_none() => {
             refused("rods of energies that are not T(v) and V(q)")
         }
@@ -179,11 +198,12 @@ fn check_rods(system: &System, rods: &Rods, kind: LossKind) -> Result<(), ModelE
     }
 }
 
-fn loss(kind: LossKind, system: &System, rods: &Rods, (h, order): (f64, u8)) -> Box<dyn Loss> {
+fn loss(kind: LossKind, system: &System, rods: &Rods, (h, order, units): (f64, u8, &[f64])) -> Box<dyn Loss> {
     let next_position = kind == LossKind::NextPosition;
     let free = || DelLoss::new(system, h, order_of(order), next_position);
     match kind {
         LossKind::Acceleration => Box::new(AccelerationLoss::with_rods(system, rods.clone(), true)),
+        LossKind::Torque => Box::new(TorqueLoss::new(system).in_units(units)),
         LossKind::NextState => Box::new(NextStateLoss::new(system, h, RungeKutta::of_order(order))),
         LossKind::DelResidual | LossKind::NextPosition if rods.count() == 0 => Box::new(free()),
         LossKind::DelResidual | LossKind::NextPosition => {

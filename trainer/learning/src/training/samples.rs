@@ -25,12 +25,12 @@ pub struct Samples {
     pub n: usize,
     /// Step, s.
     pub h: f64,
-    /// Positions: (q₋, q, q₊) for the discrete losses; (q, v, v̇) for the acceleration loss; (q, v, q₊) for that of the
+    /// Positions: (q₋, q, q₊) for the discrete losses; (q, v, v̇) for those of accelerations and torques; (q, v, q₊) for that of the
     /// next state.
     pub states: [Vec<f64>; 3],
     /// Velocities after a step, v₊, for the loss of the next state; else empty.
     pub next_velocities: Vec<f64>,
-    /// Controls at the same times; for the acceleration loss the first is u, for that of the next state the first two are u and u₊.
+    /// Controls at the same times; for those of accelerations and torques the first is u, for that of the next state the first two are u and u₊.
     pub controls: [Vec<f64>; 3],
     /// What they do between these times.
     pub control: ControlKind,
@@ -86,6 +86,15 @@ impl Samples {
             }
         }
         Ok(samples)
+    }
+
+    /// Filtered states with the torques that they take, of a log of step h (s).
+    pub fn of_torques(filtered: &leastaction_arms::Samples, h: f64) -> Self {
+        let leastaction_arms::Samples { q, v, a, tau, .. } = filtered;
+        let flat = |rows: &Rows| rows.as_flat().to_vec();
+        let control = flat(tau);
+        let controls = [control.clone(), control.clone(), control];
+        Self { n: q.width(), h, states: [q, v, a].map(flat), controls, ..Self::default() }
     }
 
     /// Every two consecutive states, with the controls at both.
@@ -171,6 +180,17 @@ impl Samples {
     pub fn mean_square(&self) -> f64 {
         let [.., last] = &self.states;
         last.iter().map(|x| x * x).sum::<f64>() / last.len() as f64
+    }
+
+    /// Standard deviation of every coordinate's control, N m or N; 1 where it does not change.
+    pub fn torque_deviations(&self) -> Vec<f64> {
+        let count = self.len() as f64;
+        let of = |i: usize| self.controls[0].iter().skip(i).step_by(self.n.max(1));
+        let deviation = |i: usize| {
+            let mean = of(i).sum::<f64>() / count;
+            (of(i).map(|u| (u - mean) * (u - mean)).sum::<f64>() / count).sqrt()
+        };
+        (0..self.n).map(deviation).map(|deviation| if deviation > 0.0 { deviation } else { 1.0 }).collect()
     }
 
     /// How many.

@@ -1,15 +1,17 @@
 //! Arms from a robot description and torques: configurations, what is wrong with them, training, and the model file.
 
-use leastaction_arms::fit::{Arm, JointNumbers};
+use leastaction_arms::fit::{Arm, JointNumbers, SOFTNESS};
 use leastaction_arms::urdf::{Inertias, parse as parse_urdf};
 use leastaction_arms::{Inertia, Samples, Tree};
 use leastaction_core::forces::ControlKind;
-use leastaction_learning::architecture::Architecture;
+use leastaction_learning::architecture::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
 use leastaction_learning::config::{ARM_DEFAULTS, Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::model_file::{decode, encode, rust_source};
 use leastaction_learning::run::{Notice, Plan};
 use leastaction_learning::torques::torque_errors;
+use leastaction_learning::training::{Samples as States, inverse_dynamics};
+use leastaction_programs::System;
 use std::path::Path;
 
 const N: usize = 3;
@@ -188,6 +190,64 @@ fn known_bodies_stay_as_they_are_described() {
         assert_eq!(found.inertia, given.inertia);
     }
     assert!((tree.rotors[2] - 0.3).abs() < 0.02, "{:?}", tree.rotors);
+}
+
+/// A network of the same coordinates, with the friction of an arm, from the same filtered motion: from nothing, or from where the arm is.
+#[test]
+fn a_network_is_learned_from_the_same_torques() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &description(2.0));
+    let arm = Plan::new(config_of(folder.path(), LEARNED).unwrap(), &data()).unwrap().train().unwrap();
+    let file = encode(&arm.architecture, &arm.best.weights, None, "test").unwrap();
+    std::fs::write(folder.path().join("arm.postcard"), file).unwrap();
+    let plan = |start: &str, iterations: usize, data: &Dataset| {
+        let text = format!(
+            "[data]\nfile = \"d.npz\"\nvalidation = 0.3\n[model]\ncoordinates = [\"angle\", \"angle\", \"translation\"]\nhidden = [6]\n\
+             {start}\nfriction = {{ viscous = \"learned\", coulomb = \"learned\" }}\n[training]\nloss = \"torque\"\niterations = {iterations}\n"
+        );
+        let file = folder.path().join("network.toml");
+        std::fs::write(&file, text).unwrap();
+        Plan::new(Config::read(&file).unwrap(), data)
+    };
+    let loss = |start: &str, iterations: usize| {
+        let best = plan(start, iterations, &data()).unwrap().train().unwrap().best;
+        (best.train, best.validation.unwrap())
+    };
+    let (before, after, from_arm) = (loss("", 0), loss("", 5), loss("start_from = \"arm.postcard\"", 0));
+    assert!(after.0 < 0.5 * before.0 && after.1 < before.1, "{before:?} {after:?}");
+    assert!(from_arm.1 < 0.5 * before.1, "{before:?} {from_arm:?}");
+    let mut none = data();
+    none.trajectories.iter_mut().for_each(|trajectory| trajectory.u = None);
+    let error = plan("", 1, &none).err().unwrap().to_string();
+    assert!(error.contains("the data has none"), "{error}");
+}
+
+/// The programs' inverse dynamics are the arm's, with friction that grows with the torque that is asked for.
+#[test]
+fn networks_and_arms_take_torques_alike() {
+    let mut robot = robot();
+    for joint in &mut robot.joints {
+        (joint.load, joint.offset) = (0.3, 0.0);
+    }
+    let numbers =
+        |joint: &JointNumbers| [joint.coulomb, joint.load, SOFTNESS, joint.width].map(Number::known);
+    let friction = FrictionArchitecture {
+        viscous: robot.joints.iter().map(|joint| Number::known(joint.viscous)).collect(),
+        dry: robot.joints.iter().map(numbers).collect(),
+    };
+    let family =
+        ArmArchitecture::new(&robot.tree, |_| false, |k| Number::known(robot.tree.rotors[k])).unwrap();
+    let architecture = Architecture { friction, ..Architecture::from(family) };
+    let states: Vec<_> = (0..40).map(|k| motion(0, 0.1 * f64::from(k))).collect();
+    let [q, v, a] = [0, 1, 2].map(|part| Rows::from_rows(N, states.iter().map(|state| state[part])).unwrap());
+    let samples = Samples { t: Vec::new(), tau: q.clone(), q, v, a };
+    let system = System::new(&*architecture.energies().unwrap());
+    let found = inverse_dynamics(&system, &architecture.initial_weights(0), &States::of_torques(&samples, H));
+    let expected = robot.torques(&samples);
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(&expected) {
+        assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} {expected}");
+    }
 }
 
 /// The arm is learned first, then what it carries, all else being known.

@@ -7,7 +7,9 @@ use super::states::{dataset, smoothed};
 use crate::task::TaskError;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_learning::architecture::{Architecture, FrictionArchitecture, Number, RigidArchitecture};
-use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective, torque_objective};
+use leastaction_learning::training::{
+    Levenberg, LossKind, Objective, Samples, TorqueTerms, objective, torque_objective,
+};
 use leastaction_programs::System;
 use std::time::Instant;
 
@@ -65,7 +67,7 @@ impl Rival {
         }
         Ok(match self {
             Self::LNode => objective(network, samples, LossKind::NextState, 4)?,
-            Self::Delan => torque_objective(network, samples)?,
+            Self::Delan => torque_objective(network, samples, TorqueTerms::default())?,
         })
     }
 }

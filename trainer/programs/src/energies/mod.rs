@@ -7,6 +7,7 @@ mod graph;
 mod law_networks;
 mod modular;
 mod network;
+mod offsets;
 mod rigid;
 
 pub use arm::{ArmEnergies, ArmJoint};
@@ -16,6 +17,7 @@ pub use graph::GraphEnergies;
 pub use law_networks::{LawNetwork, WithNetworks};
 pub use modular::ModularEnergies;
 pub use network::Network;
+pub use offsets::WithOffsets;
 pub use rigid::RigidEnergies;
 
 use crate::builder::{Builder, Node};

@@ -5,24 +5,33 @@ use crate::row::Row;
 use crate::sparsity::Pattern;
 use crate::system::System;
 
-/// The torque that a motion takes by the model, less the logged one: M v̇ + L_vq v − L_q − Q(q, v, τ) − τ at logged (q, v, v̇) and τ.
+/// The torque that a motion takes by the model, less the logged one: M v̇ + L_vq v − L_q − Q(q, v, τ) − τ at logged (q, v, v̇) and τ, each
+/// coordinate's in a unit of its own.
 ///
 /// It divides by no inertia, so noise of v̇ is not amplified; but it stands beside the inertia, which it makes too small. Source:
 /// Lutter, Ritter and Peters, "Deep Lagrangian Networks", ICLR 2019.
 pub struct TorqueLoss {
-    n: usize,
+    /// One over the unit of every coordinate's torque, 1/(N m) or 1/N.
+    per_unit: Vec<f64>,
     pattern: Pattern,
     /// The equation of motion with the derivatives of its residual along one direction, and along n.
     motions: [(Program, Workspace); 2],
 }
 
 impl TorqueLoss {
-    /// That of a system without constraints.
+    /// That of a system without constraints, in N m or N.
     pub fn new(system: &System) -> Self {
         let n = system.n();
         let [one, all] = [1, n].map(|directions| system.equation_of_motion_with_residual(directions));
         let pattern = one.1;
-        Self { n, pattern, motions: [one.0, all.0].map(Program::with_workspace) }
+        Self { per_unit: vec![1.0; n], pattern, motions: [one.0, all.0].map(Program::with_workspace) }
+    }
+
+    /// The same in these units, N m or N, one a coordinate: light joints beside heavy ones count in theirs.
+    #[must_use]
+    pub fn in_units(mut self, units: &[f64]) -> Self {
+        self.per_unit.iter_mut().zip(units).for_each(|(per_unit, unit)| *per_unit = unit.recip());
+        self
     }
 
     /// M a − (L_q − L_vq v + Q + τ).
@@ -34,13 +43,14 @@ impl TorqueLoss {
                     residual.add_product(&workspace.output(1 + direction)[i], a);
                 }
             }
+            *residual = scaled(self.per_unit[i], residual);
         }
     }
 }
 
 impl Loss for TorqueLoss {
     fn components(&self) -> usize {
-        self.n
+        self.per_unit.len()
     }
 
     fn of_constant_velocity(&self, _: &Block) -> Option<Vec<Row>> {
@@ -54,7 +64,7 @@ impl Loss for TorqueLoss {
         residual: &mut [Row],
         derivatives: Derivatives,
     ) -> Failures {
-        let n = self.n;
+        let n = self.per_unit.len();
         let ([q, v, a], [tau, ..]) = (&block.states, &block.controls);
         let which = usize::from(matches!(derivatives, Derivatives::Jacobian(_)));
         let (program, workspace) = &mut self.motions[which];
@@ -64,15 +74,17 @@ impl Loss for TorqueLoss {
         failures.add_not_finite(residual);
         clear(&failures, residual);
         // The derivative of F − L_vq v − M a has the other sign.
-        let minus = |x: &Row| x.zip(x, |x, _| -x);
         let (directions, rows): (Vec<Vec<Row>>, &mut [Vec<Row>]) = match derivatives {
             Derivatives::None => return failures,
             Derivatives::Jacobian(rows) => {
-                let unit = |k: usize| (0..n).map(|i| Row::splat(-f64::from(u8::from(i == k)))).collect();
+                let unit = |k: usize| {
+                    (0..n).map(|i| Row::splat(if i == k { -self.per_unit[i] } else { 0.0 })).collect()
+                };
                 ((0..n).map(unit).collect(), rows)
             }
             Derivatives::Gradient(row) => {
-                (vec![residual.iter().map(minus).collect()], std::slice::from_mut(row))
+                let direction = self.per_unit.iter().zip(residual.iter()).map(|(c, r)| scaled(-c, r));
+                (vec![direction.collect()], std::slice::from_mut(row))
             }
         };
         if failures.all() {
@@ -91,4 +103,8 @@ impl Loss for TorqueLoss {
         program.run(weights, &inputs, workspace, rows);
         failures
     }
+}
+
+fn scaled(c: f64, x: &Row) -> Row {
+    x.zip(x, |x, _| c * x)
 }

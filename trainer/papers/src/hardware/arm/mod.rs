@@ -7,6 +7,7 @@
 //! of the mean squared error over the variance of the torque on the tested part.
 
 mod models;
+mod network;
 mod panda;
 
 pub use models::{MODELS, Model};
@@ -66,8 +67,8 @@ pub struct ArmOutcome {
     pub train_nmse: f64,
     /// Numbers that were learned.
     pub parameters: usize,
-    /// Of them what the samples alone determine.
-    pub rank: usize,
+    /// Of them what the samples alone determine, to 10⁻⁶ of the best determined; not of networks.
+    pub rank: Option<usize>,
     /// The least eigenvalue of a body's pseudo-inertia whose diagonal is scaled to 1: above 0 where all bodies can be. Only of bodies that are found.
     pub consistency: Option<f64>,
     /// Training time, s.

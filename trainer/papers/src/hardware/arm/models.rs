@@ -1,6 +1,7 @@
 //! The models of the table of an arm.
 
 use super::ArmData;
+use super::network::{from_bodies, from_nothing};
 use super::panda::panda;
 use crate::task::TaskError;
 use leastaction_arms::fit::{Bodies, Fitted, Learned as Numbers, fit, fit_by_folds, variances};
@@ -31,8 +32,8 @@ pub struct Learned {
     pub predict: Box<Predict>,
     /// Numbers that were learned.
     pub parameters: usize,
-    /// Of them what the samples alone determine.
-    pub rank: usize,
+    /// Of them what the samples alone determine; not of networks.
+    pub rank: Option<usize>,
     /// Of the bodies, where they are found one by one.
     pub consistency: Option<f64>,
 }
@@ -51,6 +52,17 @@ const WIDTH: f64 = 0.05;
 const RIGID: Terms = Terms { rotors: false, viscous: false, coulomb: None, offsets: false };
 const VISCOUS: Terms = Terms { viscous: true, ..RIGID };
 const COULOMB: Terms = Terms { rotors: true, viscous: true, coulomb: Some(WIDTH), offsets: true };
+/// Friction of constant size.
+pub(super) const WITHOUT_LOAD: Numbers = Numbers {
+    bodies: Bodies::Consistent,
+    known: Vec::new(),
+    rotors: true,
+    viscous: true,
+    coulomb: true,
+    load: false,
+    offsets: true,
+    width: [0.02, 1.0],
+};
 /// Of the whole arm (kg), from its data sheet, and of its links about their lines (m): the guess that is the prior where no inertia is known.
 const MASS: f64 = 18.0;
 const RADIUS: f64 = 0.1;
@@ -68,7 +80,7 @@ const LINEAR: Model = Model {
 };
 
 /// The rows of the table, in order.
-pub const MODELS: [Model; 6] = [
+pub const MODELS: [Model; 8] = [
     LINEAR,
     Model { name: "least squares, viscous", learn: |data| linear(data, VISCOUS), ..LINEAR },
     Model { name: "least squares, viscous + Coulomb", learn: |data| linear(data, COULOMB), ..LINEAR },
@@ -84,7 +96,7 @@ pub const MODELS: [Model; 6] = [
         name: "consistent bodies, Coulomb of constant size",
         is_ours: true,
         expected_seconds: 12.0,
-        learn: |data| consistent(data, Numbers { load: false, ..Numbers::default() }),
+        learn: |data| Ok(of_fit(consistent(data, &WITHOUT_LOAD)?)),
         ..LINEAR
     },
     Model {
@@ -92,7 +104,20 @@ pub const MODELS: [Model; 6] = [
         is_default: true,
         is_ours: true,
         expected_seconds: 12.0,
-        learn: |data| consistent(data, Numbers::default()),
+        learn: |data| Ok(of_fit(consistent(data, &Numbers::default())?)),
+    },
+    Model {
+        name: "network of energies (DeLaN), from nothing",
+        expected_seconds: 300.0,
+        learn: from_nothing,
+        ..LINEAR
+    },
+    Model {
+        name: "network of energies, from the consistent bodies",
+        is_ours: true,
+        expected_seconds: 300.0,
+        learn: from_bodies,
+        ..LINEAR
     },
 ];
 
@@ -106,21 +131,21 @@ fn linear(data: &ArmData, terms: Terms) -> Result<Learned, TaskError> {
     let deviations: Vec<f64> = variances(&data.train).iter().map(|variance| variance.sqrt()).collect();
     let solution = Design::new(&tree, &data.train, &terms).over(&deviations).solve();
     let solution = solution.ok_or("the samples have numbers that are not finite")?;
-    let (parameters, rank) = (solution.numbers.len(), solution.rank);
+    let (parameters, rank) = (solution.numbers.len(), Some(solution.rank));
     let predict = move |samples: &Samples| Design::new(&tree, samples, &terms).predict(&solution.numbers);
     Ok(Learned { predict: Box::new(predict), parameters, rank, consistency: None })
 }
 
-fn consistent(data: &ArmData, learned: Numbers) -> Result<Learned, TaskError> {
-    let (fitted, _) = fit_by_folds(&guess()?, &data.train, &learned, (&STRENGTHS, &data.folds()))?;
-    Ok(of_fit(fitted))
+/// Bodies that can be, the strength of whose prior parts of the samples choose.
+pub(super) fn consistent(data: &ArmData, learned: &Numbers) -> Result<Fitted, TaskError> {
+    Ok(fit_by_folds(&guess()?, &data.train, learned, (&STRENGTHS, &data.folds()))?.0)
 }
 
 fn of_fit(fitted: Fitted) -> Learned {
     let consistency = fitted.arm.tree.bodies().iter().map(|body| body.inertia.consistency());
     // NaN where a diagonal is not positive.
     let least = consistency.fold(f64::INFINITY, |least, x| if x < least || x.is_nan() { x } else { least });
-    let (parameters, rank, arm) = (fitted.parameters, fitted.rank, fitted.arm);
+    let (parameters, rank, arm) = (fitted.parameters, Some(fitted.rank), fitted.arm);
     let predict = move |samples: &Samples| arm.torques(samples);
     Learned { predict: Box::new(predict), parameters, rank, consistency: Some(least) }
 }

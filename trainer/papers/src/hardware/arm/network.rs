@@ -1,0 +1,145 @@
+//! Inertia matrix and potential of the arm from one network, with the friction and the offsets that the bodies have, by the loss of torques:
+//! the learned alternative to bodies (DeLaN: Lutter, Ritter and Peters 2019).
+
+use super::ArmData;
+use super::models::{Learned, WITHOUT_LOAD, consistent};
+use crate::task::TaskError;
+use leastaction_arms::Samples;
+use leastaction_arms::fit::{Arm, JointNumbers};
+use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_learning::architecture::{
+    Architecture, ArmArchitecture, FrictionArchitecture, Number, RigidArchitecture,
+};
+use leastaction_learning::training::{
+    Covered, Levenberg, Objective, Samples as States, TorqueTerms, inverse_dynamics, network_start,
+    torque_objective,
+};
+use leastaction_programs::System;
+use leastaction_programs::energies::WithOffsets;
+
+/// Units of both hidden layers.
+const WIDTH: u16 = 16;
+/// Of the unit matrix that keeps H positive definite, kg m².
+const EPSILON: f32 = 1e-4;
+/// Iterations of Levenberg–Marquardt at most.
+const ITERATIONS: usize = 25;
+/// λ of the penalty λ|θ|² on what is minimised, tried in turn; held-back motion chooses, and how many iterations.
+const DECAYS: [f64; 4] = [1e-4, 1e-3, 3e-3, 1e-2];
+/// The part of the motion that chooses.
+const HELD_BACK: usize = 0;
+/// Step of the samples, s; no loss of torques reads it.
+const STEP: f64 = 1e-3;
+/// Where friction begins that is not that of bodies.
+const FIRST: JointNumbers =
+    JointNumbers { rotor: 0.0, viscous: 0.1, coulomb: 0.1, load: 0.0, width: 0.05, offset: 0.0 };
+
+/// A network, and numbers to begin with: its weights, then the offsets of the drives.
+type Beginning = (Architecture, Vec<f64>);
+
+/// From random weights.
+pub(super) fn from_nothing(data: &ArmData) -> Result<Learned, TaskError> {
+    learn(data, |data| {
+        let joints = vec![FIRST; data.train.q.width()];
+        let network = network(&joints);
+        let weights = network.initial_weights(0);
+        Ok((network, with_offsets(weights, &joints)))
+    })
+}
+
+/// From weights whose inertia and potential are those of bodies fitted to the same samples, and from the friction and the offsets found with
+/// them.
+pub(super) fn from_bodies(data: &ArmData) -> Result<Learned, TaskError> {
+    learn(data, |data| {
+        let Arm { tree, joints } = consistent(data, &WITHOUT_LOAD)?.arm;
+        let network = network(&joints);
+        let bodies = ArmArchitecture::new(&tree, |_| false, |k| Number::known(tree.rotors[k]));
+        let bodies = bodies.ok_or("the arm is none of a model file")?;
+        let numbers = bodies.initial_weights();
+        let sizes = [&data.train.v, &data.train.a].map(root_mean_squares);
+        let covered = Covered { q: data.train.q.as_flat(), sizes };
+        let weights =
+            network_start((&network, network.initial_weights(0)), (&bodies.into(), &numbers), &covered)?;
+        Ok((network, with_offsets(weights, &joints)))
+    })
+}
+
+fn root_mean_squares(rows: &leastaction_learning::data::Rows) -> Vec<f64> {
+    let square = |i: usize| rows.iter().map(|row| row[i] * row[i]).sum::<f64>() / rows.len() as f64;
+    (0..rows.width()).map(|i| square(i).sqrt()).collect()
+}
+
+/// Its shape, with this friction to begin with.
+fn network(joints: &[JointNumbers]) -> Architecture {
+    let mut rigid = RigidArchitecture::new(&vec![Coordinate::Angle; joints.len()], WIDTH);
+    rigid.inertia = Inertia::Cholesky { epsilon: EPSILON };
+    let dry = |joint: &JointNumbers| {
+        let [constant, width] = [joint.coulomb, joint.width].map(Number::learned);
+        [constant, Number::known(0.0), Number::known(1.0), width]
+    };
+    let viscous = joints.iter().map(|joint| Number::learned(joint.viscous)).collect();
+    let friction = FrictionArchitecture { viscous, dry: joints.iter().map(dry).collect() };
+    Architecture { friction, ..Architecture::from(rigid) }
+}
+
+/// The weights, then what the drives add: a log that has τ + o is of τ = u − o.
+fn with_offsets(mut weights: Vec<f64>, joints: &[JointNumbers]) -> Vec<f64> {
+    weights.extend(joints.iter().map(|joint| -joint.offset));
+    weights
+}
+
+/// The penalty and the iterations that held-back motion asks for, then as many on all samples.
+fn learn(
+    data: &ArmData,
+    begin: impl Fn(&ArmData) -> Result<Beginning, TaskError>,
+) -> Result<Learned, TaskError> {
+    let units = States::of_torques(&data.train, STEP).torque_deviations();
+    let objective = |network: &Architecture, of: &Samples| {
+        let terms = TorqueTerms { units: units.clone(), offsets: true };
+        torque_objective(network, States::of_torques(of, STEP), terms)
+    };
+    let folds = data.folds();
+    let [part, held_back] =
+        [false, true].map(|is_held| data.train.selected(|k| (folds[k] == HELD_BACK) == is_held));
+    let (network, initial) = begin(&ArmData { train: part.clone(), ..data.clone() })?;
+    let choice = chosen(&initial, [&*objective(&network, &part)?, &*objective(&network, &held_back)?]);
+    let (network, initial) = begin(data)?;
+    let all = objective(&network, &data.train)?;
+    let weights = run(&*all, initial, choice.decay, choice.iterations, |_, _| ());
+    let system = System::new(&WithOffsets(network.energies()?));
+    Ok(Learned {
+        predict: Box::new(move |of| inverse_dynamics(&system, &weights, &States::of_torques(of, STEP))),
+        parameters: network.learned_parameters()? + network.n(),
+        rank: None,
+        consistency: None,
+    })
+}
+
+/// What held-back motion asks for.
+struct Choice {
+    loss: f64,
+    decay: f64,
+    iterations: usize,
+}
+
+fn chosen(initial: &[f64], [part, held_back]: [&dyn Objective; 2]) -> Choice {
+    let mut best = Choice { loss: held_back.loss(initial), decay: DECAYS[0], iterations: 0 };
+    for decay in DECAYS {
+        let _last = run(part, initial.to_vec(), decay, ITERATIONS, |iterations, state| {
+            let loss = held_back.loss(&state.weights);
+            if loss < best.loss {
+                best = Choice { loss, decay, iterations };
+            }
+        });
+    }
+    best
+}
+
+fn run(
+    objective: &dyn Objective,
+    initial: Vec<f64>,
+    decay: f64,
+    iterations: usize,
+    watch: impl FnMut(usize, &Levenberg),
+) -> Vec<f64> {
+    Levenberg::new(objective, initial).with_decay(decay).run(objective, iterations, watch).weights
+}
