@@ -79,6 +79,17 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
 }
 
 #[test]
+#[ignore = "a quarter of a minute"]
+fn the_arm_of_the_demo_follows_its_motion_better_than_pd() {
+    let report = Bench::new().run("demo arm -q --out demo --json").good().json();
+    assert!(report["torque_nmse"].as_f64().unwrap() < 0.01, "{report}");
+    let errors = |law: &str| report[law]["rms_error"].as_array().unwrap().clone();
+    for (ours, pd) in errors("computed_torque").iter().zip(errors("pd_gravity")) {
+        assert!(ours.as_f64().unwrap() < pd.as_f64().unwrap(), "{report}");
+    }
+}
+
+#[test]
 fn what_cannot_be_followed_is_said() {
     let bench = trained();
     let words = "simulate m.postcard --scenario track --plant m.postcard";

@@ -1,11 +1,12 @@
 //! `leastaction demo`.
 
+mod arm;
 mod portrait;
 
 use super::export::encoded;
 use super::simulate::{self, Motion, Plant, Request, Scenario, World, simulate};
 use super::{interrupt, train};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
 use leastaction::cli::{Done, Failure, Output, folder, written};
 use leastaction_learning::config::{Config, Coordinates, RigidConfig};
@@ -24,8 +25,14 @@ use std::time::Instant;
 /// Logs the motion of a cart-pole, learns its energies from positions and forces alone, exports the weights as a model
 /// file, and brings the pole upright in the firmware loop by a controller that knows nothing but the model. An earlier
 /// demo in the folder is replaced.
+///
+/// `demo arm` begins with the description of an arm of six joints and a log of its torques: bodies, rotors and friction are learned, and a
+/// motion is followed in the firmware loop by the model's inverse dynamics, beside PD with gravity compensation.
 #[derive(Args)]
 pub struct Demo {
+    /// What moves.
+    #[arg(value_enum, default_value_t = Machine::Cartpole)]
+    machine: Machine,
     /// The folder to write to.
     #[arg(long, default_value = "demo", value_name = "DIR")]
     out: PathBuf,
@@ -35,6 +42,15 @@ pub struct Demo {
     /// Show no progress.
     #[arg(short, long)]
     quiet: bool,
+}
+
+/// What there is a demo of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Machine {
+    /// A pole on a cart, force on the cart.
+    Cartpole,
+    /// Six joints, torques at all of them.
+    Arm,
 }
 
 const MECHANISM: Mechanism = Mechanism::Cartpole;
@@ -63,6 +79,11 @@ struct Report {
 impl Demo {
     /// Does it all.
     pub fn run(self, output: Output) -> Done {
+        self.check()?;
+        folder(&self.out)?;
+        if self.machine == Machine::Arm {
+            return arm::run(&self, output);
+        }
         let started = Instant::now();
         let report = self.steps(output, &started)?;
         output.report(&report)?;
@@ -71,9 +92,7 @@ impl Demo {
 
     fn steps(&self, output: Output, started: &Instant) -> Result<Report, Failure> {
         let at = |name: &str| self.out.join(name);
-        let say = |step: &str| output.note(&format!("{:5.1} s  {step}", started.elapsed().as_secs_f64()));
-        self.check()?;
-        folder(&self.out)?;
+        let say = |step: &str| say(output, started, step);
         self.write_config(&at(CONFIG))?;
         say("generate: a cart-pole under random forces");
         let samples = self.generate(&at("data.npz"))?;
@@ -95,7 +114,7 @@ impl Demo {
             motion: &Motion::default(),
             on: None,
         };
-        let swing_up = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;
+        let (swing_up, _) = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;
         Ok(Report {
             out: self.out.clone(),
             seconds: started.elapsed().as_secs_f64(),
@@ -147,6 +166,11 @@ impl Demo {
         }
         Ok(report)
     }
+}
+
+/// Tells which step begins.
+fn say(output: Output, started: &Instant, step: &str) {
+    output.note(&format!("{:5.1} s  {step}", started.elapsed().as_secs_f64()));
 }
 
 fn write_model(run: &Path, file: &Path, rust: &Path) -> Result<(HostModel, usize), Failure> {

@@ -28,7 +28,8 @@ use leastaction_learning::torque_numbers::torque_numbers;
 use leastaction_learning::torques::{TorqueErrors, torque_errors};
 use leastaction_learning::windows::Calibrated;
 use long_term::{Request, Scalable};
-use report::{Acceleration, Report, Steps, Torques};
+pub use report::Torques;
+use report::{Acceleration, Report, Steps};
 use std::path::{Path, PathBuf};
 
 /// Measure a model on logged motion.
@@ -363,7 +364,7 @@ enum Exact {
 }
 
 /// Errors of the torques of an arm, motion and torques filtered as training does by default.
-fn torques(model: &HostModel, log: &Dataset) -> Option<Torques> {
+pub fn torques(model: &HostModel, log: &Dataset) -> Option<Torques> {
     let calibrated = Calibrated::of_file(&model.facts.actuator, model.architecture.n()).ok();
     let of = (&model.architecture, &model.weights[..]);
     let cut_off = TrainingConfig::default().cut_off;

@@ -16,7 +16,7 @@ pub use remote::{Emulated, Target};
 pub use report::Report;
 pub use scenario::{Request, Scenario};
 pub use trace::{Row, Trace};
-pub use track::Motion;
+pub use track::{LawName, Motion};
 pub use world::World;
 
 use super::inspect::load;
@@ -149,7 +149,7 @@ impl Simulate {
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;
         replaceable(&files[1], FileKind::Picture)?;
-        let report = simulate(&self.model, &request, files)?;
+        let (report, _) = simulate(&self.model, &request, files)?;
         output.report(&report)?;
         report.judge()
     }
@@ -162,14 +162,18 @@ impl Simulate {
     }
 }
 
-/// Runs a scenario and writes its trace and its picture.
-pub fn simulate(file: &Path, request: &Request, [trace, picture]: [PathBuf; 2]) -> Result<Report, Failure> {
+/// Runs a scenario and writes its trace, which it returns, and its picture.
+pub fn simulate(
+    file: &Path,
+    request: &Request,
+    [trace, picture]: [PathBuf; 2],
+) -> Result<(Report, Trace), Failure> {
     let mut rows = Trace::default();
     let mut report = scenario::run(request, &mut rows).map_err(|failure| cut(failure, &rows, &trace))?;
     rows.write(&trace).map_err(|error| Failure::file(&trace, error))?;
     draw(&picture, request, &rows)?;
     (report.model, report.trace, report.picture) = (file.to_owned(), trace, picture);
-    Ok(report)
+    Ok((report, rows))
 }
 
 /// A run that did not come to its end: what there is of its trace is kept.

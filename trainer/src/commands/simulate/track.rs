@@ -73,6 +73,11 @@ const BEGIN: f32 = 0.1;
 const MEMORY: f32 = 0.05;
 
 impl Motion {
+    /// The motion of a file, a law, and ω of its feedback (rad/s).
+    pub fn along(file: PathBuf, law: LawName, bandwidth: f32) -> Self {
+        Self { trajectory: Some(file), law: Some(law), bandwidth: Some(bandwidth), damping: None }
+    }
+
     /// Refuses what means nothing where the motion is the scenario's own.
     pub fn check(&self, is_followed: bool) -> Result<(), Failure> {
         match (is_followed, &self.trajectory, self.is_tuned()) {
