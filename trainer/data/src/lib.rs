@@ -76,6 +76,7 @@ pub mod symo;
 mod table;
 mod time;
 
+use std::ops::Range;
 use std::path::Path;
 
 pub use columns::{Column, Columns, UNITS, unit};
@@ -117,6 +118,21 @@ impl Trajectory {
     #[must_use]
     pub fn samples(&self) -> usize {
         self.q.len()
+    }
+
+    /// Some consecutive samples of one that is sampled every h (s); those beyond the last are left out.
+    #[must_use]
+    pub fn part(&self, samples: Range<usize>, h: f64) -> Self {
+        let rows: Vec<usize> = samples.clone().collect();
+        let of = |field: &Rows| field.select(&rows);
+        Self {
+            id: self.id,
+            t0: self.t0 + samples.start as f64 * h,
+            q: of(&self.q),
+            v: self.v.as_ref().map(of),
+            a: self.a.as_ref().map(of),
+            u: self.u.as_ref().map(of),
+        }
     }
 
     /// The fields under their names in files.

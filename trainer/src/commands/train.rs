@@ -156,18 +156,12 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
 
 /// Reads the data that a configuration file names and prepares the losses, telling what should be known.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
-    let Chosen { config, data, notes, errors, tried } = choose(config).map_err(|error| match error {
+    let Chosen { config, data, notes, choices } = choose(config).map_err(|error| match error {
         ChoiceError::Data(error) => error.into(),
         ChoiceError::Plan(error) => Failure::input(file, error),
     })?;
     tell(&notes, output);
-    for (columns, error) in errors {
-        let columns = columns.join(", ");
-        output.note(&format!(
-            "note: with u = {columns} positions of held-back logs are {error:.2e} off (m, rad)"
-        ));
-    }
-    tried.iter().for_each(|tried| output.note(&format!("note: {tried}")));
+    choices.sentences().iter().for_each(|sentence| output.note(&format!("note: {sentence}")));
     let log = PathBuf::from(config.data.file.to_string());
     let plan = Plan::new(config, &data).map_err(|error| match error {
         PlanError::Data(_) => Failure::input(&log, error),

@@ -78,9 +78,9 @@ pub struct TrainingConfig {
     /// What is minimised; by default windows where the positions are noisy, else the next position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loss: Option<TrainingLoss>,
-    /// Length of a window, s.
-    #[serde(deserialize_with = "fields::limit")]
-    pub window: f64,
+    /// Length of a window, s; none: that of several by which held-back logs are predicted best.
+    #[serde(deserialize_with = "fields::some_limit", skip_serializing_if = "Option::is_none")]
+    pub window: Option<f64>,
     /// Part of a window that the next one has as well, in [0, 1); none: a half where windows are few.
     #[serde(deserialize_with = "fields::some_fraction", skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
@@ -152,7 +152,7 @@ impl Default for TrainingConfig {
     fn default() -> Self {
         Self {
             loss: None,
-            window: 0.5,
+            window: None,
             overlap: None,
             cut_off: 20.0,
             integrator: None,

@@ -73,6 +73,11 @@ impl ModelConfig {
         }
     }
 
+    /// Whether it is an arm.
+    pub(crate) fn is_arm(&self) -> bool {
+        matches!(self, Self::Arm(_))
+    }
+
     /// Whether training begins with trained weights.
     pub(crate) fn goes_on(&self) -> bool {
         match self {

@@ -1,17 +1,13 @@
 //! Which of several configurations predicts logs best that it has not seen.
 
+use super::held_back::{Learned, Trial};
+use super::lengths::{self, Lengths};
 use super::plan::{Plan, PlanError};
 use super::tried::{self, Tried};
-use crate::config::Config;
+use crate::config::{Config, TrainingLoss};
 use crate::data::{DataError, Dataset, Note};
 use std::path::PathBuf;
 use thiserror::Error;
-
-/// Parts that the logs are divided into: each is held back once.
-const FOLDS: usize = 4;
-
-/// Iterations of a stage at most: enough to tell which is better.
-const ITERATIONS: u64 = 12;
 
 /// A configuration with its data, the one of several that predicts held-back logs best.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,10 +18,34 @@ pub struct Chosen {
     pub data: Dataset,
     /// What was decided on reading, with the file.
     pub notes: Vec<(PathBuf, Note)>,
-    /// Where there were several: the columns of u of each, and how far off positions of held-back logs were, m or rad.
-    pub errors: Vec<(Vec<String>, f64)>,
+    /// What else was decided, by held-back logs.
+    pub choices: Choices,
+}
+
+/// How far off positions of held-back logs were, by which something was decided.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Choices {
+    /// Where there were several: the columns of u of each, m or rad.
+    pub columns: Vec<(Vec<String>, f64)>,
+    /// Lengths of windows, where the configuration names none.
+    pub lengths: Option<Lengths>,
     /// What networks that correct the model were worth, where they were tried.
-    pub tried: Option<Tried>,
+    pub networks: Option<Tried>,
+}
+
+impl Choices {
+    /// What there is to say, a sentence each.
+    pub fn sentences(&self) -> Vec<String> {
+        let of_columns = |(columns, error): &(Vec<String>, f64)| {
+            format!(
+                "with u = {} positions of held-back logs are {error:.2e} off (m, rad)",
+                columns.join(", ")
+            )
+        };
+        let columns = self.columns.iter().map(of_columns);
+        let lengths = self.lengths.iter().map(Lengths::to_string);
+        columns.chain(lengths).chain(self.networks.iter().map(Tried::to_string)).collect()
+    }
 }
 
 /// Why nothing could be chosen.
@@ -39,85 +59,73 @@ pub enum ChoiceError {
     Plan(#[from] PlanError),
 }
 
-/// Reads the log of a configuration. Where several columns may be u, or networks are tried, what is learned with each from parts of the
-/// logs predicts the others: the best is taken.
+/// Reads the log of a configuration. Where several columns may be u, windows may be of several lengths, or networks are tried, what is learned with
+/// each from parts of the logs predicts the others: the best is taken. Columns and lengths are those of simple physics, without the networks
+/// that correct it.
 ///
 /// # Errors
 /// [`ChoiceError`]: a log cannot be read, or a run with it cannot begin.
 pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
-    let mut chosen = choose_columns(config)?;
-    if chosen.config.training.try_networks {
-        let (model, tried) = tried::networks(&chosen.config, &chosen.data)?;
-        (chosen.config.model, chosen.tried) = (model, Some(tried));
+    let (mut chosen, learned) = choose_columns(config)?;
+    let Chosen { config, data, choices, .. } = &mut chosen;
+    let wants_length = config.training.window.is_none() && takes_lengths(config, data)?;
+    if !wants_length && !config.training.try_networks {
+        return Ok(chosen);
+    }
+    let (trial, simple) = (Trial::new(config, data), simple(config));
+    let mut learned = match learned {
+        None => trial.learn(&simple, None)?,
+        learned => learned,
+    };
+    if let Some(before) = learned.take_if(|_| wants_length) {
+        learned = match lengths::chosen(&simple, &trial, &before)? {
+            Some((lengths, learned)) => {
+                config.training.window = Some(lengths.chosen);
+                choices.lengths = Some(lengths);
+                Some(learned)
+            }
+            None => Some(before),
+        };
+    }
+    if config.training.try_networks {
+        let (model, tried) = tried::networks(config, &trial, learned)?;
+        (config.model, choices.networks) = (model, Some(tried));
     }
     Ok(chosen)
 }
 
-/// With the columns of u that are best.
-fn choose_columns(config: Config) -> Result<Chosen, ChoiceError> {
+/// The model without networks that correct it, unless they were trained before.
+fn simple(config: &Config) -> Config {
+    let alone = config.model.with_networks(false, false).filter(|_| !config.model.has_trained_networks());
+    Config { model: alone.unwrap_or_else(|| config.model.clone()), ..config.clone() }
+}
+
+/// Whether training is over windows. An arm's begins at a fit of torques, which would take longer than all else.
+fn takes_lengths(config: &Config, data: &Dataset) -> Result<bool, PlanError> {
+    Ok(Plan::loss(config, data)? == TrainingLoss::Windows && !config.model.is_arm())
+}
+
+/// With the columns of u that are best, and what was learned by them, where there were several.
+fn choose_columns(config: Config) -> Result<(Chosen, Option<Learned>), ChoiceError> {
     config.data.check_left_out()?;
     let candidates = config.data.alternatives();
     if candidates.len() < 2 {
         let (data, notes) = config.data.read()?;
-        return Ok(Chosen { config, data, notes, errors: Vec::new(), tried: None });
+        return Ok((Chosen { config, data, notes, choices: Choices::default() }, None));
     }
-    let (mut best, mut errors) = (None::<(f64, Chosen)>, Vec::new());
+    let (mut best, mut columns) = (None::<(f64, Chosen, Option<Learned>)>, Vec::new());
     for data in candidates {
         let config = Config { data, ..config.clone() };
         let (data, notes) = config.data.read()?;
-        let error = held_back_error(&config, &data)?.map_or(f64::INFINITY, f64::sqrt);
-        let columns = config.data.columns.iter().flat_map(|columns| &columns.columns.u);
-        errors.push((columns.map(|column| column.name.clone()).collect(), error));
-        if best.as_ref().is_none_or(|(least, _)| error < *least) {
-            best = Some((error, Chosen { config, data, notes, errors: Vec::new(), tried: None }));
+        let learned = Trial::new(&config, &data).learn(&simple(&config), None)?;
+        let error = learned.as_ref().map_or(f64::INFINITY, |learned| learned.held_back.error());
+        let own = config.data.columns.iter().flat_map(|columns| &columns.columns.u);
+        columns.push((own.map(|column| column.name.clone()).collect(), error));
+        if best.as_ref().is_none_or(|(least, ..)| error < *least) {
+            best = Some((error, Chosen { config, data, notes, choices: Choices::default() }, learned));
         }
     }
-    let (_, chosen) = best.ok_or(PlanError::NoColumns)?;
-    Ok(Chosen { errors, ..chosen })
-}
-
-/// The error of a configuration on logs that it did not learn from: every [`FOLDS`]-th is held back, then the ones after them, and so
-/// on; the geometric mean of the held-back losses. `None` where nothing is learned, or there is one log alone.
-///
-/// # Errors
-/// As [`Plan::new`].
-fn held_back_error(config: &Config, data: &Dataset) -> Result<Option<f64>, PlanError> {
-    let mut logarithms = 0.0;
-    let folds = folds(data);
-    for fold in 0..folds {
-        let plan = plan_of_fold(config, data, (fold, folds))?;
-        let Some(loss) = plan.train().and_then(|trained| trained.best.validation) else {
-            return Ok(None);
-        };
-        logarithms += loss.ln() / folds as f64;
-    }
-    Ok((folds > 0).then(|| logarithms.exp()))
-}
-
-/// Parts that logs are divided into; none of one log alone.
-pub(super) fn folds(data: &Dataset) -> usize {
-    let logs = data.trajectories.len();
-    if logs < 2 { 0 } else { FOLDS.min(logs) }
-}
-
-/// A few iterations on the logs but for one part of them, which judges.
-///
-/// # Errors
-/// As [`Plan::new`].
-pub(super) fn plan_of_fold(
-    config: &Config,
-    data: &Dataset,
-    (fold, folds): (usize, usize),
-) -> Result<Plan, PlanError> {
-    let (mut own, logs) = (config.clone(), data.trajectories.len());
-    own.training.overlap = Some(0.0);
-    let of = |held_back: bool| (0..logs).filter(move |k| (k % folds == fold) == held_back);
-    let order = of(false).chain(of(true)).map(|k| data.trajectories[k].clone());
-    let parted = Dataset { trajectories: order.collect(), ..data.clone() };
-    own.data.validation = of(true).count() as f64 / logs as f64;
-    let mut plan = Plan::new(own, &parted)?;
-    // What comes after the held-back logs have judged.
-    plan.stages.retain(|stage| stage.validation.is_some());
-    plan.stages.iter_mut().for_each(|stage| stage.iterations = stage.iterations.min(ITERATIONS));
-    Ok(plan)
+    let (_, mut chosen, learned) = best.ok_or(PlanError::NoColumns)?;
+    chosen.choices.columns = columns;
+    Ok((chosen, learned))
 }

@@ -11,13 +11,17 @@
 //! [`Notice::UnknownScale`] says.
 
 mod choose;
+mod ending;
 mod error;
 mod fingerprint;
 mod folder;
 #[cfg(test)]
 mod folder_tests;
+mod folds;
 #[cfg(test)]
 mod friction_tests;
+mod held_back;
+mod lengths;
 mod notice;
 mod origin;
 mod plan;
@@ -25,6 +29,8 @@ mod range;
 mod report;
 mod resume;
 mod ringing;
+#[cfg(test)]
+mod robots;
 mod stages;
 mod state;
 #[cfg(test)]
@@ -32,8 +38,11 @@ mod tests;
 mod torques;
 mod tried;
 
-pub use choose::{ChoiceError, Chosen, choose};
+pub use choose::{ChoiceError, Choices, Chosen, choose};
+pub use ending::Ending;
 pub use error::RunError;
+pub use folds::{Fold, folds};
+pub use lengths::Lengths;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};
 pub use resume::ResumeError;
@@ -45,8 +54,7 @@ use crate::checkpoint::{Best, Checkpoint, State};
 use crate::config::TrainingConfig;
 use crate::lock::Lock;
 use crate::parallel;
-use crate::report::ReportError;
-use crate::training::{Objective, Progress};
+use crate::training::Progress;
 use error::stuck;
 use folder::{Folder, History};
 use stages::Stage;
@@ -61,37 +69,6 @@ pub trait Monitor {
     fn row(&mut self, row: &Row);
     /// Something went wrong that training survives.
     fn warning(&mut self, message: &str);
-}
-
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// All iterations are done.
-    Iterations,
-    /// No step lowers the loss any more.
-    Converged,
-    /// The training loss is at its target.
-    Target,
-    /// The validation loss has not fallen for long.
-    Patience,
-    /// The time is over.
-    Time,
-    /// Stopped from outside.
-    Interrupted,
-}
-
-impl Ending {
-    /// In a word.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Iterations => "iterations",
-            Self::Converged => "converged",
-            Self::Target => "target",
-            Self::Patience => "patience",
-            Self::Time => "time",
-            Self::Interrupted => "interrupted",
-        }
-    }
 }
 
 /// A run, ready to train.
@@ -240,52 +217,6 @@ impl Run {
             monitor.warning(&format!("{}: {error}", self.folder.report().display()));
         }
         ending
-    }
-
-    /// What the best numbers are worth, where they were learned over windows.
-    fn write_report(&self) -> Result<(), ReportError> {
-        match within(self.pool.as_ref(), || report::html(&self.plan, &self.state))? {
-            Some(page) => Ok(crate::atomic::write(&self.folder.report(), page.as_bytes())?),
-            None => Ok(()),
-        }
-    }
-
-    /// In the last stage: how many training samples count as predicted by a constant velocity with the best weights, and how many
-    /// there are.
-    fn unsolved(&self) -> Option<(usize, usize)> {
-        let stage = self.stage().filter(|_| self.is_in_last_stage())?;
-        Some((self.unsolved_of(&*stage.objective), stage.objective.samples()))
-    }
-
-    fn is_in_last_stage(&self) -> bool {
-        self.state.stage + 1 == self.plan.stages.len()
-    }
-
-    fn unsolved_of(&self, objective: &dyn Objective) -> usize {
-        // Samples of another stage, or held back, have numbers of their own.
-        let weights = || objective.enter(self.state.best.weights.clone());
-        within(self.pool.as_ref(), || objective.solved(&weights()).unsolved)
-    }
-
-    /// What went wrong without an error.
-    fn say_what_was_not_learned(&self, unsolved: usize, monitor: &mut dyn Monitor) {
-        if self.state.iteration > 0 && self.state.best.iteration == 0 {
-            monitor.warning("nothing was learned: no iteration was better than the initial weights");
-        }
-        let Some(stage) = self.plan.stages.last() else { return };
-        let mut say = |unsolved: usize, name: &str, objective: &dyn Objective| {
-            if unsolved > 0 {
-                monitor.warning(&format!(
-                    "{unsolved} of {} {name} samples cannot be solved with the best weights: they count as predicted by a constant \
-                     velocity",
-                    objective.samples()
-                ));
-            }
-        };
-        say(unsolved, "training", &*stage.objective);
-        if let Some(validation) = &stage.validation {
-            say(self.unsolved_of(&**validation), "held-back", &**validation);
-        }
     }
 
     fn stage(&self) -> Option<&Stage> {

@@ -141,7 +141,7 @@ mod tests {
 
     fn over_windows() -> Config {
         let mut config = config();
-        (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), 0.2);
+        (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), Some(0.2));
         config
     }
 

@@ -1,6 +1,7 @@
 //! The stages of a run, each with its loss.
 
 use super::TorqueError;
+use super::lengths;
 use super::notice::Notice;
 use super::plan::{PlanError, is_forced};
 use crate::architecture::{
@@ -13,6 +14,33 @@ use crate::training::{LossKind, Objective, Samples, free_states_objective, objec
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
 use std::ops::Range;
 use std::sync::Arc;
+
+/// What stages are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scope {
+    /// A run, whose held-back trajectories judge every iteration and are learned from in the end.
+    Whole,
+    /// What tells which of several configurations is better.
+    Fold {
+        /// How many trajectories are learned from; the others judge the end.
+        training: usize,
+        /// Whether it goes on from other numbers than the initial ones, which need not be good then.
+        goes_on: bool,
+    },
+}
+
+impl Scope {
+    /// So many iterations, or what is enough to tell which is better.
+    fn iterations(self, iterations: u64) -> u64 {
+        match self {
+            Self::Whole => iterations,
+            Self::Fold { .. } => iterations.min(FOLD_ITERATIONS),
+        }
+    }
+}
+
+/// Iterations of a stage of a fold at most.
+const FOLD_ITERATIONS: u64 = 12;
 
 /// One part of a run.
 pub(super) struct Stage {
@@ -38,7 +66,7 @@ pub(super) struct Stage {
 /// # Errors
 /// Where the data does not show what the loss needs, or the calibration is to be learned.
 pub(super) fn of_samples(
-    config: &Config,
+    (config, scope): (&Config, Scope),
     kind: LossKind,
     architecture: &Architecture,
     parts: (&Dataset, Option<&Dataset>),
@@ -62,7 +90,10 @@ pub(super) fn of_samples(
     let shape = |name| if name == WARM_UP { &first } else { architecture };
     kinds
         .into_iter()
-        .map(|(name, kind)| stage((name, kind), &config.training, (shape(name), enough), parts))
+        .map(|(name, kind)| {
+            let stage = stage((name, kind), &config.training, (shape(name), enough), parts)?;
+            Ok(Stage { iterations: scope.iterations(stage.iterations), ..stage })
+        })
         .collect()
 }
 
@@ -114,8 +145,29 @@ impl Windowed {
     /// # Errors
     /// As [`WindowModel::new`] and [`WindowLoss::new`].
     pub fn loss(&self, architecture: &Architecture) -> Result<WindowLoss, PlanError> {
-        let all = 0..self.logs.count();
-        Ok(WindowLoss::new(WindowModel::new(architecture)?, &self.logs, all, self.settings)?)
+        self.loss_over(architecture, 0..self.logs.count(), self.settings)
+    }
+
+    /// That over windows of so many steps, side by side, of some logs.
+    ///
+    /// # Errors
+    /// As [`Windowed::loss`].
+    pub fn loss_of(
+        &self,
+        architecture: &Architecture,
+        of: Range<usize>,
+        steps: usize,
+    ) -> Result<WindowLoss, PlanError> {
+        self.loss_over(architecture, of, WindowSettings { steps, stride: steps, ..self.settings })
+    }
+
+    fn loss_over(
+        &self,
+        architecture: &Architecture,
+        of: Range<usize>,
+        settings: WindowSettings,
+    ) -> Result<WindowLoss, PlanError> {
+        Ok(WindowLoss::new(WindowModel::new(architecture)?, &self.logs, of, settings)?)
     }
 }
 
@@ -124,13 +176,14 @@ impl Windowed {
 /// # Errors
 /// Where no trajectory is as long as a window, or the optimiser does not know windows.
 pub(super) fn of_windows(
-    config: &Config,
+    (config, scope): (&Config, Scope),
     architecture: &Architecture,
     (data, training): (&Dataset, usize),
     notices: &mut Vec<Notice>,
 ) -> Result<(Vec<Stage>, Windowed), PlanError> {
-    let TrainingConfig { window, overlap, integrator, order, warm_up, iterations, optimiser, .. } =
-        config.training;
+    let TrainingConfig { overlap, integrator, order, warm_up, iterations, optimiser, .. } = config.training;
+    let window = config.training.window.unwrap_or_else(|| lengths::usual(data));
+    let [warm_up, iterations] = [warm_up, iterations].map(|iterations| scope.iterations(iterations));
     let integrator = integrator.unwrap_or_default();
     if optimiser != OptimiserKind::LevenbergMarquardt {
         return Err(PlanError::WindowOptimiser);
@@ -139,19 +192,19 @@ pub(super) fn of_windows(
         notices.push(Notice::UnknownScale);
     }
     let logs = Arc::new(WindowLogs::new(data));
-    let all = ((window / data.h).round() as usize).max(1);
+    let all = lengths::steps(window, data.h);
     let few = ((SHORT * all as f64).round() as usize).max(FEWEST_STEPS).min(all);
     // What is learned from torques is learned before.
     let of_torques = config.training.loss == Some(TrainingLoss::Torque);
     let iterations = if of_torques { 0 } else { iterations };
-    let mut lengths = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
+    let mut spans = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
     let corrections =
         Some(&architecture.corrections).filter(|own| !own.is_none() && !config.model.has_trained_networks());
     if corrections.is_some() {
-        lengths.push((NETWORKS, all, iterations));
+        spans.push((NETWORKS, all, iterations));
     }
     let warms_up = |steps: usize, iterations: u64| steps < all && iterations > 0 && !config.model.goes_on();
-    lengths
+    spans
         .retain(|(name, steps, iterations)| *name != WARM_UP || !of_torques && warms_up(*steps, *iterations));
     let [least, most] = SMOOTH_STEP;
     let longest_step =
@@ -168,7 +221,11 @@ pub(super) fn of_windows(
         Ok(WindowLoss::new(model, &logs, part, settings(steps))?)
     };
     let layout = CalibrationLayout::new(architecture.parameters()?, &logs, calibration);
-    let (count, held_back) = (logs.count(), training..logs.count());
+    let count = logs.count();
+    let held_back = match scope {
+        Scope::Whole => training..count,
+        Scope::Fold { .. } => count..count,
+    };
     let stage = |(name, steps, iterations), of: Range<usize>, judges: Range<usize>| {
         // Simple physics first.
         let with_networks = corrections.is_none() || name == NETWORKS || name == ALL_LOGS;
@@ -187,8 +244,8 @@ pub(super) fn of_windows(
         })
     };
     let mut stages = Vec::new();
-    for length in lengths {
-        stages.push(stage(length, 0..training, held_back.clone())?);
+    for span in spans {
+        stages.push(stage(span, 0..training, held_back.clone())?);
     }
     if !held_back.is_empty() && !of_torques {
         // What the held-back logs had to say of the model they have said; now they are learned from as well.

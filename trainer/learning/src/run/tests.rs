@@ -356,7 +356,7 @@ fn noisy_states_are_learned_beside_the_weights_and_not_kept() {
 #[test]
 fn networks_that_correct_come_after_the_model_alone() {
     let mut config = config();
-    (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), 0.2);
+    (config.training.loss, config.training.window) = (Some(TrainingLoss::Windows), Some(0.2));
     config.model = config.model.with_networks(true, true).unwrap();
     let plan = Plan::new(config, &data(6, true)).unwrap();
     let names: Vec<_> = plan.stages.iter().map(|stage| stage.name).collect();

@@ -1,4 +1,5 @@
 mod fitted;
+mod states;
 
 use super::calibration::{CalibrationLayout, Prior};
 use super::logs::{TooShort, Window, WindowLogs};
@@ -9,17 +10,10 @@ use super::scales::Amounts;
 use super::starts;
 use crate::parallel::{self, Pool};
 use crate::training::{Bounds, ChunkRows, Failed, NormalEquations, Residuals};
-use leastaction_programs::steps::{State, Steps};
+use leastaction_programs::steps::Steps;
 use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Steps of a new start state, from the guess of a parabola, at most.
-const FIRST_STEPS: usize = 8;
-/// Parts of a window that new start states are found over before they are found over all of it.
-const GROWING: [f64; 2] = [0.25, 0.5];
-/// Steps of such a part at least.
-const FEWEST_STEPS: usize = 5;
 
 /// What an iteration must lower the loss by, as a part of it, for another one.
 const LEAST_TOLERANCE: f64 = 1e-6;
@@ -133,13 +127,6 @@ impl WindowLoss {
         }
     }
 
-    /// Their start states.
-    fn starts(&self, weights: &[f64], first: usize) -> State {
-        let last = self.windows.len() - 1;
-        let of = |lane: usize, i: usize| weights[self.start((first + lane).min(last))][i];
-        (0..2 * self.n()).map(|i| Row(std::array::from_fn(|lane| of(lane, i)))).collect()
-    }
-
     /// What `work` makes of all windows, so many side by side, in their order.
     fn of_blocks<T: Send>(&self, work: impl Fn(usize, usize, &mut dyn Steps) -> T + Sync) -> Vec<T> {
         parallel::map(self.windows.len().div_ceil(WIDTH), &|block| {
@@ -147,16 +134,6 @@ impl WindowLoss {
             let count = (self.windows.len() - first).min(WIDTH);
             self.steppers.with(|stepper| work(first, count, &mut **stepper))
         })
-    }
-
-    /// Replaces the start states of all windows by those of their blocks.
-    fn set_starts<'s>(&self, weights: &mut [f64], blocks: impl Iterator<Item = &'s State>) {
-        for (block, starts) in blocks.enumerate() {
-            for window in (block * WIDTH..self.windows.len()).take(WIDTH) {
-                let place = &mut weights[self.start(window)];
-                place.iter_mut().zip(starts).for_each(|(place, row)| *place = row.0[window % WIDTH]);
-            }
-        }
     }
 
     /// Sets s of every coordinate by the residuals.
@@ -180,14 +157,6 @@ impl WindowLoss {
             let own = amounts.scale() * weights[first + i];
             weights[first + i] = own.max(self.noise[i]).max(f64::EPSILON * self.motion[i]);
         }
-    }
-
-    /// Steps of the parts of windows that start states are found over, one after the other, the whole at last: over a short part even a
-    /// rough guess leads to the best.
-    fn growing(&self) -> impl Iterator<Item = usize> {
-        let parts = GROWING.map(|part| self.pace.whole((part * self.steps as f64) as usize));
-        let all = self.steps;
-        parts.into_iter().filter(move |steps| (FEWEST_STEPS..all).contains(steps)).chain([all])
     }
 
     /// The mean square that a unit of the loss is, (m, rad)²: the geometric mean over coordinates.
@@ -298,29 +267,8 @@ impl Residuals for WindowLoss {
         }
     }
 
-    fn enter(&self, mut weights: Vec<f64>) -> Vec<f64> {
-        let n = self.n();
-        weights.truncate(self.layout.end());
-        if weights.len() < self.layout.end() {
-            let known = weights.len().saturating_sub(self.layout.start);
-            weights.extend(self.layout.initial().into_iter().skip(known));
-        }
-        weights.extend(&self.motion);
-        for window in &self.windows {
-            let guess: Vec<[f64; 2]> = (0..n).map(|i| self.logs.guess(*window, self.steps, i)).collect();
-            let zero = |i: usize| weights[self.layout.zero(window.log, i)];
-            let start: Vec<f64> = (0..n).map(|i| guess[i][0] - zero(i)).collect();
-            weights.extend(start);
-            weights.extend(guess.iter().map(|[_, slope]| slope));
-        }
-        for steps in self.growing() {
-            let solved = self.of_blocks(|first, _, stepper| {
-                let lanes = Lanes { steps, ..self.lanes(&weights, first) };
-                starts::solved(&lanes, stepper, &self.starts(&weights, first), FIRST_STEPS)
-            });
-            self.set_starts(&mut weights, solved.iter());
-        }
-        weights
+    fn enter(&self, weights: Vec<f64>) -> Vec<f64> {
+        self.with_best_starts(self.with_guessed_starts(weights))
     }
 
     fn settle(&self, weights: &mut [f64]) -> bool {
@@ -340,23 +288,10 @@ impl Residuals for WindowLoss {
         if loss.is_finite() { loss } else { f64::INFINITY }
     }
 
-    /// The geometric mean over windows of the mean square error of positions, (m, rad)², each with its best start state; no less than the
-    /// sensor's noise.
+    /// The geometric mean over windows of [`WindowLoss::held_back_errors`].
     fn held_back_loss(&self, weights: &[f64]) -> Option<f64> {
-        let weights = self.enter(weights[..self.layout.end().min(weights.len())].to_vec());
-        let (n, scales) = (self.n(), self.scales(&weights).to_vec());
-        let floor: f64 = self.noise.iter().map(|noise| noise * noise).sum::<f64>() / n as f64;
-        let logarithms = self.of_blocks(|first, count, stepper| {
-            let starts = self.starts(&weights, first);
-            let (residuals, _) = self.lanes(&weights, first).residuals(stepper, &starts);
-            let mean = |lane: usize| -> f64 {
-                let squares =
-                    residuals.iter().enumerate().map(|(k, row)| (scales[k % n] * row.0[lane]).powi(2));
-                squares.sum::<f64>() / residuals.len() as f64
-            };
-            (0..count).map(|lane| (mean(lane) + floor).ln()).sum::<f64>()
-        });
-        Some((logarithms.into_iter().sum::<f64>() / self.windows.len() as f64).exp())
+        let logarithms: f64 = self.held_back_errors(weights).iter().map(|(_, logarithm)| logarithm).sum();
+        Some((logarithms / self.windows.len() as f64).exp())
     }
 
     fn is_of_many_units(&self) -> bool {

@@ -96,11 +96,8 @@ fn train(text: &str, training: &Training, folder: &Path) -> Result<Fitted, TaskE
         config.training.iterations = config.training.iterations.min(QUICK);
     }
     let clock = Instant::now();
-    let Chosen { config, data, errors, tried, .. } = choose(config)?;
-    for (columns, error) in errors {
-        (training.tell)(&format!("{}: held-back logs {error:.2e} rad off", columns.join(", ")));
-    }
-    tried.iter().for_each(|tried| (training.tell)(&tried.to_string()));
+    let Chosen { config, data, choices, .. } = choose(config)?;
+    choices.sentences().iter().for_each(|sentence| (training.tell)(sentence));
     let is_commanded = is_commanded(&config, training)?;
     let plan = Plan::new(config, &data)?;
     let (parameters, folder) = (plan.learned_parameters(), folder.join("run"));

@@ -7,6 +7,7 @@ use leastaction_core::model::ModelError;
 use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::data::{Dataset, Trajectory};
+use leastaction_learning::run::{Fold, folds};
 use leastaction_learning::training::{Levenberg, Objective};
 use leastaction_learning::windows::{
     Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings, first_guess,
@@ -18,8 +19,6 @@ use std::sync::Arc;
 const SHORT: usize = 7;
 /// A Runge–Kutta step of order 4 at most, s: its error is far below the noise.
 const LONGEST_STEP: f64 = 0.025;
-/// Parts of the trajectories, each of which judges once what is learned from the others.
-const FOLDS: usize = 4;
 /// Units of the hidden layer to choose from; without one, potential and the factor of the inertia are linear in what the network sees.
 const WIDTHS: [&[u16]; 2] = [&[], &[40]];
 /// Penalties on the weights of a hidden layer to choose from.
@@ -85,18 +84,14 @@ impl Case {
         data: &Dataset,
         watch: &mut dyn FnMut(usize, f64),
     ) -> Result<f64, CaseError> {
-        let (count, folds) = (data.trajectories.len(), FOLDS.min(data.trajectories.len()));
-        let judges = (count / folds.max(1)).min(count.saturating_sub(1)).max(1);
+        let folds = folds(data);
         let mut logarithms = 0.0;
-        for fold in 0..folds {
-            let mut rotated = data.clone();
-            rotated.trajectories.rotate_left(judges * fold);
-            let split = count - judges;
-            let weights = self.over_windows(recipe, &rotated, 0..split, watch)?;
-            let judge = windows(recipe, &rotated, split..count, whole(&rotated))?;
+        for Fold { data, training } in &folds {
+            let weights = self.over_windows(recipe, data, 0..*training, watch)?;
+            let judge = windows(recipe, data, *training..data.trajectories.len(), whole(data))?;
             logarithms += Objective::held_back_loss(&judge, &weights).ln();
         }
-        Ok((logarithms / folds as f64).exp())
+        Ok((logarithms / folds.len() as f64).exp())
     }
 
     /// The weights that are best over windows of some of the trajectories.

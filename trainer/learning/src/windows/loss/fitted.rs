@@ -2,6 +2,7 @@
 
 use super::WindowLoss;
 use crate::parallel;
+use crate::training::Residuals;
 use crate::windows::logs::Window;
 use leastaction_programs::WIDTH;
 use std::ops::Range;
@@ -16,6 +17,25 @@ impl WindowLoss {
             start..first
         };
         self.windows.chunk_by(|a, b| a.log == b.log).map(of).collect()
+    }
+
+    /// Of every window its log and the logarithm of the mean square error of positions, (m, rad)², from its best start state; no less than
+    /// of the sensor's noise.
+    pub fn held_back_errors(&self, weights: &[f64]) -> Vec<(usize, f64)> {
+        let weights = self.enter(weights[..self.layout.end().min(weights.len())].to_vec());
+        let (n, scales) = (self.n(), self.scales(&weights).to_vec());
+        let floor: f64 = self.noise.iter().map(|noise| noise * noise).sum::<f64>() / n as f64;
+        let logarithms = self.of_blocks(|first, count, stepper| {
+            let starts = self.starts(&weights, first);
+            let (residuals, _) = self.lanes(&weights, first).residuals(stepper, &starts);
+            let mean = |lane: usize| -> f64 {
+                let squares =
+                    residuals.iter().enumerate().map(|(k, row)| (scales[k % n] * row.0[lane]).powi(2));
+                squares.sum::<f64>() / residuals.len() as f64
+            };
+            (0..count).map(|lane| (mean(lane) + floor).ln()).collect::<Vec<f64>>()
+        });
+        self.windows.iter().map(|window| window.log).zip(logarithms.into_iter().flatten()).collect()
     }
 
     /// Positions of the shared numbers that are varied.

@@ -1,0 +1,84 @@
+//! How a run ends, and what is said and written then.
+
+use super::{Monitor, Run, report, within};
+use crate::report::ReportError;
+use crate::training::Objective;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// All iterations are done.
+    Iterations,
+    /// No step lowers the loss any more.
+    Converged,
+    /// The training loss is at its target.
+    Target,
+    /// The validation loss has not fallen for long.
+    Patience,
+    /// The time is over.
+    Time,
+    /// Stopped from outside.
+    Interrupted,
+}
+
+impl Ending {
+    /// In a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Iterations => "iterations",
+            Self::Converged => "converged",
+            Self::Target => "target",
+            Self::Patience => "patience",
+            Self::Time => "time",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+impl Run {
+    /// What the best numbers are worth, where they were learned over windows.
+    pub(super) fn write_report(&self) -> Result<(), ReportError> {
+        match within(self.pool.as_ref(), || report::html(&self.plan, &self.state))? {
+            Some(page) => Ok(crate::atomic::write(&self.folder.report(), page.as_bytes())?),
+            None => Ok(()),
+        }
+    }
+
+    /// In the last stage: how many training samples count as predicted by a constant velocity with the best weights, and how many
+    /// there are.
+    pub(super) fn unsolved(&self) -> Option<(usize, usize)> {
+        let stage = self.stage().filter(|_| self.is_in_last_stage())?;
+        Some((self.unsolved_of(&*stage.objective), stage.objective.samples()))
+    }
+
+    pub(super) fn is_in_last_stage(&self) -> bool {
+        self.state.stage + 1 == self.plan.stages.len()
+    }
+
+    fn unsolved_of(&self, objective: &dyn Objective) -> usize {
+        // Samples of another stage, or held back, have numbers of their own.
+        let weights = || objective.enter(self.state.best.weights.clone());
+        within(self.pool.as_ref(), || objective.solved(&weights()).unsolved)
+    }
+
+    /// What went wrong without an error.
+    pub(super) fn say_what_was_not_learned(&self, unsolved: usize, monitor: &mut dyn Monitor) {
+        if self.state.iteration > 0 && self.state.best.iteration == 0 {
+            monitor.warning("nothing was learned: no iteration was better than the initial weights");
+        }
+        let Some(stage) = self.plan.stages.last() else { return };
+        let mut say = |unsolved: usize, name: &str, objective: &dyn Objective| {
+            if unsolved > 0 {
+                monitor.warning(&format!(
+                    "{unsolved} of {} {name} samples cannot be solved with the best weights: they count as predicted by a constant \
+                     velocity",
+                    objective.samples()
+                ));
+            }
+        };
+        say(unsolved, "training", &*stage.objective);
+        if let Some(validation) = &stage.validation {
+            say(self.unsolved_of(&**validation), "held-back", &**validation);
+        }
+    }
+}

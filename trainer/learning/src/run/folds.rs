@@ -1,0 +1,105 @@
+//! Logs divided into parts, each of which is held back once.
+
+use crate::data::{Dataset, Trajectory};
+
+/// Parts at most.
+const FOLDS: usize = 4;
+/// Windows of the longest length that tell which configuration is better: longer logs are not tried whole.
+const ENOUGH: usize = 120;
+/// Windows of the longest length in a piece of a log, at most, and pieces that fewer logs are cut into, at least.
+const PIECE: usize = 8;
+const PIECES: usize = 2 * FOLDS;
+
+/// Trajectories to learn from, and behind them those that are held back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fold {
+    /// All of them.
+    pub data: Dataset,
+    /// How many are learned from.
+    pub training: usize,
+}
+
+/// Trajectories divided into four parts, or as many as there are; in the k-th fold every fourth trajectory is held back, from the k-th on, so
+/// that each is held back once. None of a single trajectory.
+pub fn folds(data: &Dataset) -> Vec<Fold> {
+    let count = data.trajectories.len();
+    let parts = if count < 2 { 0 } else { FOLDS.min(count) };
+    let fold = |part: usize| {
+        let (held_back, own): (Vec<usize>, Vec<usize>) = (0..count).partition(|k| k % parts == part);
+        let training = own.len();
+        let trajectories = own.into_iter().chain(held_back).map(|k| data.trajectories[k].clone()).collect();
+        Fold { data: Dataset { trajectories, ..*data }, training }
+    };
+    (0..parts).map(fold).collect()
+}
+
+/// As much of the data as tells which of several configurations is better, in at least as many trajectories as there are folds: pieces of
+/// trajectories that are few or long, from all over them; `longest` is how many samples a window has at most.
+pub(super) fn excerpt(data: &Dataset, longest: usize) -> Dataset {
+    let samples: usize = data.trajectories.iter().map(Trajectory::samples).sum();
+    if data.trajectories.len() >= FOLDS && samples <= ENOUGH * longest {
+        return data.clone();
+    }
+    let piece = (PIECE * longest).min(samples / PIECES).max(1);
+    let pieces: Vec<Trajectory> = data.trajectories.iter().flat_map(|log| cut(log, piece, data.h)).collect();
+    let enough = (ENOUGH * longest / piece).max(PIECES);
+    let every = pieces.len().div_ceil(enough).max(1);
+    let of = |(k, piece): (usize, Trajectory)| Trajectory { id: k as i64, ..piece };
+    let trajectories = pieces.into_iter().step_by(every).enumerate().map(of).collect();
+    Dataset { trajectories, ..*data }
+}
+
+/// Pieces of a trajectory, each of about so many samples.
+fn cut(trajectory: &Trajectory, piece: usize, h: f64) -> Vec<Trajectory> {
+    let samples = trajectory.samples();
+    let count = (samples / piece).max(1);
+    let at = |k: usize| k * samples / count;
+    (0..count).map(|k| trajectory.part(at(k)..at(k + 1), h)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Rows;
+
+    fn data(samples: &[usize]) -> Dataset {
+        let trajectory = |(k, samples): (usize, &usize)| {
+            let q: Vec<[f64; 1]> = (0..*samples).map(|sample| [(1000 * k + sample) as f64]).collect();
+            Trajectory { id: k as i64, t0: 1.0, q: Rows::from_arrays(&q), v: None, a: None, u: None }
+        };
+        let trajectories = samples.iter().enumerate().map(trajectory).collect();
+        Dataset { n: 1, h: 0.5, control: None, trajectories }
+    }
+
+    #[test]
+    fn every_trajectory_is_held_back_once() {
+        for count in [2, 4, 7] {
+            let all = data(&vec![3; count]);
+            let folds = folds(&all);
+            assert_eq!(folds.len(), count.min(FOLDS));
+            let mut held_back = Vec::new();
+            for Fold { data, training } in &folds {
+                assert_eq!(data.trajectories.len(), count);
+                assert!(*training > 0);
+                held_back.extend(data.trajectories[*training..].iter().map(|own| own.id));
+            }
+            held_back.sort_unstable();
+            assert!(held_back.into_iter().eq(0..count as i64));
+        }
+        assert_eq!(folds(&data(&[3])), []);
+    }
+
+    #[test]
+    fn few_or_long_logs_are_tried_in_pieces_from_all_over_them() {
+        let short = data(&[50; 6]);
+        assert_eq!(excerpt(&short, 10), short);
+        let one = excerpt(&data(&[160]), 10);
+        let starts: Vec<[f64; 2]> = one.trajectories.iter().map(|own| [own.t0, own.q[0][0]]).collect();
+        assert_eq!((starts.len(), starts[3]), (PIECES, [1.0 + 0.5 * 60.0, 60.0]));
+        let long = excerpt(&data(&[100_000, 50_000]), 10);
+        let samples: usize = long.trajectories.iter().map(Trajectory::samples).sum();
+        assert!((1000..=1300).contains(&samples), "{samples}");
+        let last = long.trajectories.last().unwrap();
+        assert!(last.q[0][0] >= 1000.0 + 40_000.0 && last.samples() >= 80);
+    }
+}

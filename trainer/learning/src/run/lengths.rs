@@ -1,0 +1,153 @@
+//! How long windows are.
+
+use super::held_back::{HeldBack, Learned, Trial};
+use super::plan::PlanError;
+use crate::config::Config;
+use crate::data::{Dataset, Trajectory};
+use std::fmt;
+
+/// The shortest length that is tried, s and steps; the others are twice and four times as long.
+const SHORTEST: f64 = 0.25;
+const FEWEST_STEPS: f64 = 5.0;
+const FACTORS: [f64; 3] = [1.0, 2.0, 4.0];
+/// Which of them is taken where logs do not say.
+const USUAL: usize = 1;
+/// An error that is not below this part of that with the usual length is no reason for another: logs of one machine differ by more.
+const WORTH: f64 = 0.9;
+/// The part of the samples that must lie in logs as long as a window.
+const MOST: f64 = 0.9;
+
+/// How far off positions of held-back logs were with windows of several lengths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lengths {
+    /// The length of windows that were learned from, s, and how far off positions of held-back logs then were, m or rad.
+    pub errors: Vec<(f64, f64)>,
+    /// The length that is taken, s.
+    pub chosen: f64,
+}
+
+impl fmt::Display for Lengths {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("positions of held-back logs are")?;
+        for (k, (length, error)) in self.errors.iter().enumerate() {
+            let comma = if k > 0 { "," } else { "" };
+            write!(f, "{comma} {error:.2e} off with windows of {length} s")?;
+        }
+        write!(f, " (m, rad): windows of {} s", self.chosen)
+    }
+}
+
+/// Samples from the start of a window to its end, at least one.
+pub(super) fn steps(window: f64, h: f64) -> usize {
+    ((window / h).round() as usize).max(1)
+}
+
+/// The lengths, whatever the logs.
+fn all(h: f64) -> [f64; 3] {
+    FACTORS.map(|factor| factor * SHORTEST.max(FEWEST_STEPS * h))
+}
+
+/// The lengths that nearly all logs have, s, the shortest first.
+pub(super) fn candidates(data: &Dataset) -> Vec<f64> {
+    let samples: usize = data.trajectories.iter().map(Trajectory::samples).sum();
+    let in_logs_of = |steps: usize| -> usize {
+        let long = data.trajectories.iter().map(Trajectory::samples).filter(|samples| *samples > steps);
+        long.sum()
+    };
+    let fits = |window: &f64| in_logs_of(steps(*window, data.h)) as f64 >= MOST * samples as f64;
+    all(data.h).into_iter().filter(fits).collect()
+}
+
+/// The length where logs do not say which is best, s: half a second of most logs, less where they are shorter.
+pub(super) fn usual(data: &Dataset) -> f64 {
+    let candidates = candidates(data);
+    let longest = candidates.last().copied();
+    candidates.get(USUAL).copied().or(longest).unwrap_or(all(data.h)[0])
+}
+
+/// The length of windows by which held-back logs are predicted best, with what was learned by it: the usual one, unless the error of another is
+/// clearly less, and by more than the standard error of the difference. `None` where there is nothing to choose from.
+///
+/// All lengths go on from what the usual one gave.
+///
+/// # Errors
+/// As [`Trial::learn`].
+pub(super) fn chosen(
+    config: &Config,
+    trial: &Trial,
+    before: &Learned,
+) -> Result<Option<(Lengths, Learned)>, PlanError> {
+    let mut found = Vec::new();
+    for window in trial.lengths.iter().copied().filter(|_| trial.lengths.len() > 1) {
+        let mut own = config.clone();
+        own.training.window = Some(window);
+        found.push(trial.learn(&own, Some(before))?.map(|learned| (window, learned)));
+    }
+    let Some(usual) = found.get_mut(USUAL).and_then(Option::take) else { return Ok(None) };
+    let errors = |(window, learned): &(f64, Learned)| (*window, learned.held_back.error());
+    let mut others: Vec<(f64, Learned)> = found.into_iter().flatten().collect();
+    let mut all: Vec<(f64, f64)> = others.iter().chain([&usual]).map(errors).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let of_usual = &usual.1.held_back;
+    let is_worth = |own: &HeldBack| own.error() < WORTH * of_usual.error() && own.is_less_than(of_usual);
+    others.retain(|(_, learned)| is_worth(&learned.held_back));
+    let best = others.into_iter().min_by(|a, b| errors(a).1.total_cmp(&errors(b).1));
+    let (chosen, learned) = best.unwrap_or(usual);
+    Ok(Some((Lengths { errors: all, chosen }, learned)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Rows;
+    use crate::parallel;
+    use crate::run::robots::pendulums;
+    use std::path::Path;
+
+    fn data(samples: &[usize], h: f64) -> Dataset {
+        let trajectory = |samples: &usize| {
+            let q = Rows::from_arrays(&vec![[0.0]; *samples]);
+            Trajectory { id: 0, t0: 0.0, q, v: None, a: None, u: None }
+        };
+        Dataset { n: 1, h, control: None, trajectories: samples.iter().map(trajectory).collect() }
+    }
+
+    #[test]
+    fn lengths_are_of_seconds_or_steps_and_nearly_all_logs_have_them() {
+        assert_eq!(candidates(&data(&[400; 3], 0.01)), [0.25, 0.5, 1.0]);
+        assert_eq!(candidates(&data(&[400; 3], 0.1)), [0.5, 1.0, 2.0]);
+        assert_eq!(candidates(&data(&[101, 70, 5], 0.01)), [0.25, 0.5]);
+        assert_eq!(candidates(&data(&[101, 9], 0.01)), [0.25, 0.5, 1.0]);
+        let usual = [&[400, 400][..], &[40, 40], &[4, 4]].map(|samples| usual(&data(samples, 0.01)));
+        assert_eq!(usual, [0.5, 0.25, 0.25]);
+    }
+
+    fn chosen_of_pendulums(training: &str) -> Option<Lengths> {
+        let text = format!(
+            "[data]\nfile = \"logs.csv\"\n[model]\nfamily = \"bodies\"\nchain = 1\nfriction = {{ viscous = \"learned\", coulomb = \
+             \"learned\" }}\n[training]\nloss = \"windows\"\nwarm_up = 0\niterations = 1\n{training}"
+        );
+        let config = Config::parse(&text, Path::new("c.toml")).unwrap();
+        let trial = Trial::new(&config, &pendulums(4));
+        let before = trial.learn(&config, None).unwrap().unwrap();
+        chosen(&config, &trial, &before).unwrap().map(|(lengths, _)| lengths)
+    }
+
+    #[test]
+    fn what_is_chosen_is_the_same_on_any_number_of_threads() {
+        let on =
+            |threads: usize| parallel::threads(threads).unwrap().install(|| chosen_of_pendulums("").unwrap());
+        let one = on(1);
+        assert_eq!(one, on(3));
+        let lengths: Vec<f64> = one.errors.iter().map(|(length, _)| *length).collect();
+        assert_eq!(lengths, [0.25, 0.5, 1.0]);
+        // No more than a few times the noise.
+        assert!(one.errors.iter().all(|(_, error)| (5e-4..5e-3).contains(error)), "{one}");
+        assert!(one.to_string().ends_with(&format!(": windows of {} s", one.chosen)), "{one}");
+    }
+
+    #[test]
+    fn a_length_that_is_given_is_kept() {
+        assert_eq!(chosen_of_pendulums("window = 0.3"), None);
+    }
+}

@@ -1,0 +1,159 @@
+//! Why a run cannot begin.
+
+use super::super::TorqueError;
+use crate::config::ShapeError;
+use crate::data::{Doubt, control_name};
+use crate::training::SampleError;
+use crate::windows::TooShort;
+use leastaction_arms::fit::FitError;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::ModelError;
+use thiserror::Error;
+
+/// A run that cannot begin.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PlanError {
+    /// The data has another number of coordinates than the model.
+    #[error(
+        "[model] coordinates names {model} coordinates, but the data has {data}; name every coordinate of q, in order"
+    )]
+    Coordinates {
+        /// Of the model.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// The data has another number of coordinates than the tree.
+    #[error(
+        "[model] tree = {tree:?} has {model} coordinates, one after the other those of {elements}, but the data has {data}; name \
+         the tree that the data is of, its elements in the order of q"
+    )]
+    Tree {
+        /// What it is called.
+        tree: String,
+        /// Its elements.
+        elements: String,
+        /// Of the tree.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// The data has another number of coordinates than the graph.
+    #[error(
+        "[model] graph = {graph:?} has {model} coordinates, {dimension} of each node, but the data has {data}; name the graph that \
+         the data is of, its nodes in the order of q"
+    )]
+    Graph {
+        /// What it is called.
+        graph: String,
+        /// Coordinates of a node.
+        dimension: usize,
+        /// Of the graph.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// The data has another number of coordinates than there are bodies.
+    #[error(
+        "[model] has {model} bodies, one a coordinate, but the data has {data} coordinates; name the bodies in the order of q, or \
+         set chain = {data}"
+    )]
+    Bodies {
+        /// Of the model.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// The data has another number of coordinates than the arm.
+    #[error(
+        "[model] urdf has {model} joints, in this order: {joints}; but the data has {data} coordinates; name the columns of all joints in \
+         that order"
+    )]
+    Arm {
+        /// Names of the joints.
+        joints: String,
+        /// Of the model.
+        model: usize,
+        /// Of the data.
+        data: usize,
+    },
+    /// A loss of torques without torques.
+    #[error(
+        "an arm, and whatever has loss = \"torque\", is learned from the torques of its drives, and the data has none (u is zero or missing); \
+         add them under [data.columns]"
+    )]
+    NoTorques,
+    /// An arm that cannot be fitted to the torques.
+    #[error("{0}")]
+    Fit(#[from] FitError),
+    /// A log that does not become samples of torques.
+    #[error("{0}")]
+    Torques(#[from] TorqueError),
+    /// Masses that nothing determines.
+    #[error(
+        "[[model.{types}]]: every mass of the {of} is learned, but no sample is forced (u is zero or missing), and free motion does \
+         not show a common factor of all masses; give one type a known mass, as mass = 1.0, or log motion under a known force"
+    )]
+    Masses {
+        /// The key of the types.
+        types: &'static str,
+        /// Tree or graph.
+        of: &'static str,
+    },
+    /// The trees or graphs and their types cannot be.
+    #[error("{0}")]
+    Shape(#[from] ShapeError),
+    /// A DEL-residual loss without any force.
+    #[error(
+        "no sample is forced (u is zero or missing), and without a force the DEL residual is least for L = 0, which is \
+         no model; log motion under a known force, or set loss = \"next-position\""
+    )]
+    Unforced,
+    /// The data lacks what the loss needs.
+    #[error("{0}; add it to the data, or set loss = \"next-position\", which needs positions alone")]
+    Samples(#[from] SampleError),
+    /// The log and the configuration say different things of the control.
+    #[error(
+        "[data] control = {:?}, but the log says that its u is {stated} between samples; set control = {stated:?}, or leave it out",
+        control_name(*.asked), stated = control_name(*.stated)
+    )]
+    Control {
+        /// By the configuration.
+        asked: ControlKind,
+        /// By the log.
+        stated: ControlKind,
+    },
+    /// Only accelerations at noisy states are learned with them.
+    #[error(
+        "[training] state_noise takes loss = \"acceleration\" and optimiser = \"levenberg-marquardt\"; of noisy positions over time \
+         loss = \"windows\" finds the states itself"
+    )]
+    StateNoise,
+    /// Nothing to choose from.
+    #[error("[data.columns] names no columns of u to choose from")]
+    NoColumns,
+    /// Only windows learn sensors and actuators.
+    #[error("[calibration] is learned over windows; set [training] loss = \"windows\", or leave it out")]
+    Calibration,
+    /// Only over windows, of coordinates that can have them, networks are tried.
+    #[error(
+        "[training] try_networks: networks correct models of coordinates, which a graph has not, over windows; set loss = \"windows\", or \
+         leave it out"
+    )]
+    Networks,
+    /// Only windows are integrated.
+    #[error("[training] integrator is of windows; set loss = \"windows\", or leave it out")]
+    Integrator,
+    /// Only Levenberg–Marquardt eliminates start states.
+    #[error("loss = \"windows\" takes optimiser = \"levenberg-marquardt\"")]
+    WindowOptimiser,
+    /// No trajectory is as long as a window.
+    #[error("[training] window: {0}")]
+    Window(#[from] TooShort),
+    /// The data holds a number that cannot be one.
+    #[error("{0}")]
+    Data(Doubt),
+    /// The shape does not fit in itself or the data.
+    #[error("[model]: {0}")]
+    Model(#[from] ModelError),
+}

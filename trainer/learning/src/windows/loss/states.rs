@@ -1,0 +1,72 @@
+//! The start states of windows.
+
+use super::WindowLoss;
+use crate::windows::rollout::Lanes;
+use crate::windows::starts;
+use leastaction_programs::steps::State;
+use leastaction_programs::{Row, WIDTH};
+
+/// Steps of a new start state, from the guess of a parabola, at most.
+const FIRST_STEPS: usize = 8;
+/// Parts of a window that new start states are found over before they are found over all of it.
+const GROWING: [f64; 2] = [0.25, 0.5];
+/// Steps of such a part at least.
+const FEWEST_STEPS: usize = 5;
+
+impl WindowLoss {
+    /// Their start states.
+    pub(super) fn starts(&self, weights: &[f64], first: usize) -> State {
+        let last = self.windows.len() - 1;
+        let of = |lane: usize, i: usize| weights[self.start((first + lane).min(last))][i];
+        (0..2 * self.n()).map(|i| Row(std::array::from_fn(|lane| of(lane, i)))).collect()
+    }
+
+    /// Replaces the start states of all windows by those of their blocks.
+    pub(super) fn set_starts<'s>(&self, weights: &mut [f64], blocks: impl Iterator<Item = &'s State>) {
+        for (block, starts) in blocks.enumerate() {
+            for window in (block * WIDTH..self.windows.len()).take(WIDTH) {
+                let place = &mut weights[self.start(window)];
+                place.iter_mut().zip(starts).for_each(|(place, row)| *place = row.0[window % WIDTH]);
+            }
+        }
+    }
+
+    /// These shared numbers, or as many as are there, with scales as large as motion and start states of parabolas.
+    pub(super) fn with_guessed_starts(&self, mut weights: Vec<f64>) -> Vec<f64> {
+        let n = self.n();
+        weights.truncate(self.layout.end());
+        if weights.len() < self.layout.end() {
+            let known = weights.len().saturating_sub(self.layout.start);
+            weights.extend(self.layout.initial().into_iter().skip(known));
+        }
+        weights.extend(&self.motion);
+        for window in &self.windows {
+            let guess: Vec<[f64; 2]> = (0..n).map(|i| self.logs.guess(*window, self.steps, i)).collect();
+            let zero = |i: usize| weights[self.layout.zero(window.log, i)];
+            let start: Vec<f64> = (0..n).map(|i| guess[i][0] - zero(i)).collect();
+            weights.extend(start);
+            weights.extend(guess.iter().map(|[_, slope]| slope));
+        }
+        weights
+    }
+
+    /// The same with the start states that are best, found over growing parts of the windows.
+    pub(super) fn with_best_starts(&self, mut weights: Vec<f64>) -> Vec<f64> {
+        for steps in self.growing() {
+            let solved = self.of_blocks(|first, _, stepper| {
+                let lanes = Lanes { steps, ..self.lanes(&weights, first) };
+                starts::solved(&lanes, stepper, &self.starts(&weights, first), FIRST_STEPS)
+            });
+            self.set_starts(&mut weights, solved.iter());
+        }
+        weights
+    }
+
+    /// Steps of the parts of windows that start states are found over, one after the other, the whole at last: over a short part even a
+    /// rough guess leads to the best.
+    fn growing(&self) -> impl Iterator<Item = usize> {
+        let parts = GROWING.map(|part| self.pace.whole((part * self.steps as f64) as usize));
+        let all = self.steps;
+        parts.into_iter().filter(move |steps| (FEWEST_STEPS..all).contains(steps)).chain([all])
+    }
+}
