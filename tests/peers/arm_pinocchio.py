@@ -1,18 +1,27 @@
-"""Trees of rigid bodies in space beside Pinocchio: what they compute, and how fast, in f64, one state a call, on one core."""
+"""Trees of rigid bodies in space beside Pinocchio and MuJoCo: what they compute, and how fast, in f64, one state a call, on one core."""
 
 import argparse
+import importlib.util
 import json
 import math
 import random
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 from common import HERE, Failure, build_ours, exit_code, need, positive, run
 
-QUANTITIES = ["T", "V", "inverse_dynamics", "gravity", "mass_matrix", "acceleration", "force_q", "force_v"]
+# Of every state, how many numbers of n coordinates it has, and who prints it.
+QUANTITIES = {"T": 0, "V": 0, "inverse_dynamics": 1, "gravity": 1, "mass_matrix": 2, "acceleration": 1, "force_q": 2, "force_v": 2}
+WITHOUT_DERIVATIVES = [name for name in QUANTITIES if not name.startswith("force")]
 TIMED = ["inverse_dynamics", "mass_matrix", "derivatives", "acceleration"]
+RIVALS = ["pinocchio", "mujoco"]
+FLAGS = ["-O3", "-march=native", "-DNDEBUG"]
+# Pinocchio is compiled with each of these; the faster counts, function by function.
+CONFIGURATIONS = {"g++": [], "g++ -ffast-math": ["-ffast-math"]}
 HALF = math.pi / 2
+GRAVITY = [0, 0, -9.81]
 # Frames of the joints, (α, a, θ, d) one after the other: Rx(α) Tx(a) Rz(θ) Tz(d), as Craig has them, from the makers' documents.
 PANDA = [(0, 0, 0, 0.333), (-HALF, 0, 0, 0), (HALF, 0, 0, 0.316), (HALF, 0.0825, 0, 0), (-HALF, -0.0825, 0, 0.384),
          (HALF, 0, 0, 0), (HALF, 0.088, 0, 0)]
@@ -79,101 +88,205 @@ ARMS = {"panda": of_frames(PANDA), "iiwa": of_frames(IIWA), "ur5": of_frames(UR5
 
 
 def text(name, states, seed):
-    """What both programs read."""
+    """What all programs read, and the bodies in it."""
     dice = random.Random(f"{name} {seed}")
     tree, bodies = ARMS[name]
-    weights = [0, 0, -9.81, *sum(bodies(dice), [])]
+    bodies = bodies(dice)
+    weights = [*GRAVITY, *sum(bodies, [])]
     numbers = [dice.gauss(0, 1) for _ in range(3 * len(tree) * states)]
     words = [len(tree), *sum(map(list, tree), []), *weights, states, *numbers]
-    return " ".join(repr(word) for word in words)
+    return " ".join(repr(word) for word in words), bodies
 
 
-def pinocchio(folder, flags):
-    """The compiled C++ program."""
+# ---------------------------------------------------------------- the same arm for MuJoCo
+
+
+def mjcf(tree, bodies):
+    """The arm as MuJoCo reads it: inertias about the centres of mass."""
+    def words(numbers):
+        return " ".join(map(repr, numbers))
+
+    def one(k):
+        (_, slides), numbers = tree[k], bodies[k]
+        place, axis, (mass, *rest), rotor = numbers[9:12], numbers[12:15], numbers[15:25], numbers[25]
+        centre, (xx, xy, yy, xz, yz, zz) = [first / mass for first in rest[:3]], rest[3:]
+        x, y, z = centre
+        about = [xx - mass * (y * y + z * z), yy - mass * (x * x + z * z), zz - mass * (x * x + y * y),
+                 xy + mass * x * y, xz + mass * x * z, yz + mass * y * z]
+        children = "".join(one(child) for child, (parent, _) in enumerate(tree) if parent == k)
+        return (f'<body pos="{words(place)}" xyaxes="{words([*numbers[0:9:3], *numbers[1:9:3]])}">'
+                f'<joint type="{"slide" if slides else "hinge"}" axis="{words(axis)}" armature="{rotor!r}"/>'
+                f'<inertial pos="{words(centre)}" mass="{mass!r}" fullinertia="{words(about)}"/>{children}</body>')
+
+    roots = "".join(one(k) for k, (parent, _) in enumerate(tree) if parent == -1)
+    off = " ".join(f'{what}="disable"' for what in ["constraint", "contact", "spring", "damper", "actuation", "sensor"])
+    return (f'<mujoco><compiler angle="radian"/><option gravity="{words(GRAVITY)}"><flag {off}/></option>'
+            f"<worldbody>{roots}</worldbody></mujoco>")
+
+
+# ---------------------------------------------------------------- programs
+
+
+@dataclass
+class Program:
+    """One of those that are compared: its command, with what it was compiled, which quantities it prints."""
+
+    rival: str
+    how: str
+    command: list
+    quantities: list
+
+
+def build(program, command):
+    """Compiles a program, unless it is there from an earlier run."""
+    if not program.exists():
+        run([*command, "-o", program])
+
+
+def package(name, install):
+    """The folder of a Python package."""
+    found = importlib.util.find_spec(name)
+    if found is None or not found.submodule_search_locations:
+        raise Failure(f"{name} is missing: pip install {install}", code=2)
+    return Path(found.submodule_search_locations[0]).resolve()
+
+
+def pinocchio(folder, quick):
+    """Its C++, for all arms: with every configuration, or the first alone."""
     need("g++", "install g++")
-    try:
-        import pinocchio as package
-    except ImportError as error:
-        raise Failure("Pinocchio is missing: pip install pin", code=2) from error
-    prefix = Path(package.__file__).resolve()
+    prefix = package("pinocchio", "pin")
     while prefix.name != "cmeel.prefix":
         if prefix == prefix.parent:
             raise Failure("Pinocchio's headers are not beside its Python package: pip install pin", code=2)
         prefix = prefix.parent
     eigen = next((path for path in [prefix / "include/eigen3", Path("/usr/include/eigen3")] if path.is_dir()), None)
     if eigen is None:
-        raise Failure("Eigen's headers are missing: apt-get install libeigen3-dev", code=2)
-    program = Path(folder) / "arm_pinocchio"
+        raise Failure("Eigen's headers are missing: pip install cmeel-eigen", code=2)
     library = prefix / "lib"
     # As its own build files have it.
     lists = ["-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
              "-DBOOST_FUSION_INVOKE_MAX_ARITY=12"]
-    run(["g++", "-std=c++17", *flags, *lists, "-I", prefix / "include", "-I", eigen, HERE / "arm_pinocchio.cpp", "-o", program, "-L", library,
-         "-lpinocchio_default", f"-Wl,-rpath,{library}"])
+    for how, flags in list(CONFIGURATIONS.items())[:1 if quick else None]:
+        program = folder / f"pinocchio {how}"
+        build(program, ["g++", "-std=c++17", *FLAGS, *flags, *lists, "-I", prefix / "include", "-I", eigen, HERE / "arm_pinocchio.cpp", "-L",
+                        library, "-lpinocchio_default", f"-Wl,-rpath,{library}"])
+        yield Program("pinocchio", how, [program], list(QUANTITIES))
+
+
+def mujoco(folder):
+    """The wheel's library, called from C++; the arm is in a file of the folder."""
+    need("g++", "install g++")
+    prefix, program = package("mujoco", "mujoco"), folder / "mujoco"
+    library = next(prefix.glob("libmujoco.so*"), None)
+    if library is None:
+        raise Failure("MuJoCo's library is not in its Python package: pip install mujoco", code=2)
+    build(program, ["g++", "-std=c++17", "-O3", HERE / "arm_mujoco.cpp", "-I", prefix / "include", library, f"-Wl,-rpath,{prefix}"])
     return program
+
+
+# ---------------------------------------------------------------- comparison
 
 
 def outcome(program, given):
     """Rows of numbers, and nanoseconds by name."""
-    lines = run([program], input=given).splitlines()
+    lines = run(program.command, input=given).splitlines()
     rows = [[float(word) for word in line.split()] for line in lines if line[0] in "-0123456789"]
     timed = dict(line.split() for line in lines if line[0] not in "-0123456789")
     return rows, {name: float(value) for name, value in timed.items()}
 
 
-def differences(n, ours, theirs):
+def by_name(n, row, names):
+    """The numbers of every quantity."""
+    at, found = 0, {}
+    for name in names:
+        length = n ** QUANTITIES[name]
+        found[name] = row[at:at + length]
+        at += length
+    return found
+
+
+def differences(n, ours, theirs, names):
     """Of every quantity the largest difference over its largest entry in the state, and the state that has it."""
-    lengths = [1, 1, n, n, n * n, n, n * n, n * n]
-    worst = dict.fromkeys(QUANTITIES, 0.0)
+    worst = dict.fromkeys(names, 0.0)
     for own, other in zip(ours, theirs, strict=True):
-        at = 0
-        for name, length in zip(QUANTITIES, lengths):
-            a, b = own[at:at + length], other[at:at + length]
-            at += length
-            worst[name] = max(worst[name], max(abs(x - y) for x, y in zip(a, b)) / max(abs(y) for y in b))
+        own, other = by_name(n, own, QUANTITIES), by_name(n, other, names)
+        for name, b in other.items():
+            worst[name] = max(worst[name], max(abs(x - y) for x, y in zip(own[name], b, strict=True)) / max(map(abs, b)))
     return worst
 
 
+def fastest(programs, name):
+    """Of these programs the least time of a function and what it was compiled with."""
+    found = [(timed[name], how) for how, timed in programs.items() if name in timed]
+    return min(found, default=None)
+
+
+def one_arm(name, given, programs, rounds):
+    """What the programs compute and how fast, in turn, round after round."""
+    n, timed, rows = len(ARMS[name][0]), {}, {}
+    for _ in range(rounds):
+        for program in programs:
+            rows[program.rival, program.how], now = outcome(program, given)
+            best = timed.setdefault(program.rival, {}).setdefault(program.how, now)
+            best.update({key: min(best[key], now[key]) for key in now})
+    [(_, own)] = [item for item in rows.items() if item[0][0] == "ours"]
+    report = {"joints": n, "ours_ns": timed["ours"][""], "rivals": {}}
+    for program in programs:
+        if program.rival != "ours":
+            rival = report["rivals"].setdefault(program.rival, {"differences": {}, "ns": timed[program.rival]})
+            rival["differences"][program.how] = differences(n, own, rows[program.rival, program.how], program.quantities)
+    return report
+
+
 def compare(options):
-    ours = options.ours or build_ours("leastaction-tests", ["--bin", "peer_arm"], "--ours")
+    path = options.ours or build_ours("leastaction-tests", ["--bin", "peer_arm"], "--ours")
+    ours = Program("ours", "", [path], list(QUANTITIES))
     report = {}
-    with tempfile.TemporaryDirectory() as folder:
-        theirs = pinocchio(folder, options.flags.split())
-        for name, (tree, _) in ARMS.items():
-            given = text(name, options.states, options.seed)
-            best = [dict.fromkeys(TIMED, math.inf) for _ in range(2)]
-            for _ in range(options.rounds):
-                for program, times_of in zip((ours, theirs), best):
-                    rows, timed = outcome(program, given)
-                    times_of.update({key: min(times_of[key], timed[key]) for key in TIMED})
-                    if program == ours:
-                        own = rows
-            worst = differences(len(tree), own, rows)
-            report[name] = {"joints": len(tree), "differences": worst, "ours_ns": best[0], "pinocchio_ns": best[1]}
+    with tempfile.TemporaryDirectory() as passing:
+        folder = options.folder or Path(passing)
+        folder.mkdir(parents=True, exist_ok=True)
+        natives = list(pinocchio(folder, options.quick)) if "pinocchio" in options.rivals else []
+        physics = mujoco(folder) if "mujoco" in options.rivals else None
+        for name in options.arms:
+            given, bodies = text(name, options.states, options.seed)
+            programs = [ours, *natives]
+            if physics:
+                described = folder / f"{name}.xml"
+                described.write_text(mjcf(ARMS[name][0], bodies))
+                programs.append(Program("mujoco", "its own build", [physics, described], WITHOUT_DERIVATIVES))
+            report[name] = one_arm(name, given, programs, options.rounds)
     if options.json:
         print(json.dumps(report))
     else:
         show(report)
-    bad = [f"{name}: {key} {value:.1e}" for name, of in report.items() for key, value in of["differences"].items()
-           if not value <= options.tolerance]
+    bad = [f"{name}, {rival} {how}: {key} {value:.1e}" for name, of in report.items() for rival, its in of["rivals"].items()
+           for how, worst in its["differences"].items() for key, value in worst.items() if not value <= options.tolerance]
     if bad:
         raise Failure("the programs do not agree: " + "; ".join(bad))
 
 
 def show(report):
-    print(f"{'arm':<11} {'function':<17} {'ours, ns':>9} {'Pinocchio, ns':>14} {'times as fast':>14}")
+    print(f"{'arm':<11} {'function':<17} {'ours, ns':>9}  {'rival':<10} {'ns':>6} {'times as fast':>14}  compiled with")
     for name, of in report.items():
         for key in TIMED:
-            mine, other = of["ours_ns"][key], of["pinocchio_ns"][key]
-            print(f"{name:<11} {key:<17} {mine:>9.0f} {other:>14.0f} {other / mine:>14.2f}")
-    print("largest difference over the largest entry: " + ", ".join(
-        f"{name} {max(of['differences'].values()):.1e}" for name, of in report.items()))
+            mine = of["ours_ns"][key]
+            for rival, its in of["rivals"].items():
+                if best := fastest(its["ns"], key):
+                    print(f"{name:<11} {key:<17} {mine:>9.0f}  {rival:<10} {best[0]:>6.0f} {best[0] / mine:>14.2f}  {best[1]}")
+    print("largest difference over the largest entry:")
+    for rival in next(iter(report.values()))["rivals"]:
+        worst = {name: max(value for its in of["rivals"][rival]["differences"].values() for value in its.values())
+                 for name, of in report.items()}
+        print(f"  {rival}: " + ", ".join(f"{name} {value:.1e}" for name, value in worst.items()))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else")
-    parser.add_argument("--flags", default="-O3 -march=native -DNDEBUG", help="of g++ [%(default)s]")
+    parser.add_argument("--rivals", nargs="+", choices=RIVALS, default=RIVALS)
+    parser.add_argument("--arms", nargs="+", choices=list(ARMS), default=list(ARMS))
+    parser.add_argument("--quick", action="store_true", help="Pinocchio without -ffast-math alone")
+    parser.add_argument("--folder", type=Path, help="to build the rivals in; what is there is not built again [a new one, for one run]")
     parser.add_argument("--ours", type=Path, help="a peer_arm built otherwise")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--states", type=positive, default=200)
