@@ -156,17 +156,18 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
 
 /// Reads the data that a configuration file names and prepares the losses, telling what should be known.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
+    let log = PathBuf::from(config.data.file.to_string());
+    let refused = |error: PlanError| match error {
+        PlanError::Data(_) => Failure::input(&log, error),
+        _ => Failure::input(file, error),
+    };
     let Chosen { config, data, notes, choices } = choose(config).map_err(|error| match error {
         ChoiceError::Data(error) => error.into(),
-        ChoiceError::Plan(error) => Failure::input(file, error),
+        ChoiceError::Plan(error) => refused(error),
     })?;
     tell(&notes, output);
     choices.sentences().iter().for_each(|sentence| output.note(&format!("note: {sentence}")));
-    let log = PathBuf::from(config.data.file.to_string());
-    let plan = Plan::new(config, &data).map_err(|error| match error {
-        PlanError::Data(_) => Failure::input(&log, error),
-        _ => Failure::input(file, error),
-    })?;
+    let plan = Plan::new(config, &data).map_err(refused)?;
     plan.notices().iter().for_each(|notice| output.note(&format!("note: {notice}")));
     Ok(plan)
 }
