@@ -3,9 +3,9 @@
 # example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
 # the same steps have in Rust, and refuse every damaged file. Links two shapes into one image, and runs both. The committed
 # header must be what the sources give.
-# Families may be named: `check.sh rigid`; without a name all four are checked, each with the features that it has beside it.
+# Families may be named: `check.sh rigid`; without a name all five are checked, each with the features that it has beside it.
 set -euo pipefail
-families=" ${*:-rigid modular graph bodies} "
+families=" ${*:-rigid modular graph bodies arm} "
 cd "$(dirname "$0")"
 target=thumbv7em-none-eabihf
 out=${CARGO_TARGET_DIR:-$PWD/target}
@@ -156,6 +156,7 @@ if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
 checked=${families/ graph / graph graph,rods }
 checked=${checked/ bodies / bodies bodies,friction bodies,networks }
+checked=${checked/ arm / arm arm,friction arm,networks }
 for family in ${checked/ rigid / rigid rigid,friction rigid,friction,networks }; do
     features=(--no-default-features --features "$family")
     "${host[@]}" test --quiet --lib "${features[@]}"
@@ -182,6 +183,8 @@ done
 check modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
 check bodies crane "" "$arm" LEASTACTION_COORDINATES=3
 check bodies,friction crane-friction "" "$arm" LEASTACTION_COORDINATES=3
+check arm manipulator "" "$arm" LEASTACTION_COORDINATES=3
+check arm,friction manipulator-friction "" "$arm" LEASTACTION_COORDINATES=3
 for with in graph graph,rods; do
     check $with web pair '0.125 0.25 0.375 0.5' LEASTACTION_COORDINATES=4 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
         LEASTACTION_NETWORKS=6

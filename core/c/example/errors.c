@@ -116,6 +116,15 @@ static void arguments(void) {
     EXPECT(NOT_FINITE, leastaction_inverse_dynamics(&model, nan, zero, zero, N, x, &error));
     EXPECT(NOT_FINITE, leastaction_momentum(&model, zero, nan, N, x, &error));
     EXPECT(NOT_FINITE, leastaction_energies(&model, nan, zero, N, x, &error));
+#ifndef LEASTACTION_RODS
+    float mass[N * N];
+    EXPECT(NOT_FINITE, leastaction_mass_matrix(&model, nan, N, mass, &error));
+    EXPECT(WRONG_LENGTH, leastaction_mass_matrix(&model, zero, N * N, mass, &error));
+    EXPECT(NULL_POINTER, leastaction_mass_matrix(&model, zero, N, NULL, &error));
+    REQUIRE(error.numbers[0] == 4);
+    EXPECT(NULL_POINTER, leastaction_gravity_torque(&model, NULL, N, x, &error));
+    EXPECT(NOT_FINITE, leastaction_gravity_torque(&model, nan, N, x, &error));
+#endif
     EXPECT(NULL_POINTER, leastaction_energies(&model, zero, zero, N, NULL, &error));
     EXPECT(NULL_POINTER, leastaction_trained_step(&model, NULL, NULL, NULL, &error));
     leastaction_error *misplaced = (leastaction_error *)((uint8_t *)&error + 1);

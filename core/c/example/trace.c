@@ -41,6 +41,14 @@ static int evaluate(const float *v, const float *u) {
     add(force, N);
     add(p, N);
     add(energies, 2);
+#ifndef LEASTACTION_RODS
+    float mass[N * N], torque[N];
+    if (leastaction_mass_matrix(&model, q, N, mass, &error) || leastaction_gravity_torque(&model, q, N, torque, &error)) {
+        return refused("terms", &error);
+    }
+    add(mass, N * N);
+    add(torque, N);
+#endif
     return 0;
 }
 

@@ -212,8 +212,8 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_ORDER = 45,
     /**
-     * A number of dry friction is out of range; `what`: which. The coordinate of a rigid model or of bodies or the element type of a modular
-     * one; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the number as a float.
+     * A number of dry friction is out of range; `what`: which. The coordinate of a rigid model, of bodies or of an arm, or the element type of a
+     * modular one; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the number as a float.
      */
     LEASTACTION_STATUS_FRICTION = 46,
     /**
@@ -416,7 +416,7 @@ const char *leastaction_message(int status);
  * - `model_bytes`: `sizeof(leastaction_model)`, which shows that the structs of this header are the library's.
  * - `abi`: LEASTACTION_ABI, which shows the same of its functions.
  * - `file`, `file_bytes`: the whole file, at a multiple of 4. It must stay there unchanged while the model is used.
- * - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for the rigid family and for bodies.
+ * - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for the rigid family, bodies and arms.
  * - `error`: filled in; may be NULL.
  *
  * Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; then `model` holds no model, also if it did before.
@@ -433,7 +433,7 @@ leastaction_status leastaction_load(leastaction_model *model,
                                     leastaction_error *error);
 
 /**
- * The family that the library was built for: "rigid", "modular", "graph" or "bodies".
+ * The family that the library was built for: "rigid", "modular", "graph", "bodies" or "arm".
  */
 const char *leastaction_family(void);
 
@@ -731,6 +731,33 @@ leastaction_status leastaction_step4(const leastaction_model *model,
                                      const leastaction_newton *newton,
                                      leastaction_report *report,
                                      leastaction_error *error);
+
+/**
+ * Writes the inertia matrix M(q), kg m², kg m or kg: `n` times `n` numbers, row by row; it is symmetric. With it a computed
+ * torque is M(q) times an acceleration beside what leastaction_inverse_dynamics gives for none. Other arguments as those of
+ * leastaction_acceleration. Fails with statuses 1 to 4 and 71.
+ *
+ * # Safety
+ * Pointers are NULL or point to so many numbers.
+ */
+leastaction_status leastaction_mass_matrix(const leastaction_model *model,
+                                           const float *q,
+                                           size_t n,
+                                           float *mass,
+                                           leastaction_error *error);
+
+/**
+ * Writes the control force u = V_q(q), N or N m, that holds the mechanism at rest against gravity and springs: `n` numbers.
+ * Other arguments as those of leastaction_acceleration. Fails with statuses 1 to 4 and 71.
+ *
+ * # Safety
+ * Pointers are NULL or point to so many numbers.
+ */
+leastaction_status leastaction_gravity_torque(const leastaction_model *model,
+                                              const float *q,
+                                              size_t n,
+                                              float *u,
+                                              leastaction_error *error);
 
 #ifdef __cplusplus
 }  // extern "C"

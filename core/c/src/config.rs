@@ -18,10 +18,10 @@ pub const LEASTACTION_ABI: u32 = 2;
 /// Coordinates of the mechanism.
 pub const LEASTACTION_COORDINATES: usize = size!("LEASTACTION_COORDINATES", 2, 1..=64);
 /// Units of a hidden layer at most.
-#[cfg(not(feature = "bodies"))]
+#[cfg(not(any(feature = "bodies", feature = "arm")))]
 pub const LEASTACTION_HIDDEN: usize = size!("LEASTACTION_HIDDEN", 32, 1..=1024);
 /// Hidden layers of a network at most.
-#[cfg(not(feature = "bodies"))]
+#[cfg(not(any(feature = "bodies", feature = "arm")))]
 pub const LEASTACTION_LAYERS: usize = size!("LEASTACTION_LAYERS", 2, 1..=4);
 /// Units of a hidden layer of a law's network at most.
 #[cfg(feature = "networks")]
@@ -49,7 +49,7 @@ pub const LEASTACTION_RODS: usize = size!("LEASTACTION_RODS", 4, 1..=64);
 pub const LEASTACTION_RODS: usize = 0;
 
 /// Words of a network: its weights, its biases and how many they are, layer by layer.
-#[cfg(not(feature = "bodies"))]
+#[cfg(not(any(feature = "bodies", feature = "arm")))]
 const NETWORK: usize = 5 * (LEASTACTION_LAYERS + 1);
 
 // What a model takes where pointers have 32 bits, and 2 words beyond; with 64 bits it takes fewer words. Where that ceases to
@@ -79,7 +79,7 @@ pub const LEASTACTION_MODEL_WORDS: usize =
     LEASTACTION_NETWORKS * (NETWORK + 2) + (3 * LEASTACTION_EDGES).div_ceil(2) + LIST_OF_RODS + 71;
 
 /// Words, as wide as a pointer, of a loaded model.
-#[cfg(feature = "bodies")]
+#[cfg(any(feature = "bodies", feature = "arm"))]
 pub const LEASTACTION_MODEL_WORDS: usize =
     LEASTACTION_COORDINATES + (3 * LEASTACTION_COORDINATES).div_ceil(4) + FRICTION + LAWS + 12;
 

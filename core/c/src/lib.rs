@@ -1,31 +1,33 @@
 //! leastaction-core for C: a static library for one family of models and one shape, with a header.
 //!
 //! Family and shape are compiled in, so that nothing is allocated and the storage of a model and of a state is a C struct:
-//! the family by a Cargo feature (`rigid`, `modular`, `graph`, `bodies`), the shape by environment variables (`config.rs`). No
+//! the family by a Cargo feature (`rigid`, `modular`, `graph`, `bodies`, `arm`), the shape by environment variables (`config.rs`). No
 //! callback, no allocation, no panic: the library calls `leastaction_panicked` where it could panic, which nobody defines,
 //! so that a program that could panic does not link.
 //!
 //! `include/leastaction.h` is generated from the documentation here: `cargo run --bin header` in `tools`.
 #![cfg_attr(not(test), no_std)]
 
-#[cfg(not(any(feature = "rigid", feature = "modular", feature = "graph", feature = "bodies")))]
-compile_error!("choose the family of models by a feature: rigid, modular, graph or bodies");
-#[cfg(any(
-    all(feature = "rigid", any(feature = "modular", feature = "graph", feature = "bodies")),
-    all(feature = "modular", any(feature = "graph", feature = "bodies")),
-    all(feature = "graph", feature = "bodies")
-))]
-compile_error!("choose one family: --no-default-features --features rigid, modular, graph or bodies");
+/// Families that the library is to be built for: one.
+const FAMILIES: usize = cfg!(feature = "rigid") as usize
+    + cfg!(feature = "modular") as usize
+    + cfg!(feature = "graph") as usize
+    + cfg!(feature = "bodies") as usize
+    + cfg!(feature = "arm") as usize;
+const _: () = assert!(
+    FAMILIES == 1,
+    "choose one family: --no-default-features --features rigid, modular, graph, bodies or arm"
+);
 #[cfg(all(feature = "rods", not(feature = "graph")))]
 compile_error!("rods are of graphs: --no-default-features --features graph,rods");
 #[cfg(all(feature = "friction", feature = "graph"))]
 compile_error!(
-    "graphs have no dry friction: --no-default-features --features rigid,friction, modular,friction or bodies,friction"
+    "graphs have no dry friction: --no-default-features --features rigid,friction, modular,friction, bodies,friction or arm,friction"
 );
 
 #[cfg(all(feature = "networks", feature = "graph"))]
 compile_error!(
-    "graphs have no such laws: --no-default-features --features rigid,networks, modular,networks or bodies,networks"
+    "graphs have no such laws: --no-default-features --features rigid,networks, modular,networks, bodies,networks or arm,networks"
 );
 
 mod arguments;
@@ -44,6 +46,8 @@ mod start;
 mod status;
 mod step;
 mod storage;
+#[cfg(not(feature = "rods"))]
+mod terms;
 
 #[cfg(not(test))]
 #[panic_handler]

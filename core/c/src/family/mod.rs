@@ -1,6 +1,8 @@
 //! The one family that the library is built for: its [`Mechanism`], how one is loaded, and the lists
 //! that loading fills.
 
+#[cfg(feature = "arm")]
+mod arm;
 #[cfg(feature = "bodies")]
 mod bodies;
 #[cfg(feature = "graph")]
@@ -10,6 +12,8 @@ mod modular;
 #[cfg(feature = "rigid")]
 mod rigid;
 
+#[cfg(feature = "arm")]
+pub(crate) use arm::{FAMILY, Lists, Mechanism, load, system};
 #[cfg(feature = "bodies")]
 pub(crate) use bodies::{FAMILY, Lists, Mechanism, load, system};
 #[cfg(all(feature = "graph", not(feature = "rods")))]
@@ -56,14 +60,20 @@ type Laws = (
 );
 
 /// Bytes of the name of a tree or graph at most, the zero at its end apart.
-#[cfg_attr(any(feature = "rigid", feature = "bodies"), allow(dead_code, reason = "this family has no names"))]
+#[cfg_attr(
+    not(any(feature = "modular", feature = "graph")),
+    allow(dead_code, reason = "this family has no names")
+)]
 const MAX_NAME: usize = 64;
 
 /// The name of a tree or graph; a name is never read further than it may be long.
 ///
 /// # Safety
 /// `name` is NULL, or bytes up to a zero.
-#[cfg_attr(any(feature = "rigid", feature = "bodies"), allow(dead_code, reason = "this family has no names"))]
+#[cfg_attr(
+    not(any(feature = "modular", feature = "graph")),
+    allow(dead_code, reason = "this family has no names")
+)]
 unsafe fn text<'a>(name: *const c_char) -> Result<&'a str, Error> {
     if name.is_null() {
         return Err(Error::new(Status::NullPointer, [6]));

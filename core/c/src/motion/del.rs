@@ -5,7 +5,11 @@ use crate::error::Error;
 use crate::family::{Mechanism, system};
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Newton, Path, Report, State};
+use leastaction_core::forces::Forces;
 use leastaction_core::lagrangian::Energies;
+#[cfg(not(feature = "arm"))]
+use leastaction_core::lagrangian::Lagrangian;
+use leastaction_core::linear;
 
 /// A state as core knows it.
 pub(crate) type CoreState = State<f32, N>;
@@ -24,6 +28,23 @@ pub(crate) fn momentum(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Ve
 
 pub(crate) fn energies(mechanism: &Mechanism, [q, v]: [&Vector; 2]) -> Result<Energies<f32>, Error> {
     Ok(system(mechanism).energies(q, v))
+}
+
+pub(crate) fn mass_matrix(mechanism: &Mechanism, q: &Vector) -> [Vector; N] {
+    #[cfg(feature = "arm")]
+    return system(mechanism).lagrangian.mass_matrix(q);
+    #[cfg(not(feature = "arm"))]
+    system(mechanism).lagrangian.linearization(q, &[0.0; N]).l_vv
+}
+
+/// V_q, of the potentials that forces store too.
+pub(crate) fn gravity_torque(mechanism: &Mechanism, q: &Vector) -> Vector {
+    let (system, rest) = (system(mechanism), [0.0; N]);
+    #[cfg(feature = "arm")]
+    let torque = system.lagrangian.gravity_torque(q);
+    #[cfg(not(feature = "arm"))]
+    let torque = system.lagrangian.gradient(q, &rest).l_q.map(|l_q| -l_q);
+    linear::add_scaled(&torque, -1.0, &system.forces.force(q, &rest, &rest))
 }
 
 /// The state at position q and velocity v.

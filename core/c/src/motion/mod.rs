@@ -14,6 +14,9 @@ pub(crate) use chosen::{
     CoreState, acceleration, between, default_newton, energies, inverse_dynamics, momentum, start, step,
 };
 
+#[cfg(not(feature = "rods"))]
+pub(crate) use del::{gravity_torque, mass_matrix};
+
 use leastaction_core::discrete::Newton;
 
 /// A step h, s, and how far Newton's method goes in it.

@@ -30,7 +30,7 @@ fn sizes() -> Vec<(&'static str, usize)> {
         ("LEASTACTION_ABI", config::LEASTACTION_ABI as usize),
         ("LEASTACTION_COORDINATES", config::LEASTACTION_COORDINATES),
     ];
-    #[cfg(not(feature = "bodies"))]
+    #[cfg(not(any(feature = "bodies", feature = "arm")))]
     sizes.extend([
         ("LEASTACTION_HIDDEN", config::LEASTACTION_HIDDEN),
         ("LEASTACTION_LAYERS", config::LEASTACTION_LAYERS),
@@ -62,6 +62,8 @@ fn family() -> &'static str {
         "GRAPH"
     } else if cfg!(feature = "bodies") {
         "BODIES"
+    } else if cfg!(feature = "arm") {
+        "ARM"
     } else {
         "RIGID"
     }
@@ -125,7 +127,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&copies)?;
     let mut builder = Builder::new().with_config(settings());
     let files = ["status", "error", "storage", "messages", "load", "said", "evaluate", "start", "step"];
-    for file in files.into_iter().chain(cfg!(feature = "rods").then_some("rods")) {
+    let beside = if cfg!(feature = "rods") { "rods" } else { "terms" };
+    for file in files.into_iter().chain([beside]) {
         let copy = copies.join(file).with_extension("rs");
         std::fs::write(&copy, written_out(&sources.join(file).with_extension("rs"))?)?;
         builder = builder.with_src(copy);

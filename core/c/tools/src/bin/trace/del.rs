@@ -31,6 +31,14 @@ impl<L: Lagrangian<f32, N>, F: Forces<f32, N>> Mechanism for System<L, F> {
         System::energies(self, q, v)
     }
 
+    fn terms(&self, q: &Vector) -> Vec<f32> {
+        let rest = [0.0; N];
+        let l = self.lagrangian.linearization(q, &rest);
+        let force = self.forces.force(q, &rest, &rest);
+        let torque: Vector = std::array::from_fn(|i| -l.l_q[i] - force[i]);
+        [l.l_vv.as_flattened(), &torque].concat()
+    }
+
     fn start(&self, q: Vector, v: Vector) -> Result<Self::State, String> {
         State::new(&self.lagrangian, q, v).map_err(words)
     }

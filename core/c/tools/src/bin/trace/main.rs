@@ -11,7 +11,7 @@ mod del;
 mod rattle;
 
 use config::LEASTACTION_COORDINATES as N;
-#[cfg(not(feature = "bodies"))]
+#[cfg(not(any(feature = "bodies", feature = "arm")))]
 use config::{LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
 #[cfg(feature = "networks")]
 use config::{LEASTACTION_LAW_HIDDEN as LH, LEASTACTION_LAW_LAYERS as LL};
@@ -56,6 +56,8 @@ trait Mechanism {
     fn inverse_dynamics(&self, at: [&Vector; 3]) -> Result<Vector, String>;
     fn momentum(&self, at: [&Vector; 2]) -> Vector;
     fn energies(&self, at: [&Vector; 2]) -> Energies<f32>;
+    /// M, row by row, and the force against gravity; nothing on rods.
+    fn terms(&self, q: &Vector) -> Vec<f32>;
     fn start(&self, q: Vector, v: Vector) -> Result<Self::State, String>;
     /// The state that two positions determine, without control.
     fn between(&self, h: f32, order: Order, q: [&Vector; 2]) -> Result<Self::State, String>;
@@ -95,6 +97,7 @@ fn evaluate(mechanism: &impl Mechanism, hash: &mut Hash, [q, v, u]: [&Vector; 3]
     hash.add(&mechanism.momentum([q, v]));
     let energies = mechanism.energies([q, v]);
     hash.add(&[energies.kinetic, energies.potential]);
+    hash.add(&mechanism.terms(q));
     Ok(())
 }
 
@@ -137,7 +140,7 @@ fn trace(mechanism: &impl Mechanism, trained_step: Option<TrainedStep>, q: &Vect
     Ok(hash.0)
 }
 
-#[cfg(not(any(feature = "modular", feature = "graph", feature = "bodies")))]
+#[cfg(not(any(feature = "modular", feature = "graph", feature = "bodies", feature = "arm")))]
 fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
     let model = leastaction_core::model::RigidModel::<N, H, L, Weight, Laws>::load(file).map_err(words)?;
     trace(&model.system, model.trained_step, q)
@@ -146,6 +149,12 @@ fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
 #[cfg(feature = "bodies")]
 fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
     let model = leastaction_core::model::BodiesModel::<N, Weight, Laws>::load(file).map_err(words)?;
+    trace(&model.system, model.trained_step, q)
+}
+
+#[cfg(feature = "arm")]
+fn trace_file(file: &[u8], _: &str, q: &Vector) -> Result<u64, String> {
+    let model = leastaction_core::model::ArmModel::<N, Weight, Laws>::load(file).map_err(words)?;
     trace(&model.system, model.trained_step, q)
 }
 

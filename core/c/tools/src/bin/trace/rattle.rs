@@ -66,6 +66,10 @@ impl<S: Particles<f32, D>> Mechanism for OnRods<'_, S> {
         self.mechanism.system().energies(q.as_chunks().0, v.as_chunks().0, &mut self.work())
     }
 
+    fn terms(&self, _: &Vector) -> Vec<f32> {
+        Vec::new()
+    }
+
     fn start(&self, q: Vector, v: Vector) -> Result<Moving, String> {
         let (q, v) = (q.as_chunks().0, v.as_chunks().0);
         let state =
