@@ -63,7 +63,26 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
     let bench = trained();
     let report = bench.run("evaluate m.postcard --config robot.toml --json").good().json();
     assert!(report["torque_nmse"].as_f64().unwrap() < 1e-3, "{report}");
+    // What the log says alone: friction as it is, and of every base parameter a number with its error.
+    let numbers = report["torque_numbers"].as_array().unwrap();
+    let viscous = numbers.iter().find(|of| of["name"] == "coordinate 0: viscous friction").unwrap();
+    let (value, error) = (viscous["by_log"].as_f64().unwrap(), viscous["standard_error"].as_f64().unwrap());
+    assert!((value - 0.2).abs() < 0.01 && error < 0.01, "{viscous}");
+    assert!(numbers.iter().any(|of| of["plus"].as_array().is_some_and(|plus| !plus.is_empty())), "{report}");
+    let page = fs::read_to_string(bench.at("run/report.html")).unwrap();
+    assert!(page.contains("by this log alone") && page.contains("in the model"));
     assert!(bench.run("inspect m.postcard").good().stdout.contains("revolute on body 0"));
+    // It follows a motion that was found for its description.
+    let excite =
+        "excite robot.urdf -o found.csv --motion found.toml --starts 2 --trials 4 --period 5 --h 0.01";
+    let found = bench.run(&format!("{excite} --json")).good().json();
+    assert!(found["condition"].as_f64().unwrap() < found["condition_before"].as_f64().unwrap(), "{found}");
+    let text = fs::read_to_string(bench.at("found.csv")).unwrap();
+    assert!(text.contains("q0,q1,v0,v1") && text.lines().count() > 500, "{}", &text[..100]);
+    bench.run(excite).good();
+    assert_eq!(text, fs::read_to_string(bench.at("found.csv")).unwrap());
+    let follow = "simulate m.postcard --scenario track --plant m.postcard --trajectory found.toml --seconds 1 --known-delay 1";
+    bench.run(follow).good();
     let words = "simulate m.postcard --scenario track --plant m.postcard --trajectory motion.toml --seconds 4 --known-delay 1 \
                  --bandwidth 30 --json -o out";
     let rms = |words: &str| {
@@ -87,6 +106,28 @@ fn the_arm_of_the_demo_follows_its_motion_better_than_pd() {
     for (ours, pd) in errors("computed_torque").iter().zip(errors("pd_gravity")) {
         assert!(ours.as_f64().unwrap() < pd.as_f64().unwrap(), "{report}");
     }
+}
+
+#[test]
+fn what_cannot_excite_is_said() {
+    let bench = Bench::new();
+    let endless = ROBOT.replace("MASS", "2.0").replacen("\"revolute\"", "\"continuous\"", 1);
+    let nameless = endless.replace("velocity=\"9\" effort=\"90\"", "");
+    for (name, text) in
+        [("robot.urdf", endless), ("nameless.urdf", nameless), ("notes.csv", "my notes".to_owned())]
+    {
+        fs::write(bench.at(name), text).unwrap();
+    }
+    bench.run("excite robot.urdf -o e.csv").bad(2, &["joint yaw", "--position"]);
+    bench.run("excite nameless.urdf -o e.csv --position 2").bad(2, &["nameless.urdf", "velocity"]);
+    bench.run("excite robot.urdf -o notes.csv --position 2").bad(2, &["notes.csv", "would be lost"]);
+    bench
+        .run("excite robot.urdf -o e.csv --motion robot.urdf --position 2")
+        .bad(2, &["motion of `leastaction excite`"]);
+    bench.run("excite robot.urdf -o e.csv --position 2 --share 1.5").bad(2, &["(0, 1]"]);
+    bench.run("excite robot.urdf -o e.csv --position 2 --period 1e9").bad(2, &["rows"]);
+    bench.run("excite nowhere.urdf -o e.csv").bad(2, &["nowhere.urdf"]);
+    assert!(!bench.at("e.csv").exists());
 }
 
 #[test]

@@ -126,6 +126,14 @@ fn an_arm_is_learned_from_its_description_and_torques() {
     });
     let report = report.unwrap();
     assert!(report.train.nmse < 1e-3 && report.held_back.clone().unwrap().nmse < 1e-3, "{report:?}");
+    // Offsets are those of the drive: what the log has more they have less.
+    let by_log = |name: &str| {
+        let rows = report.numbers.rows();
+        rows.into_iter().find(|row| row.name == name).and_then(|row| row.by_log).unwrap()
+    };
+    assert!((by_log("coordinate 1: offset of the actuator") + 0.25).abs() < 0.02);
+    assert!((by_log("coordinate 2: Coulomb friction") - 0.4).abs() < 0.04);
+    assert!(report.to_string().contains("by the log alone"), "{report}");
     let trained = plan.train().unwrap();
     let (architecture, weights) = (&trained.architecture, &trained.best.weights);
     let is_body = |inertia: Inertia| inertia.consistency() > 0.0;
