@@ -66,8 +66,8 @@ fn steps(demo: &Demo, output: Output) -> Result<Report, Failure> {
     text("arm.urdf", robot::DESCRIPTION)?;
     text(super::CONFIG, &format!("{MARK}{CONFIG}"))?;
     let (log, unseen) = (robot::log(demo.seed, 0)?, robot::log(demo.seed, 1)?);
-    data::write(&at("log.npz"), &log).map_err(written)?;
-    data::write(&at("unseen.npz"), &unseen).map_err(written)?;
+    data::write(at("log.npz"), &log).map_err(written)?;
+    data::write(at("unseen.npz"), &unseen).map_err(written)?;
     say("train: bodies, rotors and friction, from torques");
     let training = demo.train(&at(super::CONFIG), output)?;
     say("export: the weights as a model file, and as Rust source");

@@ -51,13 +51,14 @@ type Waves = [[[f64; HARMONICS]; N]; 2];
 fn waves(seed: u64, which: u64) -> Waves {
     let mut stream = Pcg64::seed_from_u64(seed.wrapping_mul(3).wrapping_add(which));
     let mut waves = [[[0.0; HARMONICS]; N]; 2];
-    for (joint, speed) in SPEEDS.iter().enumerate() {
-        for k in 0..HARMONICS {
+    let [cosines, sines] = &mut waves;
+    for ((cosines, sines), speed) in cosines.iter_mut().zip(sines).zip(SPEEDS) {
+        for (k, (c, s)) in cosines.iter_mut().zip(sines).enumerate() {
             let size = speed * (2.0 / HARMONICS as f64).sqrt() / (TAU * FREQUENCY * (k + 1) as f64);
             let (sine, cosine) = stream.random_range(0.0..TAU).sin_cos();
             // The first harmonics alone would go far.
             let size = size.min(0.4);
-            (waves[0][joint][k], waves[1][joint][k]) = (size * cosine, size * sine);
+            (*c, *s) = (size * cosine, size * sine);
         }
     }
     waves
