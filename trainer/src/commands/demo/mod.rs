@@ -3,7 +3,7 @@
 mod portrait;
 
 use super::export::encoded;
-use super::simulate::{self, Motion, Plant, Request, Scenario, World, simulate};
+use super::simulate::{self, Floats, Motion, Plant, Request, Scenario, World, simulate};
 use super::{interrupt, train};
 use clap::Args;
 use leastaction::cli::arguments::seed;
@@ -93,6 +93,7 @@ impl Demo {
             tick: None,
             world: &World::default(),
             motion: &Motion::default(),
+            floats: &Floats::default(),
             on: None,
         };
         let swing_up = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;
