@@ -1,6 +1,6 @@
 use crate::control::{
-    CartPump, Catch, Controller, Gains, JointPump, Law, Listen, NoPump, PumpConfig, Regulator, SwingUp,
-    TaskController, Tolerance, Track,
+    CartPump, Catch, Controller, Float, Gains, JointPump, Law, Listen, NoPump, PumpConfig, Regulator,
+    SwingUp, TaskController, Tolerance, Track,
 };
 use crate::devices::{ActuatorConfig, Drive};
 use crate::error::{SetupError, require, require_finite};
@@ -51,13 +51,21 @@ pub enum Task<const N: usize> {
     },
     /// Estimating the state under the commands of somebody else.
     Listen,
+    /// Holding the mechanism against gravity wherever it is pushed.
+    Float {
+        /// Where it is at the beginning, rad or m.
+        #[serde(with = "array")]
+        begin: [f32; N],
+        /// [`Float::drag`], 1/s.
+        drag: f32,
+    },
 }
 
 impl<const N: usize> Task<N> {
     /// Where the model's kinetic energy is checked.
     fn begin(&self) -> [f32; N] {
         match self {
-            Self::Track { begin, .. } => *begin,
+            Self::Track { begin, .. } | Self::Float { begin, .. } => *begin,
             Self::SwingUp { .. } | Self::Listen => [0.0; N],
         }
     }
@@ -69,6 +77,9 @@ impl<const N: usize> Task<N> {
             }
             Self::SwingUp { catch, .. } => catch.validate(),
             Self::Listen => Ok(()),
+            Self::Float { begin, drag } => {
+                require_finite("begin of the motion", begin).and_then(|()| Float { drag: *drag }.validate())
+            }
         }
     }
 }
@@ -141,6 +152,7 @@ impl<const N: usize> Program<N> {
                 Ok(TaskController::Track(Track { gains, law, inertia, angle: self.angle }))
             }
             Task::Listen => Ok(TaskController::Listen(Listen)),
+            Task::Float { drag, .. } => Ok(TaskController::Float(Float { drag })),
             Task::SwingUp { pump, tolerance, catch } => {
                 Ok(TaskController::SwingUp(swing_up(model, pump, tolerance, catch)?))
             }

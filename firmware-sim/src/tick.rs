@@ -18,6 +18,8 @@ pub enum Mode {
     Hold,
     /// The model could not be stepped or asked for a force that is not finite; no force.
     Safe,
+    /// Holding against gravity alone.
+    Float,
 }
 
 /// Everything that happened in one tick. Angles are not wrapped, except as measured and in `error`.

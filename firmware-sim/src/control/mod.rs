@@ -1,5 +1,6 @@
 //! Controllers that know a mechanism only through its model.
 
+mod float;
 mod pump;
 mod reference;
 mod regulator;
@@ -8,6 +9,7 @@ mod swing_up;
 mod task;
 mod track;
 
+pub use float::Float;
 pub use pump::{CartPump, JointPump, NoPump, Pump, PumpConfig};
 pub use reference::{HARMONICS, Reference, Setpoint, Target, Trajectory, enter};
 pub use regulator::{Regulator, Tolerance};

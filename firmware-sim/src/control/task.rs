@@ -1,4 +1,4 @@
-use super::{Command, Controller, Pump, SwingUp, Target, Track};
+use super::{Command, Controller, Float, Pump, SwingUp, Target, Track};
 use crate::tick::Mode;
 use leastaction_core::continuous::ContinuousState;
 use leastaction_core::discrete::StepError;
@@ -8,6 +8,8 @@ use leastaction_core::discrete::StepError;
 pub enum TaskController<P, const N: usize> {
     /// Follows a motion.
     Track(Track<N>),
+    /// Holds the mechanism against gravity.
+    Float(Float),
     /// Brings the mechanism upright.
     SwingUp(SwingUp<P, N>),
     /// Gives no command.
@@ -17,6 +19,7 @@ pub enum TaskController<P, const N: usize> {
 impl<M, P, const N: usize> Controller<M, N> for TaskController<P, N>
 where
     Track<N>: Controller<M, N>,
+    Float: Controller<M, N>,
     P: Pump<M, N>,
 {
     fn command(
@@ -27,6 +30,7 @@ where
     ) -> Result<Command<N>, StepError<f32>> {
         match self {
             Self::Track(track) => track.command(model, target, state),
+            Self::Float(float) => float.command(model, target, state),
             Self::SwingUp(swing_up) => swing_up.command(model, target, state),
             Self::Listen(listen) => listen.command(model, target, state),
         }

@@ -13,6 +13,8 @@ pub enum Device {
     Encoder,
     /// The clock.
     Clock,
+    /// A push.
+    Push,
 }
 
 /// A device's own stream of random numbers: the same for the same seed, whatever the other devices draw.

@@ -1,9 +1,10 @@
-//! Runs of the loop: [`predict()`], [`track()`], [`swing_up_pendulum`] and [`swing_up_cartpole`].
+//! Runs of the loop: [`predict()`], [`track()`], [`gravity()`], [`swing_up_pendulum`] and [`swing_up_cartpole`].
 //!
 //! Each takes a plant, a model, a plain configuration and a sink that sees every tick, and returns a summary. Plant and
 //! model may be the same system. The same configuration gives the same trace, bit for bit, on every machine.
 //! [`replay()`] runs the firmware along a log instead of a plant. [`run_on`] runs the firmware's part on any [`Processor`](crate::Processor), as one at the other end of a link.
 
+mod gravity;
 mod predict;
 mod replay;
 mod run;
@@ -11,9 +12,10 @@ mod setup;
 mod swing_up;
 mod track;
 
+pub use gravity::{Floating, GravityConfig, gravity};
 pub use predict::{Excitation, Predict, predict};
 pub use replay::{Logged, replay};
 pub use run::{RunError, run_on};
-pub use setup::{Setup, Start};
+pub use setup::{Push, Setup, Start};
 pub use swing_up::{SwingUpConfig, swing_up_cartpole, swing_up_pendulum};
 pub use track::{TrackConfig, track};

@@ -1,5 +1,5 @@
 use super::setup::CART_AND_POLE;
-use super::{Setup, Start};
+use super::{Push, Setup, Start};
 use crate::angle::difference;
 use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::{SetupError, require};
@@ -60,6 +60,8 @@ impl<const N: usize> Predict<N> {
             substeps: 8,
             start,
             devices: Devices::new(encoders, limit),
+            push: Push::none(),
+            brakes: false,
             known_drive: Drive::ideal(),
             observer: ObserverConfig { order: Order::Four, ..ObserverConfig::new() },
             goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },

@@ -1,4 +1,4 @@
-use super::Setup;
+use super::{Push, Setup};
 use crate::angle::difference;
 use crate::control::{Target, Trajectory};
 use crate::devices::{Actuator, Arrival, Clock, Encoders};
@@ -10,6 +10,7 @@ use crate::tick::Tick;
 use crate::{Mechanism, Processor};
 use core::convert::Infallible;
 use core::fmt;
+use leastaction_core::linear::add_scaled;
 
 /// The world as the firmware meets it.
 struct World<'a, P, const N: usize> {
@@ -17,25 +18,45 @@ struct World<'a, P, const N: usize> {
     encoders: Encoders<N>,
     actuator: Actuator<N>,
     clock: Clock,
+    push: Push<N>,
+    /// The push of this run, and that of this tick.
+    pushes: [[f32; N]; 2],
+    /// The force at which brakes still hold it, where there are any: that without a command.
+    braked: Option<[f32; N]>,
     h: f32,
     errors: u32,
 }
 
 impl<'a, P: Mechanism<N>, const N: usize> World<'a, P, N> {
     fn new(mechanism: &'a P, setup: &Setup<N>) -> Self {
+        let actuator = Actuator::new(setup.devices.actuator);
         Self {
             plant: Plant::new(mechanism, setup.start.draw(setup.seed), setup.substeps),
             encoders: Encoders::new(setup.devices.encoders, setup.seed),
-            actuator: Actuator::new(setup.devices.actuator),
+            braked: setup.brakes.then(|| actuator.force()),
+            actuator,
             clock: Clock::new(setup.devices.clock, setup.seed),
+            push: setup.push,
+            pushes: [setup.push.draw(setup.seed), [0.0; N]],
             h: setup.tick,
             errors: 0,
         }
     }
 
-    /// Lets a fraction of a tick go by under the force that acts.
+    /// The tick at time t (s) begins.
+    fn begin(&mut self, t: f32) {
+        self.pushes[1] = if self.push.acts(t) { self.pushes[0] } else { [0.0; N] };
+    }
+
+    /// Lets a fraction of a tick go by under the forces that act.
     fn pass(&mut self, fraction: f32) {
-        let moved = self.plant.advance(fraction * self.h, &self.actuator.force());
+        let force = self.actuator.force();
+        self.braked = self.braked.filter(|braked| *braked == force);
+        if self.braked.is_some() {
+            return;
+        }
+        let force = add_scaled(&force, 1.0, &self.pushes[1]);
+        let moved = self.plant.advance(fraction * self.h, &force);
         self.errors += u32::from(moved.is_err());
     }
 
@@ -67,6 +88,7 @@ impl<P: Mechanism<N>, R: Processor<N>, T: Trajectory<N>, const N: usize> Loop<'_
     fn tick(&mut self, index: u32) -> Result<Tick<N>, R::Error> {
         let (arrival, true_state) = (self.world.clock.tick(), *self.world.plant.state());
         let time = index as f32 * self.world.h;
+        self.world.begin(time);
         self.world.pass(arrival.lateness);
         let measured = self.world.encoders.sample(&self.world.plant.state().q);
         let measured = if arrival.missed { [None; N] } else { measured };

@@ -1,5 +1,5 @@
 use crate::devices::{ActuatorConfig, Device, Devices, Drive, EncoderConfig, Stream};
-use crate::error::{SetupError, require};
+use crate::error::{SetupError, require, require_finite};
 use crate::observer::ObserverConfig;
 use crate::summary::Goal;
 use crate::{Program, Task};
@@ -40,6 +40,40 @@ impl<const N: usize> Start<N> {
     }
 }
 
+/// Forces that push the mechanism for a while, of which the firmware is told nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push<const N: usize> {
+    /// First time, s.
+    pub begin: f32,
+    /// Last time, s.
+    pub end: f32,
+    /// Each force is uniform within ± this, N or N m.
+    pub most: [f32; N],
+}
+
+impl<const N: usize> Push<N> {
+    /// No push.
+    pub const fn none() -> Self {
+        Self { begin: 0.0, end: 0.0, most: [0.0; N] }
+    }
+
+    /// The forces that belong to a seed.
+    pub fn draw(&self, seed: u64) -> [f32; N] {
+        let mut stream = Stream::new(seed, Device::Push);
+        self.most.map(|most| most * stream.symmetric())
+    }
+
+    /// Whether it acts over the tick that begins at time t, s.
+    pub(super) fn acts(&self, t: f32) -> bool {
+        (self.begin..self.end).contains(&t)
+    }
+
+    fn validate(&self) -> Result<(), SetupError> {
+        require_finite("push", &[self.begin, self.end])?;
+        require_finite("push", &self.most)
+    }
+}
+
 /// What all scenarios share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup<const N: usize> {
@@ -55,6 +89,10 @@ pub struct Setup<const N: usize> {
     pub start: Start<N>,
     /// Encoders, actuators and clock.
     pub devices: Devices<N>,
+    /// What disturbs it.
+    pub push: Push<N>,
+    /// Whether brakes hold it until the first command takes effect.
+    pub brakes: bool,
     /// What the firmware takes gain and offset of the actuators for.
     pub known_drive: Drive<N>,
     /// How the firmware steps its model and estimates the state.
@@ -95,6 +133,7 @@ impl<const N: usize> Setup<N> {
         require("plant substeps", f32::from(self.substeps), self.substeps > 0, "at least 1")?;
         self.start.validate()?;
         self.devices.validate()?;
+        self.push.validate()?;
         self.observer.validate()?;
         self.goal.validate()
     }

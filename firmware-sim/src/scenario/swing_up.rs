@@ -1,6 +1,6 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
-use super::{Setup, Start};
+use super::{Push, Setup, Start};
 use crate::control::{Catch, PumpConfig, Tolerance};
 use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
@@ -39,6 +39,8 @@ impl SwingUpConfig<1> {
             substeps: 8,
             start: Start { q: [PI], q_spread: [0.5], v_spread: [0.5] },
             devices: Devices::new([EncoderConfig::rotary()], [2.0]),
+            push: Push::none(),
+            brakes: false,
             known_drive: Drive::ideal(),
             observer: ObserverConfig::new(),
             goal: Goal { tolerance: [UPRIGHT], hold: HOLD, bounds: [f32::INFINITY] },
@@ -62,6 +64,8 @@ impl SwingUpConfig<2> {
             substeps: 8,
             start: Start { q: [0.0, PI], q_spread: [0.2, 0.5], v_spread: [0.05, 0.5] },
             devices: Devices::new(CART_AND_POLE, [10.0, 0.0]),
+            push: Push::none(),
+            brakes: false,
             known_drive: Drive::ideal(),
             observer: ObserverConfig::new(),
             goal: Goal { tolerance: [f32::INFINITY, UPRIGHT], hold: HOLD, bounds: [2.4, f32::INFINITY] },

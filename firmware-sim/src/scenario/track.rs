@@ -1,6 +1,6 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
-use super::{Setup, Start};
+use super::{Push, Setup, Start};
 use crate::control::{Gains, Law, Reference, Trajectory};
 use crate::devices::{Devices, Drive, EncoderConfig};
 use crate::error::SetupError;
@@ -40,6 +40,8 @@ impl<const N: usize, T: Copy> TrackConfig<N, T> {
             substeps: 8,
             start: Start::at_rest(start),
             devices: Devices::new(encoders, limit),
+            push: Push::none(),
+            brakes: false,
             known_drive: Drive::ideal(),
             observer: ObserverConfig::new(),
             goal: Goal { tolerance: [0.05; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },

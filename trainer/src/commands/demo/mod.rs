@@ -4,7 +4,7 @@ mod arm;
 mod portrait;
 
 use super::export::encoded;
-use super::simulate::{self, Motion, Plant, Request, Scenario, World, simulate};
+use super::simulate::{self, Floats, Motion, Plant, Request, Scenario, World, simulate};
 use super::{interrupt, train};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
@@ -112,6 +112,7 @@ impl Demo {
             tick: None,
             world: &World::default(),
             motion: &Motion::default(),
+            floats: &Floats::default(),
             on: None,
         };
         let (swing_up, _) = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;

@@ -1,5 +1,6 @@
 //! `leastaction simulate`.
 
+mod gravity;
 mod picture;
 mod plant;
 mod remote;
@@ -10,6 +11,7 @@ mod trace;
 mod track;
 mod world;
 
+pub use gravity::Floats;
 pub use picture::draw;
 pub use plant::Plant;
 pub use remote::{Emulated, Target};
@@ -53,6 +55,11 @@ use std::time::Duration;
 ///
 /// Example: leastaction simulate arm.postcard --scenario track --plant robot.postcard --trajectory motion.toml
 ///
+/// With --scenario gravity it floats, held by the model's gravity alone, and is pushed: how far the model's gravity lets it drift, how far
+/// it is pushed, and when it rests again.
+///
+/// Example: leastaction simulate arm.postcard --scenario gravity --plant robot.postcard
+///
 /// With --replay, the observer runs along a log, and the report says how far the readings were from what the model predicted a tick
 /// before; exit code 1 where the model cannot be stepped.
 ///
@@ -73,7 +80,7 @@ pub struct Simulate {
     /// The mechanism that the loop acts on [default: by the model's coordinates].
     #[arg(long)]
     system: Option<SymoSystem>,
-    /// The model file of the mechanism that the loop acts on; for predict and track.
+    /// The model file of the mechanism that the loop acts on; for predict, track and gravity.
     #[arg(long, value_name = "FILE", conflicts_with = "system")]
     plant: Option<PathBuf>,
     /// Of the initial state and of all noise.
@@ -96,6 +103,8 @@ pub struct Simulate {
     timeout: f64,
     #[command(flatten)]
     motion: Motion,
+    #[command(flatten)]
+    floats: Floats,
     #[command(flatten)]
     world: World,
     /// The folder to write to.
@@ -143,8 +152,9 @@ impl Simulate {
         let Self { seed, seconds, tick, .. } = *self;
         let target = self.target()?;
         let on = target.as_ref();
-        let (world, motion) = (&self.world, &self.motion);
-        let request = Request { model: &model, plant, scenario, seed, seconds, tick, world, motion, on };
+        let (world, motion, floats) = (&self.world, &self.motion, &self.floats);
+        let request =
+            Request { model: &model, plant, scenario, seed, seconds, tick, world, motion, floats, on };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;

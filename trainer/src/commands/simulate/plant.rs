@@ -10,7 +10,7 @@ use leastaction_core::model::{CoordinateRange, Interval};
 use leastaction_firmware_sim::Goal;
 use leastaction_firmware_sim::devices::{Devices, Drive, EncoderConfig};
 use leastaction_firmware_sim::observer::ObserverConfig;
-use leastaction_firmware_sim::scenario::{Excitation, Predict, Setup, Start, predict};
+use leastaction_firmware_sim::scenario::{Excitation, Predict, Push, Setup, Start, predict};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use std::path::Path;
@@ -166,6 +166,8 @@ fn prediction<const N: usize>(request: &Request) -> Result<Predict<N>, Failure> 
             v_spread: ranges.map(|range| half(range.v)),
         },
         devices: Devices::new(encoders(request), amplitude),
+        push: Push::none(),
+        brakes: false,
         known_drive: Drive::ideal(),
         observer: ObserverConfig::new(),
         goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },

@@ -1,14 +1,14 @@
 //! The controller on another processor.
 
 use super::scenario::misused;
-use super::{Report, Request, Trace};
+use super::{Report, Request};
 use crate::commands::interrupt;
 use clap::ValueEnum;
 use leastaction::cli::Failure;
 use leastaction::processor::{Board, BoardError, Emulator, LinkError, Remote};
 use leastaction_firmware_sim::control::Trajectory;
 use leastaction_firmware_sim::scenario::{RunError, Setup, run_on};
-use leastaction_firmware_sim::{Mechanism, Program, Summary};
+use leastaction_firmware_sim::{Mechanism, Program, Summary, Tick};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -61,10 +61,9 @@ impl Target {
         plant: &P,
         (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
         program: &Program<N>,
-        trace: &mut Trace,
+        sink: impl FnMut(&Tick<N>),
     ) -> Result<Report, Failure> {
-        let ran =
-            self.with(program, |remote| run_on(plant, remote, setup, trajectory, |tick| trace.push(tick)))?;
+        let ran = self.with(program, |remote| run_on(plant, remote, setup, trajectory, sink))?;
         let mut report = Report::new(request, &ran.summary);
         report.on_processor(self.board.name(), &ran.instructions);
         Ok(report)

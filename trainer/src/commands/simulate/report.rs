@@ -1,5 +1,6 @@
 //! What a run in the loop gave.
 
+use super::gravity::FloatingReport;
 use super::{Plant, Request, Scenario};
 use leastaction::cli::{Done, Failure};
 use leastaction_core::energy::rigid::Coordinate;
@@ -56,6 +57,9 @@ pub struct Report {
     pub missed: u32,
     /// Errors of the model.
     pub model_errors: u32,
+    /// How it floated, in the scenario gravity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floating: Option<FloatingReport>,
     /// Fingerprint of the trace.
     pub trace_hash: String,
     /// The file of the trace.
@@ -91,6 +95,7 @@ impl Report {
             late,
             missed,
             model_errors: model,
+            floating: None,
             trace_hash: format!("{:016x}", summary.hash),
             trace: PathBuf::new(),
             picture: PathBuf::new(),
@@ -155,6 +160,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let goal = if self.success { "goal reached" } else { "goal NOT reached" };
         let settled = match self.settled_at {
+            _ if self.floating.is_some() => "see below".to_owned(),
             None => "not within the tolerance at the end".to_owned(),
             Some(0.0) => "within the tolerance throughout".to_owned(),
             Some(t) => format!("within the tolerance for good after {t:.2} s"),
@@ -162,6 +168,13 @@ impl fmt::Display for Report {
         writeln!(f, "{} of the {}, seed {}: {goal}, {settled}", self.scenario, self.system, self.seed)?;
         let [q, u] = &self.units;
         let line = |f: &mut fmt::Formatter, name: &str, value: &str| writeln!(f, "{name:<32} {value}");
+        if let Some(FloatingReport { drift, peak, rest_after }) = &self.floating {
+            line(f, &format!("drift before the push ({q}, per s)"), &list(drift))?;
+            line(f, &format!("largest way from there ({q})"), &list(peak))?;
+            let rest = rest_after
+                .map_or("not at the end".to_owned(), |after| format!("{after:.2} s after the push"));
+            line(f, "at rest", &rest)?;
+        }
         line(f, "controller on", &self.controller())?;
         line(f, "ticks", &format!("{} (model errors: {})", self.ticks, self.model_errors))?;
         line(f, &format!("error, rms ({q})"), &list(&self.rms_error))?;

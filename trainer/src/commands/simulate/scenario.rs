@@ -1,5 +1,6 @@
 //! The scenarios of the firmware loop.
 
+use super::gravity::{Floats, OnAnother, floating};
 use super::plant::{Plant, Predicting, no_graphs, on_plant};
 use super::remote::Target;
 use super::track::Following;
@@ -13,8 +14,10 @@ use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_firmware_sim::control::Trajectory;
 use leastaction_firmware_sim::observer::OtherStep;
-use leastaction_firmware_sim::scenario::{Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on};
-use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary};
+use leastaction_firmware_sim::scenario::{
+    GravityConfig, Predict, Setup, SwingUpConfig, TrackConfig, predict, run_on,
+};
+use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary, Tick};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use serde::Serialize;
@@ -29,6 +32,8 @@ pub enum Scenario {
     Predict,
     /// Follow a reference by inverse dynamics and feedback, every coordinate actuated.
     Track,
+    /// Float, held by the model's gravity alone, and be pushed.
+    Gravity,
     /// Bring the pole upright and hold it (pendulum, cart-pole).
     SwingUp,
 }
@@ -38,6 +43,7 @@ impl fmt::Display for Scenario {
         f.write_str(match self {
             Self::Predict => "predict",
             Self::Track => "track",
+            Self::Gravity => "gravity",
             Self::SwingUp => "swing-up",
         })
     }
@@ -62,6 +68,8 @@ pub struct Request<'a> {
     pub world: &'a World,
     /// What track follows, and how.
     pub motion: &'a Motion,
+    /// What floats, and how it is pushed.
+    pub floats: &'a Floats,
     /// What runs the controller; this machine where nothing is named.
     pub on: Option<&'a Target>,
 }
@@ -99,6 +107,7 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     request.world.check(request)?;
     let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
     request.motion.check(is_followed)?;
+    request.floats.check(request.scenario == Scenario::Gravity)?;
     let file = chip::file(request.model).map_err(Failure::Input)?;
     let model = chip::meant(&file, request.model).map_err(Failure::Input)?;
     match (request.plant, request.scenario) {
@@ -109,8 +118,11 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
         (Plant::Model { model: plant, .. }, Scenario::Track) => {
             on_plant(request, &model, plant, (Following, trace))
         }
+        (Plant::Model { model: plant, .. }, Scenario::Gravity) => {
+            on_plant(request, &model, plant, (OnAnother, trace))
+        }
         (Plant::Model { .. }, scenario) => Err(Failure::Input(format!(
-            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict or track"
+            "{scenario} knows what to do with the exact mechanisms alone; leave out --plant, or take predict, track or gravity"
         ))),
     }
 }
@@ -149,11 +161,14 @@ fn pendulum(request: &Request, model: &SystemOf<1>, trace: &mut Trace) -> Result
             request.adapt(&mut config.setup)?;
             following(request, (&plant, model), &config, trace)
         }
+        Scenario::Gravity => floating(request, (&plant, model), GravityConfig::<1>::pendulum(), trace),
         Scenario::SwingUp => {
             let mut config = SwingUpConfig::<1>::pendulum();
             request.adapt(&mut config.setup)?;
             let program = config.program();
-            closed_loop(request, &plant, (&config.setup, [0.0]), (&program, program.start(model)), trace)
+            closed_loop(request, &plant, (&config.setup, [0.0]), (&program, program.start(model)), |tick| {
+                trace.push(tick)
+            })
         }
     }
 }
@@ -178,11 +193,21 @@ fn two_coordinates(
             request.adapt(&mut config.setup)?;
             following(request, (&plant, model), &config, trace)
         }
+        (Scenario::Gravity, _) => {
+            let config = if acrobot { GravityConfig::<2>::acrobot() } else { GravityConfig::<2>::cartpole() };
+            floating(request, (&plant, model), config, trace)
+        }
         (Scenario::SwingUp, false) => {
             let mut config = SwingUpConfig::<2>::cartpole();
             request.adapt(&mut config.setup)?;
             let program = config.program();
-            closed_loop(request, &plant, (&config.setup, [0.0; 2]), (&program, program.start(model)), trace)
+            closed_loop(
+                request,
+                &plant,
+                (&config.setup, [0.0; 2]),
+                (&program, program.start(model)),
+                |tick| trace.push(tick),
+            )
         }
         (Scenario::SwingUp, true) => {
             Err(Failure::Input("there is no swing-up of the acrobot; take predict or track".to_owned()))
@@ -205,25 +230,29 @@ where
     config.validate().map_err(misused)?;
     let program = config.program();
     let firmware = (&program, program.follow(model));
-    closed_loop(request, plant, (&config.setup, &config.reference), firmware, trace)
+    closed_loop(request, plant, (&config.setup, &config.reference), firmware, |tick| trace.push(tick))
 }
 
 /// Runs a program, which has the firmware here, here or on the processor asked for.
-fn closed_loop<P: firmware_sim::Mechanism<N>, R: Processor<N, Error = Infallible>, const N: usize>(
+pub(super) fn closed_loop<
+    P: firmware_sim::Mechanism<N>,
+    R: Processor<N, Error = Infallible>,
+    const N: usize,
+>(
     request: &Request,
     plant: &P,
     (setup, trajectory): (&Setup<N>, impl Trajectory<N>),
     (program, firmware): (&Program<N>, Result<R, SetupError>),
-    trace: &mut Trace,
+    sink: impl FnMut(&Tick<N>),
 ) -> Result<Report, Failure> {
     setup.validate().map_err(misused)?;
     let firmware = firmware.map_err(misused)?;
     match request.on {
         None => {
-            let summary = run_on(plant, firmware, setup, trajectory, |tick| trace.push(tick));
+            let summary = run_on(plant, firmware, setup, trajectory, sink);
             reported(request, summary.map_err(SetupError::from))
         }
-        Some(target) => target.run(request, plant, (setup, trajectory), program, trace),
+        Some(target) => target.run(request, plant, (setup, trajectory), program, sink),
     }
 }
 

@@ -71,6 +71,8 @@ fn ramp() -> f32 {
 const BEGIN: f32 = 0.1;
 /// What the observer remembers, s.
 const MEMORY: f32 = 0.05;
+/// Samples of that at the default tick of 1 ms.
+pub(super) const MEMORY_SAMPLES: u8 = 50;
 
 impl Motion {
     /// The motion of a file, a law, and ω of its feedback (rad/s).

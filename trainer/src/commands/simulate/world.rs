@@ -167,7 +167,7 @@ pub fn known_actuator<const N: usize>(model: &HostModel, h: f32) -> Result<Optio
 }
 
 /// One value for each coordinate.
-fn for_all<const N: usize>(option: &str, list: &[f64], default: f64) -> Result<[f32; N], Failure> {
+pub(super) fn for_all<const N: usize>(option: &str, list: &[f64], default: f64) -> Result<[f32; N], Failure> {
     match list {
         [] => Ok([default as f32; N]),
         [one] => Ok([*one as f32; N]),

@@ -1,0 +1,127 @@
+//! Floating by the model's gravity alone, and a push.
+
+use super::plant::{OnPlant, encoders};
+use super::scenario::closed_loop;
+use super::{Report, Request, Trace};
+use clap::Args;
+use leastaction::cli::Failure;
+use leastaction::cli::arguments::{finite, not_negative};
+use leastaction_chip::SystemOf;
+use leastaction_firmware_sim::Mechanism;
+use leastaction_firmware_sim::scenario::{Floating, GravityConfig};
+use serde::Serialize;
+
+/// What floats, and how it is pushed.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Floating (gravity)")]
+pub struct Floats {
+    /// Where it begins, rad or m, one value for every coordinate or one for all [default: the middle of the training data, else 0].
+    #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
+    at: Vec<f64>,
+    /// Largest force of the push from 2.0 to 2.2 s, N m or N, one value or one for each [default: a tenth of the limits].
+    #[arg(long, value_name = "F,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
+    push: Vec<f64>,
+    /// Largest forces of the drives, N m or N, one value or one for each [default: the largest of the training data].
+    #[arg(long, value_name = "F,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
+    limit: Vec<f64>,
+    /// Drag that the firmware adds, as a deceleration over the speed, 1/s; 0 leaves it to friction [default: 1].
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = not_negative)]
+    drag: Option<f64>,
+}
+
+impl Floats {
+    /// Refuses what means nothing where nothing floats.
+    pub fn check(&self, floats: bool) -> Result<(), Failure> {
+        let lists = [&self.at, &self.push, &self.limit];
+        if floats || (lists.iter().all(|list| list.is_empty()) && self.drag.is_none()) {
+            return Ok(());
+        }
+        Err(Failure::Input("--at, --push, --limit and --drag are of --scenario gravity".to_owned()))
+    }
+
+    /// What is said on the command line in the place of the scenario's own.
+    fn adapt<const N: usize>(&self, config: &mut GravityConfig<N>) -> Result<(), Failure> {
+        let setup = &mut config.setup;
+        replace("--at", &self.at, &mut setup.start.q)?;
+        replace("--limit", &self.limit, &mut setup.devices.actuator.limit)?;
+        replace("--push", &self.push, &mut setup.push.most)?;
+        config.drag = self.drag.map_or(config.drag, |drag| drag as f32);
+        Ok(())
+    }
+}
+
+/// Values of an option, where it is given.
+fn replace<const N: usize>(option: &str, list: &[f64], values: &mut [f32; N]) -> Result<(), Failure> {
+    if !list.is_empty() {
+        *values = super::world::for_all(option, list, 0.0)?;
+    }
+    Ok(())
+}
+
+/// How it floated.
+#[derive(Clone, Debug, Serialize)]
+pub struct FloatingReport {
+    /// Mean velocity before the push, rad/s or m/s.
+    pub drift: Vec<f32>,
+    /// Largest way from where it was pushed, rad or m.
+    pub peak: Vec<f32>,
+    /// From the end of the push to rest, s.
+    pub rest_after: Option<f32>,
+}
+
+/// Runs the loop, here or on a board.
+pub(super) fn floating<P: Mechanism<N>, M: Mechanism<N>, const N: usize>(
+    request: &Request,
+    (plant, model): (&P, &M),
+    mut config: GravityConfig<N>,
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    request.adapt(&mut config.setup)?;
+    request.floats.adapt(&mut config)?;
+    let (program, mut floating) = (config.program(), Floating::new(&config.setup));
+    let firmware = (&program, program.follow(model));
+    let mut report = closed_loop(request, plant, (&config.setup, config.setup.start.q), firmware, |tick| {
+        floating.update(tick);
+        trace.push(tick);
+    })?;
+    report.success &= floating.rests();
+    let Floating { drift, peak, rest_after, .. } = floating;
+    report.floating = Some(FloatingReport { drift: drift.to_vec(), peak: peak.to_vec(), rest_after });
+    Ok(report)
+}
+
+/// Floating on the plant of another file.
+pub struct OnAnother;
+
+impl OnPlant for OnAnother {
+    fn run<const N: usize>(
+        self,
+        request: &Request,
+        systems: (&SystemOf<N>, &SystemOf<N>),
+        trace: &mut Trace,
+    ) -> Result<Report, Failure> {
+        floating(request, systems, config(request)?, trace)
+    }
+}
+
+/// From the middle of the training data, 1,000 times a second.
+fn config<const N: usize>(request: &Request) -> Result<GravityConfig<N>, Failure> {
+    let range = &request.model.facts.range;
+    if range.len() != N && request.floats.limit.is_empty() {
+        let reason =
+            "the model's file does not say what forces its training data had; name the largest with --limit";
+        return Err(Failure::Input(reason.to_owned()));
+    }
+    let of = |value: fn(&leastaction_core::model::CoordinateRange) -> f32| {
+        std::array::from_fn(|i| range.get(i).map_or(0.0, value))
+    };
+    let (middle, mut limit) = (
+        of(|range| 0.5 * (range.q.least + range.q.most)),
+        of(|range| range.u.least.abs().max(range.u.most.abs())),
+    );
+    replace("--limit", &request.floats.limit, &mut limit)?;
+    let mut config = GravityConfig::new(encoders(request), limit, (middle, limit.map(|limit| 0.1 * limit)));
+    config.setup.tick = 1e-3;
+    config.setup.observer.memory = super::track::MEMORY_SAMPLES;
+    Ok(config)
+}
