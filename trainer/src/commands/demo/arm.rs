@@ -4,7 +4,9 @@ mod robot;
 
 use super::{Demo, MARK, say, write_model};
 use crate::commands::evaluate::{Torques, torques};
-use crate::commands::simulate::{self, LawName, Motion, Plant, Request, Scenario, Trace, World, simulate};
+use crate::commands::simulate::{
+    self, Floats, LawName, Motion, Plant, Request, Scenario, Trace, World, simulate,
+};
 use crate::commands::train;
 use leastaction::cli::{Done, Failure, Output, written};
 use leastaction_learning::model_file::{HostModel, decode};
@@ -121,6 +123,7 @@ fn follow(
         tick: None,
         world: &World::default(),
         motion,
+        floats: &Floats::default(),
         on: None,
     };
     simulate(file, &request, [name.with_extension("csv"), name.with_extension("svg")])
