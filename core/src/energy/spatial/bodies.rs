@@ -142,7 +142,10 @@ impl<'a, W: WeightFormat, const N: usize> SpatialBodies<'a, W, N> {
             if let Some(l_qq) = &mut l_qq {
                 l_qq[k][k] = bend.dot(&slope) + bent(frame, pull);
             }
-            motion.below(self, k, |j, step, frame| {
+            // A loop, not a closure: where it is not inlined, an index is not known to be one.
+            let (mut step, mut below) = (frame.step, self.parent(k));
+            while let Some(j) = below {
+                let Some(frame) = present(motion.frames.get(j)) else { break };
                 (unit, slope) = (unit.about(step), slope.about(step));
                 let bend = &motion.bends[j];
                 l_vv[j][k] = frame.share(&unit);
@@ -152,7 +155,8 @@ impl<'a, W: WeightFormat, const N: usize> SpatialBodies<'a, W, N> {
                     l_qq[j][k] = bend.dot(&slope) + bent(frame, pull);
                     l_qq[k][j] = l_qq[j][k];
                 }
-            });
+                (step, below) = (frame.step, self.parent(j));
+            }
         }
         Linearization { l_q: motion.force(gravity), l_v: motion.momentum(v), l_vq, l_vv }
     }
@@ -209,22 +213,6 @@ impl<S: Scalar, const N: usize> Motion<S, N> {
     #[inline(always)]
     fn unit(&self, k: usize) -> Wrench<S> {
         self.carried[k].unit_momentum(&self.frames[k])
-    }
-
-    /// Visits the joints below joint k with the step that leads to each.
-    #[inline(always)]
-    fn below<W: WeightFormat>(
-        &self,
-        bodies: &SpatialBodies<W, N>,
-        k: usize,
-        mut visit: impl FnMut(usize, Vector<S>, &Frame<S>),
-    ) {
-        let (mut step, mut below) = (self.frames[k].step, bodies.parent(k));
-        while let Some(j) = below {
-            let Some(frame) = present(self.frames.get(j)) else { break };
-            visit(j, step, frame);
-            (step, below) = (frame.step, bodies.parent(j));
-        }
     }
 
     /// L_q.
