@@ -138,7 +138,8 @@ fn what_cannot_be_followed_is_said() {
     bench
         .run("simulate m.postcard --scenario predict --plant m.postcard --law pd-gravity")
         .bad(2, &["--scenario track"]);
-    bench.run(&format!("{words} --trajectory motion.toml --on cortex-m4")).bad(2, &["leave out --on"]);
+    let on_board = format!("{words} --trajectory motion.toml --on cortex-m4 --image nowhere.elf");
+    bench.run(&on_board).bad(1, &["nowhere.elf", "run.sh --build"]);
     for (found, other, message) in [
         ("centre = [0.2, 0.5]", "centre = [0.2]", "centre has 1 entries"),
         ("cosine = [[0.5, 0.2]", "cosine = [[1, 1, 1, 1, 1, 1]", "at most 5"),
