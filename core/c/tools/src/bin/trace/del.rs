@@ -33,10 +33,11 @@ impl<L: Lagrangian<f32, N>, F: Forces<f32, N>> Mechanism for System<L, F> {
 
     fn terms(&self, q: &Vector) -> Vec<f32> {
         let rest = [0.0; N];
-        let l = self.lagrangian.linearization(q, &rest);
+        let mass = self.lagrangian.linearization(q, &rest).l_vv;
+        let l_q = self.lagrangian.gradient(q, &rest).l_q;
         let force = self.forces.force(q, &rest, &rest);
-        let torque: Vector = std::array::from_fn(|i| -l.l_q[i] - force[i]);
-        [l.l_vv.as_flattened(), &torque].concat()
+        let torque: Vector = std::array::from_fn(|i| -l_q[i] - force[i]);
+        [mass.as_flattened(), &torque].concat()
     }
 
     fn start(&self, q: Vector, v: Vector) -> Result<Self::State, String> {
