@@ -141,7 +141,7 @@ impl fmt::Display for TorqueNumbers {
         for ((own, name), model) in self.certainty.numbers.iter().zip(self.full_names()).zip(&self.model) {
             let NumberName { name, unit } = name;
             let shown = match own.shown {
-                Shown::Within(error) => format!("{:>10.4} ± {error:<9.2}", own.value),
+                Shown::Within(error) => format!("{:>10.4} ± {error:<9.4}", own.value),
                 Shown::Together => format!("{:>22}", "not shown"),
                 Shown::AtBound => format!("{:>10.4} {:<11}", own.value, "at its end"),
             };

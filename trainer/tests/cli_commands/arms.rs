@@ -100,12 +100,18 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
 #[test]
 #[ignore = "a quarter of a minute"]
 fn the_arm_of_the_demo_follows_its_motion_better_than_pd() {
-    let report = Bench::new().run("demo arm -q --out demo --json").good().json();
+    let bench = Bench::new();
+    let report = bench.run("demo arm -q --out demo --json").good().json();
     assert!(report["torque_nmse"].as_f64().unwrap() < 0.01, "{report}");
     let errors = |law: &str| report[law]["rms_error"].as_array().unwrap().clone();
     for (ours, pd) in errors("computed_torque").iter().zip(errors("pd_gravity")) {
         assert!(ours.as_f64().unwrap() < pd.as_f64().unwrap(), "{report}");
     }
+    // Torques depend on one of the base parameters by rounding alone.
+    let numbers = bench.run("evaluate demo/run --data demo/unseen.npz --json").good().json();
+    let numbers = numbers["torque_numbers"].as_array().unwrap().clone();
+    let shown: Vec<f64> = numbers.iter().filter_map(|number| number["by_log"].as_f64()).collect();
+    assert!(shown.len() == numbers.len() - 1 && shown.iter().all(|x| x.abs() < 100.0), "{numbers:?}");
 }
 
 #[test]

@@ -26,6 +26,9 @@ const BLOCKS: usize = 32;
 /// A number is free where directions that are not shown have this part of it.
 const FREE: f64 = 1e-4;
 
+/// Where the slope of the torques in a number is less than this part of the largest, it is rounding: torques do not depend on the number.
+const ROUNDING: f64 = 1e-10;
+
 /// How well samples show a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
@@ -213,7 +216,7 @@ fn of_known(start: &Start, known: &[usize]) -> Vec<f64> {
 
 /// Covariances of numbers, each divided by the root of its diagonal entry in H.
 struct Spread {
-    /// 1/√H_ii, 0 for a number that nothing depends on.
+    /// 1/√H_ii, 0 for a number that nothing depends on but by rounding.
     sizes: Vec<f64>,
     /// In the directions that are shown.
     covariance: Mat<f64>,
@@ -226,8 +229,10 @@ impl Spread {
     fn of(parts: &[Equations], numbers: &[usize]) -> Self {
         let p = numbers.len();
         let sum = |i: usize, j: usize| parts.iter().map(|of| of.gram[(numbers[i], numbers[j])]).sum::<f64>();
-        let sizes: Vec<f64> =
-            (0..p).map(|i| sum(i, i)).map(|x| if x > 0.0 { x.sqrt().recip() } else { 0.0 }).collect();
+        let squares: Vec<f64> = (0..p).map(|i| sum(i, i)).collect();
+        let rounding = ROUNDING * ROUNDING * squares.iter().copied().fold(0.0, f64::max);
+        let size = |x: f64| if x > rounding { x.sqrt().recip() } else { 0.0 };
+        let sizes: Vec<f64> = squares.into_iter().map(size).collect();
         let scaled = Mat::from_fn(p, p, |i, j| sizes[i] * sizes[j] * sum(i, j));
         let basis = shown_directions(&scaled);
         let free = (0..p).map(|i| 1.0 - basis.row(i).iter().map(|x| x * x).sum::<f64>()).collect();
