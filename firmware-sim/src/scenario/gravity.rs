@@ -2,9 +2,8 @@ use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Push, Setup, Start};
 use crate::angle::difference;
-use crate::devices::{Devices, Drive, EncoderConfig};
+use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
-use crate::observer::ObserverConfig;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
 use crate::{Mechanism, Program, Task};
@@ -33,18 +32,12 @@ impl<const N: usize> GravityConfig<N> {
         limit: [f32; N],
         (start, push): ([f32; N], [f32; N]),
     ) -> Self {
+        let devices = Devices::new(encoders, limit);
+        let goal = Goal { tolerance: [f32::INFINITY; N], hold: 0.0, bounds: [f32::INFINITY; N] };
         let setup = Setup {
-            seed: 0,
-            tick: 0.01,
-            seconds: 10.0,
-            substeps: 8,
-            start: Start::at_rest(start),
-            devices: Devices::new(encoders, limit),
             push: Push { begin: PUSH[0], end: PUSH[1], most: push },
             brakes: true,
-            known_drive: Drive::ideal(),
-            observer: ObserverConfig::new(),
-            goal: Goal { tolerance: [f32::INFINITY; N], hold: 0.0, bounds: [f32::INFINITY; N] },
+            ..Setup::new(Start::at_rest(start), devices, goal)
         };
         Self { setup, drag: 1.0 }
     }

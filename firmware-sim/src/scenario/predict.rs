@@ -1,7 +1,7 @@
 use super::setup::CART_AND_POLE;
-use super::{Push, Setup, Start};
+use super::{Setup, Start};
 use crate::angle::difference;
-use crate::devices::{Devices, Drive, EncoderConfig};
+use crate::devices::{Devices, EncoderConfig};
 use crate::error::{SetupError, require};
 use crate::mechanism::{Mechanism, require_quadratic};
 use crate::observer::{Integrator, ObserverConfig, Order};
@@ -53,18 +53,12 @@ impl<const N: usize> Predict<N> {
         start: Start<N>,
         excitation: Excitation<N>,
     ) -> Self {
+        let devices = Devices::new(encoders, limit);
+        let goal = Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] };
         let setup = Setup {
-            seed: 0,
-            tick: 0.01,
             seconds: 5.0,
-            substeps: 8,
-            start,
-            devices: Devices::new(encoders, limit),
-            push: Push::none(),
-            brakes: false,
-            known_drive: Drive::ideal(),
             observer: ObserverConfig { order: Order::Four, ..ObserverConfig::new() },
-            goal: Goal { tolerance: [0.01; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
+            ..Setup::new(start, devices, goal)
         };
         Self { setup, excitation }
     }

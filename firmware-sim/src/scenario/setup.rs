@@ -102,6 +102,23 @@ pub struct Setup<const N: usize> {
 }
 
 impl<const N: usize> Setup<N> {
+    /// 10 s of 10 ms from `start`, undisturbed, without brakes; gain and offset of the actuators are taken for 1 and 0.
+    pub const fn new(start: Start<N>, devices: Devices<N>, goal: Goal<N>) -> Self {
+        Self {
+            seed: 0,
+            tick: 0.01,
+            seconds: 10.0,
+            substeps: 8,
+            start,
+            devices,
+            push: Push::none(),
+            brakes: false,
+            known_drive: Drive::ideal(),
+            observer: ObserverConfig::new(),
+            goal,
+        }
+    }
+
     /// Ticks of the run.
     pub fn ticks(&self) -> u32 {
         libm::roundf(self.seconds / self.tick) as u32

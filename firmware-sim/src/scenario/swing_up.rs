@@ -1,10 +1,9 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
-use super::{Push, Setup, Start};
+use super::{Setup, Start};
 use crate::control::{Catch, PumpConfig, Tolerance};
-use crate::devices::{Devices, Drive, EncoderConfig};
+use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
-use crate::observer::ObserverConfig;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
 use crate::{Mechanism, Program, Task};
@@ -32,19 +31,9 @@ impl SwingUpConfig<1> {
     ///
     /// [`PENDULUM`]: leastaction_core::energy::trigonometric::PENDULUM
     pub const fn pendulum() -> Self {
-        let setup = Setup {
-            seed: 0,
-            tick: 0.01,
-            seconds: 10.0,
-            substeps: 8,
-            start: Start { q: [PI], q_spread: [0.5], v_spread: [0.5] },
-            devices: Devices::new([EncoderConfig::rotary()], [2.0]),
-            push: Push::none(),
-            brakes: false,
-            known_drive: Drive::ideal(),
-            observer: ObserverConfig::new(),
-            goal: Goal { tolerance: [UPRIGHT], hold: HOLD, bounds: [f32::INFINITY] },
-        };
+        let devices = Devices::new([EncoderConfig::rotary()], [2.0]);
+        let goal = Goal { tolerance: [UPRIGHT], hold: HOLD, bounds: [f32::INFINITY] };
+        let setup = Setup::new(Start { q: [PI], q_spread: [0.5], v_spread: [0.5] }, devices, goal);
         Self {
             setup,
             pump: PumpConfig { effort: 2.0, energy_band: 0.02, rate_band: 0.3, centring: 0.0 },
@@ -57,19 +46,10 @@ impl SwingUpConfig<1> {
 impl SwingUpConfig<2> {
     /// The cart-pole from about hanging, 10 s of 10 ms, with at most 10 N on the cart, on a track of ±2.4 m.
     pub const fn cartpole() -> Self {
-        let setup = Setup {
-            seed: 0,
-            tick: 0.01,
-            seconds: 10.0,
-            substeps: 8,
-            start: Start { q: [0.0, PI], q_spread: [0.2, 0.5], v_spread: [0.05, 0.5] },
-            devices: Devices::new(CART_AND_POLE, [10.0, 0.0]),
-            push: Push::none(),
-            brakes: false,
-            known_drive: Drive::ideal(),
-            observer: ObserverConfig::new(),
-            goal: Goal { tolerance: [f32::INFINITY, UPRIGHT], hold: HOLD, bounds: [2.4, f32::INFINITY] },
-        };
+        let devices = Devices::new(CART_AND_POLE, [10.0, 0.0]);
+        let goal = Goal { tolerance: [f32::INFINITY, UPRIGHT], hold: HOLD, bounds: [2.4, f32::INFINITY] };
+        let setup =
+            Setup::new(Start { q: [0.0, PI], q_spread: [0.2, 0.5], v_spread: [0.05, 0.5] }, devices, goal);
         Self {
             setup,
             pump: PumpConfig { effort: 5.0, energy_band: 0.02, rate_band: 0.3, centring: 1.6 },

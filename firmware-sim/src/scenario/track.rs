@@ -1,10 +1,9 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
-use super::{Push, Setup, Start};
+use super::{Setup, Start};
 use crate::control::{Gains, Law, Reference, Trajectory};
-use crate::devices::{Devices, Drive, EncoderConfig};
+use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
-use crate::observer::ObserverConfig;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
 use crate::{Mechanism, Program, Task};
@@ -33,19 +32,9 @@ impl<const N: usize, T: Copy> TrackConfig<N, T> {
         limit: [f32; N],
         (start, reference): ([f32; N], T),
     ) -> Self {
-        let setup = Setup {
-            seed: 0,
-            tick: 0.01,
-            seconds: 10.0,
-            substeps: 8,
-            start: Start::at_rest(start),
-            devices: Devices::new(encoders, limit),
-            push: Push::none(),
-            brakes: false,
-            known_drive: Drive::ideal(),
-            observer: ObserverConfig::new(),
-            goal: Goal { tolerance: [0.05; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] },
-        };
+        let devices = Devices::new(encoders, limit);
+        let goal = Goal { tolerance: [0.05; N], hold: f32::INFINITY, bounds: [f32::INFINITY; N] };
+        let setup = Setup::new(Start::at_rest(start), devices, goal);
         Self { setup, reference, gains: Gains { frequency: 8.0, damping: 1.0 }, law: Law::ComputedTorque }
     }
 }

@@ -14,10 +14,8 @@ use crate::{INERTIAL, Limits, Samples, Tree};
 use leastaction_data::Rows;
 use rand::RngExt;
 use rand_pcg::Pcg64;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
-use std::num::NonZero;
-use std::panic::resume_unwind;
-use std::thread;
 use thiserror::Error;
 
 /// A periodic motion of all coordinates.
@@ -191,7 +189,8 @@ impl Tree {
 /// [`ExcitationError`].
 pub fn excite(tree: &Tree, limits: &[Limits], search: &Search) -> Result<Excitation, ExcitationError> {
     let space = Space::new(tree, limits, search)?;
-    let found = parallel(search.starts, &|start| space.search(start, search));
+    let searches = (0..search.starts).into_par_iter().map(|start| space.search(start, search));
+    let found: Vec<_> = searches.collect();
     let first = space.condition(&space.motion(&space.begin(0, search).1));
     let best = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|best| best.1.is_finite());
     let series = space.motion(&best.ok_or(ExcitationError::NotSeen)?.0);
@@ -380,20 +379,4 @@ fn logistic(x: f64) -> f64 {
 fn normal(random: &mut Pcg64) -> f64 {
     let radius = (-2.0 * (1.0 - random.random_range(0.0..1.0_f64)).ln()).sqrt();
     radius * (TAU * random.random_range(0.0..1.0_f64)).cos()
-}
-
-/// f(0), …, f(count − 1) on all processors, in order.
-fn parallel<T: Send>(count: usize, f: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
-    let threads = thread::available_parallelism().map_or(1, NonZero::get).min(count);
-    let mut all: Vec<(usize, T)> = thread::scope(|scope| {
-        let share =
-            |first: usize| move || (first..count).step_by(threads).map(|k| (k, f(k))).collect::<Vec<_>>();
-        let running: Vec<_> = (0..threads).map(|first| scope.spawn(share(first))).collect();
-        running
-            .into_iter()
-            .flat_map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
-            .collect()
-    });
-    all.sort_by_key(|(k, _)| *k);
-    all.into_iter().map(|(_, of)| of).collect()
 }

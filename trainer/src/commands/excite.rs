@@ -1,5 +1,6 @@
 //! `leastaction excite`.
 
+use super::motion::MotionFile;
 use clap::Args;
 use leastaction::cli::arguments::{positive, seed};
 use leastaction::cli::{Done, Failure, FileKind, MOTION_HEAD, Output, replaceable, written};
@@ -71,17 +72,6 @@ pub struct Excite {
 const RADIUS: f64 = 0.1;
 /// Rows at most.
 const MOST_ROWS: f64 = 1e7;
-
-/// A file of a motion, as `simulate` reads it.
-#[derive(Serialize)]
-struct MotionFile {
-    frequency: f64,
-    ramp: f64,
-    centre: Vec<f64>,
-    limit: Vec<f64>,
-    cosine: Vec<Vec<f64>>,
-    sine: Vec<Vec<f64>>,
-}
 
 /// What was found and written.
 #[derive(Serialize)]

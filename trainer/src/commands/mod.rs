@@ -11,6 +11,7 @@ mod import;
 mod inspect;
 mod interrupt;
 mod look;
+mod motion;
 mod notes;
 mod progress;
 mod reproduce;

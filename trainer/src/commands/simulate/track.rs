@@ -3,13 +3,13 @@
 use super::plant::{OnPlant, encoders};
 use super::scenario::following;
 use super::{Report, Request, Trace};
+use crate::commands::motion::MotionFile;
 use clap::{Args, ValueEnum};
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::positive_f32;
 use leastaction_chip::SystemOf;
 use leastaction_firmware_sim::control::{Gains, HARMONICS, Law, Reference, Trajectory};
 use leastaction_firmware_sim::scenario::TrackConfig;
-use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// How a motion is followed.
@@ -48,23 +48,6 @@ impl From<LawName> for Law {
             LawName::PdGravity => Self::PdGravity,
         }
     }
-}
-
-/// The file of a motion.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MotionFile {
-    frequency: f32,
-    centre: Vec<f32>,
-    cosine: Vec<Vec<f32>>,
-    sine: Vec<Vec<f32>>,
-    limit: Vec<f32>,
-    #[serde(default = "ramp")]
-    ramp: f32,
-}
-
-fn ramp() -> f32 {
-    2.0
 }
 
 /// When a motion begins, s: the observer needs a few samples before.
@@ -106,7 +89,10 @@ impl Motion {
         let wrong = |what: &str, found: usize| {
             Failure::input(path, format!("{what} has {found} entries; the model has {N} coordinates"))
         };
-        let all = |what: &str, list: &[f32]| <[f32; N]>::try_from(list).map_err(|_| wrong(what, list.len()));
+        let single = |list: &[f64]| list.iter().map(|x| *x as f32).collect::<Vec<_>>();
+        let all = |what: &str, list: &[f64]| {
+            <[f32; N]>::try_from(single(list)).map_err(|_| wrong(what, list.len()))
+        };
         let mut waves = [[[0.0; 2]; HARMONICS]; N];
         for (part, (what, rows)) in [("cosine", &file.cosine), ("sine", &file.sine)].into_iter().enumerate() {
             if rows.len() != N {
@@ -119,13 +105,13 @@ impl Motion {
                         format!("{what} has a row of {found} harmonics; at most {HARMONICS} are followed");
                     return Err(Failure::input(path, message));
                 }
-                wave.iter_mut().zip(row).for_each(|(pair, x)| pair[part] = *x);
+                wave.iter_mut().zip(row).for_each(|(pair, x)| pair[part] = *x as f32);
             }
         }
         let centre = all("centre", &file.centre)?;
         let limit = all("limit", &file.limit)?;
-        let frequency = [file.frequency; N];
-        Ok((Reference { begin: BEGIN, ramp: file.ramp, centre, frequency, waves }, limit))
+        let (ramp, frequency) = (file.ramp as f32, [file.frequency as f32; N]);
+        Ok((Reference { begin: BEGIN, ramp, centre, frequency, waves }, limit))
     }
 }
 
