@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The controller on emulated boards against the plant on this machine: swing-up and tracking of the learned cart-pole, and the swing-up of
-# one with friction, a weak and late drive and encoders that are off by a model of its own logs (docs/swing-up.md), and seven joints that follow
+# one with friction, a weak and late drive and encoders that are off by a model of its own logs (docs/book/src/swing-up.md), and seven joints that follow
 # a motion 1,000 times a second, must leave the trace of a run on this machine alone, bit for bit. One JSON line a board, model and scenario. `LEASTACTION` names the command where it
 # is built already; `STARTS=20 hil.sh` swings the one with friction up from so many starts (1) on the first board.
 set -euo pipefail

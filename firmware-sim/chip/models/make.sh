@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Learns the models that the images carry, each from exact motion of seed 0, and cartpole-dry from logs as a robot writes them
-# (docs/swing-up.md).
+# (docs/book/src/swing-up.md).
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$(cd ../../.. && pwd)

@@ -183,7 +183,7 @@ struct Aligned<const N: usize>([u8; N]);
 static LEARNED: Aligned<{ include_bytes!("../../chip/models/cartpole-dry.postcard").len() }> =
     Aligned(*include_bytes!("../../chip/models/cartpole-dry.postcard"));
 
-/// The model of `chip/models/make.sh`, learned from logs of this very machine: `docs/swing-up.md`.
+/// The model of `chip/models/make.sh`, learned from logs of this very machine: `docs/book/src/swing-up.md`.
 #[test]
 fn learned_from_the_machines_own_logs() {
     type Friction = (Viscous<f32, 2>, Coulomb<f32, 2>);

@@ -58,7 +58,7 @@ fn log(ids: std::ops::Range<i64>) -> Dataset {
 
 /// The configuration of the page.
 fn configuration() -> &'static str {
-    const PAGE: &str = include_str!("../../../docs/friction.md");
+    const PAGE: &str = include_str!("../../../docs/book/src/friction.md");
     PAGE.split("```toml\n").nth(2).and_then(|rest| rest.split("```").next()).unwrap()
 }
 

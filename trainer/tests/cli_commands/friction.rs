@@ -32,7 +32,7 @@ fn motion(id: i64) -> Trajectory {
 
 /// The configuration of the page.
 fn configuration() -> &'static str {
-    const PAGE: &str = include_str!("../../../docs/friction.md");
+    const PAGE: &str = include_str!("../../../docs/book/src/friction.md");
     PAGE.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap()
 }
 

@@ -22,7 +22,7 @@ fn robot_logs(bench: &Bench) {
 
 /// The configuration of the page, for a step.
 fn configuration(step: f64) -> String {
-    const PAGE: &str = include_str!("../../../docs/logs.md");
+    const PAGE: &str = include_str!("../../../docs/book/src/logs.md");
     let block = PAGE.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let changed = block.replace("step = 0.1 ", &format!("step = {step:?} "));
     assert!(changed != block || step == 0.1);

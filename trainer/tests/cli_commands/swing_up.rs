@@ -3,7 +3,7 @@
 use crate::support::Bench;
 use serde_json::Value;
 
-const PAGE: &str = include_str!("../../../docs/swing-up.md");
+const PAGE: &str = include_str!("../../../docs/book/src/swing-up.md");
 const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware-sim/chip/models");
 /// What `make.sh` learns the image's model by.
 const CONFIGURATION: &str = include_str!("../../../firmware-sim/chip/models/cartpole-dry.toml");

@@ -197,7 +197,7 @@ fn intervals_and_further_files_of_recordings() {
 
 #[test]
 fn the_pages_ways_to_name_logs_are_read() {
-    const PAGE: &str = include_str!("../../../../docs/logs.md");
+    const PAGE: &str = include_str!("../../../../docs/book/src/logs.md");
     let blocks = PAGE.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
     let logs: Vec<String> = blocks
         .filter(|block| block.starts_with("[data]"))

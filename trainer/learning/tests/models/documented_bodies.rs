@@ -1,4 +1,4 @@
-//! The examples of docs/bodies.md, as they stand there, on exact motion.
+//! The examples of docs/book/src/bodies.md, as they stand there, on exact motion.
 
 use crate::page::{self, Strict};
 use leastaction_core::continuous::acceleration;
@@ -14,7 +14,7 @@ use leastaction_learning::run::{Plan, Run};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-const PAGE: &str = include_str!("../../../../docs/bodies.md");
+const PAGE: &str = include_str!("../../../../docs/book/src/bodies.md");
 
 /// States anywhere under forces, with their accelerations.
 pub fn log<const N: usize>(bodies: &BodiesArchitecture, weights: &[f64], trajectories: i64) -> Dataset {

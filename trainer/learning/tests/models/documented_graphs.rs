@@ -1,4 +1,4 @@
-//! The examples of docs/graphs.md, as they stand there, on exact motion.
+//! The examples of docs/book/src/graphs.md, as they stand there, on exact motion.
 
 use crate::page::{self, Strict};
 use leastaction_learning::architecture::GraphArchitecture;
@@ -11,7 +11,7 @@ use leastaction_learning::run::{Plan, Run};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-const PAGE: &str = include_str!("../../../../docs/graphs.md");
+const PAGE: &str = include_str!("../../../../docs/book/src/graphs.md");
 
 /// The example of the page that begins with this file name.
 fn example(name: &str) -> &'static str {

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""A preprocessor of mdBook, which lets files of the repository be pages, and pages name files of the repository.
+
+A page whose text is one link to a Markdown file outside of the book becomes that file. A link to a file outside of the book leads to
+the page that shows it; where there is none, its text and the file's path stand there instead, for the built book travels alone.
+"""
+
+import json
+import os
+import re
+import sys
+from pathlib import Path
+
+BOOK = Path(__file__).resolve().parent
+SOURCE = BOOK / "src"
+ROOT = BOOK.parent.parent
+LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
+CODE = re.compile(r"(^```.*?^```|`[^`\n]*`(?!\]))", re.MULTILINE | re.DOTALL)
+
+
+def shown_file(text, page):
+    """The file of the repository that a page shows, if that is all that it does."""
+    link = LINK.fullmatch(text.strip())
+    if not link or not link[3].endswith(".md"):
+        return None
+    file = (page.parent / link[3]).resolve()
+    return None if file.is_relative_to(SOURCE) else file
+
+
+def chapters(items):
+    for item in items:
+        chapter = item.get("Chapter") if isinstance(item, dict) else None
+        if chapter:
+            yield chapter
+            yield from chapters(chapter["sub_items"])
+
+
+def rewritten(text, origin, page, pages):
+    """Text of the file `origin` as it stands on `page`: its links lead to pages."""
+
+    def replace(link):
+        image, words, target = link.groups()
+        path, _, anchor = target.partition("#")
+        if not path or re.match(r"[a-z]+:", target):
+            return link[0]
+        file = (origin.parent / path).resolve()
+        inside = pages.get(file, file if file.is_relative_to(SOURCE) else None)
+        if inside is None:
+            name = str(file.relative_to(ROOT))
+            return f"`{name}`" if words.strip("`") in (name, path, file.name) else f"{words} (`{name}`)"
+        way = os.path.relpath(inside, page.parent) + (f"#{anchor}" if anchor else "")
+        return f"{image}[{words}]({way})"
+
+    parts = CODE.split(text)
+    return "".join(part if k % 2 else LINK.sub(replace, part) for k, part in enumerate(parts))
+
+
+def main():
+    if sys.argv[1:2] == ["supports"]:
+        return
+    _, book = json.load(sys.stdin)
+    found = [(c, SOURCE / c["path"]) for c in chapters(book.get("items") or book.get("sections")) if c["path"]]
+    origins = {page: shown_file(chapter["content"], page) for chapter, page in found}
+    pages = {file: page for page, file in origins.items() if file}
+    for chapter, page in found:
+        origin = origins[page]
+        text = origin.read_text() if origin else chapter["content"]
+        chapter["content"] = rewritten(text, origin or page, page, pages)
+    json.dump(book, sys.stdout)
+
+
+main()
