@@ -28,6 +28,7 @@ static int refused(const char *what, const leastaction_error *error) {
     return 1;
 }
 
+/* ANCHOR: evaluate */
 static int evaluate(const float *v, const float *u) {
     leastaction_error error;
     float a[N], force[N], p[N], energies[2];
@@ -51,7 +52,9 @@ static int evaluate(const float *v, const float *u) {
 #endif
     return 0;
 }
+/* ANCHOR_END: evaluate */
 
+/* ANCHOR: bounded */
 /* A tick of a control loop takes the same time every time: two updates. */
 static leastaction_newton bounded(void) {
     leastaction_newton newton = leastaction_default_newton();
@@ -59,6 +62,7 @@ static leastaction_newton bounded(void) {
     newton.stop = 0;
     return newton;
 }
+/* ANCHOR_END: bounded */
 
 static int step(float h, int order, int k, const leastaction_newton *newton) {
     leastaction_error error;
