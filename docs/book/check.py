@@ -24,7 +24,8 @@ from pathlib import Path
 
 BOOK = Path(__file__).resolve().parent
 ROOT = BOOK.parent.parent
-LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+# A link, or code, in which there is none.
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)|^```.*?^```|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 FENCE = re.compile(r"^```(\S*)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 STEP = re.compile(r"^(?:<!-- run: (?P<run>.*?) -->|(?P<why><!-- not run: .+? -->\n+)?```(?P<kind>\S*)[^\n]*\n(?P<body>.*?)^```$)",
                   re.MULTILINE | re.DOTALL)
@@ -41,8 +42,7 @@ def check_files():
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.md"], cwd=ROOT, capture_output=True, text=True)
     broken = []
     for name in listed.stdout.split():
-        text = re.sub(r"`[^`\n]*`(?!\])", "", FENCE.sub("", (ROOT / name).read_text()))
-        for target in LINK.findall(text):
+        for target in filter(None, LINK.findall((ROOT / name).read_text())):
             path, _, anchor = target.partition("#")
             if re.match(r"[a-z]+:", target):
                 continue

@@ -81,7 +81,7 @@ class Axes:
 
 def way():
     p = Picture(860, 190, "From a log to a controller")
-    p.box(10, 60, 150, 70, ["log", "q and u; .csv .npz .mcap"], BLUE)
+    p.box(10, 60, 150, 70, ["log of q and u", ".csv, .npz, .mcap"], BLUE)
     p.box(240, 60, 170, 70, ["leastaction train", "T and V, friction, drive"])
     p.box(490, 60, 130, 70, ["m.postcard", "0.3 to 5 KB"], BLUE)
     p.box(700, 60, 150, 70, ["microcontroller", "no heap, no panic"])
@@ -163,11 +163,11 @@ def network():
 def step():
     """The paths of a step of order 2 and of order 4 beside a motion: free fall of a pendulum, with exact end points."""
     p = Picture(780, 320, "The path over one step, at order 2 and 4")
-    h = 1.0
+    h = 0.8
     motion = swing(1.2, 0.0, h, 400)
     ends = motion[0], motion[200], motion[400]
-    a = Axes(p, 70, 40, 420, 220, (-0.05, 1.05), (-1.5, 1.4))
-    a.curve([(h * k / 400, q) for k, (q, _) in enumerate(motion)], BLUE, 2.5)
+    a = Axes(p, 70, 40, 420, 220, (-0.05, 1.05), (-1.2, 1.4))
+    a.curve([(k / 400, q) for k, (q, _) in enumerate(motion)], BLUE, 2.5)
     q0, qm, q1 = (q for q, _ in ends)
     a.curve([(0, q0), (1, q1)], RED, 1.5)
     bubble = qm - (q0 + q1) / 2
@@ -180,7 +180,7 @@ def step():
     a.labels("time, of a step", "position", [(0, "t"), (0.5, "t + h/2"), (1, "t + h")])
     p.text(*[u + v for u, v in zip(a.at(0, q0), (-10, -8))], "q₀", 14, "end")
     p.text(*[u + v for u, v in zip(a.at(1, q1), (10, 8))], "q₁", 14, "start")
-    for k, (words, colour) in enumerate([("the motion (a pendulum of 1 m, h = 1 s:", BLUE), ("far too long, to see a difference)", BLUE),
+    for k, (words, colour) in enumerate([("the motion: a pendulum of 1 m;", BLUE), ("h = 0.8 s, to see a difference", BLUE),
                                          ("order 2: a straight line,", RED), ("L at its middle (○)", RED),
                                          ("order 4: a parabola,", GREEN), ("L at two Gauss points (○)", GREEN)]):
         p.text(520, 80 + 26 * k + 12 * (k // 2), words, 14, "start", colour)
@@ -231,19 +231,19 @@ def drift():
 
     runs = [("explicit midpoint, order 2", GREY, explicit), ("Runge–Kutta, order 4", RED, lambda q, v, h: runge_kutta(f, q, v, h)),
             ("DEL, order 2", BLUE, midpoint_step)]
-    a = Axes(p, 80, 40, 440, 230, (0, h * steps), (-5, 3))
+    a = Axes(p, 80, 40, 440, 230, (0, h * steps), (-0.4, 0.4))
     for k, (words, colour, one) in enumerate(runs):
         q, v, points = start, 0.0, [(0.0, 0.0)]
         for i in range(1, steps + 1):
             q, v = one(q, v, h)
             error = energy(q, v) - reference
-            if error > 3:
+            if error > 0.4:
                 break
             if i % 4 == 0:
                 points.append((h * i, error))
         a.curve(points, colour, 1.2)
         p.text(545, 90 + 34 * k, words, 14, "start", colour)
-    a.labels("time, s", "energy − its start, J", [(t, str(t)) for t in (0, 100, 200, 300, 400)], [(e, f"{e}".replace("-", "−")) for e in (-4, -2, 0, 2)])
+    a.labels("time, s", "energy − its start, J", [(t, str(t)) for t in (0, 100, 200, 300, 400)], [(e, f"{e}".replace("-", "−")) for e in (-0.4, -0.2, 0, 0.2, 0.4)])
     p.text(545, 200, "A pendulum of 1 kg and 1 m,", 13, "start", GREY)
     p.text(545, 219, "released at 1.5 rad, h = 0.1 s.", 13, "start", GREY)
     p.save("drift.svg")

@@ -15,7 +15,8 @@ BOOK = Path(__file__).resolve().parent
 SOURCE = BOOK / "src"
 ROOT = BOOK.parent.parent
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
-CODE = re.compile(r"(^```.*?^```|`[^`\n]*`(?!\]))", re.MULTILINE | re.DOTALL)
+# A link, or code, in which there is none.
+LINK_OR_CODE = re.compile(rf"{LINK.pattern}|^```.*?^```|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 
 
 def shown_file(text, page):
@@ -40,6 +41,8 @@ def rewritten(text, origin, page, pages):
 
     def replace(link):
         image, words, target = link.groups()
+        if target is None:
+            return link[0]
         path, _, anchor = target.partition("#")
         if not path or re.match(r"[a-z]+:", target):
             return link[0]
@@ -51,8 +54,7 @@ def rewritten(text, origin, page, pages):
         way = os.path.relpath(inside, page.parent) + (f"#{anchor}" if anchor else "")
         return f"{image}[{words}]({way})"
 
-    parts = CODE.split(text)
-    return "".join(part if k % 2 else LINK.sub(replace, part) for k, part in enumerate(parts))
+    return LINK_OR_CODE.sub(replace, text)
 
 
 def main():
