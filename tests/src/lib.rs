@@ -2,6 +2,19 @@
 
 pub mod arm;
 
+/// The programs that the book shows, as tests.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../../docs/book/src/board.md")]
+    mod board {}
+    #[doc = include_str!("../../docs/book/src/bodies.md")]
+    mod bodies {}
+    #[doc = include_str!("../../docs/book/src/graphs.md")]
+    mod graphs {}
+    #[doc = include_str!("../../docs/book/src/trees.md")]
+    mod trees {}
+}
+
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};
 use leastaction_core::discrete::{
