@@ -8,6 +8,8 @@ mod bags;
 mod control;
 #[path = "cli_commands/corrections.rs"]
 mod corrections;
+#[path = "cli_commands/doctor.rs"]
+mod doctor;
 #[path = "cli_commands/doubtful_logs.rs"]
 mod doubtful_logs;
 #[path = "cli_commands/files.rs"]

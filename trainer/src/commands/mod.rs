@@ -3,6 +3,7 @@
 mod chip;
 mod convert;
 mod demo;
+mod doctor;
 mod evaluate;
 mod excite;
 mod export;
@@ -15,6 +16,7 @@ mod motion;
 mod notes;
 mod progress;
 mod reproduce;
+mod shell;
 mod simulate;
 mod system;
 mod train;
@@ -51,6 +53,10 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     Excite(excite::Excite),
     Import(import::Import),
+    Doctor(doctor::Doctor),
+    Completions(shell::Completions),
+    #[command(name = "man")]
+    Manual(shell::Manual),
     #[command(hide = true, disable_help_flag = true)]
     Reproduce(reproduce::Reproduce),
 }
@@ -71,6 +77,9 @@ pub fn main() -> ExitCode {
         Command::Evaluate(command) => command.run(output),
         Command::Excite(command) => command.run(output),
         Command::Import(command) => command.run(output),
+        Command::Doctor(command) => command.run(output),
+        Command::Completions(command) => command.run(output),
+        Command::Manual(command) => command.run(output),
         Command::Reproduce(command) => command.run(),
     };
     done.map_or_else(|failure| output.fail(&failure), |()| ExitCode::SUCCESS)

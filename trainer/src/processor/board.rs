@@ -77,7 +77,8 @@ impl Board {
         if matches!(self, Self::Riscv) { "qemu-system-misc" } else { "qemu-system-arm" }
     }
 
-    const fn target(self) -> &'static str {
+    /// What its programs are compiled for.
+    pub const fn target(self) -> &'static str {
         if matches!(self, Self::Riscv) { "riscv32imac-unknown-none-elf" } else { "thumbv7em-none-eabihf" }
     }
 
