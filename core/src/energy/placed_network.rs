@@ -1,8 +1,9 @@
 //! Networks with their places in the weight block of a model, and the energies that they give.
 
 use super::NetworkShape;
-use crate::network::{Dense, Jet, Mlp, Tape};
+use crate::network::{Dense, Jet, Mlp, Tape, Vectors};
 use crate::scalar::{Scalar, WeightFormat};
+use heapless::Vec;
 
 /// A network with the place of its first number in the weight block.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +17,13 @@ pub struct PlacedNetwork<'a, W, const H: usize, const L: usize> {
 /// Visitor of the layers in an adjoint pass, last to first: gets the place of the layer in the weight block, the layer, its
 /// inputs, and the adjoint of its outputs.
 pub(super) trait Visit<W, S, const T: usize> {
-    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, T>], y_bar: &[Jet<S, T>]);
+    fn layer<const H: usize>(
+        &mut self,
+        start: usize,
+        layer: &Dense<W>,
+        x: Vectors<S, T, H>,
+        y_bar: Vectors<S, T, H>,
+    );
 }
 
 /// Visitor that leaves the derivatives in the weights out.
@@ -24,14 +31,22 @@ pub(super) struct Ignore;
 
 impl<W, S, const T: usize> Visit<W, S, T> for Ignore {
     #[inline(always)]
-    fn layer(&mut self, _: usize, _: &Dense<W>, _: &[Jet<S, T>], _: &[Jet<S, T>]) {}
+    fn layer<const H: usize>(&mut self, _: usize, _: &Dense<W>, _: Vectors<S, T, H>, _: Vectors<S, T, H>) {}
 }
 
 /// Visitor that gives its closure, for every weight, the position and the derivative in it of ȳ·y's tangent.
 pub(super) struct WeightTangents<R>(pub R);
 
 impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, R: FnMut(usize, S)> Visit<W, S, 1> for WeightTangents<R> {
-    fn layer(&mut self, start: usize, layer: &Dense<W>, x: &[Jet<S, 1>], y_bar: &[Jet<S, 1>]) {
+    fn layer<const H: usize>(
+        &mut self,
+        start: usize,
+        layer: &Dense<W>,
+        x: Vectors<S, 1, H>,
+        y_bar: Vectors<S, 1, H>,
+    ) {
+        let (mut x_jets, mut y_jets) = (Vec::new(), Vec::new());
+        let (x, y_bar) = (x.jets(&mut x_jets), y_bar.jets(&mut y_jets));
         layer.tangent_gradient(x, y_bar, |i, value| (self.0)(start + i, value));
     }
 }
@@ -142,6 +157,8 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> PlacedNetwork<'a, W, H
         let mut end = self.start + self.network.len();
         self.network.series_adjoints::<S>(x, y_bar, |layer, x, bar| {
             end -= layer.len();
+            let (mut x_jets, mut y_jets) = (Vec::new(), Vec::new());
+            let (x, bar) = (x.jets(&mut x_jets), bar.jets(&mut y_jets));
             layer.series_gradient(x, bar, |i, value| row(end + i, value));
             if end == self.start {
                 layer.adjoint(bar, x_bar);

@@ -1,6 +1,7 @@
 use super::Jet;
-use crate::expected::expected;
+use super::units::{Units, sized};
 use crate::scalar::Scalar;
+use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// The smooth functions that hidden units apply to their input z.
@@ -68,83 +69,137 @@ impl Activation {
 
     /// Replaces every z by σ(z) with its tangents, and writes σ′(z) with its tangents σ″ż into `slopes`.
     #[inline(always)]
-    pub fn apply<S: Scalar, const T: usize>(self, units: &mut [Jet<S, T>], slopes: &mut [Jet<S, T>]) {
-        let mut slopes = slopes.iter_mut();
-        self.visit(units, |unit, c| {
-            if let Some(slope) = slopes.next() {
-                *slope = unit.chain(c.slope, c.curvature);
-            }
-            *unit = unit.chain(c.value, c.slope);
-        });
+    pub fn apply<S: Scalar, const T: usize, const H: usize>(
+        self,
+        units: &mut Units<S, T, H>,
+        slopes: &mut Units<S, T, H>,
+    ) {
+        let mut curvatures = Vec::<S, H>::new();
+        let (values, tangents) = units.parts_mut();
+        let (slopes, slope_tangents) = slopes.resize(values.len()).parts_mut();
+        let curvatures = if T > 0 { sized(&mut curvatures, values.len()) } else { &mut [] };
+        self.curves(values, slopes, curvatures);
+        for (rates, slope_rates) in tangents.iter_mut().zip(slope_tangents) {
+            copy(slope_rates, rates);
+            scale(slope_rates, curvatures);
+            scale(rates, slopes);
+        }
     }
 
     /// Replaces every z by σ(z) with its tangents.
     #[inline(always)]
-    pub fn apply_forward<S: Scalar, const T: usize>(self, units: &mut [Jet<S, T>]) {
-        self.visit(units, |unit, c| *unit = unit.chain(c.value, c.slope));
+    pub(super) fn apply_forward<S: Scalar, const T: usize, const H: usize>(self, units: &mut Units<S, T, H>) {
+        let mut slopes = Vec::<S, H>::new();
+        let (values, tangents) = units.parts_mut();
+        let slopes = sized(&mut slopes, values.len());
+        self.curves(values, slopes, &mut []);
+        tangents.iter_mut().for_each(|rates| scale(rates, slopes));
     }
 
-    /// Visits every unit with the curve of σ at its value, a block of units side by side.
+    /// Writes σ(z) with its tangents into `units` and σ″(z) into `curvatures`; of z the tangents stay and the value becomes σ′(z).
     #[inline(always)]
-    pub(super) fn visit<S: Scalar, const T: usize>(
+    pub(super) fn apply_second_order<S: Scalar, const T: usize, const H: usize>(
         self,
-        units: &mut [Jet<S, T>],
-        mut visit: impl FnMut(&mut Jet<S, T>, Curve<S>),
+        z: &mut Units<S, T, H>,
+        units: &mut Units<S, T, H>,
+        curvatures: &mut Vec<S, H>,
     ) {
-        let zero = [S::zero(); BLOCK];
-        let (mut z, mut c) = (zero, Curve { value: zero, slope: zero, curvature: zero });
-        for units in units.chunks_mut(BLOCK) {
-            z.iter_mut().zip(units.iter()).for_each(|(z, unit)| *z = unit.value);
-            let Curve { value, slope, curvature } = &mut c;
-            self.curves(expected(z.get(..units.len()), &z), [value, slope, curvature]);
-            for (((unit, value), slope), curvature) in
-                units.iter_mut().zip(c.value).zip(c.slope).zip(c.curvature)
-            {
-                visit(unit, Curve { value, slope, curvature });
-            }
+        let (slopes, z_tangents) = z.parts_mut();
+        let (values, tangents) = units.resize(slopes.len()).parts_mut();
+        copy(values, slopes);
+        self.curves(values, slopes, sized(curvatures, values.len()));
+        for (rates, z_rates) in tangents.iter_mut().zip(z_tangents) {
+            copy(rates, z_rates);
+            scale(rates, slopes);
         }
     }
 
-    /// σ, σ′ and σ″ of at most a block of units. A function of its own, so that a compiler sees vectors and not the jets around
-    /// them, and there is one copy for any number of tangents.
+    /// Replaces every z by σ(z), and writes σ′(z) into `slopes` and, as far as it reaches, σ″(z) into `curvatures`. A function of
+    /// its own: there is one copy for any number of tangents.
     #[inline(never)]
-    fn curves<S: Scalar>(self, z: &[S], curves: [&mut [S]; 3]) {
+    fn curves<S: Scalar>(self, z: &mut [S], slopes: &mut [S], curvatures: &mut [S]) {
         match self {
-            Self::Tanh => block(tanh, z, curves),
-            Self::Softplus => block(softplus, z, curves),
-            Self::Squareplus => block(squareplus, z, curves),
-            Self::Isru => block(isru, z, curves),
-            Self::Identity => block(|z| Self::Identity.curve(z), z, curves),
+            Self::Tanh => curves(tanh, z, slopes, curvatures),
+            Self::Softplus => curves(softplus, z, slopes, curvatures),
+            Self::Squareplus => curves(squareplus, z, slopes, curvatures),
+            Self::Isru => curves(isru, z, slopes, curvatures),
+            Self::Identity => curves(|z| Self::Identity.curve(z), z, slopes, curvatures),
         }
     }
 }
 
-/// Number of units that σ is applied to side by side.
+/// ln(1 + e^z) of N numbers with their tangents, and σ′ with its tangents.
+pub(crate) fn softplus_jets<S: Scalar, const T: usize, const N: usize>(
+    z: &[Jet<S, T>; N],
+) -> [[Jet<S, T>; N]; 2] {
+    let mut both = [*z; 2];
+    let [values, slopes] = &mut both;
+    for (value, slope) in values.iter_mut().zip(slopes) {
+        let c = softplus(value.value);
+        *slope = value.chain(c.slope, c.curvature);
+        *value = value.chain(c.value, c.slope);
+    }
+    both
+}
+
+/// Number of units that σ is applied to side by side, where there are vector registers.
 const BLOCK: usize = 8;
 
 #[inline(always)]
-fn block<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &[S], [value, slope, curvature]: [&mut [S]; 3]) {
-    // A full block has a length that the compiler knows and arrays of its own, so it becomes vector instructions. Where
-    // code size matters more, one loop serves all lengths.
-    if !S::COMPONENTWISE
-        && let Ok(z) = <&[S; BLOCK]>::try_from(z)
-    {
-        let mut c = [[S::zero(); BLOCK]; 3];
-        let [values, slopes, curvatures] = &mut c;
-        for (l, z) in z.iter().enumerate() {
-            let c = sigma(*z);
-            (values[l], slopes[l], curvatures[l]) = (c.value, c.slope, c.curvature);
+fn curves<S: Scalar>(sigma: impl Fn(S) -> Curve<S>, z: &mut [S], slopes: &mut [S], curvatures: &mut [S]) {
+    let mut done = 0;
+    // Where code size matters more, one loop serves all lengths.
+    if !S::COMPONENTWISE {
+        let (z, slopes) = (z.as_chunks_mut().0, slopes.as_chunks_mut().0);
+        for (z, slopes) in z.iter_mut().zip(slopes) {
+            block(&sigma, z, slopes, curvatures.get_mut(done..));
+            done += BLOCK;
         }
-        for (workspace, c) in [value, slope, curvature].into_iter().zip(c) {
-            if let Some(workspace) = workspace.first_chunk_mut() {
-                *workspace = c;
-            }
+    }
+    let rest = z.iter_mut().zip(slopes).enumerate().skip(done);
+    for (i, (z, slope)) in rest {
+        let c = sigma(*z);
+        (*z, *slope) = (c.value, c.slope);
+        if let Some(curvature) = curvatures.get_mut(i) {
+            *curvature = c.curvature;
         }
-        return;
     }
-    for (((z, value), slope), curvature) in z.iter().zip(value).zip(slope).zip(curvature) {
-        Curve { value: *value, slope: *slope, curvature: *curvature } = sigma(*z);
+}
+
+/// A full block has a length that the compiler knows and arrays of its own, so it becomes vector instructions.
+#[inline(always)]
+fn block<S: Scalar>(
+    sigma: impl Fn(S) -> Curve<S>,
+    z: &mut [S; BLOCK],
+    slopes: &mut [S; BLOCK],
+    rest: Option<&mut [S]>,
+) {
+    let mut c = [[S::zero(); BLOCK]; 3];
+    let [values, rates, curvatures] = &mut c;
+    for (l, z) in z.iter().enumerate() {
+        let c = sigma(*z);
+        (values[l], rates[l], curvatures[l]) = (c.value, c.slope, c.curvature);
     }
+    [*z, *slopes] = [*values, *rates];
+    if let Some(slots) = rest.and_then(|rest| rest.first_chunk_mut()) {
+        *slots = *curvatures;
+    }
+}
+
+/// As [`slice::copy_from_slice`], which would panic where the lengths differ.
+#[inline(always)]
+fn copy<S: Copy>(x: &mut [S], y: &[S]) {
+    x.iter_mut().zip(y).for_each(|(x, y)| *x = *y);
+}
+
+/// x_i ← c_i x_i.
+#[inline(never)]
+fn scale<S: Scalar>(x: &mut [S], c: &[S]) {
+    let ((fours, ones), (c_fours, c_ones)) = (x.as_chunks_mut::<4>(), c.as_chunks::<4>());
+    for (x, c) in fours.iter_mut().zip(c_fours) {
+        *x = core::array::from_fn(|i| c[i] * x[i]);
+    }
+    ones.iter_mut().zip(c_ones).for_each(|(x, c)| *x = *c * *x);
 }
 
 #[inline(always)]

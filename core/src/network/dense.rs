@@ -1,7 +1,5 @@
 use super::Jet;
-use crate::expected::expected;
 use crate::scalar::{Scalar, WeightFormat};
-use leastaction_fpu::portable::dot;
 
 /// A fully connected layer y = Wx + b over borrowed weights.
 ///
@@ -14,10 +12,6 @@ pub struct Dense<'a, W> {
     pub(super) bias: &'a [W],
     pub(super) inputs: usize,
 }
-
-/// Networks of up to this width take the tangents of a layer side by side on controllers too. Wider networks take them one
-/// after the other there: gathering each vector then costs less than it saves.
-pub const NARROW: usize = 8;
 
 impl<'a, W: WeightFormat> Dense<'a, W> {
     /// Numbers that a layer of this shape takes from the weight block.
@@ -72,22 +66,7 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
     /// y = Wx + b and ẏ_k = Wẋ_k.
     #[inline]
     pub fn forward<S: Scalar<Weight = W::Wide>, const T: usize>(&self, x: &[Jet<S, T>], y: &mut [Jet<S, T>]) {
-        self.forward_of::<S, T, { usize::MAX }>(x, y);
-    }
-
-    /// [`Dense::forward`] in a network of at most `H` units a layer.
-    #[inline]
-    pub(super) fn forward_of<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
-        &self,
-        x: &[Jet<S, T>],
-        y: &mut [Jet<S, T>],
-    ) {
-        if S::COMPONENTWISE && H > NARROW {
-            return self.componentwise::<S, T, false>(x, y);
-        }
-        let (weights, bias, y) = forward_panels::<W, S, T, 8>(self.weights, self.bias, x, y);
-        let (weights, bias, y) = forward_panels::<W, S, T, 4>(weights, bias, x, y);
-        forward_panels::<W, S, T, 1>(weights, bias, x, y);
+        self.forward_into(x, y);
     }
 
     /// x̄ = Wᵀȳ and the same for every tangent of the adjoint; `x_bar` is overwritten.
@@ -97,23 +76,7 @@ impl<'a, W: WeightFormat> Dense<'a, W> {
         y_bar: &[Jet<S, T>],
         x_bar: &mut [Jet<S, T>],
     ) {
-        self.adjoint_of::<S, T, { usize::MAX }>(y_bar, x_bar);
-    }
-
-    /// [`Dense::adjoint`] in a network of at most `H` units a layer.
-    #[inline]
-    pub(super) fn adjoint_of<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
-        &self,
-        y_bar: &[Jet<S, T>],
-        x_bar: &mut [Jet<S, T>],
-    ) {
-        if S::COMPONENTWISE && H > NARROW {
-            return self.componentwise::<S, T, true>(y_bar, x_bar);
-        }
-        x_bar.fill(Jet::zero());
-        let (weights, y_bar) = adjoint_panels::<W, S, T, 8>(self.weights, y_bar, x_bar);
-        let (weights, y_bar) = adjoint_panels::<W, S, T, 4>(weights, y_bar, x_bar);
-        adjoint_panels::<W, S, T, 1>(weights, y_bar, x_bar);
+        self.adjoint_into(y_bar, x_bar);
     }
 
     /// Visits ∂/∂W of the first tangent of a scalar: for every weight, in storage order, then every bias, calls
@@ -178,111 +141,4 @@ fn outer<S, X, Y>(
 fn derivative<S: Scalar>(y: &Jet<S, 1>, x: &Jet<S, 1>) -> S {
     let [derivative] = x.times(y).tangent;
     derivative
-}
-
-/// The weights, biases and outputs that follow the full panels.
-type Rest<'w, 'y, W, S, const T: usize> = (&'w [W], &'w [W], &'y mut [Jet<S, T>]);
-
-/// P jets as vector registers hold them: their values side by side, and each of their tangents side by side.
-struct Panel<S, const T: usize, const P: usize> {
-    value: [S; P],
-    tangent: [[S; P]; T],
-}
-
-impl<S: Scalar, const T: usize, const P: usize> Panel<S, T, P> {
-    #[inline(always)]
-    fn jet(&self, l: usize) -> Jet<S, T> {
-        let mut jet = Jet { value: self.value[l], tangent: [S::zero(); T] };
-        for (x, lanes) in jet.tangent.iter_mut().zip(&self.tangent) {
-            *x = lanes[l];
-        }
-        jet
-    }
-}
-
-/// Evaluates all full panels of P outputs.
-#[inline(always)]
-fn forward_panels<'w, 'y, W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
-    weights: &'w [W],
-    bias: &'w [W],
-    x: &[Jet<S, T>],
-    y: &'y mut [Jet<S, T>],
-) -> Rest<'w, 'y, W, S, T> {
-    let (panels, y) = y.as_chunks_mut::<P>();
-    let (bias, bias_rest) = expected(bias.split_at_checked(panels.len() * P), (bias, &[]));
-    let (rows, rest) = expected(weights.split_at_checked(panels.len() * P * x.len()), (weights, &[]));
-    let mut rows = rows.as_chunks::<P>().0;
-    for (y, bias) in panels.iter_mut().zip(bias.as_chunks::<P>().0) {
-        let panel = forward_panel(split_off(&mut rows, x.len()), bias, x);
-        for (l, y) in y.iter_mut().enumerate() {
-            *y = panel.jet(l);
-        }
-    }
-    (rest, bias_rest, y)
-}
-
-/// Takes the first `n` from the front of `rows`, which has at least as many.
-#[inline(always)]
-fn split_off<'w, X>(rows: &mut &'w [X], n: usize) -> &'w [X] {
-    let (first, rest) = expected(rows.split_at_checked(n), (rows, &[]));
-    *rows = rest;
-    first
-}
-
-/// A function of its own, so that the sums stay in vectors and are not interleaved before the last is added.
-#[inline(never)]
-fn forward_panel<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
-    rows: &[[W; P]],
-    bias: &[W; P],
-    x: &[Jet<S, T>],
-) -> Panel<S, T, P> {
-    let mut value = bias.map(W::scalar);
-    let mut tangent = [[S::zero(); P]; T];
-    for (x, row) in x.iter().zip(rows) {
-        let row = row.map(W::scalar);
-        accumulate(&mut value, &row, x.value);
-        for (sum, x) in tangent.iter_mut().zip(&x.tangent) {
-            accumulate(sum, &row, *x);
-        }
-    }
-    Panel { value, tangent }
-}
-
-#[inline(always)]
-fn accumulate<S: Scalar, const P: usize>(sum: &mut [S; P], row: &[S; P], x: S) {
-    for (sum, w) in sum.iter_mut().zip(row) {
-        *sum += *w * x;
-    }
-}
-
-#[inline(always)]
-fn adjoint_panels<'w, 'y, W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
-    weights: &'w [W],
-    y_bar: &'y [Jet<S, T>],
-    x_bar: &mut [Jet<S, T>],
-) -> (&'w [W], &'y [Jet<S, T>]) {
-    let (panels, y_rest) = y_bar.as_chunks::<P>();
-    let (rows, rest) = expected(weights.split_at_checked(panels.len() * P * x_bar.len()), (weights, &[]));
-    let mut rows = rows.as_chunks::<P>().0;
-    for y_bar in panels {
-        adjoint_panel(split_off(&mut rows, x_bar.len()), y_bar, x_bar);
-    }
-    (rest, y_rest)
-}
-
-#[inline(always)]
-fn adjoint_panel<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize, const P: usize>(
-    rows: &[[W; P]],
-    y_bar: &[Jet<S, T>; P],
-    x_bar: &mut [Jet<S, T>],
-) {
-    let value: [S; P] = core::array::from_fn(|l| y_bar[l].value);
-    let tangent: [[S; P]; T] = core::array::from_fn(|k| core::array::from_fn(|l| y_bar[l].tangent[k]));
-    for (x, row) in x_bar.iter_mut().zip(rows) {
-        let row = row.map(W::scalar);
-        x.value += dot(&row, &value);
-        for (x, y) in x.tangent.iter_mut().zip(&tangent) {
-            *x += dot(&row, y);
-        }
-    }
 }

@@ -1,4 +1,5 @@
-use super::{Activation, Dense, Jet, sized};
+use super::units::Units;
+use super::{Activation, Dense, Jet};
 use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
@@ -15,13 +16,47 @@ pub struct Mlp<'a, W, const H: usize, const L: usize> {
 /// up to `H`.
 #[derive(Clone, Debug)]
 pub struct Tape<S, const T: usize, const H: usize, const L: usize> {
-    units: [Vec<Jet<S, T>, H>; L],
-    slopes: [Vec<Jet<S, T>, H>; L],
+    units: [Units<S, T, H>; L],
+    slopes: [Units<S, T, H>; L],
 }
 
 impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape<S, T, H, L> {
     fn default() -> Self {
-        Self { units: core::array::from_fn(|_| Vec::new()), slopes: core::array::from_fn(|_| Vec::new()) }
+        Self { units: core::array::from_fn(|_| Units::new()), slopes: core::array::from_fn(|_| Units::new()) }
+    }
+}
+
+/// Vectors with tangents at one side of a layer: a network's own inputs or outputs, or the units of a hidden layer.
+#[derive(Debug)]
+pub enum Vectors<'v, S, const T: usize, const H: usize> {
+    /// Of the network.
+    Jets(&'v [Jet<S, T>]),
+    /// Of a hidden layer.
+    Units(&'v Units<S, T, H>),
+}
+
+impl<S, const T: usize, const H: usize> Clone for Vectors<'_, S, T, H> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, const T: usize, const H: usize> Copy for Vectors<'_, S, T, H> {}
+
+impl<'v, S: Scalar, const T: usize, const H: usize> Vectors<'v, S, T, H> {
+    /// As jets, of which those of a hidden layer are copied into `workspace`.
+    pub fn jets<'j>(self, workspace: &'j mut Vec<Jet<S, T>, H>) -> &'j [Jet<S, T>]
+    where
+        'v: 'j,
+    {
+        match self {
+            Self::Jets(jets) => jets,
+            Self::Units(units) => {
+                workspace.clear();
+                workspace.extend(units.jets());
+                workspace
+            }
+        }
     }
 }
 
@@ -108,15 +143,13 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         y: &mut [Jet<S, T>],
     ) {
         let Tape { units, slopes } = tape;
-        let mut input = x;
-        for ((layer, units), slopes) in self.hidden.iter().flatten().zip(units).zip(slopes) {
-            let width = layer.outputs();
-            let units = sized(units, width, Jet::zero());
-            layer.forward_of::<S, T, H>(input, units);
-            self.activation.apply(units, sized(slopes, width, Jet::zero()));
-            input = units;
+        let mut below = Vectors::Jets(x);
+        for ((layer, units), slopes) in self.hidden().zip(units).zip(slopes) {
+            layer.hidden(below, units);
+            self.activation.apply(units, slopes);
+            below = Vectors::Units(units);
         }
-        self.output.forward_of::<S, T, H>(input, y);
+        self.output.last(below, y);
     }
 
     /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
@@ -126,15 +159,27 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         x: &[Jet<S, T>],
         y: &mut [Jet<S, T>],
     ) {
-        let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());
-        let mut input = x;
-        for (layer, units) in self.hidden.iter().flatten().zip(&mut units) {
-            let units = sized(units, layer.outputs(), Jet::zero());
-            layer.forward_of::<S, T, H>(input, units);
-            self.activation.apply_forward(units);
-            input = units;
+        self.evaluate_with(x, y, |units| self.activation.apply_forward(units));
+    }
+
+    /// [`Mlp::evaluate`] with `apply` for the activation.
+    #[inline(always)]
+    pub(super) fn evaluate_with<S: Scalar<Weight = W::Wide>, const T: usize>(
+        &self,
+        x: &[Jet<S, T>],
+        y: &mut [Jet<S, T>],
+        apply: impl Fn(&mut Units<S, T, H>),
+    ) {
+        let (mut units, mut others) = (Units::<S, T, H>::new(), Units::new());
+        let (mut units, mut others) = (&mut units, &mut others);
+        let mut below = Vectors::Jets(x);
+        for layer in self.hidden() {
+            layer.hidden(below, others);
+            apply(others);
+            core::mem::swap(&mut units, &mut others);
+            below = Vectors::Units(units);
         }
-        self.output.forward_of::<S, T, H>(input, y);
+        self.output.last(below, y);
     }
 
     /// x̄ = (∂y/∂x)ᵀȳ and its tangents: the tangents of ȳ, together with those on the tape, give the rows of a Hessian.
@@ -147,67 +192,86 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         y_bar: &[Jet<S, A>],
         x_bar: &mut [Jet<S, A>],
     ) {
-        self.backward(tape, y_bar, |layer, below, bar| {
-            if below.is_none() {
-                layer.adjoint_of::<S, A, H>(bar, x_bar);
-            }
-        });
+        self.adjoint_with_layers(tape, (&[], x_bar), y_bar, |_, _, _| {});
     }
 
-    /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the forward pass
-    /// was given.
-    #[inline]
-    pub fn layer_adjoints<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
-        &self,
-        tape: &Tape<S, T, H, L>,
-        x: &[Jet<S, T>],
-        y_bar: &[Jet<S, A>],
-        mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
-    ) {
-        self.backward(tape, y_bar, |layer, below, bar| visit(layer, below.unwrap_or(x), bar));
-    }
-
-    /// [`Mlp::adjoint`] and [`Mlp::layer_adjoints`] in one pass.
+    /// [`Mlp::adjoint`], and calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the
+    /// forward pass was given.
     #[inline]
     pub fn adjoint_with_layers<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
         &self,
         tape: &Tape<S, T, H, L>,
         (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, A>]),
         y_bar: &[Jet<S, A>],
-        mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, T>], &[Jet<S, A>]),
+        mut visit: impl FnMut(&Dense<'a, W>, Vectors<S, T, H>, Vectors<S, A, H>),
     ) {
-        self.backward(tape, y_bar, |layer, below, bar| {
-            visit(layer, below.unwrap_or(x), bar);
-            if below.is_none() {
-                layer.adjoint_of::<S, A, H>(bar, x_bar);
-            }
-        });
+        let (mut bar, mut other) = (Units::<S, A, H>::new(), Units::new());
+        let (mut bar, mut other) = (&mut bar, &mut other);
+        let (mut layer, mut above) = (&self.output, Vectors::Jets(y_bar));
+        let records = tape.units.iter().zip(&tape.slopes).take(self.depth());
+        for (below, (units, slopes)) in self.hidden().rev().zip(records.rev()) {
+            visit(layer, Vectors::Units(units), above);
+            layer.hidden_adjoint(above, other);
+            other.multiply(slopes);
+            core::mem::swap(&mut bar, &mut other);
+            (layer, above) = (below, Vectors::Units(bar));
+        }
+        visit(layer, Vectors::Jets(x), above);
+        layer.first_adjoint(above, x_bar);
+    }
+}
+
+/// Layers inside a network.
+impl<W: WeightFormat> Dense<'_, W> {
+    /// z = Wx + b of a hidden layer.
+    #[inline(always)]
+    pub(super) fn hidden<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+        &self,
+        x: Vectors<S, T, H>,
+        z: &mut Units<S, T, H>,
+    ) {
+        match x {
+            Vectors::Jets(x) => self.forward_into(x, z),
+            Vectors::Units(x) => self.forward_into(x, z),
+        }
     }
 
-    /// Carries the adjoint down to the outputs of the first layer. `visit` gets each layer, the units below it on the tape
-    /// (none below the first) and the adjoint of its outputs.
+    /// y = Wx + b of the last layer.
     #[inline(always)]
-    fn backward<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
+    pub(super) fn last<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
-        tape: &Tape<S, T, H, L>,
-        y_bar: &[Jet<S, A>],
-        mut visit: impl FnMut(&Dense<'a, W>, Option<&[Jet<S, T>]>, &[Jet<S, A>]),
+        x: Vectors<S, T, H>,
+        y: &mut [Jet<S, T>],
     ) {
-        let (mut unit_bar, mut z_bar) = (Vec::<_, H>::new(), Vec::<_, H>::new());
-        let mut layer = &self.output;
-        let mut bar = y_bar;
-        let Tape { units, slopes } = tape;
-        for ((below, units), slopes) in self.hidden.iter().zip(units).zip(slopes).rev() {
-            let Some(below) = below else { continue };
-            visit(layer, Some(units.as_slice()), bar);
-            let unit_bar = sized(&mut unit_bar, layer.inputs(), Jet::zero());
-            layer.adjoint_of::<S, A, H>(bar, unit_bar);
-            let z_bar = sized(&mut z_bar, layer.inputs(), Jet::zero());
-            for ((z, a), slope) in z_bar.iter_mut().zip(unit_bar).zip(slopes) {
-                *z = a.times(slope);
-            }
-            (layer, bar) = (below, z_bar);
+        match x {
+            Vectors::Jets(x) => self.forward_into(x, y),
+            Vectors::Units(x) => self.forward_into(x, y),
         }
-        visit(layer, None, bar);
+    }
+
+    /// x̄ = Wᵀȳ of a layer behind a hidden one.
+    #[inline(always)]
+    pub(super) fn hidden_adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+        &self,
+        y_bar: Vectors<S, T, H>,
+        x_bar: &mut Units<S, T, H>,
+    ) {
+        match y_bar {
+            Vectors::Jets(y_bar) => self.adjoint_into(y_bar, x_bar),
+            Vectors::Units(y_bar) => self.adjoint_into(y_bar, x_bar),
+        }
+    }
+
+    /// x̄ = Wᵀȳ of the first layer.
+    #[inline(always)]
+    pub(super) fn first_adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+        &self,
+        y_bar: Vectors<S, T, H>,
+        x_bar: &mut [Jet<S, T>],
+    ) {
+        match y_bar {
+            Vectors::Jets(y_bar) => self.adjoint_into(y_bar, x_bar),
+            Vectors::Units(y_bar) => self.adjoint_into(y_bar, x_bar),
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! First and second derivatives of a network in its inputs, from one forward pass with tangents and one adjoint pass without.
 
-use super::{Jet, Mlp, sized};
+use super::units::Units;
+use super::{Jet, Mlp, Vectors};
 use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
@@ -9,7 +10,7 @@ use heapless::Vec;
 #[derive(Clone, Debug)]
 pub struct SecondOrderTape<S, const T: usize, const H: usize, const L: usize> {
     /// σ′ with ż.
-    slopes: [Vec<Jet<S, T>, H>; L],
+    slopes: [Units<S, T, H>; L],
     /// σ″.
     curvatures: [Vec<S, H>; L],
 }
@@ -17,7 +18,7 @@ pub struct SecondOrderTape<S, const T: usize, const H: usize, const L: usize> {
 impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for SecondOrderTape<S, T, H, L> {
     fn default() -> Self {
         Self {
-            slopes: core::array::from_fn(|_| Vec::new()),
+            slopes: core::array::from_fn(|_| Units::new()),
             curvatures: core::array::from_fn(|_| Vec::new()),
         }
     }
@@ -32,25 +33,16 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         tape: &mut SecondOrderTape<S, T, H, L>,
         y: &mut [Jet<S, T>],
     ) {
-        let mut workspace = Vec::<_, H>::new();
-        let mut input = x;
+        let mut units = Units::<S, T, H>::new();
+        let mut below = Vectors::Jets(x);
         let records = tape.slopes.iter_mut().zip(&mut tape.curvatures);
         for (layer, (slopes, curvatures)) in self.hidden().zip(records) {
-            let width = layer.outputs();
-            let z = sized(slopes, width, Jet::zero());
-            layer.forward_of::<S, T, H>(input, z);
-            // The layer has read its input, which the workspace held: its output may replace it.
-            let units = sized(&mut workspace, width, Jet::zero());
-            let mut places = units.iter_mut().zip(sized(curvatures, width, S::zero()));
-            self.activation().visit(z, |z, c| {
-                if let Some((unit, curvature)) = places.next() {
-                    (*unit, *curvature) = (z.chain(c.value, c.slope), c.curvature);
-                }
-                z.value = c.slope;
-            });
-            input = units;
+            layer.hidden(below, slopes);
+            // The layer has read the units below, which its own may replace.
+            self.activation().apply_second_order(slopes, &mut units, curvatures);
+            below = Vectors::Units(&units);
         }
-        self.output().forward_of::<S, T, H>(input, y);
+        self.output().last(below, y);
     }
 
     /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
@@ -63,23 +55,23 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         x_bar: &mut [Jet<S, 0>],
     ) -> [[S; T]; T] {
         let mut sum = [[S::zero(); T]; T];
-        let (mut unit_workspace, mut z_workspace) = (Vec::<_, H>::new(), Vec::<_, H>::new());
-        let (mut layer, mut bar) = (self.output(), y_bar);
+        let (mut bar, mut other) = (Units::<S, 0, H>::new(), Units::new());
+        let (mut bar, mut other) = (&mut bar, &mut other);
+        let (mut layer, mut above) = (self.output(), Vectors::Jets(y_bar));
         let records = tape.slopes.iter().zip(&tape.curvatures).take(self.depth());
         for (below, (slopes, curvatures)) in self.hidden().rev().zip(records.rev()) {
-            let unit_bar = sized(&mut unit_workspace, layer.inputs(), Jet::zero());
-            layer.adjoint_of::<S, 0, H>(bar, unit_bar);
-            let z_bar = sized(&mut z_workspace, layer.inputs(), Jet::zero());
-            let units = unit_bar.iter().zip(slopes).zip(curvatures);
-            for (z, ((a, slope), curvature)) in z_bar.iter_mut().zip(units) {
+            layer.hidden_adjoint(above, other);
+            let (values, _) = other.parts_mut();
+            for ((a, slope), curvature) in values.iter_mut().zip(slopes.jets()).zip(curvatures) {
                 for (row, rate) in sum.iter_mut().zip(&slope.tangent) {
-                    add_scaled_to(row, a.value * (*curvature * *rate), &slope.tangent);
+                    add_scaled_to(row, *a * (*curvature * *rate), &slope.tangent);
                 }
-                z.value = a.value * slope.value;
+                *a = *a * slope.value;
             }
-            (layer, bar) = (below, z_bar);
+            core::mem::swap(&mut bar, &mut other);
+            (layer, above) = (below, Vectors::Units(bar));
         }
-        layer.adjoint_of::<S, 0, H>(bar, x_bar);
+        layer.first_adjoint(above, x_bar);
         sum
     }
 }

@@ -4,25 +4,17 @@
 //! A [`Jet`] with K tangents here holds y, dy/dt, … dᴷy/dtᴷ, K ≤ 3, instead of derivatives along K directions: layers are
 //! linear and treat both alike, only the activations differ (Faà di Bruno's formula).
 
-use super::{Activation, Curve, Dense, Jet, Mlp, sized};
+use super::units::Units;
+use super::{Activation, Curve, Dense, Jet, Mlp, Vectors};
 use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
 impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// y and its first K derivatives along the curve whose inputs and derivatives are `x`.
     pub fn series<S: Scalar<Weight = W::Wide>, const K: usize>(&self, x: &[Jet<S, K>], y: &mut [Jet<S, K>]) {
-        let mut units = core::array::from_fn::<_, L, _>(|_| Vec::<_, H>::new());
-        let mut input = x;
-        for (layer, units) in self.hidden().zip(&mut units) {
-            let units = sized(units, layer.outputs(), Jet::zero());
-            layer.forward_of::<S, K, H>(input, units);
-            for unit in units.iter_mut() {
-                let c = self.activation().curve(unit.value);
-                *unit = self.activation().series(unit, &c);
-            }
-            input = units;
-        }
-        self.output().forward_of::<S, K, H>(input, y);
+        self.evaluate_with(x, y, |units| {
+            units.map(|unit| self.activation().series(&unit, &self.activation().curve(unit.value)));
+        });
     }
 
     /// Calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first, where `y_bar` is the adjoint of
@@ -31,53 +23,52 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         &self,
         x: &[Jet<S, 2>],
         y_bar: &[Jet<S, 2>],
-        mut visit: impl FnMut(&Dense<'a, W>, &[Jet<S, 2>], &[Jet<S, 2>]),
+        mut visit: impl FnMut(&Dense<'a, W>, Vectors<S, 2, H>, Vectors<S, 2, H>),
     ) {
         let mut tape = CurveTape::<S, H, L>::new();
         self.forward_along(x, &mut tape);
-        let (mut unit_bar, mut sum_bar) = (Vec::<_, H>::new(), Vec::<_, H>::new());
-        let (mut layer, mut bar) = (self.output(), y_bar);
+        let (mut bar, mut other) = (Units::<S, 2, H>::new(), Units::new());
+        let (mut bar, mut other) = (&mut bar, &mut other);
+        let (mut layer, mut above) = (self.output(), Vectors::Jets(y_bar));
         let records = tape.slopes.iter().zip(&tape.units).take(self.depth());
         for (below, (slopes, units)) in self.hidden().rev().zip(records.rev()) {
-            visit(layer, units, bar);
-            let unit_bar = sized(&mut unit_bar, layer.inputs(), Jet::zero());
-            layer.adjoint_of::<S, 2, H>(bar, unit_bar);
-            let slots = sized(&mut sum_bar, layer.inputs(), Jet::zero());
-            for ((slot, slope), a) in slots.iter_mut().zip(slopes).zip(unit_bar) {
-                *slot = slope.adjoint(a);
-            }
-            (layer, bar) = (below, slots);
+            visit(layer, Vectors::Units(units), above);
+            layer.hidden_adjoint(above, other);
+            let mut slopes = slopes.iter();
+            other.map(|a| slopes.next().map_or(a, |slope| slope.adjoint(&a)));
+            core::mem::swap(&mut bar, &mut other);
+            (layer, above) = (below, Vectors::Units(bar));
         }
-        visit(layer, x, bar);
+        visit(layer, Vectors::Jets(x), above);
     }
 
     /// Evaluates the hidden layers along a curve and records what their adjoint needs.
     fn forward_along<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 2>], tape: &mut CurveTape<S, H, L>) {
-        let mut input = x;
+        let mut below = Vectors::Jets(x);
         for ((layer, slopes), units) in self.hidden().zip(&mut tape.slopes).zip(&mut tape.units) {
-            let units = sized(units, layer.outputs(), Jet::zero());
-            let slopes = sized(slopes, layer.outputs(), UnitSlopes::zero());
-            layer.forward_of::<S, 2, H>(input, units);
-            for (unit, slopes) in units.iter_mut().zip(slopes) {
+            layer.hidden(below, units);
+            slopes.clear();
+            units.map(|unit| {
                 let c = self.activation().curve(unit.value);
                 let third = self.activation().third(unit.value, &c);
-                *slopes = UnitSlopes { z: unit.tangent, curve: c, third };
-                *unit = self.activation().series(unit, &c);
-            }
-            input = units;
+                let pushed = slopes.push(UnitSlopes { z: unit.tangent, curve: c, third });
+                debug_assert!(pushed.is_ok(), "more than {H} units");
+                self.activation().series(&unit, &c)
+            });
+            below = Vectors::Units(units);
         }
     }
 }
 
 /// Units σ(z) of every hidden layer along a curve, with the derivatives of σ at each.
 struct CurveTape<S, const H: usize, const L: usize> {
-    units: [Vec<Jet<S, 2>, H>; L],
+    units: [Units<S, 2, H>; L],
     slopes: [Vec<UnitSlopes<S>, H>; L],
 }
 
 impl<S: Scalar, const H: usize, const L: usize> CurveTape<S, H, L> {
     fn new() -> Self {
-        Self { units: core::array::from_fn(|_| Vec::new()), slopes: [const { Vec::new() }; L] }
+        Self { units: core::array::from_fn(|_| Units::new()), slopes: [const { Vec::new() }; L] }
     }
 }
 
@@ -92,11 +83,6 @@ struct UnitSlopes<S> {
 }
 
 impl<S: Scalar> UnitSlopes<S> {
-    fn zero() -> Self {
-        let zero = S::zero();
-        Self { z: [zero; 2], curve: Curve { value: zero, slope: zero, curvature: zero }, third: zero }
-    }
-
     /// The adjoint of z and its two derivatives from that of σ(z) and its two.
     #[inline(always)]
     fn adjoint(&self, bar: &Jet<S, 2>) -> Jet<S, 2> {

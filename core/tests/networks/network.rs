@@ -49,15 +49,20 @@ fn activations_keep_their_accuracy_far_out() {
     }
 }
 
+/// A network of one unit, all of whose weights are 1.
 #[test]
-fn apply_carries_tangents_through_value_and_slope() {
+fn a_unit_carries_tangents_through_value_and_slope() {
     for activation in Activation::ALL {
+        let weights = [1.0, 0.0, 1.0, 0.0];
+        let unit = Mlp::<f64, 1, 1>::take(&mut &weights[..], 1, &[1], 1, activation).unwrap();
         let z = Jet { value: 0.7, tangent: [1.5, -0.3] };
-        let (mut units, mut slopes) = ([z], [Jet::zero()]);
-        activation.apply(&mut units, &mut slopes);
+        let mut tape = Tape::<f64, 2, 1, 1>::default();
+        let (mut y, mut slope) = ([Jet::zero()], [Jet::zero()]);
+        unit.forward(&[z], &mut tape, &mut y);
+        unit.adjoint(&tape, &[Jet::<f64, 2>::constant(1.0)], &mut slope);
         let c = activation.curve(0.7);
-        assert_eq!(units[0], Jet { value: c.value, tangent: [c.slope * 1.5, c.slope * -0.3] });
-        assert_eq!(slopes[0], Jet { value: c.slope, tangent: [c.curvature * 1.5, c.curvature * -0.3] });
+        assert_eq!(y, [Jet { value: c.value, tangent: [c.slope * 1.5, c.slope * -0.3] }]);
+        assert_eq!(slope, [Jet { value: c.slope, tangent: [c.curvature * 1.5, c.curvature * -0.3] }]);
     }
 }
 

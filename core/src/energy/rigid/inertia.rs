@@ -1,7 +1,7 @@
 //! From the network's outputs o to energies, L = ½vᵀH(o)v − V(o), with derivatives in o and v.
 
 use crate::expected::{expected, first_mut};
-use crate::network::{Activation, Jet};
+use crate::network::{Jet, softplus_jets};
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -100,13 +100,11 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
     #[inline]
     pub fn new(inertia: Inertia, o: &'o [Jet<S, T>]) -> Self {
         let mut diagonal = [Jet::zero(); N];
-        let mut slopes = [Jet::zero(); N];
-        if !matches!(inertia, Inertia::Factor { .. }) {
-            for (d, o) in diagonal.iter_mut().zip(o) {
-                *d = *o;
-            }
-            Activation::Softplus.apply(&mut diagonal, &mut slopes);
-        }
+        diagonal.iter_mut().zip(o).for_each(|(d, o)| *d = *o);
+        let [diagonal, slopes] = match inertia {
+            Inertia::Factor { .. } => [[Jet::zero(); N]; 2],
+            _ => softplus_jets(&diagonal),
+        };
         Self { inertia, o, diagonal, slopes }
     }
 

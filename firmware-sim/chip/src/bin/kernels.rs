@@ -10,7 +10,7 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{
     Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Seen, Viscous,
 };
-use leastaction_core::network::{Activation, Dense, Jet};
+use leastaction_core::network::{Activation, Dense, Jet, Units};
 use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 use leastaction_fpu as fpu;
 use micromath::F32Ext;
@@ -38,10 +38,11 @@ fn layer<W: WeightFormat<Wide = f32>, const T: usize>(names: [&[u8]; 2], dense: 
 /// Prints the instructions of one unit of an activation, of 32 with two tangents.
 #[inline(always)]
 fn activation(name: &[u8], activation: Activation) {
-    let z = black_box([Jet { value: 0.3_f32, tangent: [0.1; 2] }; UNITS]);
-    let mut slopes = z;
+    let Some(z) = Units::<_, 2, UNITS>::of(&black_box([Jet { value: 0.3_f32, tangent: [0.1; 2] }; UNITS])) else {
+        return;
+    };
+    let (mut units, mut slopes) = (z.clone(), z);
     let count = mean(CALLS, || {
-        let mut units = z;
         activation.apply(&mut units, &mut slopes);
         black_box((&mut units, &mut slopes));
     });
