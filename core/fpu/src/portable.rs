@@ -22,11 +22,18 @@ where
     S: Copy + Mul<Output = S> + AddAssign,
     W: Copy,
 {
-    for (row, x) in rows.iter().zip(x) {
+    let mut add = |row: &[W; P], x: &S| {
         for (sum, w) in sum.iter_mut().zip(row) {
             *sum += scalar(*w) * *x;
         }
+    };
+    // One sum is all too short a body for a loop: four inputs a turn.
+    let (row_fours, row_rest) = if P == 1 { rows.as_chunks::<4>() } else { (&[][..], rows) };
+    let (x_fours, x_rest) = if P == 1 { x.as_chunks::<4>() } else { (&[][..], x) };
+    for (rows, x) in row_fours.iter().zip(x_fours) {
+        rows.iter().zip(x).for_each(|(row, x)| add(row, x));
     }
+    row_rest.iter().zip(x_rest).for_each(|(row, x)| add(row, x));
 }
 
 /// See [`transposed_8`](crate::single::transposed_8); `scalar` makes a number of a stored weight.
