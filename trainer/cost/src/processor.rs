@@ -10,7 +10,6 @@ use crate::operations::{Evaluations, operations};
 use crate::{Cost, cost};
 use leastaction_core::energy::modular::TransformShape;
 use leastaction_core::model::Law;
-use leastaction_core::network::NARROW;
 use leastaction_learning::architecture::Architecture;
 use leastaction_learning::model_file::{HostModel, Precision};
 use serde::{Deserialize, Serialize};
@@ -83,7 +82,7 @@ pub struct Taken {
     pub stack_bytes: u64,
 }
 
-/// What an image takes that loads a model and evaluates it, compiled for exactly its sizes at opt-level 3,
+/// What an image takes that loads a model and evaluates it, compiled for exactly its sizes at opt-level 2,
 /// loops rolled.
 #[derive(Clone, Debug, Serialize)]
 pub struct Prediction {
@@ -130,7 +129,6 @@ pub struct CostFactors {
     evaluations: Evaluations,
     cost: Cost,
     coordinates: usize,
-    narrow: bool,
     /// Whether it has dry friction.
     dry: bool,
     /// Whether a network moves an element: it keeps its units beside those of the potentials.
@@ -150,7 +148,6 @@ impl CostFactors {
             evaluations: operations(architecture, &model.weights)?,
             cost: cost(architecture).ok()?,
             coordinates,
-            narrow: architecture.widths().into_iter().max().unwrap_or(0) <= NARROW,
             dry: architecture.laws().contains(Law::Coulomb),
             moved_by_network: moved_by_network(architecture),
         })
@@ -195,7 +192,6 @@ impl CostFactors {
     /// Operations that were counted.
     fn counted(&self, evaluation: Evaluation) -> Coefficients {
         let done = self.operations(evaluation);
-        let beside = if self.narrow { "narrow" } else { "wide" };
         let [eights, fours, ones] = done.multiply_adds;
         let layers = [
             ("multiply_adds_8", eights),
@@ -216,9 +212,8 @@ impl CostFactors {
             ("tangents", done.tangents),
             ("sines", done.sines),
         ];
-        let layers = layers.map(|(name, count)| (format!("{beside}_{name}"), count as f64));
-        let others = others.map(|(name, count)| (name.to_owned(), count as f64));
-        layers.into_iter().chain(others).chain([self.once(evaluation)]).collect()
+        let all = layers.into_iter().chain(others).map(|(name, count)| (name.to_owned(), count as f64));
+        all.chain([self.once(evaluation)]).collect()
     }
 
     /// What stack is a sum over.
@@ -236,10 +231,7 @@ impl CostFactors {
             Evaluation::Step(_) => step_order_4,
         };
         let (kind, n) = (evaluation.kind(), self.coordinates as f64);
-        let common = [
-            (format!("arrays_{kind}"), arrays.stack_bytes as f64),
-            (format!("wide_{kind}"), f64::from(!self.narrow)),
-        ];
+        let common = [(format!("arrays_{kind}"), arrays.stack_bytes as f64)];
         if self.family == GRAPH {
             // Whatever the order: its steps are the same.
             return common.into_iter().chain([(kind.to_owned(), 1.0), (format!("n_{kind}"), n)]).collect();
@@ -263,10 +255,8 @@ impl CostFactors {
 
     fn functions(&self, order: u8) -> Coefficients {
         let from = |n: usize| f64::from(self.family != GRAPH && self.coordinates >= n);
-        let width = if self.narrow { "narrow" } else { "wide" };
         [
             ("image", 1.0),
-            (width, 1.0),
             ("order_4", f64::from(order == 4)),
             ("n_from_2", from(2)),
             ("n_from_3", from(3)),
