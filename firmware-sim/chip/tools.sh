@@ -22,7 +22,7 @@ target_of() {
 
 # Loops of few turns, as most are here, take a quarter more flash and are hardly faster where a compiler repeats their bodies.
 flags_of() {
-    local rolled=${LEASTACTION_CHIP_FLAGS--Cllvm-args=-unroll-runtime=0}
+    local rolled=${LEASTACTION_CHIP_FLAGS--Cllvm-args=-unroll-runtime=0 -Cllvm-args=-unroll-max-upperbound=0}
     case $1 in
         cortex-m4f) echo "-Ctarget-cpu=cortex-m4 $rolled" ;;
         cortex-m7) echo "-Ctarget-cpu=cortex-m7 $rolled" ;;

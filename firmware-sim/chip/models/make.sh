@@ -21,3 +21,4 @@ for model in cartpole double pendulums acrobot cartpole-dry; do
 done
 cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --bin arm_model arm.postcard
 leastaction export "$folder/cartpole" -o cartpole-f16.postcard --weights f16
+cargo run --quiet --manifest-path "$root/Cargo.toml" --package leastaction-tests --example constants cartpole.postcard >cartpole_constants.rs

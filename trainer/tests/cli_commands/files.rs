@@ -7,14 +7,18 @@ use leastaction_core::discrete::Order;
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Viscous};
-use leastaction_core::model::{Laws, TrainedStep};
+use leastaction_core::model::{ArmModel, Laws, TrainedStep};
 use leastaction_core::particles::Particles;
 use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::config::Config;
-use leastaction_learning::model_file::{decode, encode, rust_source};
+use leastaction_learning::model_file::{ConstantsError, decode, encode, rust_constants, rust_source};
 
 #[path = "../cli_golden/model.rs"]
 mod golden;
+#[path = "../cli_golden/arm_constants.rs"]
+mod golden_arm_constants;
+#[path = "../cli_golden/constants.rs"]
+mod golden_constants;
 #[path = "../cli_golden/graphs.rs"]
 mod golden_graphs;
 #[path = "../cli_golden/trees.rs"]
@@ -205,6 +209,37 @@ fn rust_source_is_the_golden_file() {
     is_golden(&rust_source(&example()).unwrap(), "model.rs");
     is_golden(&rust_source(&example_of_trees().1).unwrap(), "trees.rs");
     is_golden(&rust_source(&example_of_graphs().1).unwrap(), "graphs.rs");
+    is_golden(&rust_constants(&example()).unwrap(), "constants.rs");
+    is_golden(&rust_constants(ARM).unwrap(), "arm_constants.rs");
+}
+
+const ARM: &[u8] = include_bytes!("../../../firmware-sim/chip/models/arm.postcard");
+
+#[test]
+fn constants_compile_and_are_the_same_model() {
+    let (q, v, u) = ([0.3], [-1.2], [0.5]);
+    let found = acceleration(&golden_constants::system().unwrap(), &q, &v, &u).unwrap();
+    assert_eq!(found, acceleration(&golden::load().unwrap().system, &q, &v, &u).unwrap());
+    assert_eq!((golden_constants::STEP, golden_constants::integrator().h()), (0.05, 0.05));
+
+    let aligned: Vec<u32> =
+        ARM.chunks(4).map(|b| b.iter().rev().fold(0, |x, b| x << 8 | u32::from(*b))).collect();
+    let file = &bytemuck::cast_slice::<u32, u8>(&aligned)[..ARM.len()];
+    let arm = ArmModel::<{ golden_arm_constants::N }>::load(file).unwrap();
+    let (q, v, u) = ([0.3; 7], [-0.7; 7], [1.5; 7]);
+    let found = acceleration(&golden_arm_constants::system().unwrap(), &q, &v, &u).unwrap();
+    assert_eq!(found, acceleration(&arm.system, &q, &v, &u).unwrap());
+}
+
+#[test]
+fn trees_and_graphs_are_read_from_their_files() {
+    for (bytes, what) in [(example_of_trees().1, "a tree of elements"), (example_of_graphs().1, "a graph")] {
+        assert_eq!(rust_constants(&bytes), Err(ConstantsError::Unsupported { what }));
+    }
+    let bench = trained();
+    bench.run("export run -o m.postcard --constants").bad(2, &["--rust"]);
+    bench.run("export run -o m.postcard --rust m.rs --constants").good();
+    assert_eq!(bench.text("m.rs"), rust_constants(&bench.read("m.postcard")).unwrap());
 }
 
 #[test]

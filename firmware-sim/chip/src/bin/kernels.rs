@@ -38,7 +38,8 @@ fn layer<W: WeightFormat<Wide = f32>, const T: usize>(names: [&[u8]; 2], dense: 
 /// Prints the instructions of one unit of an activation, of 32 with two tangents.
 #[inline(always)]
 fn activation(name: &[u8], activation: Activation) {
-    let Some(z) = Units::<_, 2, UNITS>::of(&black_box([Jet { value: 0.3_f32, tangent: [0.1; 2] }; UNITS])) else {
+    let Some(z) = Units::<_, 2, UNITS>::of(&black_box([Jet { value: 0.3_f32, tangent: [0.1; 2] }; UNITS]))
+    else {
         return;
     };
     let (mut units, mut slopes) = (z.clone(), z);

@@ -1,8 +1,10 @@
 //! Model files on the host: written from weights in double precision, read back into them, and as Rust source.
 
+mod rust_constants;
 mod rust_source;
 mod version_1;
 
+pub use rust_constants::{ConstantsError, rust_constants};
 pub use rust_source::{RUST_HEAD, rust_source};
 
 use crate::architecture::Architecture;

@@ -15,7 +15,9 @@ use std::path::{Path, PathBuf};
 /// Make a model file of a training run.
 ///
 /// The best weights of the run, in single precision, with what a chip needs to know about them. With --rust also a Rust
-/// module that holds the file as a constant and needs `leastaction-core` alone.
+/// module that holds the file as a constant and needs `leastaction-core` alone; with --constants too the module has no file, but the
+/// model as constants of the program, which then takes about 6 KB less code: it needs no reader and no checksum. (Not of trees, graphs
+/// and laws of force with networks.)
 ///
 /// With --weights f16 the weights take half the flash, and the program says what that costs: the model's errors on the log that it
 /// learned from, with the weights as trained and as shipped. A chip computes in single precision either way.
@@ -33,6 +35,9 @@ pub struct Export {
     /// A Rust source file to write as well.
     #[arg(long, value_name = "FILE")]
     rust: Option<PathBuf>,
+    /// Write the Rust source as constants, without the file and its reader.
+    #[arg(long, requires = "rust")]
+    constants: bool,
     /// How the file stores its weights.
     #[arg(long, value_enum, default_value_t = Weights::F32)]
     weights: Weights,
@@ -88,9 +93,9 @@ impl Export {
         self.check()?;
         let (trained, bytes) = encoded(&self.run, precision)?;
         let accuracy = self.accuracy(&trained, &bytes, output)?;
+        let source = self.rust.as_ref().map(|_| self.source(&bytes)).transpose()?;
         atomic::write(&self.output, &bytes).map_err(|error| Failure::file(&self.output, error))?;
-        if let Some(file) = &self.rust {
-            let source = model_file::rust_source(&bytes).map_err(|error| Failure::file(file, error))?;
+        if let (Some(file), Some(source)) = (&self.rust, source) {
             atomic::write(file, source.as_bytes()).map_err(|error| Failure::file(file, error))?;
         }
         output.report(&Report {
@@ -102,6 +107,15 @@ impl Export {
             rust: self.rust,
             accuracy,
         })
+    }
+
+    /// The Rust module.
+    fn source(&self, bytes: &[u8]) -> Result<String, Failure> {
+        if self.constants {
+            model_file::rust_constants(bytes).map_err(|error| Failure::Input(error.to_string()))
+        } else {
+            model_file::rust_source(bytes).map_err(|error| Failure::input(&self.output, error))
+        }
     }
 
     /// Refuses to lose files.

@@ -1,0 +1,19 @@
+//! Nothing but the cart-pole's acceleration, of a model that is constants of the program: no reader of model files.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use leastaction_chip::bare;
+use leastaction_core::continuous::acceleration;
+
+#[path = "../../models/cartpole_constants.rs"]
+#[allow(dead_code, reason = "it also has the step that the model was trained with")]
+mod cartpole;
+
+fn run() -> Option<()> {
+    let system = cartpole::system().ok()?;
+    let [q, v, u] = black_box(&[[0.1, 0.1], [0.2, 0.2], [0.0, 0.0]]);
+    black_box(acceleration(&system, q, v, u)).ok().map(drop)
+}
+
+bare!(run);

@@ -1,0 +1,22 @@
+//! Nothing but the cart-pole's step, of a model that is constants of the program: no reader of model files.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use leastaction_chip::bare;
+use leastaction_core::discrete::{Control, Del, Midpoint, State};
+use leastaction_firmware_sim::trajectory::reference::{STEP, newton};
+
+#[path = "../../models/cartpole_constants.rs"]
+#[allow(dead_code, reason = "it also has the step that the model was trained with")]
+mod cartpole;
+
+fn run() -> Option<()> {
+    let system = cartpole::system().ok()?;
+    let del = Del::<f32, Midpoint>::with_newton(STEP, newton());
+    let [q, v, u] = *black_box(&[[0.1, 0.1], [0.2, 0.2], [0.0, 0.0]]);
+    let mut state = State::new(&system.lagrangian, q, v).ok()?;
+    black_box(del.step(&system, &mut state, &Control::held(u))).ok().map(drop)
+}
+
+bare!(run);
