@@ -1,7 +1,7 @@
 //! A model as constants of a Rust program, which then has no reader of model files.
 
 use super::rust_source::{ForcesType, RUST_HEAD, path, write_forces, write_integrator, write_provenance};
-use super::{HostModel, decode};
+use super::{Aligned, HostModel, decode};
 use leastaction_core::model::{Family, Law, Laws, ModelError, Parsed, RigidHeader, parse};
 use leastaction_core::scalar::Weights;
 use std::fmt::{self, Write};
@@ -31,7 +31,8 @@ pub enum ConstantsError {
 /// # Errors
 /// [`ConstantsError::Unsupported`] for trees, graphs and laws with networks; [`ConstantsError::Model`] for what is no model.
 pub fn rust_constants(bytes: &[u8]) -> Result<String, ConstantsError> {
-    let (model, parsed) = (decode(bytes)?, parse(bytes)?);
+    let (model, aligned) = (decode(bytes)?, Aligned::new(bytes));
+    let parsed = parse(aligned.bytes())?;
     let kind = Kind::of(&parsed)?;
     let mut source = String::new();
     // Writing to a string cannot fail.

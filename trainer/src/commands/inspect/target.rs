@@ -43,8 +43,8 @@ impl fmt::Display for OnTarget {
         let Prediction { processor, acceleration, step_order_2, step_order_4, code_bytes } = &self.prediction;
         writeln!(
             f,
-            "\npredicted for a {processor}: an image compiled for exactly these sizes at opt-level 2 with -Cllvm-args=-unroll-runtime=0, with\n\
-             its loader; a step takes two updates of Newton's method by one Jacobian. `firmware-sim/chip/shapes.sh model.rs` measures"
+            "\npredicted for a {processor}: an image compiled for exactly these sizes at opt-level 2 with the flags of firmware-sim/chip,\n\
+             with its loader; a step takes two updates of Newton's method by one Jacobian. `firmware-sim/chip/shapes.sh model.rs` measures"
         )?;
         writeln!(f, "{:<30} {:>13} {:>13} {:>13}", "", "instructions", "stack bytes", "code bytes")?;
         let row = |f: &mut fmt::Formatter, name: &str, taken: &Taken, code: String| {
