@@ -1,0 +1,1 @@
+//! Tests only: `tests/` holds programs of energies against leastaction-core in f64.
