@@ -68,7 +68,7 @@ struct CurveTape<S, const H: usize, const L: usize> {
 
 impl<S: Scalar, const H: usize, const L: usize> CurveTape<S, H, L> {
     fn new() -> Self {
-        Self { units: core::array::from_fn(|_| Units::new()), slopes: [const { Vec::new() }; L] }
+        Self { units: core::array::from_fn(|_| Units::new()), slopes: core::array::from_fn(|_| Vec::new()) }
     }
 }
 

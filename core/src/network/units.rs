@@ -26,7 +26,7 @@ impl<S: Scalar, const T: usize, const H: usize> Units<S, T, H> {
     /// No units.
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self { value: Vec::new(), tangents: [const { Vec::new() }; T] }
+        Self { value: Vec::new(), tangents: core::array::from_fn(|_| Vec::new()) }
     }
 
     /// These jets; `None` for more than `H`.
