@@ -20,6 +20,12 @@ out=${CARGO_TARGET_DIR:-$PWD/target}
 export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
 -Cllvm-args=-sanitizer-coverage-trace-compares -Ctarget-cpu=native"
+features_of() {
+    case $1 in
+        steps) echo steps ;;
+        toml | safetensors | checkpoint) echo learning ;;
+    esac
+}
 build() { cargo build --quiet --release --target "$host" --target-dir "$out/fuzz" "$@"; }
 export CXXFLAGS=-O2
 
@@ -34,9 +40,11 @@ longest() {
 }
 
 fuzz() {
-    local name=$1 log status=0
+    local name=$1 log status=0 features=()
     shift
-    build --bin "$name"
+    [ -z "$(features_of "$name")" ] || features=(--features "$(features_of "$name")")
+    build "${features[@]}" --bin seeds --bin "$name"
+    "$out/fuzz/$host/release/seeds" corpus
     mkdir -p "corpus/$name" found
     log=$(mktemp)
     "$out/fuzz/$host/release/$name" "corpus/$name" -max_total_time="$seconds" -max_len="$(longest "$name")" -timeout=10 \
@@ -56,7 +64,5 @@ fuzz() {
     return $status
 }
 
-build --bin seeds
-"$out/fuzz/$host/release/seeds" corpus
 [ "$target" != all ] || target=${targets[*]}
 for name in $target; do fuzz "$name" "$@"; done

@@ -3,14 +3,22 @@
 //! A target gives its reader what the fuzzer would not find by chance — magic letters, checksums, lengths — and leaves the rest to
 //! it. What a reader accepts must hold together: see each function.
 
+#[cfg(feature = "learning")]
 pub mod checkpoint;
 pub mod link;
 pub mod logs;
 pub mod model;
 pub mod sections;
+#[cfg(feature = "steps")]
 pub mod steps;
 pub mod texts;
+#[cfg(feature = "learning")]
 pub mod weights;
+
+/// Bytes of the target `steps` before the sections.
+pub const HEAD: usize = 3;
+/// The first bytes of a checkpoint.
+pub const CHECKPOINT: &[u8] = b"LARUN\x08";
 
 /// A stream of numbers that is the same for the same seed (Knuth's multiplier).
 #[derive(Clone, Copy, Debug)]

@@ -10,8 +10,9 @@ struct Aligned<const N: usize>([u8; N]);
 
 macro_rules! model {
     ($name:ident, $file:literal) => {
-        static $name: Aligned<{ include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)).len() }> =
-            Aligned(*include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)));
+        static $name: Aligned<
+            { include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)).len() },
+        > = Aligned(*include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)));
     };
 }
 model!(CARTPOLE, "cartpole.postcard");

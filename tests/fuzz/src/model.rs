@@ -40,10 +40,8 @@ impl File {
 }
 
 /// Every law, with networks of up to 8 units.
-type Laws<'a, W, const N: usize> = (
-    (Viscous<f32, N>, Coulomb<f32, N>),
-    (Dissipation<'a, W, N, 8, 2>, PotentialCorrection<'a, W, N, 8, 2>),
-);
+type Laws<'a, W, const N: usize> =
+    ((Viscous<f32, N>, Coulomb<f32, N>), (Dissipation<'a, W, N, 8, 2>, PotentialCorrection<'a, W, N, 8, 2>));
 
 /// Loads the file as any family, and then as the programs of a chip load it: what is sound must be refused by these for its size, its
 /// precision or its laws alone, and what they take must be sound.
@@ -54,7 +52,11 @@ pub fn load(sections: &[u8]) {
     match &parsed {
         Ok(parsed) => {
             let half = matches!(parsed.weights, Weights::Half(_));
-            let loaded = if half { by_type::<f16>(bytes, &parsed.header.family) } else { by_type::<f32>(bytes, &parsed.header.family) };
+            let loaded = if half {
+                by_type::<f16>(bytes, &parsed.header.family)
+            } else {
+                by_type::<f32>(bytes, &parsed.header.family)
+            };
             if let Err(error) = loaded {
                 assert!(is_of_size(&error), "{error:?}");
             }

@@ -86,7 +86,9 @@ pub fn mutate(
 /// Gives the file as many weights as it needs: the first ones again where there are too few.
 fn fit(parts: &mut Parts) {
     let Err(ModelError::WeightCount { needed, .. }) = parse(File::of(&join(parts)).bytes()) else { return };
-    let Some((_, content)) = parts.iter_mut().find(|(number, _)| *number == Section::Weights as u8) else { return };
+    let Some((_, content)) = parts.iter_mut().find(|(number, _)| *number == Section::Weights as u8) else {
+        return;
+    };
     let block = numbers(content).to_vec();
     if needed <= 4096 && block.len() >= 4 {
         let whole = block.len() / 4 * 4;

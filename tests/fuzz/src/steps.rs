@@ -1,7 +1,7 @@
 //! Ten steps of either order and an acceleration of whatever model a file holds, in the chip's arithmetic.
 
-use crate::Random;
 use crate::model::File;
+use crate::{HEAD, Random};
 use leastaction_chip::{Chip, Control, ModelFile, Step};
 use leastaction_core::discrete::Order;
 
@@ -9,8 +9,6 @@ use leastaction_core::discrete::Order;
 const STEPS: usize = 10;
 /// Coordinates at most: a step of more takes long.
 const MOST: usize = 16;
-/// Bytes before the sections.
-pub const HEAD: usize = 3;
 
 /// A model in motion: the first bytes say how large numbers are and how they are drawn, sections follow.
 ///

@@ -1,15 +1,19 @@
 //! Texts that people write.
 
 use leastaction_arms::urdf::{self, Inertias};
+#[cfg(feature = "learning")]
 use leastaction_learning::config::Config;
+#[cfg(feature = "learning")]
 use std::path::Path;
 
 /// A configuration: what is read begins a model, and its text is read as the same.
+#[cfg(feature = "learning")]
 pub fn toml(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let file = Path::new("train.toml");
     let Ok(config) = Config::parse(text, file) else { return };
-    let again = Config::parse(&config.to_toml(), file).expect("a configuration that was read can be written and read");
+    let again = Config::parse(&config.to_toml(), file)
+        .expect("a configuration that was read can be written and read");
     assert_eq!(config, again);
     // Nothing is read from other files here.
     if !["from", "urdf"].iter().any(|key| text.contains(key)) {

@@ -5,28 +5,25 @@ use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::Laws;
 use leastaction_core::network::Activation;
+use leastaction_data::{self as data, Dataset, Rows, Trajectory};
 use leastaction_firmware_sim::control::{Gains, Law as ControlLaw, Target};
 use leastaction_firmware_sim::devices::ActuatorConfig;
 use leastaction_firmware_sim::link::{LoggedSamples, Request, Samples, VERSION};
 use leastaction_firmware_sim::scenario::{SwingUpConfig, TrackConfig};
 use leastaction_firmware_sim::{Program, Task};
-use leastaction_fuzz::checkpoint;
-use leastaction_learning::config::{Config, DEFAULTS};
-use leastaction_learning::data::{self, Dataset};
-use leastaction_learning::ground_truth::{Drive, Mechanism, Settings, generate};
-use leastaction_learning::run::{Monitor, Plan, Row, Run};
-use safetensors::tensor::{Dtype, TensorView};
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 #[allow(dead_code, missing_docs, reason = "shared with tests, which use more of it")]
-#[path = "../../../../trainer/data/tests/bag/mod.rs"]
+#[path = "../../../../../trainer/data/tests/bag/mod.rs"]
 mod bag;
 #[allow(dead_code, missing_docs, reason = "shared with tests, which use more of it")]
-#[path = "../../../../trainer/chip/tests/common/mod.rs"]
+#[path = "../../../../../trainer/chip/tests/common/mod.rs"]
 mod samples;
+
+// What counts branches is in the fuzzer's library, which wants a target.
+libfuzzer_sys::fuzz_target!(|_data: &[u8]| {});
 
 type Done<T = ()> = Result<T, Box<dyn Error>>;
 
@@ -57,9 +54,13 @@ fn main() -> Done {
     documents(&mut Seeds::of(corpus, "link")?)?;
     logs(corpus)?;
     texts(corpus, &repository)?;
-    weights(&mut Seeds::of(corpus, "safetensors")?)?;
-    checkpoints(&mut Seeds::of(corpus, "checkpoint")?)
+    #[cfg(feature = "learning")]
+    learning::seeds(corpus)?;
+    Ok(())
 }
+
+#[cfg(feature = "learning")]
+mod learning;
 
 /// Sections of model files: small ones of every family and every law, those of core's tests, and those of the images.
 fn models(corpus: &Path, repository: &Path) -> Done {
@@ -97,9 +98,13 @@ fn small() -> Vec<Vec<u8>> {
         Activation::Isru,
         Activation::Identity,
     ];
-    for (seed, (activation, laws)) in
-        (1..).zip(activations.into_iter().zip([Laws::NONE, Laws::VISCOUS, Laws::COULOMB, Laws::FRICTION, all]))
-    {
+    for (seed, (activation, laws)) in (1..).zip(activations.into_iter().zip([
+        Laws::NONE,
+        Laws::VISCOUS,
+        Laws::COULOMB,
+        Laws::FRICTION,
+        all,
+    ])) {
         let coordinates = ["a", "ta", "at"][seed as usize % 3].to_owned();
         let inertia = if coordinates.len() == 1 { Inertia::Diagonal } else { inertias[seed as usize % 3] };
         let widths = [3, 2 * (seed as u16 % 2), 0, 0];
@@ -123,7 +128,8 @@ fn documents(seeds: &mut Seeds) -> Done {
     let logged = Request::Log(LoggedSamples { sequence: 1, elapsed: 1, measured, command: [0.5, 0.0] });
     let swing_up = SwingUpConfig::cartpole().program();
     let float = Program { task: Task::Float { begin: [0.0, 0.1], drag: 1.0 }, ..swing_up };
-    let begun = [swing_up, TrackConfig::<2>::cartpole().program(), float, Program { task: Task::Listen, ..swing_up }];
+    let begun =
+        [swing_up, TrackConfig::<2>::cartpole().program(), float, Program { task: Task::Listen, ..swing_up }];
     for program in begun {
         for model in 0..4_u8 {
             let mut session = vec![model];
@@ -152,9 +158,18 @@ fn push(session: &mut Vec<u8>, document: &[u8]) {
     session.extend(document);
 }
 
+/// A pendulum that is pushed, twice.
 fn motions(samples: usize) -> Done<Dataset> {
-    let settings = Settings { samples, drive: Drive::Constant, ..Settings::symo(Mechanism::Pendulum, 2, 0) };
-    Ok(generate(&settings)?)
+    let rows = |f: &dyn Fn(f64) -> f64| {
+        Rows::from_flat(1, (0..samples).map(|k| f(0.05 * k as f64)).collect()).ok_or("one column")
+    };
+    let mut trajectories = Vec::new();
+    for id in 0..2_i32 {
+        let phase = f64::from(id);
+        let (q, u) = (rows(&|t| (3.0 * t + phase).cos())?, rows(&|_| 0.5)?);
+        trajectories.push(Trajectory { id: id.into(), t0: 0.0, q, v: None, a: None, u: Some(u) });
+    }
+    Ok(Dataset { n: 1, h: 0.05, control: None, trajectories })
 }
 
 /// Logs of a pendulum in every format.
@@ -200,7 +215,8 @@ fn logs(corpus: &Path) -> Done {
 fn without_checksums(mut bag: Vec<u8>) -> Vec<u8> {
     let mut at = 8;
     while let Some(head) = bag.get(at..at + 9) {
-        let (opcode, length) = (head[0], head[1..].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte)));
+        let (opcode, length) =
+            (head[0], head[1..].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte)));
         let body = at + 9;
         let zeroed = match opcode {
             // Of a chunk, behind two times and a size.
@@ -255,7 +271,7 @@ fn arrays() -> Vec<Vec<u8>> {
 /// Configurations of the documentation and of the images, and descriptions of robots.
 fn texts(corpus: &Path, repository: &Path) -> Done {
     let mut toml = Seeds::of(corpus, "toml")?;
-    toml.add(DEFAULTS.as_bytes())?;
+    toml.add(&fs::read(repository.join("trainer/learning/src/config/defaults.toml"))?)?;
     for entry in fs::read_dir(repository.join("docs"))? {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "md") {
@@ -280,92 +296,4 @@ fn texts(corpus: &Path, repository: &Path) -> Done {
           <limit lower='-1' upper='2' velocity='3' effort='4'/><dynamics damping='0.1'/></joint>\
           <joint name='k' type='fixed'><parent link='a'/><child link='tip'/><origin xyz='0.4 -0.1 0.2' rpy='1 -2 0.5'/></joint></robot>",
     )
-}
-
-/// Tensors of the three programs, tiny.
-fn weights(seeds: &mut Seeds) -> Done {
-    let layers = |names: &[(&str, usize, usize)]| -> Vec<(String, Vec<usize>)> {
-        names.iter().flat_map(|(name, inputs, outputs)| {
-            [(format!("{name}.weight"), vec![*outputs, *inputs]), (format!("{name}.bias"), vec![*outputs])]
-        }).collect()
-    };
-    let symo = layers(&[("nn.MLP.MLP.0", 2, 2), ("nn.MLP.MLP.2", 2, 2), ("nn.fc_ld", 2, 1), ("nn.fc_g", 2, 1)]);
-    seeds.add(&[&[0], &tensors(&symo)?[..]].concat())?;
-    let mut modlanet = Vec::new();
-    for (name, inputs, outputs) in [("Global4x", 1, 2), ("Global4v", 1, 2), ("Potential1", 2, 1), ("Potential2", 4, 1)] {
-        let at = |part: &str| format!("{name}.mlp.{part}");
-        modlanet.extend([
-            (at("linear1.weight"), vec![2, inputs]),
-            (at("linear1.bias"), vec![2]),
-            (at("linear2.weight"), vec![2, 2]),
-            (at("linear2.bias"), vec![2]),
-            (at("linear3.weight"), vec![outputs, 2]),
-        ]);
-    }
-    modlanet.extend([
-        ("mass.weight".to_owned(), vec![1, 1]),
-        ("co1".to_owned(), vec![1]),
-        ("co2".to_owned(), vec![1]),
-    ]);
-    let modlanet = tensors(&modlanet)?;
-    seeds.add(&[&[1], &modlanet[..]].concat())?;
-    seeds.add(&[&[2], &modlanet[..]].concat())?;
-    let mut lgnn = Vec::new();
-    let networks = [
-        ("L.ke", 3, 1),
-        ("L.ff3", 6, 1),
-        ("drag", 1, 1),
-        ("L.fb", 1, 2),
-        ("L.fv", 6, 4),
-        ("L.fe", 4, 2),
-        ("L.ff1", 2, 1),
-        ("L.ff2", 4, 1),
-    ];
-    for (name, inputs, outputs) in networks {
-        let (first, second) = (format!("{name}.0"), format!("{name}.1"));
-        lgnn.extend(layers(&[(&first, inputs, 2), (&second, 2, outputs)]));
-    }
-    lgnn.extend(layers(&[("L.fneke.0", 1, 2), ("L.fne.0", 1, 4)]));
-    seeds.add(&[&[3], &tensors(&lgnn)?[..]].concat())
-}
-
-fn tensors(shapes: &[(String, Vec<usize>)]) -> Done<Vec<u8>> {
-    let values = |shape: &[usize]| {
-        (0..shape.iter().product::<usize>()).flat_map(|k| (0.3 + 0.1 * k as f32).to_le_bytes()).collect::<Vec<_>>()
-    };
-    let raw: Vec<_> = shapes.iter().map(|(name, shape)| (name, shape, values(shape))).collect();
-    let views: Result<Vec<_>, _> = raw
-        .iter()
-        .map(|(name, shape, raw)| Ok::<_, safetensors::SafeTensorError>((name, TensorView::new(Dtype::F32, (*shape).clone(), raw)?)))
-        .collect();
-    Ok(safetensors::serialize(views?, None)?)
-}
-
-/// Nobody listens.
-struct Silent;
-
-impl Monitor for Silent {
-    fn row(&mut self, _: &Row) {}
-    fn warning(&mut self, _: &str) {}
-}
-
-/// Checkpoints of short runs of several families, losses and optimisers, without what the target adds.
-fn checkpoints(seeds: &mut Seeds) -> Done {
-    let motions = motions(9)?;
-    for (model, training) in [
-        ("coordinates = \"a\"\nhidden = [2]", "iterations = 3"),
-        ("coordinates = \"a\"\nhidden = [2]\n[model.friction]\nviscous = \"learned\"\ncoulomb = \"learned\"", "iterations = 2"),
-        ("coordinates = \"a\"\nhidden = [2]", "optimiser = \"adam\"\niterations = 2"),
-        ("family = \"bodies\"\nchain = 1", "loss = \"next-position\"\niterations = 2"),
-        ("coordinates = \"a\"\nhidden = [2]", "loss = \"windows\"\niterations = 2"),
-    ] {
-        let text = format!("[data]\nfile = \"x.npz\"\n[model]\n{model}\n[training]\n{training}\n");
-        let config = Config::parse(&text, Path::new("seed.toml"))?;
-        let folder = tempfile::tempdir()?;
-        let mut run = Run::begin(Plan::new(config, &motions)?, &folder.path().join("run"), false)?;
-        run.train(&mut Silent, &AtomicBool::new(false))?;
-        let bytes = fs::read(folder.path().join("run/checkpoint.postcard"))?;
-        seeds.add(&bytes[checkpoint::MAGIC.len()..bytes.len() - 8])?;
-    }
-    Ok(())
 }
