@@ -22,7 +22,9 @@ export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-co
 -Cllvm-args=-sanitizer-coverage-trace-compares -Ctarget-cpu=native"
 features_of() {
     case $1 in
-        steps) echo steps ;;
+        link | steps) echo "$1" ;;
+        csv | npz | mcap) echo logs ;;
+        urdf) echo arms ;;
         toml | safetensors | checkpoint) echo learning ;;
     esac
 }

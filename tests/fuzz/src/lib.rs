@@ -5,12 +5,15 @@
 
 #[cfg(feature = "learning")]
 pub mod checkpoint;
+#[cfg(feature = "link")]
 pub mod link;
+#[cfg(feature = "logs")]
 pub mod logs;
 pub mod model;
 pub mod sections;
 #[cfg(feature = "steps")]
 pub mod steps;
+#[cfg(any(feature = "arms", feature = "learning"))]
 pub mod texts;
 #[cfg(feature = "learning")]
 pub mod weights;

@@ -1,5 +1,6 @@
 //! Texts that people write.
 
+#[cfg(feature = "arms")]
 use leastaction_arms::urdf::{self, Inertias};
 #[cfg(feature = "learning")]
 use leastaction_learning::config::Config;
@@ -22,6 +23,7 @@ pub fn toml(bytes: &[u8]) {
 }
 
 /// A robot's description: of what is read torques can be asked.
+#[cfg(feature = "arms")]
 pub fn urdf(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     for inertias in [Inertias::Required, Inertias::Optional] {

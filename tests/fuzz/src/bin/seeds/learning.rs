@@ -1,6 +1,7 @@
 //! Inputs of the targets that read what training reads and writes.
 
-use super::{Done, Seeds, motions};
+use super::logs::motions;
+use super::{Done, Seeds};
 use leastaction_fuzz::CHECKPOINT;
 use leastaction_learning::config::Config;
 use leastaction_learning::run::{Monitor, Plan, Row, Run};
