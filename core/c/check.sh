@@ -13,9 +13,9 @@ work=$out/example
 mkdir -p "$work"
 
 # The compiler is of no use without a C library's headers, which are a package of their own.
-if ! { command -v qemu-system-arm && command -v gcc && arm-none-eabi-gcc -E - <<<'#include <string.h>'; } >/dev/null 2>&1; then
+if ! { command -v qemu-system-arm && command -v g++ && command -v clang && arm-none-eabi-gcc -E - <<<'#include <string.h>'; } >/dev/null 2>&1; then
     apt-get update -qq
-    apt-get install -y -qq --no-install-recommends gcc gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
+    apt-get install -y -qq --no-install-recommends g++ clang gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 fi
 
 source ../../firmware-sim/chip/compiler.sh
@@ -32,8 +32,33 @@ fail() {
 }
 
 sources=(example/main.c example/trace.c example/errors.c example/model.S)
-strict=(-std=c11 -O2 -Wall -Wextra -Wpedantic -Werror -ffunction-sections -fdata-sections -Wl,--gc-sections)
+warnings=(-Wall -Wextra -Wconversion -Wsign-conversion -Wpedantic -Werror)
+strict=(-std=c11 -O2 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -ffunction-sections -fdata-sections -Wl,--gc-sections)
 m4=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16)
+
+# Numbers as C's single-precision constants, separated by commas.
+floats() {
+    local x all=()
+    for x in $1; do
+        [[ $x == *.* ]] || x+=.0
+        all+=("${x}f")
+    done
+    local IFS=,
+    echo "${all[*]}"
+}
+
+# What other compilers make of the same sources: clang as C, g++ and clang++ of the header as C++.
+other_compilers() {
+    local file
+    for file in example/{main,trace,errors,host}.c; do
+        clang -std=c11 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -fsyntax-only "$@" "$file"
+    done
+    for compiler in g++ clang++; do
+        for standard in c++11 c++20; do
+            $compiler "-std=$standard" "${warnings[@]}" -fsyntax-only "$@" -x c++ - <<<'#include "leastaction.h"'
+        done
+    done
+}
 
 # What one run of the example must print.
 expect() {
@@ -48,6 +73,7 @@ expect() {
 check_host() {
     local family=$1 expected=$2
     shift 2
+    other_compilers "$@"
     gcc "${strict[@]}" "$@" "${sources[@]}" example/host.c "$out/release/libleastaction.a" -o "$work/$family"
     expect "$family on the host" "$expected" "$work/$family"
 }
@@ -82,7 +108,7 @@ check() {
     # shellcheck disable=SC2086
     hash=$(tool trace "${features[@]}" -- "$work/$golden.bin" "$name" $start)
     local expected=$hash$'\n''errors as they should be'
-    local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=${start// /,}")
+    local defines=(-I "$work/$family-include" -I example "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=$(floats "$start")")
     if [ "$golden" = cartpole ]; then
         tool bytes "${features[@]}" <../tests/golden/cartpole-whole.hex >"$work/cartpole-whole.bin"
         defines+=("-DWHOLE_FILE=\"$work/cartpole-whole.bin\"")
@@ -113,7 +139,7 @@ part() {
         sed "s/leastaction_/${prefix}_/g; s/LEASTACTION_/${prefix^^}_/g" "example/$file" >"$parts/$file"
     done
     local own=("-Dtrace=${prefix}_trace" "-Dmodel_file=${prefix}_model_file" "-Dmodel_file_end=${prefix}_model_file_end"
-        "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=${start// /,}" -I "$parts")
+        "-DMODEL_FILE=\"$work/$golden.bin\"" "-DMODEL_Q=$(floats "$start")" -I "$parts")
     [ -z "$name" ] || own+=("-DMODEL_NAME=\"$name\"")
     "${host[@]}" build --quiet --release --lib "${features[@]}"
     cp "$out/release/libleastaction.a" "$parts/host.a"
@@ -138,7 +164,7 @@ check_two() {
     # What both share is compiled with either header.
     mkdir -p "$work/both"
     sed '/^int main/,$d' example/main.c >"$work/both/put.c"
-    local shared=(-I "$work/cart" -I example "-DMODEL_Q=${cart// /,}" "$work/both/put.c" example/two.c)
+    local shared=(-I "$work/cart" -I example "-DMODEL_Q=$(floats "$cart")" "$work/both/put.c" example/two.c)
     gcc "${strict[@]}" "${shared[@]}" example/host.c "$work"/{cart,arm}/host-*.o "$work"/{cart,arm}/host.a -o "$work/both/host"
     expect "two shapes on the host" "$expected" "$work/both/host"
     arm-none-eabi-gcc "${m4[@]}" "${strict[@]}" -nostdlib -Wl,-z,noexecstack -T example/chip.ld "${shared[@]}" example/chip.c \
@@ -148,10 +174,9 @@ check_two() {
         -kernel "$work/both/chip.elf"
 }
 
-# The header of the default family and sizes is the committed one, and C++ can read it.
+# The header of the default family and sizes is the committed one.
 tool header | diff include/leastaction.h - ||
     fail "the header is not up to date: in core/c/tools, cargo run --bin header > ../include/leastaction.h"
-if command -v g++ >/dev/null; then g++ -std=c++17 -Wall -Wextra -Werror -fsyntax-only -x c++ include/leastaction.h; fi
 "${host[@]}" fmt --check
 "${host[@]}" fmt --check --manifest-path tools/Cargo.toml
 checked=${families/ graph / graph graph,rods }

@@ -3,8 +3,13 @@ use std::path::Path;
 use std::{env, fs};
 
 fn main() {
-    let target = env::var("CARGO_CFG_TARGET_ARCH").expect("cargo names the target");
-    let memory = if target == "arm" { "memory/mps2.x" } else { "memory/virt.x" };
+    let architecture = env::var("CARGO_CFG_TARGET_ARCH").expect("cargo names the architecture");
+    let target = env::var("TARGET").expect("cargo names the target");
+    let memory = match architecture.as_str() {
+        "arm" if target.starts_with("thumbv6m") => "memory/microbit.x",
+        "arm" => "memory/mps2.x",
+        _ => "memory/virt.x",
+    };
     let out = env::var("OUT_DIR").expect("cargo gives a folder");
     fs::copy(memory, Path::new(&out).join("memory.x")).expect("the folder can be written to");
     println!("cargo:rustc-link-search={out}");

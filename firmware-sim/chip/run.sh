@@ -25,9 +25,9 @@ done
 images=(rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
     rigid-f16_2 rigid-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4)
 bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step)
-case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction " in
+case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction elementary " in
     *" ${only:-bare} "*) ;;
-    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction" >&2; exit 2 ;;
+    *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction elementary" >&2; exit 2 ;;
 esac
 
 if [ -n "$build_only" ]; then
@@ -85,6 +85,17 @@ friction() {
     fi
 }
 
+# Every elementary function, at thousands of inputs.
+elementary() {
+    local board=$1
+    output=$(emulate "$board" "$(program "$board" elementary_0)" 0 2>&1) || { printf 'elementary functions on %s: %s\n' "$board" "$output" >&2; return 1; }
+    if [ "$(expected elementary 0)" != "$(value hash)" ]; then
+        printf 'elementary functions on %s: hash %s, on the host %s\n' "$board" "$(value hash)" "$(expected elementary 0)" >&2
+        return 1
+    fi
+    printf 'elementary functions on %s: the bits of this machine, %s\n' "$board" "$(value hash)" >&2
+}
+
 run() {
     local board image
     for board in "${boards[@]}"; do
@@ -96,6 +107,7 @@ run() {
             case "$only" in "" | "$board" | "$image" | bare) bare "$board" "$image" ;; esac
         done
         case "$only" in "" | "$board" | friction) friction "$board" ;; esac
+        case "$only" in "" | "$board" | elementary) elementary "$board" ;; esac
     done
 }
 

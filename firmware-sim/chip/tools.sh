@@ -15,7 +15,8 @@ need() {
 
 target_of() {
     case $1 in
-        riscv32imac) echo riscv32imac-unknown-none-elf ;;
+        riscv32*) echo "$1-unknown-none-elf" ;;
+        cortex-m0) echo thumbv6m-none-eabi ;;
         *) echo thumbv7em-none-eabihf ;;
     esac
 }
@@ -46,6 +47,7 @@ emulate() {
     case $board in
         cortex-m4f) machine=mps2-an386 ;;
         cortex-m7) machine=mps2-an500 ;;
+        cortex-m0) machine=microbit slot=0x30000 ;;
         *) machine=virt emulator=qemu-system-riscv32 slot=0x803f0000 bios=(-bios none) ;;
     esac
     need $emulator "$([ $emulator = qemu-system-arm ] && echo qemu-system-arm || echo qemu-system-misc)"

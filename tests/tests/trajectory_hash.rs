@@ -1,6 +1,7 @@
 //! One trajectory, one fingerprint: the f32 arithmetic is the same at every optimisation level and vector width, and on every
 //! target (`firmware-sim/chip/run.sh`).
 
+use leastaction_firmware_sim::trajectory::Fingerprint;
 use leastaction_tests::Reference;
 
 /// After 100,000 steps; by `cargo run --release -p leastaction-tests --bin trajectory_hash`.
@@ -29,6 +30,11 @@ fn every_family_and_order_has_its_fingerprint() {
             scope.spawn(move || assert_eq!(reference.hash(100_000), Ok(expected), "{family} {order}"));
         }
     });
+}
+
+#[test]
+fn elementary_functions_have_their_fingerprint() {
+    assert_eq!(Fingerprint::of_elementary_functions().value(), 0x2e88_9d71_6010_1587);
 }
 
 /// `arm_model firmware-sim/chip/models/arm.postcard` wrote it.

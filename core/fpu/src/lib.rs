@@ -21,11 +21,13 @@
 #[cfg(arm_instructions)]
 mod arm;
 pub mod portable;
+mod rounding;
 mod trigonometry;
 
 pub use ::half::f16;
 #[cfg(arm_instructions)]
 use arm as chosen;
+pub use rounding::{FpuError, check_fpu};
 /// The portable loops by the names of the instructions'.
 #[cfg(not(arm_instructions))]
 mod chosen {

@@ -13,7 +13,7 @@ mod weight_format;
 
 pub use compensated::{Compensated, product, sum};
 pub use lanes::{LANES, Lanes};
-pub use leastaction_fpu::f16;
+pub use leastaction_fpu::{FpuError, check_fpu, f16};
 pub use packed::Packed;
 pub use weight_format::{FileWeightFormat, WeightFormat, Weights};
 

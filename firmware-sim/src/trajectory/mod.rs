@@ -3,6 +3,7 @@
 //! A square wave pushes the first coordinate (of particles: the last node along the first axis), 8 steps one way and 8
 //! the other.
 
+mod elementary;
 pub mod reference;
 
 use leastaction_core::constraints::{Constrained, ConstraintError, Constraints};
@@ -128,11 +129,13 @@ impl Default for Fingerprint {
 impl Fingerprint {
     /// Takes in where a motion is.
     pub fn update(&mut self, motion: &impl Motion) {
-        motion.positions(|x| {
-            for byte in x.to_bits().to_le_bytes() {
-                self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-            }
-        });
+        motion.positions(|x| self.bits(x.to_bits()));
+    }
+
+    fn bits(&mut self, bits: u32) {
+        for byte in bits.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
     }
 
     /// The fingerprint of what was taken in.

@@ -57,8 +57,8 @@ pub fn read<T: DeserializeOwned>(file: &Path, magic: &[u8]) -> Result<T, ReadErr
     decode(&bytes, magic).ok_or_else(|| ReadError::Damaged { file: file.to_owned() })
 }
 
-/// `None` where the bytes begin otherwise, or were damaged.
-fn decode<T: DeserializeOwned>(bytes: &[u8], magic: &[u8]) -> Option<T> {
+/// The content of the bytes of such a file; `None` where they begin otherwise, or were damaged.
+pub fn decode<T: DeserializeOwned>(bytes: &[u8], magic: &[u8]) -> Option<T> {
     let (body, sum) = bytes.split_last_chunk::<8>()?;
     let intact = CRC.checksum(body) == u64::from_le_bytes(*sum);
     postcard::from_bytes(body.strip_prefix(magic).filter(|_| intact)?).ok()

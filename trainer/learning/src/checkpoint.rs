@@ -161,6 +161,11 @@ impl Trained {
     pub fn read(folder: &Path) -> Result<Self, CheckpointError> {
         Ok(Checkpoint::read(&folder.join(FILE))?.into())
     }
+
+    /// The same, of the bytes of a checkpoint; `None` where they are none, or were damaged.
+    pub fn decode(bytes: &[u8]) -> Option<Self> {
+        checksummed::decode::<Checkpoint>(bytes, MAGIC).map(Self::from)
+    }
 }
 
 impl From<Checkpoint> for Trained {

@@ -27,3 +27,9 @@ extern "C" fn widened_asm(bits: u32) -> f32 {
 pub fn widened(w: crate::f16) -> f32 {
     widened_asm(w.to_bits().into())
 }
+
+/// FPSCR. Returns r0.
+#[unsafe(naked)]
+pub extern "C" fn fpscr() -> u32 {
+    naked_asm!(".fpu vfpv2", "vmrs r0, fpscr", "bx lr")
+}

@@ -5,7 +5,7 @@ use crate::bag::{Bag, Clock, Stream};
 use crate::csv_text::{Numbers, broken, decoded, reader, separator, text};
 use crate::error::{Fault, Problem};
 use crate::place::Place;
-use crate::source::Source;
+use crate::source::{Source, format_of};
 use crate::{DataError, Rows, located};
 use std::path::Path;
 
@@ -31,11 +31,15 @@ impl RawLog {
     /// # Errors
     /// [`DataError`] with the file, the place in it and the problem.
     pub fn read(path: &Path) -> Result<Vec<Self>, DataError> {
-        located(path, || match Source::open(path)? {
-            Source::Csv(bytes) => Ok(vec![of_csv(&bytes)?]),
-            Source::Npz(bytes) => Ok(vec![of_npz(&bytes)?]),
-            Source::Mcap(mut source, length) => Ok(of_bag(&Bag::read(&mut source, length)?)),
-        })
+        located(path, || of_source(Source::open(path)?))
+    }
+
+    /// As [`RawLog::read`], of the content of a file; `path` tells the format and stands in errors.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<Self>, DataError> {
+        located(path, || of_source(Source::of(format_of(path)?, bytes)))
     }
 
     /// Samples of every column.
@@ -49,6 +53,14 @@ impl RawLog {
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let at = self.names.iter().position(|known| known == name)?;
         self.columns.get(at).map(Vec::as_slice)
+    }
+}
+
+fn of_source(source: Source) -> Result<Vec<RawLog>, Fault> {
+    match source {
+        Source::Csv(bytes) => Ok(vec![of_csv(&bytes)?]),
+        Source::Npz(bytes) => Ok(vec![of_npz(&bytes)?]),
+        Source::Mcap(mut source, length) => Ok(of_bag(&Bag::read(&mut source, length)?)),
     }
 }
 

@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Fuzzes: `run.sh` every target for a minute, `run.sh TARGET SECONDS` one of them. Stable Rust and a C++ compiler are enough.
+#   load        model files of every family, their checksum corrected
+#   steps       the same, then accelerations and ten steps of either order
+#   link        what a processor is asked
+#   csv npz mcap toml urdf safetensors checkpoint   the other readers
+# A target begins with inputs of our own writers and with what earlier runs found (corpus/TARGET, which grows), ends with a line of
+# executions, branches that were reached, seconds and peak memory, and fails with the input in found/ where a reader panics, takes longer
+# than 10 s or more than 1 GB (`MEMORY`, in MB). Further options are libFuzzer's: `run.sh load 60 -jobs=2`.
+set -euo pipefail
+cd "$(dirname "$0")"
+targets=(load steps link csv npz mcap toml urdf safetensors checkpoint)
+target=${1:-all} seconds=${2:-60}
+shift $(($# < 2 ? $# : 2))
+
+host=$(rustc -vV | sed -n 's/^host: //p')
+out=${CARGO_TARGET_DIR:-$PWD/target}
+# What LLVM's own pass counts, as cargo-fuzz has it count; no sanitizer, which stable Rust does not have: memory is safe where there is no
+# unsafe code, and what is asserted ends the process.
+export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+-Cllvm-args=-sanitizer-coverage-trace-compares -Ctarget-cpu=native"
+features_of() {
+    case $1 in
+        link | steps) echo "$1" ;;
+        csv | npz | mcap) echo logs ;;
+        urdf) echo arms ;;
+        toml | safetensors | checkpoint) echo learning ;;
+    esac
+}
+build() { cargo build --quiet --release --target "$host" --target-dir "$out/fuzz" "$@"; }
+export CXXFLAGS=-O2
+
+# How long inputs may be.
+longest() {
+    case $1 in
+        load | steps | checkpoint) echo 4096 ;;
+        link) echo 1024 ;;
+        csv) echo 512 ;;
+        *) echo 8192 ;;
+    esac
+}
+
+fuzz() {
+    local name=$1 log status=0 features=()
+    shift
+    [ -z "$(features_of "$name")" ] || features=(--features "$(features_of "$name")")
+    build "${features[@]}" --bin seeds --bin "$name"
+    "$out/fuzz/$host/release/seeds" corpus
+    mkdir -p "corpus/$name" found
+    log=$(mktemp)
+    "$out/fuzz/$host/release/$name" "corpus/$name" -max_total_time="$seconds" -max_len="$(longest "$name")" -timeout=10 \
+        -rss_limit_mb="${MEMORY:-1024}" -artifact_prefix="found/$name-" -print_final_stats=1 "$@" >"$log" 2>&1 || status=$?
+    awk -v name="$name" '
+        /cov: /{for (i = 1; i < NF; i++) if ($i == "cov:") branches = $(i + 1)}
+        /number_of_executed_units/{executions = $2}
+        /average_exec_per_sec/{rate = $2}
+        /peak_rss_mb/{memory = $2}
+        /^Done /{for (i = 1; i < NF; i++) if ($i == "in") seconds = $(i + 1)}
+        END {printf "%s: %s executions in %s s (%s/s), %s branches, %s MB\n", name, executions, seconds, rate, branches, memory}' "$log"
+    if [ $status -ne 0 ]; then
+        grep -E "panicked|ERROR|assert|left:|right:|Test unit written" -A1 "$log" | head -40 >&2
+        printf '%s: failed; the input is in found/\n' "$name" >&2
+    fi
+    rm "$log"
+    return $status
+}
+
+[ "$target" != all ] || target=${targets[*]}
+for name in $target; do fuzz "$name" "$@"; done

@@ -1,0 +1,6 @@
+//! Checkpoints of runs.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| leastaction_fuzz::checkpoint::checkpoint(data));

@@ -1,0 +1,148 @@
+//! What fuzzing begins with: small inputs of every target, made by our own writers, in a folder a target: `seeds CORPUS`.
+
+use leastaction_core::discrete::Order;
+use leastaction_core::energy::modular::PairInput;
+use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::model::Laws;
+use leastaction_core::network::Activation;
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[allow(dead_code, missing_docs, reason = "shared with tests, which use more of it")]
+#[path = "../../../../../trainer/chip/tests/common/mod.rs"]
+mod samples;
+
+// What counts branches is in the fuzzer's library, which wants a target.
+libfuzzer_sys::fuzz_target!(|_data: &[u8]| {});
+
+type Done<T = ()> = Result<T, Box<dyn Error>>;
+
+/// A folder of seeds, which are numbered.
+struct Seeds {
+    folder: PathBuf,
+    count: usize,
+}
+
+impl Seeds {
+    fn of(corpus: &Path, target: &str) -> Done<Self> {
+        let folder = corpus.join(target);
+        fs::create_dir_all(&folder)?;
+        Ok(Self { folder, count: 0 })
+    }
+
+    fn add(&mut self, bytes: &[u8]) -> Done {
+        self.count += 1;
+        Ok(fs::write(self.folder.join(format!("seed-{}", self.count)), bytes)?)
+    }
+}
+
+fn main() -> Done {
+    let corpus = std::env::args_os().nth(1).ok_or("seeds CORPUS")?;
+    let corpus = Path::new(&corpus);
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    models(corpus, &repository)?;
+    #[cfg(feature = "link")]
+    link::documents(&mut Seeds::of(corpus, "link")?)?;
+    #[cfg(feature = "logs")]
+    logs::logs(corpus)?;
+    texts(corpus, &repository)?;
+    #[cfg(feature = "learning")]
+    learning::seeds(corpus)?;
+    Ok(())
+}
+
+#[cfg(feature = "learning")]
+mod learning;
+#[cfg(feature = "link")]
+mod link;
+#[cfg(feature = "logs")]
+mod logs;
+
+/// Sections of model files: small ones of every family and every law, those of core's tests, and those of the images.
+fn models(corpus: &Path, repository: &Path) -> Done {
+    let (mut load, mut steps) = (Seeds::of(corpus, "load")?, Seeds::of(corpus, "steps")?);
+    let mut files = small();
+    for entry in fs::read_dir(repository.join("core/tests/golden"))? {
+        let text = fs::read_to_string(entry?.path())?;
+        let digits = text.lines().flat_map(|line| line.split('#').next().unwrap_or("").split_whitespace());
+        files.push(digits.map(|byte| u8::from_str_radix(byte, 16)).collect::<Result<_, _>>()?);
+    }
+    for entry in fs::read_dir(repository.join("firmware-sim/chip/models"))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "postcard") {
+            files.push(fs::read(path)?);
+        }
+    }
+    for file in files {
+        let sections = file.get(5..file.len() - 4).ok_or("a model file is longer")?;
+        load.add(sections)?;
+        steps.add(&[&[7, 100, 99], sections].concat())?;
+    }
+    Ok(())
+}
+
+fn small() -> Vec<Vec<u8>> {
+    let mut files = Vec::new();
+    let network = samples::NETWORK;
+    let all = Laws::FRICTION.with_dissipation(network).with_potential(network);
+    let inertias =
+        [Inertia::Diagonal, Inertia::Cholesky { epsilon: 0.1 }, Inertia::Factor { rows: 3, epsilon: 0.1 }];
+    let activations = [
+        Activation::Tanh,
+        Activation::Softplus,
+        Activation::Squareplus,
+        Activation::Isru,
+        Activation::Identity,
+    ];
+    for (seed, (activation, laws)) in (1..).zip(activations.into_iter().zip([
+        Laws::NONE,
+        Laws::VISCOUS,
+        Laws::COULOMB,
+        Laws::FRICTION,
+        all,
+    ])) {
+        let coordinates = ["a", "ta", "at"][seed as usize % 3].to_owned();
+        let inertia = if coordinates.len() == 1 { Inertia::Diagonal } else { inertias[seed as usize % 3] };
+        let widths = [3, 2 * (seed as u16 % 2), 0, 0];
+        let rigid = samples::RigidSample { coordinates, widths, activation, inertia, laws, seed };
+        files.push(rigid.file(Order::Two));
+        let pair = [PairInput::Distance, PairInput::Difference, PairInput::Concat][seed as usize % 3];
+        files.push(samples::TreeSample::chain(2, 2, pair, laws, seed).file(Order::Four));
+        files.push(samples::BodiesSample::chain(1 + seed as usize % 3, laws, seed).file(Order::Two));
+    }
+    for (dimension, nodes) in [(2, 2), (3, 3), (2, 4)] {
+        files.push(samples::GraphSample::row(dimension, nodes, 2, 1).file(Order::Two));
+    }
+    files
+}
+
+/// Configurations of the documentation and of the images, and descriptions of robots.
+fn texts(corpus: &Path, repository: &Path) -> Done {
+    let mut toml = Seeds::of(corpus, "toml")?;
+    toml.add(&fs::read(repository.join("trainer/learning/src/config/defaults.toml"))?)?;
+    for entry in fs::read_dir(repository.join("docs"))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "md") {
+            let text = fs::read_to_string(path)?;
+            for block in text.split("```toml\n").skip(1) {
+                toml.add(block.split("```").next().unwrap_or_default().as_bytes())?;
+            }
+        }
+    }
+    for entry in fs::read_dir(repository.join("firmware-sim/chip/models"))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            toml.add(&fs::read(path)?)?;
+        }
+    }
+    let mut urdf = Seeds::of(corpus, "urdf")?;
+    urdf.add(&fs::read(repository.join("trainer/src/commands/demo/arm.urdf"))?)?;
+    urdf.add(
+        b"<robot name='r'><link name='base'/><link name='a'><inertial><origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 0.1'/>\
+          <mass value='2'/><inertia ixx='0.03' ixy='0.001' ixz='0.002' iyy='0.04' iyz='0.003' izz='0.05'/></inertial></link>\
+          <link name='tip'/><joint name='j' type='revolute'><parent link='base'/><child link='a'/><axis xyz='0 0 2'/>\
+          <limit lower='-1' upper='2' velocity='3' effort='4'/><dynamics damping='0.1'/></joint>\
+          <joint name='k' type='fixed'><parent link='a'/><child link='tip'/><origin xyz='0.4 -0.1 0.2' rpy='1 -2 0.5'/></joint></robot>",
+    )
+}

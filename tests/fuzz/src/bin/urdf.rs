@@ -1,0 +1,6 @@
+//! Descriptions of robots.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| leastaction_fuzz::texts::urdf(data));

@@ -1,0 +1,41 @@
+//! What is fuzzed: for each target a function of any bytes, which returns where all is well and panics where it is not.
+//!
+//! A target gives its reader what the fuzzer would not find by chance — magic letters, checksums, lengths — and leaves the rest to
+//! it. What a reader accepts must hold together: see each function.
+
+#[cfg(feature = "learning")]
+pub mod checkpoint;
+#[cfg(feature = "link")]
+pub mod link;
+#[cfg(feature = "logs")]
+pub mod logs;
+pub mod model;
+pub mod sections;
+#[cfg(feature = "steps")]
+pub mod steps;
+#[cfg(any(feature = "arms", feature = "learning"))]
+pub mod texts;
+#[cfg(feature = "learning")]
+pub mod weights;
+
+/// Bytes of the target `steps` before the sections.
+pub const HEAD: usize = 3;
+/// The first bytes of a checkpoint.
+pub const CHECKPOINT: &[u8] = b"LARUN\x08";
+
+/// A stream of numbers that is the same for the same seed (Knuth's multiplier).
+#[derive(Clone, Copy, Debug)]
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next number below `end`, which is not 0.
+    pub fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % end
+    }
+
+    /// A number in ±1.
+    pub fn signed(&mut self) -> f32 {
+        self.below(1 << 24) as f32 / (1 << 23) as f32 - 1.0
+    }
+}

@@ -1,0 +1,83 @@
+//! The processor's end of the link.
+
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use leastaction_firmware_sim::link::{Answer, Port, Receiver, parse_answer, serve, serve_arm};
+
+static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
+
+#[repr(align(4))]
+struct Aligned<const N: usize>([u8; N]);
+
+macro_rules! model {
+    ($name:ident, $file:literal) => {
+        static $name: Aligned<
+            { include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)).len() },
+        > = Aligned(*include_bytes!(concat!("../../../firmware-sim/chip/models/", $file)));
+    };
+}
+model!(CARTPOLE, "cartpole.postcard");
+model!(DRY, "cartpole-dry.postcard");
+model!(ARM, "arm.postcard");
+
+/// A line of which the world's words are known before.
+struct Line<'a> {
+    heard: std::slice::Iter<'a, u8>,
+    said: Vec<u8>,
+}
+
+impl Port for Line<'_> {
+    type Error = ();
+
+    fn receive(&mut self) -> Result<u8, ()> {
+        self.heard.next().copied().ok_or(())
+    }
+
+    fn send(&mut self, byte: u8) -> Result<(), ()> {
+        self.said.push(byte);
+        Ok(())
+    }
+}
+
+/// What the world says, byte by byte or as documents whose frames are right, to a processor with one of three models or none.
+///
+/// Every answer is a whole frame, and no command is without a number.
+pub fn link(input: &[u8]) {
+    let Some(([mode], rest)) = input.split_first_chunk::<1>() else { return };
+    let heard = if mode & 4 == 0 { framed(rest) } else { rest.to_vec() };
+    let mut line = Line { heard: heard.iter(), said: Vec::new() };
+    let end = match mode & 3 {
+        0 => serve::<_, 32, 2>(&mut line, Some(&CARTPOLE.0), "fuzz"),
+        1 => serve::<_, 32, 2>(&mut line, Some(&DRY.0), "fuzz"),
+        2 => serve_arm::<_, 7>(&mut line, Some(&ARM.0), "fuzz"),
+        _ => serve::<_, 32, 2>(&mut line, None, "fuzz"),
+    };
+    assert!(end.is_ok() || line.heard.len() == 0);
+    if mode & 3 == 2 { answers::<7>(&line.said) } else { answers::<2>(&line.said) }
+}
+
+fn answers<const N: usize>(said: &[u8]) {
+    let mut receiver = Receiver::default();
+    for frame in said.iter().filter_map(|byte| receiver.push(*byte)) {
+        let frame = frame.expect("an answer is a whole frame");
+        // Of a program of one coordinate the answers have another length.
+        if let Ok(Answer::Done(done)) = parse_answer::<N>(&frame) {
+            assert!(done.outcome.command.u.iter().all(|u| u.is_finite()), "{:?}", done.outcome.command);
+        }
+    }
+}
+
+/// Documents, each behind its length, in frames: with a checksum, and stuffed so that a 0 ends each.
+fn framed(mut input: &[u8]) -> Vec<u8> {
+    let mut all = Vec::new();
+    while let Some((length, rest)) = input.split_first() {
+        let (document, rest) = rest.split_at(usize::from(*length).min(rest.len()));
+        let whole = [document, &CRC.checksum(document).to_le_bytes()].concat();
+        for run in whole.split(|byte| *byte == 0) {
+            all.push(run.len().min(254) as u8 + 1);
+            all.extend(run);
+        }
+        all.push(0);
+        input = rest;
+    }
+    all
+}

@@ -1,0 +1,84 @@
+//! Logged motion, as a robot writes it.
+
+use leastaction_core::forces::ControlKind;
+use leastaction_data::survey::{Guess, RawLog};
+use leastaction_data::{Column, Columns, Dataset, MIN_SAMPLES, Reading, Rows, decode, decode_as};
+use std::io::{Cursor, Write};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+/// A text of columns: under our names, under names of its own, and at a look.
+pub fn csv(bytes: &[u8]) {
+    log("log.csv", bytes, ["time", "enc", "tau"]);
+}
+
+/// An archive: as it is, or around the arrays of the input, so that its own checksums are right.
+pub fn npz(input: &[u8]) {
+    match input.split_first() {
+        Some((0, bytes)) => log("log.npz", bytes, ["t", "q[0]", "u[0]"]),
+        Some((_, arrays)) => log("log.npz", &archive(arrays), ["t", "q[0]", "u[0]"]),
+        None => {}
+    }
+}
+
+/// A bag of ROS 2.
+pub fn mcap(bytes: &[u8]) {
+    log("log.mcap", bytes, ["t", "/joints/a/position", "/joints/a/effort"]);
+}
+
+/// The arrays of an archive, each behind the number of its name and two bytes of its length.
+fn archive(mut arrays: &[u8]) -> Vec<u8> {
+    const NAMES: [&str; 8] = ["q", "t", "u", "v", "a", "h", "trajectory", "control"];
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    while let Some(([name, a, b], rest)) = arrays.split_first_chunk::<3>() {
+        let length = usize::from(u16::from_le_bytes([*a, *b])).min(rest.len());
+        let name = format!("{}.npy", NAMES[usize::from(*name) % NAMES.len()]);
+        // The same name again is refused.
+        if writer.start_file(name, options).is_ok() {
+            let _of_memory = writer.write_all(&rest[..length]);
+        }
+        arrays = &rest[length..];
+    }
+    writer.finish().map(Cursor::into_inner).unwrap_or_default()
+}
+
+fn log(name: &str, bytes: &[u8], [t, q, u]: [&str; 3]) {
+    let path = Path::new(name);
+    if let Ok((data, _)) = decode(path, bytes) {
+        holds_together(&data);
+    }
+    let columns = Columns {
+        t: Column::si(t),
+        q: vec![Column { name: q.to_owned(), scale: 1e-3 }],
+        v: Vec::new(),
+        u: vec![Column::si(u)],
+        actuation: None,
+    };
+    let control = Some(ControlKind::Linear);
+    for step in [None, Some(0.01)] {
+        let reading = Reading { columns: Some(columns.clone()), step, control, ..Reading::default() };
+        if let Ok((data, _)) = decode_as(path, bytes, &reading) {
+            holds_together(&data);
+        }
+    }
+    if let Ok(logs) = RawLog::decode(path, bytes) {
+        drop(Guess::of(&logs));
+    }
+}
+
+/// A data set that may be learned from: finite numbers, as many of everything as of positions.
+fn holds_together(data: &Dataset) {
+    assert!(data.n > 0 && data.h.is_finite() && data.h > 0.0 && !data.trajectories.is_empty());
+    for motion in &data.trajectories {
+        assert!(motion.samples() >= MIN_SAMPLES && motion.t0.is_finite());
+        let fields = [Some(&motion.q), motion.v.as_ref(), motion.a.as_ref(), motion.u.as_ref()];
+        fields.into_iter().flatten().for_each(|rows| rows_hold_together(rows, [data.n, motion.samples()]));
+    }
+}
+
+fn rows_hold_together(rows: &Rows, [n, samples]: [usize; 2]) {
+    assert_eq!([rows.width(), rows.len()], [n, samples]);
+    assert!(rows.as_flat().iter().all(|x| x.is_finite()));
+}

@@ -1,0 +1,102 @@
+//! Loaders of model files.
+
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use leastaction_core::constraints::Holonomic;
+use leastaction_core::energy::graph::Edge;
+use leastaction_core::forces::{Coulomb, Dissipation, PotentialCorrection, Viscous};
+use leastaction_core::model::{
+    ArmModel, BodiesModel, Family, GraphModel, MAGIC, ModelError, ModularModel, RigidModel, parse,
+};
+use leastaction_core::scalar::{FileWeightFormat, Weights, f16};
+
+static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
+
+/// A whole model file where a linker would put it.
+pub struct File {
+    words: Vec<u32>,
+    length: usize,
+}
+
+impl File {
+    /// Around these sections: the prefix, and the right checksum.
+    #[must_use]
+    pub fn of(sections: &[u8]) -> Self {
+        let length = MAGIC.len() + 1 + sections.len() + 4;
+        let mut words = vec![0_u32; length.div_ceil(4)];
+        let bytes: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut words)[..length];
+        bytes[..4].copy_from_slice(&MAGIC);
+        bytes[4] = leastaction_core::model::FORMAT_VERSION;
+        let (body, sum) = bytes.split_at_mut(length - 4);
+        body[5..].copy_from_slice(sections);
+        sum.copy_from_slice(&CRC.checksum(body).to_le_bytes());
+        Self { words, length }
+    }
+
+    /// Its bytes.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &bytemuck::cast_slice(&self.words)[..self.length]
+    }
+}
+
+/// Every law, with networks of up to 8 units.
+type Laws<'a, W, const N: usize> =
+    ((Viscous<f32, N>, Coulomb<f32, N>), (Dissipation<'a, W, N, 8, 2>, PotentialCorrection<'a, W, N, 8, 2>));
+
+/// Loads the file as any family, and then as the programs of a chip load it: what is sound must be refused by these for its size, its
+/// precision or its laws alone, and what they take must be sound.
+pub fn load(sections: &[u8]) {
+    let file = File::of(sections);
+    let parsed = parse(file.bytes());
+    let bytes = file.bytes();
+    match &parsed {
+        Ok(parsed) => {
+            let half = matches!(parsed.weights, Weights::Half(_));
+            let loaded = if half {
+                by_type::<f16>(bytes, &parsed.header.family)
+            } else {
+                by_type::<f32>(bytes, &parsed.header.family)
+            };
+            if let Err(error) = loaded {
+                assert!(is_of_size(&error), "{error:?}");
+            }
+        }
+        // Nothing is known of it: as a controller meets it.
+        Err(_) => drop(RigidModel::<2, 8, 2, f32, Laws<f32, 2>>::load(bytes)),
+    }
+}
+
+fn is_of_size(error: &ModelError) -> bool {
+    matches!(
+        error,
+        ModelError::Shape { .. } | ModelError::Law { .. } | ModelError::Graph(_) | ModelError::Tree(_)
+    )
+}
+
+fn by_type<W: FileWeightFormat>(bytes: &[u8], family: &Family) -> Result<(), ModelError> {
+    match family {
+        Family::Rigid(rigid) if rigid.n() == 1 => RigidModel::<1, 8, 2, W, Laws<W, 1>>::load(bytes).map(drop),
+        Family::Rigid(_) => RigidModel::<2, 8, 2, W, Laws<W, 2>>::load(bytes).map(drop),
+        Family::Modular(modular) => {
+            let name = modular.trees().next().map_or("", |tree| tree.name);
+            ModularModel::<2, 5, 8, 2, W, Laws<W, 2>>::load(bytes, name).map(drop)
+        }
+        Family::Bodies(bodies) if bodies.n() == 1 => BodiesModel::<1, W, Laws<W, 1>>::load(bytes).map(drop),
+        Family::Bodies(_) => BodiesModel::<2, W, Laws<W, 2>>::load(bytes).map(drop),
+        Family::Arm(arm) if arm.n() == 1 => ArmModel::<1, W, Laws<W, 1>>::load(bytes).map(drop),
+        Family::Arm(_) => ArmModel::<2, W, Laws<W, 2>>::load(bytes).map(drop),
+        Family::Graph(graph) if graph.shape.dimension == 3 => graph_of::<3, W>(bytes, graph),
+        Family::Graph(graph) => graph_of::<2, W>(bytes, graph),
+        _ => Ok(()),
+    }
+}
+
+fn graph_of<const D: usize, W: FileWeightFormat>(
+    bytes: &[u8],
+    graph: &leastaction_core::model::GraphHeader,
+) -> Result<(), ModelError> {
+    let name = graph.graphs().next().map_or("", |graph| graph.name);
+    let mut edges = [Edge::default(); 8];
+    let mut rods = [Holonomic::Anchor { node: 0, to: [0.0; D], length: 1.0 }; 4];
+    GraphModel::<D, 11, 8, 2, W>::load(bytes, name, &mut edges, &mut rods).map(drop)
+}

@@ -1,0 +1,35 @@
+//! Texts that people write.
+
+#[cfg(feature = "arms")]
+use leastaction_arms::urdf::{self, Inertias};
+#[cfg(feature = "learning")]
+use leastaction_learning::config::Config;
+#[cfg(feature = "learning")]
+use std::path::Path;
+
+/// A configuration: what is read begins a model, and its text is read as the same.
+#[cfg(feature = "learning")]
+pub fn toml(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let file = Path::new("train.toml");
+    let Ok(config) = Config::parse(text, file) else { return };
+    let again = Config::parse(&config.to_toml(), file)
+        .expect("a configuration that was read can be written and read");
+    assert_eq!(config, again);
+    // Nothing is read from other files here.
+    if !["from", "urdf"].iter().any(|key| text.contains(key)) {
+        drop(config.beginning());
+    }
+}
+
+/// A robot's description: of what is read torques can be asked.
+#[cfg(feature = "arms")]
+pub fn urdf(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    for inertias in [Inertias::Required, Inertias::Optional] {
+        let Ok(tree) = urdf::parse(text, inertias) else { continue };
+        let n = tree.coordinates();
+        let torques = tree.inverse_dynamics(&vec![0.1; n], &vec![0.2; n], &vec![0.3; n]);
+        assert_eq!(torques.len(), n);
+    }
+}
