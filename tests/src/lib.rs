@@ -1,6 +1,7 @@
 //! What the cross-crate tests and the peer programs share.
 
 pub mod arm;
+pub mod panda;
 
 use leastaction_core::constraints::ConstraintError;
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Path, StepError};

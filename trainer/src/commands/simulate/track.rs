@@ -2,7 +2,7 @@
 
 use super::plant::{OnPlant, encoders};
 use super::reference::{Followed, is_series};
-use super::scenario::following;
+use super::scenario::{closed_loop, following, misused};
 use super::{Report, Request, Trace};
 use clap::{Args, ValueEnum};
 use leastaction::cli::Failure;
@@ -34,6 +34,9 @@ pub struct Motion {
     /// What the observer remembers, s, from 5 to 255 ticks: more smooths the encoders' noise more and follows a wrong model longer [default: 0.05].
     #[arg(long, value_name = "S", value_parser = positive_f32)]
     memory: Option<f32>,
+    /// Of the filter of velocities of pd-encoders, Hz [default: 50].
+    #[arg(long, value_name = "HZ", value_parser = positive_f32)]
+    cut_off: Option<f32>,
 }
 
 /// A controller's name.
@@ -43,19 +46,25 @@ pub enum LawName {
     ComputedTorque,
     /// Gravity compensation by the model and PD feedback joint by joint.
     PdGravity,
+    /// The same without the observer: by readings of the encoders and their filtered differences; on this machine alone.
+    PdEncoders,
 }
 
-impl From<LawName> for Law {
-    fn from(name: LawName) -> Self {
-        match name {
-            LawName::ComputedTorque => Self::ComputedTorque,
-            LawName::PdGravity => Self::PdGravity,
+impl LawName {
+    /// That of the firmware which has an observer.
+    fn observed(self) -> Option<Law> {
+        match self {
+            Self::ComputedTorque => Some(Law::ComputedTorque),
+            Self::PdGravity => Some(Law::PdGravity),
+            Self::PdEncoders => None,
         }
     }
 }
 
 /// What the observer remembers, s.
 pub(super) const MEMORY: f32 = 0.05;
+/// Of the filter of velocities without an observer, Hz.
+const CUT_OFF: f32 = 50.0;
 
 impl Motion {
     /// The motion of a file, a law, and ω of its feedback (rad/s).
@@ -66,6 +75,7 @@ impl Motion {
             bandwidth: Some(bandwidth),
             damping: None,
             memory: None,
+            cut_off: None,
         }
     }
 
@@ -75,13 +85,17 @@ impl Motion {
         if config.is_some() && !is_log {
             return Err(Failure::Input("--config is of a log, to --replay or as --trajectory".to_owned()));
         }
+        let by_encoders = self.law == Some(LawName::PdEncoders);
+        if self.cut_off.is_some() && !by_encoders {
+            return Err(Failure::Input("--cut-off is of --law pd-encoders".to_owned()));
+        }
         match (is_followed, &self.trajectory, self.is_tuned()) {
             (true, None, _) => {
                 Err(Failure::Input("track with a --plant follows the motion of --trajectory FILE; name one, or leave out --plant".to_owned()))
             }
             (false, Some(_), _) | (false, None, true) => {
                 let reason =
-                    "--trajectory, --law, --bandwidth, --damping and --memory are of --scenario track with a --plant";
+                    "--trajectory, --law, --bandwidth, --damping, --memory and --cut-off are of --scenario track with a --plant";
                 Err(Failure::Input(reason.to_owned()))
             }
             _ => Ok(()),
@@ -89,7 +103,8 @@ impl Motion {
     }
 
     fn is_tuned(&self) -> bool {
-        self.law.is_some() || [self.bandwidth, self.damping, self.memory].iter().any(Option::is_some)
+        self.law.is_some()
+            || [self.bandwidth, self.damping, self.memory, self.cut_off].iter().any(Option::is_some)
     }
 }
 
@@ -105,8 +120,31 @@ impl OnPlant for Following {
     ) -> Result<Report, Failure> {
         let path = request.motion.trajectory.as_deref().unwrap_or(Path::new(""));
         let (motion, limit) = Followed::read(request, path)?;
-        following(request, systems, &config(request, &motion, limit)?, trace)
+        let config = config(request, &motion, limit)?;
+        if request.motion.law == Some(LawName::PdEncoders) {
+            return by_encoders(request, systems, &config, trace);
+        }
+        following(request, systems, &config, trace)
     }
+}
+
+/// Without an observer.
+fn by_encoders<const N: usize>(
+    request: &Request,
+    (plant, model): (&SystemOf<N>, &SystemOf<N>),
+    config: &TrackConfig<N, &Followed<N>>,
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    if request.on.is_some() {
+        let reason = "the boards' images have no --law pd-encoders; leave out --on, or take pd-gravity";
+        return Err(Failure::Input(reason.to_owned()));
+    }
+    config.validate().map_err(misused)?;
+    let firmware = config.by_encoders(model, request.motion.cut_off.unwrap_or(CUT_OFF));
+    let program = config.program();
+    closed_loop(request, plant, (&config.setup, &config.reference), (&program, firmware), |tick| {
+        trace.push(tick)
+    })
 }
 
 fn config<'m, const N: usize>(
@@ -118,7 +156,7 @@ fn config<'m, const N: usize>(
     let mut config = TrackConfig::new(encoders(request), limit, (motion.at(0.0).q, motion));
     config.setup.tick = 1e-3;
     config.setup.seconds = motion.end().unwrap_or(config.setup.seconds);
-    config.law = law.map_or(Law::ComputedTorque, Into::into);
+    config.law = law.and_then(LawName::observed).unwrap_or_default();
     let Gains { frequency, damping: usual } = config.gains;
     config.gains = Gains { frequency: bandwidth.unwrap_or(frequency), damping: damping.unwrap_or(usual) };
     request.adapt(&mut config.setup)?;
