@@ -1,4 +1,4 @@
-"""Trees of rigid bodies in space beside Pinocchio, the code it generates, MuJoCo and a crate in Rust: what they compute, and how fast, in f64, one state a call, on one core."""
+"""Trees of rigid bodies in space beside Pinocchio, MuJoCo and a crate in Rust: what they compute, and how fast, in f64, one state a call, on one core."""
 
 import argparse
 import importlib.util
@@ -17,16 +17,12 @@ from common import HERE, Failure, build_ours, exit_code, need, positive, run
 QUANTITIES = {"T": 0, "V": 0, "inverse_dynamics": 1, "gravity": 1, "mass_matrix": 2, "acceleration": 1, "force_q": 2, "force_v": 2}
 WITHOUT_DERIVATIVES = [name for name in QUANTITIES if not name.startswith("force")]
 TIMED = ["inverse_dynamics", "mass_matrix", "derivatives", "acceleration"]
-# Of those that have no more.
-GENERATED = ["inverse_dynamics", "mass_matrix", "acceleration", "force_q", "force_v"]
+# Of what phyz-rigid computes.
 IN_RUST = ["inverse_dynamics", "gravity", "mass_matrix", "acceleration"]
-RIVALS = ["pinocchio", "generated", "mujoco", "phyz-rigid"]
+RIVALS = ["pinocchio", "mujoco", "phyz-rigid"]
 FLAGS = ["-O3", "-march=native", "-DNDEBUG"]
 # Pinocchio is compiled with each of these; the faster counts, function by function.
 CONFIGURATIONS = {"g++": [], "g++ -ffast-math": ["-ffast-math"]}
-# So is the code that Pinocchio generates.
-OPTIMISATIONS = {"gcc -O2": ["-O2"], "gcc -O3 -march=native": ["-O3", "-march=native"],
-                 "gcc -O2 -march=native -ffast-math": ["-O2", "-march=native", "-ffast-math"]}
 HALF = math.pi / 2
 GRAVITY = [0, 0, -9.81]
 # Frames of the joints, (α, a, θ, d) one after the other: Rx(α) Tx(a) Rz(θ) Tz(d), as Craig has them, from the makers' documents.
@@ -185,30 +181,6 @@ def pinocchio(folder, quick):
         yield Program("pinocchio", how, [program], list(QUANTITIES))
 
 
-def generator(folder):
-    """What writes C for an arm: Pinocchio's algorithms over CasADi's symbols. It takes a quarter of an hour to compile."""
-    include, link = headers()
-    casadi, program = package("casadi", "casadi"), folder / "generate"
-    library = casadi / "libcasadi.so"
-    build(program, ["g++", "-std=c++17", "-O0", "-w", *include, "-I", casadi / "include", HERE / "arm_generate.cpp", library,
-                    f"-Wl,-rpath,{casadi}", *link])
-    return program
-
-
-def generated(folder, writer, name, given, quick):
-    """The C for one arm, with every optimisation or the first alone."""
-    need("gcc", "install gcc")
-    source = folder / f"{name}.c".replace(" ", "_")
-    if not source.exists():
-        run([writer, source], input=given)
-    for how, flags in list(OPTIMISATIONS.items())[:1 if quick else None]:
-        program, compiled = folder / f"{name} {how}", folder / f"{name} {how}.o"
-        if not program.exists():
-            build(compiled, ["gcc", *flags, "-c", source])
-            build(program, ["g++", "-std=c++17", "-O2", HERE / "arm_generated.cpp", compiled, "-lm"])
-        yield Program("generated", how, [program], GENERATED)
-
-
 def phyz_rigid():
     """The crate's program, optimised for this machine."""
     need("cargo", "install Rust from https://rustup.rs")
@@ -238,11 +210,7 @@ def outcome(program, given):
     lines = run(program.command, input=given).splitlines()
     rows = [[float(word) for word in line.split()] for line in lines if line[0] in "-0123456789"]
     timed = dict(line.split() for line in lines if line[0] not in "-0123456789")
-    timed = {name: float(value) for name, value in timed.items()}
-    # Of generated derivatives there are two, by Pinocchio's algorithm and by CasADi's differentiation of inverse dynamics.
-    if "differentiated" in timed:
-        timed["derivatives"] = min(timed["derivatives"], timed["differentiated"])
-    return rows, timed
+    return rows, {name: float(value) for name, value in timed.items()}
 
 
 def by_name(n, row, names):
@@ -296,14 +264,11 @@ def compare(options):
         folder = options.folder or Path(passing)
         folder.mkdir(parents=True, exist_ok=True)
         natives = list(pinocchio(folder, options.quick)) if "pinocchio" in options.rivals else []
-        writer = generator(folder) if "generated" in options.rivals else None
         physics = mujoco(folder) if "mujoco" in options.rivals else None
         crates = [phyz_rigid()] if "phyz-rigid" in options.rivals else []
         for name in options.arms:
             given, bodies = text(name, options.states, options.seed)
             programs = [ours, *natives, *crates]
-            if writer:
-                programs += generated(folder, writer, name, given, options.quick)
             if physics:
                 described = folder / f"{name}.xml"
                 described.write_text(mjcf(ARMS[name][0], bodies))
