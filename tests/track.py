@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Follows a motion by computed torque and by PD with gravity compensation, over a grid of gains, and prints all of it.
 
-    python3 tests/track.py            # about 5 minutes on 2 cores, and compiling
+    python3 tests/track.py            # 300 runs of 10 s: a quarter of an hour on 2 quiet cores, and compiling
 
 A simulated Franka Panda: bodies as identified by Gaz et al. 2019, rotors, viscous and Coulomb friction; encoders of 4,096 counts a turn, 1 kHz,
 commands that act 1 ms late, the maker's limits of the drives. `leastaction excite` finds two motions within its limits. Along the first the arm is
