@@ -89,6 +89,7 @@ impl<'a, M: Mechanism<N>, C: Controller<M, N>, const N: usize> Firmware<'a, M, C
     pub fn run(&mut self, elapsed: u32, measured: &[Option<f32>; N], target: &Target<N>) -> Outcome<N> {
         let mut outcome = Outcome { errors: 0, ..self.last };
         let estimated = self.estimate(elapsed, measured, &mut outcome);
+        self.controller.read(elapsed, measured);
         let command = estimated.and_then(|()| self.command(target));
         if command.is_err() {
             outcome.errors += 1;

@@ -147,8 +147,7 @@ impl<const N: usize> Program<N> {
         self.check(model)?;
         match self.task {
             Task::Track { begin, gains, law } => {
-                let mass = model.system().lagrangian.linearization(&begin, &[0.0; N]).l_vv;
-                let inertia = core::array::from_fn(|i| mass[i][i]);
+                let inertia = diagonal(model, &begin);
                 Ok(TaskController::Track(Track { gains, law, inertia, angle: self.angle }))
             }
             Task::Listen => Ok(TaskController::Listen(Listen)),
@@ -184,6 +183,12 @@ impl<const N: usize> Program<N> {
             holding: false,
         }
     }
+}
+
+/// Of the inertia matrix at a position.
+pub(crate) fn diagonal<M: Mechanism<N>, const N: usize>(model: &M, q: &[f32; N]) -> [f32; N] {
+    let mass = model.system().lagrangian.linearization(q, &[0.0; N]).l_vv;
+    core::array::from_fn(|i| mass[i][i])
 }
 
 impl Program<1> {

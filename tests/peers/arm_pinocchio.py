@@ -1,9 +1,10 @@
-"""Trees of rigid bodies in space beside Pinocchio and MuJoCo: what they compute, and how fast, in f64, one state a call, on one core."""
+"""Trees of rigid bodies in space beside Pinocchio, MuJoCo and a crate in Rust: what they compute, and how fast, in f64, one state a call, on one core."""
 
 import argparse
 import importlib.util
 import json
 import math
+import os
 import random
 import sys
 import tempfile
@@ -16,7 +17,9 @@ from common import HERE, Failure, build_ours, exit_code, need, positive, run
 QUANTITIES = {"T": 0, "V": 0, "inverse_dynamics": 1, "gravity": 1, "mass_matrix": 2, "acceleration": 1, "force_q": 2, "force_v": 2}
 WITHOUT_DERIVATIVES = [name for name in QUANTITIES if not name.startswith("force")]
 TIMED = ["inverse_dynamics", "mass_matrix", "derivatives", "acceleration"]
-RIVALS = ["pinocchio", "mujoco"]
+# Of what phyz-rigid computes.
+IN_RUST = ["inverse_dynamics", "gravity", "mass_matrix", "acceleration"]
+RIVALS = ["pinocchio", "mujoco", "phyz-rigid"]
 FLAGS = ["-O3", "-march=native", "-DNDEBUG"]
 # Pinocchio is compiled with each of these; the faster counts, function by function.
 CONFIGURATIONS = {"g++": [], "g++ -ffast-math": ["-ffast-math"]}
@@ -151,8 +154,8 @@ def package(name, install):
     return Path(found.submodule_search_locations[0]).resolve()
 
 
-def pinocchio(folder, quick):
-    """Its C++, for all arms: with every configuration, or the first alone."""
+def headers():
+    """Where Pinocchio's wheel is, and what g++ is told of it."""
     need("g++", "install g++")
     prefix = package("pinocchio", "pin")
     while prefix.name != "cmeel.prefix":
@@ -162,15 +165,30 @@ def pinocchio(folder, quick):
     eigen = next((path for path in [prefix / "include/eigen3", Path("/usr/include/eigen3")] if path.is_dir()), None)
     if eigen is None:
         raise Failure("Eigen's headers are missing: pip install cmeel-eigen", code=2)
-    library = prefix / "lib"
     # As its own build files have it.
     lists = ["-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
              "-DBOOST_FUSION_INVOKE_MAX_ARITY=12"]
+    library = prefix / "lib"
+    return [*lists, "-I", prefix / "include", "-I", eigen], ["-L", library, "-lpinocchio_default", f"-Wl,-rpath,{library}"]
+
+
+def pinocchio(folder, quick):
+    """Its C++, for all arms: with every configuration, or the first alone."""
+    include, link = headers()
     for how, flags in list(CONFIGURATIONS.items())[:1 if quick else None]:
         program = folder / f"pinocchio {how}"
-        build(program, ["g++", "-std=c++17", *FLAGS, *flags, *lists, "-I", prefix / "include", "-I", eigen, HERE / "arm_pinocchio.cpp", "-L",
-                        library, "-lpinocchio_default", f"-Wl,-rpath,{library}"])
+        build(program, ["g++", "-std=c++17", *FLAGS, *flags, *include, HERE / "arm_pinocchio.cpp", *link])
         yield Program("pinocchio", how, [program], list(QUANTITIES))
+
+
+def phyz_rigid():
+    """The crate's program, optimised for this machine."""
+    need("cargo", "install Rust from https://rustup.rs")
+    folder = HERE / "rust_rigid"
+    messages = run(["cargo", "build", "--release", "--message-format=json"], cwd=folder, env=os.environ | {"RUSTFLAGS": "-Ctarget-cpu=native"})
+    artifacts = [json.loads(line) for line in messages.splitlines() if line.startswith("{")]
+    path = next(a["executable"] for a in reversed(artifacts) if a.get("executable"))
+    return Program("phyz-rigid", "-Ctarget-cpu=native", [path], IN_RUST)
 
 
 def mujoco(folder):
@@ -247,9 +265,10 @@ def compare(options):
         folder.mkdir(parents=True, exist_ok=True)
         natives = list(pinocchio(folder, options.quick)) if "pinocchio" in options.rivals else []
         physics = mujoco(folder) if "mujoco" in options.rivals else None
+        crates = [phyz_rigid()] if "phyz-rigid" in options.rivals else []
         for name in options.arms:
             given, bodies = text(name, options.states, options.seed)
-            programs = [ours, *natives]
+            programs = [ours, *natives, *crates]
             if physics:
                 described = folder / f"{name}.xml"
                 described.write_text(mjcf(ARMS[name][0], bodies))

@@ -3,11 +3,12 @@
 use leastaction_core::energy::spatial::SPATIAL_PARAMETERS;
 use leastaction_core::model::{ArmHeader, Family, Header, Laws, WriteError, write};
 
-const JOINTS: usize = 7;
+/// Of it.
+pub const JOINTS: usize = 7;
 /// Each body on the one before, by a revolute joint.
-const TREE: [u8; 2 * JOINTS] = [0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6];
+pub const TREE: [u8; 2 * JOINTS] = [0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6];
 /// Quarter turns about x from the frame before to that of the joint, and a and d of Craig's convention, m.
-const FRAMES: [(i8, f32, f32); JOINTS] = [
+pub const FRAMES: [(i8, f32, f32); JOINTS] = [
     (0, 0.0, 0.333),
     (-1, 0.0, 0.0),
     (1, 0.0, 0.316),
@@ -38,38 +39,18 @@ pub fn model_file() -> Result<Vec<u8>, WriteError> {
         ..Header::new(Family::Arm(ArmHeader { bodies: &TREE }))
     };
     let mut weights = vec![0.0, 0.0, -9.81];
-    weights.extend(FRAMES.iter().zip(MASSES).flat_map(|(frame, mass)| body(*frame, mass)));
+    weights.extend(FRAMES.iter().zip(MASSES).flat_map(|(frame, mass)| body(*frame, round(mass), ROTOR)));
     weights.extend([DAMPING; JOINTS]);
     let bytes: Vec<u8> = weights.iter().flat_map(|x| x.to_le_bytes()).collect();
     let mut memory = [0; 2048];
     write(&header, &bytes, &mut memory).map(<[u8]>::to_vec)
 }
 
-/// R, p, axis, inertia about the joint and rotor.
-fn body((turn, a, d): (i8, f32, f32), m: f32) -> [f32; SPATIAL_PARAMETERS] {
-    let s = f32::from(turn);
-    let c = 1.0 - s.abs();
+/// Mass, its first moments and its inertia about the joint, of a body of round numbers.
+fn round(m: f32) -> [f32; 10] {
     let [x, y, z] = CENTRE;
     let [xx, yy, zz] = INERTIA;
     [
-        // Rx of the quarter turn.
-        1.0,
-        0.0,
-        0.0,
-        0.0,
-        c,
-        -s,
-        0.0,
-        s,
-        c,
-        // Where the joint is.
-        a,
-        -s * d,
-        c * d,
-        // About z.
-        0.0,
-        0.0,
-        1.0,
         m,
         m * x,
         m * y,
@@ -80,6 +61,17 @@ fn body((turn, a, d): (i8, f32, f32), m: f32) -> [f32; SPATIAL_PARAMETERS] {
         -m * x * z,
         -m * y * z,
         m * (zz + x * x + y * y),
-        ROTOR,
     ]
+}
+
+/// A body of a model file: R, p, axis, inertia about the joint and rotor.
+pub fn body((turn, a, d): (i8, f32, f32), inertia: [f32; 10], rotor: f32) -> [f32; SPATIAL_PARAMETERS] {
+    let s = f32::from(turn);
+    let c = 1.0 - s.abs();
+    // Rx of the quarter turn, where the joint is, and the axis: z.
+    let frame = [1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c, a, -s * d, c * d, 0.0, 0.0, 1.0];
+    let numbers = frame.into_iter().chain(inertia).chain([rotor]);
+    let mut body = [0.0; SPATIAL_PARAMETERS];
+    body.iter_mut().zip(numbers).for_each(|(entry, number)| *entry = number);
+    body
 }

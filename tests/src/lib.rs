@@ -1,6 +1,7 @@
 //! What the cross-crate tests and the peer programs share.
 
 pub mod arm;
+pub mod panda;
 
 /// The programs that the book shows, as tests.
 #[cfg(doctest)]

@@ -1,5 +1,6 @@
 //! Controllers that know a mechanism only through its model.
 
+mod by_encoders;
 mod float;
 mod pump;
 mod reference;
@@ -9,6 +10,7 @@ mod swing_up;
 mod task;
 mod track;
 
+pub use by_encoders::ByEncoders;
 pub use float::Float;
 pub use pump::{CartPump, JointPump, NoPump, Pump, PumpConfig};
 pub use reference::{HARMONICS, Reference, Setpoint, Target, Trajectory, enter};
@@ -36,6 +38,9 @@ pub struct Command<const N: usize> {
 
 /// A feedback law over a model.
 pub trait Controller<M, const N: usize> {
+    /// What the encoders read, so many ticks after the last readings; before any command of the tick. Most controllers go by the estimate
+    /// alone.
+    fn read(&mut self, _elapsed: u32, _measured: &[Option<f32>; N]) {}
     /// The force for the estimated state at which it will act, towards a target. An error where the model cannot say.
     fn command(
         &mut self,

@@ -1,9 +1,11 @@
 use super::run::run_in_place;
 use super::setup::CART_AND_POLE;
 use super::{Setup, Start};
-use crate::control::{Gains, Law, Reference, Trajectory};
+use crate::control::{ByEncoders, Gains, Law, Reference, Trajectory};
 use crate::devices::{Devices, EncoderConfig};
 use crate::error::SetupError;
+use crate::firmware::Firmware;
+use crate::program::diagonal;
 use crate::summary::{Goal, Summary};
 use crate::tick::Tick;
 use crate::{Mechanism, Program, Task};
@@ -52,6 +54,23 @@ impl<const N: usize, T: Trajectory<N>> TrackConfig<N, T> {
     /// What the firmware is told.
     pub fn program(&self) -> Program<N> {
         self.setup.program(Task::Track { begin: self.reference.at(0.0).q, gains: self.gains, law: self.law })
+    }
+
+    /// The firmware over a model that follows the motion by gravity and the readings of the encoders alone, whose velocities are filtered at
+    /// so many Hz: [`ByEncoders`]. The observer runs beside it, for the record.
+    ///
+    /// # Errors
+    /// As of [`Program::follow`].
+    pub fn by_encoders<'m, M: Mechanism<N>>(
+        &self,
+        model: &'m M,
+        cut_off: f32,
+    ) -> Result<Firmware<'m, M, ByEncoders<N>, N>, SetupError> {
+        let program = self.program();
+        program.check(model)?;
+        let control = (self.gains, diagonal(model, &self.reference.at(0.0).q), program.angle);
+        let delay = program.observer.delay * program.tick;
+        Ok(program.firmware(model, ByEncoders::new(control, program.tick, delay, cut_off)?))
     }
 }
 

@@ -83,6 +83,13 @@ fn an_arm_is_trained_evaluated_and_follows_a_motion_better_than_pd() {
     assert_eq!(text, fs::read_to_string(bench.at("found.csv")).unwrap());
     let follow = "simulate m.postcard --scenario track --plant m.postcard --trajectory found.toml --seconds 1 --known-delay 1";
     bench.run(follow).good();
+    // The same as a log, whose one period is at rest where it begins and ends.
+    let from_log = format!("{} --limit 60 --json", follow.replace("found.toml --seconds 1", "found.csv"));
+    let report = bench.run(&from_log).good().json();
+    assert_eq!(report["ticks"], 5100, "{report}");
+    let both = [follow.to_owned() + " --json", from_log + " --seconds 1"];
+    let [series, log] = both.map(|words| bench.run(&words).good().json()["rms_error"][1].as_f64().unwrap());
+    assert!((series - log).abs() < 1e-4, "{series} {log}");
     let words = "simulate m.postcard --scenario track --plant m.postcard --trajectory motion.toml --seconds 4 --known-delay 1 \
                  --bandwidth 30 --json -o out";
     let rms = |words: &str| {
@@ -161,4 +168,39 @@ fn what_cannot_be_followed_is_said() {
     fs::write(bench.at("wrong.toml"), "frequency = [").unwrap();
     bench.run(&format!("{words} --trajectory wrong.toml")).bad(2, &["wrong.toml"]);
     bench.run(&format!("{words} --trajectory nowhere.toml")).bad(1, &["nowhere.toml"]);
+}
+
+#[test]
+fn a_logged_motion_that_cannot_be_followed_is_said() {
+    let bench = trained();
+    let words = "simulate m.postcard --scenario track --plant m.postcard --trajectory m.csv --seconds 0.2";
+    let rows = |row: fn(i32) -> String| (0..20).map(row).collect::<String>();
+    let name = |file: &str| file.to_owned();
+    let whole = rows(|k| format!("{},{},0.5\n", 0.1 * f64::from(k), 0.01 * f64::from(k)));
+    for (text, message) in [
+        (name("t,q0\n") + &rows(|k| format!("{k},0.1\n")), "1 coordinates, the model 2"),
+        (name("t,q0,q1\n") + &rows(|k| format!("{},0.1,0.5\n", -k)), "m.csv"),
+        (
+            name("t,q0,q1\n") + &rows(|k| format!("{},0.1,0.5\n", k + 30 * (k / 10))),
+            "2 motions, or one with gaps",
+        ),
+        (whole.replace("0.05,", "nan,"), "m.csv"),
+        (name("t,q0,q1\n0,0.1,0.5\n1,0.1,0.5\n"), "m.csv"),
+        (name("time,a,b\n") + &whole, "m.csv"),
+    ] {
+        fs::write(bench.at("m.csv"), &text).unwrap();
+        bench.run(words).bad(2, &["m.csv", message]);
+    }
+    bench.run(&words.replace("m.csv", "nowhere.csv")).bad(2, &["nowhere.csv"]);
+    bench.run(&format!("{words} --config nowhere.toml")).bad(2, &["nowhere.toml"]);
+    bench.run(&words.replace("m.csv", "motion.toml --config robot.toml")).bad(2, &["--config"]);
+    // Uneven stamps are brought onto one step, which is said.
+    fs::write(bench.at("m.csv"), name("t,q0,q1\n") + &rows(|k| format!("{},0.1,0.5\n", k + k % 2))).unwrap();
+    assert!(bench.run(words).good().stderr.contains("resampled"));
+    // By names and units of its own.
+    fs::write(bench.at("m.csv"), name("time,a,b\n") + &whole).unwrap();
+    let columns = "[data]\nfile = 'm.csv'\n[data.columns]\nt = 'time'\nq = ['a', 'b']\n";
+    fs::write(bench.at("m.toml"), columns.to_owned() + "[model]\nfamily = 'rigid'\ncoordinates = 'aa'\n")
+        .unwrap();
+    bench.run(&format!("{words} --config m.toml")).good();
 }

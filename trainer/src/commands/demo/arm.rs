@@ -124,6 +124,7 @@ fn follow(
         world: &World::default(),
         motion,
         floats: &Floats::default(),
+        config: None,
         on: None,
     };
     simulate(file, &request, [name.with_extension("csv"), name.with_extension("svg")])

@@ -113,6 +113,7 @@ impl Demo {
             world: &World::default(),
             motion: &Motion::default(),
             floats: &Floats::default(),
+            config: None,
             on: None,
         };
         let (swing_up, _) = simulate(&at("model.postcard"), &request, [at("trace.csv"), at("swing-up.svg")])?;

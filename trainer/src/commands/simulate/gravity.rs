@@ -1,7 +1,9 @@
 //! Floating by the model's gravity alone, and a push.
 
 use super::plant::{OnPlant, encoders};
+use super::reference::strongest;
 use super::scenario::closed_loop;
+use super::track::{MEMORY, samples};
 use super::{Report, Request, Trace};
 use clap::Args;
 use leastaction::cli::Failure;
@@ -21,9 +23,6 @@ pub struct Floats {
     /// Largest force of the push from 2.0 to 2.2 s, N m or N, one value or one for each [default: a tenth of the limits].
     #[arg(long, value_name = "F,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
     push: Vec<f64>,
-    /// Largest forces of the drives, N m or N, one value or one for each [default: the largest of the training data].
-    #[arg(long, value_name = "F,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
-    limit: Vec<f64>,
     /// Drag that the firmware adds, as a deceleration over the speed, 1/s; 0 leaves it to friction [default: 1].
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = not_negative)]
     drag: Option<f64>,
@@ -32,18 +31,17 @@ pub struct Floats {
 impl Floats {
     /// Refuses what means nothing where nothing floats.
     pub fn check(&self, floats: bool) -> Result<(), Failure> {
-        let lists = [&self.at, &self.push, &self.limit];
+        let lists = [&self.at, &self.push];
         if floats || (lists.iter().all(|list| list.is_empty()) && self.drag.is_none()) {
             return Ok(());
         }
-        Err(Failure::Input("--at, --push, --limit and --drag are of --scenario gravity".to_owned()))
+        Err(Failure::Input("--at, --push and --drag are of --scenario gravity".to_owned()))
     }
 
     /// What is said on the command line in the place of the scenario's own.
     fn adapt<const N: usize>(&self, config: &mut GravityConfig<N>) -> Result<(), Failure> {
         let setup = &mut config.setup;
         replace("--at", &self.at, &mut setup.start.q)?;
-        replace("--limit", &self.limit, &mut setup.devices.actuator.limit)?;
         replace("--push", &self.push, &mut setup.push.most)?;
         config.drag = self.drag.map_or(config.drag, |drag| drag as f32);
         Ok(())
@@ -107,21 +105,15 @@ impl OnPlant for OnAnother {
 /// From the middle of the training data, 1,000 times a second.
 fn config<const N: usize>(request: &Request) -> Result<GravityConfig<N>, Failure> {
     let range = &request.model.facts.range;
-    if range.len() != N && request.floats.limit.is_empty() {
+    let limit = request.world.limit()?.or_else(|| strongest(range)).ok_or_else(|| {
         let reason =
             "the model's file does not say what forces its training data had; name the largest with --limit";
-        return Err(Failure::Input(reason.to_owned()));
-    }
-    let of = |value: fn(&leastaction_core::model::CoordinateRange) -> f32| {
-        std::array::from_fn(|i| range.get(i).map_or(0.0, value))
-    };
-    let (middle, mut limit) = (
-        of(|range| 0.5 * (range.q.least + range.q.most)),
-        of(|range| range.u.least.abs().max(range.u.most.abs())),
-    );
-    replace("--limit", &request.floats.limit, &mut limit)?;
+        Failure::Input(reason.to_owned())
+    })?;
+    let middle =
+        std::array::from_fn(|i| range.get(i).map_or(0.0, |range| 0.5 * (range.q.least + range.q.most)));
     let mut config = GravityConfig::new(encoders(request), limit, (middle, limit.map(|limit| 0.1 * limit)));
-    config.setup.tick = 1e-3;
-    config.setup.observer.memory = super::track::MEMORY_SAMPLES;
+    config.setup.tick = request.tick.unwrap_or(1e-3);
+    config.setup.observer.memory = samples(MEMORY, config.setup.tick);
     Ok(config)
 }

@@ -1,8 +1,10 @@
 //! `leastaction simulate`.
 
+mod course;
 mod gravity;
 mod picture;
 mod plant;
+mod reference;
 mod remote;
 mod replay;
 mod report;
@@ -53,7 +55,7 @@ use std::time::Duration;
 ///
 /// With --scenario track, --plant and --trajectory an arm of any of these sizes follows a motion, by default 1,000 times a second.
 ///
-/// Example: leastaction simulate arm.postcard --scenario track --plant robot.postcard --trajectory motion.toml
+/// Example: leastaction simulate arm.postcard --scenario track --plant robot.postcard --trajectory motion.csv
 ///
 /// With --scenario gravity it floats, held by the model's gravity alone, and is pushed: how far the model's gravity lets it drift, how far
 /// it is pushed, and when it rests again.
@@ -74,8 +76,8 @@ pub struct Simulate {
     /// A log to run the observer along, instead of a scenario: how well the firmware's model predicts the next reading.
     #[arg(long, value_name = "LOG", conflicts_with_all = ["scenario", "system", "plant", "seed", "seconds"])]
     replay: Option<PathBuf>,
-    /// The configuration whose [data] says how the log is read.
-    #[arg(long, value_name = "FILE", requires = "replay")]
+    /// The configuration whose [data] says how the log of --replay or --trajectory is read.
+    #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// The mechanism that the loop acts on [default: by the model's coordinates].
     #[arg(long)]
@@ -153,8 +155,20 @@ impl Simulate {
         let target = self.target()?;
         let on = target.as_ref();
         let (world, motion, floats) = (&self.world, &self.motion, &self.floats);
-        let request =
-            Request { model: &model, plant, scenario, seed, seconds, tick, world, motion, floats, on };
+        let config = self.config.as_deref();
+        let request = Request {
+            model: &model,
+            plant,
+            scenario,
+            seed,
+            seconds,
+            tick,
+            world,
+            motion,
+            floats,
+            config,
+            on,
+        };
         folder(&self.output)?;
         let files = [self.output.join("trace.csv"), self.output.join("run.svg")];
         replaceable(&files[0], FileKind::Table(trace::BEGINNING))?;

@@ -23,6 +23,7 @@ use leastaction_learning::model_file::HostModel;
 use serde::Serialize;
 use std::convert::Infallible;
 use std::fmt;
+use std::path::Path;
 
 /// What the loop does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -70,6 +71,8 @@ pub struct Request<'a> {
     pub motion: &'a Motion,
     /// What floats, and how it is pushed.
     pub floats: &'a Floats,
+    /// The configuration whose `[data]` says how a motion's log is read.
+    pub config: Option<&'a Path>,
     /// What runs the controller; this machine where nothing is named.
     pub on: Option<&'a Target>,
 }
@@ -106,7 +109,7 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     }
     request.world.check(request)?;
     let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
-    request.motion.check(is_followed)?;
+    request.motion.check(is_followed, request.config)?;
     request.floats.check(request.scenario == Scenario::Gravity)?;
     let file = chip::file(request.model).map_err(Failure::Input)?;
     let model = chip::meant(&file, request.model).map_err(Failure::Input)?;

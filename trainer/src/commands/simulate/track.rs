@@ -1,14 +1,14 @@
 //! Following a motion that a file describes, by the model of one file on the plant of another.
 
 use super::plant::{OnPlant, encoders};
-use super::scenario::following;
+use super::reference::{Followed, is_series};
+use super::scenario::{closed_loop, following, misused};
 use super::{Report, Request, Trace};
-use crate::commands::motion::MotionFile;
 use clap::{Args, ValueEnum};
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::positive_f32;
 use leastaction_chip::SystemOf;
-use leastaction_firmware_sim::control::{Gains, HARMONICS, Law, Reference, Trajectory};
+use leastaction_firmware_sim::control::{Gains, Law, Trajectory};
 use leastaction_firmware_sim::scenario::TrackConfig;
 use std::path::{Path, PathBuf};
 
@@ -16,8 +16,9 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Default)]
 #[command(next_help_heading = "Following a motion (track)")]
 pub struct Motion {
-    /// A periodic motion of all coordinates, a TOML file: `frequency` (Hz), `centre` (rad or m), and a row of at most five harmonics a
-    /// coordinate each of `cosine` and `sine` (rad or m); `limit`, the largest forces (N m or N); `ramp`, the seconds in which
+    /// A motion of all coordinates: a log of one motion (.csv, .npz), followed once by a smooth curve through its positions, entered from
+    /// rest over 2 s where it does not begin at rest; or, periodic, a .toml with `frequency` (Hz), `centre` (rad or m), and a row of at most five
+    /// harmonics a coordinate each of `cosine` and `sine` (rad or m); `limit`, the largest forces (N m or N); `ramp`, the seconds in which
     /// it is entered from rest (2 where it is left out).
     #[arg(long, value_name = "FILE", requires = "plant")]
     trajectory: Option<PathBuf>,
@@ -30,6 +31,12 @@ pub struct Motion {
     /// ζ of that feedback; 1 does not overshoot [default: 1].
     #[arg(long, value_name = "ZETA", value_parser = positive_f32)]
     damping: Option<f32>,
+    /// What the observer remembers, s, from 5 to 255 ticks: more smooths the encoders' noise more and follows a wrong model longer [default: 0.05].
+    #[arg(long, value_name = "S", value_parser = positive_f32)]
+    memory: Option<f32>,
+    /// Of the filter of velocities of pd-encoders, Hz [default: 50].
+    #[arg(long, value_name = "HZ", value_parser = positive_f32)]
+    cut_off: Option<f32>,
 }
 
 /// A controller's name.
@@ -39,39 +46,56 @@ pub enum LawName {
     ComputedTorque,
     /// Gravity compensation by the model and PD feedback joint by joint.
     PdGravity,
+    /// The same without the observer: by readings of the encoders and their filtered differences; on this machine alone.
+    PdEncoders,
 }
 
-impl From<LawName> for Law {
-    fn from(name: LawName) -> Self {
-        match name {
-            LawName::ComputedTorque => Self::ComputedTorque,
-            LawName::PdGravity => Self::PdGravity,
+impl LawName {
+    /// That of the firmware which has an observer.
+    fn observed(self) -> Option<Law> {
+        match self {
+            Self::ComputedTorque => Some(Law::ComputedTorque),
+            Self::PdGravity => Some(Law::PdGravity),
+            Self::PdEncoders => None,
         }
     }
 }
 
-/// When a motion begins, s: the observer needs a few samples before.
-const BEGIN: f32 = 0.1;
 /// What the observer remembers, s.
-const MEMORY: f32 = 0.05;
-/// Samples of that at the default tick of 1 ms.
-pub(super) const MEMORY_SAMPLES: u8 = 50;
+pub(super) const MEMORY: f32 = 0.05;
+/// Of the filter of velocities without an observer, Hz.
+const CUT_OFF: f32 = 50.0;
 
 impl Motion {
     /// The motion of a file, a law, and ω of its feedback (rad/s).
     pub fn along(file: PathBuf, law: LawName, bandwidth: f32) -> Self {
-        Self { trajectory: Some(file), law: Some(law), bandwidth: Some(bandwidth), damping: None }
+        Self {
+            trajectory: Some(file),
+            law: Some(law),
+            bandwidth: Some(bandwidth),
+            damping: None,
+            memory: None,
+            cut_off: None,
+        }
     }
 
     /// Refuses what means nothing where the motion is the scenario's own.
-    pub fn check(&self, is_followed: bool) -> Result<(), Failure> {
+    pub fn check(&self, is_followed: bool, config: Option<&Path>) -> Result<(), Failure> {
+        let is_log = self.trajectory.as_deref().is_some_and(|file| !is_series(file));
+        if config.is_some() && !is_log {
+            return Err(Failure::Input("--config is of a log, to --replay or as --trajectory".to_owned()));
+        }
+        let by_encoders = self.law == Some(LawName::PdEncoders);
+        if self.cut_off.is_some() && !by_encoders {
+            return Err(Failure::Input("--cut-off is of --law pd-encoders".to_owned()));
+        }
         match (is_followed, &self.trajectory, self.is_tuned()) {
             (true, None, _) => {
                 Err(Failure::Input("track with a --plant follows the motion of --trajectory FILE; name one, or leave out --plant".to_owned()))
             }
             (false, Some(_), _) | (false, None, true) => {
                 let reason =
-                    "--trajectory, --law, --bandwidth and --damping are of --scenario track with a --plant";
+                    "--trajectory, --law, --bandwidth, --damping, --memory and --cut-off are of --scenario track with a --plant";
                 Err(Failure::Input(reason.to_owned()))
             }
             _ => Ok(()),
@@ -79,39 +103,8 @@ impl Motion {
     }
 
     fn is_tuned(&self) -> bool {
-        self.law.is_some() || self.bandwidth.is_some() || self.damping.is_some()
-    }
-
-    /// The motion of N coordinates with the limits of the forces.
-    fn read<const N: usize>(&self, path: &Path) -> Result<(Reference<N>, [f32; N]), Failure> {
-        let text = std::fs::read_to_string(path).map_err(|error| Failure::file(path, error))?;
-        let file: MotionFile = toml::from_str(&text).map_err(|error| Failure::input(path, error))?;
-        let wrong = |what: &str, found: usize| {
-            Failure::input(path, format!("{what} has {found} entries; the model has {N} coordinates"))
-        };
-        let single = |list: &[f64]| list.iter().map(|x| *x as f32).collect::<Vec<_>>();
-        let all = |what: &str, list: &[f64]| {
-            <[f32; N]>::try_from(single(list)).map_err(|_| wrong(what, list.len()))
-        };
-        let mut waves = [[[0.0; 2]; HARMONICS]; N];
-        for (part, (what, rows)) in [("cosine", &file.cosine), ("sine", &file.sine)].into_iter().enumerate() {
-            if rows.len() != N {
-                return Err(wrong(what, rows.len()));
-            }
-            for (wave, row) in waves.iter_mut().zip(rows) {
-                if row.len() > HARMONICS {
-                    let found = row.len();
-                    let message =
-                        format!("{what} has a row of {found} harmonics; at most {HARMONICS} are followed");
-                    return Err(Failure::input(path, message));
-                }
-                wave.iter_mut().zip(row).for_each(|(pair, x)| pair[part] = *x as f32);
-            }
-        }
-        let centre = all("centre", &file.centre)?;
-        let limit = all("limit", &file.limit)?;
-        let (ramp, frequency) = (file.ramp as f32, [file.frequency as f32; N]);
-        Ok((Reference { begin: BEGIN, ramp, centre, frequency, waves }, limit))
+        self.law.is_some()
+            || [self.bandwidth, self.damping, self.memory, self.cut_off].iter().any(Option::is_some)
     }
 }
 
@@ -125,20 +118,53 @@ impl OnPlant for Following {
         systems: (&SystemOf<N>, &SystemOf<N>),
         trace: &mut Trace,
     ) -> Result<Report, Failure> {
-        following(request, systems, &config::<N>(request)?, trace)
+        let path = request.motion.trajectory.as_deref().unwrap_or(Path::new(""));
+        let (motion, limit) = Followed::read(request, path)?;
+        let config = config(request, &motion, limit)?;
+        if request.motion.law == Some(LawName::PdEncoders) {
+            return by_encoders(request, systems, &config, trace);
+        }
+        following(request, systems, &config, trace)
     }
 }
 
-fn config<const N: usize>(request: &Request) -> Result<TrackConfig<N>, Failure> {
-    let Motion { trajectory, law, bandwidth, damping } = request.motion;
-    let path = trajectory.as_deref().unwrap_or(Path::new(""));
-    let (reference, limit) = request.motion.read::<N>(path)?;
-    let mut config = TrackConfig::new(encoders(request), limit, (reference.at(0.0).q, reference));
+/// Without an observer.
+fn by_encoders<const N: usize>(
+    request: &Request,
+    (plant, model): (&SystemOf<N>, &SystemOf<N>),
+    config: &TrackConfig<N, &Followed<N>>,
+    trace: &mut Trace,
+) -> Result<Report, Failure> {
+    if request.on.is_some() {
+        let reason = "the boards' images have no --law pd-encoders; leave out --on, or take pd-gravity";
+        return Err(Failure::Input(reason.to_owned()));
+    }
+    config.validate().map_err(misused)?;
+    let firmware = config.by_encoders(model, request.motion.cut_off.unwrap_or(CUT_OFF));
+    let program = config.program();
+    closed_loop(request, plant, (&config.setup, &config.reference), (&program, firmware), |tick| {
+        trace.push(tick)
+    })
+}
+
+fn config<'m, const N: usize>(
+    request: &Request,
+    motion: &'m Followed<N>,
+    limit: [f32; N],
+) -> Result<TrackConfig<N, &'m Followed<N>>, Failure> {
+    let Motion { law, bandwidth, damping, memory, .. } = request.motion;
+    let mut config = TrackConfig::new(encoders(request), limit, (motion.at(0.0).q, motion));
     config.setup.tick = 1e-3;
-    config.law = law.map_or(Law::ComputedTorque, Into::into);
+    config.setup.seconds = motion.end().unwrap_or(config.setup.seconds);
+    config.law = law.and_then(LawName::observed).unwrap_or_default();
     let Gains { frequency, damping: usual } = config.gains;
     config.gains = Gains { frequency: bandwidth.unwrap_or(frequency), damping: damping.unwrap_or(usual) };
     request.adapt(&mut config.setup)?;
-    config.setup.observer.memory = (MEMORY / config.setup.tick).round().clamp(5.0, 255.0) as u8;
+    config.setup.observer.memory = samples(memory.unwrap_or(MEMORY), config.setup.tick);
     Ok(config)
+}
+
+/// So many samples of a tick of h are in so many seconds; few enough for an observer.
+pub(super) fn samples(seconds: f32, h: f32) -> u8 {
+    (seconds / h).round().clamp(5.0, 255.0) as u8
 }

@@ -37,6 +37,9 @@ pub struct World {
     /// The force that acts without a command, N or N m [default: that of the plant's file, else 0]; known as the gain is.
     #[arg(long, value_name = "O,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = finite)]
     offset: Vec<f64>,
+    /// Largest forces of the drives, N m or N [default: those of the motion's file or of the scenario, else the largest of the training data].
+    #[arg(long, value_name = "F,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = not_negative)]
+    limit: Vec<f64>,
     /// From a command to its effect, ms, at most 8 ticks [default: 1 tick].
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = not_negative)]
     delay: Option<f64>,
@@ -60,9 +63,10 @@ impl World {
     /// Refuses what means nothing for a scenario.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         let friction = !self.viscous.is_empty() || !self.coulomb.is_empty();
-        let devices =
-            [&self.zeros, &self.noise, &self.gain, &self.offset].iter().any(|list| !list.is_empty())
-                || [self.delay, self.known_delay, self.jitter, self.learn_zeros].iter().any(Option::is_some);
+        let devices = [&self.zeros, &self.noise, &self.gain, &self.offset, &self.limit]
+            .iter()
+            .any(|list| !list.is_empty())
+            || [self.delay, self.known_delay, self.jitter, self.learn_zeros].iter().any(Option::is_some);
         if devices && request.scenario == Scenario::Predict {
             return Err(Failure::Input(
                 "predict has no encoders, no drives and no clock; leave out what is said of them, or take track or \
@@ -80,8 +84,8 @@ impl World {
 
     /// How far off zeros to be learned may be, along a log, which has its own friction and devices.
     pub fn only_zeros(&self) -> Result<Option<f32>, Failure> {
-        let Self { viscous, coulomb, width, zeros, noise, gain, offset, .. } = self;
-        let lists = [viscous, coulomb, width, zeros, noise, gain, offset];
+        let Self { viscous, coulomb, width, zeros, noise, gain, offset, limit, .. } = self;
+        let lists = [viscous, coulomb, width, zeros, noise, gain, offset, limit];
         let numbers = [self.delay, self.known_delay, self.jitter];
         if lists.iter().any(|list| !list.is_empty()) || numbers.iter().any(Option::is_some) {
             let reason = "--replay takes friction, delay and noise as they are in the log; of the options for them it \
@@ -102,6 +106,11 @@ impl World {
             ..DryFriction::none()
         });
         Ok((Viscous { coefficients: viscous }, Coulomb { coordinates }))
+    }
+
+    /// The largest forces of the drives, where they are said.
+    pub fn limit<const N: usize>(&self) -> Result<Option<[f32; N]>, Failure> {
+        (!self.limit.is_empty()).then(|| for_all("--limit", &self.limit, 0.0)).transpose()
     }
 
     /// The devices of a setup, and what the firmware knows of them.
@@ -140,6 +149,7 @@ impl World {
         let (h, truth) = (setup.tick, &mut setup.devices.actuator);
         let ticks = |ms: f64| (1e-3 * ms / f64::from(h)) as f32;
         truth.delay = self.delay.map_or(truth.delay, ticks);
+        truth.limit = self.limit()?.unwrap_or(truth.limit);
         truth.drive = Drive {
             gain: for_all("--gain", &self.gain, 1.0)?,
             offset: for_all("--offset", &self.offset, 0.0)?,
