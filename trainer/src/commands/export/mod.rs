@@ -11,7 +11,7 @@ use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::model_file::{self, Precision};
 use serde::Serialize;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Make a model file of a training run.
 ///
