@@ -1,10 +1,15 @@
 use crate::coordinates::{Beginning, motion};
 use crate::particles::{ParticleEvaluator, ParticleMotion};
 use crate::sizes::AnySystem;
-use crate::{Actuators, ChipError, Control, Evaluator, Motion, ParticleSystem, Step, SystemOf, Visitor};
+use crate::watch::watch;
+use crate::{
+    Actuators, ChipError, Control, Evaluator, Motion, ParticleSystem, Step, SystemOf, Visitor, Watch,
+};
+use leastaction_core::discrete::Newton;
 use leastaction_core::model::{
     ActuatorBytes, CoordinateRange, ModelError, Outside, TrainedStep, TrainingRange,
 };
+use leastaction_core::observer::Tuning;
 
 /// A model as the chip has it: evaluated and stepped in single precision by core itself, whatever its size.
 pub struct Chip<'f> {
@@ -71,6 +76,20 @@ impl<'f> Chip<'f> {
         control: Control,
     ) -> Result<Box<dyn Motion + '_>, ChipError> {
         self.visit(Begin { step, beginning: Beginning::Between { q, control } })
+    }
+
+    /// The observer of the firmware, which steps the model within Newton's bounds; `angle` says of every coordinate whether its encoder
+    /// forgets whole turns.
+    ///
+    /// # Errors
+    /// [`ChipError::Length`]; [`ChipError::OfGraph`].
+    pub fn watch(
+        &self,
+        (step, newton): (Step, Newton<f32>),
+        angle: &[bool],
+        tuning: Tuning<f32>,
+    ) -> Result<Box<dyn Watch + '_>, ChipError> {
+        self.visit(Observe { step, newton, angle, tuning })
     }
 
     /// From commands to forces in steps of h seconds, as the file has it.
@@ -152,5 +171,25 @@ impl<'c> Visitor<'c> for Begin<'_> {
 
     fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output {
         Ok(Box::new(ParticleMotion::new(particles, self.step, self.beginning)?))
+    }
+}
+
+/// Makes observers.
+struct Observe<'b> {
+    step: Step,
+    newton: Newton<f32>,
+    angle: &'b [bool],
+    tuning: Tuning<f32>,
+}
+
+impl<'c> Visitor<'c> for Observe<'_> {
+    type Output = Result<Box<dyn Watch + 'c>, ChipError>;
+
+    fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
+        watch(system, (self.step, self.newton), self.angle, self.tuning)
+    }
+
+    fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
+        Err(ChipError::OfGraph { what: "observer" })
     }
 }

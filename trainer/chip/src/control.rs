@@ -41,6 +41,11 @@ impl<'t> Control<'t> {
 
 /// The numbers of a slice, which must be N.
 pub(crate) fn array<const N: usize>(what: &'static str, x: &[f32]) -> Result<[f32; N], ChipError> {
+    copied(what, x)
+}
+
+/// The entries of a slice, which must be N.
+pub(crate) fn copied<T: Copy, const N: usize>(what: &'static str, x: &[T]) -> Result<[T; N], ChipError> {
     x.try_into().map_err(|_| ChipError::Length { what, expected: N, found: x.len() })
 }
 

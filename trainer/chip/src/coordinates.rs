@@ -21,6 +21,11 @@ impl<const N: usize> Evaluator for &SystemOf<'_, N> {
         let tau = inverse_dynamics(*self, &array("q", q)?, &array("v", v)?, &array::<N>("a", a)?)?;
         write("the force", &tau, to)
     }
+
+    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+        let mass = self.lagrangian.dynamics(&array::<N>("q", q)?, &[0.0; N]).mass;
+        write("the mass matrix", mass.as_flattened(), to)
+    }
 }
 
 /// What a motion begins with.
@@ -66,7 +71,7 @@ impl<'c, P: Path, const N: usize> DelMotion<'c, P, N> {
     }
 }
 
-impl<P: Path, const N: usize> Motion for DelMotion<'_, P, N> {
+impl<P: Path + Send, const N: usize> Motion for DelMotion<'_, P, N> {
     fn q(&self) -> &[f32] {
         &self.q
     }

@@ -30,6 +30,12 @@ pub enum ChipError {
         /// Of the slice.
         found: usize,
     },
+    /// Particles are asked for what only systems in generalised coordinates have.
+    #[error("a graph has no {what}")]
+    OfGraph {
+        /// What it has not.
+        what: &'static str,
+    },
     /// An acceleration does not exist, or a step cannot be solved.
     #[error("{0}")]
     Step(StepError<f32>),

@@ -24,4 +24,10 @@ pub trait Evaluator {
     /// [`ChipError::Length`]; where a number is not finite, or the equation cannot be solved. What is written then has no
     /// meaning.
     fn inverse_dynamics(&mut self, q: &[f32], v: &[f32], a: &[f32], to: &mut [f32]) -> Result<(), ChipError>;
+
+    /// Writes M(q) = L_vv at rest, n rows of n, symmetric, kg, kg m or kg m².
+    ///
+    /// # Errors
+    /// [`ChipError::Length`]; `to` has n² numbers.
+    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ChipError>;
 }

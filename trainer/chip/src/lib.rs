@@ -7,6 +7,7 @@
 //! ```text
 //! bytes ─► ModelFile ─► Chip ─► Evaluator: T, V, v̇, inverse dynamics
 //!                            ├► Motion: steps of the discrete Euler–Lagrange equation, RATTLE for graphs
+//!                            ├► Watch: the state from encoders' readings
 //!                            ├► Actuators: commands to forces
 //!                            └► Visitor: the system itself, its size being a type again
 //! ```
@@ -27,6 +28,7 @@ mod forces;
 mod motion;
 mod particles;
 mod sizes;
+mod watch;
 
 pub use actuators::Actuators;
 pub use any::{AnyLagrangian, LAYERS, RIGID_UNITS, SystemOf, UNITS};
@@ -39,3 +41,4 @@ pub use forces::{AllForces, ForcesOf, Friction, Networks};
 pub use motion::Motion;
 pub use particles::ParticleSystem;
 pub use sizes::{COORDINATES, OfSize, Visitor};
+pub use watch::Watch;

@@ -2,7 +2,9 @@ use crate::{ChipError, Control};
 use leastaction_core::discrete::Report;
 
 /// A model in motion, from step to step as the chip takes them.
-pub trait Motion {
+///
+/// It may move from thread to thread.
+pub trait Motion: Send {
     /// q, m or rad.
     fn q(&self) -> &[f32];
 

@@ -104,6 +104,21 @@ impl<const D: usize> Evaluator for ParticleEvaluator<'_, D> {
         let to = of.vectors_mut("the force", to)?;
         Ok(constrained_inverse_dynamics(&self.on_rods, state, &mut self.workspace, to)?)
     }
+
+    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+        let (of, n) = (self.particles, self.particles.n());
+        let _only_its_length = of.vectors("q", q)?;
+        ChipError::check_length("the mass matrix", n * n, to.len())?;
+        to.fill(0.0);
+        for node in 0..n / D {
+            let mass = of.graph.mass(node, &[0.0; D]);
+            for (i, row) in mass.iter().enumerate() {
+                let place = (node * D + i) * n + node * D;
+                to[place..place + D].copy_from_slice(row);
+            }
+        }
+        Ok(())
+    }
 }
 
 /// A state of particles with RATTLE.

@@ -103,6 +103,11 @@ where
     evaluator.inverse_dynamics(&q, &v, &a, &mut found).unwrap();
     let theirs = inverse_dynamics(system, &sized(&q), &sized(&v), &sized::<N>(&a)).unwrap();
     assert_eq!(bits(&found), bits(&theirs));
+    let mut masses = vec![0.0; N * N];
+    evaluator.mass_matrix(&q, &mut masses).unwrap();
+    let theirs = system.lagrangian.dynamics(&sized(&q), &[0.0; N]).mass;
+    assert_eq!(bits(&masses), bits(theirs.as_flattened()));
+    assert!(evaluator.mass_matrix(&q, &mut found[1..]).is_err());
 
     let controls: Vec<_> = (0..STEPS).map(|_| [random.vector(N, 1.0), random.vector(N, 1.0)]).collect();
     same_motion::<Midpoint, _, _, N>(chip, Order::Two, system, [&q, &v], &controls);
@@ -247,6 +252,16 @@ fn same_evaluations<S: Particles<f32, D>, const D: usize>(
     let state = state.each_ref().map(Vec::as_slice);
     constrained_inverse_dynamics(system, state, &mut workspace, &mut expected).unwrap();
     assert_eq!(bits(&found), bits(expected.as_flattened()));
+
+    let n = q.len();
+    let mut masses = vec![f32::NAN; n * n];
+    evaluator.mass_matrix(q, &mut masses).unwrap();
+    for (k, mass) in masses.iter().enumerate() {
+        let (row, column) = (k / n, k % n);
+        let block = system.system().mass(row / D, &[0.0; D]);
+        let theirs = if row / D == column / D { block[row % D][column % D] } else { 0.0 };
+        assert_eq!(mass.to_bits(), theirs.to_bits());
+    }
 }
 
 /// Compares motions of particles from both kinds of beginning.

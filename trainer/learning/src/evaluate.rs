@@ -13,7 +13,7 @@ pub mod rollouts;
 pub mod states;
 mod systems;
 
-pub use systems::{Beginning, FreeAccelerations, masses_at, rollout};
+pub use systems::{Beginning, FreeAccelerations, NEWTON, masses_at, rollout};
 
 use crate::architecture::{Architecture, Family, GraphArchitecture};
 use crate::data::{Dataset, Trajectory};

@@ -52,6 +52,11 @@ impl Output {
         let _closed = writeln!(io::stderr(), "{message}");
     }
 
+    /// Notes, each a sentence.
+    pub fn notes(self, sentences: &[String]) {
+        sentences.iter().for_each(|sentence| self.note(&format!("note: {sentence}")));
+    }
+
     /// Tells why and gives the exit code.
     pub fn fail(self, failure: &Failure) -> ExitCode {
         let (message, code) = match failure {

@@ -4,7 +4,7 @@
 use super::Failure;
 use leastaction_core::model::MAGIC;
 use leastaction_learning::data;
-use leastaction_learning::model_file::RUST_HEAD;
+use leastaction_learning::model_file::{C_HEAD, RUST_HEAD};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -16,6 +16,8 @@ pub enum FileKind {
     Model,
     /// A Rust module with a model.
     RustModule,
+    /// A C header with a model.
+    CHeader,
     /// A log of motion, by its name.
     Log,
     /// A configuration that `leastaction look` wrote.
@@ -41,6 +43,7 @@ impl FileKind {
         match self {
             Self::Model => "model file",
             Self::RustModule => "Rust module of `leastaction export`",
+            Self::CHeader => "C header with a model",
             Self::Log => "log of motion",
             Self::Configuration => "configuration of `leastaction look`",
             Self::Motion => "motion of `leastaction excite`",
@@ -55,6 +58,7 @@ impl FileKind {
         match self {
             Self::Model => Some(&MAGIC),
             Self::RustModule => Some(RUST_HEAD.as_bytes()),
+            Self::CHeader => Some(C_HEAD.as_bytes()),
             Self::Configuration => Some(CONFIGURATION_HEAD.as_bytes()),
             Self::Motion => Some(MOTION_HEAD.as_bytes()),
             Self::Log if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) => {

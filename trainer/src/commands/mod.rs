@@ -1,6 +1,5 @@
 //! The command line: one file and one variant of [`Command`] each.
 
-mod chip;
 mod convert;
 mod demo;
 mod doctor;
@@ -13,7 +12,6 @@ mod inspect;
 mod interrupt;
 mod look;
 mod motion;
-mod notes;
 mod progress;
 mod reproduce;
 mod shell;

@@ -1,16 +1,15 @@
 //! `leastaction train`.
 
 use super::interrupt;
-use super::notes::tell;
 use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, Output, print};
+use leastaction::training;
+pub use leastaction::training::Report;
 use leastaction_learning::config::{
     ARM_DEFAULTS, BODIES_DEFAULTS, Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS,
 };
-use leastaction_learning::run::{ChoiceError, Chosen, Ending, Plan, PlanError, Run, choose};
-use serde::Serialize;
-use std::fmt;
+use leastaction_learning::run::{Ending, Plan, Run};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -60,63 +59,6 @@ enum Family {
     Arm,
 }
 
-/// What came out of training.
-#[derive(Serialize)]
-pub struct Report {
-    /// The folder.
-    pub run: PathBuf,
-    /// Why training ended.
-    pub ending: &'static str,
-    /// Done, over all stages.
-    pub iterations: u64,
-    /// Numbers in the weight block.
-    pub parameters: usize,
-    /// Those that are not known numbers.
-    pub learned_parameters: usize,
-    /// Samples of the last stage.
-    pub training_samples: usize,
-    /// Samples held back.
-    pub validation_samples: usize,
-    /// The iteration that gave the best weights.
-    pub best_iteration: u64,
-    /// Of the best weights.
-    pub train_loss: f64,
-    /// Of the best weights.
-    pub validation_loss: Option<f64>,
-    /// Of training.
-    pub seconds: f64,
-    /// The picture.
-    pub loss_curve: PathBuf,
-    /// The page on what was learned over windows.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub report: Option<PathBuf>,
-    /// The iteration of the checkpoint.
-    #[serde(skip)]
-    pub saved: Option<u64>,
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let validation =
-            self.validation_loss.map_or(String::new(), |loss| format!(", validation loss {loss:.3e}"));
-        let known = self.parameters - self.learned_parameters;
-        let known = if known > 0 { format!(" ({known} of them known)") } else { String::new() };
-        writeln!(
-            f,
-            "{} parameters{known}, {} + {} samples",
-            self.parameters, self.training_samples, self.validation_samples
-        )?;
-        writeln!(f, "{} iterations in {:.1} s, ended by: {}", self.iterations, self.seconds, self.ending)?;
-        writeln!(
-            f,
-            "best at iteration {}: training loss {:.3e}{validation}",
-            self.best_iteration, self.train_loss
-        )?;
-        writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
-        self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
-    }
-}
-
 impl Train {
     /// Trains, or prints the defaults.
     pub fn run(self, output: Output) -> Done {
@@ -154,22 +96,9 @@ fn interrupted(file: &Path, folder: &Path, saved: Option<u64>) -> String {
     }
 }
 
-/// Reads the data that a configuration file names and prepares the losses, telling what should be known.
+/// Prepares the run of a configuration file, with notes on stderr.
 pub fn plan(file: &Path, config: Config, output: Output) -> Result<Plan, Failure> {
-    let log = PathBuf::from(config.data.file.to_string());
-    let refused = |error: PlanError| match error {
-        PlanError::Data(_) => Failure::input(&log, error),
-        _ => Failure::input(file, error),
-    };
-    let Chosen { config, data, notes, choices } = choose(config).map_err(|error| match error {
-        ChoiceError::Data(error) => error.into(),
-        ChoiceError::Plan(error) => refused(error),
-    })?;
-    tell(&notes, output);
-    choices.sentences().iter().for_each(|sentence| output.note(&format!("note: {sentence}")));
-    let plan = Plan::new(config, &data).map_err(refused)?;
-    plan.notices().iter().for_each(|notice| output.note(&format!("note: {notice}")));
-    Ok(plan)
+    training::plan(file, config, &mut |sentence| output.note(&format!("note: {sentence}")))
 }
 
 /// Trains with progress on stderr.
@@ -180,26 +109,7 @@ pub fn train(
     stop: &AtomicBool,
 ) -> Result<(Report, Ending), Failure> {
     let mut progress = Progress::new(quiet, &run);
-    let ending = run.train(&mut progress, stop);
+    let trained = training::train(&mut run, folder, &mut progress, stop);
     progress.finish();
-    let ending = ending?;
-    let (training_samples, validation_samples) = run.plan().samples();
-    let best = run.best();
-    let report = Report {
-        run: folder.to_owned(),
-        ending: ending.name(),
-        iterations: run.iteration(),
-        parameters: run.plan().parameters(),
-        learned_parameters: run.plan().learned_parameters(),
-        training_samples,
-        validation_samples,
-        best_iteration: best.iteration,
-        train_loss: best.train,
-        validation_loss: best.validation,
-        seconds: run.seconds(),
-        loss_curve: run.loss_curve(),
-        report: run.report(),
-        saved: run.saved(),
-    };
-    Ok((report, ending))
+    trained
 }

@@ -9,7 +9,7 @@ use leastaction_programs::dynamics::{Accelerations, Del, DelState, Newton};
 use leastaction_programs::{Row, System, WIDTH};
 
 /// Bounds of the steps of rollouts.
-const NEWTON: Newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-8 };
+pub const NEWTON: Newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-8 };
 
 /// The accelerations of a system without constraints, for any thread.
 pub struct FreeAccelerations<'w> {

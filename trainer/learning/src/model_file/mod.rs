@@ -1,9 +1,11 @@
-//! Model files on the host: written from weights in double precision, read back into them, and as Rust source.
+//! Model files on the host: written from weights in double precision, read back into them, and as source of Rust and C.
 
+mod c_source;
 mod rust_constants;
 mod rust_source;
 mod version_1;
 
+pub use c_source::{C_HEAD, c_source};
 pub use rust_constants::{ConstantsError, rust_constants};
 pub use rust_source::{RUST_HEAD, rust_source};
 

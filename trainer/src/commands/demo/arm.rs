@@ -3,12 +3,12 @@
 mod robot;
 
 use super::{Demo, MARK, say, write_model};
-use crate::commands::evaluate::{Torques, torques};
 use crate::commands::simulate::{
     self, Floats, LawName, Motion, Plant, Request, Scenario, Trace, World, simulate,
 };
 use crate::commands::train;
 use leastaction::cli::{Done, Failure, Output, written};
+use leastaction::evaluation::{Torques, torques};
 use leastaction_learning::model_file::{HostModel, decode};
 use leastaction_learning::{atomic, data};
 use leastaction_plot::{Panel, Series, Stroke, time_series};

@@ -3,12 +3,12 @@
 mod arm;
 mod portrait;
 
-use super::export::encoded;
 use super::simulate::{self, Floats, Motion, Plant, Request, Scenario, World, simulate};
 use super::{interrupt, train};
 use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
 use leastaction::cli::{Done, Failure, Output, folder, written};
+use leastaction::models::encoded;
 use leastaction_learning::config::{Config, Coordinates, RigidConfig};
 use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::model_file::{HostModel, Precision, decode};

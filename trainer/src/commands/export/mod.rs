@@ -5,12 +5,13 @@ mod accuracy;
 use accuracy::{Accuracy, Compared};
 use clap::{Args, ValueEnum};
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
+use leastaction::models::encoded;
 use leastaction_learning::atomic;
-use leastaction_learning::checkpoint::{Best, Trained};
+use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::model_file::{self, Precision};
 use serde::Serialize;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Make a model file of a training run.
 ///
@@ -142,30 +143,4 @@ impl Export {
         };
         compared.measure((&self.run, self.data.as_deref()), self.weights.precision(), output)
     }
-}
-
-/// The model of a run, and its file.
-pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), Failure> {
-    let trained = Trained::read(run).map_err(|error| Failure::Input(error.to_string()))?;
-    let Trained { architecture, best, .. } = &trained;
-    if !best.is_a_model() {
-        return Err(Failure::file(run, nothing(best)));
-    }
-    let bytes = model_file::encode_in(precision, architecture, &best.weights, &trained.facts())
-        .map_err(|error| Failure::file(run, error))?;
-    Ok((trained, bytes))
-}
-
-/// Why weights are no model.
-fn nothing(best: &Best) -> String {
-    let found = if best.solves_nothing {
-        "no training sample could be solved".to_owned()
-    } else {
-        format!("the training loss is {}", best.train)
-    };
-    format!(
-        "nothing was learned that could be exported: {found} at iteration {}, the best one; look at the data and at [training] warm_up, \
-         and train again",
-        best.iteration
-    )
 }

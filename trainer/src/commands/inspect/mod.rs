@@ -6,11 +6,12 @@ mod target;
 
 use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
+use leastaction::models::load_part;
 use leastaction_core::forces::DryFriction;
 use leastaction_core::model::{ActuatorBytes, CoordinateRange, FORMAT_VERSION, Interval};
 use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
-use leastaction_learning::model_file::{HostModel, Precision, decode};
+use leastaction_learning::model_file::{HostModel, Precision};
 use leastaction_learning::windows::Calibrated;
 use network::NetworkReport;
 use serde::Serialize;
@@ -80,33 +81,6 @@ impl Inspect {
         let target = self.target.map(|target| on(target, &self.model, &model, bytes)).transpose()?;
         output.report(&Report { target, ..report(self.model, model, bytes) })
     }
-}
-
-/// Reads a model file; also its size.
-pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
-    let bytes = std::fs::read(file).map_err(|error| Failure::input(file, error))?;
-    let refused = |error| format!("{error}; `leastaction export` makes a model file of a training run");
-    let model = decode(&bytes).map_err(|error| Failure::input(file, refused(error)))?;
-    Ok((model, bytes.len()))
-}
-
-/// The same with the tree or graph of that name in mind, where one is named.
-pub fn load_part(file: &Path, name: Option<&str>) -> Result<(HostModel, usize), Failure> {
-    let (model, bytes) = load(file)?;
-    Ok((of_part(file, model, name)?, bytes))
-}
-
-/// A model with the tree or graph of that name in mind, where one is named.
-pub fn of_part(file: &Path, model: HostModel, name: Option<&str>) -> Result<HostModel, Failure> {
-    let Some(name) = name else { return Ok(model) };
-    let Some((what, _)) = model.architecture.part() else {
-        return Err(Failure::input(file, "a rigid model has no trees or graphs; leave out --tree"));
-    };
-    let known = || model.architecture.parts().join(", ");
-    let architecture = model.architecture.with_part_named(name).ok_or_else(|| {
-        Failure::input(file, format!("no {what} is called {name:?}; there are: {}", known()))
-    })?;
-    Ok(HostModel { architecture, ..model })
 }
 
 /// The prediction for a processor.

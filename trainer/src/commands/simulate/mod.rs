@@ -23,11 +23,11 @@ pub use trace::{Row, Trace};
 pub use track::{LawName, Motion};
 pub use world::World;
 
-use super::inspect::load;
 use super::system::SymoSystem;
 use clap::Args;
 use leastaction::cli::arguments::{positive, positive_f32, seed};
 use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable};
+use leastaction::models::load;
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
 use replay::{Replay, ReplayReport};

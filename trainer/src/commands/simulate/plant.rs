@@ -2,8 +2,8 @@
 
 use super::scenario::{misused, reported};
 use super::{Report, Request, Trace};
-use crate::commands::chip;
 use leastaction::cli::Failure;
+use leastaction::models::{chip_file, meant};
 use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::{CoordinateRange, Interval};
@@ -88,8 +88,8 @@ pub fn on_plant(
         let message = format!("--plant has coordinates {others:?}, the model {own:?}: they must be the same");
         return Err(Failure::Input(message));
     }
-    let file = chip::file(plant).map_err(Failure::Input)?;
-    let plant = &chip::meant(&file, plant).map_err(Failure::Input)?;
+    let file = chip_file(plant).map_err(Failure::Input)?;
+    let plant = &meant(&file, plant).map_err(Failure::Input)?;
     model.visit(OfAnySize { request, plant, what, trace })
 }
 

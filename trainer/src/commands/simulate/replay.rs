@@ -4,8 +4,8 @@ use super::remote::{Ran, Target};
 use super::scenario::misused;
 use super::world::known_actuator;
 use super::{Trace, median_and_most};
-use crate::commands::chip;
 use leastaction::cli::{Failure, Output};
+use leastaction::models::{chip_file, meant};
 use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::{LearnZeros, ObserverConfig, OtherStep};
@@ -77,8 +77,8 @@ impl Replay<'_> {
     /// Runs along the log and keeps the trace.
     pub fn run(&self, output: Output, trace: &mut Trace) -> Result<ReplayReport, Failure> {
         let data = self.read(output)?;
-        let file = chip::file(self.model).map_err(Failure::Input)?;
-        let chip = chip::meant(&file, self.model).map_err(Failure::Input)?;
+        let file = chip_file(self.model).map_err(Failure::Input)?;
+        let chip = meant(&file, self.model).map_err(Failure::Input)?;
         if data.n != chip.n() {
             let (n, own) = (data.n, chip.n());
             return Err(Failure::input(self.log, format!("the log has {n} coordinates, the model {own}")));
@@ -96,7 +96,7 @@ impl Replay<'_> {
         // As it was written in the model, of single precision: the shortest decimal number.
         config.step = step.and_then(|step| step.to_string().parse().ok()).or(config.step);
         let (data, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
-        crate::commands::notes::tell(&notes, output);
+        output.notes(&leastaction::notes::sentences(&notes));
         Ok(data)
     }
 

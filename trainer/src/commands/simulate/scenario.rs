@@ -6,9 +6,9 @@ use super::remote::Target;
 use super::track::Following;
 use super::world::World;
 use super::{Motion, Report, Trace};
-use crate::commands::chip;
 use clap::ValueEnum;
 use leastaction::cli::{Failure, Output};
+use leastaction::models::{chip_file, meant};
 use leastaction_chip::{Chip, OfSize, SystemOf};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
@@ -111,8 +111,8 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
     let is_followed = request.scenario == Scenario::Track && matches!(request.plant, Plant::Model { .. });
     request.motion.check(is_followed, request.config)?;
     request.floats.check(request.scenario == Scenario::Gravity)?;
-    let file = chip::file(request.model).map_err(Failure::Input)?;
-    let model = chip::meant(&file, request.model).map_err(Failure::Input)?;
+    let file = chip_file(request.model).map_err(Failure::Input)?;
+    let model = meant(&file, request.model).map_err(Failure::Input)?;
     match (request.plant, request.scenario) {
         (Plant::Exact(mechanism), _) => beside_exact(request, &model, mechanism, trace),
         (Plant::Model { model: plant, .. }, Scenario::Predict) => {

@@ -1,24 +1,25 @@
 //! What was decided about a log while it was read.
 
-use leastaction::cli::Output;
 use leastaction_learning::data::{Note, Resampled};
 use std::path::PathBuf;
 
-/// Tells every note, with its file where there are several; that many files were resampled is one note.
-pub fn tell(notes: &[(PathBuf, Note)], output: Output) {
+/// Every note as a sentence, with its file where there are several; that many files were resampled is one note.
+pub fn sentences(notes: &[(PathBuf, Note)]) -> Vec<String> {
+    let mut said = Vec::new();
     let several = notes.iter().any(|(file, _)| *file != notes[0].0);
     let resampled: Vec<Resampled> = notes.iter().filter_map(|(_, note)| of_resampling(note)).collect();
     let together = Resampled::together(&resampled).filter(|_| resampled.len() > 1);
     if let Some(together) = &together {
-        output.note(&format!("note: {} files were {together}", resampled.len()));
+        said.push(format!("{} files were {together}", resampled.len()));
     }
     for (file, note) in notes {
         if together.is_some() && of_resampling(note).is_some() {
             continue;
         }
         let of = if several || of_one_file(note) { format!("{}: ", file.display()) } else { String::new() };
-        output.note(&format!("note: {of}{note}"));
+        said.push(format!("{of}{note}"));
     }
+    said
 }
 
 /// Whether it says nothing without its file.

@@ -1,6 +1,6 @@
 //! Predictions over many seconds by accelerations, in ModLaNet's measures, beside the floor of single precision.
 
-use leastaction::cli::{Failure, FileKind, folder, replaceable};
+use crate::cli::{Failure, FileKind, folder, replaceable};
 use leastaction_learning::atomic;
 use leastaction_learning::evaluate::learned::with_accelerations;
 use leastaction_learning::evaluate::prediction::{Prediction, TOLERANCE, Truth};
@@ -60,10 +60,15 @@ impl Scalable {
 
 /// From how many random starts of the system, and how far.
 pub struct Request<'a> {
+    /// The model.
     pub model: &'a HostModel,
+    /// The exact system.
     pub system: Scalable,
+    /// How many starts.
     pub starts: usize,
+    /// How far, s.
     pub seconds: f64,
+    /// Of the starts.
     pub seed: u64,
 }
 

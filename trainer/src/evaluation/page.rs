@@ -1,6 +1,6 @@
 //! What a model is worth on a log, as one HTML page.
 
-use leastaction::cli::{Failure, FileKind, replaceable};
+use crate::cli::{Failure, FileKind, replaceable};
 use leastaction_learning::atomic;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::horizons::Predictor;

@@ -12,30 +12,43 @@ use std::path::PathBuf;
 /// The measures.
 #[derive(Serialize)]
 pub struct Report {
+    /// The model.
     pub model: PathBuf,
+    /// The log.
     pub data: PathBuf,
+    /// Which tree, of several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tree: Option<String>,
+    /// Which graph, of several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub graph: Option<String>,
+    /// Of the steps.
     pub order: u8,
+    /// Of the steps, s.
     pub h: f64,
     /// Between samples, where it changes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<&'static str>,
+    /// Of the log.
     pub trajectories: usize,
+    /// Of the log.
     pub samples: usize,
+    /// Where the log has velocities and accelerations.
     #[serde(flatten)]
     pub acceleration: Option<Acceleration>,
+    /// Of arms.
     #[serde(flatten)]
     pub torques: Option<Torques>,
+    /// Of steps in double precision; none on rods.
     #[serde(flatten)]
     pub steps: Option<Steps>,
     /// None for a size that the chip's arithmetic is not compiled for here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chip: Option<Steps>,
+    /// Of the inertia matrix, beside an exact mechanism.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia_mse: Option<f64>,
+    /// From random starts, beside an exact system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction: Option<LongTerm>,
 }
@@ -109,10 +122,13 @@ pub struct Steps {
     pub one_step_unsolved: usize,
     /// Of the rollouts that reach the end, here and below; none: none did.
     pub rollout_mse: Option<f64>,
+    /// Their median.
     pub rollout_median: Option<f64>,
+    /// Of their first 100 steps.
     pub rollout_mse_100: Option<f64>,
     /// Rollouts that do not.
     pub rollouts_broken_off: usize,
+    /// Of the exact energy along them, J².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_mse: Option<f64>,
 }

@@ -1,0 +1,55 @@
+"""Learn the energies of a mechanical system from logged motion, and step it with the bits of a microcontroller.
+
+    import leastaction as la
+
+    run = la.train("robot.toml", "run")             # as `leastaction train robot.toml -o run`
+    model = run.model                               # or la.load("m.postcard")
+    a = model.acceleration(q, v, u)                 # q, v, u: […, n]; float32, the chip's bits
+    t, q, v = model.rollout(q0, v0, u)              # u: […, steps, n]
+
+Units are SI; angles are in radians.
+"""
+
+from ._levels import choose as _choose
+
+_choose()
+
+# ruff: noqa: E402, I001
+from ._environment import Environment
+from ._errors import Error, InputError, SolveError, WorkError
+from ._interop import from_lgnn, from_modlanet, from_symo
+from ._leastaction import __version__, defaults
+from ._logs import Evaluation, Log, Look, evaluate, look, report
+from ._model import Model, Motion, StepReport, Trajectory, from_bytes, load
+from ._observer import Observer
+from ._training import Progress, Run, open_run, train
+
+__all__ = [
+    "Environment",
+    "Error",
+    "Evaluation",
+    "InputError",
+    "Log",
+    "Look",
+    "Model",
+    "Motion",
+    "Observer",
+    "Progress",
+    "Run",
+    "SolveError",
+    "StepReport",
+    "Trajectory",
+    "WorkError",
+    "__version__",
+    "defaults",
+    "evaluate",
+    "from_bytes",
+    "from_lgnn",
+    "from_modlanet",
+    "from_symo",
+    "load",
+    "look",
+    "open_run",
+    "report",
+    "train",
+]

@@ -1,0 +1,151 @@
+"""An environment in the manner of gymnasium, which need not be installed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._errors import InputError, SolveError
+from ._model import Model, Motion
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[Any]
+
+
+class Box:
+    """Numbers between bounds: what an environment needs of `gymnasium.spaces.Box`, which is used where it is installed."""
+
+    def __init__(self, low: Array, high: Array, dtype: Any = np.float32) -> None:
+        self.low, self.high = np.asarray(low, dtype), np.asarray(high, dtype)
+        self.shape, self.dtype = self.low.shape, np.dtype(dtype)
+        self._random = np.random.default_rng()
+
+    def seed(self, seed: int | None = None) -> None:
+        """Of the samples."""
+        self._random = np.random.default_rng(seed)
+
+    def sample(self) -> Array:
+        """Uniform; of numbers without bounds standard normal."""
+        bounded = np.isfinite(self.low) & np.isfinite(self.high)
+        low, high = np.where(bounded, self.low, 0.0), np.where(bounded, self.high, 1.0)
+        return np.where(bounded, self._random.uniform(low, high), self._random.normal(size=self.shape)).astype(self.dtype)
+
+    def contains(self, x: Any) -> bool:
+        """Whether it has the shape and lies between the bounds."""
+        x = np.asarray(x)
+        return x.shape == self.shape and bool(np.all((self.low <= x) & (x <= self.high)))
+
+    def __repr__(self) -> str:
+        return f"Box({self.low}, {self.high}, {self.shape}, {self.dtype})"
+
+
+class Environment:
+    """A learned mechanism to act on: `reset` and `step` of gymnasium, by the discrete steps of the chip, bit for bit.
+
+    model      a Model with or without friction; it is stepped in single precision
+    actuated   the coordinates that an action acts on; by default all
+    max_u      the largest force on each, N or N m; by default what the training data covered, and no bound where that is not known
+    start      a state (q, v) to begin at, or a function of a numpy Generator that gives one; by default rest at q = 0
+    reward     a function reward(q, v, u) of the new state and the force
+    done       a function done(q, v) that says whether the task has ended
+    max_steps  steps after which an episode is truncated; None: never
+    h, order   of the step; by default those of training
+
+    Observations are (q, v), 2n numbers: m or rad, m/s or rad/s. An action has a force for each actuated coordinate, and is cut to the
+    bounds; it is held over a step.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}
+    render_mode = None
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        actuated: Sequence[int] | None = None,
+        max_u: ArrayLike | None = None,
+        start: tuple[ArrayLike, ArrayLike] | Callable[[np.random.Generator], tuple[ArrayLike, ArrayLike]] | None = None,
+        reward: Callable[[Array, Array, Array], float] | None = None,
+        done: Callable[[Array, Array], bool] | None = None,
+        max_steps: int | None = 500,
+        h: float | None = None,
+        order: int | None = None,
+    ) -> None:
+        self.model = model.single
+        self.h, self.order = self.model._step(h, order)
+        self._actuated = np.arange(model.n) if actuated is None else np.asarray(actuated, int)
+        if len(self._actuated) and not (0 <= self._actuated.min() and self._actuated.max() < model.n):
+            raise InputError(f"actuated={actuated}: the model has the coordinates 0 to {model.n - 1}")
+        self._start, self._reward, self._done, self._max_steps = start, reward, done, max_steps
+        bound = np.broadcast_to(self._bounds(max_u), self._actuated.shape).astype(np.float32)
+        self.action_space = _box(-bound, bound)
+        wide = np.full(2 * model.n, np.inf, np.float32)
+        self.observation_space = _box(-wide, wide)
+        self._random = np.random.default_rng()
+        self._motion: Motion | None = None
+        self._count = 0
+
+    @property
+    def unwrapped(self) -> Environment:
+        """Itself."""
+        return self
+
+    def _bounds(self, max_u: ArrayLike | None) -> Array:
+        if max_u is not None:
+            return np.asarray(max_u, float)
+        covered = self.model.range
+        if covered is None:
+            return np.asarray(np.inf)
+        most = np.abs(covered["u"]).max(axis=1)[self._actuated]
+        return np.where(most > 0.0, most, np.inf)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        """Begins an episode; `options` may have q and v to begin at. Gives observation and info."""
+        if seed is not None:
+            self._random = np.random.default_rng(seed)
+        zero = np.zeros(self.model.n)
+        start = self._start(self._random) if callable(self._start) else self._start or (zero, zero)
+        q, v = ((options or {}).get(name, x) for name, x in zip("qv", start))
+        self._motion, self._count = self.model.motion(q, v, h=self.h, order=self.order), 0
+        return self._observed(), {}
+
+    def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Goes on by h: observation, reward, terminated, truncated, info. A step that cannot be solved ends the episode, and info says so."""
+        if self._motion is None:
+            raise InputError("begin an episode with reset()")
+        u = np.zeros(self.model.n, np.float32)
+        u[self._actuated] = np.clip(np.asarray(action, np.float32), self.action_space.low, self.action_space.high)
+        info: dict[str, Any] = {}
+        try:
+            report = self._motion.step(u)
+            info["newton_iterations"] = int(report.iterations)
+        except SolveError as error:
+            info["error"] = str(error)
+        self._count += 1
+        q, v = self._motion.q, self._motion.v
+        reward = float(self._reward(q, v, u)) if self._reward else 0.0
+        terminated = "error" in info or bool(self._done and self._done(q, v))
+        truncated = self._max_steps is not None and self._count >= self._max_steps
+        return self._observed(), reward, terminated, truncated, info
+
+    def render(self) -> None:
+        """Nothing: draw the observations."""
+
+    def close(self) -> None:
+        """Nothing is left open."""
+
+    def _observed(self) -> Array:
+        assert self._motion is not None
+        return np.concatenate([self._motion.q, self._motion.v])
+
+
+def _box(low: Array, high: Array) -> Any:
+    try:
+        from gymnasium.spaces import Box as Known  # type: ignore[import-not-found,unused-ignore]
+    except ImportError:
+        return Box(low, high)
+    return Known(low, high, dtype=np.float32)

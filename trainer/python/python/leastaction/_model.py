@@ -1,0 +1,533 @@
+"""A learned model, vectorised over leading axes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
+
+import numpy as np
+
+from . import _leastaction as _core
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from ._observer import Observer
+
+    Array = NDArray[Any]
+    Control = Union[ArrayLike, Callable[[float, Array, Array], ArrayLike], None]
+
+
+class Trajectory(NamedTuple):
+    """Positions and velocities at every sample of one motion, or of motions side by side."""
+
+    t: Array
+    """[steps + 1], s."""
+    q: Array
+    """[…, steps + 1, n], m or rad."""
+    v: Array
+    """[…, steps + 1, n], m/s or rad/s."""
+
+
+class StepReport(NamedTuple):
+    """What a step took, of every motion."""
+
+    iterations: Array
+    """Updates of Newton's method, […]."""
+    residual: Array
+    """The largest relative residual that was left, […]."""
+
+
+class Model:
+    """A learned Lagrangian L = T − V with its forces: a model file in memory.
+
+    q, v, u and a are arrays whose last axis has the model's n coordinates; all axes before it are states side by side, and follow the
+    rules of numpy's broadcasting. u is the generalised force at the output of the actuator (N or N m), 0 where it is left out.
+
+    Everything is computed in single precision, by the code that runs on a microcontroller and with its bits, and is float32;
+    `double` is the same model in double precision (float64). Neither the number of threads nor how states are grouped changes a bit. The
+    interpreter's lock is released meanwhile; RAYON_NUM_THREADS says how many threads a call may take.
+    """
+
+    def __init__(self, core: _core.Model, path: str | None = None, *, double: bool = False) -> None:
+        self._core = core
+        self._path = path
+        self._double = double
+        self._facts = core.facts()
+        self._n: int = self._facts["n"]
+        self._other: Model | None = None
+
+    # What the file says.
+
+    @property
+    def family(self) -> str:
+        """rigid, modular, graph, bodies or arm."""
+        return self._facts["family"]
+
+    @property
+    def n(self) -> int:
+        """Number of coordinates."""
+        return self._n
+
+    @property
+    def coordinates(self) -> str:
+        """One letter a coordinate: t translation (m), a angle (rad), c cyclic."""
+        return self._facts["coordinates"]
+
+    @property
+    def units(self) -> list[str]:
+        """The unit of every coordinate, m or rad."""
+        return ["m" if letter == "t" else "rad" for letter in self.coordinates]
+
+    @property
+    def order(self) -> int | None:
+        """Order of the step that the model was trained with, 2 or 4; None where it was trained without."""
+        return self._facts["order"]
+
+    @property
+    def h(self) -> float | None:
+        """Length of the step that the model was trained with, s; None where it was trained without."""
+        return self._facts["h"]
+
+    @property
+    def control(self) -> str | None:
+        """What u did between samples in training, held or linear."""
+        return self._facts["control"]
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers the weight block has."""
+        return self._facts["parameters"]
+
+    @property
+    def weights(self) -> NDArray[np.float64]:
+        """The weight block, [parameters], as the file has it."""
+        return self._core.weights()
+
+    @property
+    def range(self) -> dict[str, NDArray[np.float64]] | None:
+        """What the training data covered: the least and the most of every coordinate's q, v and u, [n, 2] each; None where the file does
+        not say."""
+        covered = self._facts["range"]
+        return covered and {name: np.array(ends, dtype=float) for name, ends in covered.items()}
+
+    @property
+    def actuator(self) -> dict[str, Any] | None:
+        """gain [n], offset [n] (N or N m) and delay (s) between a command and its force; None where the command is the force."""
+        actuator = self._facts["actuator"]
+        return actuator and {
+            "gain": np.array(actuator["gain"]),
+            "offset": np.array(actuator["offset"]),
+            "delay": actuator["delay"],
+        }
+
+    @property
+    def parts(self) -> list[str]:
+        """The names of all trees or graphs in the file; empty for other families."""
+        return self._facts["parts"]
+
+    @property
+    def part(self) -> str | None:
+        """The tree or graph that is meant."""
+        return self._facts["part"]
+
+    @property
+    def provenance(self) -> str:
+        """Where it comes from."""
+        return self._facts["provenance"]
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """float32, or float64 of `double`."""
+        return np.dtype(np.float64 if self._double else np.float32)
+
+    @property
+    def double(self) -> Model:
+        """The same model in double precision, of any size: for studies and for adaptive integrators; not the bits of the chip."""
+        return self._in_precision(True)
+
+    @property
+    def single(self) -> Model:
+        """The same model in the chip's arithmetic."""
+        return self._in_precision(False)
+
+    def _in_precision(self, double: bool) -> Model:
+        if self._double == double:
+            return self
+        if self._other is None:
+            self._other = Model(self._core, self._path, double=double)
+            self._other._other = self
+        return self._other
+
+    def __repr__(self) -> str:
+        step = f", order {self.order}, h = {self.h} s" if self.h else ""
+        part = f" {self.part!r}" if self.part else ""
+        name = "leastaction.Model" + (".double" if self._double else "")
+        return f"<{name}: {self.family}{part}, {self.n} coordinates {self.coordinates!r}, {self.parameters} numbers{step}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.to_bytes(), self.part, self._path, self._double)
+
+    # Energies and continuous dynamics.
+
+    def energies(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
+        """Kinetic and potential energy T(q, v) and V(q), J, [...] each."""
+        found = self._of_states("energies", [q, v], (2,), "nan")
+        return found[..., 0], found[..., 1]
+
+    def acceleration(self, q: ArrayLike, v: ArrayLike, u: ArrayLike | None = None, *, errors: str = "raise") -> Array:
+        """v̇ = M⁻¹(L_q − L_vq v + Q + u), m/s² or rad/s², [..., n]; of particles on rods the acceleration on them.
+
+        `errors="nan"` gives NaN where it does not exist, in place of SolveError.
+        """
+        return self._of_states("acceleration", [q, v, self._or_zero(u)], (self._n,), errors)
+
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, errors: str = "raise") -> Array:
+        """The force u that gives the acceleration a (m/s² or rad/s²), N or N m, [..., n]."""
+        return self._of_states("inverse_dynamics", [q, v, a], (self._n,), errors)
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M(q) = L_vv at rest, symmetric, [..., n, n]; kg, kg m or kg m²."""
+        return self._of_states("mass_matrix", [q], (self._n, self._n), "nan")
+
+    # Steps.
+
+    def step(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        u: ArrayLike | None = None,
+        *,
+        u_end: ArrayLike | None = None,
+        h: float | None = None,
+        order: int | None = None,
+        errors: str = "raise",
+    ) -> tuple[Array, Array]:
+        """Position and velocity after one step of the discrete Euler–Lagrange equation, [..., n] each.
+
+        u [..., n] acts over the step, or is linear from u to u_end. h (s) and order (2 or 4) are those of training where they are left
+        out. Of many steps one after another `rollout` or `motion` is more exact: they keep the momentum, and what rounding takes.
+        """
+        u = self._or_zero(u)
+        start = self._as_array("u", u)[..., None, :]
+        end = start if u_end is None else self._as_array("u_end", u_end)[..., None, :]
+        _, q_all, v_all = self._fly((q, v), (start, end), 1, False, h, order, errors)
+        return q_all[..., 1, :], v_all[..., 1, :]
+
+    def step_from_positions(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        u: ArrayLike | None = None,
+        *,
+        h: float | None = None,
+        order: int | None = None,
+        errors: str = "raise",
+    ) -> Array:
+        """The position after two that are one step apart, [..., n]: no velocity is needed.
+
+        u is [..., 2, n], between q0 and q1 and after q1, or [n] for both.
+        """
+        forces = self._as_array("u", self._or_zero(u))
+        forces = np.broadcast_to(forces, (2, self._n)) if forces.ndim == 1 else forces
+        _, q_all, _ = self._fly((q0, q1), (forces, forces), 2, True, h, order, errors)
+        return q_all[..., 2, :]
+
+    def rollout(
+        self,
+        q: ArrayLike,
+        v: ArrayLike | None = None,
+        u: ArrayLike | None = None,
+        *,
+        q1: ArrayLike | None = None,
+        steps: int | None = None,
+        h: float | None = None,
+        order: int | None = None,
+        control: str = "held",
+        commands: bool = False,
+        errors: str = "raise",
+    ) -> Trajectory:
+        """Motions by the discrete Euler–Lagrange equation from a position and a velocity, or (q1) from two positions one step apart.
+
+        q, v (or q1): [..., n]. u, [..., steps, n], acts from sample k to k + 1 where `control` is "held"; where it is "linear" it has
+        steps + 1 rows, one a sample. `steps` is needed where u is left out. With `commands`, u is what the drives are told, and the file's
+        gain, offset and delay make the force of it. h (s) and order (2 or 4) are those of training where they are left out.
+
+        `errors="nan"` gives NaN from a step on that cannot be solved, in place of SolveError. From two positions the velocity at the first
+        is NaN.
+        """
+        second = v if q1 is None else q1
+        if second is None or (v is not None and q1 is not None):
+            raise InputError("a rollout begins with q and v, or with q and q1: give one of them")
+        h, order = self._step(h, order)
+        start, end, steps = self._controls(u, steps, control, commands, h)
+        return self._fly((q, second), (start, end), steps, q1 is not None, h, order, errors)
+
+    def motion(
+        self, q: ArrayLike, v: ArrayLike, *, h: float | None = None, order: int | None = None
+    ) -> Motion:
+        """Motions side by side from q and v, [..., n], to be stepped one step after another, as firmware does."""
+        return Motion(self, (q, v), None, False, h, order)
+
+    def motion_from_positions(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        u: ArrayLike | None = None,
+        *,
+        h: float | None = None,
+        order: int | None = None,
+    ) -> Motion:
+        """As `motion`, from two positions one step apart, [..., n], and the force between them; it begins at q1."""
+        return Motion(self, (q0, q1), u, True, h, order)
+
+    def forces(self, commands: ArrayLike, *, h: float | None = None, control: str = "held") -> tuple[Array, Array]:
+        """The forces at the start and at the end of the steps that begin at the samples of `commands`, [samples, n], by the file's
+        gain, offset and delay; N or N m. Before the first command all were 0."""
+        h, _ = self._step(h, 2)
+        rows = _rows(np.asarray(commands, np.float32), self._n, "commands")
+        start, end = self._core.forces(rows, h, _is_linear(control))
+        return start.astype(self.dtype), end.astype(self.dtype)
+
+    def inside(self, q: ArrayLike, v: ArrayLike | None = None, u: ArrayLike | None = None) -> Array:
+        """Whether the training data covered a state, [...]; always true where the file does not say what they covered."""
+        middle = self._facts["range"]
+        if not middle:
+            return np.ones(np.shape(q)[:-1], bool)
+        inner = {name: np.array([0.5 * (a + b) for a, b in ends], np.float32) for name, ends in middle.items()}
+        arrays = [np.asarray(x if x is not None else inner[name], np.float32) for name, x in zip("qvu", (q, v, u))]
+        lead, rows = _side_by_side(arrays, self._n, "qvu")
+        return (self._core.outside(*rows) < 0).reshape(lead)
+
+    def observer(self, **settings: Any) -> Observer:
+        """The observer of the firmware: the state from encoders' readings alone; see `leastaction.Observer`."""
+        from ._observer import Observer
+
+        return Observer(self, **settings)
+
+    # Other programs.
+
+    def scipy_rhs(self, u: Control = None) -> Callable[[float, Array], Array]:
+        """f(t, y) of ẏ = f(t, y), y = (q, v), for `scipy.integrate.solve_ivp` and its like, in double precision.
+
+        u is None, an array [n], or a function u(t, q, v) that gives one. y may be [2n], or [2n, k] with vectorized=True.
+        """
+        model, n = self.double, self._n
+
+        def rhs(t: float, y: Array) -> Array:
+            q, v = np.moveaxis(y[:n], 0, -1), np.moveaxis(y[n:], 0, -1)
+            force = u(t, q, v) if callable(u) else u
+            a = model.acceleration(q, v, force, errors="nan")
+            return np.concatenate([y[n:], np.moveaxis(a, -1, 0)])
+
+        return rhs
+
+    def to_bytes(self) -> bytes:
+        """The model file."""
+        return self._core.to_bytes()
+
+    def save(self, path: str | os.PathLike[str], *, half: bool = False) -> None:
+        """Writes the model file, m.postcard; with `half` weights take two bytes each. No file of another kind is replaced."""
+        _core.write_file(os.fspath(path), self._core.encoded(half), "model")
+
+    def save_rust(self, path: str | os.PathLike[str]) -> None:
+        """Writes a Rust module that holds the file as a constant and needs `leastaction-core` alone."""
+        _core.write_file(os.fspath(path), self._core.rust_source().encode(), "rust")
+
+    def save_c(self, path: str | os.PathLike[str], name: str = "leastaction_model_file") -> None:
+        """Writes a C header that holds the file as a constant of this name, for `leastaction_load` of the C library."""
+        _core.write_file(os.fspath(path), self._core.c_source(name).encode(), "c")
+
+    # Shapes.
+
+    def _or_zero(self, u: ArrayLike | None) -> ArrayLike:
+        return np.zeros(self._n, self.dtype) if u is None else u
+
+    def _as_array(self, name: str, x: ArrayLike) -> Array:
+        array = np.asarray(x, self.dtype)
+        if array.ndim == 0 or array.shape[-1] != self._n:
+            raise InputError(f"{name} has the shape {array.shape}; its last axis must be {self._n}, one number a coordinate")
+        return array
+
+    def _of_states(self, name: str, arrays: list[ArrayLike], tail: tuple[int, ...], errors: str) -> Array:
+        names = "qva" if name == "inverse_dynamics" else "qvu"
+        lead, rows = _side_by_side([np.asarray(x, self.dtype) for x in arrays], self._n, names)
+        of = self._core.double if self._double else self._core.single
+        return of(name, rows, _gives_nan(errors)).reshape(lead + tail)
+
+    def _step(self, h: float | None, order: int | None) -> tuple[float, int]:
+        h = self.h if h is None else h
+        if h is None:
+            raise InputError("the model was trained without a step: give h, s")
+        return float(h), int(order or self.order or 4)
+
+    def _controls(
+        self, u: ArrayLike | None, steps: int | None, control: str, commands: bool, h: float
+    ) -> tuple[Array, Array, int]:
+        linear = _is_linear(control)
+        if u is None:
+            if steps is None:
+                raise InputError("say how many steps, where there is no u")
+            none = np.zeros((steps, self._n), self.dtype)
+            return none, none, steps
+        rows = self._as_array("u", u)
+        if rows.ndim < 2:
+            raise InputError(f"u has the shape {rows.shape}; its last axes must be [steps, {self._n}]")
+        count = rows.shape[-2] - 1 if linear else rows.shape[-2]
+        steps = count if steps is None else steps
+        if not 0 <= steps <= count:
+            raise InputError(f"u has rows for {count} steps, {steps} are asked for")
+        if commands:
+            flat = rows.reshape((-1,) + rows.shape[-2:])
+            pairs = [self.forces(one, h=h, control=control) for one in flat]
+            start, end = (np.stack(part).reshape(rows.shape) for part in zip(*pairs))
+        else:
+            start, end = rows, rows[..., 1:, :] if linear else rows
+        return start[..., :steps, :], end[..., :steps, :], steps
+
+    def _fly(
+        self,
+        start: tuple[ArrayLike, ArrayLike],
+        tau: tuple[Array, Array],
+        steps: int,
+        positions: bool,
+        h: float | None,
+        order: int | None,
+        errors: str,
+    ) -> Trajectory:
+        n = self._n
+        h, order = self._step(h, order)
+        names = ("q0", "q1") if positions else ("q", "v")
+        states = [self._as_array(name, x) for name, x in zip(names, start)]
+        leads = [x.shape[:-1] for x in states] + [x.shape[:-2] for x in tau]
+        lead = _broadcast(leads)
+        first, second = (_flat(x, lead, (n,)) for x in states)
+        before, after = (_flat(x, lead, (steps, n)) for x in tau)
+        fly = self._core.rollout_double if self._double else self._core.rollout
+        found = fly((first, second), (before, after), steps, positions, (h, order), _gives_nan(errors))
+        found = found.reshape(lead + (steps + 1, 2 * n))
+        q, v = found[..., :n], found[..., n:]
+        if self._double:
+            v = self._velocities(q, v)
+        return Trajectory(h * np.arange(steps + 1), q, v)
+
+    def _velocities(self, q: Array, p: Array) -> Array:
+        """v of p = M v; NaN where that is."""
+        known = np.isfinite(q).all(-1) & np.isfinite(p).all(-1)
+        v = np.full_like(p, np.nan)
+        if known.any():
+            v[known] = np.linalg.solve(self.mass_matrix(q[known]), p[known][..., None])[..., 0]
+        return v
+
+
+class Motion:
+    """Motions side by side in the chip's arithmetic, step by step: q and p with what rounding took from them, as firmware keeps them."""
+
+    def __init__(
+        self,
+        model: Model,
+        start: tuple[ArrayLike, ArrayLike],
+        u: ArrayLike | None,
+        positions: bool,
+        h: float | None,
+        order: int | None,
+    ) -> None:
+        self._model = model.single
+        self.h, self.order = self._model._step(h, order)
+        n, force = model.n, self._model._as_array("u", self._model._or_zero(u))
+        states = [self._model._as_array(name, x) for name, x in zip(("q0", "q1") if positions else ("q", "v"), start)]
+        self._lead = _broadcast([x.shape[:-1] for x in (*states, force)])
+        first, second = (np.broadcast_to(x, self._lead + (n,)).reshape(-1, n) for x in states)
+        force = _flat(force, self._lead, (n,))
+        self._core = self._model._core.motions((first, second), (force, force), positions, (self.h, self.order))
+        self._steps = 0
+
+    @property
+    def t(self) -> float:
+        """Seconds since the beginning."""
+        return self._steps * self.h
+
+    @property
+    def q(self) -> Array:
+        """Positions, [..., n], m or rad."""
+        return self._core.q().reshape(self._lead + (self._model.n,))
+
+    @property
+    def v(self) -> Array:
+        """Velocities that belong to the momenta, [..., n], m/s or rad/s."""
+        return self._core.v().reshape(self._lead + (self._model.n,))
+
+    @property
+    def p(self) -> Array:
+        """Generalised momenta L_v, [..., n]."""
+        return self._core.p().reshape(self._lead + (self._model.n,))
+
+    def step(self, u: ArrayLike | None = None, *, u_end: ArrayLike | None = None) -> StepReport:
+        """Goes on by one step under the force u [..., n] (N or N m), or one that is linear from u to u_end.
+
+        A motion that cannot be stepped raises SolveError and is where it was; those before it have gone on.
+        """
+        model = self._model
+        start = _flat(model._as_array("u", model._or_zero(u)), self._lead, (model.n,))
+        end = start if u_end is None else _flat(model._as_array("u_end", u_end), self._lead, (model.n,))
+        iterations, residual = self._core.step(start, end)
+        self._steps += 1
+        return StepReport(iterations.reshape(self._lead), residual.reshape(self._lead))
+
+
+def load(path: str | os.PathLike[str], part: str | None = None) -> Model:
+    """Reads a model file; of several trees or graphs the one of the name `part`, else the first."""
+    return Model(_core.Model.load(os.fspath(path), part), os.fspath(path))
+
+
+def from_bytes(data: bytes, part: str | None = None) -> Model:
+    """The model of a model file's bytes."""
+    return Model(_core.Model.from_bytes(bytes(data), part))
+
+
+def _restored(data: bytes, part: str | None, path: str | None, double: bool) -> Model:
+    return Model(_core.Model.from_bytes(data, part), path, double=double)
+
+
+def _gives_nan(errors: str) -> bool:
+    if errors not in ("raise", "nan"):
+        raise InputError(f'errors={errors!r}: it must be "raise" or "nan"')
+    return errors == "nan"
+
+
+def _is_linear(control: str) -> bool:
+    if control not in ("held", "linear"):
+        raise InputError(f'control={control!r}: it must be "held" or "linear"')
+    return control == "linear"
+
+
+def _broadcast(leads: list[tuple[int, ...]]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(*leads)
+    except ValueError:
+        raise InputError(f"the axes before the last ones do not fit each other: {leads}") from None
+
+
+def _flat(x: Array, lead: tuple[int, ...], tail: tuple[int, ...]) -> Array:
+    """Rows of one axis; one row stands for all."""
+    if x.size == np.prod(tail, dtype=int):
+        return x.reshape((1,) + tail)
+    return np.broadcast_to(x, lead + tail).reshape((-1,) + tail)
+
+
+def _rows(x: Array, n: int, name: str) -> Array:
+    if x.ndim == 0 or x.shape[-1] != n:
+        raise InputError(f"{name} has the shape {x.shape}; its last axis must be {n}, one number a coordinate")
+    return x.reshape(-1, n)
+
+
+def _side_by_side(arrays: list[Array], n: int, names: str) -> tuple[tuple[int, ...], list[Array]]:
+    for name, x in zip(names, arrays):
+        if x.ndim == 0 or x.shape[-1] != n:
+            raise InputError(f"{name} has the shape {x.shape}; its last axis must be {n}, one number a coordinate")
+    lead = arrays[0].shape[:-1]
+    if any(x.shape[:-1] != lead for x in arrays):
+        lead = _broadcast([x.shape[:-1] for x in arrays])
+    return lead, [_flat(x, lead, (n,)) for x in arrays]

@@ -1,0 +1,211 @@
+//! States side by side in double precision, of any size.
+
+use crate::arrays::Table;
+use crate::blocks::fill;
+use crate::single::Quantity;
+use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::evaluate::NEWTON;
+use leastaction_learning::evaluate::learned::{Forced, with_forced};
+use leastaction_learning::model_file::HostModel;
+use leastaction_learning::parallel::Pool;
+use leastaction_programs::dynamics::{Accelerations, Del, InverseDynamics, Order};
+use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
+use std::convert::Infallible;
+
+/// What computes a block of states.
+enum Solver {
+    Energies(Box<(Program, Workspace)>),
+    Accelerations(Box<Accelerations>),
+    InverseDynamics(Box<InverseDynamics>),
+}
+
+impl Solver {
+    fn new(system: &System, quantity: Quantity) -> Self {
+        match quantity {
+            Quantity::Energies => {
+                let program = system.energies();
+                let workspace = program.workspace();
+                Self::Energies(Box::new((program, workspace)))
+            }
+            Quantity::Acceleration | Quantity::MassMatrix => {
+                Self::Accelerations(Box::new(Accelerations::new(system)))
+            }
+            Quantity::InverseDynamics => Self::InverseDynamics(Box::new(InverseDynamics::new(system))),
+        }
+    }
+
+    /// The numbers of every state of a block, a row each.
+    fn run(&mut self, weights: &[f64], inputs: &[Vec<Row>], quantity: Quantity) -> Vec<Row> {
+        let n = inputs.first().map_or(0, Vec::len);
+        let zero = vec![Row::default(); n];
+        let input = |which: usize| inputs.get(which).unwrap_or(&zero).as_slice();
+        let states = [input(0), input(1), input(2)];
+        let mut to = vec![Row::default(); n];
+        match self {
+            Self::Energies(of) => {
+                let (program, workspace) = &mut **of;
+                program.run_outputs(weights, &states, workspace);
+                vec![workspace.output(0)[0], workspace.output(1)[0]]
+            }
+            Self::InverseDynamics(of) => {
+                let _not_numbers = of.evaluate(weights, states, &mut to);
+                to
+            }
+            Self::Accelerations(of) => {
+                let _not_numbers = of.evaluate(weights, states, &mut to, None);
+                match quantity {
+                    Quantity::MassMatrix => (0..n * n).map(|k| of.mass(k / n, k % n)).collect(),
+                    _ => to,
+                }
+            }
+        }
+    }
+}
+
+/// Computes a quantity of every state; what does not exist is NaN.
+///
+/// # Errors
+/// Where the shape does not fit in itself, or the weights to the shape.
+pub fn evaluate(
+    HostModel { architecture, weights, .. }: &HostModel,
+    quantity: Quantity,
+    (inputs, count): (&[Table<f64>], usize),
+) -> Result<Vec<f64>, ModelError> {
+    let width = quantity.width(architecture.n());
+    let mut numbers = vec![0.0; count * width];
+    if quantity == Quantity::Acceleration && architecture.graph().is_some() {
+        with_forced(architecture, weights, |forced| graph(forced, inputs, (&mut numbers, width)))?;
+        return Ok(numbers);
+    }
+    let system = system(architecture)?;
+    let pool = Pool::new(move || Solver::new(&system, quantity));
+    let work = |first: usize, rows: &mut [f64]| {
+        let lanes: Vec<Vec<Row>> =
+            inputs.iter().map(|table| side_by_side(table, first, architecture.n())).collect();
+        let found = pool.with(|solver| solver.run(weights, &lanes, quantity));
+        for (lane, row) in rows.chunks_exact_mut(width).enumerate() {
+            row.iter_mut().zip(&found).for_each(|(to, of)| *to = of.0[lane]);
+        }
+        Ok::<(), Infallible>(())
+    };
+    let Ok(()) = fill((&mut numbers, width, WIDTH), work);
+    Ok(numbers)
+}
+
+/// Accelerations of a graph, state by state in linear time, on its rods.
+fn graph(forced: &Forced, inputs: &[Table<f64>], (numbers, width): (&mut [f64], usize)) {
+    let work = |index: usize, to: &mut [f64]| {
+        let row = |which: usize| inputs.get(which).map_or(&[][..], |table| table.row(index));
+        if forced(row(0), row(1), row(2), to).is_none() {
+            to.fill(f64::NAN);
+        }
+        Ok::<(), Infallible>(())
+    };
+    let Ok(()) = fill((numbers, width, 1), work);
+}
+
+/// The energies and forces of a shape, written down.
+pub fn system(architecture: &Architecture) -> Result<System, ModelError> {
+    Ok(System::new(&*architecture.energies()?))
+}
+
+/// States from one on, side by side; beyond the last one it stands again.
+fn side_by_side(table: &Table<f64>, first: usize, n: usize) -> Vec<Row> {
+    let last = table.count.saturating_sub(1);
+    let at = |lane: usize, i: usize| table.row((first + lane).min(last)).get(i).copied().unwrap_or(0.0);
+    (0..n).map(|i| Row(std::array::from_fn(|lane| at(lane, i)))).collect()
+}
+
+/// What motions begin with: positions and velocities, or two positions and the controls at them.
+pub enum Start {
+    /// q and v.
+    State([Table<f64>; 2]),
+    /// q₀, q₁.
+    Positions([Table<f64>; 2]),
+}
+
+/// Motions by the discrete Euler–Lagrange equation.
+pub struct Rollout {
+    /// How many.
+    pub count: usize,
+    /// Steps of each.
+    pub steps: usize,
+    /// Step, s, and order.
+    pub step: (f64, Order),
+    /// What they begin with.
+    pub start: Start,
+    /// τ at the start and the end of every step, \[motions\]\[steps\]\[n\], or of one motion for all.
+    pub tau: [Table<f64>; 2],
+}
+
+impl Rollout {
+    /// Positions and momenta at every sample, \[motions\]\[steps + 1\]\[2n\]; NaN from a step on that cannot be solved. Of a start from two
+    /// positions the momentum at the first is NaN.
+    ///
+    /// # Errors
+    /// Where the shape does not fit in itself.
+    pub fn run(&self, HostModel { architecture, weights, .. }: &HostModel) -> Result<Vec<f64>, ModelError> {
+        architecture.rods().and_then(|rods| match rods.count() {
+            0 => Ok(()),
+            found => Err(ModelError::Shape {
+                what: "rods of a model that is stepped in double precision",
+                found,
+                compiled: 0,
+            }),
+        })?;
+        let (system, (h, order)) = (system(architecture)?, self.step);
+        let pool = Pool::new(move || Del::new(&system, h, order, NEWTON));
+        let width = (self.steps + 1) * 2 * architecture.n();
+        let mut numbers = vec![f64::NAN; self.count * width];
+        let work = |first: usize, motions: &mut [f64]| {
+            pool.with(|del| self.side_by_side(del, weights, (first, architecture.n()), (motions, width)));
+            Ok::<(), Infallible>(())
+        };
+        let Ok(()) = fill((&mut numbers, width, WIDTH), work);
+        Ok(numbers)
+    }
+
+    fn side_by_side(
+        &self,
+        del: &mut Del,
+        weights: &[f64],
+        (first, n): (usize, usize),
+        (motions, width): (&mut [f64], usize),
+    ) {
+        let tau = |k: usize| -> [Vec<Row>; 2] {
+            self.tau.each_ref().map(|tau| {
+                let row =
+                    |motion: usize| tau.row(motion.min(self.count - 1)).get(k * n..).unwrap_or_default();
+                (0..n)
+                    .map(|i| {
+                        Row(std::array::from_fn(|lane| row(first + lane).get(i).copied().unwrap_or(0.0)))
+                    })
+                    .collect()
+            })
+        };
+        let mut write = |k: usize, (q, p): (&Vec<Row>, &Vec<Row>)| {
+            for (lane, motion) in motions.chunks_exact_mut(width).enumerate() {
+                let place = &mut motion[2 * n * k..][..2 * n];
+                place.iter_mut().zip(q.iter().chain(p)).for_each(|(to, of)| *to = of.0[lane]);
+            }
+        };
+        let (mut state, begin) = match &self.start {
+            Start::State(tables) => {
+                let [q, v] = tables.each_ref().map(|table| side_by_side(table, first, n));
+                (del.start_at(weights, &q, &v), 0)
+            }
+            Start::Positions(tables) => {
+                let [q0, q1] = tables.each_ref().map(|table| side_by_side(table, first, n));
+                let unknown = vec![Row::splat(f64::NAN); n];
+                write(0, (&q0, &unknown));
+                (del.start(weights, [&q0, &q1], tau(0).each_ref().map(Vec::as_slice)), 1)
+            }
+        };
+        write(begin, (&state.q, &state.p));
+        for k in begin..self.steps {
+            del.step(weights, &mut state, tau(k).each_ref().map(Vec::as_slice));
+            write(k + 1, (&state.q, &state.p));
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The extension module `leastaction._leastaction`: what the package's Python calls.
+//!
+//! ```text
+//! arrays of Python ─► arrays ─► single  (the chip's arithmetic, Chip of leastaction-chip) ─► arrays of Python
+//!                             ├► motion  (the same, step by step), observer
+//!                             └► double  (programs of any size, in f64)
+//! files ─► training, tools (what the command does, by its library)
+//! ```
+//!
+//! Arrays are copied before the interpreter's lock is released, and rows are computed in blocks of a fixed size: neither threads of
+//! Python nor of our own change a bit. Shapes, units and defaults are those of the Python beside it (`python/leastaction`).
+
+mod arrays;
+mod blocks;
+mod double;
+mod errors;
+mod model;
+mod motion;
+mod observer;
+mod single;
+mod tools;
+mod training;
+
+use pyo3::prelude::*;
+
+/// The level of this machine's instructions, 4, 3 or 2 of x86-64; 0 on other machines.
+#[pyfunction]
+fn cpu_level() -> u8 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::is_x86_feature_detected as has;
+        let third = has!("avx2")
+            && has!("fma")
+            && has!("bmi1")
+            && has!("bmi2")
+            && has!("f16c")
+            && has!("lzcnt")
+            && has!("movbe");
+        let fourth =
+            has!("avx512f") && has!("avx512bw") && has!("avx512cd") && has!("avx512dq") && has!("avx512vl");
+        match (third, fourth) {
+            (true, true) => 4,
+            (true, false) => 3,
+            (false, _) => 2,
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    0
+}
+
+/// What the package's Python calls.
+#[pymodule]
+fn _leastaction(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(cpu_level, module)?)?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<motion::Motions>()?;
+    module.add_class::<observer::Observer>()?;
+    module.add_function(wrap_pyfunction!(training::train_run, module)?)?;
+    module.add_function(wrap_pyfunction!(training::defaults, module)?)?;
+    module.add_function(wrap_pyfunction!(training::checked, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::look_at, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::evaluate, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::model_of_run, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::write_file, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::read_log, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::import_symo, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::import_modlanet, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::import_lgnn, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,393 @@
+//! A model file in memory, and what is computed of its states.
+
+use crate::arrays::{Table, rows, table, tables};
+use crate::double::{self, Rollout, Start};
+use crate::errors::{Kind, failure, input};
+use crate::motion::{Flight, Motions};
+use crate::single::{self, Quantity, Unsolved};
+use leastaction::models::{Loaded as Read, chip_file, of_part, read, refused};
+use leastaction_chip::{Chip, ModelFile, Step};
+use leastaction_core::discrete::Order;
+use leastaction_core::model::{FORMAT_VERSION, Interval};
+use leastaction_learning::data::control_name;
+use leastaction_learning::model_file::{HostModel, Precision, c_source, rust_source};
+use leastaction_learning::windows::Calibrated;
+use leastaction_programs::dynamics;
+use numpy::{PyArray1, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+self_cell::self_cell!(
+    /// A model in the chip's arithmetic, with the file that it borrows.
+    pub struct OnChip {
+        owner: ModelFile,
+        #[covariant]
+        dependent: Chip,
+    }
+);
+
+/// A learned model: a model file in memory.
+#[pyclass(frozen, module = "leastaction._leastaction")]
+pub struct Model {
+    host: HostModel,
+    bytes: Vec<u8>,
+    /// Why there is none, where it has not a size that core is compiled for.
+    chip: Result<Arc<OnChip>, String>,
+}
+
+impl Model {
+    /// A model that was read.
+    pub fn new(Read { model: host, bytes }: Read) -> Self {
+        let current = host.version == FORMAT_VERSION;
+        let bytes = if current { bytes } else { host.to_bytes().unwrap_or(bytes) };
+        let file = chip_file(&host);
+        let part = host.architecture.part().map(|(_, name)| name.to_owned());
+        let chip = file.and_then(|file| {
+            OnChip::try_new(file, |file| file.chip(part.as_deref())).map_err(|error| error.to_string())
+        });
+        Self { host, bytes, chip: chip.map(Arc::new) }
+    }
+
+    /// The model on the host.
+    pub fn host(&self) -> &HostModel {
+        &self.host
+    }
+
+    /// The model in the chip's arithmetic.
+    pub fn chip(&self) -> PyResult<&Arc<OnChip>> {
+        self.chip
+            .as_ref()
+            .map_err(|error| input(format!("{error}; model.double computes in double precision")))
+    }
+
+    fn n(&self) -> usize {
+        self.host.architecture.n()
+    }
+}
+
+/// The exception for a state without a value.
+pub fn unsolved(Unsolved { index, error }: Unsolved) -> PyErr {
+    Kind::Solve.says(format!("state {index}: {error}"))
+}
+
+/// An order of steps.
+pub fn order(number: u8) -> PyResult<Order> {
+    Order::from_number(number).ok_or_else(|| input(format!("order {number}: it must be 2 or 4")))
+}
+
+fn quantity(name: &str) -> PyResult<Quantity> {
+    Quantity::named(name).ok_or_else(|| input(format!("{name:?} is no quantity")))
+}
+
+/// The inputs of a quantity, all of as many rows as the longest, and their number.
+fn inputs<T: numpy::Element + Copy>(
+    quantity: Quantity,
+    arrays: &[PyReadonlyArrayDyn<T>],
+    n: usize,
+) -> PyResult<(Vec<Table<T>>, usize)> {
+    let names: [&str; 3] = match quantity {
+        Quantity::InverseDynamics => ["q", "v", "a"],
+        _ => ["q", "v", "u"],
+    };
+    if arrays.len() != quantity.inputs() {
+        return Err(input(format!("{} arrays are needed, not {}", quantity.inputs(), arrays.len())));
+    }
+    let tables: Vec<Table<T>> =
+        names.iter().zip(arrays).map(|(name, array)| table(name, array, &[n])).collect::<PyResult<_>>()?;
+    let count = common(tables.iter().map(|table| table.count))?;
+    Ok((tables, count))
+}
+
+/// The number of rows that all have, those of one row apart.
+pub fn common(counts: impl Iterator<Item = usize> + Clone) -> PyResult<usize> {
+    let count = counts.clone().find(|count| *count != 1).unwrap_or(1);
+    match counts.into_iter().find(|own| *own != 1 && *own != count) {
+        Some(other) => Err(input(format!("arrays of {count} and of {other} states do not fit each other"))),
+        None => Ok(count),
+    }
+}
+
+#[pymethods]
+impl Model {
+    /// Reads a model file; of several trees or graphs the one of the name `part`.
+    #[staticmethod]
+    #[pyo3(signature = (path, part=None))]
+    fn load(path: PathBuf, part: Option<&str>) -> PyResult<Self> {
+        let loaded =
+            read(&path).and_then(|read| of_part(&path, read.model, part).map(|model| Read { model, ..read }));
+        loaded.map(Self::new).map_err(failure)
+    }
+
+    /// As `load`, from the bytes of a file.
+    #[staticmethod]
+    #[pyo3(signature = (bytes, part=None))]
+    fn from_bytes(bytes: Vec<u8>, part: Option<&str>) -> PyResult<Self> {
+        let path = PathBuf::from("the bytes");
+        let model =
+            leastaction_learning::model_file::decode(&bytes).map_err(|error| input(refused(error)))?;
+        let model = of_part(&path, model, part).map_err(failure)?;
+        Ok(Self::new(Read { model, bytes }))
+    }
+
+    /// The bytes of the file.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.bytes)
+    }
+
+    /// The file of the format's present version, with weights in single or in half precision.
+    fn encoded<'py>(&self, py: Python<'py>, half: bool) -> PyResult<Bound<'py, PyBytes>> {
+        let precision = if half { Precision::Half } else { self.host.precision };
+        let model = HostModel { precision, ..self.host.clone() };
+        let bytes = model.to_bytes().map_err(|error| Kind::Work.says(error))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The file as a Rust module.
+    fn rust_source(&self) -> PyResult<String> {
+        rust_source(&self.bytes).map_err(|error| Kind::Work.says(error))
+    }
+
+    /// The file as a C header.
+    fn c_source(&self, name: &str) -> PyResult<String> {
+        c_source(&self.bytes, name).map_err(|error| Kind::Work.says(error))
+    }
+
+    /// What is known of the model beside its numbers.
+    fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (facts, architecture) = (&self.host.facts, &self.host.architecture);
+        let step = facts.trained_step;
+        let dictionary = PyDict::new(py);
+        dictionary.set_item("family", architecture.name())?;
+        dictionary.set_item("n", architecture.n())?;
+        dictionary.set_item("coordinates", architecture.coordinates())?;
+        dictionary.set_item("order", step.map(|step| step.order.number()))?;
+        // The shortest decimal number of single precision.
+        let h = step.and_then(|step| step.h.to_string().parse::<f64>().ok());
+        dictionary.set_item("h", h)?;
+        dictionary.set_item("control", step.map(|step| control_name(step.control)))?;
+        dictionary.set_item("parameters", self.host.weights.len())?;
+        dictionary.set_item("weight_bits", self.host.precision.bits())?;
+        dictionary.set_item("part", architecture.part().map(|(_, name)| name))?;
+        dictionary.set_item("parts", architecture.parts())?;
+        dictionary.set_item("provenance", &facts.provenance)?;
+        dictionary.set_item("format_version", self.host.version)?;
+        dictionary.set_item("range", self.range(py)?)?;
+        dictionary.set_item("actuator", self.actuator(py)?)?;
+        dictionary.set_item("on_chip", self.chip.is_ok())?;
+        Ok(dictionary)
+    }
+
+    /// The weight block, as the file has it.
+    fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.host.weights)
+    }
+
+    /// A quantity of every state in single precision, \[states\]\[numbers\].
+    fn single<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        arrays: Vec<PyReadonlyArrayDyn<'py, f32>>,
+        nan: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let quantity = quantity(name)?;
+        let (tables, count) = inputs(quantity, &arrays, self.n())?;
+        let chip = self.chip()?;
+        let found =
+            py.detach(|| single::evaluate(chip.borrow_dependent(), (quantity, nan), (&tables, count)));
+        let width = quantity.width(self.n());
+        Ok(rows(py, found.map_err(unsolved)?, [count, width])?.into_any())
+    }
+
+    /// A quantity of every state in double precision, \[states\]\[numbers\].
+    fn double<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        arrays: Vec<PyReadonlyArrayDyn<'py, f64>>,
+        nan: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let quantity = quantity(name)?;
+        let (tables, count) = inputs(quantity, &arrays, self.n())?;
+        let found = py.detach(|| double::evaluate(&self.host, quantity, (&tables, count))).map_err(input)?;
+        let width = quantity.width(self.n());
+        if !nan && let Some(place) = found.iter().position(|x| !x.is_finite()) {
+            let message =
+                format!("state {}: the inertia is singular or a number is not finite", place / width.max(1));
+            return Err(Kind::Solve.says(message));
+        }
+        Ok(rows(py, found, [count, width])?.into_any())
+    }
+
+    /// Motions in single precision from states (`positions` false) or from two positions.
+    fn motions(
+        &self,
+        py: Python<'_>,
+        start: (PyReadonlyArrayDyn<'_, f32>, PyReadonlyArrayDyn<'_, f32>),
+        tau: (PyReadonlyArrayDyn<'_, f32>, PyReadonlyArrayDyn<'_, f32>),
+        positions: bool,
+        step: (f64, u8),
+    ) -> PyResult<Motions> {
+        let flight = self.flight(start, positions, step)?;
+        let tau = [table("u", &tau.0, &[self.n()])?, table("u", &tau.1, &[self.n()])?];
+        let chip = self.chip()?.clone();
+        py.detach(|| Motions::begin(chip, &flight, &tau)).map_err(unsolved)
+    }
+
+    /// Positions and, where they are asked for, velocities at every sample, in single precision.
+    #[allow(clippy::too_many_arguments)]
+    fn rollout<'py>(
+        &self,
+        py: Python<'py>,
+        start: (PyReadonlyArrayDyn<'py, f32>, PyReadonlyArrayDyn<'py, f32>),
+        tau: (PyReadonlyArrayDyn<'py, f32>, PyReadonlyArrayDyn<'py, f32>),
+        steps: usize,
+        positions: bool,
+        step: (f64, u8),
+        nan: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let n = self.n();
+        let flight = self.flight(start, positions, step)?;
+        let tau = [table("u", &tau.0, &[steps, n])?, table("u", &tau.1, &[steps, n])?];
+        let count = common([flight.count, tau[0].count, tau[1].count].into_iter())?;
+        let flight = Flight { count, ..flight };
+        let chip = self.chip()?;
+        let found = py.detach(|| flight.run(chip.borrow_dependent(), &tau, steps, nan)).map_err(unsolved)?;
+        Ok(tables(py, found, [count, steps + 1, 2 * n])?.into_any())
+    }
+
+    /// As `rollout`, in double precision; momenta in place of velocities.
+    #[allow(clippy::too_many_arguments)]
+    fn rollout_double<'py>(
+        &self,
+        py: Python<'py>,
+        start: (PyReadonlyArrayDyn<'py, f64>, PyReadonlyArrayDyn<'py, f64>),
+        tau: (PyReadonlyArrayDyn<'py, f64>, PyReadonlyArrayDyn<'py, f64>),
+        steps: usize,
+        positions: bool,
+        step: (f64, u8),
+        nan: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let n = self.n();
+        let [first, second] = [table("q", &start.0, &[n])?, table(second(positions), &start.1, &[n])?];
+        let tau = [table("u", &tau.0, &[steps, n])?, table("u", &tau.1, &[steps, n])?];
+        let count = common([first.count, second.count, tau[0].count, tau[1].count].into_iter())?;
+        let start = [first, second];
+        let start = if positions { Start::Positions(start) } else { Start::State(start) };
+        let order = match order(step.1)? {
+            Order::Two => dynamics::Order::Two,
+            Order::Four => dynamics::Order::Four,
+        };
+        let rollout = Rollout { count, steps, step: (step.0, order), start, tau };
+        let found = py.detach(|| rollout.run(&self.host)).map_err(input)?;
+        let width = 2 * n * (steps + 1);
+        let lost =
+            found.chunks(width.max(1)).position(|motion| motion.iter().rev().take(n).any(|x| x.is_nan()));
+        if let Some(index) = lost.filter(|_| !nan) {
+            return Err(Kind::Solve.says(format!("motion {index}: a step cannot be solved")));
+        }
+        Ok(tables(py, found, [count, steps + 1, 2 * n])?.into_any())
+    }
+
+    /// From commands, \[samples\]\[n\], to the forces at the start and the end of every step, by the file's actuator.
+    fn forces<'py>(
+        &self,
+        py: Python<'py>,
+        commands: PyReadonlyArrayDyn<'py, f32>,
+        h: f64,
+        linear: bool,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let n = self.n();
+        let commands = table("u", &commands, &[n])?;
+        let mut actuators = self.chip()?.borrow_dependent().actuators(h as f32).map_err(input)?;
+        let (mut start, mut end) = (Vec::new(), Vec::new());
+        for k in 0..commands.count {
+            let next = commands.row((k + 1).min(commands.count - 1));
+            let own = commands.row(k);
+            let force = if linear { actuators.linear(own, next) } else { actuators.held(own) };
+            let force = force.map_err(input)?;
+            start.extend_from_slice(force.start);
+            end.extend_from_slice(force.end);
+        }
+        let shape = [commands.count, n];
+        Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
+    }
+
+    /// Of every state the first quantity outside of the training data: 3 i + 0, 1, 2 for q, v, u of coordinate i; −1 where there is none.
+    fn outside<'py>(
+        &self,
+        py: Python<'py>,
+        q: PyReadonlyArrayDyn<'py, f32>,
+        v: PyReadonlyArrayDyn<'py, f32>,
+        u: PyReadonlyArrayDyn<'py, f32>,
+    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let n = self.n();
+        let tables = [table("q", &q, &[n])?, table("v", &v, &[n])?, table("u", &u, &[n])?];
+        let chip = self.chip()?.borrow_dependent();
+        let count = common(tables.iter().map(|table| table.count))?;
+        let of = |k: usize| {
+            let [q, v, u] = tables.each_ref().map(|table| table.row(k));
+            let outside = chip.outside(q, v, u).map_err(input)?;
+            let number = |quantity| "qvu".find(quantity).unwrap_or(0);
+            Ok(outside.map_or(-1, |outside| (3 * outside.coordinate + number(outside.quantity)) as i64))
+        };
+        let found = (0..count).map(of).collect::<PyResult<Vec<i64>>>()?;
+        Ok(PyArray1::from_vec(py, found))
+    }
+}
+
+/// What the second vector of a start is called.
+fn second(positions: bool) -> &'static str {
+    if positions { "q1" } else { "v" }
+}
+
+impl Model {
+    fn flight(
+        &self,
+        start: (PyReadonlyArrayDyn<'_, f32>, PyReadonlyArrayDyn<'_, f32>),
+        positions: bool,
+        (h, number): (f64, u8),
+    ) -> PyResult<Flight> {
+        let n = self.n();
+        let start = [table("q", &start.0, &[n])?, table(second(positions), &start.1, &[n])?];
+        let count = common(start.iter().map(|table| table.count))?;
+        let h = h as f32;
+        if !(h.is_finite() && h > 0.0) {
+            return Err(input(format!("h is {h}; it must be a finite number above 0")));
+        }
+        Ok(Flight { count, step: Step { order: order(number)?, h }, start, positions })
+    }
+
+    /// What the training data covered: for q, v and u the smallest and the largest of every coordinate.
+    fn range<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let range = &self.host.facts.range;
+        if range.is_empty() {
+            return Ok(None);
+        }
+        let dictionary = PyDict::new(py);
+        let add = |name: &str, of: fn(&leastaction_core::model::CoordinateRange) -> Interval| {
+            let ends =
+                range.iter().map(of).map(|Interval { least, most }| (f64::from(least), f64::from(most)));
+            dictionary.set_item(name, ends.collect::<Vec<_>>())
+        };
+        add("q", |range| range.q)?;
+        add("v", |range| range.v)?;
+        add("u", |range| range.u)?;
+        Ok(Some(dictionary))
+    }
+
+    /// Gain, offset and delay of the drives.
+    fn actuator<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        if self.host.facts.actuator.is_empty() {
+            return Ok(None);
+        }
+        let of = Calibrated::of_file(&self.host.facts.actuator, self.n()).map_err(input)?;
+        let dictionary = PyDict::new(py);
+        dictionary.set_item("gain", of.gain)?;
+        dictionary.set_item("offset", of.offset)?;
+        dictionary.set_item("delay", of.delay)?;
+        Ok(Some(dictionary))
+    }
+}

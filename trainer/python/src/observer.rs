@@ -1,0 +1,101 @@
+//! The observer of the firmware, bit for bit.
+
+use crate::errors::{Kind, input};
+use crate::model::{Model, OnChip, order};
+use leastaction_chip::{Control, Step, Watch};
+use leastaction_core::observer::{Tuning, ZerosPrior};
+use leastaction_firmware_sim::observer::ObserverConfig;
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// An observer of a chip.
+type AnyWatch<'c> = Box<dyn Watch + 'c>;
+
+self_cell::self_cell!(
+    struct Watching {
+        owner: Arc<OnChip>,
+        #[not_covariant]
+        dependent: AnyWatch,
+    }
+);
+
+/// The state of a mechanism from its encoders' readings alone.
+#[pyclass(frozen, module = "leastaction._leastaction")]
+pub struct Observer {
+    n: usize,
+    watching: Mutex<Watching>,
+}
+
+impl Observer {
+    fn watching(&self) -> MutexGuard<'_, Watching> {
+        self.watching.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl Observer {
+    /// Of a model, whose steps are of `step` (h, order); `zeros`: the deviations of the encoders' zeros and of an innovation.
+    #[new]
+    #[pyo3(signature = (model, step, memory, patience, zeros))]
+    fn new(
+        model: &Model,
+        step: (f64, u8),
+        memory: u8,
+        patience: u8,
+        zeros: Option<(f32, f32)>,
+    ) -> PyResult<Self> {
+        let architecture = &model.host().architecture;
+        let angle: Vec<bool> = architecture.coordinates().chars().map(|letter| letter == 'a').collect();
+        let zeros = zeros.map(|(deviation, innovation)| ZerosPrior { deviation, innovation });
+        let tuning = Tuning { memory, patience, zeros };
+        let newton = ObserverConfig::new().newton;
+        let step = (Step { order: order(step.1)?, h: step.0 as f32 }, newton);
+        let chip = model.chip()?.clone();
+        let watching = Watching::try_new(chip, |chip| chip.borrow_dependent().watch(step, &angle, tuning));
+        Ok(Self { n: architecture.n(), watching: Mutex::new(watching.map_err(input)?) })
+    }
+
+    /// Steps the model under the force that acted; says updates of Newton's method, none before the first samples.
+    fn predict(
+        &self,
+        start: PyReadonlyArray1<'_, f32>,
+        end: PyReadonlyArray1<'_, f32>,
+    ) -> PyResult<Option<u8>> {
+        let [start, end] = [start.as_array().to_vec(), end.as_array().to_vec()];
+        let control = Control { start: &start, end: &end };
+        let report = self.watching().with_dependent_mut(|_, watch| watch.predict(control));
+        Ok(report.map_err(|error| Kind::Solve.says(error))?.map(|report| report.iterations))
+    }
+
+    /// Takes samples, NaN where one is missing.
+    fn correct(&self, measured: PyReadonlyArray1<'_, f32>) -> PyResult<()> {
+        let measured: Vec<Option<f32>> =
+            measured.as_array().iter().map(|y| (!y.is_nan()).then_some(*y)).collect();
+        let taken = self.watching().with_dependent_mut(|_, watch| watch.correct(&measured));
+        taken.map_err(|error| Kind::Solve.says(error))
+    }
+
+    /// q and v as estimated; none before every coordinate was measured.
+    fn estimate<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Option<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>)>> {
+        let (mut q, mut v) = (vec![0.0; self.n], vec![0.0; self.n]);
+        let known = self.watching().with_dependent(|_, watch| watch.estimate(&mut q, &mut v));
+        let known = known.map_err(|error| Kind::Solve.says(error))?;
+        Ok(known.then(|| (PyArray1::from_vec(py, q), PyArray1::from_vec(py, v))))
+    }
+
+    /// What the encoders read more than there is.
+    fn zeros<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let mut zeros = vec![0.0; self.n];
+        self.watching().with_dependent(|_, watch| watch.zeros(&mut zeros)).map_err(input)?;
+        Ok(PyArray1::from_vec(py, zeros))
+    }
+
+    /// Whether the estimate is fit to act on.
+    fn trusted(&self) -> bool {
+        self.watching().with_dependent(|_, watch| watch.trusted())
+    }
+}

@@ -1,0 +1,233 @@
+//! Logs, evaluation, pages and importers, as the command has them.
+
+use crate::errors::{Kind, failure, input};
+use crate::model::Model;
+use leastaction::cli::{Failure, FileKind, replaceable};
+use leastaction::evaluation::{Evaluation, is_page, log_config, write_page};
+use leastaction::look::Look;
+use leastaction::models::{Loaded, encoded, of_file_or_run};
+use leastaction_core::discrete::Order;
+use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::TrainedStep;
+use leastaction_learning::config::{Config, DataConfig};
+use leastaction_learning::data::{control_name, control_of_name};
+use leastaction_learning::ground_truth::{ManyBody, Mechanism};
+use leastaction_learning::import::{self, Imported};
+use leastaction_learning::model_file::{self, HostModel, Precision};
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::path::{Path, PathBuf};
+
+/// A configuration of TOML.
+pub fn parsed(text: &str) -> PyResult<Config> {
+    Config::parse(text, Path::new("the configuration")).map_err(input)
+}
+
+fn json(report: &impl serde::Serialize) -> PyResult<String> {
+    serde_json::to_string(report).map_err(|error| Kind::Work.says(error))
+}
+
+fn control(name: Option<&str>) -> PyResult<Option<ControlKind>> {
+    let known = |name: &str| {
+        control_of_name(name).ok_or_else(|| input(format!("control {name:?}: it must be held or linear")))
+    };
+    name.map(known).transpose()
+}
+
+/// The look at logs: the command's report as JSON, in words, its doubts, and a configuration for a file of the name `output`.
+#[pyfunction]
+pub fn look_at(
+    py: Python<'_>,
+    files: Vec<PathBuf>,
+    output: PathBuf,
+) -> PyResult<(String, String, Vec<String>, Option<String>)> {
+    let look = py.detach(|| Look::at(&files)).map_err(input)?;
+    let report = look.report();
+    let doubts = report.doubts().iter().map(ToString::to_string).collect();
+    Ok((json(&report)?, report.to_string(), doubts, look.configuration(&output).ok()))
+}
+
+/// A log that a model is evaluated on.
+#[derive(FromPyObject)]
+pub struct LogRequest {
+    #[pyo3(item)]
+    config: Option<PathBuf>,
+    #[pyo3(item)]
+    files: Option<Vec<PathBuf>>,
+    #[pyo3(item)]
+    order: Option<u8>,
+    #[pyo3(item)]
+    control: Option<String>,
+}
+
+impl LogRequest {
+    fn config(&self) -> Result<DataConfig, Failure> {
+        let named = self.files.as_ref().map(|files| {
+            let mut config = DataConfig::new(files.first().cloned().unwrap_or_default());
+            config.file.0.clone_from(files);
+            config
+        });
+        log_config(self.config.as_deref(), named)
+    }
+}
+
+/// Measures a model, a file or the folder of a run, on a log: the command's report as JSON and in words, with notes. With `page` also
+/// writes a page of HTML, beside the model `beside` where one is named.
+#[pyfunction]
+pub fn evaluate(
+    py: Python<'_>,
+    file: PathBuf,
+    part: Option<String>,
+    request: LogRequest,
+    page: Option<PathBuf>,
+    beside: Option<PathBuf>,
+) -> PyResult<(String, String, Vec<String>)> {
+    let control = control(request.control.as_deref())?;
+    let (report, notes) = py
+        .detach(|| {
+            if let Some(page) = &page
+                && !is_page(page)?
+            {
+                return Err(Failure::input(page, "name a page, as page.html"));
+            }
+            let model = &of_file_or_run(&file, part.as_deref())?;
+            let mut notes = Vec::new();
+            let tell = &mut |sentence| notes.push(sentence);
+            let evaluation = Evaluation { file: &file, model, order: request.order, control };
+            let log = evaluation.read(request.config()?, tell)?;
+            let report = evaluation.measure(&log, None, tell)?;
+            if let Some(page) = &page {
+                let other = beside.as_ref().map(|path| of_file_or_run(path, part.as_deref())).transpose()?;
+                let other = beside.as_deref().zip(other.as_ref());
+                let numbers = report.torques.as_ref().and_then(|torques| torques.torque_numbers.as_ref());
+                write_page(page, ((&file, model), other), (&log.file, &log.data), numbers)?;
+            }
+            Ok((report, notes))
+        })
+        .map_err(failure)?;
+    Ok((json(&report)?, report.to_string(), notes))
+}
+
+/// The model of a run.
+#[pyfunction]
+pub fn model_of_run(folder: PathBuf) -> PyResult<Model> {
+    let (_, bytes) = encoded(&folder, Precision::Single).map_err(failure)?;
+    let model = model_file::decode(&bytes).map_err(input)?;
+    Ok(Model::new(Loaded { model, bytes }))
+}
+
+/// Writes bytes whole or not at all, in place of a file of that kind alone: model, rust, c, log, configuration or page.
+#[pyfunction]
+pub fn write_file(path: PathBuf, bytes: &[u8], kind: &str) -> PyResult<()> {
+    let kind = match kind {
+        "model" => FileKind::Model,
+        "rust" => FileKind::RustModule,
+        "c" => FileKind::CHeader,
+        "log" => FileKind::Log,
+        "configuration" => FileKind::Configuration,
+        _ => FileKind::Page,
+    };
+    replaceable(&path, kind).map_err(failure)?;
+    leastaction_learning::atomic::write(&path, bytes)
+        .map_err(|error| Kind::Work.says(format!("{}: {error}", path.display())))
+}
+
+/// Reads a log, as the `[data]` of a configuration says where one is named: h, what u does between samples, trajectories, notes.
+#[pyfunction]
+pub fn read_log<'py>(
+    py: Python<'py>,
+    config: Option<PathBuf>,
+    files: Option<Vec<PathBuf>>,
+) -> PyResult<(f64, Option<&'static str>, Bound<'py, PyList>, Vec<String>)> {
+    let request = LogRequest { config, files, order: None, control: None };
+    let read = py.detach(|| {
+        let config = request.config()?;
+        config.read().map_err(|error| Failure::Input(error.to_string()))
+    });
+    let (log, notes) = read.map_err(failure)?;
+    let motions = PyList::empty(py);
+    for motion in &log.trajectories {
+        let dictionary = PyDict::new(py);
+        dictionary.set_item("id", motion.id)?;
+        dictionary.set_item("t", log.times(motion).collect::<Vec<_>>().into_pyarray(py))?;
+        let fields = [
+            ("q", Some(&motion.q)),
+            ("v", motion.v.as_ref()),
+            ("a", motion.a.as_ref()),
+            ("u", motion.u.as_ref()),
+        ];
+        for (name, rows) in fields.into_iter().filter_map(|(name, rows)| Some((name, rows?))) {
+            let array = rows.as_flat().to_vec().into_pyarray(py).reshape([rows.len(), log.n])?;
+            dictionary.set_item(name, array)?;
+        }
+        motions.append(dictionary)?;
+    }
+    Ok((log.h, log.control.map(control_name), motions, leastaction::notes::sentences(&notes)))
+}
+
+fn mechanism(name: &str) -> PyResult<Mechanism> {
+    let known = [Mechanism::Pendulum, Mechanism::Cartpole, Mechanism::Acrobot];
+    let found = known.into_iter().find(|mechanism| mechanism.name() == name);
+    found.ok_or_else(|| {
+        input(format!("no mechanism is called {name:?}; there are pendulum, cartpole and acrobot"))
+    })
+}
+
+/// A network of the SyMo authors' program: safetensors.
+#[pyfunction]
+#[pyo3(signature = (bytes, name, system=None, coordinates=None, h=None))]
+pub fn import_symo(
+    bytes: &[u8],
+    name: &str,
+    system: Option<&str>,
+    coordinates: Option<&str>,
+    h: Option<f32>,
+) -> PyResult<Model> {
+    let system = system.map(mechanism).transpose()?;
+    let letters: Option<Vec<Coordinate>> =
+        coordinates.map(|letters| letters.chars().filter_map(Coordinate::from_letter).collect());
+    let kinds =
+        letters.or(system.map(|system| system.coordinates().to_vec())).filter(|kinds| !kinds.is_empty());
+    let kinds = kinds.ok_or_else(|| input("name the system, or the coordinates: one letter each, t or a"))?;
+    let imported = import::symo(bytes, &kinds).map_err(|error| input(format!("{name}: {error}")))?;
+    let step = h.or(system.map(|system| system.step() as f32)).filter(|_| imported.discrete);
+    let step = step.map(|h| TrainedStep { order: Order::Two, h, control: ControlKind::Linear });
+    model_of(&imported, step, (name, "SyMo"))
+}
+
+/// A network of the ModLaNet authors' program: safetensors.
+#[pyfunction]
+#[pyo3(signature = (bytes, name, bodies, count, mass=None))]
+pub fn import_modlanet(
+    bytes: &[u8],
+    name: &str,
+    bodies: bool,
+    count: usize,
+    mass: Option<f64>,
+) -> PyResult<Model> {
+    let system = if bodies { ManyBody::Bodies(count) } else { ManyBody::Pendulum(count) };
+    let imported =
+        import::modlanet(bytes, system, mass).map_err(|error| input(format!("{name}: {error}")))?;
+    model_of(&imported, None, (name, "ModLaNet"))
+}
+
+/// A network of the LGNN authors' program: safetensors.
+#[pyfunction]
+pub fn import_lgnn(bytes: &[u8], name: &str, count: usize, drag: bool) -> PyResult<Model> {
+    let imported = import::lgnn(bytes, count, drag).map_err(|error| input(format!("{name}: {error}")))?;
+    model_of(&imported, None, (name, "LGNN"))
+}
+
+fn model_of(
+    imported: &Imported,
+    step: Option<TrainedStep>,
+    (name, program): (&str, &str),
+) -> PyResult<Model> {
+    let provenance = format!("imported from {name} ({program})");
+    let bytes =
+        model_file::encode(&imported.architecture, &imported.weights, step, &provenance).map_err(input)?;
+    let model: HostModel = model_file::decode(&bytes).map_err(input)?;
+    Ok(Model::new(Loaded { model, bytes }))
+}

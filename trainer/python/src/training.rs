@@ -1,0 +1,147 @@
+//! Training as the command does it, with a callback for every iteration.
+
+use crate::errors::{failure, input};
+use crate::tools::parsed;
+use leastaction::training::{plan, train};
+use leastaction_learning::config::Config;
+use leastaction_learning::run::{Ending, Monitor, Plan, Row, Run};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Time between looks at whether Ctrl-C was pressed.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// What Python is told while training goes on: rows to `callback`, warnings to `tell`. An exception stops training, which saves first.
+struct Teller<'a> {
+    callback: Option<Py<PyAny>>,
+    tell: Py<PyAny>,
+    stop: &'a AtomicBool,
+    looked: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Teller<'_> {
+    /// Does something in Python; an exception stops training.
+    fn with(&mut self, work: impl FnOnce(Python<'_>) -> PyResult<()>) {
+        if let Err(error) = Python::attach(work) {
+            self.stop.store(true, Ordering::Relaxed);
+            self.raised.get_or_insert(error);
+        }
+    }
+
+    fn says(&mut self, sentence: String) {
+        let tell = Python::attach(|py| self.tell.clone_ref(py));
+        self.with(|py| tell.call1(py, (sentence,)).map(|_| ()));
+    }
+}
+
+impl Monitor for Teller<'_> {
+    fn row(&mut self, Row { iteration, stage, seconds, train, validation }: &Row) {
+        let callback = self.callback.take();
+        if callback.is_some() || self.looked.elapsed() >= PAUSE {
+            self.looked = Instant::now();
+            self.with(|py| {
+                py.check_signals()?;
+                let row = (iteration, stage, seconds, train, validation);
+                callback.as_ref().map_or(Ok(()), |callback| callback.call1(py, row).map(|_| ()))
+            });
+        }
+        self.callback = callback;
+    }
+
+    fn warning(&mut self, message: &str) {
+        self.says(format!("warning: {message}"));
+    }
+}
+
+/// How a run begins.
+#[derive(Clone, Copy)]
+struct Beginning {
+    resume: bool,
+    force: bool,
+}
+
+impl Beginning {
+    fn run(self, plan: Plan, folder: &Path) -> Result<Run, leastaction::cli::Failure> {
+        let begun =
+            if self.resume { Run::resume(plan, folder) } else { Run::begin(plan, folder, self.force) };
+        Ok(begun?)
+    }
+}
+
+/// Trains as a configuration says: TOML of a file, or `text`. Gives the command's report as JSON.
+#[pyfunction]
+#[pyo3(signature = (file, text, folder, resume, force, callback, tell))]
+#[allow(clippy::too_many_arguments)]
+pub fn train_run(
+    py: Python<'_>,
+    file: PathBuf,
+    text: Option<String>,
+    folder: PathBuf,
+    resume: bool,
+    force: bool,
+    callback: Option<Py<PyAny>>,
+    tell: Py<PyAny>,
+) -> PyResult<String> {
+    let config = match text {
+        Some(text) => Config::parse(&text, &file).map_err(input)?,
+        None => Config::read(&file).map_err(input)?,
+    };
+    let stop = AtomicBool::new(false);
+    let began = Beginning { resume, force };
+    let (report, raised) = py.detach(|| {
+        let mut teller = Teller { callback, tell, stop: &stop, looked: Instant::now(), raised: None };
+        let plan =
+            plan(&file, config, &mut |sentence| teller.says(format!("note: {sentence}"))).map_err(failure)?;
+        let mut run = began.run(plan, &folder).map_err(failure)?;
+        let trained = train(&mut run, &folder, &mut teller, &stop).map_err(failure)?;
+        Ok::<_, PyErr>((trained, teller.raised))
+    })?;
+    match (report, raised) {
+        ((report, ending), Some(error)) if ending == Ending::Interrupted => {
+            Err(interrupted(py, error, &folder, report.saved))
+        }
+        ((report, _), _) => serde_json::to_string(&report).map_err(input),
+    }
+}
+
+/// What stopped training, KeyboardInterrupt with how to go on.
+fn interrupted(py: Python<'_>, error: PyErr, folder: &Path, saved: Option<u64>) -> PyErr {
+    if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
+        return error;
+    }
+    let folder = folder.display();
+    PyKeyboardInterrupt::new_err(match saved {
+        Some(iteration) => {
+            format!("interrupted; iteration {iteration} is saved in {folder}. Go on with resume=True")
+        }
+        None => format!("interrupted before a checkpoint was written; {folder} is as it was"),
+    })
+}
+
+/// Every key of a configuration of a family with its meaning.
+#[pyfunction]
+pub fn defaults(family: &str) -> PyResult<&'static str> {
+    use leastaction_learning::config::{
+        ARM_DEFAULTS, BODIES_DEFAULTS, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS,
+    };
+    match family {
+        "rigid" => Ok(DEFAULTS),
+        "modular" => Ok(MODULAR_DEFAULTS),
+        "graph" => Ok(GRAPH_DEFAULTS),
+        "bodies" => Ok(BODIES_DEFAULTS),
+        "arm" => Ok(ARM_DEFAULTS),
+        other => Err(input(format!(
+            "no family is called {other:?}; there are rigid, modular, graph, bodies and arm"
+        ))),
+    }
+}
+
+/// The configuration of TOML with every key written out.
+#[pyfunction]
+pub fn checked(text: &str) -> PyResult<String> {
+    Ok(parsed(text)?.to_toml())
+}

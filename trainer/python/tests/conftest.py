@@ -1,0 +1,62 @@
+"""Models of every family, a log, and the command that the package must agree with."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import leastaction as la
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+MODELS = REPOSITORY / "firmware-sim" / "chip" / "models"
+FAMILIES = {
+    "rigid": "cartpole",
+    "modular": "double",
+    "graph": "pendulums",
+    "bodies": "acrobot",
+    "friction": "cartpole-dry",
+    "half": "cartpole-f16",
+    "arm": "arm",
+}
+
+
+@pytest.fixture(params=FAMILIES)
+def model(request):
+    return la.load(MODELS / f"{FAMILIES[request.param]}.postcard")
+
+
+@pytest.fixture
+def cartpole():
+    return la.load(MODELS / "cartpole.postcard")
+
+
+@pytest.fixture(scope="session")
+def command():
+    """Runs the command, `$LEASTACTION`, and gives what it prints as JSON; without the program such tests are skipped."""
+    program = os.environ.get("LEASTACTION")
+    if not program:
+        pytest.skip("LEASTACTION does not name the command")
+
+    def run(*arguments):
+        words = [program, "--json", *map(str, arguments)]
+        return json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def log(command, tmp_path_factory):
+    """A cart-pole's log of 12 forced trajectories."""
+    file = tmp_path_factory.mktemp("log") / "cartpole.npz"
+    command("generate", "cartpole", "-o", file, "--trajectories", 12, "--control", "held")
+    return file
+
+
+@pytest.fixture(scope="session")
+def run(log, tmp_path_factory):
+    """A short training on it."""
+    config = {"data": {"file": log}, "model": {"coordinates": "ta", "hidden": [8]}}
+    config["training"] = {"iterations": 6, "warm_up": 4, "threads": 2}
+    return la.train(config, tmp_path_factory.mktemp("runs") / "run", progress=False)

@@ -1,0 +1,197 @@
+//! `leastaction evaluate`.
+
+use super::system::{Kind, System};
+use clap::Args;
+use leastaction::cli::arguments::{control, order, positive, seed};
+use leastaction::cli::{Done, Failure, Output, refuse};
+use leastaction::evaluation::{Evaluation, LongTermRequest, Scalable, is_page, log_config, write_page};
+use leastaction::models::of_file_or_run;
+use leastaction_core::forces::ControlKind;
+use leastaction_learning::config::DataConfig;
+use leastaction_learning::ground_truth::Mechanism;
+use leastaction_learning::model_file::HostModel;
+use std::path::{Path, PathBuf};
+
+/// Measure a model on logged motion.
+///
+/// Accelerations, where the log has v and a; positions one step ahead, from the two before; and over whole trajectories from the
+/// second sample on, with its velocity where the log has v, else that of the first two positions, under the logged control, held or
+/// linear between samples. What cannot be computed is counted, and left out of the errors. Angles of the log may be wrapped into one
+/// turn.
+///
+/// The same steps on the chip: in single precision, by the code that runs there, to the last bit. A graph is stepped by RATTLE, and
+/// keeps its rods.
+///
+/// With --system n-pendulum, n-body, rod-pendulum, n-spring or hybrid also predictions from random starts by the learned
+/// accelerations (weights as shipped, else in double precision; on the rods, where there are some), in ModLaNet's measures and beside
+/// those of the exact accelerations in single precision: A_q = |q' - q| / samples, angles not wrapped; A_E likewise, of the exact
+/// energy of the predicted state; and the time until the position is 0.1 m or rad off.
+///
+/// Example: leastaction evaluate m.postcard --data log.npz
+///
+/// Example: leastaction evaluate run --config robot.toml --data test.csv -o page.html
+///
+/// Example: leastaction evaluate m.postcard --data triple.npz --tree triple --system n-pendulum -o prediction
+#[derive(Args)]
+pub struct Evaluate {
+    /// The model file, or the folder of a run.
+    model: PathBuf,
+    /// The log, .npz or .csv; *, ? and ** stand for several.
+    #[arg(long, value_name = "FILE", required_unless_present = "config")]
+    data: Option<PathBuf>,
+    /// Take names and units of columns, step and control of the log from [data] of this configuration; without --data the log too.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Order of the steps, 2 or 4 [default: that of the model, else 4].
+    #[arg(long, value_parser = order)]
+    order: Option<u8>,
+    /// What u does between samples, held or linear [default: what the log says, else that of the model, else held].
+    #[arg(long, value_name = "KIND", value_parser = control)]
+    control: Option<ControlKind>,
+    /// Of a model of several trees or graphs the one that the log is of [default: the one that was trained].
+    #[arg(long, visible_alias = "graph", value_name = "NAME")]
+    tree: Option<String>,
+    /// Also compare with this exact mechanism: inertia and, over motion without force, energy; predictions of systems of any size.
+    #[arg(long)]
+    system: Option<System>,
+    /// Predictions from so many random starts [default: 100].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..), requires = "system")]
+    starts: Option<u32>,
+    /// Predictions over so many seconds [default: 30].
+    #[arg(long, value_parser = positive, requires = "system")]
+    seconds: Option<f64>,
+    /// Another model, a file or the folder of a run, to be shown beside this one on the page: a simpler one, to see what this is worth.
+    #[arg(long, value_name = "MODEL", requires = "output")]
+    beside: Option<PathBuf>,
+    /// Of the random starts [default: 0].
+    #[arg(long, value_parser = seed, requires = "system")]
+    seed: Option<u64>,
+    /// A page, .html, on what the model is worth on the log; with --system a folder for the errors of predictions over time:
+    /// prediction.csv and prediction.svg.
+    #[arg(short, long, value_name = "PAGE.html|FOLDER")]
+    output: Option<PathBuf>,
+}
+
+impl Evaluate {
+    /// Reads and measures.
+    pub fn run(self, output: Output) -> Done {
+        let page = self.page()?;
+        let model = self.load(&self.model)?;
+        let beside = self.beside(page, &model)?;
+        let config = self.log()?;
+        let (order, control) = (self.order, self.control);
+        let evaluation = Evaluation { file: &self.model, model: &model, order, control };
+        let tell = &mut |sentence: String| output.note(&format!("note: {sentence}"));
+        let log = evaluation.read(config, tell)?;
+        let system = self.system.map(|system| self.exact(system, &model)).transpose()?;
+        let symo = match system {
+            Some(Exact::Symo(mechanism)) => Some(mechanism),
+            _ => None,
+        };
+        let mut report = evaluation.measure(&log, symo, tell)?;
+        if let Some(Exact::Scalable(system)) = system {
+            let folder = self.output.as_deref().filter(|_| page.is_none());
+            report.prediction = Some(self.request(&model, system).run(folder)?);
+        }
+        if let Some(path) = page {
+            let beside = self.beside.as_deref().zip(beside.as_ref());
+            let numbers = report.torques.as_ref().and_then(|torques| torques.torque_numbers.as_ref());
+            write_page(path, ((&self.model, &model), beside), (&log.file, &log.data), numbers)?;
+            output.note(&format!("page in {}", path.display()));
+        }
+        output.report(&report)
+    }
+
+    /// The page that is asked for; a folder is of use with --system alone.
+    fn page(&self) -> Result<Option<&Path>, Failure> {
+        let Some(path) = self.output.as_deref() else { return Ok(None) };
+        match is_page(path)? {
+            true => Ok(Some(path)),
+            false if self.system.is_some() => Ok(None),
+            false => {
+                Err(Failure::input(path, "name a page, as page.html; a folder is written with --system"))
+            }
+        }
+    }
+
+    fn load(&self, path: &Path) -> Result<HostModel, Failure> {
+        of_file_or_run(path, self.tree.as_deref())
+    }
+
+    /// The model that is shown beside this one.
+    fn beside(&self, page: Option<&Path>, model: &HostModel) -> Result<Option<HostModel>, Failure> {
+        let Some(path) = &self.beside else { return Ok(None) };
+        if page.is_none() {
+            return Err(Failure::Input("--beside is shown on a page: name one, as -o page.html".to_owned()));
+        }
+        let other = self.load(path)?;
+        let [own, found] = [model, &other].map(|model| model.architecture.n());
+        if found == own {
+            return Ok(Some(other));
+        }
+        Err(Failure::input(path, format!("the model has {found} coordinates, the one beside it {own}")))
+    }
+
+    /// The log and how it is read.
+    fn log(&self) -> Result<DataConfig, Failure> {
+        log_config(self.config.as_deref(), self.data.as_ref().map(DataConfig::new))
+    }
+
+    /// The mechanism that a system names, of the model's size.
+    fn exact(&self, system: System, model: &HostModel) -> Result<Exact, Failure> {
+        let (n, letters) = (model.architecture.n(), model.architecture.coordinates());
+        match system.kind() {
+            Kind::Symo(mechanism) => {
+                if mechanism.coordinates().len() != n {
+                    let name = mechanism.name();
+                    return Err(Failure::Input(format!("--system {name}: the model has {n} coordinates")));
+                }
+                let options = [
+                    (self.starts.is_some(), "--starts"),
+                    (self.seconds.is_some(), "--seconds"),
+                    (self.seed.is_some(), "--seed"),
+                    (self.page()?.is_none() && self.output.is_some(), "--output"),
+                ];
+                refuse(mechanism.name(), &options)?;
+                Ok(Exact::Symo(mechanism))
+            }
+            Kind::Modlanet(of) => {
+                let bodies = system == System::NBody;
+                let foreign = if bodies { "ac" } else { "t" };
+                if letters.contains(|letter| foreign.contains(letter)) || bodies && n % 2 == 1 {
+                    let what = if bodies { "two translations a body" } else { "one angle a pendulum" };
+                    let message = format!("--system {}: the model must have {what}", of(1).name());
+                    return Err(Failure::Input(message));
+                }
+                Ok(Exact::Scalable(Scalable::Modlanet(of(if bodies { n / 2 } else { n }))))
+            }
+            Kind::Lgnn(of) => {
+                let system = of(n / 2);
+                let plane = model.architecture.graph().is_some_and(|graph| graph.dimension() == 2);
+                if !plane || 2 * system.nodes() != n {
+                    let (name, nodes) = (system.name(), system.nodes());
+                    let message =
+                        format!("--system {name}: the model must be a graph of {nodes} nodes in the plane");
+                    return Err(Failure::Input(message));
+                }
+                Ok(Exact::Scalable(Scalable::Lgnn(system)))
+            }
+        }
+    }
+
+    fn request<'a>(&self, model: &'a HostModel, system: Scalable) -> LongTermRequest<'a> {
+        LongTermRequest {
+            model,
+            system,
+            starts: self.starts.unwrap_or(100) as usize,
+            seconds: self.seconds.unwrap_or(30.0),
+            seed: self.seed.unwrap_or(0),
+        }
+    }
+}
+
+/// An exact mechanism of the model's size.
+enum Exact {
+    Symo(Mechanism),
+    Scalable(Scalable),
+}

@@ -1,0 +1,229 @@
+//! What a model is worth on logged motion.
+
+mod long_term;
+mod on_chip;
+mod page;
+mod report;
+
+pub use long_term::{LongTerm, Request as LongTermRequest, Scalable};
+pub use page::{is_page, write as write_page};
+pub use report::{Acceleration, Report, Steps, Torques};
+
+use crate::cli::Failure;
+use crate::models::{chip_file, meant};
+use crate::notes::sentences;
+use leastaction_core::discrete::Order;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::ModelError;
+use leastaction_learning::architecture::Architecture;
+use leastaction_learning::config::{Config, DataConfig, TrainingConfig};
+use leastaction_learning::data::{Dataset, control_name};
+use leastaction_learning::evaluate::{
+    Beginning, acceleration_mse, energy_mse, finished, inertia_mse, one_step_mse, rollout,
+};
+use leastaction_learning::ground_truth::Mechanism;
+use leastaction_learning::model_file::HostModel;
+use leastaction_learning::torque_numbers::torque_numbers;
+use leastaction_learning::torques::{TorqueErrors, torque_errors};
+use leastaction_learning::windows::Calibrated;
+use std::path::{Path, PathBuf};
+
+/// Takes messages, a sentence each.
+pub type Tell<'t> = &'t mut dyn FnMut(String);
+
+/// A model to evaluate.
+pub struct Evaluation<'a> {
+    /// Where it comes from.
+    pub file: &'a Path,
+    /// The model.
+    pub model: &'a HostModel,
+    /// Of the steps; else that of the model, or 4.
+    pub order: Option<u8>,
+    /// What u does between samples; else what the log says, or what it did in training.
+    pub control: Option<ControlKind>,
+}
+
+/// A log that a model is evaluated on.
+pub struct Log {
+    /// Where it comes from.
+    pub file: PathBuf,
+    /// What is in it.
+    pub data: Dataset,
+}
+
+/// Which log, and how it is read: the one that is named, as the `[data]` of a configuration says, or that of the configuration.
+///
+/// # Errors
+/// [`Failure::Input`] where neither is named, or the configuration cannot be read.
+pub fn log_config(config: Option<&Path>, named: Option<DataConfig>) -> Result<DataConfig, Failure> {
+    let configured = config.map(Config::read).transpose()?.map(|config| config.data);
+    match (configured, named) {
+        (Some(configured), Some(named)) => Ok(DataConfig { file: named.file, ..configured }),
+        (Some(one), None) | (None, Some(one)) => Ok(one),
+        (None, None) => Err(Failure::Input("name the log with --data".to_owned())),
+    }
+}
+
+impl Evaluation<'_> {
+    /// Reads a log, and tells what should be known of it.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where it cannot be read, or is of another mechanism.
+    pub fn read(&self, config: DataConfig, tell: Tell) -> Result<Log, Failure> {
+        let trained = self.model.facts.trained_step.map(|step| step.control);
+        let control = self.control.or(config.control).or(trained);
+        let config = DataConfig { control, ..config };
+        let (mut data, notes) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
+        sentences(&notes).into_iter().for_each(&mut *tell);
+        let file = PathBuf::from(config.file.to_string());
+        self.check((&file, &data), tell)?;
+        self.take_control((&file, &mut data), tell)?;
+        prepare(&mut data, &self.model.architecture.coordinates(), tell);
+        Ok(Log { file, data })
+    }
+
+    /// Measures the model on a log, and beside an exact mechanism where one is named; tells what could not be measured.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where the shape of the model does not fit in itself.
+    pub fn measure(&self, log: &Log, mechanism: Option<Mechanism>, tell: Tell) -> Result<Report, Failure> {
+        if mechanism.is_some() && log.data.is_forced() {
+            tell("the log is forced, so that its energy changes: energy is not compared".to_owned());
+        }
+        let report = self.report((log.file.clone(), &log.data), mechanism);
+        let mut report = report.map_err(|error| Failure::input(self.file, error))?;
+        report.chip = on_chip(self.model, report.order, &log.data)
+            .map_err(|error| tell(format!("steps on the chip are not measured: {error}")))
+            .ok();
+        if report.steps.is_none() {
+            tell("on rods, positions are stepped on the chip alone".to_owned());
+        }
+        Ok(report)
+    }
+
+    fn check(&self, (file, log): (&Path, &Dataset), tell: Tell) -> Result<(), Failure> {
+        let model = self.model;
+        let n = model.architecture.n();
+        if log.n != n {
+            let message = match model.architecture.part() {
+                None => format!("q has {} coordinates, the model {n}", log.n),
+                Some((what, name)) => {
+                    format!(
+                        "q has {} coordinates, {what} {name:?} {n}; name the {what} of the log with --{what}",
+                        log.n
+                    )
+                }
+            };
+            return Err(Failure::input(file, message));
+        }
+        if let Some(trained) =
+            model.facts.trained_step.filter(|d| (f64::from(d.h) - log.h).abs() > 1e-6 * log.h)
+        {
+            tell(format!(
+                "the model was trained for a step of {} s and is evaluated at {} s, where it is less accurate",
+                trained.h, log.h
+            ));
+        }
+        Ok(())
+    }
+
+    /// Decides what u does between samples, and tells where the model was trained for another thing.
+    fn take_control(&self, (file, log): (&Path, &mut Dataset), tell: Tell) -> Result<(), Failure> {
+        let trained = self.model.facts.trained_step.map(|step| step.control);
+        if let Some(asked) = self.control {
+            log.set_control(asked).map_err(|stated| {
+                let (asked, stated) = (control_name(asked), control_name(stated));
+                let message =
+                    format!("--control {asked}: the log says that its u is {stated} between samples");
+                Failure::input(file, message)
+            })?;
+        }
+        let kind = log.control_kind();
+        log.control = Some(kind);
+        if let Some(trained) = trained.filter(|trained| *trained != kind && log.control_changes()) {
+            let (trained, kind) = (control_name(trained), control_name(kind));
+            tell(format!(
+                "the model was trained with a control that is {trained} between samples and is evaluated with one that is {kind}"
+            ));
+        }
+        Ok(())
+    }
+
+    fn report(
+        &self,
+        (data, log): (PathBuf, &Dataset),
+        system: Option<Mechanism>,
+    ) -> Result<Report, ModelError> {
+        let model = self.model;
+        let (architecture, weights) = (&model.architecture, &model.weights);
+        let order = self.order.or(model.facts.trained_step.map(|step| step.order.number())).unwrap_or(4);
+        // Under a force even the true energy does not keep its first value, which the measure compares with.
+        let free = system.filter(|_| !log.is_forced());
+        let steps = || steps((architecture, weights), order, log, free);
+        let inertia = |system| inertia_mse(architecture, weights, system, log);
+        let part = |what| {
+            let (_, name) = architecture.part().filter(|(of, _)| *of == what)?;
+            Some(name.to_owned())
+        };
+        let acceleration = acceleration_mse(architecture, weights, log)?;
+        Ok(Report {
+            model: self.file.to_owned(),
+            data,
+            tree: part("tree"),
+            graph: part("graph"),
+            order,
+            h: log.h,
+            control: log.control_changes().then(|| control_name(log.control_kind())),
+            trajectories: log.trajectories.len(),
+            samples: log.samples(),
+            acceleration: acceleration.map(|(solved, square)| Acceleration {
+                acceleration_mse: solved.mean_square,
+                acceleration_relative: solved.mean_square.map(|error| error / square),
+                acceleration_unsolved: solved.unsolved,
+            }),
+            torques: torques(model, log),
+            steps: architecture.has_steps().then(steps).transpose()?,
+            chip: None,
+            inertia_mse: system.map(inertia).transpose()?,
+            prediction: None,
+        })
+    }
+}
+
+/// Steps in the chip's arithmetic; an error in words where it has not the size of the model.
+fn on_chip(model: &HostModel, order: u8, log: &Dataset) -> Result<Steps, String> {
+    let order = Order::from_number(order).ok_or("there is no such order")?;
+    let file = chip_file(model)?;
+    let measured = on_chip::steps(&meant(&file, model)?, order, log);
+    measured.map_err(|error| error.to_string())
+}
+
+/// Measures steps, and energies where they are to be compared with those of a mechanism.
+fn steps(
+    (architecture, weights): (&Architecture, &[f64]),
+    order: u8,
+    log: &Dataset,
+    mechanism: Option<Mechanism>,
+) -> Result<Steps, ModelError> {
+    let one_step = one_step_mse(architecture, weights, order, log)?;
+    let (runs, motions) = finished(&rollout(architecture, weights, order, (log, Beginning::Velocity))?, log);
+    let energy = mechanism.filter(|_| !runs.is_empty()).map(|system| energy_mse(system, &runs, &motions));
+    let steps = Steps::new(one_step, (&runs, &motions), log.trajectories.len());
+    Ok(Steps { energy_mse: energy, ..steps })
+}
+
+/// Has angles go on across their seams, and tells of what is doubtful.
+fn prepare(log: &mut Dataset, letters: &str, tell: Tell) {
+    log.unwrap_angles(letters).iter().for_each(|seams| tell(seams.to_string()));
+    log.doubts(letters).iter().for_each(|doubt| tell(doubt.to_string()));
+}
+
+/// Errors of the torques of an arm, motion and torques filtered as training does by default.
+pub fn torques(model: &HostModel, log: &Dataset) -> Option<Torques> {
+    let calibrated = Calibrated::of_file(&model.facts.actuator, model.architecture.n()).ok();
+    let of = (&model.architecture, &model.weights[..]);
+    let cut_off = TrainingConfig::default().cut_off;
+    let TorqueErrors { nmse, rmse, .. } = torque_errors(of, calibrated.as_ref(), log, cut_off)?;
+    let torque_numbers = torque_numbers(of, calibrated.as_ref(), log, cut_off);
+    Some(Torques { torque_nmse: nmse, torque_rmse: rmse, torque_numbers })
+}

@@ -1,0 +1,119 @@
+//! Training as a command or a program in another language has it: from a configuration to a run that has ended.
+
+use crate::cli::Failure;
+use crate::notes;
+use leastaction_learning::config::Config;
+use leastaction_learning::run::{ChoiceError, Chosen, Ending, Monitor, Plan, PlanError, Run, choose};
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// What came out of training.
+#[derive(Serialize)]
+pub struct Report {
+    /// The folder.
+    pub run: PathBuf,
+    /// Why training ended.
+    pub ending: &'static str,
+    /// Done, over all stages.
+    pub iterations: u64,
+    /// Numbers in the weight block.
+    pub parameters: usize,
+    /// Those that are not known numbers.
+    pub learned_parameters: usize,
+    /// Samples of the last stage.
+    pub training_samples: usize,
+    /// Samples held back.
+    pub validation_samples: usize,
+    /// The iteration that gave the best weights.
+    pub best_iteration: u64,
+    /// Of the best weights.
+    pub train_loss: f64,
+    /// Of the best weights.
+    pub validation_loss: Option<f64>,
+    /// Of training.
+    pub seconds: f64,
+    /// The picture.
+    pub loss_curve: PathBuf,
+    /// The page on what was learned over windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<PathBuf>,
+    /// The iteration of the checkpoint.
+    #[serde(skip)]
+    pub saved: Option<u64>,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let validation =
+            self.validation_loss.map_or(String::new(), |loss| format!(", validation loss {loss:.3e}"));
+        let known = self.parameters - self.learned_parameters;
+        let known = if known > 0 { format!(" ({known} of them known)") } else { String::new() };
+        writeln!(
+            f,
+            "{} parameters{known}, {} + {} samples",
+            self.parameters, self.training_samples, self.validation_samples
+        )?;
+        writeln!(f, "{} iterations in {:.1} s, ended by: {}", self.iterations, self.seconds, self.ending)?;
+        writeln!(
+            f,
+            "best at iteration {}: training loss {:.3e}{validation}",
+            self.best_iteration, self.train_loss
+        )?;
+        writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
+        self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
+    }
+}
+
+/// Reads the data that a configuration file names and prepares the losses, telling what should be known, a sentence each.
+///
+/// # Errors
+/// [`Failure::Input`]: a log cannot be read, or a run with it cannot begin.
+pub fn plan(file: &Path, config: Config, tell: &mut dyn FnMut(String)) -> Result<Plan, Failure> {
+    let log = PathBuf::from(config.data.file.to_string());
+    let refused = |error: PlanError| match error {
+        PlanError::Data(_) => Failure::input(&log, error),
+        _ => Failure::input(file, error),
+    };
+    let Chosen { config, data, notes, choices } = choose(config).map_err(|error| match error {
+        ChoiceError::Data(error) => error.into(),
+        ChoiceError::Plan(error) => refused(error),
+    })?;
+    notes::sentences(&notes).into_iter().chain(choices.sentences()).for_each(&mut *tell);
+    let plan = Plan::new(config, &data).map_err(refused)?;
+    plan.notices().iter().for_each(|notice| tell(notice.to_string()));
+    Ok(plan)
+}
+
+/// Trains, and says what came out and how it ended.
+///
+/// # Errors
+/// [`Failure::Work`] where training cannot go on.
+pub fn train(
+    run: &mut Run,
+    folder: &Path,
+    monitor: &mut dyn Monitor,
+    stop: &AtomicBool,
+) -> Result<(Report, Ending), Failure> {
+    let ending = run.train(monitor, stop)?;
+    let (training_samples, validation_samples) = run.plan().samples();
+    let best = run.best();
+    let report = Report {
+        run: folder.to_owned(),
+        ending: ending.name(),
+        iterations: run.iteration(),
+        parameters: run.plan().parameters(),
+        learned_parameters: run.plan().learned_parameters(),
+        training_samples,
+        validation_samples,
+        best_iteration: best.iteration,
+        train_loss: best.train,
+        validation_loss: best.validation,
+        seconds: run.seconds(),
+        loss_curve: run.loss_curve(),
+        report: run.report(),
+        saved: run.saved(),
+    };
+    Ok((report, ending))
+}
