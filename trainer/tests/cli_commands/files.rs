@@ -16,6 +16,7 @@ use leastaction_learning::model_file::{ConstantsError, decode, encode, rust_cons
 #[path = "../cli_golden/model.rs"]
 mod golden;
 #[path = "../cli_golden/arm_constants.rs"]
+#[allow(dead_code, reason = "of an arm only the system is looked at")]
 mod golden_arm_constants;
 #[path = "../cli_golden/constants.rs"]
 mod golden_constants;
@@ -223,7 +224,9 @@ fn constants_compile_and_are_the_same_model() {
     let (q, v, u) = ([0.3], [-1.2], [0.5]);
     let found = acceleration(&golden_constants::system().unwrap(), &q, &v, &u).unwrap();
     assert_eq!(found, acceleration(&golden::load().unwrap().system, &q, &v, &u).unwrap());
-    assert_eq!((golden_constants::STEP, golden_constants::integrator().h()), (0.05, 0.05));
+    assert_eq!((golden_constants::STEP, golden_constants::ORDER), (0.05, 4));
+    assert_eq!(golden_constants::integrator().h(), 0.05);
+    assert_eq!((golden_constants::N, golden_constants::H, golden_constants::L), (1, 3, 2));
 
     let arm = ArmModel::<{ golden_arm_constants::N }>::load(&ARM.0).unwrap();
     let (q, v, u) = ([0.3; 7], [-0.7; 7], [1.5; 7]);

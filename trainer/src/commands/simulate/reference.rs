@@ -3,8 +3,8 @@
 use super::Request;
 use super::course::Course;
 use crate::commands::motion::MotionFile;
-use crate::commands::notes;
 use leastaction::cli::{Failure, Output};
+use leastaction::notes;
 use leastaction_core::model::CoordinateRange;
 use leastaction_firmware_sim::SetupError;
 use leastaction_firmware_sim::control::{HARMONICS, Reference, Setpoint, Trajectory};
@@ -117,7 +117,7 @@ fn logged<const N: usize>(request: &Request, path: &Path) -> Result<Course<N>, F
     let config = DataConfig { file: path.into(), ..config.unwrap_or_else(|| DataConfig::new(path)) };
     let (mut log, read) = config.read().map_err(|error| Failure::Input(error.to_string()))?;
     let output = Output { json: false };
-    notes::tell(&read, output);
+    output.notes(&notes::sentences(&read));
     if log.n != N {
         let n = log.n;
         return Err(Failure::input(path, format!("the motion has {n} coordinates, the model {N}")));
