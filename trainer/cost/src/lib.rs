@@ -106,7 +106,8 @@ impl Evaluations {
         let weights: usize = rigid.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
         let widest = rigid.widths.iter().copied().max().map_or(0, usize::from);
         let depth = rigid.widths.len();
-        let units = jet(n) * widest * depth;
+        // A layer is written while the one below it is read; then its slopes.
+        let units = (2 * jet(n) + WORD) * widest;
         let linearization = Work { multiply_adds: (1 + n) * weights, stack_bytes: units + ends(n, n) };
         let dynamics = if n <= 2 {
             linearization

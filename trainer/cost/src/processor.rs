@@ -129,6 +129,8 @@ pub struct CostFactors {
     evaluations: Evaluations,
     cost: Cost,
     coordinates: usize,
+    /// Units of each hidden layer.
+    widths: Vec<usize>,
     /// Whether it has dry friction.
     dry: bool,
     /// Whether a network moves an element: it keeps its units beside those of the potentials.
@@ -148,6 +150,7 @@ impl CostFactors {
             evaluations: operations(architecture, &model.weights)?,
             cost: cost(architecture).ok()?,
             coordinates,
+            widths: architecture.widths(),
             dry: architecture.laws().contains(Law::Coulomb),
             moved_by_network: moved_by_network(architecture),
         })
@@ -213,7 +216,14 @@ impl CostFactors {
             ("sines", done.sines),
         ];
         let all = layers.into_iter().chain(others).map(|(name, count)| (name.to_owned(), count as f64));
-        all.chain([self.once(evaluation)]).collect()
+        let recorded = self.recorded(evaluation).iter().sum::<usize>() as f64;
+        all.chain([self.once(evaluation), ("recorded".to_owned(), recorded)]).collect()
+    }
+
+    /// Units of the layers that leave a tape to an adjoint: of the acceleration of a network of three coordinates or more.
+    fn recorded(&self, evaluation: Evaluation) -> &[usize] {
+        let by_adjoint = self.family == RIGID && self.coordinates > 2 && evaluation == Evaluation::Acceleration;
+        if by_adjoint { &self.widths } else { &[] }
     }
 
     /// What stack is a sum over.
@@ -231,7 +241,13 @@ impl CostFactors {
             Evaluation::Step(_) => step_order_4,
         };
         let (kind, n) = (evaluation.kind(), self.coordinates as f64);
-        let common = [(format!("arrays_{kind}"), arrays.stack_bytes as f64)];
+        // A tape of several layers is made beside its place.
+        let recorded = self.recorded(evaluation);
+        let widest = recorded.iter().max().copied().filter(|_| recorded.len() > 1).unwrap_or(0);
+        let common = [
+            (format!("arrays_{kind}"), arrays.stack_bytes as f64),
+            ("recorded".to_owned(), widest as f64),
+        ];
         if self.family == GRAPH {
             // Whatever the order: its steps are the same.
             return common.into_iter().chain([(kind.to_owned(), 1.0), (format!("n_{kind}"), n)]).collect();
@@ -273,6 +289,7 @@ fn moved_by_network(architecture: &Architecture) -> bool {
     modular.shape.types.iter().any(|of| matches!(of.transform, TransformShape::Network { .. }))
 }
 
+const RIGID: &str = "rigid";
 const GRAPH: &str = "graph";
 const BODIES: &str = "bodies";
 
