@@ -13,9 +13,9 @@ work=$out/example
 mkdir -p "$work"
 
 # The compiler is of no use without a C library's headers, which are a package of their own.
-if ! { command -v qemu-system-arm && command -v g++ && command -v clang && arm-none-eabi-gcc -E - <<<'#include <string.h>'; } >/dev/null 2>&1; then
+if ! { command -v qemu-system-arm && command -v g++ && arm-none-eabi-gcc -E - <<<'#include <string.h>'; } >/dev/null 2>&1; then
     apt-get update -qq
-    apt-get install -y -qq --no-install-recommends g++ clang gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
+    apt-get install -y -qq --no-install-recommends g++ gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 fi
 
 source ../../firmware-sim/chip/compiler.sh
@@ -47,13 +47,16 @@ floats() {
     echo "${all[*]}"
 }
 
-# What other compilers make of the same sources: clang as C, g++ and clang++ of the header as C++.
+# What other compilers make of the same sources: clang, where it is installed, as C, and g++ and clang++ of the header as C++.
 other_compilers() {
-    local file
-    for file in example/{main,trace,errors,host}.c; do
-        clang -std=c11 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -fsyntax-only "$@" "$file"
-    done
-    for compiler in g++ clang++; do
+    local file compilers=(g++)
+    if command -v clang++ >/dev/null; then
+        compilers+=(clang++)
+        for file in example/{main,trace,errors,host}.c; do
+            clang -std=c11 "${warnings[@]}" -Wstrict-prototypes -Wmissing-prototypes -fsyntax-only "$@" "$file"
+        done
+    fi
+    for compiler in "${compilers[@]}"; do
         for standard in c++11 c++20; do
             $compiler "-std=$standard" "${warnings[@]}" -fsyntax-only "$@" -x c++ - <<<'#include "leastaction.h"'
         done
