@@ -222,7 +222,8 @@ impl CostFactors {
 
     /// Units of the layers that leave a tape to an adjoint: of the acceleration of a network of three coordinates or more.
     fn recorded(&self, evaluation: Evaluation) -> &[usize] {
-        let by_adjoint = self.family == RIGID && self.coordinates > 2 && evaluation == Evaluation::Acceleration;
+        let by_adjoint =
+            self.family == RIGID && self.coordinates > 2 && evaluation == Evaluation::Acceleration;
         if by_adjoint { &self.widths } else { &[] }
     }
 
@@ -244,10 +245,8 @@ impl CostFactors {
         // A tape of several layers is made beside its place.
         let recorded = self.recorded(evaluation);
         let widest = recorded.iter().max().copied().filter(|_| recorded.len() > 1).unwrap_or(0);
-        let common = [
-            (format!("arrays_{kind}"), arrays.stack_bytes as f64),
-            ("recorded".to_owned(), widest as f64),
-        ];
+        let common =
+            [(format!("arrays_{kind}"), arrays.stack_bytes as f64), ("recorded".to_owned(), widest as f64)];
         if self.family == GRAPH {
             // Whatever the order: its steps are the same.
             return common.into_iter().chain([(kind.to_owned(), 1.0), (format!("n_{kind}"), n)]).collect();

@@ -2,9 +2,13 @@
 
 use crate::errors::input;
 use numpy::{
-    Element, IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+    Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+
+/// Numbers beside each other, of Python.
+pub type Numbers<'py, T> = Bound<'py, PyArray1<T>>;
 
 /// Rows of numbers.
 #[derive(Clone, Debug)]

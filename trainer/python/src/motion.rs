@@ -1,6 +1,6 @@
 //! Motions side by side, step by step, in the chip's arithmetic.
 
-use crate::arrays::{Table, rows, table};
+use crate::arrays::{Numbers, Table, rows, table};
 use crate::blocks::fill;
 use crate::model::{OnChip, unsolved};
 use crate::single::Unsolved;
@@ -180,7 +180,7 @@ impl Motions {
         py: Python<'py>,
         start: PyReadonlyArrayDyn<'_, f32>,
         end: PyReadonlyArrayDyn<'_, f32>,
-    ) -> PyResult<(Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<f32>>)> {
+    ) -> PyResult<(Numbers<'py, u8>, Numbers<'py, f32>)> {
         let tau = [table("u", &start, &[self.n])?, table("u", &end, &[self.n])?];
         let reports = py.detach(|| {
             let mut each = self.each();

@@ -1,5 +1,6 @@
 //! The observer of the firmware, bit for bit.
 
+use crate::arrays::Numbers;
 use crate::errors::{Kind, input};
 use crate::model::{Model, OnChip, order};
 use leastaction_chip::{Control, Step, Watch};
@@ -77,10 +78,7 @@ impl Observer {
     }
 
     /// q and v as estimated; none before every coordinate was measured.
-    fn estimate<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<Option<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>)>> {
+    fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Option<(Numbers<'py, f32>, Numbers<'py, f32>)>> {
         let (mut q, mut v) = (vec![0.0; self.n], vec![0.0; self.n]);
         let known = self.watching().with_dependent(|_, watch| watch.estimate(&mut q, &mut v));
         let known = known.map_err(|error| Kind::Solve.says(error))?;

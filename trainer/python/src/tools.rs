@@ -134,13 +134,16 @@ pub fn write_file(path: PathBuf, bytes: &[u8], kind: &str) -> PyResult<()> {
         .map_err(|error| Kind::Work.says(format!("{}: {error}", path.display())))
 }
 
+/// h, what u does between samples, trajectories, notes.
+type ReadLog<'py> = (f64, Option<&'static str>, Bound<'py, PyList>, Vec<String>);
+
 /// Reads a log, as the `[data]` of a configuration says where one is named: h, what u does between samples, trajectories, notes.
 #[pyfunction]
 pub fn read_log<'py>(
     py: Python<'py>,
     config: Option<PathBuf>,
     files: Option<Vec<PathBuf>>,
-) -> PyResult<(f64, Option<&'static str>, Bound<'py, PyList>, Vec<String>)> {
+) -> PyResult<ReadLog<'py>> {
     let request = LogRequest { config, files, order: None, control: None };
     let read = py.detach(|| {
         let config = request.config()?;

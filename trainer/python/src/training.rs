@@ -101,9 +101,7 @@ pub fn train_run(
         Ok::<_, PyErr>((trained, teller.raised))
     })?;
     match (report, raised) {
-        ((report, ending), Some(error)) if ending == Ending::Interrupted => {
-            Err(interrupted(py, error, &folder, report.saved))
-        }
+        ((report, Ending::Interrupted), Some(error)) => Err(interrupted(py, error, &folder, report.saved)),
         ((report, _), _) => serde_json::to_string(&report).map_err(input),
     }
 }
