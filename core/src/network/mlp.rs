@@ -1,4 +1,4 @@
-use super::units::Units;
+use super::units::{Sink, Units};
 use super::{Activation, Dense, Jet};
 use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
@@ -145,11 +145,11 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let Tape { units, slopes } = tape;
         let mut below = Vectors::Jets(x);
         for ((layer, units), slopes) in self.hidden().zip(units).zip(slopes) {
-            layer.hidden(below, units);
+            layer.forward_from(below, units);
             self.activation.apply(units, slopes);
             below = Vectors::Units(units);
         }
-        self.output.last(below, y);
+        self.output.forward_from(below, y);
     }
 
     /// y(x) and its tangents along those of x, as [`Mlp::forward`] gives them, without a tape.
@@ -174,12 +174,12 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let (mut units, mut others) = (&mut units, &mut others);
         let mut below = Vectors::Jets(x);
         for layer in self.hidden() {
-            layer.hidden(below, others);
+            layer.forward_from(below, others);
             apply(others);
             core::mem::swap(&mut units, &mut others);
             below = Vectors::Units(units);
         }
-        self.output.last(below, y);
+        self.output.forward_from(below, y);
     }
 
     /// x̄ = (∂y/∂x)ᵀȳ and its tangents: the tangents of ȳ, together with those on the tape, give the rows of a Hessian.
@@ -211,37 +211,24 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let records = tape.units.iter().zip(&tape.slopes).take(self.depth());
         for (below, (units, slopes)) in self.hidden().rev().zip(records.rev()) {
             visit(layer, Vectors::Units(units), above);
-            layer.hidden_adjoint(above, other);
+            layer.adjoint_from(above, other);
             other.multiply(slopes);
             core::mem::swap(&mut bar, &mut other);
             (layer, above) = (below, Vectors::Units(bar));
         }
         visit(layer, Vectors::Jets(x), above);
-        layer.first_adjoint(above, x_bar);
+        layer.adjoint_from(above, x_bar);
     }
 }
 
 /// Layers inside a network.
 impl<W: WeightFormat> Dense<'_, W> {
-    /// z = Wx + b of a hidden layer.
+    /// y = Wx + b.
     #[inline(always)]
-    pub(super) fn hidden<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub(super) fn forward_from<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         x: Vectors<S, T, H>,
-        z: &mut Units<S, T, H>,
-    ) {
-        match x {
-            Vectors::Jets(x) => self.forward_into(x, z),
-            Vectors::Units(x) => self.forward_into(x, z),
-        }
-    }
-
-    /// y = Wx + b of the last layer.
-    #[inline(always)]
-    pub(super) fn last<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
-        &self,
-        x: Vectors<S, T, H>,
-        y: &mut [Jet<S, T>],
+        y: &mut (impl Sink<S, T> + ?Sized),
     ) {
         match x {
             Vectors::Jets(x) => self.forward_into(x, y),
@@ -249,25 +236,12 @@ impl<W: WeightFormat> Dense<'_, W> {
         }
     }
 
-    /// x̄ = Wᵀȳ of a layer behind a hidden one.
+    /// x̄ = Wᵀȳ.
     #[inline(always)]
-    pub(super) fn hidden_adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
+    pub(super) fn adjoint_from<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
         &self,
         y_bar: Vectors<S, T, H>,
-        x_bar: &mut Units<S, T, H>,
-    ) {
-        match y_bar {
-            Vectors::Jets(y_bar) => self.adjoint_into(y_bar, x_bar),
-            Vectors::Units(y_bar) => self.adjoint_into(y_bar, x_bar),
-        }
-    }
-
-    /// x̄ = Wᵀȳ of the first layer.
-    #[inline(always)]
-    pub(super) fn first_adjoint<S: Scalar<Weight = W::Wide>, const T: usize, const H: usize>(
-        &self,
-        y_bar: Vectors<S, T, H>,
-        x_bar: &mut [Jet<S, T>],
+        x_bar: &mut (impl Sink<S, T> + ?Sized),
     ) {
         match y_bar {
             Vectors::Jets(y_bar) => self.adjoint_into(y_bar, x_bar),

@@ -37,12 +37,12 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let mut below = Vectors::Jets(x);
         let records = tape.slopes.iter_mut().zip(&mut tape.curvatures);
         for (layer, (slopes, curvatures)) in self.hidden().zip(records) {
-            layer.hidden(below, slopes);
+            layer.forward_from(below, slopes);
             // The layer has read the units below, which its own may replace.
             self.activation().apply_second_order(slopes, &mut units, curvatures);
             below = Vectors::Units(&units);
         }
-        self.output().last(below, y);
+        self.output().forward_from(below, y);
     }
 
     /// x̄ = (∂y/∂x)ᵀȳ, and the second derivatives of ȳ·y along every pair of the directions of the forward pass, x moving
@@ -60,7 +60,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let (mut layer, mut above) = (self.output(), Vectors::Jets(y_bar));
         let records = tape.slopes.iter().zip(&tape.curvatures).take(self.depth());
         for (below, (slopes, curvatures)) in self.hidden().rev().zip(records.rev()) {
-            layer.hidden_adjoint(above, other);
+            layer.adjoint_from(above, other);
             let (values, _) = other.parts_mut();
             for ((a, slope), curvature) in values.iter_mut().zip(slopes.jets()).zip(curvatures) {
                 for (row, rate) in sum.iter_mut().zip(&slope.tangent) {
@@ -71,7 +71,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
             core::mem::swap(&mut bar, &mut other);
             (layer, above) = (below, Vectors::Units(bar));
         }
-        layer.first_adjoint(above, x_bar);
+        layer.adjoint_from(above, x_bar);
         sum
     }
 }

@@ -33,7 +33,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         let records = tape.slopes.iter().zip(&tape.units).take(self.depth());
         for (below, (slopes, units)) in self.hidden().rev().zip(records.rev()) {
             visit(layer, Vectors::Units(units), above);
-            layer.hidden_adjoint(above, other);
+            layer.adjoint_from(above, other);
             let mut slopes = slopes.iter();
             other.map(|a| slopes.next().map_or(a, |slope| slope.adjoint(&a)));
             core::mem::swap(&mut bar, &mut other);
@@ -46,7 +46,7 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     fn forward_along<S: Scalar<Weight = W::Wide>>(&self, x: &[Jet<S, 2>], tape: &mut CurveTape<S, H, L>) {
         let mut below = Vectors::Jets(x);
         for ((layer, slopes), units) in self.hidden().zip(&mut tape.slopes).zip(&mut tape.units) {
-            layer.hidden(below, units);
+            layer.forward_from(below, units);
             slopes.clear();
             units.map(|unit| {
                 let c = self.activation().curve(unit.value);
