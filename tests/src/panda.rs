@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// Mass (kg), its centre (m), and the inertia xx, xy, xz, yy, yz, zz about the centre (kg m²).
 ///
 /// Source: Gaz et al., "Dynamic identification of the Franka Emika Panda robot with retrieval of feasible parameters", 2019.
-const BODIES: [[f64; 10]; JOINTS] = [
+pub const BODIES: [[f64; 10]; JOINTS] = [
     [4.970684, 3.875e-3, 2.081e-3, -0.1750, 0.70337, -1.39e-4, 6.772e-3, 0.70661, 1.9169e-2, 9.117e-3],
     [0.646926, -3.141e-3, -2.872e-2, 3.495e-3, 7.962e-3, -3.925e-3, 1.0254e-2, 2.811e-2, 7.04e-4, 2.5995e-2],
     [
@@ -40,7 +40,7 @@ const DRIVES: [[f32; 4]; JOINTS] = [
     [0.05, 0.08, 0.20, 0.08],
 ];
 /// Positions from and to (rad), velocity (rad/s) and effort (N m), by the maker's description.
-const LIMITS: [[f64; 4]; JOINTS] = [
+pub const LIMITS: [[f64; 4]; JOINTS] = [
     [-2.8973, 2.8973, 2.175, 87.0],
     [-1.7628, 1.7628, 2.175, 87.0],
     [-2.8973, 2.8973, 2.175, 87.0],

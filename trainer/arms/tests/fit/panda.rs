@@ -4,6 +4,7 @@ use leastaction_arms::excitation::{Search, Series, excite};
 use leastaction_arms::fit::{Arm, JointNumbers};
 use leastaction_arms::{Body, Inertia, Joint, Limits, Pose, Preparation, Samples, Tree};
 use leastaction_data::Rows;
+use leastaction_tests::panda::{BODIES, LIMITS};
 use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -19,39 +20,6 @@ const FRAMES: [[f64; 3]; N] = [
     [-FRAC_PI_2, -0.0825, 0.384],
     [FRAC_PI_2, 0.0, 0.0],
     [FRAC_PI_2, 0.088, 0.0],
-];
-/// Positions from and to, velocity and effort.
-const LIMITS: [[f64; 4]; N] = [
-    [-2.8973, 2.8973, 2.175, 87.0],
-    [-1.7628, 1.7628, 2.175, 87.0],
-    [-2.8973, 2.8973, 2.175, 87.0],
-    [-3.0718, -0.0698, 2.175, 87.0],
-    [-2.8973, 2.8973, 2.61, 12.0],
-    [-0.0175, 3.7525, 2.61, 12.0],
-    [-2.8973, 2.8973, 2.61, 12.0],
-];
-/// Mass, its centre, and the inertia xx, xy, xz, yy, yz, zz about the centre, as Gaz et al. identified them ("Dynamic identification of
-/// the Franka Emika Panda robot with retrieval of feasible parameters", 2019).
-const BODIES: [[f64; 10]; N] = [
-    [4.970684, 3.875e-3, 2.081e-3, -0.1750, 0.70337, -1.39e-4, 6.772e-3, 0.70661, 1.9169e-2, 9.117e-3],
-    [0.646926, -3.141e-3, -2.872e-2, 3.495e-3, 7.962e-3, -3.925e-3, 1.0254e-2, 2.811e-2, 7.04e-4, 2.5995e-2],
-    [
-        3.228604, 2.7518e-2, 3.9252e-2, -6.6502e-2, 3.7242e-2, -4.761e-3, -1.1396e-2, 3.6155e-2, -1.2805e-2,
-        1.083e-2,
-    ],
-    [
-        3.587895, -5.317e-2, 0.104419, 2.7454e-2, 2.5853e-2, 7.796e-3, -1.332e-3, 1.9552e-2, 8.641e-3,
-        2.8323e-2,
-    ],
-    [
-        1.225946, -1.1953e-2, 4.1065e-2, -3.8437e-2, 3.5549e-2, -2.117e-3, -4.037e-3, 2.9474e-2, 2.29e-4,
-        8.627e-3,
-    ],
-    [1.666555, 6.0149e-2, -1.4117e-2, -1.0517e-2, 1.964e-3, 1.09e-4, -1.158e-3, 4.354e-3, 3.41e-4, 5.433e-3],
-    [
-        0.735522, 1.0517e-2, -4.252e-3, 6.1597e-2, 1.2516e-2, -4.28e-4, -1.196e-3, 1.0027e-2, -7.41e-4,
-        4.815e-3,
-    ],
 ];
 /// Rotor, viscous friction, Coulomb friction, its growth with the load, its width, offset: of the size that fits of the real arm's log have.
 const JOINTS: [[f64; 6]; N] = [
