@@ -13,6 +13,7 @@ mod distance;
 pub mod graph;
 mod list;
 pub mod modular;
+mod multibody;
 mod network_shape;
 mod pull_back;
 pub mod rigid;

@@ -3,6 +3,7 @@
 use super::motion::{Carried, Frame};
 use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale};
 use super::{Joint, SpatialBodies, SpatialInertia};
+use crate::energy::multibody::{Carried as _, Frame as _, Wrench as _};
 use crate::expected::{expected, present};
 use crate::linear::Matrix;
 use crate::scalar::{Scalar, WeightFormat};

@@ -17,7 +17,8 @@ mod motion;
 mod parameters;
 mod vector;
 
-pub use super::bodies::{BodyTree as SpatialTree, Joint, TreeBody, TreeError};
+pub use super::modular::TreeError;
+pub use super::multibody::{BodyTree as SpatialTree, Joint, TreeBody};
 pub use bodies::SpatialBodies;
 pub use derivatives::InverseDynamicsDerivatives;
 pub use inertia::{INERTIAL_PARAMETERS, SpatialInertia};

@@ -3,13 +3,14 @@
 //! All vectors are in the axes of the base, and those of a body about the origin of its frame: no sum is turned on its way to
 //! the base, and none loses digits to a far origin.
 
-use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, product, scale, turned, turned_about};
-use super::{Joint, SpatialInertia, SpatialParameters};
+use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, product, scale, turned, turned_about};
+use super::{Joint, SPATIAL_PARAMETERS, SpatialInertia, SpatialParameters};
+use crate::energy::multibody::{self, Space, Wrench as _};
 use crate::scalar::Scalar;
 
 /// The frame of a body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame<S> {
+pub struct Frame<S> {
     pub joint: Joint,
     /// Its axes are the columns.
     pub rotation: Rotation<S>,
@@ -21,13 +22,16 @@ pub(super) struct Frame<S> {
     pub velocity: Twist<S>,
 }
 
-impl<S: Scalar> Frame<S> {
-    pub fn base() -> Self {
-        let (zero, one, none) = (S::zero(), S::one(), [S::zero(); 3]);
-        let rotation = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-        Self { joint: Joint::Revolute, rotation, axis: none, step: none, velocity: Twist::zero() }
-    }
+impl<S: Scalar> Space<S, SPATIAL_PARAMETERS> for Vector<S> {
+    type Frame = Frame<S>;
 
+    #[inline(always)]
+    fn body(numbers: [S; SPATIAL_PARAMETERS]) -> SpatialParameters<S> {
+        SpatialParameters::from_array(numbers)
+    }
+}
+
+impl<S: Scalar> Frame<S> {
     /// Where a body on this one is; its velocity is left 0.
     #[inline(always)]
     pub fn placed(&self, joint: Joint, numbers: &SpatialParameters<S>, q: S) -> Self {
@@ -39,19 +43,6 @@ impl<S: Scalar> Frame<S> {
             Joint::Prismatic => (rotation, add(place, scale(q, axis))),
         };
         Self { joint, rotation, axis, step, velocity: Twist::zero() }
-    }
-
-    /// The frame of a body on this one.
-    #[inline(always)]
-    pub fn carried(&self, joint: Joint, numbers: &SpatialParameters<S>, q: S, v: S) -> Self {
-        let frame = self.placed(joint, numbers, q);
-        let Twist { angular, linear } = self.velocity;
-        let (along, linear) = (scale(v, frame.axis), add(linear, cross(angular, frame.step)));
-        let velocity = match joint {
-            Joint::Revolute => Twist { angular: add(angular, along), linear },
-            Joint::Prismatic => Twist { angular, linear: add(linear, along) },
-        };
-        Self { velocity, ..frame }
     }
 
     /// Angular acceleration and acceleration of the origin of a body on the joint of this frame, whose parent has angular
@@ -67,39 +58,115 @@ impl<S: Scalar> Frame<S> {
             Joint::Prismatic => Twist { angular, linear: add(linear, add(along, add(turning, turning))) },
         }
     }
+}
 
-    /// The part of momentum or force at this joint that its coordinate has.
+impl<S: Scalar> multibody::Frame<S> for Frame<S> {
+    type Vector = Vector<S>;
+    type Body = SpatialParameters<S>;
+    type Bend = Twist<S>;
+    type Wrench = Wrench<S>;
+    type Carried = Carried<S>;
+    type Rotor = Rotor<S>;
+    type Pull = Vector<S>;
+
+    fn base() -> Self {
+        let (zero, one, none) = (S::zero(), S::one(), [S::zero(); 3]);
+        let rotation = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
+        Self { joint: Joint::Revolute, rotation, axis: none, step: none, velocity: Twist::zero() }
+    }
+
     #[inline(always)]
-    pub fn share(&self, wrench: &Wrench<S>) -> S {
+    fn carried(&self, joint: Joint, body: &SpatialParameters<S>, q: S, v: S) -> Self {
+        let frame = self.placed(joint, body, q);
+        let Twist { angular, linear } = self.velocity;
+        let (along, linear) = (scale(v, frame.axis), add(linear, cross(angular, frame.step)));
+        let velocity = match joint {
+            Joint::Revolute => Twist { angular: add(angular, along), linear },
+            Joint::Prismatic => Twist { angular, linear: add(linear, along) },
+        };
+        Self { velocity, ..frame }
+    }
+
+    #[inline(always)]
+    fn step(&self) -> Vector<S> {
+        self.step
+    }
+
+    #[inline(always)]
+    fn share(&self, wrench: &Wrench<S>) -> S {
         match self.joint {
-            Joint::Revolute => super::vector::dot(self.axis, wrench.angular),
-            Joint::Prismatic => super::vector::dot(self.axis, wrench.linear),
+            Joint::Revolute => dot(self.axis, wrench.angular),
+            Joint::Prismatic => dot(self.axis, wrench.linear),
         }
     }
 
-    /// z with ∂T/∂q = z·(momentum of all that the joint carries): the velocity of its body against its axis, V × S.
+    /// The velocity of its body against its axis, V × S.
     #[inline(always)]
-    pub fn bend(&self) -> Twist<S> {
+    fn bend(&self) -> Twist<S> {
         let Twist { angular, linear } = self.velocity;
         match self.joint {
             Joint::Revolute => Twist { angular: cross(angular, self.axis), linear: cross(linear, self.axis) },
             Joint::Prismatic => Twist { angular: [S::zero(); 3], linear: cross(angular, self.axis) },
         }
     }
+
+    #[inline(always)]
+    fn bent(bend: &Twist<S>, wrench: &Wrench<S>) -> S {
+        bend.dot(wrench)
+    }
+
+    #[inline(always)]
+    fn pull(unit: &Wrench<S>, gravity: Vector<S>) -> Vector<S> {
+        cross(unit.linear, gravity)
+    }
+
+    #[inline(always)]
+    fn pulled(&self, pull: Vector<S>) -> S {
+        match self.joint {
+            Joint::Revolute => dot(self.axis, pull),
+            Joint::Prismatic => S::zero(),
+        }
+    }
+}
+
+/// J of the rotor of a joint's drive as the joint sees it, which turns on its axis alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotor<S>(S);
+
+impl<S: Scalar> multibody::Rotor<S, Frame<S>> for Rotor<S> {
+    fn none() -> Self {
+        Self(S::zero())
+    }
+
+    #[inline(always)]
+    fn new(_: &Frame<S>, body: &SpatialParameters<S>, _: S) -> Self {
+        Self(body.rotor)
+    }
+
+    #[inline(always)]
+    fn momentum(&self, v: S) -> S {
+        self.0 * v
+    }
+
+    #[inline(always)]
+    fn inertia(&self) -> S {
+        self.0
+    }
+
+    #[inline(always)]
+    fn below(&self, unit: Wrench<S>) -> Wrench<S> {
+        unit
+    }
 }
 
 /// Sums over a body and all that it carries, about the origin of its frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Carried<S> {
+pub struct Carried<S> {
     pub inertia: SpatialInertia<S>,
     pub momentum: Wrench<S>,
 }
 
 impl<S: Scalar> Carried<S> {
-    pub fn nothing() -> Self {
-        Self { inertia: SpatialInertia::zero(), momentum: Wrench::zero() }
-    }
-
     /// With a body of this velocity, its inertia in the axes of the base.
     #[inline(always)]
     pub fn with_body(&self, inertia: &SpatialInertia<S>, velocity: &Twist<S>) -> Self {
@@ -113,16 +180,46 @@ impl<S: Scalar> Carried<S> {
         let momentum = self.momentum.plus(above.momentum.about(step));
         Self { inertia: self.inertia.plus(&above.inertia.about(step)), momentum }
     }
+}
 
-    /// ∂/∂q̇ of its momentum: that of a unit velocity of the joint that carries it.
+impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
+    fn nothing() -> Self {
+        Self { inertia: SpatialInertia::zero(), momentum: Wrench::zero() }
+    }
+
     #[inline(always)]
-    pub fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
+    fn begun(frame: &Frame<S>, body: &SpatialParameters<S>) -> Self {
+        Self::nothing().with_body(&body.inertia.turned(&frame.rotation), &frame.velocity)
+    }
+
+    #[inline(always)]
+    fn finished(self, _: &Frame<S>, _: &SpatialParameters<S>) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn with_joint(&self, joint: &Frame<S>, above: &Self, _: &SpatialParameters<S>, _: &Rotor<S>) -> Self {
+        self.with_joint(joint.step, above)
+    }
+
+    #[inline(always)]
+    fn momentum(&self) -> &Wrench<S> {
+        &self.momentum
+    }
+
+    #[inline(always)]
+    fn moment(&self, direction: Vector<S>) -> S {
+        dot(direction, self.inertia.moment)
+    }
+
+    #[inline(always)]
+    fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
         self.inertia.unit_momentum(frame)
     }
 
-    /// ∂/∂q of its momentum about a point that does not move with q: S ×* momentum + inertia of `bend`.
+    /// S ×* momentum + inertia of `bend`.
     #[inline(always)]
-    pub fn momentum_slope(&self, frame: &Frame<S>, bend: &Twist<S>) -> Wrench<S> {
+    fn momentum_slope(&self, frame: &Frame<S>, bend: &Twist<S>) -> Wrench<S> {
         let (axis, Wrench { angular, linear }) = (frame.axis, self.momentum);
         let SpatialInertia { mass, moment, .. } = self.inertia;
         match frame.joint {
