@@ -1,15 +1,14 @@
 use super::motion::Frame;
 use super::vector::{Twist, Wrench};
-use super::{SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialInertia};
+use super::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, BodyInertia};
 use crate::energy::multibody::{Bodies, Frame as _, Motion, Wrench as _};
 use crate::expected::{expected, present};
 use crate::scalar::{Scalar, WeightFormat};
 
-/// A tree of N rigid bodies on joints in space: γ and the [`SpatialParameters`](super::SpatialParameters) of every body.
-pub type SpatialBodies<'a, W, const N: usize> =
-    Bodies<'a, W, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, N>;
+/// A tree of N rigid bodies on joints in space: γ and the [`ArmParameters`](super::ArmParameters) of every body.
+pub type ArmBodies<'a, W, const N: usize> = Bodies<'a, W, ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, N>;
 
-impl<W: WeightFormat, const N: usize> SpatialBodies<'_, W, N> {
+impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
     /// The force of the drives that gives the acceleration v̇ at (q, v): M v̇ + L_vq v − L_q, N m or N, friction apart. O(n), by the
     /// recursion of Newton and Euler.
     pub fn inverse_dynamics<S: Scalar<Weight = W::Wide>>(
@@ -33,7 +32,7 @@ impl<W: WeightFormat, const N: usize> SpatialBodies<'_, W, N> {
         }
         let mut force = [S::zero(); N];
         for k in (0..N).rev() {
-            let rotor: S = W::scalar(self.numbers[k][SPATIAL_PARAMETERS - 1]);
+            let rotor: S = W::scalar(self.numbers[k][ARM_PARAMETERS - 1]);
             force[k] = frames[k].share(&wrenches[k]) + rotor * acceleration[k];
             let carried = wrenches[k].about(frames[k].step);
             if let Some(below) = self.parent(k).and_then(|parent| wrenches.get_mut(parent)) {
@@ -53,7 +52,7 @@ impl<W: WeightFormat, const N: usize> SpatialBodies<'_, W, N> {
     /// M(q), symmetric: the composite inertias of all that a joint carries, without velocities.
     pub fn mass_matrix<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
         let base = Frame::base();
-        let (mut frames, mut inertias) = ([base; N], [SpatialInertia::zero(); N]);
+        let (mut frames, mut inertias) = ([base; N], [BodyInertia::zero(); N]);
         let mut mass = [[S::zero(); N]; N];
         for k in 0..N {
             let numbers = self.body(k);

@@ -4,7 +4,7 @@
 //! the base, and none loses digits to a far origin.
 
 use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, product, scale, turned, turned_about};
-use super::{Joint, SPATIAL_PARAMETERS, SpatialInertia, SpatialParameters};
+use super::{ARM_PARAMETERS, ArmParameters, BodyInertia, Joint};
 use crate::energy::multibody::{self, Space, Wrench as _};
 use crate::scalar::Scalar;
 
@@ -22,19 +22,19 @@ pub struct Frame<S> {
     pub velocity: Twist<S>,
 }
 
-impl<S: Scalar> Space<S, SPATIAL_PARAMETERS> for Vector<S> {
+impl<S: Scalar> Space<S, ARM_PARAMETERS> for Vector<S> {
     type Frame = Frame<S>;
 
     #[inline(always)]
-    fn body(numbers: [S; SPATIAL_PARAMETERS]) -> SpatialParameters<S> {
-        SpatialParameters::from_array(numbers)
+    fn body(numbers: [S; ARM_PARAMETERS]) -> ArmParameters<S> {
+        ArmParameters::from_array(numbers)
     }
 }
 
 impl<S: Scalar> Frame<S> {
     /// Where a body on this one is; its velocity is left 0.
     #[inline(always)]
-    pub fn placed(&self, joint: Joint, numbers: &SpatialParameters<S>, q: S) -> Self {
+    pub fn placed(&self, joint: Joint, numbers: &ArmParameters<S>, q: S) -> Self {
         let rotation = product(&self.rotation, &numbers.rotation);
         let axis = turned(&rotation, numbers.axis);
         let place = turned(&self.rotation, numbers.place);
@@ -62,7 +62,7 @@ impl<S: Scalar> Frame<S> {
 
 impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Vector = Vector<S>;
-    type Body = SpatialParameters<S>;
+    type Body = ArmParameters<S>;
     type Bend = Twist<S>;
     type Wrench = Wrench<S>;
     type Carried = Carried<S>;
@@ -76,7 +76,7 @@ impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     }
 
     #[inline(always)]
-    fn carried(&self, joint: Joint, body: &SpatialParameters<S>, q: S, v: S) -> Self {
+    fn carried(&self, joint: Joint, body: &ArmParameters<S>, q: S, v: S) -> Self {
         let frame = self.placed(joint, body, q);
         let Twist { angular, linear } = self.velocity;
         let (along, linear) = (scale(v, frame.axis), add(linear, cross(angular, frame.step)));
@@ -139,7 +139,7 @@ impl<S: Scalar> multibody::Rotor<S, Frame<S>> for Rotor<S> {
     }
 
     #[inline(always)]
-    fn new(_: &Frame<S>, body: &SpatialParameters<S>, _: S) -> Self {
+    fn new(_: &Frame<S>, body: &ArmParameters<S>, _: S) -> Self {
         Self(body.rotor)
     }
 
@@ -162,14 +162,14 @@ impl<S: Scalar> multibody::Rotor<S, Frame<S>> for Rotor<S> {
 /// Sums over a body and all that it carries, about the origin of its frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Carried<S> {
-    pub inertia: SpatialInertia<S>,
+    pub inertia: BodyInertia<S>,
     pub momentum: Wrench<S>,
 }
 
 impl<S: Scalar> Carried<S> {
     /// With a body of this velocity, its inertia in the axes of the base.
     #[inline(always)]
-    pub fn with_body(&self, inertia: &SpatialInertia<S>, velocity: &Twist<S>) -> Self {
+    pub fn with_body(&self, inertia: &BodyInertia<S>, velocity: &Twist<S>) -> Self {
         let momentum = self.momentum.plus(inertia.momentum(velocity));
         Self { inertia: self.inertia.plus(inertia), momentum }
     }
@@ -184,21 +184,21 @@ impl<S: Scalar> Carried<S> {
 
 impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
     fn nothing() -> Self {
-        Self { inertia: SpatialInertia::zero(), momentum: Wrench::zero() }
+        Self { inertia: BodyInertia::zero(), momentum: Wrench::zero() }
     }
 
     #[inline(always)]
-    fn begun(frame: &Frame<S>, body: &SpatialParameters<S>) -> Self {
+    fn begun(frame: &Frame<S>, body: &ArmParameters<S>) -> Self {
         Self::nothing().with_body(&body.inertia.turned(&frame.rotation), &frame.velocity)
     }
 
     #[inline(always)]
-    fn finished(self, _: &Frame<S>, _: &SpatialParameters<S>) -> Self {
+    fn finished(self, _: &Frame<S>, _: &ArmParameters<S>) -> Self {
         self
     }
 
     #[inline(always)]
-    fn with_joint(&self, joint: &Frame<S>, above: &Self, _: &SpatialParameters<S>, _: &Rotor<S>) -> Self {
+    fn with_joint(&self, joint: &Frame<S>, above: &Self, _: &ArmParameters<S>, _: &Rotor<S>) -> Self {
         self.with_joint(joint.step, above)
     }
 
@@ -221,7 +221,7 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
     #[inline(always)]
     fn momentum_slope(&self, frame: &Frame<S>, bend: &Twist<S>) -> Wrench<S> {
         let (axis, Wrench { angular, linear }) = (frame.axis, self.momentum);
-        let SpatialInertia { mass, moment, .. } = self.inertia;
+        let BodyInertia { mass, moment, .. } = self.inertia;
         match frame.joint {
             Joint::Revolute => {
                 let turned = Wrench { angular: cross(axis, angular), linear: cross(axis, linear) };
@@ -235,7 +235,7 @@ impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
     }
 }
 
-impl<S: Scalar> SpatialInertia<S> {
+impl<S: Scalar> BodyInertia<S> {
     /// The momentum at a unit velocity of the joint of this frame.
     #[inline(always)]
     pub(super) fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
