@@ -1,10 +1,10 @@
 //! Models that are read: from files, from the folders of runs, and in the chip's arithmetic.
 
 use crate::cli::Failure;
-use leastaction_chip::{Chip, ModelFile};
 use leastaction_core::model::ModelError;
 use leastaction_learning::checkpoint::{Best, Trained};
 use leastaction_learning::model_file::{self, HostModel, Precision, decode};
+use leastaction_replica::{ModelFile, Replica};
 use std::path::Path;
 
 /// A model file in memory.
@@ -127,6 +127,6 @@ pub fn chip_file(model: &HostModel) -> Result<ModelFile, String> {
 ///
 /// # Errors
 /// In words, where core is not compiled for its size.
-pub fn meant<'f>(file: &'f ModelFile, model: &HostModel) -> Result<Chip<'f>, String> {
-    file.chip(model.architecture.part().map(|(_, name)| name)).map_err(|error| error.to_string())
+pub fn meant<'f>(file: &'f ModelFile, model: &HostModel) -> Result<Replica<'f>, String> {
+    file.replica(model.architecture.part().map(|(_, name)| name)).map_err(|error| error.to_string())
 }

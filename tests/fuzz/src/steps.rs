@@ -2,7 +2,7 @@
 
 use crate::model::File;
 use crate::{HEAD, Random};
-use leastaction_chip::{Chip, Control, ModelFile, Step};
+use leastaction_replica::{Replica, Control, ModelFile, Step};
 use leastaction_core::discrete::Order;
 
 /// Steps of a motion.
@@ -17,7 +17,7 @@ const MOST: usize = 16;
 pub fn steps(input: &[u8]) {
     let Some(([seed, size, h], sections)) = input.split_first_chunk::<HEAD>() else { return };
     let Ok(file) = ModelFile::new(File::of(sections).bytes()) else { return };
-    let Ok(chip) = file.chip(None) else { return };
+    let Ok(chip) = file.replica(None) else { return };
     let n = chip.n();
     if n > MOST {
         return;
@@ -39,7 +39,7 @@ fn sized(byte: u8) -> f32 {
     if byte == 255 { f32::INFINITY } else { 10_f32.powf(f32::from(byte) / 42.0 - 3.0) }
 }
 
-fn accelerate(chip: &Chip, [q, v, u]: &[Vec<f32>; 3]) {
+fn accelerate(chip: &Replica, [q, v, u]: &[Vec<f32>; 3]) {
     let Ok(mut evaluator) = chip.evaluator() else { return };
     let mut found = vec![0.0; q.len()];
     if evaluator.acceleration(q, v, u, &mut found).is_ok() {
@@ -52,7 +52,7 @@ fn accelerate(chip: &Chip, [q, v, u]: &[Vec<f32>; 3]) {
 }
 
 /// The bits of a motion, as far as it goes.
-fn moved(chip: &Chip, step: Step, [q, v, u]: &[Vec<f32>; 3]) -> Vec<u32> {
+fn moved(chip: &Replica, step: Step, [q, v, u]: &[Vec<f32>; 3]) -> Vec<u32> {
     let Ok(mut motion) = chip.motion_at(step, q, v) else { return Vec::new() };
     let bits = |x: &[f32]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     for _ in 0..STEPS {

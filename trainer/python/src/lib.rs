@@ -1,7 +1,7 @@
 //! The extension module `leastaction._leastaction`: what the package's Python calls.
 //!
 //! ```text
-//! arrays of Python ─► arrays ─► single  (the chip's arithmetic, Chip of leastaction-chip) ─► arrays of Python
+//! arrays of Python ─► arrays ─► single  (the chip's arithmetic, Replica of leastaction-replica) ─► arrays of Python
 //!                             ├► motion  (the same, step by step), observer
 //!                             └► double  (programs of any size, in f64)
 //! files ─► training, tools (what the command does, by its library)

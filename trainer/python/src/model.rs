@@ -6,13 +6,13 @@ use crate::errors::{Kind, failure, input};
 use crate::motion::{Flight, Motions};
 use crate::single::{self, Quantity, Unsolved};
 use leastaction::models::{Loaded as Read, chip_file, of_part, read, refused};
-use leastaction_chip::{Chip, ModelFile, Step};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::{FORMAT_VERSION, Interval};
 use leastaction_learning::data::control_name;
 use leastaction_learning::model_file::{HostModel, Precision, c_source, rust_source};
 use leastaction_learning::windows::Calibrated;
 use leastaction_programs::dynamics;
+use leastaction_replica::{ModelFile, Replica, Step};
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -24,7 +24,7 @@ self_cell::self_cell!(
     pub struct OnChip {
         owner: ModelFile,
         #[covariant]
-        dependent: Chip,
+        dependent: Replica,
     }
 );
 
@@ -45,7 +45,7 @@ impl Model {
         let file = chip_file(&host);
         let part = host.architecture.part().map(|(_, name)| name.to_owned());
         let chip = file.and_then(|file| {
-            OnChip::try_new(file, |file| file.chip(part.as_deref())).map_err(|error| error.to_string())
+            OnChip::try_new(file, |file| file.replica(part.as_deref())).map_err(|error| error.to_string())
         });
         Self { host, bytes, chip: chip.map(Arc::new) }
     }

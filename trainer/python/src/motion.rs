@@ -4,7 +4,7 @@ use crate::arrays::{Numbers, Table, rows, table};
 use crate::blocks::fill;
 use crate::model::{OnChip, unsolved};
 use crate::single::Unsolved;
-use leastaction_chip::{Chip, ChipError, Control, Motion, Step};
+use leastaction_replica::{Control, Motion, Replica, ReplicaError, Step};
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -29,7 +29,7 @@ type AnyMotion<'c> = Box<dyn Motion + 'c>;
 
 impl Flight {
     /// The motion of this number, `tau` being the control of the first step.
-    fn begin<'c>(&self, chip: &'c Chip, k: usize, tau: Control) -> Result<AnyMotion<'c>, ChipError> {
+    fn begin<'c>(&self, chip: &'c Replica, k: usize, tau: Control) -> Result<AnyMotion<'c>, ReplicaError> {
         let [first, second] = self.start.each_ref().map(|table| table.row(k));
         if self.positions {
             chip.motion_between(self.step, [first, second], tau)
@@ -45,7 +45,7 @@ impl Flight {
     /// The first motion that cannot be stepped, unless `nan`.
     pub fn run(
         &self,
-        chip: &Chip,
+        chip: &Replica,
         tau: &[Table<f32>; 2],
         steps: usize,
         nan: bool,
@@ -66,11 +66,11 @@ impl Flight {
 
     fn run_one(
         &self,
-        chip: &Chip,
+        chip: &Replica,
         (index, steps): (usize, usize),
         tau: &[Table<f32>; 2],
         to: &mut [f32],
-    ) -> Result<(), ChipError> {
+    ) -> Result<(), ReplicaError> {
         let n = chip.n();
         let [start, end] = tau.each_ref().map(|tau| tau.row(index));
         let control = |k: usize| {
@@ -137,7 +137,7 @@ impl Motions {
     fn rows<'py>(
         &self,
         py: Python<'py>,
-        of: impl Fn(&AnyMotion, &mut [f32]) -> Result<(), ChipError>,
+        of: impl Fn(&AnyMotion, &mut [f32]) -> Result<(), ReplicaError>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let each = self.each();
         let mut numbers = vec![0.0; each.len() * self.n];

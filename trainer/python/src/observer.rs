@@ -3,9 +3,9 @@
 use crate::arrays::Numbers;
 use crate::errors::{Kind, input};
 use crate::model::{Model, OnChip, order};
-use leastaction_chip::{Control, Step, Watch};
 use leastaction_core::observer::{Tuning, ZerosPrior};
 use leastaction_firmware_sim::observer::ObserverConfig;
+use leastaction_replica::{Control, Step, Watch};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

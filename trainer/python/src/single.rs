@@ -2,7 +2,7 @@
 
 use crate::arrays::Table;
 use crate::blocks::{BLOCK, fill};
-use leastaction_chip::{Chip, ChipError, Evaluator};
+use leastaction_replica::{Evaluator, Replica, ReplicaError};
 
 /// What is computed of every state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ pub struct Unsolved {
     /// Its number.
     pub index: usize,
     /// Why.
-    pub error: ChipError,
+    pub error: ReplicaError,
 }
 
 /// Computes a quantity of every state; where it does not exist it is NaN, or an error.
@@ -62,7 +62,7 @@ pub struct Unsolved {
 /// # Errors
 /// The first state that has no value, unless `nan`.
 pub fn evaluate(
-    chip: &Chip,
+    chip: &Replica,
     (quantity, nan): (Quantity, bool),
     (inputs, count): (&[Table<f32>], usize),
 ) -> Result<Vec<f32>, Unsolved> {
@@ -88,7 +88,7 @@ fn of_state(
     quantity: Quantity,
     (inputs, index): (&[Table<f32>], usize),
     to: &mut [f32],
-) -> Result<(), ChipError> {
+) -> Result<(), ReplicaError> {
     let row = |which: usize| inputs.get(which).map_or(&[][..], |table| table.row(index));
     match quantity {
         Quantity::Energies => {

@@ -1,4 +1,4 @@
-"""What 100,000 accelerations take, beside `cargo run --release -p leastaction-chip --example accelerations`, and how threads scale.
+"""What 100,000 accelerations take, beside `cargo run --release -p leastaction-replica --example accelerations`, and how threads scale.
 
     RAYON_NUM_THREADS=1 python tests/speed.py m.postcard
 """

@@ -1,16 +1,16 @@
 //! Steps along a log in the chip's arithmetic: what single precision costs, for a model of any size.
 
 use super::report::Steps;
-use leastaction_chip::{Chip, ChipError, Control, Motion, Step};
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::finished;
 use leastaction_learning::parallel;
 use leastaction_learning::training::Solved;
+use leastaction_replica::{Control, Motion, Replica, ReplicaError, Step};
 
 /// Steps a model along a log: from every pair of positions, and over whole trajectories from the second sample.
-pub fn steps(chip: &Chip, order: Order, log: &Dataset) -> Result<Steps, ChipError> {
+pub fn steps(chip: &Replica, order: Order, log: &Dataset) -> Result<Steps, ReplicaError> {
     let step = Step { order, h: log.h as f32 };
     let tracks: Vec<_> =
         log.trajectories.iter().map(|t| Track::new(chip, step, t, log)).collect::<Result<_, _>>()?;
@@ -27,7 +27,7 @@ pub fn steps(chip: &Chip, order: Order, log: &Dataset) -> Result<Steps, ChipErro
 
 /// A trajectory in single precision.
 struct Track<'l> {
-    chip: &'l Chip<'l>,
+    chip: &'l Replica<'l>,
     step: Step,
     logged: &'l Trajectory,
     q: Vec<Vec<f32>>,
@@ -37,7 +37,12 @@ struct Track<'l> {
 }
 
 impl<'l> Track<'l> {
-    fn new(chip: &'l Chip, step: Step, logged: &'l Trajectory, log: &Dataset) -> Result<Self, ChipError> {
+    fn new(
+        chip: &'l Replica,
+        step: Step,
+        logged: &'l Trajectory,
+        log: &Dataset,
+    ) -> Result<Self, ReplicaError> {
         let u = logged.u.as_ref().map_or_else(|| vec![vec![0.0; log.n]; logged.samples()], singles);
         let mut actuators = chip.actuators(step.h)?;
         let pairs = u.iter().zip(u.iter().skip(1));
@@ -58,7 +63,7 @@ impl<'l> Track<'l> {
     }
 
     /// From positions k − 1 and k.
-    fn after_positions(&self, k: usize) -> Result<Box<dyn Motion + '_>, ChipError> {
+    fn after_positions(&self, k: usize) -> Result<Box<dyn Motion + '_>, ReplicaError> {
         self.chip.motion_between(self.step, [&self.q[k - 1], &self.q[k]], self.control(k - 1))
     }
 
@@ -67,7 +72,7 @@ impl<'l> Track<'l> {
         (1..self.logged.samples().saturating_sub(1)).map(|k| self.one_step(k).ok()).collect()
     }
 
-    fn one_step(&self, k: usize) -> Result<f64, ChipError> {
+    fn one_step(&self, k: usize) -> Result<f64, ReplicaError> {
         let mut motion = self.after_positions(k)?;
         motion.step(self.control(k))?;
         let squares = motion.q().iter().zip(&self.logged.q[k + 1]).map(|(q, logged)| {
@@ -85,7 +90,7 @@ impl<'l> Track<'l> {
         positions
     }
 
-    fn extend(&self, positions: &mut Vec<f64>) -> Result<(), ChipError> {
+    fn extend(&self, positions: &mut Vec<f64>) -> Result<(), ReplicaError> {
         let mut motion = match &self.v {
             Some(v) => self.chip.motion_at(self.step, &self.q[1], &v[1])?,
             None => self.after_positions(1)?,

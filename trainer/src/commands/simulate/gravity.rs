@@ -8,9 +8,9 @@ use super::{Report, Request, Trace};
 use clap::Args;
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::{finite, not_negative};
-use leastaction_chip::SystemOf;
 use leastaction_firmware_sim::Mechanism;
 use leastaction_firmware_sim::scenario::{Floating, GravityConfig};
+use leastaction_replica::SystemOf;
 use serde::Serialize;
 
 /// What floats, and how it is pushed.

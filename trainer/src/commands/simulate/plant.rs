@@ -4,7 +4,6 @@ use super::scenario::{misused, reported};
 use super::{Report, Request, Trace};
 use leastaction::cli::Failure;
 use leastaction::models::{chip_file, meant};
-use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::{CoordinateRange, Interval};
 use leastaction_firmware_sim::Goal;
@@ -13,6 +12,7 @@ use leastaction_firmware_sim::observer::ObserverConfig;
 use leastaction_firmware_sim::scenario::{Excitation, Predict, Push, Setup, Start, predict};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
+use leastaction_replica::{OfSize, ParticleSystem, Replica, SystemOf, Visitor};
 use std::path::Path;
 
 /// The plant.
@@ -79,7 +79,7 @@ pub trait OnPlant {
 /// Runs a model on the plant of another file, of the same coordinates.
 pub fn on_plant(
     request: &Request,
-    model: &Chip,
+    model: &Replica,
     plant: &HostModel,
     (what, trace): (impl OnPlant, &mut Trace),
 ) -> Result<Report, Failure> {
@@ -96,7 +96,7 @@ pub fn on_plant(
 /// Runs it in as many coordinates as there are.
 struct OfAnySize<'r, 'c, W> {
     request: &'r Request<'r>,
-    plant: &'r Chip<'c>,
+    plant: &'r Replica<'c>,
     what: W,
     trace: &'r mut Trace,
 }
@@ -106,7 +106,7 @@ impl<'c, W: OnPlant> Visitor<'c> for OfAnySize<'_, '_, W> {
 
     fn coordinates<const N: usize>(self, model: &'c SystemOf<'c, N>) -> Self::Output
     where
-        for<'f> Chip<'f>: OfSize<N>,
+        for<'f> Replica<'f>: OfSize<N>,
     {
         let Self { request, plant, what, trace } = self;
         what.run(request, (OfSize::<N>::of_size(plant).ok_or_else(no_graphs)?, model), trace)

@@ -6,7 +6,6 @@ use super::world::known_actuator;
 use super::{Trace, median_and_most};
 use leastaction::cli::{Failure, Output};
 use leastaction::models::{chip_file, meant};
-use leastaction_chip::{Chip, OfSize, ParticleSystem, SystemOf, Visitor};
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::{LearnZeros, ObserverConfig, OtherStep};
 use leastaction_firmware_sim::scenario::{Logged, replay};
@@ -14,6 +13,7 @@ use leastaction_firmware_sim::{Mode, Outcome, Program, SetupError, Summary, Tick
 use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::{Dataset, Rows};
 use leastaction_learning::model_file::HostModel;
+use leastaction_replica::{OfSize, ParticleSystem, Replica, SystemOf, Visitor};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -130,7 +130,7 @@ impl<'c> Visitor<'c> for Along<'_, '_> {
 
     fn coordinates<const N: usize>(self, model: &'c SystemOf<'c, N>) -> Self::Output
     where
-        for<'f> Chip<'f>: OfSize<N>,
+        for<'f> Replica<'f>: OfSize<N>,
     {
         let Self { replay: this, data, trace } = self;
         let program = this.program::<N>(data.h as f32)?;

@@ -9,7 +9,6 @@ use super::{Motion, Report, Trace};
 use clap::ValueEnum;
 use leastaction::cli::{Failure, Output};
 use leastaction::models::{chip_file, meant};
-use leastaction_chip::{Chip, OfSize, SystemOf};
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_firmware_sim::control::Trajectory;
@@ -20,6 +19,7 @@ use leastaction_firmware_sim::scenario::{
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary, Tick};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::model_file::HostModel;
+use leastaction_replica::{OfSize, Replica, SystemOf};
 use serde::Serialize;
 use std::convert::Infallible;
 use std::fmt;
@@ -132,7 +132,7 @@ pub fn run(request: &Request, trace: &mut Trace) -> Result<Report, Failure> {
 
 fn beside_exact(
     request: &Request,
-    model: &Chip,
+    model: &Replica,
     mechanism: Mechanism,
     trace: &mut Trace,
 ) -> Result<Report, Failure> {

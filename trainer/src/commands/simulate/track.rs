@@ -7,9 +7,9 @@ use super::{Report, Request, Trace};
 use clap::{Args, ValueEnum};
 use leastaction::cli::Failure;
 use leastaction::cli::arguments::positive_f32;
-use leastaction_chip::SystemOf;
 use leastaction_firmware_sim::control::{Gains, Law, Trajectory};
 use leastaction_firmware_sim::scenario::TrackConfig;
+use leastaction_replica::SystemOf;
 use std::path::{Path, PathBuf};
 
 /// How a motion is followed.

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 #[allow(dead_code, missing_docs, reason = "shared with tests, which use more of it")]
-#[path = "../../../../../trainer/chip/tests/common/mod.rs"]
+#[path = "../../../../../trainer/replica/tests/common/mod.rs"]
 mod samples;
 
 // What counts branches is in the fuzzer's library, which wants a target.

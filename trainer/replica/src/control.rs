@@ -1,4 +1,4 @@
-use crate::ChipError;
+use crate::ReplicaError;
 use leastaction_core::discrete::Order;
 use leastaction_core::forces;
 use leastaction_core::model::TrainedStep;
@@ -34,24 +34,24 @@ impl<'t> Control<'t> {
     }
 
     /// In N coordinates.
-    pub(crate) fn sized<const N: usize>(self) -> Result<forces::Control<f32, N>, ChipError> {
+    pub(crate) fn sized<const N: usize>(self) -> Result<forces::Control<f32, N>, ReplicaError> {
         Ok(forces::Control { start: array("tau", self.start)?, end: array("tau", self.end)? })
     }
 }
 
 /// The numbers of a slice, which must be N.
-pub(crate) fn array<const N: usize>(what: &'static str, x: &[f32]) -> Result<[f32; N], ChipError> {
+pub(crate) fn array<const N: usize>(what: &'static str, x: &[f32]) -> Result<[f32; N], ReplicaError> {
     copied(what, x)
 }
 
 /// The entries of a slice, which must be N.
-pub(crate) fn copied<T: Copy, const N: usize>(what: &'static str, x: &[T]) -> Result<[T; N], ChipError> {
-    x.try_into().map_err(|_| ChipError::Length { what, expected: N, found: x.len() })
+pub(crate) fn copied<T: Copy, const N: usize>(what: &'static str, x: &[T]) -> Result<[T; N], ReplicaError> {
+    x.try_into().map_err(|_| ReplicaError::Length { what, expected: N, found: x.len() })
 }
 
 /// Writes numbers to a slice that must be as long.
-pub(crate) fn write(what: &'static str, from: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
-    ChipError::check_length(what, from.len(), to.len())?;
+pub(crate) fn write(what: &'static str, from: &[f32], to: &mut [f32]) -> Result<(), ReplicaError> {
+    ReplicaError::check_length(what, from.len(), to.len())?;
     to.copy_from_slice(from);
     Ok(())
 }

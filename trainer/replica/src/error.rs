@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// Why a model was refused, or could not be evaluated or stepped.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum ChipError {
+pub enum ReplicaError {
     /// The file is damaged, or asks for layers, units or types beyond those that are compiled here.
     #[error("{0}")]
     Model(ModelError),
@@ -44,31 +44,31 @@ pub enum ChipError {
     Constraint(ConstraintError<f32>),
 }
 
-impl From<ModelError> for ChipError {
+impl From<ModelError> for ReplicaError {
     fn from(error: ModelError) -> Self {
         Self::Model(error)
     }
 }
 
-impl From<StepError<f32>> for ChipError {
+impl From<StepError<f32>> for ReplicaError {
     fn from(error: StepError<f32>) -> Self {
         Self::Step(error)
     }
 }
 
-impl From<SolveError> for ChipError {
+impl From<SolveError> for ReplicaError {
     fn from(error: SolveError) -> Self {
         Self::Step(error.into())
     }
 }
 
-impl From<ConstraintError<f32>> for ChipError {
+impl From<ConstraintError<f32>> for ReplicaError {
     fn from(error: ConstraintError<f32>) -> Self {
         Self::Constraint(error)
     }
 }
 
-impl ChipError {
+impl ReplicaError {
     /// An error unless a slice has `expected` numbers.
     pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) -> Result<(), Self> {
         if found == expected { Ok(()) } else { Err(Self::Length { what, expected, found }) }

@@ -1,4 +1,4 @@
-use crate::{ChipError, Control};
+use crate::{Control, ReplicaError};
 use leastaction_core::forces;
 use leastaction_core::forces::Actuator;
 use leastaction_core::model::{ActuatorBytes, ModelError};
@@ -17,7 +17,7 @@ pub struct Actuators {
 }
 
 impl Actuators {
-    pub(crate) fn new(bytes: Option<ActuatorBytes>, n: usize, h: f32) -> Result<Self, ChipError> {
+    pub(crate) fn new(bytes: Option<ActuatorBytes>, n: usize, h: f32) -> Result<Self, ReplicaError> {
         let (start, end) = (vec![0.0; n], vec![0.0; n]);
         let Some(bytes) = bytes else {
             return Ok(Self { each: Vec::new(), past: VecDeque::new(), start, end });
@@ -41,16 +41,16 @@ impl Actuators {
     /// The force over the step that begins when `u` is commanded, and that holds it.
     ///
     /// # Errors
-    /// [`ChipError::Length`].
-    pub fn held(&mut self, u: &[f32]) -> Result<Control<'_>, ChipError> {
+    /// [`ReplicaError::Length`].
+    pub fn held(&mut self, u: &[f32]) -> Result<Control<'_>, ReplicaError> {
         self.over(u, u, |actuator, [before, now, _]| actuator.held(&[before], &[now]))
     }
 
     /// The force over the step between two samples of the command, linear between them.
     ///
     /// # Errors
-    /// [`ChipError::Length`].
-    pub fn linear(&mut self, start: &[f32], end: &[f32]) -> Result<Control<'_>, ChipError> {
+    /// [`ReplicaError::Length`].
+    pub fn linear(&mut self, start: &[f32], end: &[f32]) -> Result<Control<'_>, ReplicaError> {
         self.over(start, end, |actuator, [before, now, next]| actuator.linear(&[before], &[now], &[next]))
     }
 
@@ -60,9 +60,9 @@ impl Actuators {
         start: &[f32],
         end: &[f32],
         of: impl Fn(&Actuator<f32, 1>, [f32; 3]) -> forces::Control<f32, 1>,
-    ) -> Result<Control<'_>, ChipError> {
+    ) -> Result<Control<'_>, ReplicaError> {
         for x in [start, end] {
-            ChipError::check_length("u", self.start.len(), x.len())?;
+            ReplicaError::check_length("u", self.start.len(), x.len())?;
         }
         if self.each.is_empty() {
             self.start.copy_from_slice(start);

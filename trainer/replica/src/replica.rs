@@ -3,7 +3,7 @@ use crate::particles::{ParticleEvaluator, ParticleMotion};
 use crate::sizes::AnySystem;
 use crate::watch::watch;
 use crate::{
-    Actuators, ChipError, Control, Evaluator, Motion, ParticleSystem, Step, SystemOf, Visitor, Watch,
+    Actuators, Control, Evaluator, Motion, ParticleSystem, ReplicaError, Step, SystemOf, Visitor, Watch,
 };
 use leastaction_core::discrete::Newton;
 use leastaction_core::model::{
@@ -12,14 +12,14 @@ use leastaction_core::model::{
 use leastaction_core::observer::Tuning;
 
 /// A model as the chip has it: evaluated and stepped in single precision by core itself, whatever its size.
-pub struct Chip<'f> {
+pub struct Replica<'f> {
     system: AnySystem<'f>,
     trained_step: Option<TrainedStep>,
     range: Option<TrainingRange<'f>>,
     actuator: Option<ActuatorBytes<'f>>,
 }
 
-impl<'f> Chip<'f> {
+impl<'f> Replica<'f> {
     pub(crate) fn new(
         system: AnySystem<'f>,
         trained_step: Option<TrainedStep>,
@@ -51,16 +51,16 @@ impl<'f> Chip<'f> {
     /// Evaluates energies and accelerations.
     ///
     /// # Errors
-    /// [`ChipError::Constraint`] for rods that cannot be; none of a file that was read.
-    pub fn evaluator(&self) -> Result<Box<dyn Evaluator + '_>, ChipError> {
+    /// [`ReplicaError::Constraint`] for rods that cannot be; none of a file that was read.
+    pub fn evaluator(&self) -> Result<Box<dyn Evaluator + '_>, ReplicaError> {
         self.visit(Evaluate)
     }
 
     /// The motion from a position and a velocity.
     ///
     /// # Errors
-    /// [`ChipError::Length`]; where a number is not finite, or positions are off their rods.
-    pub fn motion_at(&self, step: Step, q: &[f32], v: &[f32]) -> Result<Box<dyn Motion + '_>, ChipError> {
+    /// [`ReplicaError::Length`]; where a number is not finite, or positions are off their rods.
+    pub fn motion_at(&self, step: Step, q: &[f32], v: &[f32]) -> Result<Box<dyn Motion + '_>, ReplicaError> {
         self.visit(Begin { step, beginning: Beginning::At { q, v } })
     }
 
@@ -68,13 +68,13 @@ impl<'f> Chip<'f> {
     /// needed.
     ///
     /// # Errors
-    /// As [`Chip::motion_at`]; where the step between them cannot be solved.
+    /// As [`Replica::motion_at`]; where the step between them cannot be solved.
     pub fn motion_between(
         &self,
         step: Step,
         q: [&[f32]; 2],
         control: Control,
-    ) -> Result<Box<dyn Motion + '_>, ChipError> {
+    ) -> Result<Box<dyn Motion + '_>, ReplicaError> {
         self.visit(Begin { step, beginning: Beginning::Between { q, control } })
     }
 
@@ -82,21 +82,21 @@ impl<'f> Chip<'f> {
     /// forgets whole turns.
     ///
     /// # Errors
-    /// [`ChipError::Length`]; [`ChipError::OfGraph`].
+    /// [`ReplicaError::Length`]; [`ReplicaError::OfGraph`].
     pub fn watch(
         &self,
         (step, newton): (Step, Newton<f32>),
         angle: &[bool],
         tuning: Tuning<f32>,
-    ) -> Result<Box<dyn Watch + '_>, ChipError> {
+    ) -> Result<Box<dyn Watch + '_>, ReplicaError> {
         self.visit(Observe { step, newton, angle, tuning })
     }
 
     /// From commands to forces in steps of h seconds, as the file has it.
     ///
     /// # Errors
-    /// [`ChipError::Model`] where the actuator is of another number of coordinates, or its delay is more than 65,535 steps.
-    pub fn actuators(&self, h: f32) -> Result<Actuators, ChipError> {
+    /// [`ReplicaError::Model`] where the actuator is of another number of coordinates, or its delay is more than 65,535 steps.
+    pub fn actuators(&self, h: f32) -> Result<Actuators, ReplicaError> {
         Actuators::new(self.actuator, self.n(), h)
     }
 
@@ -104,11 +104,11 @@ impl<'f> Chip<'f> {
     /// what they covered.
     ///
     /// # Errors
-    /// [`ChipError::Length`]; [`ChipError::Model`] where the range is of another number of coordinates.
-    pub fn outside(&self, q: &[f32], v: &[f32], u: &[f32]) -> Result<Option<Outside>, ChipError> {
+    /// [`ReplicaError::Length`]; [`ReplicaError::Model`] where the range is of another number of coordinates.
+    pub fn outside(&self, q: &[f32], v: &[f32], u: &[f32]) -> Result<Option<Outside>, ReplicaError> {
         let n = self.n();
         for (what, x) in [("q", q), ("v", v), ("u", u)] {
-            ChipError::check_length(what, n, x.len())?;
+            ReplicaError::check_length(what, n, x.len())?;
         }
         let Some(range) = self.range else { return Ok(None) };
         if range.n() != n {
@@ -145,7 +145,7 @@ impl Visitor<'_> for Size {
 struct Evaluate;
 
 impl<'c> Visitor<'c> for Evaluate {
-    type Output = Result<Box<dyn Evaluator + 'c>, ChipError>;
+    type Output = Result<Box<dyn Evaluator + 'c>, ReplicaError>;
 
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
         Ok(Box::new(system))
@@ -163,7 +163,7 @@ struct Begin<'b> {
 }
 
 impl<'c> Visitor<'c> for Begin<'_> {
-    type Output = Result<Box<dyn Motion + 'c>, ChipError>;
+    type Output = Result<Box<dyn Motion + 'c>, ReplicaError>;
 
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
         motion(system, self.step, self.beginning)
@@ -183,13 +183,13 @@ struct Observe<'b> {
 }
 
 impl<'c> Visitor<'c> for Observe<'_> {
-    type Output = Result<Box<dyn Watch + 'c>, ChipError>;
+    type Output = Result<Box<dyn Watch + 'c>, ReplicaError>;
 
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output {
         watch(system, (self.step, self.newton), self.angle, self.tuning)
     }
 
     fn particles<const D: usize>(self, _: &'c ParticleSystem<'c, D>) -> Self::Output {
-        Err(ChipError::OfGraph { what: "observer" })
+        Err(ReplicaError::OfGraph { what: "observer" })
     }
 }

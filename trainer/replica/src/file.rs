@@ -1,7 +1,7 @@
 use crate::forces::{AllForces, Needed};
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
-use crate::{AnyLagrangian, Chip, ChipError, ForcesOf, Friction, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+use crate::{AnyLagrangian, ForcesOf, Friction, LAYERS, RIGID_UNITS, Replica, ReplicaError, SystemOf, UNITS};
 use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
@@ -33,8 +33,8 @@ impl ModelFile {
     /// Reads a file of the format's present version; `bytes` may lie at any address.
     ///
     /// # Errors
-    /// [`ChipError::Model`]: what is wrong with the bytes.
-    pub fn new(bytes: &[u8]) -> Result<Self, ChipError> {
+    /// [`ReplicaError::Model`]: what is wrong with the bytes.
+    pub fn new(bytes: &[u8]) -> Result<Self, ReplicaError> {
         let mut file = Self::aligned(bytes);
         let Parsed { header, weights } = file.parsed()?;
         let weights = weights.iter().collect();
@@ -62,9 +62,9 @@ impl ModelFile {
     /// The model; of several trees or graphs the one of that name, the first where none is named.
     ///
     /// # Errors
-    /// [`ChipError::Model`] where there is none of that name, or layers, units or types are more than are compiled here;
-    /// [`ChipError::Coordinates`] for more coordinates.
-    pub fn chip(&self, part: Option<&str>) -> Result<Chip<'_>, ChipError> {
+    /// [`ReplicaError::Model`] where there is none of that name, or layers, units or types are more than are compiled here;
+    /// [`ReplicaError::Coordinates`] for more coordinates.
+    pub fn replica(&self, part: Option<&str>) -> Result<Replica<'_>, ReplicaError> {
         let Parsed { header, .. } = self.parsed()?;
         let (system, is_first) = match header.family {
             Family::Rigid(rigid) => (self.rigid(rigid, header.laws)?, true),
@@ -76,18 +76,18 @@ impl ModelFile {
         };
         // The range of the training data is that of the first.
         let range = header.range.filter(|_| is_first);
-        Ok(Chip::new(system, header.trained_step, range, header.actuator))
+        Ok(Replica::new(system, header.trained_step, range, header.actuator))
     }
 
-    fn rigid<'f>(&'f self, header: RigidHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
+    fn rigid<'f>(&'f self, header: RigidHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ReplicaError> {
         AnySystem::load(header.n(), RigidLoader { header, laws, weights: &self.weights })
     }
 
-    fn bodies<'f>(&'f self, header: BodiesHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
+    fn bodies<'f>(&'f self, header: BodiesHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ReplicaError> {
         AnySystem::load(header.n(), BodiesLoader { header, laws, weights: &self.weights })
     }
 
-    fn arm<'f>(&'f self, header: ArmHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ChipError> {
+    fn arm<'f>(&'f self, header: ArmHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ReplicaError> {
         AnySystem::load(header.n(), ArmLoader { header, laws, weights: &self.weights })
     }
 
@@ -96,7 +96,7 @@ impl ModelFile {
         header: ModularHeader<'f>,
         laws: Laws<'f>,
         name: Option<&str>,
-    ) -> Result<(AnySystem<'f>, bool), ChipError> {
+    ) -> Result<(AnySystem<'f>, bool), ReplicaError> {
         let none = ModelError::NoSuchTree { trees: header.trees().count() };
         let (index, tree) = named(header.trees(), |tree| tree.name, name).ok_or(none)?;
         let tree = *tree;
@@ -110,7 +110,7 @@ impl ModelFile {
         header: &GraphHeader<'f>,
         laws: Laws,
         name: Option<&str>,
-    ) -> Result<(AnySystem<'f>, bool), ChipError> {
+    ) -> Result<(AnySystem<'f>, bool), ReplicaError> {
         let none = ModelError::NoSuchGraph { graphs: header.graphs().count() };
         // Graphs have their drag in their node types, and no other law yet.
         if let Some(law) = laws.iter().next() {

@@ -1,28 +1,40 @@
 //! Systems in generalised coordinates behind the interfaces of slices.
 
 use crate::control::{array, write};
-use crate::{ChipError, Control, Evaluator, Motion, Step, SystemOf};
+use crate::{Control, Evaluator, Motion, ReplicaError, Step, SystemOf};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
 use leastaction_core::discrete::{Del, Galerkin, Midpoint, Order, Path, Report, State};
 use leastaction_core::lagrangian::{Energies, Lagrangian};
 use leastaction_core::linear;
 
 impl<const N: usize> Evaluator for &SystemOf<'_, N> {
-    fn energies(&mut self, q: &[f32], v: &[f32]) -> Result<Energies<f32>, ChipError> {
+    fn energies(&mut self, q: &[f32], v: &[f32]) -> Result<Energies<f32>, ReplicaError> {
         Ok(SystemOf::energies(*self, &array::<N>("q", q)?, &array("v", v)?))
     }
 
-    fn acceleration(&mut self, q: &[f32], v: &[f32], tau: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+    fn acceleration(
+        &mut self,
+        q: &[f32],
+        v: &[f32],
+        tau: &[f32],
+        to: &mut [f32],
+    ) -> Result<(), ReplicaError> {
         let a = acceleration(*self, &array("q", q)?, &array("v", v)?, &array::<N>("tau", tau)?)?;
         write("the acceleration", &a, to)
     }
 
-    fn inverse_dynamics(&mut self, q: &[f32], v: &[f32], a: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+    fn inverse_dynamics(
+        &mut self,
+        q: &[f32],
+        v: &[f32],
+        a: &[f32],
+        to: &mut [f32],
+    ) -> Result<(), ReplicaError> {
         let tau = inverse_dynamics(*self, &array("q", q)?, &array("v", v)?, &array::<N>("a", a)?)?;
         write("the force", &tau, to)
     }
 
-    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ReplicaError> {
         let mass = self.lagrangian.dynamics(&array::<N>("q", q)?, &[0.0; N]).mass;
         write("the mass matrix", mass.as_flattened(), to)
     }
@@ -42,7 +54,7 @@ pub(crate) fn motion<'c, const N: usize>(
     system: &'c SystemOf<'c, N>,
     step: Step,
     beginning: Beginning,
-) -> Result<Box<dyn Motion + 'c>, ChipError> {
+) -> Result<Box<dyn Motion + 'c>, ReplicaError> {
     Ok(match step.order {
         Order::Two => Box::new(DelMotion::<Midpoint, N>::new(system, step.h, beginning)?),
         Order::Four => Box::new(DelMotion::<Galerkin, N>::new(system, step.h, beginning)?),
@@ -59,7 +71,7 @@ struct DelMotion<'c, P, const N: usize> {
 }
 
 impl<'c, P: Path, const N: usize> DelMotion<'c, P, N> {
-    fn new(system: &'c SystemOf<'c, N>, h: f32, beginning: Beginning) -> Result<Self, ChipError> {
+    fn new(system: &'c SystemOf<'c, N>, h: f32, beginning: Beginning) -> Result<Self, ReplicaError> {
         let del = Del::new(h);
         let state = match beginning {
             Beginning::At { q, v } => State::new(&system.lagrangian, array("q", q)?, array("v", v)?)?,
@@ -80,13 +92,13 @@ impl<P: Path + Send, const N: usize> Motion for DelMotion<'_, P, N> {
         &self.p
     }
 
-    fn velocity(&self, to: &mut [f32]) -> Result<(), ChipError> {
+    fn velocity(&self, to: &mut [f32]) -> Result<(), ReplicaError> {
         // The kinetic energies of rigid models and of trees are quadratic in v.
         let mass = self.system.lagrangian.linearization(&self.q, &[0.0; N]).l_vv;
         write("the velocity", &linear::solve(mass, self.p)?, to)
     }
 
-    fn step(&mut self, control: Control) -> Result<Report<f32>, ChipError> {
+    fn step(&mut self, control: Control) -> Result<Report<f32>, ReplicaError> {
         let report = self.del.step(self.system, &mut self.state, &control.sized()?)?;
         (self.q, self.p) = (self.state.q(), self.state.p());
         Ok(report)

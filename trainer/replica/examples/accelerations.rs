@@ -1,7 +1,7 @@
-//! What 100,000 accelerations take on one thread, state by state: `cargo run --release -p leastaction-chip --example accelerations --
+//! What 100,000 accelerations take on one thread, state by state: `cargo run --release -p leastaction-replica --example accelerations --
 //! m.postcard`. The least of ten times, in ms.
 
-use leastaction_chip::ModelFile;
+use leastaction_replica::ModelFile;
 use std::time::Instant;
 
 const STATES: usize = 100_000;
@@ -9,7 +9,7 @@ const STATES: usize = 100_000;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("name a model file")?;
     let file = ModelFile::new(&std::fs::read(path)?)?;
-    let chip = file.chip(None)?;
+    let chip = file.replica(None)?;
     let n = chip.n();
     let numbers: Vec<f32> = (0..3 * n * STATES).map(|k| (k as f32 * 0.37).sin() * 0.5).collect();
     let mut to = vec![0.0; n];

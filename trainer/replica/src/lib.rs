@@ -5,7 +5,7 @@
 //! of bits, and nothing to keep in step with it.
 //!
 //! ```text
-//! bytes ─► ModelFile ─► Chip ─► Evaluator: T, V, v̇, inverse dynamics
+//! bytes ─► ModelFile ─► Replica ─► Evaluator: T, V, v̇, inverse dynamics
 //!                            ├► Motion: steps of the discrete Euler–Lagrange equation, RATTLE for graphs
 //!                            ├► Watch: the state from encoders' readings
 //!                            ├► Actuators: commands to forces
@@ -18,7 +18,6 @@
 
 mod actuators;
 mod any;
-mod chip;
 mod control;
 mod coordinates;
 mod error;
@@ -27,18 +26,19 @@ mod file;
 mod forces;
 mod motion;
 mod particles;
+mod replica;
 mod sizes;
 mod watch;
 
 pub use actuators::Actuators;
 pub use any::{AnyLagrangian, LAYERS, RIGID_UNITS, SystemOf, UNITS};
-pub use chip::Chip;
 pub use control::{Control, Step};
-pub use error::ChipError;
+pub use error::ReplicaError;
 pub use evaluator::Evaluator;
 pub use file::ModelFile;
 pub use forces::{AllForces, ForcesOf, Friction, Networks};
 pub use motion::Motion;
 pub use particles::ParticleSystem;
+pub use replica::Replica;
 pub use sizes::{COORDINATES, OfSize, Visitor};
 pub use watch::Watch;

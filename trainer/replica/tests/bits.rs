@@ -5,7 +5,6 @@ mod common;
 use common::{
     BodiesSample, GRAPHS, GraphSample, NETWORK, Random, RigidSample, TREES, TreeSample, bytes, step,
 };
-use leastaction_chip::{Chip, Control, Friction, ModelFile, Motion, Step};
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{
     Baumgarte, Drive, acceleration, constrained_acceleration, constrained_inverse_dynamics,
@@ -22,6 +21,7 @@ use leastaction_core::model::{BodiesModel, GraphModel, Law, Laws, LoadForces, Mo
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::f16;
+use leastaction_replica::{Control, Friction, ModelFile, Motion, Replica, Step};
 use proptest::prelude::*;
 
 /// Steps of a motion.
@@ -84,7 +84,7 @@ where
 }
 
 /// Compares all that a system in N coordinates can do.
-fn same<L, F, const N: usize>(chip: &Chip, system: &System<L, F>, seed: u64)
+fn same<L, F, const N: usize>(chip: &Replica, system: &System<L, F>, seed: u64)
 where
     L: Lagrangian<f32, N>,
     F: Forces<f32, N>,
@@ -116,7 +116,7 @@ where
 
 /// Compares motions from both kinds of beginning.
 fn same_motion<P: Path, L, F, const N: usize>(
-    chip: &Chip,
+    chip: &Replica,
     order: Order,
     system: &System<L, F>,
     [q, v]: [&[f32]; 2],
@@ -162,7 +162,7 @@ fn same_rigid_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: 
     let bytes = sample.file(Order::Four);
     let core = RigidModel::<N, 40, 4, f32, F>::load(in_flash(&bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
-    same(&file.chip(None).unwrap(), &core.system, sample.seed ^ 77);
+    same(&file.replica(None).unwrap(), &core.system, sample.seed ^ 77);
 }
 
 /// Loads a chain both ways; core is compiled for the laws of the file.
@@ -180,7 +180,7 @@ fn same_tree_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &
     let bytes = sample.file(Order::Four);
     let core = ModularModel::<N, 3, 24, 2, f32, F>::load(in_flash(&bytes), TREES[1]).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
-    same(&file.chip(Some(TREES[1])).unwrap(), &core.system, sample.seed ^ 77);
+    same(&file.replica(Some(TREES[1])).unwrap(), &core.system, sample.seed ^ 77);
 }
 
 /// Loads bodies both ways; core is compiled for the laws of the file.
@@ -198,7 +198,7 @@ fn same_bodies<const N: usize>(laws: Laws<'static>, seed: u64) {
 fn same_bodies_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &BodiesSample) {
     let bytes = sample.file(Order::Four);
     let core = BodiesModel::<N, f32, F>::load(in_flash(&bytes)).unwrap();
-    same(&ModelFile::new(&bytes).unwrap().chip(None).unwrap(), &core.system, sample.seed ^ 77);
+    same(&ModelFile::new(&bytes).unwrap().replica(None).unwrap(), &core.system, sample.seed ^ 77);
 }
 
 /// Loads a graph both ways.
@@ -211,7 +211,7 @@ fn same_graph<const D: usize>(sample: &GraphSample, part: usize) {
     let core = GraphModel::<D, 2, 16, 2>::load(flash(&words, &bytes), name, &mut edges, &mut rods).unwrap();
     let system = core.system.constrained().unwrap();
     let file = ModelFile::new(&bytes).unwrap();
-    let chip = file.chip(Some(name)).unwrap();
+    let chip = file.replica(Some(name)).unwrap();
     let mut random = Random(sample.seed ^ 77);
     let n = chip.n();
     let [v, u, a] = [0.5, 1.0, 3.0].map(|size| random.vector(n, size));
@@ -229,7 +229,7 @@ fn vectors<const D: usize>(x: &[f32]) -> Vec<[f32; D]> {
 
 /// Compares energies, accelerations and inverse dynamics of particles.
 fn same_evaluations<S: Particles<f32, D>, const D: usize>(
-    chip: &Chip,
+    chip: &Replica,
     system: &OnRods<S, D>,
     [q, v, u, a]: [&[f32]; 4],
 ) {
@@ -266,7 +266,7 @@ fn same_evaluations<S: Particles<f32, D>, const D: usize>(
 
 /// Compares motions of particles from both kinds of beginning.
 fn same_rattle<S: Particles<f32, D>, const D: usize>(
-    chip: &Chip,
+    chip: &Replica,
     system: &OnRods<S, D>,
     order: Order,
     [q, v, u]: [&[f32]; 3],
@@ -393,5 +393,5 @@ fn weights_in_half_precision_have_the_bits_of_core() {
     let words = aligned(&bytes);
     let core = RigidModel::<3, 13, 2, f16, Friction<3>>::load(flash(&words, &bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
-    same(&file.chip(None).unwrap(), &core.system, 9);
+    same(&file.replica(None).unwrap(), &core.system, 9);
 }

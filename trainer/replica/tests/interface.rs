@@ -3,9 +3,6 @@
 mod common;
 
 use common::{GraphSample, RigidSample, TREES, TreeSample, bytes, file, step};
-use leastaction_chip::{
-    COORDINATES, ChipError, Control, ModelFile, OfSize, ParticleSystem, Step, SystemOf, Visitor,
-};
 use leastaction_core::discrete::{Order, StepError};
 use leastaction_core::energy::modular::PairInput;
 use leastaction_core::energy::rigid::Inertia;
@@ -14,6 +11,9 @@ use leastaction_core::model::{
     ActuatorBytes, CoordinateRange, Header, Interval, Laws, ModelError, Outside, TrainingRange,
 };
 use leastaction_core::network::Activation;
+use leastaction_replica::{
+    COORDINATES, Control, ModelFile, OfSize, ParticleSystem, ReplicaError, Step, SystemOf, Visitor,
+};
 
 fn arm(coordinates: &str, widths: [u16; 4]) -> RigidSample {
     RigidSample {
@@ -27,12 +27,12 @@ fn arm(coordinates: &str, widths: [u16; 4]) -> RigidSample {
 }
 
 /// Loads a file that must be refused.
-fn refusal(bytes: &[u8], part: Option<&str>) -> ChipError {
+fn refusal(bytes: &[u8], part: Option<&str>) -> ReplicaError {
     let file = match ModelFile::new(bytes) {
         Ok(file) => file,
         Err(error) => return error,
     };
-    file.chip(part).err().expect("the file must be refused")
+    file.replica(part).err().expect("the file must be refused")
 }
 
 #[test]
@@ -51,21 +51,21 @@ fn every_truncation_and_every_changed_byte_is_refused() {
 #[test]
 fn too_many_coordinates_are_refused_with_the_limit() {
     let error = refusal(&arm(&"a".repeat(9), [4, 0, 0, 0]).file(Order::Four), None);
-    assert_eq!(error, ChipError::Coordinates { found: 9 });
+    assert_eq!(error, ReplicaError::Coordinates { found: 9 });
     assert_eq!(
         error.to_string(),
         "the model has 9 coordinates; the chip's arithmetic, in which sizes are types, is compiled here for 1, 2, 3, 4, 5, \
          6, 7, 8, 12"
     );
     let tree = TreeSample::chain(16, 4, PairInput::Distance, Laws::NONE, 0).file(Order::Two);
-    assert_eq!(refusal(&tree, Some(TREES[1])), ChipError::Coordinates { found: 16 });
+    assert_eq!(refusal(&tree, Some(TREES[1])), ReplicaError::Coordinates { found: 16 });
 }
 
 #[test]
 fn too_many_units_are_refused_with_the_limit() {
     let too_wide = |found, compiled| {
         let what = "units in a hidden layer";
-        ChipError::Model(ModelError::Shape { what, found, compiled })
+        ReplicaError::Model(ModelError::Shape { what, found, compiled })
     };
     assert_eq!(refusal(&arm("a", [1025, 0, 0, 0]).file(Order::Four), None), too_wide(1025, 1024));
     let tree = TreeSample::chain(2, 65, PairInput::Distance, Laws::NONE, 0).file(Order::Two);
@@ -76,7 +76,7 @@ fn too_many_units_are_refused_with_the_limit() {
 #[test]
 fn the_widest_model_that_is_taken_can_be_stepped() {
     let file = ModelFile::new(&arm("aaaaaaaaaaaa", [1024, 1024, 5, 0]).file(Order::Four)).unwrap();
-    let (chip, rest) = (file.chip(None).unwrap(), [0.0; 12]);
+    let (chip, rest) = (file.replica(None).unwrap(), [0.0; 12]);
     let mut motion = chip.motion_at(step(Order::Four).into(), &rest, &rest).unwrap();
     assert!(motion.step(Control::held(&rest)).is_ok());
 }
@@ -84,11 +84,11 @@ fn the_widest_model_that_is_taken_can_be_stepped() {
 #[test]
 fn a_part_that_is_not_there_is_refused() {
     let tree = TreeSample::chain(3, 4, PairInput::Distance, Laws::NONE, 0).file(Order::Two);
-    assert_eq!(refusal(&tree, Some("leg")), ChipError::Model(ModelError::NoSuchTree { trees: 2 }));
+    assert_eq!(refusal(&tree, Some("leg")), ReplicaError::Model(ModelError::NoSuchTree { trees: 2 }));
     let graph = GraphSample::row(2, 3, 4, 0).file(Order::Two);
-    assert_eq!(refusal(&graph, Some("leg")), ChipError::Model(ModelError::NoSuchGraph { graphs: 2 }));
+    assert_eq!(refusal(&graph, Some("leg")), ReplicaError::Model(ModelError::NoSuchGraph { graphs: 2 }));
     let file = ModelFile::new(&tree).unwrap();
-    assert_eq!([None, Some(TREES[0]), Some(TREES[1])].map(|part| file.chip(part).unwrap().n()), [1, 1, 3]);
+    assert_eq!([None, Some(TREES[0]), Some(TREES[1])].map(|part| file.replica(part).unwrap().n()), [1, 1, 3]);
 }
 
 #[test]
@@ -96,9 +96,9 @@ fn slices_of_another_length_are_refused_and_change_nothing() {
     let files = [arm("aa", [4, 0, 0, 0]).file(Order::Four), GraphSample::row(2, 1, 4, 0).file(Order::Four)];
     for bytes in files {
         let file = ModelFile::new(&bytes).unwrap();
-        let chip = file.chip(None).unwrap();
+        let chip = file.replica(None).unwrap();
         let (two, three) = ([0.5; 2], [0.5; 3]);
-        let length = |what| ChipError::Length { what, expected: 2, found: 3 };
+        let length = |what| ReplicaError::Length { what, expected: 2, found: 3 };
         let mut evaluator = chip.evaluator().unwrap();
         assert_eq!(evaluator.energies(&two, &three), Err(length("v")));
         assert_eq!(evaluator.acceleration(&two, &two, &three, &mut [0.0; 2]), Err(length("tau")));
@@ -114,11 +114,11 @@ fn slices_of_another_length_are_refused_and_change_nothing() {
 #[test]
 fn a_step_that_cannot_be_solved_leaves_the_motion_where_it_was() {
     let file = ModelFile::new(&arm("aa", [4, 0, 0, 0]).file(Order::Four)).unwrap();
-    let chip = file.chip(None).unwrap();
+    let chip = file.replica(None).unwrap();
     let mut motion = chip.motion_at(step(Order::Four).into(), &[0.1, 0.2], &[0.3, 0.4]).unwrap();
     let before = [motion.q().to_vec(), motion.p().to_vec()];
     let infinite = motion.step(Control::held(&[f32::INFINITY, 0.0]));
-    assert_eq!(infinite, Err(ChipError::Step(StepError::NotFinite)));
+    assert_eq!(infinite, Err(ReplicaError::Step(StepError::NotFinite)));
     assert_eq!([motion.q().to_vec(), motion.p().to_vec()], before);
     assert!(motion.step(Control::held(&[0.1, 0.0])).is_ok());
 }
@@ -127,7 +127,7 @@ fn a_step_that_cannot_be_solved_leaves_the_motion_where_it_was() {
 fn the_same_motion_repeats_and_its_velocity_belongs_to_its_momentum() {
     let file = ModelFile::new(&arm("taa", [9, 5, 0, 0]).file(Order::Four)).unwrap();
     let run = || {
-        let chip = file.chip(None).unwrap();
+        let chip = file.replica(None).unwrap();
         let mut motion =
             chip.motion_at(step(Order::Four).into(), &[0.1, 0.2, 0.3], &[1.0, -1.0, 0.5]).unwrap();
         let mut v = [0.0; 3];
@@ -161,7 +161,7 @@ fn what_lies_outside_of_the_training_data_is_named() {
     let header = Header { range: Some(TrainingRange::new(&bytes).unwrap()), ..sample.header(Order::Two) };
     let bytes = file(&header, &sample.weights());
     let file = ModelFile::new(&bytes).unwrap();
-    let chip = file.chip(None).unwrap();
+    let chip = file.replica(None).unwrap();
     let outside = |coordinate, quantity| Ok(Some(Outside { coordinate, quantity }));
     assert_eq!(chip.outside(&[6.2, 0.4], &[1.0; 2], &[-3.0; 2]), Ok(None));
     assert_eq!(chip.outside(&[6.2, 6.2], &[1.0; 2], &[0.0; 2]), outside(1, 'q'));
@@ -179,7 +179,7 @@ fn commands_act_as_the_actuator_of_the_file_says() {
     let header = Header { actuator: Some(actuator), ..sample.header(Order::Two) };
     let weights: Vec<u8> = sample.weights().iter().flat_map(|w| w.to_le_bytes()).collect();
     let file = ModelFile::new(&bytes(&header, &weights)).unwrap();
-    let chip = file.chip(None).unwrap();
+    let chip = file.replica(None).unwrap();
     let (late, core): (u16, Actuator<f32, 2>) = actuator.at_step(0.01).unwrap();
     assert_eq!(late, 1);
     let u = [[0.0; 2], [0.0; 2], [1.0, 2.0], [3.0, -1.0], [0.5, 0.75], [2.5, 4.0]];
@@ -197,19 +197,19 @@ fn commands_act_as_the_actuator_of_the_file_says() {
 #[test]
 fn without_an_actuator_the_command_is_the_force() {
     let file = ModelFile::new(&arm("a", [4, 0, 0, 0]).file(Order::Four)).unwrap();
-    let chip = file.chip(None).unwrap();
+    let chip = file.replica(None).unwrap();
     let mut actuators = chip.actuators(0.01).unwrap();
     assert_eq!(actuators.linear(&[1.5], &[2.5]), Ok(Control { start: &[1.5], end: &[2.5] }));
     assert_eq!(
         actuators.held(&[1.5, 2.5]).err(),
-        Some(ChipError::Length { what: "u", expected: 1, found: 2 })
+        Some(ReplicaError::Length { what: "u", expected: 1, found: 2 })
     );
 }
 
 #[test]
 fn a_chip_is_of_one_size() {
     let file = ModelFile::new(&arm("taa", [4, 0, 0, 0]).file(Order::Four)).unwrap();
-    let chip = file.chip(None).unwrap();
+    let chip = file.replica(None).unwrap();
     let (two, three) = (OfSize::<2>::of_size(&chip), OfSize::<3>::of_size(&chip));
     assert!(two.is_none() && three.is_some_and(|system| system.forces.damping().iter().all(|c| *c > 0.0)));
 }
@@ -231,7 +231,7 @@ impl Visitor<'_> for Named {
 
 #[test]
 fn every_size_is_a_type_to_a_visitor() {
-    let name = |bytes: &[u8]| ModelFile::new(bytes).unwrap().chip(None).unwrap().visit(Named);
+    let name = |bytes: &[u8]| ModelFile::new(bytes).unwrap().replica(None).unwrap().visit(Named);
     for n in COORDINATES {
         assert_eq!(name(&arm(&"a".repeat(n), [3, 0, 0, 0]).file(Order::Four)), format!("{n} coordinates"));
     }
@@ -242,6 +242,6 @@ fn every_size_is_a_type_to_a_visitor() {
 #[test]
 fn the_step_of_the_file_is_told() {
     let file = ModelFile::new(&arm("a", [4, 0, 0, 0]).file(Order::Two)).unwrap();
-    let trained = file.chip(None).unwrap().trained_step();
+    let trained = file.replica(None).unwrap().trained_step();
     assert_eq!(trained.map(Step::from), Some(Step { order: Order::Two, h: 0.01 }));
 }

@@ -1,6 +1,6 @@
 //! The one place in which a size that a file says becomes a type.
 
-use crate::{Chip, ChipError, ParticleSystem, SystemOf};
+use crate::{ParticleSystem, Replica, ReplicaError, SystemOf};
 use leastaction_core::model::ModelError;
 
 /// A loader of systems in as many coordinates as it is asked for.
@@ -8,7 +8,7 @@ pub(crate) trait Load<'f> {
     fn load<const N: usize>(self) -> Result<SystemOf<'f, N>, ModelError>;
 }
 
-/// What is done with a system, its size being a type. `'c` is how long the [`Chip`](crate::Chip) is borrowed.
+/// What is done with a system, its size being a type. `'c` is how long the [`Replica`](crate::Replica) is borrowed.
 pub trait Visitor<'c> {
     /// What comes of it.
     type Output;
@@ -16,7 +16,7 @@ pub trait Visitor<'c> {
     /// Visits a rigid model, bodies or a tree. Other chips can be asked whether they are of the same size.
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output
     where
-        for<'f> Chip<'f>: OfSize<N>;
+        for<'f> Replica<'f>: OfSize<N>;
 
     /// Visits a graph in D dimensions.
     fn particles<const D: usize>(self, particles: &'c ParticleSystem<'c, D>) -> Self::Output;
@@ -40,7 +40,7 @@ macro_rules! sizes {
             Space(Box<ParticleSystem<'f, 3>>),
         }
 
-        $(impl OfSize<$n> for Chip<'_> {
+        $(impl OfSize<$n> for Replica<'_> {
             fn of_size(&self) -> Option<&SystemOf<'_, $n>> {
                 match self.system() {
                     AnySystem::$size(system) => Some(system),
@@ -51,10 +51,10 @@ macro_rules! sizes {
 
         impl<'f> AnySystem<'f> {
             /// The system of n coordinates.
-            pub fn load(n: usize, loader: impl Load<'f>) -> Result<Self, ChipError> {
+            pub fn load(n: usize, loader: impl Load<'f>) -> Result<Self, ReplicaError> {
                 match n {
                     $($n => Ok(Self::$size(loader.load()?)),)*
-                    found => Err(ChipError::Coordinates { found }),
+                    found => Err(ReplicaError::Coordinates { found }),
                 }
             }
 

@@ -1,7 +1,7 @@
 //! Graphs of any size behind the interfaces of slices.
 
 use crate::coordinates::Beginning;
-use crate::{ChipError, Control, Evaluator, LAYERS, Motion, Step, UNITS};
+use crate::{Control, Evaluator, LAYERS, Motion, ReplicaError, Step, UNITS};
 use leastaction_core::constraints::{Constrained, ConstraintError, Holonomic};
 use leastaction_core::continuous::{
     Baumgarte, Drive, constrained_acceleration, constrained_inverse_dynamics, constrained_workspace,
@@ -56,13 +56,17 @@ impl<'f, const D: usize> ParticleSystem<'f, D> {
     }
 
     /// The vectors of all nodes.
-    fn vectors<'x>(&self, what: &'static str, x: &'x [f32]) -> Result<&'x [[f32; D]], ChipError> {
-        ChipError::check_length(what, self.n(), x.len())?;
+    fn vectors<'x>(&self, what: &'static str, x: &'x [f32]) -> Result<&'x [[f32; D]], ReplicaError> {
+        ReplicaError::check_length(what, self.n(), x.len())?;
         Ok(x.as_chunks().0)
     }
 
-    fn vectors_mut<'x>(&self, what: &'static str, x: &'x mut [f32]) -> Result<&'x mut [[f32; D]], ChipError> {
-        ChipError::check_length(what, self.n(), x.len())?;
+    fn vectors_mut<'x>(
+        &self,
+        what: &'static str,
+        x: &'x mut [f32],
+    ) -> Result<&'x mut [[f32; D]], ReplicaError> {
+        ReplicaError::check_length(what, self.n(), x.len())?;
         Ok(x.as_chunks_mut().0)
     }
 }
@@ -77,7 +81,7 @@ pub(crate) struct ParticleEvaluator<'c, const D: usize> {
 }
 
 impl<'c, const D: usize> ParticleEvaluator<'c, D> {
-    pub fn new(particles: &'c ParticleSystem<'c, D>) -> Result<Self, ChipError> {
+    pub fn new(particles: &'c ParticleSystem<'c, D>) -> Result<Self, ReplicaError> {
         let on_rods = particles.constrained()?;
         let workspace = vec![0.0; constrained_workspace(&on_rods)];
         Ok(Self { particles, on_rods, workspace, lambda: vec![0.0; particles.rods.len()] })
@@ -85,12 +89,18 @@ impl<'c, const D: usize> ParticleEvaluator<'c, D> {
 }
 
 impl<const D: usize> Evaluator for ParticleEvaluator<'_, D> {
-    fn energies(&mut self, q: &[f32], v: &[f32]) -> Result<Energies<f32>, ChipError> {
+    fn energies(&mut self, q: &[f32], v: &[f32]) -> Result<Energies<f32>, ReplicaError> {
         let (q, v) = (self.particles.vectors("q", q)?, self.particles.vectors("v", v)?);
         Ok(self.particles.graph.energies(q, v, &mut self.workspace))
     }
 
-    fn acceleration(&mut self, q: &[f32], v: &[f32], tau: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+    fn acceleration(
+        &mut self,
+        q: &[f32],
+        v: &[f32],
+        tau: &[f32],
+        to: &mut [f32],
+    ) -> Result<(), ReplicaError> {
         let of = self.particles;
         let (q, v, force) = (of.vectors("q", q)?, of.vectors("v", v)?, Some(of.vectors("tau", tau)?));
         let to = (of.vectors_mut("the acceleration", to)?, self.lambda.as_mut_slice());
@@ -98,17 +108,23 @@ impl<const D: usize> Evaluator for ParticleEvaluator<'_, D> {
         Ok(constrained_acceleration(&self.on_rods, (q, v), &drive, &mut self.workspace, to)?)
     }
 
-    fn inverse_dynamics(&mut self, q: &[f32], v: &[f32], a: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+    fn inverse_dynamics(
+        &mut self,
+        q: &[f32],
+        v: &[f32],
+        a: &[f32],
+        to: &mut [f32],
+    ) -> Result<(), ReplicaError> {
         let of = self.particles;
         let state = [of.vectors("q", q)?, of.vectors("v", v)?, of.vectors("a", a)?];
         let to = of.vectors_mut("the force", to)?;
         Ok(constrained_inverse_dynamics(&self.on_rods, state, &mut self.workspace, to)?)
     }
 
-    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ChipError> {
+    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ReplicaError> {
         let (of, n) = (self.particles, self.particles.n());
         let _only_its_length = of.vectors("q", q)?;
-        ChipError::check_length("the mass matrix", n * n, to.len())?;
+        ReplicaError::check_length("the mass matrix", n * n, to.len())?;
         to.fill(0.0);
         for node in 0..n / D {
             let mass = of.graph.mass(node, &[0.0; D]);
@@ -139,7 +155,7 @@ impl<'c, const D: usize> ParticleMotion<'c, D> {
         particles: &'c ParticleSystem<'c, D>,
         step: Step,
         beginning: Beginning,
-    ) -> Result<Self, ChipError> {
+    ) -> Result<Self, ReplicaError> {
         let on_rods = particles.constrained()?;
         let (nodes, rods) = (particles.graph.nodes().len(), particles.rods.len());
         let mut motion = Self {
@@ -155,7 +171,7 @@ impl<'c, const D: usize> ParticleMotion<'c, D> {
         Ok(motion)
     }
 
-    fn begin(&mut self, beginning: Beginning) -> Result<(), ChipError> {
+    fn begin(&mut self, beginning: Beginning) -> Result<(), ReplicaError> {
         if let Beginning::Between { control, .. } = beginning {
             self.act(control)?;
         }
@@ -174,9 +190,9 @@ impl<'c, const D: usize> ParticleMotion<'c, D> {
     }
 
     /// Takes the mean of a control.
-    fn act(&mut self, Control { start, end }: Control) -> Result<(), ChipError> {
+    fn act(&mut self, Control { start, end }: Control) -> Result<(), ReplicaError> {
         for x in [start, end] {
-            ChipError::check_length("tau", self.force.len(), x.len())?;
+            ReplicaError::check_length("tau", self.force.len(), x.len())?;
         }
         for ((force, start), end) in self.force.iter_mut().zip(start).zip(end) {
             // Of a held control exactly that.
@@ -201,11 +217,11 @@ impl<const D: usize> Motion for ParticleMotion<'_, D> {
         self.saved(2)
     }
 
-    fn velocity(&self, to: &mut [f32]) -> Result<(), ChipError> {
+    fn velocity(&self, to: &mut [f32]) -> Result<(), ReplicaError> {
         crate::control::write("the velocity", self.saved(4), to)
     }
 
-    fn step(&mut self, control: Control) -> Result<Report<f32>, ChipError> {
+    fn step(&mut self, control: Control) -> Result<Report<f32>, ReplicaError> {
         self.act(control)?;
         let Self { on_rods, rattle, saved, memory, workspace, force, .. } = self;
         let mut state = ParticleState::resume(on_rods, saved, memory)?;

@@ -1,0 +1,40 @@
+use crate::ReplicaError;
+use leastaction_core::lagrangian::Energies;
+
+/// Energies and continuous dynamics of a model at given states. All slices have n numbers; particles lie one after the other.
+///
+/// It has a workspace of its own, so that each thread takes one.
+pub trait Evaluator {
+    /// T(q, v) and V(q), J.
+    ///
+    /// # Errors
+    /// [`ReplicaError::Length`].
+    fn energies(&mut self, q: &[f32], v: &[f32]) -> Result<Energies<f32>, ReplicaError>;
+
+    /// Writes v̇(q, v, τ), m/s² or rad/s², τ being the force at the actuator's output (N or N m): of particles on rods the
+    /// acceleration on them.
+    ///
+    /// # Errors
+    /// [`ReplicaError::Length`]; where the inertia is singular or a number is not finite. What is written then has no meaning.
+    fn acceleration(&mut self, q: &[f32], v: &[f32], tau: &[f32], to: &mut [f32])
+    -> Result<(), ReplicaError>;
+
+    /// Writes the force τ that gives the acceleration a (inverse dynamics), N or N m.
+    ///
+    /// # Errors
+    /// [`ReplicaError::Length`]; where a number is not finite, or the equation cannot be solved. What is written then has no
+    /// meaning.
+    fn inverse_dynamics(
+        &mut self,
+        q: &[f32],
+        v: &[f32],
+        a: &[f32],
+        to: &mut [f32],
+    ) -> Result<(), ReplicaError>;
+
+    /// Writes M(q) = L_vv at rest, n rows of n, symmetric, kg, kg m or kg m².
+    ///
+    /// # Errors
+    /// [`ReplicaError::Length`]; `to` has n² numbers.
+    fn mass_matrix(&mut self, q: &[f32], to: &mut [f32]) -> Result<(), ReplicaError>;
+}
