@@ -10,12 +10,16 @@
 //!    beginning is the command of the step before. A delay of whole steps and a part of one takes older commands, which are kept.
 //! 2. [`Del::step`] advances the state under τ.
 //!
+//! Graphs, whose particles rods may hold, are stepped by RATTLE in a [`ParticleStepper`] with the same calls.
+//!
 //! Kind, actuator and number of commands kept are types, so that an image has code and memory for what its file says and for nothing
 //! else; a file that says otherwise is refused when it is loaded.
 
 mod drive;
+mod particles;
 
 pub use drive::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear};
+pub use particles::{ParticleMemory, ParticleStepper, particle_numbers};
 
 use crate::discrete::{Del, Newton, Path, Report, State, StepError};
 use crate::forces::{Forces, System};
@@ -68,9 +72,8 @@ where
     /// [`ModelError::NoStep`] where the model was trained for none; [`ModelError::Order`], [`ModelError::Control`],
     /// [`ModelError::Actuator`] and [`ModelError::Shape`] where the types are those of another file.
     pub fn new(model: Model<'a, System<L, F>>) -> Result<Self, ModelError> {
-        let step = model.step()?;
-        let drive = Drive::new(A::load(model.actuator()?, step.h)?)?;
-        Self::with_drive(model, step, drive)
+        let (step, actuator) = (model.step()?, model.actuator()?);
+        Self::over(model, step, Drive::new(A::load(actuator, step.h)?)?)
     }
 
     /// A stepper of a step of h seconds, whatever the model was trained with; with another it is less accurate than with its own.
@@ -79,15 +82,23 @@ where
     /// [`ModelError::OutOfRange`] unless h is positive and finite; else those of [`Stepper::new`] but for `NoStep`.
     pub fn with_step(model: Model<'a, System<L, F>>, h: f32) -> Result<Self, ModelError> {
         let step = TrainedStep { order: P::ORDER, h, control: K::KIND }.checked()?;
-        let drive = Drive::new(A::load(model.actuator()?, h)?)?;
-        Self::with_drive(model, step, drive)
+        let actuator = model.actuator()?;
+        Self::over(model, step, Drive::new(A::load(actuator, h)?)?)
     }
 
-    /// A stepper with the caller's drive in place of the actuator of the file.
+    /// A stepper with the step of the model and the caller's drive in place of the actuator of the file.
     ///
     /// # Errors
-    /// [`ModelError::Order`] and [`ModelError::Control`] where the types are those of another step.
+    /// [`ModelError::NoStep`], [`ModelError::Order`] and [`ModelError::Control`] as of [`Stepper::new`].
     pub fn with_drive(
+        model: Model<'a, System<L, F>>,
+        drive: Drive<K, A, N, PAST>,
+    ) -> Result<Self, ModelError> {
+        let step = model.step()?;
+        Self::over(model, step, drive)
+    }
+
+    fn over(
         model: Model<'a, System<L, F>>,
         step: TrainedStep,
         drive: Drive<K, A, N, PAST>,

@@ -1,6 +1,8 @@
 //! The stepper against the calls that it is made of.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod particles;
 
 use common::file::{self, Aligned, HEADER};
 use common::{Random, sections};
