@@ -2,7 +2,6 @@
 
 use super::round::{NodesAtRest, difference_in_lanes, packs, runs};
 use super::{Edge, Graph, exchange};
-use crate::energy::placed_network::Ignore;
 use crate::expected::{expected, present};
 use crate::lagrangian::Energies;
 use crate::linear::Matrix;
@@ -34,7 +33,7 @@ impl<
 
     fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]) {
         let pull = |kind, x: &[R::Pack; D]| {
-            let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {});
+            let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant));
             pull.map(|pull| -pull.value)
         };
         self.write_nodes(0, (q, &mut *l_q), pull, lane);
@@ -164,7 +163,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     ) -> R {
         let mut states = NodesAtRest { q, workspace, width: self.types.shape().embedding.into() };
         let gradient = |edges: &[Edge], of: [Jet<R::Pack, 0>; D]| gradient(edges, of.map(|of| of.value));
-        self.round(&mut states, &mut Ignore, gradient, |_, _, _, _| {})
+        self.round(&mut states, gradient)
     }
 
     #[inline(always)]
