@@ -2,7 +2,7 @@
 
 use crate::discrete::StepError;
 use crate::forces::{Actuator, Control, ControlKind};
-use crate::model::{ActuatorBytes, ModelError};
+use crate::model::{ModelError, Section, Sections};
 use crate::scalar::all_finite;
 use core::marker::PhantomData;
 
@@ -59,8 +59,9 @@ pub trait Actuation<const N: usize>: Sized {
     /// From the actuator of a file, where it has one, for steps of h > 0 seconds.
     ///
     /// # Errors
-    /// [`ModelError::Actuator`] where the file has none of this type; those of [`ActuatorBytes::at_step`].
-    fn load(actuator: Option<ActuatorBytes>, h: f32) -> Result<Self, ModelError>;
+    /// [`ModelError::Actuator`] where the file has none of this type; those of [`Sections::actuator`] and of
+    /// [`ActuatorBytes::at_step`](crate::model::ActuatorBytes::at_step).
+    fn load(sections: &Sections, h: f32) -> Result<Self, ModelError>;
 
     /// Whole steps by which a command is late.
     fn whole(&self) -> usize;
@@ -83,8 +84,9 @@ pub trait Actuation<const N: usize>: Sized {
 pub struct Direct;
 
 impl<const N: usize> Actuation<N> for Direct {
-    fn load(actuator: Option<ActuatorBytes>, _: f32) -> Result<Self, ModelError> {
-        if actuator.is_none() { Ok(Self) } else { Err(ModelError::Actuator { found: true }) }
+    fn load(sections: &Sections, _: f32) -> Result<Self, ModelError> {
+        let found = sections.get(Section::Actuator).is_some();
+        if found { Err(ModelError::Actuator { found }) } else { Ok(Self) }
     }
 
     #[inline(always)]
@@ -123,8 +125,9 @@ pub struct Actuated<const N: usize> {
 }
 
 impl<const N: usize> Actuation<N> for Actuated<N> {
-    fn load(actuator: Option<ActuatorBytes>, h: f32) -> Result<Self, ModelError> {
-        let (whole, actuator) = actuator.ok_or(ModelError::Actuator { found: false })?.at_step(h)?;
+    fn load(sections: &Sections, h: f32) -> Result<Self, ModelError> {
+        let actuator = sections.actuator()?.ok_or(ModelError::Actuator { found: false })?;
+        let (whole, actuator) = actuator.at_step(h)?;
         Ok(Self { whole, actuator })
     }
 

@@ -72,8 +72,8 @@ where
     /// [`ModelError::NoStep`] where the model was trained for none; [`ModelError::Order`], [`ModelError::Control`],
     /// [`ModelError::Actuator`] and [`ModelError::Shape`] where the types are those of another file.
     pub fn new(model: Model<'a, System<L, F>>) -> Result<Self, ModelError> {
-        let (step, actuator) = (model.step()?, model.actuator()?);
-        Self::over(model, step, Drive::new(A::load(actuator, step.h)?)?)
+        let (step, sections) = (model.step()?, model.sections);
+        Self::over(model, step, Drive::new(A::load(&sections, step.h)?)?)
     }
 
     /// A stepper of a step of h seconds, whatever the model was trained with; with another it is less accurate than with its own.
@@ -82,8 +82,8 @@ where
     /// [`ModelError::OutOfRange`] unless h is positive and finite; else those of [`Stepper::new`] but for `NoStep`.
     pub fn with_step(model: Model<'a, System<L, F>>, h: f32) -> Result<Self, ModelError> {
         let step = TrainedStep { order: P::ORDER, h, control: K::KIND }.checked()?;
-        let actuator = model.actuator()?;
-        Self::over(model, step, Drive::new(A::load(actuator, h)?)?)
+        let sections = model.sections;
+        Self::over(model, step, Drive::new(A::load(&sections, h)?)?)
     }
 
     /// A stepper with the step of the model and the caller's drive in place of the actuator of the file.

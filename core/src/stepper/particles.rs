@@ -117,7 +117,7 @@ where
         numbers: &'a mut [f32],
     ) -> Result<Self, ModelError> {
         step.check_control(C::KIND)?;
-        let drive = Drive::new(A::load(model.actuator()?, step.h)?)?;
+        let drive = Drive::new(A::load(&model.sections, step.h)?)?;
         let mechanism = model.system.constrained().map_err(refused)?;
         let nodes = Particles::<f32, D>::nodes(mechanism.system());
         let (rods, band) = (mechanism.equations(), mechanism.band());
