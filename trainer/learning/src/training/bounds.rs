@@ -144,6 +144,18 @@ impl Bounds {
         slopes
     }
 
+    /// Positions of the numbers between bounds that a step takes beyond one, with the steps to that bound, 0 where they are there. A
+    /// number above 0 has no end that is worth going to at once: it would hardly come back.
+    pub(super) fn steps_to_ends(&self, theta: &[f64], step: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        let beyond = |(position, range): &(usize, Range)| {
+            let (theta, step) = (*theta.get(*position)?, *step.get(*position)?);
+            let end = range.held(theta + step);
+            let goes_beyond = matches!(range, Range::Between(..)) && end != theta + step;
+            goes_beyond.then_some((*position, end - theta))
+        };
+        self.ranges.iter().filter_map(beyond)
+    }
+
     /// The weight block nearest to these weights that has a θ.
     pub fn within(&self, weights: Vec<f64>) -> Vec<f64> {
         if self.is_empty() { weights } else { self.weights(&self.free(&weights)) }
@@ -270,6 +282,46 @@ mod tests {
             let found = Levenberg::new(&objective, vec![0.7]).run(&objective, 100, |_, _| {}).weights[0];
             assert!((found - end).abs() < 2e-4, "{range:?}: {found}");
         }
+    }
+
+    /// r = (w₀ + w₁ − 5, w₁ − 1), w₀ in a range.
+    struct Coupled(Bounds);
+
+    impl Objective for Coupled {
+        fn parameters(&self) -> usize {
+            2
+        }
+        fn samples(&self) -> usize {
+            1
+        }
+        fn loss(&self, weights: &[f64]) -> f64 {
+            self.gradient(weights, 0..1).unwrap().mean_square()
+        }
+        fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
+            let mut equations = NormalEquations::zero(2);
+            let jacobian = faer::Mat::from_fn(2, 2, |i, j| if (i, j) == (1, 0) { 0.0 } else { 1.0 });
+            equations.add(&jacobian, &[weights[0] + weights[1] - 5.0, weights[1] - 1.0]);
+            Some(equations)
+        }
+        fn gradient(&self, weights: &[f64], _: std::ops::Range<usize>) -> Option<NormalEquations> {
+            self.normal_equations(weights)
+        }
+        fn project(&self, _: &mut [f64]) {}
+        fn is_of_many_units(&self) -> bool {
+            true
+        }
+        fn bounds(&self) -> &Bounds {
+            &self.0
+        }
+    }
+
+    /// With w₀ = 1, where it ends, w₁ is best at 2.5; a damping that grew by what w₀ cannot do would not let it get there.
+    #[test]
+    fn others_find_their_best_beside_a_number_at_its_bound() {
+        let objective = Coupled(Bounds::new(vec![(0, Range::Between(0.0, 1.0))]));
+        let end = Levenberg::new(&objective, vec![0.7, 0.0]).run(&objective, 8, |_, _| {});
+        let [least, best] = [end.weights[0], end.weights[1]];
+        assert!((least - (1.0 - MARGIN)).abs() < 1e-9 && (best - 2.5 - 0.5 * MARGIN).abs() < 1e-6, "{end:?}");
     }
 
     #[test]
