@@ -1,6 +1,6 @@
 //! Graphs of any size, whose nodes and edges are evaluated several at a time in the lanes of a scalar.
 
-use super::round::{NODE_QUANTITIES, NodesAtRest, difference_in_lanes, packs, runs};
+use super::round::{NodesAtRest, difference_in_lanes, packs, runs};
 use super::{Edge, Graph, exchange};
 use crate::expected::{expected, present};
 use crate::lagrangian::Energies;
@@ -23,7 +23,7 @@ impl<
     }
 
     fn workspace(&self) -> usize {
-        self.messaging().map_or(0, |messaging| NODE_QUANTITIES * messaging.width() * self.nodes.len())
+        self.types.shape().workspace(self.nodes.len())
     }
 
     fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R> {
