@@ -344,6 +344,10 @@ fn rust_source_of_trees_compiles_and_is_the_same_model() {
     );
     assert_eq!((golden_trees::N, golden_trees::H, golden_trees::L, golden_trees::E), (2, 3, 1, 2));
     assert_eq!(golden_trees::TREE, "double");
+    let mut stepper = golden_trees::stepper(0.01).unwrap();
+    stepper.start(q, v).unwrap();
+    stepper.step(u).unwrap();
+    assert!(stepper.q() != q);
 }
 
 #[test]
