@@ -3,7 +3,7 @@
 //! a Panda's frames with bodies of round numbers
 
 use leastaction_core::discrete::Galerkin;
-use leastaction_core::energy::spatial::SpatialBodies;
+use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{self, ArmHeader, Laws, ModelError};
 use leastaction_core::stepper::{self, Direct, Held};
@@ -12,7 +12,7 @@ use leastaction_core::stepper::{self, Direct, Held};
 pub const N: usize = 7;
 
 /// Energies and forces.
-pub type Model = model::Model<'static, System<SpatialBodies<'static, f32, N>, Viscous<f32, N>>>;
+pub type Model = model::Model<'static, System<ArmBodies<'static, f32, N>, Viscous<f32, N>>>;
 
 /// A command is held over its step; it is the force.
 pub type Drive = stepper::Drive<Held, Direct, N, 0>;

@@ -3,15 +3,15 @@
 use super::{Number, known_positions, letters_of_joints};
 use crate::training::Range;
 use leastaction_arms::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
-use leastaction_core::energy::spatial::{
-    Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialInertia, SpatialParameters, TreeBody,
+use leastaction_core::energy::arm::{
+    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmParameters, BodyInertia, Joint, TreeBody,
 };
 use leastaction_core::model::{ArmHeader, ModelError};
 use leastaction_programs::energies::{ArmEnergies, ArmJoint};
 use serde::{Deserialize, Serialize};
 
 /// Numbers of a body that are its joint's frame and axis.
-const FRAME: usize = SPATIAL_PARAMETERS - INERTIAL - 1;
+const FRAME: usize = ARM_PARAMETERS - INERTIAL - 1;
 
 /// A body of an arm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +35,7 @@ pub struct ArmArchitecture {
     /// As in [`ArmHeader::bodies`].
     pub tree: Vec<u8>,
     /// γ, m/s².
-    pub gravity: [f64; SPATIAL_GRAVITY_PARAMETERS],
+    pub gravity: [f64; ARM_GRAVITY_PARAMETERS],
     /// Of every coordinate.
     pub bodies: Vec<ArmBody>,
 }
@@ -74,13 +74,13 @@ impl ArmArchitecture {
 
     /// The shape that a model file has; all numbers are known, as in the file.
     pub fn from_header(header: &ArmHeader, weights: &[f64]) -> Self {
-        let (gravity, numbers) = weights.split_at(weights.len().min(SPATIAL_GRAVITY_PARAMETERS));
-        let of = |numbers: &[f64; SPATIAL_PARAMETERS]| ArmBody {
+        let (gravity, numbers) = weights.split_at(weights.len().min(ARM_GRAVITY_PARAMETERS));
+        let of = |numbers: &[f64; ARM_PARAMETERS]| ArmBody {
             name: String::new(),
             frame: numbers[..FRAME].to_vec(),
             inertia: *numbers[FRAME..].first_chunk().unwrap_or(&[0.0; INERTIAL]),
             is_learned: false,
-            rotor: Number::known(numbers[SPATIAL_PARAMETERS - 1]),
+            rotor: Number::known(numbers[ARM_PARAMETERS - 1]),
         };
         Self {
             tree: header.bodies.to_vec(),
@@ -126,7 +126,7 @@ impl ArmArchitecture {
 
     /// Where the numbers of a body begin in the weight block.
     fn start(body: usize) -> usize {
-        SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * body
+        ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * body
     }
 
     /// Where the ten inertial numbers of a body begin in the weight block.
@@ -163,8 +163,8 @@ impl ArmArchitecture {
     }
 
     /// The numbers of the k-th body in a weight block; `None` where it is too short.
-    pub fn body_of(weights: &[f64], k: usize) -> Option<SpatialParameters<f64>> {
-        Some(SpatialParameters::from_array(*weights.get(Self::start(k)..)?.first_chunk()?))
+    pub fn body_of(weights: &[f64], k: usize) -> Option<ArmParameters<f64>> {
+        Some(ArmParameters::from_array(*weights.get(Self::start(k)..)?.first_chunk()?))
     }
 
     /// These bodies and rotors put into a weight block of this shape, where they are learned.
@@ -175,7 +175,7 @@ impl ArmArchitecture {
                 numbers[FRAME..FRAME + INERTIAL].copy_from_slice(&body.inertia.0);
             }
             if own.rotor.learned {
-                numbers[SPATIAL_PARAMETERS - 1] = *rotor;
+                numbers[ARM_PARAMETERS - 1] = *rotor;
             }
         }
     }
@@ -187,10 +187,10 @@ impl ArmArchitecture {
     pub fn energies(&self) -> Result<ArmEnergies, ModelError> {
         self.header().parameters()?;
         let joint = |(body, own): (TreeBody, &ArmBody)| {
-            let mut numbers = [0.0; SPATIAL_PARAMETERS];
+            let mut numbers = [0.0; ARM_PARAMETERS];
             let places = numbers.iter_mut().zip(&own.frame);
             places.for_each(|(place, number)| *place = *number);
-            let SpatialParameters { rotation, place, axis, .. } = SpatialParameters::from_array(numbers);
+            let ArmParameters { rotation, place, axis, .. } = ArmParameters::from_array(numbers);
             ArmJoint { body, rotation, place, axis }
         };
         if self.bodies.len() != self.n() || self.bodies.iter().any(|body| body.frame.len() != FRAME) {
@@ -213,7 +213,7 @@ impl ArmArchitecture {
     }
 }
 
-fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &SpatialParameters<f64>) -> Body {
+fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &ArmParameters<f64>) -> Body {
     use leastaction_arms::{Limits, Pose};
     use nalgebra::{Matrix3, Unit};
     let axis = Unit::new_normalize(numbers.axis.into());
@@ -232,7 +232,7 @@ fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &SpatialParameter
         coordinate: k,
         ratio: 1.0,
         offset: 0.0,
-        inertia: Inertia(SpatialInertia::into_array(numbers.inertia)),
+        inertia: Inertia(BodyInertia::into_array(numbers.inertia)),
         limits: Limits::none(),
     }
 }

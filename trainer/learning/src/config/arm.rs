@@ -7,7 +7,7 @@ use super::problem::{Problem, ShapeError, list};
 use crate::architecture::{Architecture, ArmArchitecture, MAX_TREE_COORDINATES, Number, letters_of_joints};
 use leastaction_arms::urdf::{self, Inertias};
 use leastaction_arms::{Body, Joint, LogCholesky, Tree};
-use leastaction_core::energy::spatial::Joint as JointKind;
+use leastaction_core::energy::arm::Joint as JointKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
