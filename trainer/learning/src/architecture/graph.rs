@@ -54,6 +54,14 @@ pub struct NamedGraph {
 }
 
 impl NamedGraph {
+    /// The largest distance in the list between two rods that share a node: the band of A M⁻¹ Aᵀ.
+    pub fn band(&self) -> usize {
+        let ends = |rod: &Rod| [rod.from, Some(rod.to)];
+        let share = |a: &Rod, b: &Rod| ends(a).iter().flatten().any(|end| ends(b).contains(&Some(*end)));
+        let later = |k: usize, rod: &Rod| self.rods.iter().skip(k + 1).rposition(|other| share(rod, other));
+        self.rods.iter().enumerate().filter_map(|(k, rod)| Some(later(k, rod)? + 1)).max().unwrap_or(0)
+    }
+
     /// The rods as constraints in D dimensions.
     pub fn constraints<const D: usize>(&self) -> Vec<Holonomic<f64, D>> {
         self.rods.iter().map(Rod::constraint).collect()

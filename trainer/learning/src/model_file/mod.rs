@@ -3,6 +3,7 @@
 mod c_source;
 mod rust_constants;
 mod rust_source;
+mod rust_stepper;
 mod version_1;
 
 pub use c_source::{C_HEAD, c_source};
