@@ -73,11 +73,12 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
     {
         let gravity = self.gravity();
         let motion = Motion::new(self, q, v);
-        let (mut l_vq, mut l_vv) = ([[S::zero(); N]; N], [[S::zero(); N]; N]);
+        let (mut l_q, mut l_vq, mut l_vv) = ([S::zero(); N], [[S::zero(); N]; N], [[S::zero(); N]; N]);
         for k in 0..N {
             let (frame, carried, bend) = (&motion.frames[k], &motion.carried[k], motion.frames[k].bend());
             let (mut unit, mut slope) = (motion.unit(k), carried.momentum_slope(frame, &bend));
             let pull = FrameOf::<S, D, B>::pull(&unit, gravity);
+            l_q[k] = motion.force_at(k, (&unit, &bend), gravity);
             l_vv[k][k] = frame.share(&unit) + motion.rotors[k].inertia();
             l_vq[k][k] = frame.share(&slope);
             if let Some(l_qq) = &mut l_qq {
@@ -101,7 +102,7 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
                 (step, below) = (frame.step(), self.parent(j));
             }
         }
-        Linearization { l_q: motion.force(gravity), l_v: motion.momentum(v), l_vq, l_vv }
+        Linearization { l_q, l_v: motion.momentum(v), l_vq, l_vv }
     }
 }
 
@@ -164,9 +165,13 @@ impl<S: Scalar, F: Frame<S>, const N: usize> Motion<S, F, N> {
 
     /// L_q.
     fn force(&self, gravity: F::Vector) -> [S; N] {
-        core::array::from_fn(|k| {
-            F::bent(&self.frames[k].bend(), self.carried[k].momentum()) + self.unit(k).along(gravity)
-        })
+        core::array::from_fn(|k| self.force_at(k, (&self.unit(k), &self.frames[k].bend()), gravity))
+    }
+
+    /// L_q of a joint with what it carries at its unit velocity, and its z.
+    #[inline(always)]
+    fn force_at(&self, k: usize, (unit, bend): (&F::Wrench, &F::Bend), gravity: F::Vector) -> S {
+        F::bent(bend, self.carried[k].momentum()) + unit.along(gravity)
     }
 
     /// L_v.
