@@ -9,9 +9,9 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Viscous};
 use leastaction_core::model::{ArmModel, Laws, TrainedStep};
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::config::Config;
-use leastaction_learning::model_file::{ConstantsError, decode, encode, rust_constants, rust_source};
+use leastaction_models::file::{ConstantsError, decode, encode, rust_constants, rust_source};
+use leastaction_models::{Architecture, RigidArchitecture};
 
 #[path = "../cli_golden/model.rs"]
 mod golden;
@@ -252,9 +252,12 @@ fn rust_source_of_graphs_compiles_and_is_the_same_model() {
     let host = decode(&bytes).unwrap();
     assert_eq!(&host.architecture, &architecture);
     let weights = host.weights_f32();
-    let named = architecture.graph().unwrap().graph().unwrap();
-    let types =
-        architecture.graph().unwrap().with_header(|header| header.types::<f32, DIMENSION, K, H, L>(&weights));
+    let named = architecture.family.graph().unwrap().graph().unwrap();
+    let types = architecture
+        .family
+        .graph()
+        .unwrap()
+        .with_header(|header| header.types::<f32, DIMENSION, K, H, L>(&weights));
     let here = Graph::new(types.unwrap(), &named.nodes, &named.edges).unwrap();
     let mut edges = [Edge::default(); EDGES];
     let mut rods = [Holonomic::default(); RODS];
@@ -273,7 +276,7 @@ fn rust_source_of_trees_compiles_and_is_the_same_model() {
     let host = decode(&bytes).unwrap();
     assert_eq!(&host.architecture, &architecture);
     let weights = host.weights_f32();
-    let modular = architecture.modular().unwrap();
+    let modular = architecture.family.modular().unwrap();
     let (q, v, u) = ([0.3, -0.4], [-1.2, 0.2], [0.5, 0.0]);
     let tree = modular.tree_header();
     let here = modular

@@ -37,8 +37,7 @@ proptest! {
 fn a_law_that_the_family_cannot_have_is_refused() {
     use leastaction_core::model::{Family, Laws};
     let system = crate::ground_truth::LgnnSystem::Pendulum(2);
-    let graph: Architecture =
-        crate::architecture::GraphArchitecture::of_system(system, true, true).unwrap().into();
+    let graph: Architecture = crate::architecture::lgnn_shape(system, true, true).unwrap().into();
     for laws in [Laws::VISCOUS, Laws::COULOMB] {
         let found = graph.with_header(|family: Family| Architecture::from_header(&family, laws, &[0.0; 99]));
         assert_eq!(found.map(|_| ()), Err(ModelError::Law { number: laws.iter().next().unwrap() as u8 }));
@@ -199,7 +198,7 @@ fn files_of_version_1_are_the_same_models() {
         let (old, new) = (decode(&old).unwrap(), decode(&new).unwrap());
         assert_eq!((old.version, new.version), (1, 2), "{name}");
         assert_eq!(old.architecture, new.architecture, "{name}");
-        let bits = |model: &HostModel| model.weights.iter().map(|w| w.to_bits()).collect::<Vec<_>>();
+        let bits = |model: &Model| model.weights.iter().map(|w| w.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&old), bits(&new), "{name}");
         assert_eq!(old.precision, new.precision, "{name}");
         let step = old.facts.trained_step.map(|step| (step.order, step.h.to_bits()));

@@ -1,6 +1,7 @@
 //! A model file as a C header, for programs without a file system.
 
-use super::{HostModel, decode};
+use super::decode;
+use crate::Model;
 use leastaction_core::model::ModelError;
 use std::fmt::{self, Write};
 
@@ -30,9 +31,9 @@ fn identifier(name: &str) -> String {
     if name.chars().next().is_none_or(|first| first.is_ascii_digit()) { format!("m{name}") } else { name }
 }
 
-fn write_source(to: &mut String, model: &HostModel, bytes: &[u8], name: &str) -> fmt::Result {
+fn write_source(to: &mut String, model: &Model, bytes: &[u8], name: &str) -> fmt::Result {
     let (upper, length) = (name.to_ascii_uppercase(), bytes.len());
-    let HostModel { architecture, weights, facts, .. } = model;
+    let Model { architecture, weights, facts, .. } = model;
     writeln!(to, "{C_HEAD} {} parameters, {length} bytes.", weights.len())?;
     for line in facts.provenance.lines() {
         writeln!(to, "   {}", line.trim_end().replace("*/", "* /"))?;

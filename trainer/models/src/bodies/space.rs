@@ -1,17 +1,35 @@
 //! The shape of a tree of rigid bodies in space on the host.
 
-use super::{Number, known_positions, letters_of_joints};
-use crate::training::Range;
+use super::letters_of_joints;
+use crate::bounds::Range;
+use crate::family::{Family, OpenGauge};
+use crate::names::{NumberName, named};
+use crate::number::{Number, known_positions};
 use leastaction_arms::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
 use leastaction_core::energy::spatial::{
     Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialInertia, SpatialParameters, TreeBody,
 };
-use leastaction_core::model::{ArmHeader, ModelError};
-use leastaction_programs::energies::{ArmEnergies, ArmJoint};
+use leastaction_core::model::{ArmHeader, Laws, ModelError};
+use leastaction_programs::energies::{ArmEnergies, ArmJoint, Energies};
 use serde::{Deserialize, Serialize};
 
 /// Numbers of a body that are its joint's frame and axis.
 const FRAME: usize = SPATIAL_PARAMETERS - INERTIAL - 1;
+
+/// Names and units of a body's numbers that can be learned, and of its rotor.
+const NUMBERS_OF_BODY: [(&str, &str); 11] = [
+    ("mass", "kg"),
+    ("mass times centre x", "kg m"),
+    ("mass times centre y", "kg m"),
+    ("mass times centre z", "kg m"),
+    ("inertia xx about the joint", "kg m²"),
+    ("inertia xy about the joint", "kg m²"),
+    ("inertia yy about the joint", "kg m²"),
+    ("inertia xz about the joint", "kg m²"),
+    ("inertia yz about the joint", "kg m²"),
+    ("inertia zz about the joint", "kg m²"),
+    ("inertia of the rotor", "kg m²"),
+];
 
 /// A body of an arm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,13 +85,18 @@ impl ArmArchitecture {
         Some(Self { tree: bytes, gravity: tree.gravity.into(), bodies })
     }
 
+    /// Calls `read` with the shape in the words of the model file.
+    pub(crate) fn with_header<T>(&self, read: impl FnOnce(ArmHeader) -> T) -> T {
+        read(self.header())
+    }
+
     /// The shape in the words of the model file.
     pub fn header(&self) -> ArmHeader<'_> {
         ArmHeader { bodies: &self.tree }
     }
 
     /// The shape that a model file has; all numbers are known, as in the file.
-    pub fn from_header(header: &ArmHeader, weights: &[f64]) -> Self {
+    pub(crate) fn from_header(header: &ArmHeader, _: Laws, weights: &[f64]) -> Self {
         let (gravity, numbers) = weights.split_at(weights.len().min(SPATIAL_GRAVITY_PARAMETERS));
         let of = |numbers: &[f64; SPATIAL_PARAMETERS]| ArmBody {
             name: String::new(),
@@ -94,16 +117,6 @@ impl ArmArchitecture {
         self.header().bodies().flatten()
     }
 
-    /// Number of coordinates n, one a body.
-    pub fn n(&self) -> usize {
-        self.header().n()
-    }
-
-    /// One letter a coordinate: `t` translation, `a` angle.
-    pub fn coordinates(&self) -> String {
-        letters_of_joints(self.tree_bodies().map(|body| body.joint))
-    }
-
     /// All numbers, in the order of the weight block.
     fn all_numbers(&self) -> impl Iterator<Item = Number> {
         let of_body = |body: &ArmBody| {
@@ -112,16 +125,6 @@ impl ArmArchitecture {
             frame.into_iter().chain(body.inertia.map(number)).chain([body.rotor])
         };
         self.gravity.iter().map(|x| Number::known(*x)).chain(self.bodies.iter().flat_map(of_body))
-    }
-
-    /// The numbers as they are given, where training begins.
-    pub fn initial_weights(&self) -> Vec<f64> {
-        self.all_numbers().map(|number| number.value).collect()
-    }
-
-    /// The positions of the known numbers.
-    pub fn fixed_positions(&self) -> Vec<usize> {
-        known_positions(0, self.all_numbers())
     }
 
     /// Where the numbers of a body begin in the weight block.
@@ -137,29 +140,6 @@ impl ArmArchitecture {
     /// Where the rotor of a coordinate stands in the weight block.
     pub fn rotor_position(coordinate: usize) -> usize {
         Self::start(coordinate + 1) - 1
-    }
-
-    /// The ranges of learned numbers that are one by one: rotors.
-    pub fn ranges(&self) -> Vec<(usize, Range)> {
-        let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.rotor.learned);
-        learned.map(|(k, _)| (Self::rotor_position(k), Range::Positive)).collect()
-    }
-
-    /// Positions of the ten inertial numbers of every learned body, with the numbers that keep it a body that can be.
-    pub fn learned_bodies(&self) -> Vec<(usize, LogCholesky)> {
-        let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.is_learned);
-        let chart = |(k, body): (usize, &ArmBody)| {
-            Some((Self::inertia_position(k), LogCholesky::around(&Inertia(body.inertia))?))
-        };
-        learned.filter_map(chart).collect()
-    }
-
-    /// Whether the scale of L is known without a force: a body is, or a rotor.
-    pub fn shows_scale(&self) -> bool {
-        let is_known = |body: &ArmBody| {
-            !body.is_learned && body.inertia[0] > 0.0 || !body.rotor.learned && body.rotor.value > 0.0
-        };
-        self.bodies.iter().any(is_known)
     }
 
     /// The numbers of the k-th body in a weight block; `None` where it is too short.
@@ -180,25 +160,6 @@ impl ArmArchitecture {
         }
     }
 
-    /// Its energies, written down.
-    ///
-    /// # Errors
-    /// [`ModelError`] where the bodies form no tree, or have not as many numbers.
-    pub fn energies(&self) -> Result<ArmEnergies, ModelError> {
-        self.header().parameters()?;
-        let joint = |(body, own): (TreeBody, &ArmBody)| {
-            let mut numbers = [0.0; SPATIAL_PARAMETERS];
-            let places = numbers.iter_mut().zip(&own.frame);
-            places.for_each(|(place, number)| *place = *number);
-            let SpatialParameters { rotation, place, axis, .. } = SpatialParameters::from_array(numbers);
-            ArmJoint { body, rotation, place, axis }
-        };
-        if self.bodies.len() != self.n() || self.bodies.iter().any(|body| body.frame.len() != FRAME) {
-            return Err(ModelError::OutOfRange { what: "numbers of bodies" });
-        }
-        ArmEnergies::new(self.tree_bodies().zip(&self.bodies).map(joint).collect()).map_err(ModelError::Tree)
-    }
-
     /// The host's tree of this shape with the bodies and rotors of a weight block.
     pub fn host_tree(&self, weights: &[f64]) -> Option<Tree> {
         let body = |(k, (body, own)): (usize, (TreeBody, &ArmBody))| {
@@ -210,6 +171,85 @@ impl ArmArchitecture {
         tree.rotors = (0..self.n()).filter_map(|k| Some(Self::body_of(weights, k)?.rotor)).collect();
         tree.gravity = self.gravity.into();
         Some(tree)
+    }
+}
+
+impl Family for ArmArchitecture {
+    fn n(&self) -> usize {
+        self.header().n()
+    }
+
+    fn coordinates(&self) -> String {
+        letters_of_joints(self.tree_bodies().map(|body| body.joint))
+    }
+
+    fn initial_weights(&self, _: u64) -> Vec<f64> {
+        self.all_numbers().map(|number| number.value).collect()
+    }
+
+    fn fixed_positions(&self) -> Vec<usize> {
+        known_positions(0, self.all_numbers())
+    }
+
+    fn ranges(&self) -> Vec<(usize, Range)> {
+        let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.rotor.learned);
+        learned.map(|(k, _)| (Self::rotor_position(k), Range::Positive)).collect()
+    }
+
+    fn learned_bodies(&self) -> Vec<(usize, LogCholesky)> {
+        let learned = self.bodies.iter().enumerate().filter(|(_, body)| body.is_learned);
+        let chart = |(k, body): (usize, &ArmBody)| {
+            Some((Self::inertia_position(k), LogCholesky::around(&Inertia(body.inertia))?))
+        };
+        learned.filter_map(chart).collect()
+    }
+
+    fn number_names(&self) -> Vec<Option<NumberName>> {
+        let gravity =
+            ["x", "y", "z"].map(|axis| NumberName { name: format!("gravity along {axis}"), unit: "m/s²" });
+        let of_body = |(k, body): (usize, &ArmBody)| {
+            let whose = if body.name.is_empty() { format!("joint {k}") } else { body.name.clone() };
+            let frame = vec![None; body.frame.len()];
+            frame.into_iter().chain(NUMBERS_OF_BODY.map(|(name, unit)| Some(named(&whose, name, unit))))
+        };
+        let of_bodies = self.bodies.iter().enumerate().flat_map(of_body);
+        gravity.into_iter().map(Some).chain(of_bodies).collect()
+    }
+
+    fn mismatch(&self, data: usize) -> String {
+        let model = self.n();
+        let joints = self.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>().join(", ");
+        format!(
+            "[model] urdf has {model} joints, in this order: {joints}; but the data has {data} coordinates; name the columns of all \
+             joints in that order"
+        )
+    }
+
+    fn open_gauge(&self) -> Option<OpenGauge> {
+        (!self.shows_scale()).then_some(OpenGauge::Torques)
+    }
+
+    fn shows_scale(&self) -> bool {
+        let is_known = |body: &ArmBody| {
+            !body.is_learned && body.inertia[0] > 0.0 || !body.rotor.learned && body.rotor.value > 0.0
+        };
+        self.bodies.iter().any(is_known)
+    }
+
+    fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
+        self.header().parameters()?;
+        let joint = |(body, own): (TreeBody, &ArmBody)| {
+            let mut numbers = [0.0; SPATIAL_PARAMETERS];
+            let places = numbers.iter_mut().zip(&own.frame);
+            places.for_each(|(place, number)| *place = *number);
+            let SpatialParameters { rotation, place, axis, .. } = SpatialParameters::from_array(numbers);
+            ArmJoint { body, rotation, place, axis }
+        };
+        if self.bodies.len() != self.n() || self.bodies.iter().any(|body| body.frame.len() != FRAME) {
+            return Err(ModelError::OutOfRange { what: "numbers of bodies" });
+        }
+        let energies = ArmEnergies::new(self.tree_bodies().zip(&self.bodies).map(joint).collect());
+        Ok(Box::new(energies.map_err(ModelError::Tree)?))
     }
 }
 

@@ -1,10 +1,15 @@
 //! The shape of a tree of elements on the host.
 
-use super::{known_positions, layers, random_layers};
+use crate::family::{Family, OpenGauge, Parts};
+use crate::layers::{hidden, layers, random_layers};
+use crate::names::{NumberName, named};
+use crate::number::{Number, known_positions};
+use crate::registry::AnyFamily;
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
-use leastaction_core::model::{Law, Laws, MAX_TREES, ModularHeader, TreeHeader};
+use leastaction_core::model::{Law, Laws, MAX_TREES, ModelError, ModularHeader, TreeHeader};
+use leastaction_programs::energies::{Energies, ModularEnergies};
 use serde::{Deserialize, Serialize};
 
 /// The smallest mass, kg, that training may reach.
@@ -14,27 +19,6 @@ const LEAST_MASS: f64 = 1e-6;
 pub const TYPE_NUMBERS: usize = ELEMENT_PARAMETERS + 1;
 /// c₁ and c₂.
 const COEFFICIENTS: usize = 2;
-
-/// A number of an element type.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Number {
-    /// Its value, where training begins if it is learned.
-    pub value: f64,
-    /// Whether it is learned.
-    pub learned: bool,
-}
-
-impl Number {
-    /// A known number.
-    pub const fn known(value: f64) -> Self {
-        Self { value, learned: false }
-    }
-
-    /// A number to learn, from `value` on.
-    pub const fn learned(value: f64) -> Self {
-        Self { value, learned: true }
-    }
-}
 
 /// An element type's name and numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,6 +74,15 @@ pub struct ModularArchitecture {
     pub tree: usize,
 }
 
+/// Names and units of an element type's numbers.
+const NUMBERS_OF_TYPE: [(&str, &str); TYPE_NUMBERS] = [
+    ("mass", "kg"),
+    ("inertia about the centre of mass", "kg m²"),
+    ("centre of mass", "m"),
+    ("length", "m"),
+    ("viscous friction", ""),
+];
+
 impl ModularArchitecture {
     /// A model of these types and trees, of which the first tree is meant, with damping of its own.
     pub fn new(
@@ -102,6 +95,11 @@ impl ModularArchitecture {
         Self { shape, types, names, coefficients, damped: true, trees, tree: 0 }
     }
 
+    /// Calls `read` with the shape in the words of the model file.
+    pub(crate) fn with_header<T>(&self, read: impl FnOnce(ModularHeader) -> T) -> T {
+        read(self.header())
+    }
+
     /// The shape in the words of the model file.
     pub fn header(&self) -> ModularHeader<'_> {
         let mut trees = [TreeHeader::default(); MAX_TREES];
@@ -112,7 +110,7 @@ impl ModularArchitecture {
     }
 
     /// The shape that a model file has; all numbers are known, as in the file.
-    pub fn from_header(header: &ModularHeader, laws: Laws, weights: &[f64]) -> Self {
+    pub(crate) fn from_header(header: &ModularHeader, laws: Laws, weights: &[f64]) -> Self {
         let named =
             |name: &str| NamedType { name: name.to_owned(), numbers: [Number::known(0.0); TYPE_NUMBERS] };
         let named_tree =
@@ -124,11 +122,6 @@ impl ModularArchitecture {
             header.trees().map(named_tree).collect(),
         );
         Self { damped: laws.contains(Law::Viscous), ..new }.with_numbers(weights)
-    }
-
-    /// The laws of force that its element types have numbers for.
-    pub fn laws(&self) -> Laws<'static> {
-        if self.damped { Laws::VISCOUS } else { Laws::NONE }
     }
 
     /// The same with another tree in place of all others.
@@ -149,31 +142,9 @@ impl ModularArchitecture {
         self.trees.get(self.tree).map(NamedTree::header).unwrap_or_default()
     }
 
-    /// One letter a coordinate: `t` translation, `a` angle.
-    pub fn coordinates(&self) -> String {
-        let letters = |kind: &TypeShape| match kind.transform {
-            TransformShape::Free => "tt",
-            TransformShape::Slide | TransformShape::Network { input: Input::Translation, .. } => "t",
-            TransformShape::Rod | TransformShape::Network { .. } => "a",
-        };
-        self.kinds().filter_map(|kind| self.shape.types.get(kind)).map(letters).collect()
-    }
-
     /// What the tree is called.
     pub fn tree_name(&self) -> &str {
         self.tree_header().name
-    }
-
-    /// Number of coordinates n; 0 where the tree names a type that does not exist.
-    pub fn n(&self) -> usize {
-        self.tree_header().coordinates(&self.shape).unwrap_or(0)
-    }
-
-    /// Random networks, the numbers as given.
-    pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut weights = random_layers(self.shape.networks.iter().flat_map(layers), seed);
-        weights.extend(self.numbers().map(|number| number.value));
-        weights
     }
 
     /// The numbers after the networks, in the order of the weight block.
@@ -188,33 +159,9 @@ impl ModularArchitecture {
         self.shape.networks.iter().filter_map(NetworkShape::parameters).sum()
     }
 
-    /// The positions of the known numbers.
-    pub fn fixed_positions(&self) -> Vec<usize> {
-        known_positions(self.numbers_start(), self.numbers())
-    }
-
     /// The type of every element of the tree.
     pub fn kinds(&self) -> impl Iterator<Item = usize> {
         self.tree_header().elements.iter().step_by(2).map(|kind| usize::from(*kind))
-    }
-
-    /// The type of the element that each coordinate of the tree moves.
-    pub fn type_of_coordinates(&self) -> Vec<usize> {
-        let of = |kind: usize| (kind, self.shape.types.get(kind).map_or(0, |t| t.coordinates()));
-        self.kinds().map(of).flat_map(|(kind, n)| std::iter::repeat_n(kind, n)).collect()
-    }
-
-    /// Masses above 0, moments of inertia and damping not below.
-    pub fn project(&self, weights: &mut [f64]) {
-        let numbers = weights.get_mut(self.numbers_start()..).unwrap_or_default();
-        let (parameters, rest) =
-            numbers.split_at_mut(numbers.len().min(ELEMENT_PARAMETERS * self.types.len()));
-        for [mass, inertia, ..] in parameters.as_chunks_mut::<ELEMENT_PARAMETERS>().0 {
-            *mass = mass.max(LEAST_MASS);
-            *inertia = inertia.max(0.0);
-        }
-        let damping = if self.damped { self.types.len() } else { 0 };
-        rest.iter_mut().skip(COEFFICIENTS).take(damping).for_each(|damping| *damping = damping.max(0.0));
     }
 
     /// The same with the numbers (masses and so on) that a weight block has.
@@ -234,9 +181,62 @@ impl ModularArchitecture {
         self
     }
 
-    /// Whether the scale of L is known without a force: a known mass moves in a known way, or turns with a known moment of
-    /// inertia.
-    pub fn shows_scale(&self) -> bool {
+    /// Whether every mass of the tree is learned and no moment of inertia is known: then a common factor of all of them is in
+    /// no free motion.
+    pub fn learns_every_mass(&self) -> bool {
+        self.kinds().filter_map(|kind| self.types.get(kind)).all(|named| {
+            let [mass, inertia, ..] = named.numbers;
+            mass.learned && (inertia.learned || inertia.value == 0.0)
+        })
+    }
+}
+
+impl Family for ModularArchitecture {
+    fn laws(&self) -> Laws<'static> {
+        if self.damped { Laws::VISCOUS } else { Laws::NONE }
+    }
+
+    fn coordinates(&self) -> String {
+        let letters = |kind: &TypeShape| match kind.transform {
+            TransformShape::Free => "tt",
+            TransformShape::Slide | TransformShape::Network { input: Input::Translation, .. } => "t",
+            TransformShape::Rod | TransformShape::Network { .. } => "a",
+        };
+        self.kinds().filter_map(|kind| self.shape.types.get(kind)).map(letters).collect()
+    }
+
+    fn n(&self) -> usize {
+        self.tree_header().coordinates(&self.shape).unwrap_or(0)
+    }
+
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let mut weights = random_layers(self.shape.networks.iter().flat_map(layers), seed);
+        weights.extend(self.numbers().map(|number| number.value));
+        weights
+    }
+
+    fn fixed_positions(&self) -> Vec<usize> {
+        known_positions(self.numbers_start(), self.numbers())
+    }
+
+    fn group_of_coordinates(&self) -> Vec<usize> {
+        let of = |kind: usize| (kind, self.shape.types.get(kind).map_or(0, |t| t.coordinates()));
+        self.kinds().map(of).flat_map(|(kind, n)| std::iter::repeat_n(kind, n)).collect()
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        let numbers = weights.get_mut(self.numbers_start()..).unwrap_or_default();
+        let (parameters, rest) =
+            numbers.split_at_mut(numbers.len().min(ELEMENT_PARAMETERS * self.types.len()));
+        for [mass, inertia, ..] in parameters.as_chunks_mut::<ELEMENT_PARAMETERS>().0 {
+            *mass = mass.max(LEAST_MASS);
+            *inertia = inertia.max(0.0);
+        }
+        let damping = if self.damped { self.types.len() } else { 0 };
+        rest.iter_mut().skip(COEFFICIENTS).take(damping).for_each(|damping| *damping = damping.max(0.0));
+    }
+
+    fn shows_scale(&self) -> bool {
         let known = |kind: usize| {
             let (shape, named) = (self.shape.types.get(kind)?, self.types.get(kind)?);
             let [mass, inertia, centre, length, _] = named.numbers;
@@ -250,12 +250,54 @@ impl ModularArchitecture {
         self.kinds().any(|kind| known(kind).unwrap_or(false))
     }
 
-    /// Whether every mass of the tree is learned and no moment of inertia is known: then a common factor of all of them is in
-    /// no free motion.
-    pub fn learns_every_mass(&self) -> bool {
-        self.kinds().filter_map(|kind| self.types.get(kind)).all(|named| {
-            let [mass, inertia, ..] = named.numbers;
-            mass.learned && (inertia.learned || inertia.value == 0.0)
-        })
+    fn groups(&self) -> usize {
+        self.types.len()
+    }
+
+    fn group_name(&self, group: usize) -> String {
+        self.types.get(group).map_or(String::new(), |kind| kind.name.clone())
+    }
+
+    fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
+        let elements: Vec<_> = self.tree_header().nodes().collect();
+        Ok(Box::new(ModularEnergies::new(&self.shape, &elements, self.damped)?))
+    }
+
+    fn number_names(&self) -> Vec<Option<NumberName>> {
+        let mut names = vec![None; self.numbers_start()];
+        for kind in &self.types {
+            let of_kind = NUMBERS_OF_TYPE[..ELEMENT_PARAMETERS].iter();
+            names.extend(of_kind.map(|(name, unit)| Some(named(&kind.name, name, unit))));
+        }
+        let coefficient = |k: usize| NumberName { name: format!("coefficient {}", k + 1), unit: "" };
+        names.extend((0..self.coefficients.len()).map(|k| Some(coefficient(k))));
+        names
+    }
+
+    fn mismatch(&self, data: usize) -> String {
+        let (tree, model) = (self.tree_name(), self.n());
+        let names = self.kinds().filter_map(|kind| self.types.get(kind)).map(|kind| kind.name.as_str());
+        let elements = names.collect::<Vec<_>>().join(", ");
+        format!(
+            "[model] tree = {tree:?} has {model} coordinates, one after the other those of {elements}, but the data has {data}; \
+             name the tree that the data is of, its elements in the order of q"
+        )
+    }
+
+    fn open_gauge(&self) -> Option<OpenGauge> {
+        self.learns_every_mass().then_some(OpenGauge::Masses { types: "types", of: "tree" })
+    }
+
+    fn networks(&self) -> Vec<Vec<usize>> {
+        self.shape.networks.iter().map(|network| hidden(network).collect()).collect()
+    }
+
+    fn parts(&self) -> Option<Parts<'_>> {
+        let names = self.trees.iter().map(|tree| tree.name.as_str()).collect();
+        Some(Parts { what: "tree", names, meant: self.tree_name() })
+    }
+
+    fn with_part_named(&self, name: &str) -> Option<AnyFamily> {
+        self.with_tree_named(name).map(Into::into)
     }
 }

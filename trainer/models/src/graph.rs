@@ -1,16 +1,20 @@
 //! The shape of a graph of particles on the host.
 
-use super::{DEPTH, Number, known_positions, layers, random_layers};
+use crate::family::{Family, OpenGauge, Parts};
+use crate::layers::{hidden, layers, random_layers};
+use crate::limits::{DEPTH, MAX_ELEMENT_UNITS};
+use crate::number::{Number, known_positions};
+use crate::registry::AnyFamily;
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Types,
 };
-use leastaction_core::model::{GraphHeader, GraphLayout, MAX_GRAPHS, ModelError, Rod};
+use leastaction_core::model::{GraphHeader, GraphLayout, Laws, MAX_GRAPHS, ModelError, Rod};
 use leastaction_core::scalar::WeightFormat;
+use leastaction_programs::dynamics::Rods;
+use leastaction_programs::energies::{Energies, GraphEnergies};
 use serde::{Deserialize, Serialize};
 
-/// Units of a hidden layer of a network of a graph at most.
-pub const MAX_WIDTH: usize = 64;
 /// The smallest mass, kg, that training may reach.
 const LEAST_MASS: f64 = 1e-6;
 
@@ -18,7 +22,7 @@ const LEAST_MASS: f64 = 1e-6;
 const CORRECTION: f64 = 1e-3;
 
 /// Node and edge types over host weights.
-pub type HostTypes<'w, W, const D: usize> = Types<'w, W, D, MAX_NETWORKS, MAX_WIDTH, DEPTH>;
+pub type HostTypes<'w, W, const D: usize> = Types<'w, W, D, MAX_NETWORKS, MAX_ELEMENT_UNITS, DEPTH>;
 
 /// The name and numbers of a node type or an edge type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -113,7 +117,7 @@ impl GraphArchitecture {
     }
 
     /// The shape that a model file has; all numbers are known, as in the file.
-    pub fn from_header(header: &GraphHeader, weights: &[f64]) -> Self {
+    pub(crate) fn from_header(header: &GraphHeader, _: Laws, weights: &[f64]) -> Self {
         let shape = header.shape;
         let numbers = weights.get(weights.len().saturating_sub(shape.all_numbers())..).unwrap_or_default();
         let (nodes, edges) = numbers.split_at(numbers.len().min(shape.numbers() * shape.nodes.len()));
@@ -144,24 +148,12 @@ impl GraphArchitecture {
         self.shape.dimension.into()
     }
 
-    /// Number of coordinates n; 0 without a graph.
-    pub fn n(&self) -> usize {
-        self.graph().map_or(0, |graph| graph.nodes.len() * self.dimension())
-    }
-
     /// Numbers in the weight block.
     ///
     /// # Errors
     /// Where the shape is out of the format's range.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })
-    }
-
-    /// Random networks, the numbers as given.
-    pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut weights = random_layers(self.shape.networks.iter().flat_map(layers), seed);
-        weights.extend(self.numbers().map(|number| number.value));
-        weights
     }
 
     /// What training begins with: as [`GraphArchitecture::initial_weights`], but that networks beside laws that are learned first
@@ -178,22 +170,6 @@ impl GraphArchitecture {
 
     fn numbers_start(&self) -> usize {
         self.shape.networks.iter().filter_map(|network| network.parameters()).sum()
-    }
-
-    /// The positions of the known numbers.
-    pub fn fixed_positions(&self) -> Vec<usize> {
-        known_positions(self.numbers_start(), self.numbers().copied())
-    }
-
-    /// Masses above 0, viscous drag not below.
-    pub fn project(&self, weights: &mut [f64]) {
-        let numbers = weights.get_mut(self.numbers_start()..).unwrap_or_default();
-        for (numbers, node) in numbers.chunks_exact_mut(self.shape.numbers()).zip(self.shape.nodes.iter()) {
-            if let [mass, drag, ..] = numbers {
-                *mass = if node.kinetic == Kinetic::Mass { mass.max(LEAST_MASS) } else { *mass };
-                *drag = drag.max(0.0);
-            }
-        }
     }
 
     /// The networks that stand beside a simpler law: of potentials beside a field or the law of an edge type, and of drag beside
@@ -250,8 +226,47 @@ impl GraphArchitecture {
         (self.has_laws() && simple.shape != self.shape).then_some(simple)
     }
 
-    /// Whether the scale of the energies is known without a force: by a mass, or by a field, a law or drag with no network beside.
-    pub fn shows_scale(&self) -> bool {
+    /// Node and edge types over a weight block.
+    ///
+    /// # Errors
+    /// Where the block or the compiled sizes do not fit.
+    pub fn host_types<'w, W: WeightFormat, const D: usize>(
+        &self,
+        weights: &'w [W],
+    ) -> Result<HostTypes<'w, W, D>, ModelError> {
+        if let Some(what) = self.shape.invalid_part() {
+            return Err(ModelError::OutOfRange { what });
+        }
+        self.with_header(|header| header.types(weights))
+    }
+}
+
+impl Family for GraphArchitecture {
+    fn n(&self) -> usize {
+        self.graph().map_or(0, |graph| graph.nodes.len() * self.dimension())
+    }
+
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let mut weights = random_layers(self.shape.networks.iter().flat_map(layers), seed);
+        weights.extend(self.numbers().map(|number| number.value));
+        weights
+    }
+
+    fn fixed_positions(&self) -> Vec<usize> {
+        known_positions(self.numbers_start(), self.numbers().copied())
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        let numbers = weights.get_mut(self.numbers_start()..).unwrap_or_default();
+        for (numbers, node) in numbers.chunks_exact_mut(self.shape.numbers()).zip(self.shape.nodes.iter()) {
+            if let [mass, drag, ..] = numbers {
+                *mass = if node.kinetic == Kinetic::Mass { mass.max(LEAST_MASS) } else { *mass };
+                *drag = drag.max(0.0);
+            }
+        }
+    }
+
+    fn shows_scale(&self) -> bool {
         let Ok(graph) = self.graph() else { return false };
         let acts = |number: &Number| !number.learned && number.value != 0.0;
         let node = |kind: &u8| {
@@ -274,17 +289,56 @@ impl GraphArchitecture {
             || graph.edges.iter().any(|kind| edge(kind).unwrap_or(false))
     }
 
-    /// Node and edge types over a weight block.
-    ///
-    /// # Errors
-    /// Where the block or the compiled sizes do not fit.
-    pub fn host_types<'w, W: WeightFormat, const D: usize>(
-        &self,
-        weights: &'w [W],
-    ) -> Result<HostTypes<'w, W, D>, ModelError> {
-        if let Some(what) = self.shape.invalid_part() {
-            return Err(ModelError::OutOfRange { what });
-        }
-        self.with_header(|header| header.types(weights))
+    fn coordinates(&self) -> String {
+        "t".repeat(self.n())
+    }
+
+    /// All coordinates are lengths: their unit stands once.
+    fn units(&self) -> String {
+        "m".to_owned()
+    }
+
+    fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
+        let NamedGraph { nodes, edges, .. } = self.graph()?;
+        Ok(Box::new(GraphEnergies::new(&self.shape, nodes, edges, 0)?))
+    }
+
+    /// Drag is of its node types; it takes no other law.
+    fn groups(&self) -> usize {
+        0
+    }
+
+    fn group_of_coordinates(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    fn mismatch(&self, data: usize) -> String {
+        let (model, dimension) = (self.n(), self.dimension());
+        let graph = self.graph().map_or("", |graph| &graph.name);
+        format!(
+            "[model] graph = {graph:?} has {model} coordinates, {dimension} of each node, but the data has {data}; name the graph \
+             that the data is of, its nodes in the order of q"
+        )
+    }
+
+    fn open_gauge(&self) -> Option<OpenGauge> {
+        (!self.shows_scale()).then_some(OpenGauge::Masses { types: "node_types", of: "graph" })
+    }
+
+    fn networks(&self) -> Vec<Vec<usize>> {
+        self.shape.networks.iter().map(|network| hidden(network).collect()).collect()
+    }
+
+    fn parts(&self) -> Option<Parts<'_>> {
+        let names = self.graphs.iter().map(|graph| graph.name.as_str()).collect();
+        Some(Parts { what: "graph", names, meant: self.graph().map_or("", |graph| &graph.name) })
+    }
+
+    fn with_part_named(&self, name: &str) -> Option<AnyFamily> {
+        self.with_graph_named(name).map(Into::into)
+    }
+
+    fn rods(&self) -> Result<Rods, ModelError> {
+        Ok(Rods::new(self.dimension(), &self.graph()?.rods))
     }
 }

@@ -1,10 +1,13 @@
 //! The shape of a tree of rigid bodies on the host.
 
-use super::{Number, known_positions, letters_of_joints};
-use crate::training::Range;
+use super::letters_of_joints;
+use crate::bounds::Range;
+use crate::family::{Family, OpenGauge};
+use crate::names::{NumberName, named};
+use crate::number::{Number, known_positions};
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS, TreeBody};
-use leastaction_core::model::{BodiesHeader, ModelError};
-use leastaction_programs::energies::BodiesEnergies;
+use leastaction_core::model::{BodiesHeader, Laws, ModelError};
+use leastaction_programs::energies::{BodiesEnergies, Energies};
 use serde::{Deserialize, Serialize};
 
 /// The numbers of a body, in the order of [`BodyParameters`].
@@ -40,13 +43,18 @@ impl BodiesArchitecture {
         Some(Self { tree, gravity, numbers })
     }
 
+    /// Calls `read` with the shape in the words of the model file.
+    pub(crate) fn with_header<T>(&self, read: impl FnOnce(BodiesHeader) -> T) -> T {
+        read(self.header())
+    }
+
     /// The shape in the words of the model file.
     pub fn header(&self) -> BodiesHeader<'_> {
         BodiesHeader::planar(&self.tree)
     }
 
     /// The shape that a model file has; all numbers are known, as in the file.
-    pub fn from_header(header: &BodiesHeader, weights: &[f64]) -> Self {
+    pub(crate) fn from_header(header: &BodiesHeader, _: Laws, weights: &[f64]) -> Self {
         let known = weights.iter().map(|weight| Number::known(*weight)).collect::<Vec<_>>();
         let (gravity, numbers) = known.split_at(known.len().min(GRAVITY_PARAMETERS));
         Self {
@@ -61,33 +69,30 @@ impl BodiesArchitecture {
         self.header().bodies().flatten()
     }
 
-    /// Number of coordinates n, one a body.
-    pub fn n(&self) -> usize {
-        self.header().n()
-    }
-
-    /// One letter a coordinate: `t` translation, `a` angle.
-    pub fn coordinates(&self) -> String {
-        letters_of_joints(self.bodies().map(|body| body.joint))
-    }
-
     /// All numbers, in the order of the weight block.
     pub fn all_numbers(&self) -> impl Iterator<Item = Number> {
         self.gravity.iter().chain(self.numbers.iter().flatten()).copied()
     }
+}
 
-    /// The numbers as they are given, where training begins.
-    pub fn initial_weights(&self) -> Vec<f64> {
+impl Family for BodiesArchitecture {
+    fn n(&self) -> usize {
+        self.header().n()
+    }
+
+    fn coordinates(&self) -> String {
+        letters_of_joints(self.bodies().map(|body| body.joint))
+    }
+
+    fn initial_weights(&self, _: u64) -> Vec<f64> {
         self.all_numbers().map(|number| number.value).collect()
     }
 
-    /// The positions of the known numbers.
-    pub fn fixed_positions(&self) -> Vec<usize> {
+    fn fixed_positions(&self) -> Vec<usize> {
         known_positions(0, self.all_numbers())
     }
 
-    /// The ranges of learned numbers: masses and inertias are above 0.
-    pub fn ranges(&self) -> Vec<(usize, Range)> {
+    fn ranges(&self) -> Vec<(usize, Range)> {
         let of_body = BodyParameters {
             place: [Range::Any; 2],
             angle: Range::Any,
@@ -103,22 +108,51 @@ impl BodiesArchitecture {
         each.filter(|(_, (number, _))| number.learned).map(|(at, (_, range))| (at, range)).collect()
     }
 
-    /// Whether the scale of L is known without a force: a mass is, or an inertia.
-    pub fn shows_scale(&self) -> bool {
+    fn number_names(&self) -> Vec<Option<NumberName>> {
+        let gravity =
+            ["x", "y"].map(|axis| NumberName { name: format!("gravity along {axis}"), unit: "m/s²" });
+        let of_bodies = (0..self.n()).flat_map(|k| names_of_body(&format!("body {k}")));
+        gravity.into_iter().chain(of_bodies).map(Some).collect()
+    }
+
+    fn mismatch(&self, data: usize) -> String {
+        let model = self.n();
+        format!(
+            "[model] has {model} bodies, one a coordinate, but the data has {data} coordinates; name the bodies in the order of q, \
+             or set chain = {data}"
+        )
+    }
+
+    fn open_gauge(&self) -> Option<OpenGauge> {
+        (!self.shows_scale()).then_some(OpenGauge::Masses { types: "bodies", of: "tree" })
+    }
+
+    fn shows_scale(&self) -> bool {
         let bodies = self.numbers.iter().map(|numbers| BodyParameters::from_array(*numbers));
         let known = |number: Number| !number.learned && number.value > 0.0;
         bodies.into_iter().any(|body| [body.mass, body.inertia, body.rotor].into_iter().any(known))
     }
 
-    /// Its energies, written down.
-    ///
-    /// # Errors
-    /// [`ModelError`] where the bodies form no tree, or have not as many numbers.
-    pub fn energies(&self) -> Result<BodiesEnergies, ModelError> {
+    fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
         self.header().parameters()?;
         let energies = BodiesEnergies::new(self.bodies().collect()).map_err(ModelError::Tree)?;
         let zero = |number: Number| (!number.learned && number.value == 0.0).then_some(0.0);
         let known = energies.with_known(self.all_numbers().map(zero).collect());
-        known.ok_or(ModelError::OutOfRange { what: "numbers of bodies" })
+        Ok(Box::new(known.ok_or(ModelError::OutOfRange { what: "numbers of bodies" })?))
     }
+}
+
+/// Names of the numbers of a body, in the order of the weight block.
+fn names_of_body(whose: &str) -> [NumberName; BODY_PARAMETERS] {
+    let number = |name, unit| named(whose, name, unit);
+    let numbers = BodyParameters {
+        place: [number("joint x in the parent", "m"), number("joint y in the parent", "m")],
+        angle: number("angle in the parent", "rad"),
+        mass: number("mass", "kg"),
+        centre: [number("centre of mass x", "m"), number("centre of mass y", "m")],
+        inertia: number("inertia about the centre of mass", "kg m²"),
+        rotor: number("inertia of the rotor", "kg m²"),
+        gear: number("gear ratio", ""),
+    };
+    numbers.into_array()
 }

@@ -1,6 +1,7 @@
 //! Networks that correct a model: dissipation and a potential of a few coordinates.
 
-use super::{layers, random_layers};
+use crate::layers::{layers, random_layers};
+use crate::limits::MAX_HIDDEN;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::{Law, LawNetwork, Laws, ModelError};
 use leastaction_core::network::Activation;
@@ -55,7 +56,7 @@ impl CorrectionNetwork {
 
     /// In the words of a model file.
     pub fn header(&self) -> LawNetwork<'_> {
-        let mut widths = [0; super::MAX_HIDDEN];
+        let mut widths = [0; MAX_HIDDEN];
         widths.iter_mut().zip(&self.widths).for_each(|(slot, width)| *slot = *width);
         LawNetwork { coordinates: &self.coordinates, widths, activation: self.activation }
     }
@@ -108,7 +109,7 @@ impl Corrections {
     }
 
     /// Those of a model file, whose numbers end the weight block.
-    pub(super) fn from_laws(laws: Laws, weights: &[f64]) -> Self {
+    pub(crate) fn from_laws(laws: Laws, weights: &[f64]) -> Self {
         let potential = laws.network(Law::Potential).map(|law| CorrectionNetwork::from_header(&law));
         let dissipation = laws.network(Law::Dissipation).map(|law| {
             let network = CorrectionNetwork::from_header(&law);
@@ -122,7 +123,7 @@ impl Corrections {
     }
 
     /// These laws with the networks.
-    pub(super) fn laws<'a>(&'a self, friction: Laws<'a>) -> Laws<'a> {
+    pub(crate) fn laws<'a>(&'a self, friction: Laws<'a>) -> Laws<'a> {
         let laws =
             self.dissipation.as_ref().map_or(friction, |of| friction.with_dissipation(of.network.header()));
         self.potential.as_ref().map_or(laws, |of| laws.with_potential(of.header()))
@@ -174,7 +175,7 @@ impl Corrections {
 
     /// The numbers that training must leave as they are, the first of all being at `start`: scales, and the last bias of a potential,
     /// which has no effect.
-    pub(super) fn fixed_positions(&self, start: usize) -> Vec<usize> {
+    pub(crate) fn fixed_positions(&self, start: usize) -> Vec<usize> {
         let scales = start..start + self.dissipation.as_ref().map_or(0, |of| of.scales.len());
         let constant = self.potential.iter().map(|_| (start + self.count()).saturating_sub(1));
         scales.chain(constant).collect()
@@ -196,7 +197,7 @@ impl Corrections {
     }
 
     /// The model with them, written down.
-    pub(super) fn energies(&self, model: Box<dyn Energies>) -> Result<Box<dyn Energies>, ModelError> {
+    pub(crate) fn energies(&self, model: Box<dyn Energies>) -> Result<Box<dyn Energies>, ModelError> {
         if self.is_none() {
             return Ok(model);
         }

@@ -2,7 +2,7 @@
 //! turned into version 2.
 
 use super::assemble;
-use crate::architecture::TYPE_NUMBERS;
+use crate::TYPE_NUMBERS;
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::MAX_HIDDEN;
 use leastaction_core::energy::rigid::Inertia;

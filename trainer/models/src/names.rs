@@ -1,7 +1,6 @@
 //! What the numbers of a weight block are called.
 
-use super::{Architecture, ArmBody, Family, TYPE_NUMBERS};
-use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
+use crate::architecture::Architecture;
 use leastaction_core::model::{FrictionNumber, Law};
 
 /// The name of a number, for people.
@@ -13,48 +12,9 @@ pub struct NumberName {
     pub unit: &'static str,
 }
 
-fn named(whose: &str, name: &str, unit: &'static str) -> NumberName {
+pub(crate) fn named(whose: &str, name: &str, unit: &'static str) -> NumberName {
     NumberName { name: format!("{whose}: {name}"), unit }
 }
-
-/// The numbers of a body, in the order of the weight block.
-fn of_body(whose: &str) -> [NumberName; BODY_PARAMETERS] {
-    let number = |name, unit| named(whose, name, unit);
-    let numbers = BodyParameters {
-        place: [number("joint x in the parent", "m"), number("joint y in the parent", "m")],
-        angle: number("angle in the parent", "rad"),
-        mass: number("mass", "kg"),
-        centre: [number("centre of mass x", "m"), number("centre of mass y", "m")],
-        inertia: number("inertia about the centre of mass", "kg m²"),
-        rotor: number("inertia of the rotor", "kg m²"),
-        gear: number("gear ratio", ""),
-    };
-    numbers.into_array()
-}
-
-/// Those of an element of a tree, and its damping.
-const OF_ELEMENT: [(&str, &str); TYPE_NUMBERS] = [
-    ("mass", "kg"),
-    ("inertia about the centre of mass", "kg m²"),
-    ("centre of mass", "m"),
-    ("length", "m"),
-    ("viscous friction", ""),
-];
-
-/// Those of a body in space that can be learned, and its rotor.
-const OF_ARM: [(&str, &str); 11] = [
-    ("mass", "kg"),
-    ("mass times centre x", "kg m"),
-    ("mass times centre y", "kg m"),
-    ("mass times centre z", "kg m"),
-    ("inertia xx about the joint", "kg m²"),
-    ("inertia xy about the joint", "kg m²"),
-    ("inertia yy about the joint", "kg m²"),
-    ("inertia xz about the joint", "kg m²"),
-    ("inertia yz about the joint", "kg m²"),
-    ("inertia zz about the joint", "kg m²"),
-    ("inertia of the rotor", "kg m²"),
-];
 
 /// A group's viscous friction, and the others of dry friction.
 fn of_friction(whose: &str, letter: Option<char>) -> [NumberName; 1 + FrictionNumber::ALL.len()] {
@@ -76,49 +36,13 @@ impl Architecture {
     /// The name of every number of the weight block; none of a network's weights and scales and of a graph's numbers.
     pub fn number_names(&self) -> Vec<Option<NumberName>> {
         let count = self.parameters().unwrap_or(0);
-        let mut names = self.family_names();
+        let mut names = self.family.number_names();
         let friction = self.friction_names();
         let networks = self.corrections.count();
         names.resize(count.saturating_sub(friction.len() + networks), None);
         names.extend(friction.into_iter().map(Some));
         names.resize(count, None);
         names
-    }
-
-    /// Those of the family, from the front, as far as they have names.
-    fn family_names(&self) -> Vec<Option<NumberName>> {
-        match &self.family {
-            Family::Rigid(_) | Family::Graph(_) => Vec::new(),
-            Family::Bodies(bodies) => {
-                let gravity: [_; GRAVITY_PARAMETERS] = std::array::from_fn(|k| {
-                    let axis = if k == 0 { "along x" } else { "along y" };
-                    NumberName { name: format!("gravity {axis}"), unit: "m/s²" }
-                });
-                let of_bodies = (0..bodies.n()).flat_map(|k| of_body(&format!("body {k}")));
-                gravity.into_iter().chain(of_bodies).map(Some).collect()
-            }
-            Family::Arm(arm) => {
-                let gravity = ["x", "y", "z"]
-                    .map(|axis| NumberName { name: format!("gravity along {axis}"), unit: "m/s²" });
-                let of_body = |(k, body): (usize, &ArmBody)| {
-                    let whose = if body.name.is_empty() { format!("joint {k}") } else { body.name.clone() };
-                    let frame = vec![None; body.frame.len()];
-                    frame.into_iter().chain(OF_ARM.map(|(name, unit)| Some(named(&whose, name, unit))))
-                };
-                let of_bodies = arm.bodies.iter().enumerate().flat_map(of_body);
-                gravity.into_iter().map(Some).chain(of_bodies).collect()
-            }
-            Family::Modular(modular) => {
-                let mut names = vec![None; modular.numbers_start()];
-                for kind in &modular.types {
-                    let of_kind = OF_ELEMENT[..TYPE_NUMBERS - 1].iter();
-                    names.extend(of_kind.map(|(name, unit)| Some(named(&kind.name, name, unit))));
-                }
-                let coefficient = |k: usize| NumberName { name: format!("coefficient {}", k + 1), unit: "" };
-                names.extend((0..modular.coefficients.len()).map(|k| Some(coefficient(k))));
-                names
-            }
-        }
     }
 
     /// Those of all friction, the family's own included.
@@ -128,11 +52,7 @@ impl Architecture {
         let of_coordinates = self.family.group_of_coordinates();
         let group = |group: usize| {
             let first = of_coordinates.iter().position(|of| *of == group);
-            let whose = match &self.family {
-                Family::Modular(modular) => modular.types[group].name.clone(),
-                _ => format!("coordinate {group}"),
-            };
-            of_friction(&whose, first.and_then(|first| letters.get(first)).copied())
+            of_friction(&self.family.group_name(group), first.and_then(|first| letters.get(first)).copied())
         };
         let all: Vec<[NumberName; 5]> = (0..groups).map(group).collect();
         let mut names = Vec::new();
@@ -148,9 +68,7 @@ impl Architecture {
 
 #[cfg(test)]
 mod tests {
-    use crate::architecture::{
-        Architecture, BodiesArchitecture, FrictionArchitecture, Number, RigidArchitecture,
-    };
+    use crate::{Architecture, BodiesArchitecture, FrictionArchitecture, Number, RigidArchitecture};
     use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
     use leastaction_core::energy::rigid::Coordinate;
 

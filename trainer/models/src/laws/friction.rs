@@ -1,7 +1,7 @@
 //! Friction beside a family's energies.
 
-use super::{Number, known_positions};
-use crate::training::Range;
+use crate::bounds::Range;
+use crate::number::{Number, known_positions};
 use leastaction_core::forces::DryFriction;
 use leastaction_core::model::{FrictionNumber, Law, Laws, ModelError};
 use leastaction_programs::energies::{DryLaw, FrictionLaws};
@@ -36,7 +36,7 @@ impl FrictionArchitecture {
     }
 
     /// Those of a model file's laws that the family has not of its own, at the numbers that end the weight block; all are known.
-    pub(super) fn from_laws(laws: Laws, own: Laws, groups: usize, weights: &[f64]) -> Self {
+    pub(crate) fn from_laws(laws: Laws, own: Laws, groups: usize, weights: &[f64]) -> Self {
         let known = |law: Law| laws.contains(law) && !own.contains(law);
         let viscous = if known(Law::Viscous) { groups } else { 0 };
         let dry = if known(Law::Coulomb) { groups } else { 0 };
@@ -48,7 +48,7 @@ impl FrictionArchitecture {
     }
 
     /// The laws of a family of `own` laws with this friction beside them.
-    pub(super) fn laws(&self, own: Laws<'static>) -> Laws<'static> {
+    pub(crate) fn laws(&self, own: Laws<'static>) -> Laws<'static> {
         let viscous = own.contains(Law::Viscous) || !self.viscous.is_empty();
         match (viscous, self.dry.is_empty()) {
             (true, true) => Laws::VISCOUS,
@@ -59,7 +59,7 @@ impl FrictionArchitecture {
     }
 
     /// Those of its own, for the host's programs: without the load where it is known to add nothing.
-    pub(super) fn laws_beside(&self) -> FrictionLaws {
+    pub(crate) fn laws_beside(&self) -> FrictionLaws {
         let grows = |[_, load, ..]: &[Number; DRY_NUMBERS]| load.learned || load.value != 0.0;
         let dry = match (self.dry.is_empty(), self.dry.iter().any(grows)) {
             (true, _) => DryLaw::None,
@@ -70,7 +70,7 @@ impl FrictionArchitecture {
     }
 
     /// Refuses numbers for other groups than there are, and damping beside the family's own.
-    pub(super) fn check(&self, own: Laws, groups: usize) -> Result<(), ModelError> {
+    pub(crate) fn check(&self, own: Laws, groups: usize) -> Result<(), ModelError> {
         let fits = |found: usize| found == 0 || found == groups;
         let twice = own.contains(Law::Viscous) && !self.viscous.is_empty();
         if fits(self.viscous.len()) && fits(self.dry.len()) && !twice {
@@ -121,12 +121,12 @@ impl FrictionArchitecture {
     }
 
     /// The positions of those that are known, the first being at `start`.
-    pub(super) fn fixed_positions(&self, start: usize) -> Vec<usize> {
+    pub(crate) fn fixed_positions(&self, start: usize) -> Vec<usize> {
         known_positions(start, self.numbers())
     }
 
     /// The ranges of those that are learned.
-    pub(super) fn ranges(&self, start: usize) -> Vec<(usize, Range)> {
+    pub(crate) fn ranges(&self, start: usize) -> Vec<(usize, Range)> {
         let dry = self.dry.iter().flat_map(|_| FrictionNumber::ALL.map(range));
         let ranges = self.viscous.iter().map(|_| Range::Positive).chain(dry);
         let each = (start..).zip(self.numbers().zip(ranges));
@@ -155,6 +155,6 @@ pub struct CoordinateFriction {
 }
 
 /// Of a group's four numbers.
-pub(super) fn dry_friction([constant, load, smoothing, width]: [f64; DRY_NUMBERS]) -> DryFriction<f64> {
+pub(crate) fn dry_friction([constant, load, smoothing, width]: [f64; DRY_NUMBERS]) -> DryFriction<f64> {
     DryFriction { constant, load, smoothing, width }
 }

@@ -1,7 +1,8 @@
 //! A model as constants of a Rust program, which then has no reader of model files.
 
 use super::rust_source::{ForcesType, RUST_HEAD, path, write_forces, write_integrator, write_provenance};
-use super::{Aligned, HostModel, decode};
+use super::{Aligned, decode};
+use crate::Model;
 use leastaction_core::model::{Family, Law, Laws, ModelError, Parsed, RigidHeader, parse};
 use leastaction_core::scalar::Weights;
 use std::fmt::{self, Write};
@@ -97,7 +98,7 @@ impl Kind {
     }
 }
 
-fn write_source(to: &mut String, (model, parsed): (&HostModel, &Parsed), kind: &Kind) -> fmt::Result {
+fn write_source(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &Kind) -> fmt::Result {
     let parameters = model.weights.len();
     writeln!(
         to,
@@ -119,7 +120,7 @@ fn write_source(to: &mut String, (model, parsed): (&HostModel, &Parsed), kind: &
     write_weights(to, &parsed.weights)
 }
 
-fn write_imports(to: &mut String, (model, parsed): (&HostModel, &Parsed), kind: &Kind) -> fmt::Result {
+fn write_imports(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &Kind) -> fmt::Result {
     let mut names = [kind.header, "Laws", "ModelError"];
     names.sort_unstable();
     let forces = ForcesType::of(model).map_or("Viscous".to_owned(), |forces| forces.imports());
@@ -139,7 +140,7 @@ fn write_imports(to: &mut String, (model, parsed): (&HostModel, &Parsed), kind: 
 }
 
 /// Sizes, and the type of the system.
-fn write_type(to: &mut String, (model, parsed): (&HostModel, &Parsed), kind: &Kind) -> fmt::Result {
+fn write_type(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &Kind) -> fmt::Result {
     let Kind { energies, network, .. } = kind;
     let kinds = model.architecture.coordinates();
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;

@@ -9,10 +9,11 @@ pub use c_source::{C_HEAD, c_source};
 pub use rust_constants::{ConstantsError, rust_constants};
 pub use rust_source::{RUST_HEAD, rust_source};
 
-use crate::architecture::Architecture;
+use crate::model::{Facts, Model};
+use crate::{Actuator, Architecture};
 use leastaction_core::model::{
-    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Header, ModelError, Parsed, TrainedStep, TrainingRange,
-    WriteError, parse, write,
+    ActuatorBytes, FORMAT_VERSION, Header, ModelError, Parsed, TrainedStep, TrainingRange, WriteError, parse,
+    write,
 };
 use leastaction_core::scalar::{Weights, f16};
 use thiserror::Error;
@@ -82,56 +83,6 @@ impl Precision {
     }
 }
 
-/// A model as read on the host.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HostModel {
-    /// Its shape.
-    pub architecture: Architecture,
-    /// The weight block; every number is one of `precision`.
-    pub weights: Vec<f64>,
-    /// That the file stores its weights in.
-    pub precision: Precision,
-    /// What the file says beside them.
-    pub facts: Facts,
-    /// The version of the format that it was read from.
-    pub version: u8,
-}
-
-/// What a model file says of a model beside its shape and weights.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Facts {
-    /// The step that it was trained with, where it was.
-    pub trained_step: Option<TrainedStep>,
-    /// What the training data covered of every coordinate; empty where that is not known.
-    pub range: Vec<CoordinateRange>,
-    /// The bytes of its actuator; empty where the command is the force.
-    pub actuator: Vec<u8>,
-    /// Where it comes from.
-    pub provenance: String,
-}
-
-impl Facts {
-    /// A step and a text.
-    pub fn new(trained_step: Option<TrainedStep>, provenance: &str) -> Self {
-        Self { trained_step, provenance: provenance.to_owned(), ..Self::default() }
-    }
-}
-
-impl HostModel {
-    /// The weights as shipped.
-    pub fn weights_f32(&self) -> Vec<f32> {
-        self.weights.iter().map(|w| *w as f32).collect()
-    }
-
-    /// The bytes of the model file, of the format's present version.
-    ///
-    /// # Errors
-    /// As [`encode_in`]; none for a model as it was read.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, EncodeError> {
-        encode_in(self.precision, &self.architecture, &self.weights, &self.facts)
-    }
-}
-
 /// The bytes of the model file with weights in single precision, a step and a text: see [`encode_in`].
 ///
 /// # Errors
@@ -159,7 +110,8 @@ pub fn encode_in(
     let range: Vec<u8> = facts.range.iter().flat_map(|range| range.to_bytes()).collect();
     let present = |bytes: &[u8]| !bytes.is_empty();
     let range = Some(range.as_slice()).filter(|range| present(range)).map(TrainingRange::new).transpose();
-    let actuator = Some(facts.actuator.as_slice()).filter(|actuator| present(actuator));
+    let actuator = facts.actuator.to_bytes();
+    let actuator = Some(actuator.as_slice()).filter(|actuator| present(actuator));
     let actuator = actuator.map(ActuatorBytes::new).transpose().map_err(EncodeError::Model)?;
     let (range, units) = (range.map_err(EncodeError::Model)?, architecture.units());
     let written = architecture.with_header(|family| {
@@ -183,14 +135,14 @@ pub fn encode_in(
 ///
 /// # Errors
 /// [`ModelError`]: what is wrong with the bytes.
-pub fn decode(bytes: &[u8]) -> Result<HostModel, ModelError> {
+pub fn decode(bytes: &[u8]) -> Result<Model, ModelError> {
     if version_1::is(bytes) {
-        return Ok(HostModel { version: 1, ..decode_current(&version_1::converted(bytes)?)? });
+        return Ok(Model { version: 1, ..decode_current(&version_1::converted(bytes)?)? });
     }
     decode_current(bytes)
 }
 
-fn decode_current(bytes: &[u8]) -> Result<HostModel, ModelError> {
+fn decode_current(bytes: &[u8]) -> Result<Model, ModelError> {
     let aligned = Aligned::new(bytes);
     let Parsed { header, weights } = parse(aligned.bytes())?;
     let precision = match weights {
@@ -202,11 +154,15 @@ fn decode_current(bytes: &[u8]) -> Result<HostModel, ModelError> {
     let facts = Facts {
         trained_step: header.trained_step,
         range: range.collect::<Result<_, _>>()?,
-        actuator: header.actuator.map_or(Vec::new(), |actuator| actuator.bytes().to_vec()),
+        actuator: Actuator::default(),
         provenance: header.provenance.to_owned(),
     };
     let architecture = Architecture::from_header(&header.family, header.laws, &weights)?;
-    Ok(HostModel { precision, architecture, weights, facts, version: FORMAT_VERSION })
+    let actuator = header.actuator.map_or(Ok(Actuator::ideal(architecture.n())), |bytes| {
+        Actuator::from_bytes(bytes.bytes(), bytes.n())
+    })?;
+    let facts = Facts { actuator, ..facts };
+    Ok(Model { precision, architecture, weights, facts, version: FORMAT_VERSION })
 }
 
 /// The weight block, little-endian.

@@ -1,12 +1,14 @@
-//! The shape of a rigid model on the host.
+//! Learned inertia matrices: H(q) and V(q) from one network (SyMo, L-NODE, DeLaN).
 
-use super::{DEPTH, random_layers};
+use crate::family::Family;
+use crate::layers::random_layers;
+use crate::limits::DEPTH;
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{Law, Laws, MAX_HIDDEN, ModelError, RigidHeader};
 use leastaction_core::network::{Activation, Dense};
 use leastaction_core::scalar::Scalar;
-use leastaction_programs::energies::RigidEnergies;
+use leastaction_programs::energies::{Energies, RigidEnergies};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -55,6 +57,11 @@ impl RigidArchitecture {
         }
     }
 
+    /// Calls `read` with the shape in the words of the model file.
+    pub(crate) fn with_header<T>(&self, read: impl FnOnce(RigidHeader) -> T) -> T {
+        read(self.header())
+    }
+
     /// The shape in the words of the model file.
     pub fn header(&self) -> RigidHeader<'_> {
         let mut widths = [0; MAX_HIDDEN];
@@ -70,7 +77,7 @@ impl RigidArchitecture {
     }
 
     /// The shape that a model file has.
-    pub fn from_header(header: &RigidHeader, laws: Laws) -> Self {
+    pub(crate) fn from_header(header: &RigidHeader, laws: Laws, _: &[f64]) -> Self {
         Self {
             coordinates: header.coordinates.to_owned(),
             widths: header.widths.into_iter().take_while(|width| *width != 0).collect(),
@@ -78,11 +85,6 @@ impl RigidArchitecture {
             inertia: header.inertia,
             damped: laws.contains(Law::Viscous),
         }
-    }
-
-    /// Number of coordinates n.
-    pub fn n(&self) -> usize {
-        self.coordinates.len()
     }
 
     /// Numbers in the weight block, damping included.
@@ -94,23 +96,6 @@ impl RigidArchitecture {
         Ok(self.header().parameters()? + damping)
     }
 
-    /// The laws of force that are learned beside the energies.
-    pub fn laws(&self) -> Laws<'static> {
-        if self.damped { Laws::VISCOUS } else { Laws::NONE }
-    }
-
-    /// Its energies and damping, written down.
-    ///
-    /// # Errors
-    /// [`ModelError::OutOfRange`] where a coordinate is of no kind, or the network has a width of 0.
-    pub fn energies(&self) -> Result<RigidEnergies, ModelError> {
-        self.header().parameters()?;
-        let kinds = self.coordinates.chars().map(Coordinate::from_letter).collect::<Option<Vec<_>>>();
-        let kinds = kinds.ok_or(ModelError::OutOfRange { what: "coordinates" })?;
-        let widths: Vec<usize> = self.widths.iter().map(|width| usize::from(*width)).collect();
-        Ok(RigidEnergies::new(kinds, (&widths, self.activation), self.inertia, self.damped))
-    }
-
     /// Inputs and outputs of every layer, first to last.
     pub fn layers(&self) -> Vec<(usize, usize)> {
         let header = self.header();
@@ -118,17 +103,6 @@ impl RigidArchitecture {
         sizes.extend(self.widths.iter().map(|w| usize::from(*w)));
         sizes.push(self.inertia.outputs(self.n()));
         sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
-    }
-
-    /// Random weights: uniform with Glorot's variance, biases and damping zero. H is well-conditioned whatever the number of
-    /// coordinates, for a nearly singular one moves the mechanism by radians in a step: the weights of L below its diagonal are
-    /// divided by n − 1, since the condition of a random triangular matrix grows exponentially with n (Viswanath and Trefethen,
-    /// SIAM J. Matrix Anal. Appl. 19, 1998); those of B are too, and its bias is the unit matrix above zeros.
-    pub fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        let mut weights = random_layers(self.layers(), seed);
-        self.condition(&mut weights);
-        weights.extend(std::iter::repeat_n(0.0, if self.damped { self.n() } else { 0 }));
-        weights
     }
 
     /// Makes H well-conditioned, at the weights of the network.
@@ -156,12 +130,6 @@ impl RigidArchitecture {
         Some(start..start + self.n())
     }
 
-    /// Damping not below 0.
-    pub fn project(&self, weights: &mut [f64]) {
-        let damping = self.damping().and_then(|own| weights.get_mut(own)).unwrap_or_default();
-        damping.iter_mut().for_each(|damping| *damping = damping.max(0.0));
-    }
-
     /// The system of this shape over a weight block.
     ///
     /// # Errors
@@ -171,5 +139,56 @@ impl RigidArchitecture {
         weights: &'w [S::Weight],
     ) -> Result<HostSystem<'w, S, N, H>, ModelError> {
         self.header().system(self.laws(), weights)
+    }
+}
+
+impl Family for RigidArchitecture {
+    fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    fn laws(&self) -> Laws<'static> {
+        if self.damped { Laws::VISCOUS } else { Laws::NONE }
+    }
+
+    /// # Errors
+    /// [`ModelError::OutOfRange`] where a coordinate is of no kind, or the network has a width of 0.
+    fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
+        self.header().parameters()?;
+        let kinds = self.coordinates.chars().map(Coordinate::from_letter).collect::<Option<Vec<_>>>();
+        let kinds = kinds.ok_or(ModelError::OutOfRange { what: "coordinates" })?;
+        let widths: Vec<usize> = self.widths.iter().map(|width| usize::from(*width)).collect();
+        Ok(Box::new(RigidEnergies::new(kinds, (&widths, self.activation), self.inertia, self.damped)))
+    }
+
+    /// Random weights: uniform with Glorot's variance, biases and damping zero. H is well-conditioned whatever the number of
+    /// coordinates, for a nearly singular one moves the mechanism by radians in a step: the weights of L below its diagonal are
+    /// divided by n − 1, since the condition of a random triangular matrix grows exponentially with n (Viswanath and Trefethen,
+    /// SIAM J. Matrix Anal. Appl. 19, 1998); those of B are too, and its bias is the unit matrix above zeros.
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let mut weights = random_layers(self.layers(), seed);
+        self.condition(&mut weights);
+        weights.extend(std::iter::repeat_n(0.0, if self.damped { self.n() } else { 0 }));
+        weights
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        let damping = self.damping().and_then(|own| weights.get_mut(own)).unwrap_or_default();
+        damping.iter_mut().for_each(|damping| *damping = damping.max(0.0));
+    }
+
+    fn coordinates(&self) -> String {
+        self.coordinates.clone()
+    }
+
+    fn mismatch(&self, data: usize) -> String {
+        let model = self.n();
+        format!(
+            "[model] coordinates names {model} coordinates, but the data has {data}; name every coordinate of q, in order"
+        )
+    }
+
+    fn networks(&self) -> Vec<Vec<usize>> {
+        vec![self.widths.iter().map(|width| usize::from(*width)).collect()]
     }
 }
