@@ -4,7 +4,7 @@
 //! discrete Euler–Lagrange (DEL) equation, with fixed-size arrays: no allocation, no panic, no unsafe code.
 //!
 //! Data flows one way through the rooms of this crate:
-//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] → [`continuous`] and [`discrete`] → [`observer`] and [`model`].
+//! [`scalar`] → [`network`] → [`energy`] → [`lagrangian`] and [`particles`] → [`forces`] and [`constraints`] → [`continuous`] and [`discrete`] → [`observer`] and [`model`] → [`stepper`].
 //!
 //! # Notation
 //!
@@ -45,3 +45,4 @@ pub mod particles;
 pub mod scalar;
 #[cfg(feature = "nalgebra")]
 pub mod static_vectors;
+pub mod stepper;

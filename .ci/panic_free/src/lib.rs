@@ -6,10 +6,11 @@ use core::hint::black_box;
 use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
-use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
+use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
 use leastaction_core::forces::{Coulomb, Dissipation, Forces, PotentialCorrection, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::Model;
+use leastaction_core::model::{Model, ModelError};
+use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear, Stepper};
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -79,6 +80,43 @@ pub fn said<M, const N: usize>(model: &Model<M>) {
     if let Ok(Some(range)) = model.range() {
         let _ = black_box(range.outside(at, at, at));
     }
+}
+
+/// Everything of a stepper of this kind.
+#[inline(never)]
+fn stepper<L, F, P, K, A, const N: usize, const PAST: usize>(
+    model: &Model<System<L, F>>,
+) -> Result<Option<[f32; N]>, ModelError>
+where
+    L: Lagrangian<f32, N> + Copy,
+    F: Forces<f32, N> + Copy,
+    P: Path,
+    K: Kind,
+    A: Actuation<N>,
+{
+    let at = black_box([0.1; N]);
+    let mut stepper = match Stepper::<_, P, Drive<K, A, N, PAST>, N>::new(*model) {
+        Err(ModelError::NoStep) => Stepper::with_step(*model, black_box(0.01))?,
+        found => found?,
+    }
+    .with_newton(black_box(Newton::new()));
+    let _ = black_box((stepper.start(at, at), stepper.step(at), stepper.v()));
+    let _ = black_box((stepper.commanded(at), stepper.start_from([at, at], at), stepper.step(at)));
+    black_box((stepper.p(), stepper.h(), stepper.state()));
+    Ok(stepper.v().ok())
+}
+
+/// Steppers of both orders, both kinds of control, without and with an actuator.
+#[inline(never)]
+pub fn steppers<L, F, const N: usize>(model: &Model<System<L, F>>)
+where
+    L: Lagrangian<f32, N> + Copy,
+    F: Forces<f32, N> + Copy,
+{
+    let _ = black_box(stepper::<L, F, Midpoint, Held, Direct, N, 0>(model));
+    let _ = black_box(stepper::<L, F, Galerkin, Linear, Direct, N, 1>(model));
+    let _ = black_box(stepper::<L, F, Midpoint, Linear, Actuated<N>, N, 5>(model));
+    let _ = black_box(stepper::<L, F, Galerkin, Held, Actuated<N>, N, 3>(model));
 }
 
 /// A file in flash, of which the compiler knows nothing.

@@ -29,6 +29,11 @@ where
         Ok(Self { system, constraints, band: band(constraints), scalar: PhantomData })
     }
 
+    /// What [`Constrained::new`] has checked, and found to have this band.
+    pub(crate) const fn known(system: &'a S, constraints: &'a C, band: usize) -> Self {
+        Self { system, constraints, band, scalar: PhantomData }
+    }
+
     /// The system.
     pub fn system(&self) -> &'a S {
         self.system

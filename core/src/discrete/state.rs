@@ -1,6 +1,7 @@
 use super::newton::{Residual, Target};
 use super::{Control, Interval, Path, Solved, StepError};
 use crate::lagrangian::Lagrangian;
+use crate::linear;
 use crate::scalar::{Compensated, Real, all_finite};
 
 /// Steps that the initial guess extrapolates from.
@@ -40,6 +41,13 @@ impl<R: Real, const N: usize> State<R, N> {
         Ok(Self { q, p, history, known: 1, left: Residual::zero() })
     }
 
+    /// Where nothing is known: position and momentum are not numbers, and every step is refused.
+    pub(crate) fn unknown() -> Self {
+        let unknown = [Compensated::new(R::constant(f64::NAN)); N];
+        let history = [Increment { w: [R::zero(); N], s: [R::zero(); N] }; HISTORY];
+        Self { q: unknown, p: unknown, history, known: 1, left: Residual::zero() }
+    }
+
     /// q.
     pub fn q(&self) -> [R; N] {
         self.q.map(|q| q.value())
@@ -48,6 +56,15 @@ impl<R: Real, const N: usize> State<R, N> {
     /// p.
     pub fn p(&self) -> [R; N] {
         self.p.map(|p| p.value())
+    }
+
+    /// v = M⁻¹p, T being taken as ½vᵀM(q)v.
+    ///
+    /// # Errors
+    /// [`StepError::Singular`] where M is, [`StepError::NotFinite`] where a number of it is not finite.
+    pub fn velocity<L: Lagrangian<R, N>>(&self, lagrangian: &L) -> Result<[R; N], StepError<R>> {
+        let mass = lagrangian.linearization(&self.q(), &[R::zero(); N]).l_vv;
+        Ok(linear::solve(mass, self.p())?)
     }
 
     /// What the next step starts from.

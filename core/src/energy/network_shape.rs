@@ -1,7 +1,6 @@
 //! Shapes of networks, one by one and in lists, and the sizes that a program is compiled for.
 
 use super::List;
-use super::placed_network::PlacedNetwork;
 use crate::network::{Activation, Mlp};
 use crate::scalar::WeightFormat;
 use core::fmt;
@@ -108,14 +107,13 @@ impl<const MAX: usize> List<NetworkShape, MAX> {
         self.iter().try_for_each(NetworkShape::check_size::<H, L>)
     }
 
-    /// Takes all networks from the front of `block`, `start` numbers of which were taken before, and counts `start` on. `None`
-    /// where the block is too short, there are more than `K` networks, or one has more than `L` hidden layers or `H` units in one.
+    /// Takes all networks from the front of `block`. `None` where the block is too short, there are more than `K` networks, or one
+    /// has more than `L` hidden layers or `H` units in one.
     pub(super) fn take<'a, W: WeightFormat, const K: usize, const H: usize, const L: usize>(
         &self,
         block: &mut &'a [W],
-        start: &mut usize,
-    ) -> Option<List<PlacedNetwork<'a, W, H, L>, K>> {
-        self.try_map(|network| PlacedNetwork::take(block, start, network))
+    ) -> Option<List<Mlp<'a, W, H, L>, K>> {
+        self.try_map(|network| network.take(block))
     }
 }
 

@@ -43,6 +43,19 @@ impl<'a> ActuatorBytes<'a> {
         expected(take_f32(&mut bytes).ok(), 0.0)
     }
 
+    /// For steps of h seconds: the number of whole steps that a command is late, and the rest of the delay, part of a step.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for a delay of more than 65,535 steps.
+    pub fn delay_at_step(&self, h: f32) -> Result<(u16, f32), ModelError> {
+        let steps = self.delay() / h;
+        // h must be positive; not a number is in no range.
+        require((0.0..=f32::from(u16::MAX)).contains(&steps) && h > 0.0, "delay of the actuator")?;
+        // Not negative: to truncate it is to take the whole steps.
+        let whole = steps as u16;
+        Ok((whole, steps - f32::from(whole)))
+    }
+
     /// For steps of h seconds: the number of whole steps that a command is late, and the actuator with the rest of the delay.
     ///
     /// # Errors
@@ -57,17 +70,18 @@ impl<'a> ActuatorBytes<'a> {
                 compiled: N,
             });
         }
-        let steps = self.delay() / h;
-        // h must be positive; not a number is in no range.
-        require((0.0..=f32::from(u16::MAX)).contains(&steps) && h > 0.0, "delay of the actuator")?;
-        // Not negative: to truncate it is to take the whole steps.
-        let whole = steps as u16;
-        actuator.delay = steps - f32::from(whole);
-        let (pairs, _) = expected(self.0.get(4..), &[]).as_chunks::<8>();
-        for ((gain, offset), pair) in actuator.gain.iter_mut().zip(&mut actuator.offset).zip(pairs) {
-            [*gain, *offset] = numbers(pair)?;
+        let (whole, rest) = self.delay_at_step(h)?;
+        actuator.delay = rest;
+        for ((gain, offset), pair) in actuator.gain.iter_mut().zip(&mut actuator.offset).zip(self.pairs()) {
+            [*gain, *offset] = pair;
         }
         Ok((whole, actuator))
+    }
+
+    /// Gain and offset of every coordinate, in order.
+    pub fn pairs(&self) -> impl Iterator<Item = [f32; 2]> {
+        let (pairs, _) = expected(self.0.get(4..), &[]).as_chunks::<8>();
+        pairs.iter().map(|pair| expected(numbers(pair).ok(), [1.0, 0.0]))
     }
 }
 

@@ -114,6 +114,8 @@ impl ModelError {
             Self::NoSuchGraph { graphs } => Coded::new(33, [graphs, 0, 0]),
             Self::OtherFamily { found } => Coded::bare(34).about(found),
             Self::Shape { what, found, compiled } => Coded::new(35, [found, compiled, 0]).about(what),
+            Self::Control { .. } => Coded::bare(35).about("kind of control"),
+            Self::Actuator { found } => Coded::new(35, [found.into(), (!found).into(), 0]).about("actuators"),
             Self::Precision { found, compiled } => Coded::new(36, [found.into(), compiled.into(), 0]),
             Self::Section { number } => Coded::new(37, [number.into(), 0, 0]),
             Self::MissingSection { what } => Coded::bare(38).about(what),

@@ -2,6 +2,7 @@ use super::{FrictionNumber, Law};
 use crate::energy::SizeError;
 use crate::energy::graph::GraphError;
 use crate::energy::modular::TreeError;
+use crate::forces::ControlKind;
 use core::fmt;
 
 /// Why a model file was refused.
@@ -123,9 +124,19 @@ pub enum ModelError {
         /// Of the program's integrator.
         compiled: u8,
     },
+    /// Commands are held, or linear between samples, but the program takes them the other way.
+    Control {
+        /// In the file.
+        found: ControlKind,
+    },
+    /// The file has an actuator and the program was compiled without one, or the other way round.
+    Actuator {
+        /// Whether the file has one.
+        found: bool,
+    },
     /// The file's shape is not the one the program was compiled for.
     Shape {
-        /// Which dimension: coordinates, dimensions of space, types, networks, hidden layers, or hidden width.
+        /// Which dimension: coordinates, dimensions of space, types, networks, hidden layers, hidden width, or past commands.
         what: &'static str,
         /// In the file.
         found: usize,
@@ -205,6 +216,22 @@ impl fmt::Display for ModelError {
                     f,
                     "the model was trained with steps of order {found}, but this program takes steps of order {compiled}"
                 )
+            }
+            Self::Control { found } => {
+                let (found, compiled) = match found {
+                    ControlKind::Held => ("held", "linear between samples"),
+                    ControlKind::Linear => ("linear between samples", "held"),
+                };
+                write!(
+                    f,
+                    "the model was trained with commands {found}, but this program takes them as {compiled}"
+                )
+            }
+            Self::Actuator { found: true } => {
+                write!(f, "the file has an actuator, but this program was compiled without one")
+            }
+            Self::Actuator { found: false } => {
+                write!(f, "the file has no actuator, but this program was compiled for one")
             }
             Self::Shape { what, found, compiled } => {
                 write!(f, "{found} {what}, but this program was compiled for {compiled}")

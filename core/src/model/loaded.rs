@@ -84,6 +84,11 @@ impl<'a, M> Model<'a, M> {
         Ok(Self { system, trained_step, sections, covered })
     }
 
+    /// A model that is constants of the program: there is no file that says more of it.
+    pub const fn constant(system: M, trained_step: Option<TrainedStep>) -> Self {
+        Self { system, trained_step, sections: Sections::NONE, covered: false }
+    }
+
     /// The same file with another system, made of this one.
     ///
     /// # Errors

@@ -65,6 +65,9 @@ pub struct Sections<'a>(&'a [u8]);
 pub(super) const SECTION_HEAD: usize = 5;
 
 impl<'a> Sections<'a> {
+    /// No sections.
+    pub(super) const NONE: Self = Self(&[]);
+
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, ModelError> {
         let (mut rest, mut before) = (bytes, 0);
         while !rest.is_empty() {

@@ -39,13 +39,21 @@ impl TrainedStep {
             *<&[u8; Self::BYTES]>::try_from(bytes).map_err(|_| ModelError::Malformed)?;
         let order = Order::from_number(order).ok_or(ModelError::OutOfRange { what: "order" })?;
         let h = take_f32(&mut h.as_slice())?;
-        require(h.is_finite() && h > 0.0, "step h")?;
         let control = match control {
             0 => ControlKind::Held,
             1 => ControlKind::Linear,
             _ => return Err(ModelError::OutOfRange { what: "kind of control" }),
         };
-        Ok(Self { order, h, control })
+        Self { order, h, control }.checked()
+    }
+
+    /// The step as it is.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] unless h is positive and finite.
+    pub(crate) fn checked(self) -> Result<Self, ModelError> {
+        require(self.h.is_finite() && self.h > 0.0, "step h")?;
+        Ok(self)
     }
 
     /// The integrator that the model was trained with, along paths of type `P`.
@@ -55,6 +63,15 @@ impl TrainedStep {
     pub fn del<R: Real, P: Path>(&self) -> Result<Del<R, P>, ModelError> {
         self.check_order(P::ORDER)?;
         Ok(Del::new(R::constant(self.h.into())))
+    }
+
+    /// Checks what a program does with commands against what was done in training.
+    ///
+    /// # Errors
+    /// [`ModelError::Control`].
+    pub fn check_control(&self, compiled: ControlKind) -> Result<(), ModelError> {
+        let found = self.control;
+        if found == compiled { Ok(()) } else { Err(ModelError::Control { found }) }
     }
 
     /// Checks the order of an integrator against that of the model.

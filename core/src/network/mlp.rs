@@ -1,7 +1,6 @@
 use super::units::{Sink, Units};
 use super::{Activation, Dense, Jet};
 use crate::scalar::{Scalar, WeightFormat};
-use heapless::Vec;
 
 /// A multilayer perceptron over borrowed weights: up to `L` hidden layers of up to `H` units, each followed by the activation,
 /// and a linear output layer.
@@ -28,7 +27,7 @@ impl<S: Scalar, const T: usize, const H: usize, const L: usize> Default for Tape
 
 /// Vectors with tangents at one side of a layer: a network's own inputs or outputs, or the units of a hidden layer.
 #[derive(Debug)]
-pub enum Vectors<'v, S, const T: usize, const H: usize> {
+pub(super) enum Vectors<'v, S, const T: usize, const H: usize> {
     /// Of the network.
     Jets(&'v [Jet<S, T>]),
     /// Of a hidden layer.
@@ -42,23 +41,6 @@ impl<S, const T: usize, const H: usize> Clone for Vectors<'_, S, T, H> {
 }
 
 impl<S, const T: usize, const H: usize> Copy for Vectors<'_, S, T, H> {}
-
-impl<'v, S: Scalar, const T: usize, const H: usize> Vectors<'v, S, T, H> {
-    /// As jets, of which those of a hidden layer are copied into `workspace`.
-    pub fn jets<'j>(self, workspace: &'j mut Vec<Jet<S, T>, H>) -> &'j [Jet<S, T>]
-    where
-        'v: 'j,
-    {
-        match self {
-            Self::Jets(jets) => jets,
-            Self::Units(units) => {
-                workspace.clear();
-                workspace.extend(units.jets());
-                workspace
-            }
-        }
-    }
-}
 
 impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
     /// Takes a network of `inputs` → `widths` … → `outputs` from the front of `block`, layer by layer. `None` where the
@@ -192,31 +174,16 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> Mlp<'a, W, H, L> {
         y_bar: &[Jet<S, A>],
         x_bar: &mut [Jet<S, A>],
     ) {
-        self.adjoint_with_layers(tape, (&[], x_bar), y_bar, |_, _, _| {});
-    }
-
-    /// [`Mlp::adjoint`], and calls `visit(layer, inputs, adjoint of its outputs)` for every layer, last to first; `x` is what the
-    /// forward pass was given.
-    #[inline]
-    pub fn adjoint_with_layers<S: Scalar<Weight = W::Wide>, const T: usize, const A: usize>(
-        &self,
-        tape: &Tape<S, T, H, L>,
-        (x, x_bar): (&[Jet<S, T>], &mut [Jet<S, A>]),
-        y_bar: &[Jet<S, A>],
-        mut visit: impl FnMut(&Dense<'a, W>, Vectors<S, T, H>, Vectors<S, A, H>),
-    ) {
         let (mut bar, mut other) = (Units::<S, A, H>::new(), Units::new());
         let (mut bar, mut other) = (&mut bar, &mut other);
         let (mut layer, mut above) = (&self.output, Vectors::Jets(y_bar));
-        let records = tape.units.iter().zip(&tape.slopes).take(self.depth());
-        for (below, (units, slopes)) in self.hidden().rev().zip(records.rev()) {
-            visit(layer, Vectors::Units(units), above);
+        let records = tape.slopes.iter().take(self.depth());
+        for (below, slopes) in self.hidden().rev().zip(records.rev()) {
             layer.adjoint_from(above, other);
             other.multiply(slopes);
             core::mem::swap(&mut bar, &mut other);
             (layer, above) = (below, Vectors::Units(bar));
         }
-        visit(layer, Vectors::Jets(x), above);
         layer.adjoint_from(above, x_bar);
     }
 }

@@ -14,6 +14,7 @@ pub(crate) use activation::softplus_jets;
 pub use activation::{Activation, Curve};
 pub use dense::Dense;
 pub use jet::Jet;
-pub use mlp::{Mlp, Tape, Vectors};
+use mlp::Vectors;
+pub use mlp::{Mlp, Tape};
 pub use second_order::SecondOrderTape;
 pub use units::Units;

@@ -38,7 +38,6 @@ use crate::continuous::ContinuousState;
 use crate::discrete::{Control, Report, State, StepError};
 use crate::forces::{Forces, System};
 use crate::lagrangian::Lagrangian;
-use crate::linear;
 use crate::scalar::Real;
 use zeros::Zeros;
 
@@ -208,9 +207,7 @@ impl<'a, R: Real, L: Lagrangian<R, N>, F: Forces<R, N>, const N: usize> Observer
 
     /// Position and velocity of a discrete state.
     fn continuous(&self, state: &State<R, N>) -> Result<ContinuousState<R, N>, StepError<R>> {
-        let q = state.q();
-        let mass = self.system.lagrangian.linearization(&q, &[R::zero(); N]).l_vv;
-        Ok(ContinuousState { q, v: linear::solve(mass, state.p())? })
+        Ok(ContinuousState { q: state.q(), v: state.velocity(&self.system.lagrangian)? })
     }
 
     /// Starts at rest where every coordinate was first seen.

@@ -178,10 +178,6 @@ impl<const D: usize, const N: usize> Learned<N> for FixedModel<D, N> {
         &self.0.weights
     }
 
-    fn weights_mut(&mut self) -> &mut [f64] {
-        &mut self.0.weights
-    }
-
     fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let velocities = v.as_chunks().0;
         let kinetic =

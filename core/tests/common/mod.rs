@@ -6,6 +6,7 @@ pub mod bodies;
 pub mod cases;
 pub mod crane;
 pub mod dual;
+pub mod dual_number;
 pub mod file;
 pub mod forces;
 pub mod graphs;

@@ -1,13 +1,11 @@
-//! What holds for the energies of every family: they are the printed formulas, all derivatives are theirs (num-dual and finite
-//! differences), and so are the derivatives in the weights. A family joins by [`Learned`].
+//! What holds for the energies of every family: they are the printed formulas, and all derivatives are theirs (num-dual and finite
+//! differences). A family joins by [`Learned`].
 
-use super::dual::{self, Direction, Dual};
+use super::dual::{self, Dual};
 use super::{Random, assert_close, assert_matrices_close, assert_vectors_close};
-use leastaction_core::energy::Learnable;
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear;
 use leastaction_core::scalar::Scalar;
-use num_dual::HyperHyperDual64;
 
 pub const EXACT: f64 = 1e-12;
 /// Of central differences with [`STEP`].
@@ -20,7 +18,7 @@ pub trait Learned<const N: usize>: Clone {
     const NAIVE: f64 = EXACT;
 
     /// The energies of this shape over a weight block.
-    type Over<'w, S: Scalar>: Lagrangian<S, N> + Learnable<S, N>
+    type Over<'w, S: Scalar>: Lagrangian<S, N>
     where
         S::Weight: 'w,
         Self: 'w;
@@ -28,8 +26,6 @@ pub trait Learned<const N: usize>: Clone {
     fn energies_over<'w, S: Scalar>(&'w self, weights: &'w [S::Weight]) -> Self::Over<'w, S>;
 
     fn weights(&self) -> &[f64];
-
-    fn weights_mut(&mut self) -> &mut [f64];
 
     /// T and V by the formulas as they are printed.
     fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64);
@@ -114,40 +110,6 @@ pub fn check_second_derivatives<const N: usize>(
     assert!(kinetic > 0.0, "vᵀMv = {kinetic} at v = {v:?}");
 }
 
-pub fn check_directional_gradient<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
-    let mut random = Random(5);
-    let (dq, dv) = (random.array(1.0), random.array(1.0));
-    let energies = model.energies_in_f64();
-    let found = summed(model, |row| energies.directional_gradient((q, v), (&dq, &dv), row));
-    let along = [(dq, dv), ([0.0; N], [0.0; N])];
-    let exact = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps3);
-    assert_all_close("exact", &found, &exact, EXACT);
-    let differences = weight_differences(model, |model| {
-        let g = model.energies_in_f64().gradient(q, v);
-        linear::dot(&g.l_q, &dq) + linear::dot(&g.l_v, &dv)
-    });
-    assert_all_close("differences", &found, &differences, DIFFERENCES);
-}
-
-pub fn check_residual_gradient<M: Learned<N>, const N: usize>(model: &M, q: &[f64; N], v: &[f64; N]) {
-    let mut random = Random(6);
-    let (a, y) = (random.array(1.0), random.array(1.0));
-    let (energies, still) = (model.energies_in_f64(), [0.0; N]);
-    let found = summed(model, |row| energies.residual_gradient((q, v), &a, &y, row));
-    let along = [(y, still), (still, still)];
-    let force = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps3);
-    let along = [(still, y), (*v, a)];
-    let rate = exact_weight_derivatives(model, (q, v), along, |x| x.eps1eps2eps3);
-    let exact: Vec<f64> = force.iter().zip(rate).map(|(force, rate)| force - rate).collect();
-    assert_all_close("exact", &found, &exact, EXACT);
-    let differences = weight_differences(model, |model| {
-        let d = model.energies_in_f64().dynamics(q, v);
-        let rate = linear::add_scaled(&d.l_vq_v, 1.0, &linear::multiply(&d.mass, &a));
-        linear::dot(&y, &linear::add_scaled(&d.l_q, -1.0, &rate))
-    });
-    assert_all_close("differences", &found, &differences, DIFFERENCES);
-}
-
 /// The tests of every family; `$everywhere!(check)` calls a check at all models of one.
 #[allow(unused_macros, reason = "only the tests of families use it")]
 macro_rules! family_tests {
@@ -166,16 +128,6 @@ macro_rules! family_tests {
         fn second_derivatives_are_symmetric_and_the_mass_matrix_is_positive_definite() {
             $everywhere!($crate::common::oracle::check_symmetry);
         }
-
-        #[test]
-        fn directional_gradient_is_the_parameter_derivative() {
-            $everywhere!($crate::common::oracle::check_directional_gradient);
-        }
-
-        #[test]
-        fn residual_gradient_is_the_parameter_derivative() {
-            $everywhere!($crate::common::oracle::check_residual_gradient);
-        }
     };
 }
 #[allow(unused_imports, reason = "only the tests of families use it")]
@@ -183,57 +135,4 @@ pub(crate) use family_tests;
 
 fn constant_weights<M: Learned<N>, const N: usize>(model: &M) -> Vec<Dual> {
     model.weights().iter().map(|w| Dual::constant(*w)).collect()
-}
-
-/// Adds up what a parameter derivative visits.
-fn summed<M: Learned<N>, const N: usize>(
-    model: &M,
-    gradient: impl FnOnce(&mut dyn FnMut(usize, f64)),
-) -> Vec<f64> {
-    let mut sums = vec![0.0; model.weights().len()];
-    gradient(&mut |position, value| sums[position] += value);
-    sums
-}
-
-/// The third-order term of L along two directions and every weight in turn: exact.
-fn exact_weight_derivatives<M: Learned<N>, const N: usize>(
-    model: &M,
-    (q, v): (&[f64; N], &[f64; N]),
-    [first, second]: [Direction<N>; 2],
-    part: impl Fn(HyperHyperDual64) -> f64,
-) -> Vec<f64> {
-    let still = ([0.0; N], [0.0; N]);
-    let constant = constant_weights(model);
-    (0..constant.len())
-        .map(|k| {
-            let mut weights = constant.clone();
-            weights[k] = Dual::moving(model.weights()[k], [0.0, 0.0, 1.0]);
-            let energies = model.energies_over::<Dual>(&weights);
-            part(dual::lagrangian(&energies, q, v, [first, second, still]))
-        })
-        .collect()
-}
-
-/// Central differences of `f` over every weight in turn.
-fn weight_differences<M: Learned<N>, const N: usize>(model: &M, f: impl Fn(&M) -> f64) -> Vec<f64> {
-    let mut varied = model.clone();
-    (0..model.weights().len())
-        .map(|k| {
-            let weight = model.weights()[k];
-            let mut at = |weight| {
-                varied.weights_mut()[k] = weight;
-                f(&varied)
-            };
-            let difference = at(weight + STEP) - at(weight - STEP);
-            varied.weights_mut()[k] = weight;
-            difference / (2.0 * STEP)
-        })
-        .collect()
-}
-
-fn assert_all_close(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
-    assert_eq!(found.len(), expected.len());
-    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
-        assert_close(&format!("{name}, parameter {k}"), *found, *expected, tolerance);
-    }
 }

@@ -67,10 +67,6 @@ impl<const N: usize> Learned<N> for Model<N> {
         &self.weights
     }
 
-    fn weights_mut(&mut self) -> &mut [f64] {
-        &mut self.weights
-    }
-
     /// From row-major matrices.
     fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let of = |kind| (0..N).filter(move |i| self.coordinates[*i] == kind);

@@ -160,10 +160,6 @@ impl<const N: usize> Learned<N> for Tree<N> {
         &self.weights
     }
 
-    fn weights_mut(&mut self) -> &mut [f64] {
-        &mut self.weights
-    }
-
     /// Element by element from the ground.
     fn naive_energies(&self, q: &[f64; N], v: &[f64; N]) -> (f64, f64) {
         let mut tips: Vec<([f64; 2], [f64; 2])> = Vec::new();

@@ -98,11 +98,7 @@ fn derivatives_of_inverse_dynamics_are_exact() {
         let exact = arm.over(&weights);
         for j in 0..N {
             let moving = |x: &[f64; N], axis: usize| -> [Dual; N] {
-                core::array::from_fn(|i| {
-                    let mut along = [0.0; 3];
-                    along[axis] = f64::from(i == j && axis < 2);
-                    Dual::moving(x[i], along)
-                })
+                core::array::from_fn(|i| Dual::moving(x[i], [0, 1].map(|k| f64::from(i == j && k == axis))))
             };
             let force = exact.inverse_dynamics(&moving(q, 0), &moving(v, 1), &moving(&a, 2));
             for (i, force) in force.iter().enumerate() {

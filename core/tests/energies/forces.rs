@@ -16,7 +16,7 @@ fn derivatives<F: Forces<Dual, N>, const N: usize>(
     [q, v, tau]: [[f64; N]; 3],
 ) -> [Matrix<f64, N>; 3] {
     let moving = |x: [f64; N], along: [f64; N]| {
-        core::array::from_fn::<_, N, _>(|i| Dual::moving(x[i], [along[i], 0.0, 0.0]))
+        core::array::from_fn::<_, N, _>(|i| Dual::moving(x[i], [along[i], 0.0]))
     };
     let still = [0.0; N];
     [0, 1, 2].map(|of| {

@@ -6,7 +6,6 @@ use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
-use leastaction_core::energy::Learnable;
 use leastaction_core::energy::modular::{Input, PairInput, TreeElement};
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::energy::trigonometric::CARTPOLE;
@@ -104,8 +103,6 @@ proptest! {
         let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32 * scale).collect();
         let rigid = model.over(&weights);
         everything(rigid, damping, h, q, v, u);
-        rigid.directional_gradient((&q, &v), (&u, &damping), |_, _: f32| {});
-        rigid.residual_gradient((&q, &v), &u, &damping, |_, _: f32| {});
     }
 
     #[test]
@@ -125,8 +122,6 @@ proptest! {
         let weights: Vec<f32> = tree.single().into_iter().map(|w| w * scale).collect();
         let modular = tree.over(&weights);
         everything(modular, damping, h, q, v, u);
-        modular.directional_gradient((&q, &v), (&u, &damping), |_, _: f32| {});
-        modular.residual_gradient((&q, &v), &u, &damping, |_, _: f32| {});
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use crate::common::Random;
 use crate::common::shapes::{self, Model};
-use leastaction_core::energy::Learnable;
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::{Compensated, LANES, Lanes, Real, Scalar, all_finite, max_abs, product, sum};
 use proptest::prelude::*;
@@ -244,29 +243,6 @@ fn lanes_are_bit_equal_to_scalars() {
         }
     }
     shapes::for_each_shape!(check);
-}
-
-#[test]
-fn lanes_of_parameter_derivatives_are_bit_equal_to_scalars() {
-    let model = &shapes::of_two()[0];
-    let mut random = Random(78);
-    let samples: [[[f64; 2]; 4]; LANES] =
-        core::array::from_fn(|_| core::array::from_fn(|_| random.array(2.0)));
-    let wide: [[Lanes; 2]; 4] =
-        core::array::from_fn(|k| core::array::from_fn(|i| Lanes(core::array::from_fn(|l| samples[l][k][i]))));
-    let rigid = model.in_f64();
-    let mut in_lanes = vec![Lanes::zero(); model.weights.len()];
-    let [q, v, dq, dv] = &wide;
-    rigid.directional_gradient((q, v), (dq, dv), |k, x| in_lanes[k] = x);
-    rigid.residual_gradient((q, v), dq, dv, |k, x| in_lanes[k] += x);
-    for (l, [q, v, dq, dv]) in samples.iter().enumerate() {
-        let mut alone = vec![0.0; model.weights.len()];
-        rigid.directional_gradient((q, v), (dq, dv), |k, x: f64| alone[k] = x);
-        rigid.residual_gradient((q, v), dq, dv, |k, x: f64| alone[k] += x);
-        for (k, (a, b)) in in_lanes.iter().zip(&alone).enumerate() {
-            assert_eq!(a.0[l].to_bits(), b.to_bits(), "lane {l}, parameter {k}");
-        }
-    }
 }
 
 #[test]

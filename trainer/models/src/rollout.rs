@@ -126,9 +126,8 @@ impl Logged<'_> {
     }
 
     fn step(&self, del: &mut Del, state: &mut DelState, (places, k): (&Places, usize)) {
-        // What failed is not a number from here on.
-        let _failures =
-            del.step(&self.model.weights, state, self.forces(places, k).each_ref().map(Vec::as_slice));
+        // What fails is not a number from here on.
+        del.step(&self.model.weights, state, self.forces(places, k).each_ref().map(Vec::as_slice));
     }
 
     /// The positions of trajectories that are stepped side by side.

@@ -3,6 +3,7 @@
 use leastaction_learning::ground_truth::lgnn_shape;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::Samples;
+use leastaction_models::Family as _;
 use leastaction_models::GraphArchitecture;
 use leastaction_papers::lgnn::{Case, Options, run, train};
 

@@ -1,11 +1,11 @@
 //! Programs beside core's code over lanes of the same samples, whose sizes are types: nanoseconds a sample of the parts of losses,
-//! for a rigid model of two coordinates. Then the acceleration loss of a chain of two equal pendulums, whose networks are learned.
+//! for a rigid model of two coordinates (core has no derivatives in the weights). Then the acceleration loss of a chain of two equal pendulums, whose networks are learned.
 //!
 //! `cargo run --release -p leastaction-programs --example speed`
 
+use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{Input, ModularShape, TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
-use leastaction_core::energy::{Learnable, NetworkShape};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{LANES, Lanes};
@@ -72,6 +72,10 @@ fn acceleration_loss() {
     }
 }
 
+fn beside(lanes: f64, time: f64) -> String {
+    format!(", lanes {lanes:>7.1} ns: {:.2}×", lanes / time)
+}
+
 fn main() {
     acceleration_loss();
     for width in [16_u16, 32, 64] {
@@ -85,7 +89,6 @@ fn main() {
         let shape = RigidShape::new(KINDS, &[width, width], Activation::Tanh, INERTIA).expect("a shape");
         let core = Rigid::<f64, 2, 64, 3>::take(&mut &weights[..], &shape).expect("a model");
         let x = [Lanes([0.3; LANES]), Lanes([0.7; LANES])];
-        let mut row = vec![Lanes([0.0; LANES]); weights.len()];
         let lanes = [
             nanoseconds(LANES, || {
                 black_box(Lagrangian::<Lanes, 2>::gradient(&core, black_box(&x), &x));
@@ -96,17 +99,8 @@ fn main() {
             nanoseconds(LANES, || {
                 black_box(Lagrangian::<Lanes, 2>::hessian(&core, black_box(&x), &x));
             }),
-            nanoseconds(LANES, || {
-                Learnable::<Lanes, 2>::directional_gradient(&core, (black_box(&x), &x), (&x, &x), |i, g| {
-                    row[i] += g
-                });
-            }),
-            nanoseconds(LANES, || {
-                Learnable::<Lanes, 2>::residual_gradient(&core, (black_box(&x), &x), &x, &x, |i, g| {
-                    row[i] += g
-                });
-            }),
         ];
+        let lanes = lanes.into_iter().map(Some).chain([None; 2]);
         let system = System::new(&model);
         let rows = [Row::splat(0.3), Row::splat(0.7)];
         let programs = [
@@ -124,11 +118,11 @@ fn main() {
             let time = nanoseconds(WIDTH, || {
                 program.run(&weights, black_box(&inputs), &mut workspace, &mut gradient)
             });
-            println!(
-                "{width:>3} units {name:<10} programs {time:>7.1} ns, lanes {lanes:>7.1} ns: {:.2}×, {} numbers",
-                lanes / time,
+            print!(
+                "{width:>3} units {name:<10} programs {time:>7.1} ns, {} numbers",
                 program.workspace_len()
             );
+            println!("{}", lanes.map_or(String::new(), |lanes| beside(lanes, time)));
         }
     }
 }

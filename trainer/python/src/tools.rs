@@ -43,10 +43,12 @@ pub fn look_at(
     files: Vec<PathBuf>,
     output: PathBuf,
 ) -> PyResult<(String, String, Vec<String>, Option<String>)> {
-    let look = py.detach(|| Look::at(&files)).map_err(input)?;
-    let report = look.report();
-    let doubts = report.doubts().iter().map(ToString::to_string).collect();
-    Ok((json(&report)?, report.to_string(), doubts, look.configuration(&output).ok()))
+    let (report, proposal) = py
+        .detach(|| Look::at(&files).map(|look| (look.report(), look.configuration(&output).ok())))
+        .map_err(input)?;
+    let mut doubts: Vec<String> = report.doubts().iter().map(ToString::to_string).collect();
+    doubts.extend(proposal.iter().filter_map(|proposal| proposal.note.clone()));
+    Ok((json(&report)?, report.to_string(), doubts, proposal.map(|proposal| proposal.text)))
 }
 
 /// A log that a model is evaluated on.

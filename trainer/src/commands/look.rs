@@ -31,10 +31,11 @@ impl Look {
         let report = seen.report();
         report.doubts().iter().for_each(|doubt| output.note(&format!("note: {doubt}")));
         if let Some(file) = &self.output {
-            let text = seen
+            let proposal = seen
                 .configuration(file)
                 .map_err(|reason| Failure::Input(format!("no configuration is written: {reason}")))?;
-            atomic::write(file, text.as_bytes()).map_err(|error| Failure::file(file, error))?;
+            proposal.note.iter().for_each(|note| output.note(&format!("note: {note}")));
+            atomic::write(file, proposal.text.as_bytes()).map_err(|error| Failure::file(file, error))?;
         }
         output.report(&look::Report { configuration: self.output, ..report })
     }

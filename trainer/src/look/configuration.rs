@@ -1,5 +1,6 @@
 //! A first configuration.
 
+use super::mechanism::Mechanism;
 use super::report::{File, Report};
 use crate::cli::CONFIGURATION_HEAD;
 use leastaction_learning::data::survey::Guess;
@@ -10,8 +11,13 @@ use std::path::{Path, PathBuf};
 /// Sampling intervals that differ by less than this part are those of one clock.
 const SAME: f64 = 0.01;
 
-/// The text, which trains as it stands; why there is none where the columns cannot be guessed.
-pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Result<String, String> {
+/// The text, which trains as it stands; why there is none where the columns cannot be guessed. Without a mechanism the model is a network.
+pub fn of(
+    (files, at): (&[PathBuf], &Path),
+    report: &Report,
+    guess: &Guess,
+    mechanism: Option<&Mechanism>,
+) -> Result<String, String> {
     let Some(t) = &guess.t else {
         return Err("no column is named as time is; write [data.columns] by hand".to_owned());
     };
@@ -55,45 +61,29 @@ pub fn of(files: &[PathBuf], at: &Path, report: &Report, guess: &Guess) -> Resul
             ),
         );
     }
-    model(&mut text, guess);
+    model(&mut text, guess, mechanism);
     Ok(text)
 }
 
-/// Coordinates of a chain at most that is proposed: arms of more joints are seldom in a plane.
-const LONGEST_CHAIN: usize = 3;
-
-/// A chain of rigid bodies with friction where there are few coordinates and forces are known, else a network; and sensors and
-/// actuators.
-fn model(text: &mut String, guess: &Guess) {
-    let (n, driven) = (guess.q.len(), !guess.u.is_empty());
-    if n <= LONGEST_CHAIN && driven {
-        line(
-            text,
-            format_args!(
-                "\n[model] # links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before"
-            ),
-        );
-        line(
-            text,
-            format_args!(
-                "family = \"bodies\" # others: leastaction train --print-defaults rigid, modular or graph"
-            ),
-        );
-        line(text, format_args!("chain = {n}"));
-    } else {
-        let angles = vec!["\"angle\""; n].join(", ");
-        line(
-            text,
-            format_args!("\n[model]\ncoordinates = [{angles}] # \"translation\", \"angle\" or \"cyclic\""),
-        );
-    }
+/// Rigid bodies or a network, with friction; and sensors and actuators.
+fn model(text: &mut String, guess: &Guess, mechanism: Option<&Mechanism>) {
+    let driven = !guess.u.is_empty();
+    let [head, bodies] = mechanism.map_or_else(|| [network(guess.q.len()), String::new()], Mechanism::tables);
+    text.push_str(&head);
     let load = if driven { ", load = \"learned\"" } else { "" };
     line(text, format_args!("friction = {{ viscous = \"learned\", coulomb = \"learned\"{load} }}"));
+    text.push_str(&bodies);
     if driven {
         line(text, format_args!("\n[calibration] # of sensors and actuators; a number where it is known"));
         line(text, format_args!("zero = \"learned\"\ngain = \"learned\"\ndelay = \"learned\""));
     }
     line(text, format_args!("\n[training]\nloss = \"windows\""));
+}
+
+/// The table of a network of so many coordinates.
+fn network(n: usize) -> String {
+    let angles = vec!["\"angle\""; n].join(", ");
+    format!("\n[model]\ncoordinates = [{angles}] # \"translation\", \"angle\" or \"cyclic\"\n")
 }
 
 /// The longest sampling interval of a file, to two digits, where others have shorter ones; none where samples of all files lie at one

@@ -3,13 +3,17 @@
 mod configuration;
 mod coordinate;
 mod doubts;
+mod mechanism;
 mod report;
 
 pub use coordinate::{Coordinate, FirstOutlier};
 pub use report::{Column, File, Report};
 
+use leastaction_learning::config::Config;
 use leastaction_learning::data::survey::{Clock, Guess, RawLog, Signal};
-use leastaction_learning::data::{self, DataError};
+use leastaction_learning::data::{self, DataError, Dataset};
+use leastaction_learning::run::error_at_start;
+use mechanism::{MOST_JOINTS, Mechanism};
 use std::path::{Path, PathBuf};
 
 /// Logs of one machine, looked at.
@@ -51,8 +55,74 @@ impl Look {
     ///
     /// # Errors
     /// Why there is none, in words, where the columns cannot be guessed.
-    pub fn configuration(&self, at: &Path) -> Result<String, String> {
-        configuration::of(&self.patterns, at, &self.report(), &self.guess)
+    pub fn configuration(&self, at: &Path) -> Result<Proposal, String> {
+        let report = self.report();
+        let text = |at: &Path, mechanism: Option<&Mechanism>| {
+            configuration::of((&self.patterns, at), &report, &self.guess, mechanism)
+        };
+        let n = self.guess.q.len();
+        if n > MOST_JOINTS || self.guess.u.is_empty() {
+            return Ok(Proposal { text: text(at, None)?, note: None });
+        }
+        let Some(found) = Found::among(Mechanism::all(n), |own| text(Path::new(""), Some(own)).ok()) else {
+            return Ok(Proposal { text: text(at, Some(&Mechanism::links(n)))?, note: None });
+        };
+        Ok(Proposal { text: text(at, Some(&found.mechanism))?, note: found.sentence() })
+    }
+}
+
+/// A first configuration.
+#[derive(Clone, Debug)]
+pub struct Proposal {
+    /// The text of the file.
+    pub text: String,
+    /// Why the mechanism is another one than links alone.
+    pub note: Option<String>,
+}
+
+/// The mechanism that predicts logs best, before any training.
+struct Found {
+    mechanism: Mechanism,
+    /// How far off positions of held-back logs are, m or rad.
+    error: f64,
+    /// Those of links alone; not a number where nothing was predicted.
+    of_links: f64,
+}
+
+/// Another mechanism is proposed where its error is below this part of that of links.
+const BETTER: f64 = 0.7;
+
+impl Found {
+    /// Of several mechanisms, links alone being the first, by the text of the configuration of each; `None` where no log can be held back or none
+    /// predicts anything.
+    fn among(all: Vec<Mechanism>, text: impl Fn(&Mechanism) -> Option<String>) -> Option<Self> {
+        let mut data: Option<Dataset> = None;
+        let errors = all.iter().map(|mechanism| {
+            let config = Config::parse(&text(mechanism)?, Path::new("")).ok()?;
+            let config = Config { data: config.data.alternatives().into_iter().next()?, ..config };
+            if data.is_none() {
+                data = Some(config.data.read().ok()?.0);
+            }
+            error_at_start(&config, data.as_ref()?).ok()?
+        });
+        let errors: Vec<f64> = errors.map(|error| error.unwrap_or(f64::NAN)).collect();
+        let of_links = *errors.first()?;
+        let is_worth = |error: f64| error < BETTER * of_links || of_links.is_nan() && error.is_finite();
+        let others = all.iter().zip(&errors).filter(|(_, error)| is_worth(**error));
+        let best = others.min_by(|a, b| a.1.total_cmp(b.1)).or_else(|| all.iter().zip(&errors).next())?;
+        let (mechanism, error) = (best.0.clone(), *best.1);
+        error.is_finite().then_some(Self { mechanism, error, of_links })
+    }
+
+    /// What there is to say where it is not links alone.
+    fn sentence(&self) -> Option<String> {
+        let Self { mechanism, error, of_links } = self;
+        (error != of_links).then(|| {
+            format!(
+                "{mechanism}, predicts positions of held-back logs to {error:.1e} (m, rad) before any training, links alone to {of_links:.1e}: \
+                 [[model.bodies]] says so, check it"
+            )
+        })
     }
 }
 

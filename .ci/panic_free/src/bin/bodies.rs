@@ -3,7 +3,7 @@
 #![no_main]
 
 use leastaction_core::model::BodiesModel;
-use panic_free::{AllForces, Flash, Friction, everything, halt, said};
+use panic_free::{AllForces, Flash, Friction, everything, halt, said, steppers};
 
 static FLASH: Flash = Flash::new();
 
@@ -12,6 +12,7 @@ extern "C" fn _start() -> ! {
     if let Ok(model) = BodiesModel::<2>::load(FLASH.bytes()) {
         everything(&model.system);
         said::<_, 2>(&model);
+        steppers(&model);
     }
     if let Ok(model) = BodiesModel::<5, f32, Friction<5>>::load(FLASH.bytes()) {
         everything(&model.system);

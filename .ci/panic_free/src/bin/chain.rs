@@ -4,7 +4,7 @@
 
 use core::hint::black_box;
 use leastaction_core::model::ModularModel;
-use panic_free::{Flash, Friction, everything, halt, said};
+use panic_free::{Flash, Friction, everything, halt, said, steppers};
 
 static FLASH: Flash = Flash::new();
 
@@ -14,6 +14,7 @@ extern "C" fn _start() -> ! {
     {
         everything(&model.system);
         said::<_, 6>(&model);
+        steppers(&model);
     }
     halt()
 }

@@ -4,10 +4,14 @@
 
 use core::hint::black_box;
 use leastaction_core::constraints::Holonomic;
+use leastaction_core::discrete::Newton;
 use leastaction_core::energy::graph::{Edge, Fixed, Graph, Member, Union, cutoff_edges};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::model::GraphModel;
 use leastaction_core::particles::Particles;
+use leastaction_core::stepper::{
+    Actuated, Actuation, Direct, Drive, Held, Kind, Linear, ParticleMemory, ParticleStepper, particle_numbers,
+};
 use panic_free::{Flash, everything, halt, said};
 
 static FLASH: Flash = Flash::new();
@@ -41,6 +45,25 @@ fn fixed(graph: Graph<f32, 2, 6, 8, 2>) {
     everything(&System { lagrangian, forces: lagrangian });
 }
 
+/// Everything of a stepper of this kind.
+#[inline(never)]
+fn stepper<K: Kind, A: Actuation<6>, const PAST: usize>() {
+    const NUMBERS: usize = particle_numbers::<2>(3, 4, 3, 64);
+    let mut memory = ParticleMemory::<2, 8, 4, NUMBERS>::new();
+    let (name, at) = (black_box("web"), black_box([0.1; 6]));
+    let file = FLASH.bytes();
+    let found = if black_box(true) {
+        ParticleStepper::<GraphModel<2, 6, 8, 2>, Drive<K, A, 6, PAST>, 2, 6>::new(file, name, &mut memory)
+    } else {
+        ParticleStepper::with_step(file, name, &mut memory, black_box(0.01))
+    };
+    let Ok(mut stepper) = found else { return };
+    let _ = black_box((stepper.start(at, at), stepper.step(at), stepper.commanded(at)));
+    let _ = black_box((stepper.start_from([at, at], at), stepper.step(at)));
+    black_box((stepper.q(), stepper.v(), stepper.p(), stepper.h(), stepper.state().lambda()));
+    black_box(stepper.with_newton(black_box(Newton::new())).q());
+}
+
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
     let (mut edges, mut rods) = ([Edge::default(); 8], [Holonomic::Held { node: 0, axis: 0, at: 0.0 }; 4]);
@@ -57,6 +80,8 @@ extern "C" fn _start() -> ! {
             all(&union);
         }
     }
+    stepper::<Held, Direct, 0>();
+    stepper::<Linear, Actuated<6>, 5>();
     let _ = black_box(cutoff_edges(&black_box([[0.1_f32; 2]; NODES]), 1.0, 0, &mut edges));
     halt()
 }

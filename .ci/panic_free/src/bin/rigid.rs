@@ -6,7 +6,7 @@ use core::hint::black_box;
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::model::RigidModel;
-use panic_free::{Flash, Friction, everything, halt, said};
+use panic_free::{Flash, Friction, everything, halt, said, steppers};
 
 static FLASH: Flash = Flash::new();
 
@@ -15,6 +15,7 @@ extern "C" fn _start() -> ! {
     if let Ok(model) = RigidModel::<2, 32, 2>::load(FLASH.bytes()) {
         everything(&model.system);
         said::<_, 2>(&model);
+        steppers(&model);
     }
     if let Ok(model) = RigidModel::<2, 32, 2, f32, Friction<2>>::load(FLASH.bytes()) {
         everything(&model.system);

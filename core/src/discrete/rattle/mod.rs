@@ -61,6 +61,11 @@ impl<R: Real> Rattle<R> {
         Self { h, order, newton }
     }
 
+    /// The integrator with the caller's bounds of Newton's method.
+    pub(crate) const fn newton(self, newton: Newton<R>) -> Self {
+        Self { newton, ..self }
+    }
+
     /// h, s.
     pub const fn h(&self) -> R {
         self.h
@@ -131,15 +136,32 @@ impl<R: Real> Rattle<R> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
+        let mut all = ParticleState::over(mechanism, state)?;
+        self.restart(mechanism, [q0, q1], force, &mut all, workspace)?;
+        Ok(all)
+    }
+
+    /// [`Rattle::start`] in the memory of a state, which is lost on error.
+    pub(crate) fn restart<S, C, const D: usize>(
+        &self,
+        mechanism: &Constrained<R, S, C, D>,
+        [q0, q1]: [&[[R; D]]; 2],
+        force: Option<&[[R; D]]>,
+        state: &mut ParticleState<R, D>,
+        workspace: &mut [R],
+    ) -> Result<(), ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
         check_start(mechanism, q0)?;
         check_start(mechanism, q1)?;
         force.map_or(Ok(()), |force| mechanism.check_nodes(force))?;
-        let mut all = ParticleState::over(mechanism, state)?;
         let solver = Solver::new(mechanism, &self.newton, workspace)?;
-        Shot::new(self, solver, &mut all, [q0, q1], force).hit()?;
-        all.next.finish(self.h)?;
-        all.swap();
-        Ok(all)
+        Shot::new(self, solver, state, [q0, q1], force).hit()?;
+        state.next.finish(self.h)?;
+        state.swap();
+        Ok(())
     }
 
     fn substeps<S, C, const D: usize>(

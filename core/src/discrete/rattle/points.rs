@@ -98,15 +98,52 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         S: Particles<R, D>,
         C: Constraints<R, D> + ?Sized,
     {
+        let mut all = Self::over(mechanism, state)?;
+        all.restart(mechanism, [q, v], workspace)?;
+        Ok(all)
+    }
+
+    /// Where nothing is known: positions are not numbers, and every step is refused.
+    pub(crate) fn unknown<S, C>(
+        mechanism: &Constrained<R, S, C, D>,
+        state: &'a mut [R],
+    ) -> Result<Self, ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
+        let mut all = Self::over(mechanism, state)?;
+        all.forget();
+        Ok(all)
+    }
+
+    /// Knows nothing any more.
+    pub(crate) fn forget(&mut self) {
+        for vectors in [&mut *self.now.q, self.now.p, self.now.v] {
+            vectors.fill([R::constant(f64::NAN); D]);
+        }
+    }
+
+    /// [`ParticleState::new`] in the memory of this one, which on error is what it was.
+    pub(crate) fn restart<S, C>(
+        &mut self,
+        mechanism: &Constrained<R, S, C, D>,
+        [q, v]: [&[[R; D]]; 2],
+        workspace: &mut [R],
+    ) -> Result<(), ConstraintError<R>>
+    where
+        S: Particles<R, D>,
+        C: Constraints<R, D> + ?Sized,
+    {
         check_start(mechanism, q)?;
         mechanism.check_nodes(v)?;
-        let mut all = Self::over(mechanism, state)?;
-        copy(all.now.q, q);
-        copy(all.now.v, v);
-        Solver::new(mechanism, &Rattle::default_newton(), workspace)?.start(&mut all.now)?;
-        all.now.finish(R::one())?;
-        all.now.lambda.fill(R::zero());
-        Ok(all)
+        copy(self.next.q, q);
+        copy(self.next.v, v);
+        Solver::new(mechanism, &Rattle::default_newton(), workspace)?.start(&mut self.next)?;
+        self.next.finish(R::one())?;
+        self.next.lambda.fill(R::zero());
+        self.swap();
+        Ok(())
     }
 
     /// What is not yet filled, over `state`.

@@ -2,7 +2,6 @@
 
 use super::round::MovingNodes;
 use super::{Edge, Graph, GraphError, across, exchange};
-use crate::energy::placed_network::Ignore;
 use crate::forces::Forces;
 use crate::lagrangian::{Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear::Matrix;
@@ -14,7 +13,7 @@ use crate::scalar::{Scalar, WeightFormat};
 /// It is its own [`Forces`]: the drag on its nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Fixed<'a, W, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize> {
-    pub(super) graph: Graph<'a, W, D, K, H, L>,
+    graph: Graph<'a, W, D, K, H, L>,
 }
 
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize, const N: usize>
@@ -36,13 +35,13 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
 
     /// The type of every node, with its part of x.
     #[inline(always)]
-    pub(super) fn nodes<'x, S>(&self, x: &'x [S; N]) -> impl Iterator<Item = (u8, &'x [S; D])> {
+    fn nodes<'x, S>(&self, x: &'x [S; N]) -> impl Iterator<Item = (u8, &'x [S; D])> {
         self.graph.nodes.iter().copied().zip(vectors(x))
     }
 
     /// The edges, each with x_a − x_b of its ends.
     #[inline(always)]
-    pub(super) fn edges<S: Scalar>(&self, q: &[S; N]) -> impl Iterator<Item = (&'a Edge, [S; D])> {
+    fn edges<S: Scalar>(&self, q: &[S; N]) -> impl Iterator<Item = (&'a Edge, [S; D])> {
         self.graph.edges.iter().filter_map(|edge| Some((edge, across(vectors(q), edge)?)))
     }
 
@@ -57,9 +56,8 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
 
     fn l_q<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [S; N] {
         let types = &self.graph.types;
-        let mut l_q = self.each(q, |kind, x| {
-            types.pull::<S, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {}).map(|pull| -pull.value)
-        });
+        let mut l_q =
+            self.each(q, |kind, x| types.pull::<S, 0>(kind, &x.map(Jet::constant)).map(|pull| -pull.value));
         for (edge, d) in self.edges(q) {
             let force = types.pair::<S, 1>(edge.kind, &d).gradient(&d).map(|force| -force);
             exchange(l_q.as_chunks_mut().0, edge, &force);
@@ -88,7 +86,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     fn l_qq<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [[S; N]; N] {
         let mut l_qq = [[S::zero(); N]; N];
         for (i, (kind, x)) in self.nodes(q).enumerate() {
-            let pull = self.graph.types.pull::<S, D>(kind, &Jet::along_axes(x, 0), &mut Ignore, |_, _| {});
+            let pull = self.graph.types.pull::<S, D>(kind, &Jet::along_axes(x, 0));
             add_block(&mut l_qq, [i, i], &pull.map(|pull| pull.tangent.map(|x| -x)));
         }
         for (edge, d) in self.edges(q) {
@@ -110,7 +108,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         x: &[[Jet<S, T>; D]; N],
         gradient: impl FnMut(&[Edge], [Jet<S, T>; D]),
     ) -> S {
-        self.graph.round(&mut MovingNodes::new(x), &mut Ignore, gradient, |_, _, _, _| {})
+        self.graph.round(&mut MovingNodes::new(x), gradient)
     }
 
     /// Adds the messages' part, one column of blocks after the other: the derivatives of their gradients in the position of node j.
@@ -201,7 +199,7 @@ impl<
 
 /// x as one vector a node.
 #[inline(always)]
-pub(super) fn vectors<S, const D: usize, const N: usize>(x: &[S; N]) -> &[[S; D]] {
+fn vectors<S, const D: usize, const N: usize>(x: &[S; N]) -> &[[S; D]] {
     x.as_chunks().0
 }
 

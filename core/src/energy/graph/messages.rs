@@ -10,9 +10,8 @@ use super::round::{Batch, NodeQuantity, NodeStates};
 use super::shape::{MAX_EMBEDDING, MessageShape};
 use super::types::{Inputs, Types};
 use crate::energy::distance::DistanceFeature;
-use crate::energy::placed_network::{PlacedNetwork, Visit};
 use crate::expected::expected;
-use crate::network::Jet;
+use crate::network::{Jet, Mlp};
 use crate::scalar::{Scalar, WeightFormat};
 use heapless::Vec;
 
@@ -45,14 +44,14 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         self.types.shape().nodes.len() == 1
     }
 
-    fn part(&self, network: u8) -> Option<&'t PlacedNetwork<'a, W, H, L>> {
+    fn part(&self, network: u8) -> Option<&'t Mlp<'a, W, H, L>> {
         self.types.network(network)
     }
 
     /// f_b of an edge type, and its number of outputs.
-    fn embed(&self, kind: u8) -> Option<(&'t PlacedNetwork<'a, W, H, L>, usize)> {
+    fn embed(&self, kind: u8) -> Option<(&'t Mlp<'a, W, H, L>, usize)> {
         let network = self.part(self.types.edge_type(kind)?.embedding?)?;
-        Some((network, network.network.outputs()))
+        Some((network, network.outputs()))
     }
 
     /// The feature z of d that the networks of an edge type see, and (∂z/∂r)/r.
@@ -74,10 +73,10 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
     ) -> Option<()> {
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut e = zeros(width);
-        embed.network.evaluate::<S, T>(&[feature], &mut e);
+        embed.evaluate::<S, T>(&[feature], &mut e);
         let from = |from| {
             let mut sent = zeros(self.width());
-            message.network.evaluate::<S, T>(&self.message_inputs::<S, T, M>(edges, from, &e), &mut sent);
+            message.evaluate::<S, T>(&self.message_inputs::<S, T, M>(edges, from, &e), &mut sent);
             sent
         };
         let of_first = from(0);
@@ -91,13 +90,11 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         &self,
         nodes: impl Batch,
         states: &mut impl NodeStates<S, T, D>,
-        visit: &mut impl Visit<W, S, T>,
     ) -> Option<Jet<S, T>> {
         let potential = self.part(self.shape.node_potential?)?;
         let n = self.read(NodeQuantity::Sum, nodes, 0, states);
         let (mut bar, mut v) = (n.clone(), [Jet::zero(); 1]);
-        let one = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::one())];
-        potential.pull_back_apart::<S, T, _, _>((&n, &mut bar), &mut v, visit, one);
+        potential.pull_back_apart(&n, &mut bar, &mut v, |_| [Jet::constant(S::one())]);
         states.add(NodeQuantity::Adjoint, nodes, &[bar]);
         let [v] = v;
         Some(v)
@@ -110,7 +107,6 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         feature: Jet<S, T>,
         edges: &[Edge],
         states: &mut impl NodeStates<S, T, D>,
-        visit: &mut impl Visit<W, S, T>,
     ) -> Option<[Jet<S, T>; 2]> {
         let potential = self.part(self.shape.edge_potential?)?;
         let ((embed, width), update) = (self.embed(kind)?, self.part(self.shape.update)?);
@@ -118,19 +114,13 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         let product = times(&a, &b);
         let (mut product_bar, mut v, mut feature_bar) = (product.clone(), [Jet::zero(); 1], [Jet::zero(); 1]);
         let (e, change) = (&mut zeros(width), &mut zeros(width));
-        embed.pull_back_apart::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back_apart(&[feature], &mut feature_bar, e, |e| {
             let mut bar = zeros(width);
-            update.pull_back_apart::<S, T, _, _>(
-                (&product, &mut product_bar),
-                change,
-                visit,
-                |change, visit| {
-                    let updated = plus(e, change);
-                    let twice = |_: &[Jet<S, T>], _: &mut _| [Jet::constant(S::constant(2.0))];
-                    potential.pull_back_apart::<S, T, _, _>((&updated, &mut bar), &mut v, visit, twice);
-                    bar.clone()
-                },
-            );
+            update.pull_back_apart(&product, &mut product_bar, change, |change| {
+                let updated = plus(e, change);
+                potential.pull_back_apart(&updated, &mut bar, &mut v, |_| [Jet::constant(S::constant(2.0))]);
+                bar.clone()
+            });
             bar
         });
         states.add(NodeQuantity::Adjoint, edges, &[times(&product_bar, &b), times(&product_bar, &a)]);
@@ -138,21 +128,18 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
         Some([v.plus(&v), feature_bar])
     }
 
-    /// The derivative in the feature through what an edge sends; `sender(end, k, ·)` gets that in number k of the embedding
-    /// of an end's type.
+    /// The derivative in the feature through what an edge sends.
     pub fn answer<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         kind: u8,
         feature: Jet<S, T>,
         edges: &[Edge],
         states: &M,
-        visit: &mut impl Visit<W, S, T>,
-        mut sender: impl FnMut(usize, usize, &Jet<S, T>),
     ) -> Option<Jet<S, T>> {
         let ((embed, width), message) = (self.embed(kind)?, self.part(self.shape.message)?);
         let mut feature_bar = [Jet::zero(); 1];
         let e = &mut zeros(width);
-        embed.pull_back_apart::<S, T, _, _>((&[feature], &mut feature_bar), e, visit, |e, visit| {
+        embed.pull_back_apart(&[feature], &mut feature_bar, e, |e| {
             let mut e_bar = zeros(width);
             let [a, b] = [0, 1].map(|end| self.read(NodeQuantity::Adjoint, edges, end, states));
             let received =
@@ -160,11 +147,8 @@ impl<'t, 'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, co
             for (from, bar) in received.into_iter().flatten() {
                 let x = self.message_inputs::<S, T, M>(edges, from, e);
                 let (mut x_bar, mut sent) = (x.clone(), zeros::<S, T>(self.width()));
-                let bar = |_: &[Jet<S, T>], _: &mut _| bar;
-                message.pull_back_apart::<S, T, _, _>((&x, &mut x_bar), &mut sent, visit, bar);
-                let (of_sender, of_edge) = expected(x_bar.split_at_checked(self.width()), (&[], &[]));
-                of_sender.iter().enumerate().for_each(|(k, bar)| sender(from, k, bar));
-                e_bar = plus(&e_bar, of_edge);
+                message.pull_back_apart(&x, &mut x_bar, &mut sent, |_| bar);
+                e_bar = plus(&e_bar, expected(x_bar.get(self.width()..), &[]));
             }
             e_bar
         });

@@ -17,7 +17,6 @@ mod cutoff;
 mod error;
 mod fixed;
 mod messages;
-mod parameters;
 mod particles;
 mod radial;
 mod round;

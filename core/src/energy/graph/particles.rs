@@ -1,8 +1,7 @@
 //! Graphs of any size, whose nodes and edges are evaluated several at a time in the lanes of a scalar.
 
-use super::round::{NODE_QUANTITIES, NodesAtRest, difference_in_lanes, packs, runs};
+use super::round::{NodesAtRest, difference_in_lanes, packs, runs};
 use super::{Edge, Graph, exchange};
-use crate::energy::placed_network::Ignore;
 use crate::expected::{expected, present};
 use crate::lagrangian::Energies;
 use crate::linear::Matrix;
@@ -24,7 +23,7 @@ impl<
     }
 
     fn workspace(&self) -> usize {
-        self.messaging().map_or(0, |messaging| NODE_QUANTITIES * messaging.width() * self.nodes.len())
+        self.types.shape().workspace(self.nodes.len())
     }
 
     fn energies(&self, q: &[[R; D]], v: &[[R; D]], workspace: &mut [R]) -> Energies<R> {
@@ -34,7 +33,7 @@ impl<
 
     fn l_q(&self, q: &[[R; D]], workspace: &mut [R], l_q: &mut [[R; D]]) {
         let pull = |kind, x: &[R::Pack; D]| {
-            let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant), &mut Ignore, |_, _| {});
+            let pull = self.types.pull::<R::Pack, 0>(kind, &x.map(Jet::constant));
             pull.map(|pull| -pull.value)
         };
         self.write_nodes(0, (q, &mut *l_q), pull, lane);
@@ -164,7 +163,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     ) -> R {
         let mut states = NodesAtRest { q, workspace, width: self.types.shape().embedding.into() };
         let gradient = |edges: &[Edge], of: [Jet<R::Pack, 0>; D]| gradient(edges, of.map(|of| of.value));
-        self.round(&mut states, &mut Ignore, gradient, |_, _, _, _| {})
+        self.round(&mut states, gradient)
     }
 
     #[inline(always)]

@@ -4,7 +4,6 @@
 use super::messages::{Embedding, Messaging};
 use super::shape::MAX_EMBEDDING;
 use super::{Edge, Graph, across};
-use crate::energy::placed_network::Visit;
 use crate::expected::{expected, present};
 use crate::network::Jet;
 use crate::scalar::{Packed, Scalar, WeightFormat};
@@ -97,14 +96,11 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         Messaging::new(&self.types, self.nodes)
     }
 
-    /// V of the messages. `gradient` gets ∂V/∂(x_a − x_b) of edges in parts, and `sender(edges, end, k, ·)` the derivative in
-    /// number k of the embedding at an end of the edges, as far as it goes through what that end sends.
+    /// V of the messages. `gradient` gets ∂V/∂(x_a − x_b) of edges in parts.
     pub(super) fn round<S: Scalar<Weight = W::Wide>, const T: usize, M: NodeStates<S, T, D>>(
         &self,
         states: &mut M,
-        visit: &mut impl Visit<W, S, T>,
         mut gradient: impl FnMut(&[Edge], [Jet<S, T>; D]),
-        mut sender: impl FnMut(&[Edge], usize, usize, &Jet<S, T>),
     ) -> M::Lane {
         let mut sum = M::Lane::zero();
         let Some(messaging) = self.messaging() else { return sum };
@@ -115,21 +111,20 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         }
         for first in (0..self.nodes.len()).step_by(M::WIDTH) {
             let batch = Neighbours { first, count: M::WIDTH.min(self.nodes.len() - first) };
-            let Some(v) = messaging.settle(batch, states, visit) else { break };
+            let Some(v) = messaging.settle(batch, states) else { break };
             (0..batch.count).for_each(|l| sum += M::lane(&v.value, l));
         }
         for (kind, edges) in self.edge_runs(M::WIDTH) {
             let d = states.difference(edges);
             let [feature, rate] = messaging.feature(kind, &d);
-            let Some([v, bar]) = messaging.update(kind, feature, edges, states, visit) else { break };
+            let Some([v, bar]) = messaging.update(kind, feature, edges, states) else { break };
             (0..edges.len()).for_each(|l| sum += M::lane(&v.value, l));
             gradient(edges, d.map(|d| bar.times(&rate).times(&d)));
         }
         for (kind, edges) in self.edge_runs(M::WIDTH) {
             let d = states.difference(edges);
             let [feature, rate] = messaging.feature(kind, &d);
-            let sender = |end: usize, k: usize, bar: &Jet<S, T>| sender(edges, end, k, bar);
-            let Some(bar) = messaging.answer(kind, feature, edges, states, visit, sender) else { break };
+            let Some(bar) = messaging.answer(kind, feature, edges, states) else { break };
             gradient(edges, d.map(|d| bar.times(&rate).times(&d)));
         }
         sum
@@ -254,11 +249,6 @@ impl<'x, S: Scalar, const T: usize, const D: usize, const N: usize> MovingNodes<
     /// Nodes at x.
     pub fn new(x: &'x [[Jet<S, T>; D]; N]) -> Self {
         Self { x, quantities: [[[Jet::zero(); MAX_EMBEDDING]; NODE_QUANTITIES]; N] }
-    }
-
-    /// n̄ of every node.
-    pub fn adjoints(&self) -> impl Iterator<Item = &[Jet<S, T>; MAX_EMBEDDING]> {
-        self.quantities.iter().map(|[_, adjoint]| adjoint)
     }
 }
 

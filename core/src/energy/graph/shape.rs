@@ -1,6 +1,7 @@
 //! The shape of a graph model, apart from its numbers and its graphs.
 
 use super::GraphError;
+use super::round::NODE_QUANTITIES;
 use crate::energy::distance::DistanceFeature;
 use crate::energy::network_shape::first_invalid;
 use crate::energy::{List, NetworkShape, SizeError};
@@ -132,6 +133,11 @@ pub struct GraphShape {
 }
 
 impl GraphShape {
+    /// Numbers of workspace that a graph of so many nodes needs to evaluate its messages; 0 without messages.
+    pub fn workspace(&self, nodes: usize) -> usize {
+        self.messages.map_or(0, |_| NODE_QUANTITIES * usize::from(self.embedding) * nodes)
+    }
+
     /// The shape with these networks and types, without embeddings and messages; `None` for more than the lists hold.
     pub fn new(
         dimension: u8,

@@ -4,10 +4,9 @@ use super::GraphError;
 use super::messages::collected;
 use super::radial::{Radial, square};
 use super::shape::{Drag, EDGE_NUMBERS, EdgeShape, GraphShape, Kinetic, MAX_EMBEDDING, NodeShape, Potential};
-use crate::energy::placed_network::Visit;
-use crate::energy::{List, PlacedNetwork};
+use crate::energy::List;
 use crate::expected::{expected, present};
-use crate::network::Jet;
+use crate::network::{Jet, Mlp};
 use crate::scalar::{Real, Scalar, WeightFormat};
 use heapless::Vec;
 
@@ -21,19 +20,18 @@ pub(super) type Inputs<S, const T: usize> = Vec<Jet<S, T>, MAX_INPUTS>;
 #[derive(Clone, Copy, Debug)]
 pub struct Types<'a, W, const D: usize, const K: usize, const H: usize, const L: usize> {
     shape: GraphShape,
-    networks: List<PlacedNetwork<'a, W, H, L>, K>,
-    /// The numbers of all node types and then of all edge types, which begin at `start` of the weight block.
+    networks: List<Mlp<'a, W, H, L>, K>,
+    /// The numbers of all node types and then of all edge types.
     numbers: &'a [W],
-    start: usize,
 }
 
-/// The numbers of one node type, and the place of each in the weight block.
-pub(super) struct NodeParameters<'a, W> {
-    pub mass: (usize, W),
-    pub drag: (usize, W),
-    pub field: (usize, &'a [W]),
-    pub kinetic_embedding: (usize, &'a [W]),
-    pub embedding: (usize, &'a [W]),
+/// The numbers of one node type.
+struct NodeParameters<'a, W> {
+    mass: W,
+    drag: W,
+    field: &'a [W],
+    kinetic_embedding: &'a [W],
+    embedding: &'a [W],
 }
 
 impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const L: usize>
@@ -46,11 +44,10 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         if shape.invalid_part().is_some() || shape.check_size::<D, K, H, L>().is_err() {
             return None;
         }
-        let mut start = 0;
-        let networks = shape.networks.take::<W, K, H, L>(block, &mut start)?;
+        let networks = shape.networks.take(block)?;
         let (numbers, rest) = block.split_at_checked(shape.all_numbers())?;
         *block = rest;
-        Some(Self { shape: *shape, networks, numbers, start })
+        Some(Self { shape: *shape, networks, numbers })
     }
 
     /// The shape.
@@ -59,7 +56,7 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     }
 
     #[inline(always)]
-    pub(super) fn node_type(&self, kind: u8) -> Option<&NodeShape> {
+    fn node_type(&self, kind: u8) -> Option<&NodeShape> {
         present(self.shape.nodes.get(kind))
     }
 
@@ -69,39 +66,32 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     }
 
     #[inline(always)]
-    pub(super) fn network(&self, network: u8) -> Option<&PlacedNetwork<'a, W, H, L>> {
+    pub(super) fn network(&self, network: u8) -> Option<&Mlp<'a, W, H, L>> {
         present(self.networks.get(network))
     }
 
     #[inline(always)]
-    pub(super) fn numbers(&self, kind: u8) -> Option<NodeParameters<'a, W>> {
+    fn numbers(&self, kind: u8) -> Option<NodeParameters<'a, W>> {
         let [kinetic, h] = [self.shape.kinetic_embedding, self.shape.embedding].map(usize::from);
         let stride = self.shape.numbers();
         let start = usize::from(kind) * stride;
         let ([mass, drag], rest) = present(self.numbers.get(start..))?.split_first_chunk::<2>()?;
         let (field, rest) = rest.split_at_checked(D)?;
         let (kinetic_embedding, rest) = rest.split_at_checked(kinetic)?;
-        let at = self.start + start;
-        Some(NodeParameters {
-            mass: (at, *mass),
-            drag: (at + 1, *drag),
-            field: (at + 2, field),
-            kinetic_embedding: (at + 2 + D, kinetic_embedding),
-            embedding: (at + 2 + D + kinetic, rest.get(..h)?),
-        })
+        Some(NodeParameters { mass: *mass, drag: *drag, field, kinetic_embedding, embedding: rest.get(..h)? })
     }
 
     /// Number k of the embedding of a node type.
     pub(super) fn embedding<S: Scalar<Weight = W::Wide>>(&self, kind: u8, k: usize) -> S {
-        let number = self.numbers(kind).and_then(|numbers| numbers.embedding.1.get(k).copied());
+        let number = self.numbers(kind).and_then(|numbers| numbers.embedding.get(k).copied());
         expected(number.map(W::scalar), S::zero())
     }
 
-    /// c₁ and c₂ of an edge type, and the place of c₁ in the weight block.
+    /// c₁ and c₂ of an edge type.
     #[inline(always)]
-    pub(super) fn law(&self, kind: u8) -> Option<(usize, [W; EDGE_NUMBERS])> {
+    fn law(&self, kind: u8) -> Option<[W; EDGE_NUMBERS]> {
         let at = self.shape.numbers() * self.shape.nodes.len() + EDGE_NUMBERS * usize::from(kind);
-        Some((self.start + at, *present(self.numbers.get(at..)?.first_chunk())?))
+        present(self.numbers.get(at..)?.first_chunk()).copied()
     }
 
     /// T of a node, with `O` derivatives in |v|².
@@ -115,11 +105,11 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
         let at_rest = Radial::linear(S::zero(), s);
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return at_rest };
         match node.kinetic {
-            Kinetic::Mass => Radial::linear(numbers.mass.1.scalar::<S>().half(), s),
+            Kinetic::Mass => Radial::linear(numbers.mass.scalar::<S>().half(), s),
             Kinetic::Network(network) => self.network(network).map_or(at_rest, |network| {
                 let mut y = [Jet::zero(); 1];
-                let x = inputs::<W, S, O>(numbers.kinetic_embedding.1, &[Jet::parameter(s)]);
-                network.network.series::<S, O>(&x, &mut y);
+                let x = inputs::<W, S, O>(numbers.kinetic_embedding, &[Jet::parameter(s)]);
+                network.series::<S, O>(&x, &mut y);
                 Radial::of(&y[0])
             }),
         }
@@ -131,23 +121,21 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
             return S::zero();
         };
         let uniform =
-            || numbers.field.1.iter().zip(x).fold(S::zero(), |sum, (g, x)| sum + g.scalar::<S>() * *x);
+            || numbers.field.iter().zip(x).fold(S::zero(), |sum, (g, x)| sum + g.scalar::<S>() * *x);
         match node.potential {
             Potential::None => S::zero(),
             Potential::Uniform => uniform(),
             Potential::Network(network) => self.network(network).map_or(S::zero(), |network| {
-                uniform() + network.energy::<S>(&inputs(numbers.embedding.1, &x.map(Jet::constant)))
+                uniform() + network.energy::<S>(&inputs(numbers.embedding, &x.map(Jet::constant)))
             }),
         }
     }
 
-    /// V_x of a node at x, with tangents; `embedding(k, ·)` gets the gradient in number k of its embedding.
+    /// V_x of a node at x, with tangents.
     pub(super) fn pull<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         kind: u8,
         x: &[Jet<S, T>; D],
-        visit: &mut impl Visit<W, S, T>,
-        mut embedding: impl FnMut(usize, &Jet<S, T>),
     ) -> [Jet<S, T>; D] {
         let mut pull = [Jet::zero(); D];
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return pull };
@@ -156,21 +144,16 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
             Potential::Uniform => {}
             Potential::Network(network) => {
                 let Some(network) = self.network(network) else { return pull };
-                let x = inputs(numbers.embedding.1, x);
+                let x = inputs(numbers.embedding, x);
                 let mut x_bar = x.clone();
                 let mut y = [Jet::zero(); 1];
-                network.pull_back::<S, T, _, _>((&x, &mut x_bar), &mut y, visit, |_, _| {
-                    [Jet::constant(S::one())]
-                });
-                let (of_embedding, of_x) =
-                    expected(x_bar.split_at_checked(numbers.embedding.1.len()), (&[], &[]));
-                of_embedding.iter().enumerate().for_each(|(k, bar)| embedding(k, bar));
-                for (pull, of_x) in pull.iter_mut().zip(of_x) {
+                network.pull_back(&x, &mut x_bar, &mut y, |_| [Jet::constant(S::one())]);
+                for (pull, of_x) in pull.iter_mut().zip(x_bar.iter().skip(numbers.embedding.len())) {
                     *pull = *of_x;
                 }
             }
         }
-        for (pull, g) in pull.iter_mut().zip(numbers.field.1) {
+        for (pull, g) in pull.iter_mut().zip(numbers.field) {
             pull.value += g.scalar();
         }
         pull
@@ -185,12 +168,12 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     ) -> Radial<S> {
         let s = square(d);
         let none = Radial::linear(S::zero(), s);
-        let (Some(edge), Some((_, law))) = (self.edge_type(kind), self.law(kind)) else { return none };
+        let (Some(edge), Some(law)) = (self.edge_type(kind), self.law(kind)) else { return none };
         let z = edge.separation.feature().of_square::<S, O>(s);
         let law = Radial::of(&z).quadratic(law.map(W::scalar));
         let Some(network) = edge.potential.and_then(|network| self.network(network)) else { return law };
         let mut y = [Jet::zero(); 1];
-        network.network.series::<S, O>(&[z], &mut y);
+        network.series::<S, O>(&[z], &mut y);
         law.plus(&Radial::of(&y[0]))
     }
 
@@ -212,14 +195,14 @@ impl<'a, W: WeightFormat, const D: usize, const K: usize, const H: usize, const 
     pub(super) fn drag<S: Scalar<Weight = W::Wide>>(&self, kind: u8, v: S) -> [S; 2] {
         let none = [S::zero(); 2];
         let (Some(node), Some(numbers)) = (self.node_type(kind), self.numbers(kind)) else { return none };
-        let c: S = numbers.drag.1.scalar();
+        let c: S = numbers.drag.scalar();
         let viscous = [-(c * v), -c];
         match node.drag {
             Drag::None => none,
             Drag::Viscous => viscous,
             Drag::Network(network) => self.network(network).map_or(viscous, |network| {
                 let mut y = [Jet::<S, 1>::zero(); 1];
-                network.network.series::<S, 1>(&[Jet::parameter(v)], &mut y);
+                network.series::<S, 1>(&[Jet::parameter(v)], &mut y);
                 let [Jet { value, tangent: [slope] }] = y;
                 let size = -value.neg_abs();
                 [viscous[0] - size * v, viscous[1] - (size + sign(value) * slope * v)]
@@ -241,7 +224,7 @@ impl<W: WeightFormat<Wide: Real>, const D: usize, const K: usize, const H: usize
 }
 
 /// The inputs of a network: an embedding, which does not move, and then `x`.
-pub(super) fn inputs<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize>(
+fn inputs<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usize>(
     embedding: &[W],
     x: &[Jet<S, T>],
 ) -> Inputs<S, T> {
@@ -251,7 +234,7 @@ pub(super) fn inputs<W: WeightFormat, S: Scalar<Weight = W::Wide>, const T: usiz
 
 /// ±1, and 0 at 0.
 #[inline(always)]
-pub(super) fn sign<S: Scalar>(x: S) -> S {
+fn sign<S: Scalar>(x: S) -> S {
     const SMALLEST: f64 = 1e-30;
     x / (-x.neg_abs()).max(S::constant(SMALLEST))
 }

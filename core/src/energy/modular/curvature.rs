@@ -3,7 +3,6 @@
 use super::potential::Moving;
 use super::tree::{SPACE, Vector, add};
 use super::{Configuration, Modular, dot};
-use crate::energy::placed_network::Ignore;
 use crate::network::Jet;
 use crate::scalar::{Scalar, WeightFormat};
 
@@ -47,15 +46,14 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
         self.for_elements(|e, kind| {
             let (Some(x), Some(m)) = (x.get(e), c.mass.get(e)) else { return };
             let Some(potential) = &kind.potential else { return };
-            let (_, x_bar) =
-                potential.differentiate::<S, SPACE, SPACE>(&Jet::along_axes(x, 0), c1 * *m, &mut Ignore);
+            let x_bar: Moving<S, SPACE> = potential.gradient(&Jet::along_axes(x, 0), c1 * *m);
             scatter(&mut gradient, &mut curvature, e, &[e], &x_bar);
         });
         self.for_pairs(|a, b, pair| {
             let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
             let (Some(ma), Some(mb)) = (c.mass.get(a), c.mass.get(b)) else { return };
             let at = [&Jet::<_, 4>::along_axes(xa, 0), &Jet::along_axes(xb, SPACE)];
-            let (_, [on_a, on_b]) = pair.differentiate::<S, 4>(at, c2 * *ma * *mb, &mut Ignore);
+            let [on_a, on_b] = pair.gradients(at, c2 * *ma * *mb);
             scatter(&mut gradient, &mut curvature, a, &[a, b], &on_a);
             scatter(&mut gradient, &mut curvature, b, &[a, b], &on_b);
         });

@@ -1,9 +1,8 @@
 //! Element types: how the coordinates of an element move it, its mass and other parameters, and its potential.
 
 use super::tree::{SPACE, Vector};
-use crate::energy::placed_network::PlacedNetwork;
 use crate::expected::first;
-use crate::network::Jet;
+use crate::network::{Jet, Mlp};
 use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
@@ -46,9 +45,9 @@ pub enum Transform<'a, W, const H: usize, const L: usize> {
     /// x = T(q), learned (ModLaNet, section 4.1); one coordinate.
     Network {
         /// T.
-        position: PlacedNetwork<'a, W, H, L>,
+        position: Mlp<'a, W, H, L>,
         /// ModLaNet's separate velocity network, ẋ = T_v(q)q̇; without it ẋ is the exact derivative of T.
-        velocity: Option<PlacedNetwork<'a, W, H, L>>,
+        velocity: Option<Mlp<'a, W, H, L>>,
         /// How q enters.
         input: Input,
     },
@@ -110,11 +109,9 @@ pub struct ElementType<'a, W, const H: usize, const L: usize> {
     /// How it moves.
     pub transform: Transform<'a, W, H, L>,
     /// U₁(x) of its centre, per unit of mass; `None`: no potential of its own.
-    pub potential: Option<PlacedNetwork<'a, W, H, L>>,
-    /// Its numbers, at `start` of the weight block.
+    pub potential: Option<Mlp<'a, W, H, L>>,
+    /// Its numbers.
     pub numbers: ElementParameters<W>,
-    /// The place of `numbers` in the weight block.
-    pub start: usize,
 }
 
 /// The numbers of an element type, in the order of the weight block.
@@ -150,10 +147,10 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> ElementType<'a, W, H, 
             Transform::Network { position, velocity, input } => {
                 let features = input.series::<S, E>(q);
                 let x = first(&features, input.features());
-                let motion = Motion::exact(&position.series::<S, E>(x));
+                let motion = Motion::exact(&series::<W, S, E, H, L>(position, x));
                 match velocity {
                     None => motion,
-                    Some(velocity) => motion.with_velocity(&velocity.series::<S, E>(x)),
+                    Some(velocity) => motion.with_velocity(&series::<W, S, E, H, L>(velocity, x)),
                 }
             }
             Transform::Rod => {
@@ -167,55 +164,14 @@ impl<'a, W: WeightFormat, const H: usize, const L: usize> ElementType<'a, W, H, 
             Transform::Free => Motion::exact::<3>(&[Jet::zero(), Jet::parameter(q)]),
         }
     }
-
-    /// Visits the derivatives in the weights of the transform, `bar` the adjoints of s, s′ (and s″, g, g′).
-    pub(super) fn transform_gradient<S: Scalar<Weight = W::Wide>>(
-        &self,
-        q: S,
-        bar: &Motion<S>,
-        row: &mut impl FnMut(usize, S),
-    ) {
-        match &self.transform {
-            Transform::Network { position, velocity, input } => {
-                let features = input.series::<S, 2>(q);
-                let x = first(&features, input.features());
-                let series =
-                    |value: &Vector<S>, first: &Vector<S>, second: &Vector<S>| -> [Jet<S, 2>; SPACE] {
-                        core::array::from_fn(|i| Jet { value: value[i], tangent: [first[i], second[i]] })
-                    };
-                match velocity {
-                    None => {
-                        position.series_gradient::<S>((x, &mut []), &series(&bar.s, &bar.s_q, &bar.s_qq), row)
-                    }
-                    Some(velocity) => {
-                        let zero = [S::zero(); SPACE];
-                        position.series_gradient::<S>((x, &mut []), &series(&bar.s, &bar.s_q, &zero), row);
-                        velocity.series_gradient::<S>((x, &mut []), &series(&bar.g, &bar.g_q, &zero), row);
-                    }
-                }
-            }
-            Transform::Rod => {
-                let (sin, cos) = q.sin_cos();
-                let along = |a: &Vector<S>, x: S, y: S| a[0] * x + a[1] * y;
-                let length =
-                    along(&bar.s, sin, -cos) + along(&bar.s_q, cos, sin) + along(&bar.s_qq, -sin, cos);
-                row(self.start + 3, length);
-            }
-            Transform::Slide | Transform::Free => {}
-        }
-    }
-
-    /// Whether the velocity map is a network of its own.
-    #[inline(always)]
-    pub(super) fn has_velocity(&self) -> bool {
-        matches!(self.transform, Transform::Network { velocity: Some(_), .. })
-    }
 }
 
-impl<W: WeightFormat, const H: usize, const L: usize> PlacedNetwork<'_, W, H, L> {
-    fn series<S: Scalar<Weight = W::Wide>, const E: usize>(&self, x: &[Jet<S, E>]) -> [Jet<S, E>; SPACE] {
-        let mut y = [Jet::zero(); SPACE];
-        self.network.series::<S, E>(x, &mut y);
-        y
-    }
+/// The position or velocity that a network gives, with E derivatives in the coordinate.
+fn series<W: WeightFormat, S: Scalar<Weight = W::Wide>, const E: usize, const H: usize, const L: usize>(
+    network: &Mlp<W, H, L>,
+    x: &[Jet<S, E>],
+) -> [Jet<S, E>; SPACE] {
+    let mut y = [Jet::zero(); SPACE];
+    network.series(x, &mut y);
+    y
 }

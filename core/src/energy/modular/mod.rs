@@ -15,19 +15,17 @@
 
 mod curvature;
 mod element;
-mod parameters;
 mod potential;
 mod shape;
 mod tree;
 
-pub use super::{NetworkShape, PlacedNetwork};
+pub use super::NetworkShape;
 pub use element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, Transform};
 pub use potential::{Pair, PairInput};
 pub use shape::{MAX_NETWORKS, MAX_TYPES, ModularShape, PairShape, TransformShape, TypeShape};
 pub use tree::{SPACE, Tree, TreeElement, TreeError, Vector};
 
 use crate::energy::List;
-use crate::energy::placed_network::{Ignore, Visit};
 use crate::expected::present;
 use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::network::Jet;
@@ -46,8 +44,6 @@ pub struct Modular<'a, W, const N: usize, const E: usize, const H: usize, const 
     pub pair: Option<Pair<'a, W, H, L>>,
     /// c₁ and c₂.
     pub coefficients: [W; 2],
-    /// The place of `coefficients` in the weight block.
-    pub start: usize,
     /// Which element hangs from which.
     pub tree: Tree<N>,
 }
@@ -155,29 +151,24 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
         }
     }
 
-    /// V_x with its tangents at centres that move; `term` gets every U₁ and U₂, not yet multiplied by c₁, c₂ and masses.
-    fn potential<S: Scalar<Weight = W::Wide>, const T: usize>(
+    /// V_x with its tangents at centres that move.
+    fn pull<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         mass: &[S; N],
         x: &[Moving<S, T>; N],
-        visit: &mut impl Visit<W, S, T>,
-        mut term: impl FnMut(PotentialTerm<S, T>),
     ) -> [Moving<S, T>; N] {
         let mut gradient = [[Jet::zero(); SPACE]; N];
         self.for_elements(|e, kind| {
             let (Some(x), Some(sum), Some(m)) = (x.get(e), gradient.get_mut(e), mass.get(e)) else { return };
             let Some(potential) = &kind.potential else { return };
             let [c1, _] = self.c::<S>();
-            let (u, x_bar) = potential.differentiate::<S, T, SPACE>(x, c1 * *m, visit);
-            term(PotentialTerm::Element(e, u));
-            accumulate(sum, &x_bar);
+            accumulate(sum, &potential.gradient(x, c1 * *m));
         });
         self.for_pairs(|a, b, pair| {
             let (Some(xa), Some(xb)) = (x.get(a), x.get(b)) else { return };
             let (Some(ma), Some(mb)) = (mass.get(a), mass.get(b)) else { return };
             let [_, c2] = self.c::<S>();
-            let (u, [on_a, on_b]) = pair.differentiate::<S, T>([xa, xb], c2 * *ma * *mb, visit);
-            term(PotentialTerm::Pair(a, b, u));
+            let [on_a, on_b] = pair.gradients([xa, xb], c2 * *ma * *mb);
             for (e, force) in [(a, &on_a), (b, &on_b)] {
                 if let Some(sum) = gradient.get_mut(e) {
                     accumulate(sum, force);
@@ -190,7 +181,7 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
     /// V_x.
     fn potential_gradient<S: Scalar<Weight = W::Wide>>(&self, c: &Configuration<S, N>) -> [Vector<S>; N] {
         let x = self.tree.centres(&c.centre, &c.of(|m| m.s)).map(|x| x.map(Jet::constant));
-        self.potential::<S, 0>(&c.mass, &x, &mut Ignore, |_| {}).map(|g| g.map(|g| g.value))
+        self.pull::<S, 0>(&c.mass, &x).map(|g| g.map(|g| g.value))
     }
 
     #[inline(always)]
@@ -211,14 +202,6 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
             }
         }
     }
-}
-
-/// A term of the potential without its factors.
-enum PotentialTerm<S, const T: usize> {
-    /// U₁ of element e, multiplied by c₁m_e.
-    Element(usize, Jet<S, T>),
-    /// U₂ of two elements, multiplied by c₂m_e m_f.
-    Pair(usize, usize, Jet<S, T>),
 }
 
 #[inline(always)]

@@ -1,10 +1,9 @@
-//! Potentials of elements and of pairs of elements, with their derivatives in positions and in weights.
+//! Potentials of elements and of pairs of elements, with their derivatives in positions.
 
 use super::dot;
 use super::tree::{SPACE, Vector, add, scale};
 use crate::energy::distance::DistanceFeature;
-use crate::energy::placed_network::{PlacedNetwork, Visit};
-use crate::network::Jet;
+use crate::network::{Jet, Mlp};
 use crate::scalar::{Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +38,7 @@ pub(super) type Moving<S, const T: usize> = [Jet<S, T>; SPACE];
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<'a, W, const H: usize, const L: usize> {
     /// U₂.
-    pub potential: PlacedNetwork<'a, W, H, L>,
+    pub potential: Mlp<'a, W, H, L>,
     /// What it sees.
     pub input: PairInput,
 }
@@ -62,40 +61,36 @@ impl<W: WeightFormat, const H: usize, const L: usize> Pair<'_, W, H, L> {
         u(&[feature.of_square(dot(&d, &d))])
     }
 
-    /// U₂, and `weight` times its gradients in a and in b, all with tangents.
-    pub(super) fn differentiate<S: Scalar<Weight = W::Wide>, const T: usize>(
+    /// `weight` times the gradients of U₂ in a and in b, with tangents.
+    pub(super) fn gradients<S: Scalar<Weight = W::Wide>, const T: usize>(
         &self,
         [a, b]: [&Moving<S, T>; 2],
         weight: S,
-        visit: &mut impl Visit<W, S, T>,
-    ) -> (Jet<S, T>, [Moving<S, T>; 2]) {
+    ) -> [Moving<S, T>; 2] {
         let potential = &self.potential;
         let half = S::one().half();
         let feature = match self.input {
             PairInput::Concat => {
-                let (u, [ax, ay, bx, by]) =
-                    potential.differentiate::<S, T, 4>(&[a[0], a[1], b[0], b[1]], weight * half, visit);
-                let (w, [cx, cy, dx, dy]) =
-                    potential.differentiate::<S, T, 4>(&[b[0], b[1], a[0], a[1]], weight * half, visit);
-                let gradients = [[ax.plus(&dx), ay.plus(&dy)], [bx.plus(&cx), by.plus(&cy)]];
-                return (u.plus(&w).scaled(half), gradients);
+                let [ax, ay, bx, by] = potential.gradient(&[a[0], a[1], b[0], b[1]], weight * half);
+                let [cx, cy, dx, dy] = potential.gradient(&[b[0], b[1], a[0], a[1]], weight * half);
+                return [[ax.plus(&dx), ay.plus(&dy)], [bx.plus(&cx), by.plus(&cy)]];
             }
             PairInput::Difference => {
                 let d = difference(a, b);
-                let (u, forth) = potential.differentiate::<S, T, 2>(&d, weight * half, visit);
-                let (w, back) = potential.differentiate::<S, T, 2>(&negative(&d), weight * half, visit);
+                let forth = potential.gradient(&d, weight * half);
+                let back = potential.gradient(&negative(&d), weight * half);
                 let on_a = difference(&forth, &back);
-                return (u.plus(&w).scaled(half), [on_a, negative(&on_a)]);
+                return [on_a, negative(&on_a)];
             }
             PairInput::Distance => DistanceFeature::Distance,
             PairInput::InverseDistance => DistanceFeature::Inverse,
         };
         let d = difference(a, b);
         let [z, rate] = feature.of_difference(&d);
-        let (u, [slope]) = potential.differentiate::<S, T, 1>(&[z], weight, visit);
+        let [slope] = potential.gradient(&[z], weight);
         let along = slope.times(&rate);
         let on_a = d.map(|d| d.times(&along));
-        (u, [on_a, negative(&on_a)])
+        [on_a, negative(&on_a)]
     }
 }
 

@@ -5,7 +5,8 @@ use super::element::{ELEMENT_PARAMETERS, ElementParameters, ElementType, Input, 
 use super::potential::{Pair, PairInput};
 use super::tree::{SPACE, Tree, TreeElement, TreeError};
 use crate::energy::network_shape::first_invalid;
-use crate::energy::{List, NetworkShape, PlacedNetwork, SizeError};
+use crate::energy::{List, NetworkShape, SizeError};
+use crate::network::Mlp;
 use crate::scalar::WeightFormat;
 use serde::{Deserialize, Serialize};
 
@@ -138,25 +139,23 @@ impl<'a, W: WeightFormat, const N: usize, const E: usize, const H: usize, const 
         if shape.invalid_part().is_some() {
             return None;
         }
-        let mut start = 0;
-        let networks = shape.networks.take::<W, MAX_NETWORKS, H, L>(block, &mut start)?;
+        let networks = shape.networks.take::<W, MAX_NETWORKS, H, L>(block)?;
         let network = |i: u8| networks.get(i).copied();
-        let types = shape.types.try_map(|kind| take_type(block, &mut start, kind, network))?;
+        let types = shape.types.try_map(|kind| take_type(block, kind, network))?;
         let pair = match shape.pair {
             None => None,
             Some(pair) => Some(Pair { potential: network(pair.network)?, input: pair.input }),
         };
         let (coefficients, rest) = block.split_first_chunk::<2>()?;
         *block = rest;
-        Some(Self { types, pair, coefficients: *coefficients, start, tree })
+        Some(Self { types, pair, coefficients: *coefficients, tree })
     }
 }
 
 fn take_type<'a, W: WeightFormat, const H: usize, const L: usize>(
     block: &mut &'a [W],
-    start: &mut usize,
     shape: &TypeShape,
-    network: impl Fn(u8) -> Option<PlacedNetwork<'a, W, H, L>>,
+    network: impl Fn(u8) -> Option<Mlp<'a, W, H, L>>,
 ) -> Option<ElementType<'a, W, H, L>> {
     let transform = match shape.transform {
         TransformShape::Network { position, velocity, input } => {
@@ -175,7 +174,5 @@ fn take_type<'a, W: WeightFormat, const H: usize, const L: usize>(
         Some(potential) => Some(network(potential)?),
     };
     let numbers = ElementParameters::take(block)?;
-    let element = ElementType { transform, potential, numbers, start: *start };
-    *start += ELEMENT_PARAMETERS;
-    Some(element)
+    Some(ElementType { transform, potential, numbers })
 }

@@ -197,18 +197,6 @@ impl<'o, S: Scalar, const T: usize, const N: usize> Outputs<'o, S, T, N> {
         })
     }
 
-    /// ∂/∂o of aᵀHb, with tangents; the place of V stays 0.
-    #[inline]
-    pub fn bilinear_bar(&self, a: &Jets<S, T, N>, b: &Jets<S, T, N>) -> OutputJets<S, T, N> {
-        match self.inertia {
-            Inertia::Diagonal => self.pack(|_, i| a[i].times(&b[i])),
-            _ => {
-                let (alpha, beta) = (self.speeds(a), self.speeds(b));
-                self.pack(|row, i| a[i].times(&speed(&beta, row)).plus(&b[i].times(&speed(&alpha, row))))
-            }
-        }
-    }
-
     /// ∂L/∂o at (o, v), with tangents.
     #[inline]
     pub fn lagrangian_bar(&self, v: &Jets<S, T, N>) -> OutputJets<S, T, N> {

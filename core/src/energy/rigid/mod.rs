@@ -5,18 +5,17 @@
 
 mod features;
 mod inertia;
-mod parameters;
 
 pub(crate) use features::Features;
 pub use features::{Coordinate, count as feature_count};
 pub use inertia::Inertia;
 
 use crate::energy::network_shape::first_invalid;
-use crate::energy::{NetworkShape, PlacedNetwork, SizeError};
+use crate::energy::{NetworkShape, SizeError};
 use crate::expected::{first, first_mut};
 use crate::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagrangian, Linearization};
 use crate::linear::{add_scaled, dot, multiply, transpose};
-use crate::network::{Activation, Jet, SecondOrderTape, Tape};
+use crate::network::{Activation, Jet, Mlp, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 use inertia::{Jets, OutputJets, Outputs, without_tangents};
 
@@ -83,7 +82,7 @@ pub fn network_shape(
 pub struct Rigid<'a, W, const N: usize, const H: usize, const L: usize> {
     coordinates: [Coordinate; N],
     inertia: Inertia,
-    network: PlacedNetwork<'a, W, H, L>,
+    network: Mlp<'a, W, H, L>,
 }
 
 impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
@@ -93,7 +92,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
         if shape.invalid_part().is_some() {
             return None;
         }
-        let network = PlacedNetwork::take(block, &mut 0, &shape.network)?;
+        let network = shape.network.take(block)?;
         Some(Self { coordinates: shape.coordinates, inertia: shape.inertia, network })
     }
 
@@ -110,7 +109,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
         tape: &mut Tape<S, T, H, L>,
         o: &'o mut OutputJets<S, T, N>,
     ) -> (Features<S, N>, Outputs<'o, S, T, N>) {
-        self.evaluate(q, directions, o, |x, y| self.network.network.forward(x, tape, y))
+        self.evaluate(q, directions, o, |x, y| self.network.forward(x, tape, y))
     }
 
     /// Features → network → energies, the network run by `pass(inputs, outputs)`.
@@ -141,7 +140,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
         let mut feature_bar = [[Jet::zero(); N]; 2];
         let bar = first(bar.as_flattened().as_flattened(), self.inertia.outputs(N));
         let feature_slots = first_mut(feature_bar.as_flattened_mut(), features.count());
-        self.network.network.adjoint(tape, bar, feature_slots);
+        self.network.adjoint(tape, bar, feature_slots);
         features.adjoint(feature_slots, directions)
     }
 
@@ -157,7 +156,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
         let plain = first(plain.as_flattened().as_flattened(), self.inertia.outputs(N));
         let mut feature_bar = [[Jet::zero(); N]; 2];
         let slots = first_mut(feature_bar.as_flattened_mut(), features.count());
-        let l_qq = self.network.network.second_order(tape, plain, slots);
+        let l_qq = self.network.second_order(tape, plain, slots);
         let feature_bar = feature_bar.map(|row| row.map(|x| Jet::constant(x.value)));
         (features.adjoint(feature_bar.as_flattened(), &unit_vectors()), l_qq)
     }
@@ -229,7 +228,7 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
     #[inline]
     fn linearization(&self, q: &[S; N], v: &[S; N]) -> Linearization<S, N> {
         let mut o = no_outputs();
-        let pass = |x: &[_], y: &mut [_]| self.network.network.evaluate::<S, N>(x, y);
+        let pass = |x: &[_], y: &mut [_]| self.network.evaluate::<S, N>(x, y);
         let (_, outputs) = self.evaluate(q, &unit_vectors(), &mut o, pass);
         let (p, potential) = (outputs.momentum(&held(v)), outputs.potential());
         let l_vq = p.map(|p| p.tangent);
@@ -248,7 +247,7 @@ impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usiz
     fn hessian(&self, q: &[S; N], v: &[S; N]) -> Hessian<S, N> {
         let mut tape = SecondOrderTape::<S, N, H, L>::default();
         let mut o = no_outputs();
-        let pass = |x: &[_], y: &mut [_]| self.network.network.forward_second_order(x, &mut tape, y);
+        let pass = |x: &[_], y: &mut [_]| self.network.forward_second_order(x, &mut tape, y);
         let (features, outputs) = self.evaluate(q, &unit_vectors(), &mut o, pass);
         let v = held(v);
         let bar = outputs.lagrangian_bar(&v);

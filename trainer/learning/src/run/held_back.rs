@@ -30,6 +30,21 @@ pub(super) struct Fit {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct HeldBack(Vec<[f64; 2]>);
 
+/// How far off positions of a part of the logs are, m or rad, that a model predicts before any iteration: rigid bodies as the linear fit to the
+/// torques of the others leaves them, other models as they begin. `None` where nothing finite is predicted, or no log can be held back.
+///
+/// # Errors
+/// As [`Plan::new`].
+pub fn error_at_start(config: &Config, data: &Dataset) -> Result<Option<f64>, PlanError> {
+    let mut own = config.clone();
+    (own.training.iterations, own.training.warm_up) = (0, 0);
+    own.training.window.get_or_insert_with(|| lengths::usual(data));
+    let mut trial = Trial::new(&own, data);
+    trial.folds.truncate(1);
+    let learned = trial.learn(&own, None)?;
+    Ok(learned.map(|learned| learned.held_back.error()).filter(|error| error.is_finite()))
+}
+
 impl Trial {
     /// All of these logs, or, where these are few or long, pieces of them.
     pub fn new(config: &Config, data: &Dataset) -> Self {

@@ -42,6 +42,7 @@ pub use choose::{ChoiceError, Choices, Chosen, choose};
 pub use ending::Ending;
 pub use error::RunError;
 pub use folds::{Fold, folds};
+pub use held_back::error_at_start;
 pub use lengths::Lengths;
 pub use notice::Notice;
 pub use plan::{Plan, PlanError};

@@ -109,3 +109,16 @@ fn a_model_file_keeps_shape_rods_and_accelerations() {
         particles.energies(start.q.as_chunks().0, start.v.as_chunks().0, &mut []);
     assert!((kinetic + potential).is_finite());
 }
+
+/// Graphs have their drag in their node types; a law of force beside it is not left out in silence.
+#[test]
+fn a_law_that_the_family_cannot_have_is_refused() {
+    use leastaction_core::model::{Family, Laws, ModelError};
+    use leastaction_models::Architecture;
+    let system = LgnnSystem::Pendulum(2);
+    let graph: Architecture = lgnn_shape(system, true, true).unwrap().into();
+    for laws in [Laws::VISCOUS, Laws::COULOMB] {
+        let found = graph.with_header(|family: Family| Architecture::from_header(&family, laws, &[0.0; 99]));
+        assert_eq!(found.map(|_| ()), Err(ModelError::Law { number: laws.iter().next().unwrap() as u8 }));
+    }
+}

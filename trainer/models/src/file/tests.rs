@@ -1,5 +1,5 @@
 use super::*;
-use crate::architecture::RigidArchitecture;
+use crate::RigidArchitecture;
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::ControlKind;
@@ -29,18 +29,6 @@ proptest! {
         prop_assert_eq!(&model.weights, &rounded);
         let again = encode(&architecture, &model.weights, model.facts.trained_step, &provenance).unwrap();
         prop_assert_eq!(again, bytes);
-    }
-}
-
-/// Graphs have their drag in their node types; a law of force beside it is not left out in silence.
-#[test]
-fn a_law_that_the_family_cannot_have_is_refused() {
-    use leastaction_core::model::{Family, Laws};
-    let system = crate::ground_truth::LgnnSystem::Pendulum(2);
-    let graph: Architecture = crate::architecture::lgnn_shape(system, true, true).unwrap().into();
-    for laws in [Laws::VISCOUS, Laws::COULOMB] {
-        let found = graph.with_header(|family: Family| Architecture::from_header(&family, laws, &[0.0; 99]));
-        assert_eq!(found.map(|_| ()), Err(ModelError::Law { number: laws.iter().next().unwrap() as u8 }));
     }
 }
 

@@ -24,8 +24,8 @@ use std::time::Instant;
 pub(super) fn default(training: &Training) -> Result<Fitted, TaskError> {
     let files: Vec<PathBuf> = training.logs.iter().map(|log| log.file.clone()).collect();
     let folder = tempfile::tempdir()?;
-    let text = Look::at(&files)?.configuration(&folder.path().join("machine.toml"))?;
-    train(&text, training, folder.path())
+    let proposal = Look::at(&files)?.configuration(&folder.path().join("machine.toml"))?;
+    train(&proposal.text, training, folder.path())
 }
 
 /// What a chain of rigid bodies has beside viscous friction.

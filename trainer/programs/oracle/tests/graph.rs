@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Numbers, random_weights};
+use common::{Dual, Motion, Numbers, random_weights};
 use leastaction_core::energy::graph::{
     Drag, Edge, EdgeShape, Fixed, Graph, GraphShape, Kinetic, MAX_NETWORKS, MessageShape, NodeShape,
     Potential, Separation, Types,
@@ -11,6 +11,7 @@ use leastaction_core::energy::{List, NetworkShape};
 use leastaction_core::forces;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
+use leastaction_core::scalar::WeightFormat;
 use leastaction_programs::dynamics::{Accelerations, OneSampleAccelerations};
 use leastaction_programs::energies::{Energies, GraphEnergies};
 use leastaction_programs::{Program, Row, System};
@@ -85,16 +86,29 @@ fn edges<const M: usize>(edges: [(u8, [u16; 2]); M]) -> [Edge; M] {
     edges.map(|(kind, ends)| Edge { kind, ends })
 }
 
+type Core<'a, W, const D: usize, const N: usize> = Fixed<'a, W, D, MAX_NETWORKS, 64, 4, N>;
+
+/// Core's graph with its drag.
+fn core<'a, W: WeightFormat, const D: usize, const N: usize>(
+    shape: &GraphShape,
+    (nodes, edges): (&'a [u8], &'a [Edge]),
+    mut block: &'a [W],
+) -> forces::System<Core<'a, W, D, N>, Core<'a, W, D, N>> {
+    let types = Types::take(&mut block, shape).unwrap();
+    assert!(block.is_empty(), "{} numbers are left", block.len());
+    let core = Fixed::new(Graph::new(types, nodes, edges).unwrap()).unwrap();
+    forces::System { lagrangian: core, forces: core }
+}
+
 /// Checks a graph of N coordinates, D of each node.
 fn check<const D: usize, const N: usize>(shape: &GraphShape, nodes: &[u8], edges: &[Edge]) {
     let model = GraphEnergies::new(shape, nodes, edges, 0).unwrap();
     let weights = random_weights(model.parameters(), N as u64);
-    let mut block = &weights[..];
-    let types = Types::<f64, D, MAX_NETWORKS, 64, 4>::take(&mut block, shape).unwrap();
-    assert!(block.is_empty(), "{} numbers are left", block.len());
-    let core = Fixed::<_, D, _, _, _, N>::new(Graph::new(types, nodes, edges).unwrap()).unwrap();
-    let core = forces::System { lagrangian: core, forces: core };
-    common::check(&model, &core, &Numbers::<N>::new(weights.clone(), 1.5, N as u64), 1.0);
+    let motion = |weights: &[Dual], at: [&[Dual; N]; 3]| {
+        Motion::new(&core::<_, D, N>(shape, (nodes, edges), weights), at)
+    };
+    let numbers = Numbers::<N>::new(weights.clone(), 1.5, N as u64);
+    common::check(&model, &core::<_, D, N>(shape, (nodes, edges), &weights), motion, &numbers, 1.0);
 }
 
 #[test]

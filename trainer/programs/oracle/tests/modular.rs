@@ -2,15 +2,16 @@
 
 mod common;
 
-use common::{Damping, Numbers, random_weights};
+use common::{Dual, Motion, Numbers, damping, random_weights};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, MAX_TYPES, Modular, ModularShape, PairInput, PairShape, TransformShape,
     TreeElement, TreeError, TypeShape,
 };
-use leastaction_core::forces::System;
+use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
+use leastaction_core::scalar::{Scalar, WeightFormat};
 use leastaction_programs::energies::{Energies, ModularEnergies};
 
 /// The networks of every test, by their numbers; the widths are no multiples of a panel.
@@ -80,19 +81,29 @@ impl Case {
         weights
     }
 
-    fn check<const N: usize>(&self, seed: u64) {
-        let (shape, nodes) = (self.shape(), nodes(&self.elements));
-        let model = ModularEnergies::new(&shape, &nodes, self.damped).unwrap();
-        let weights = self.weights(&model, seed);
-        let mut block = &weights[..];
-        let tree = shape.tree::<N>(nodes).unwrap();
-        let lagrangian = Modular::<f64, N, MAX_TYPES, 64, 4>::take(&mut block, &shape, tree).unwrap();
+    /// Core's model, with a coefficient of damping an element type behind the numbers of the energies.
+    fn core<'w, S, const N: usize>(
+        &self,
+        weights: &'w [S],
+    ) -> System<Modular<'w, S, N, MAX_TYPES, 64, 4>, Viscous<S, N>>
+    where
+        S: Scalar<Weight = S> + WeightFormat<Wide = S>,
+    {
+        let (shape, mut block) = (self.shape(), weights);
+        let tree = shape.tree(nodes(&self.elements)).unwrap();
+        let lagrangian = Modular::take(&mut block, &shape, tree).unwrap();
         assert_eq!(block.len(), if self.damped { self.types.len() } else { 0 });
-        // One coefficient an element type, behind the numbers of the energies.
         let start = weights.len() - block.len();
         let positions = self.damped.then(|| tree.kinds().map(|kind| start + usize::from(kind)));
-        let core = System { lagrangian, forces: Damping::new(&weights, positions) };
-        common::check(&model, &core, &Numbers::<N>::new(weights.clone(), 1.5, seed), 1.0);
+        System { lagrangian, forces: damping(weights, positions) }
+    }
+
+    fn check<const N: usize>(&self, seed: u64) {
+        let model = ModularEnergies::new(&self.shape(), &nodes(&self.elements), self.damped).unwrap();
+        let weights = self.weights(&model, seed);
+        let motion = |weights: &[Dual], at: [&[Dual; N]; 3]| Motion::new(&self.core(weights), at);
+        let numbers = Numbers::<N>::new(weights.clone(), 1.5, seed);
+        common::check(&model, &self.core(&weights), motion, &numbers, 1.0);
     }
 }
 

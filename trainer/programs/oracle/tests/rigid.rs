@@ -2,10 +2,11 @@
 
 mod common;
 
-use common::{Damping, Numbers, random_weights};
+use common::{Dual, Motion, Numbers, damping, random_weights};
 use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
-use leastaction_core::forces::System;
+use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::Activation;
+use leastaction_core::scalar::{Scalar, WeightFormat};
 use leastaction_programs::energies::{Energies, RigidEnergies};
 
 const KINDS: [Coordinate; 3] = [Coordinate::Translation, Coordinate::Angle, Coordinate::Cyclic];
@@ -18,6 +19,23 @@ struct Case<const N: usize> {
     damped: bool,
 }
 
+/// Core's model, with the damping that ends the block.
+fn core<'w, S, const N: usize>(
+    case: &Case<N>,
+    weights: &'w [S],
+) -> System<Rigid<'w, S, N, 64, 4>, Viscous<S, N>>
+where
+    S: Scalar<Weight = S> + WeightFormat<Wide = S>,
+{
+    let shape = RigidShape::new(case.kinds, &case.widths, case.activation, case.inertia).unwrap();
+    let mut block = weights;
+    let lagrangian = Rigid::take(&mut block, &shape).unwrap();
+    assert_eq!(block.len(), if case.damped { N } else { 0 });
+    let start = weights.len() - block.len();
+    let positions = case.damped.then(|| std::array::from_fn(|i| start + i));
+    System { lagrangian, forces: damping(weights, positions) }
+}
+
 fn check<const N: usize>(case: &Case<N>, seed: u64) {
     let widths: Vec<usize> = case.widths.iter().map(|w| usize::from(*w)).collect();
     let model =
@@ -25,13 +43,9 @@ fn check<const N: usize>(case: &Case<N>, seed: u64) {
     let mut weights = random_weights(model.parameters(), seed);
     let start = weights.len() - if case.damped { N } else { 0 };
     weights[start..].iter_mut().for_each(|w| *w = w.abs());
-    let shape = RigidShape::new(case.kinds, &case.widths, case.activation, case.inertia).unwrap();
-    let mut block = &weights[..];
-    let lagrangian = Rigid::<f64, N, 64, 4>::take(&mut block, &shape).unwrap();
-    assert_eq!(weights.len() - block.len(), start);
-    let forces = Damping::new(&weights, case.damped.then(|| std::array::from_fn(|i| start + i)));
-    let core = System { lagrangian, forces };
-    common::check(&model, &core, &Numbers::<N>::new(weights.clone(), 1.5, seed), 1.0);
+    let motion = |weights: &[Dual], at: [&[Dual; N]; 3]| Motion::new(&core(case, weights), at);
+    let numbers = Numbers::<N>::new(weights.clone(), 1.5, seed);
+    common::check(&model, &core(case, &weights), motion, &numbers, 1.0);
 }
 
 /// Every number of coordinates in turn, each with widths that are no multiple of a panel, and another activation.

@@ -1,13 +1,15 @@
 //! A family's programs against core in f64: value, derivatives, and gradients in the weights.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+mod gradients;
 pub mod losses;
 pub mod on_rods;
 
-use leastaction_core::energy::{Learnable, LearnableForces};
+pub use gradients::{Dual, Motion};
+
 use leastaction_core::forces::{self, Forces, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::linear::Matrix;
+use leastaction_core::scalar::Scalar;
 use leastaction_programs::dynamics::{Accelerations, OneSampleAccelerations};
 use leastaction_programs::energies::Energies;
 use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
@@ -91,38 +93,8 @@ pub fn check_gradients_of_motion<const N: usize>(
 }
 
 /// Viscous damping, its coefficients at these places of the weight block; nowhere: there is none.
-pub struct Damping<const N: usize> {
-    viscous: Viscous<f64, N>,
-    positions: Option<[usize; N]>,
-}
-
-impl<const N: usize> Damping<N> {
-    pub fn new(weights: &[f64], positions: Option<[usize; N]>) -> Self {
-        let coefficients = positions.map_or([0.0; N], |positions| positions.map(|at| weights[at]));
-        Self { viscous: Viscous { coefficients }, positions }
-    }
-}
-
-impl<const N: usize> Forces<f64, N> for Damping<N> {
-    fn force(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> [f64; N] {
-        self.viscous.force(q, v, tau)
-    }
-
-    fn derivatives(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> (Matrix<f64, N>, Matrix<f64, N>) {
-        self.viscous.derivatives(q, v, tau)
-    }
-
-    fn load_derivative(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> Matrix<f64, N> {
-        self.viscous.load_derivative(q, v, tau)
-    }
-}
-
-impl<const N: usize> LearnableForces<f64, N> for Damping<N> {
-    fn force_gradient(&self, (_, v): (&[f64; N], &[f64; N]), y: &[f64; N], mut row: impl FnMut(usize, f64)) {
-        for (i, position) in self.positions.iter().flatten().enumerate() {
-            row(*position, -(y[i] * v[i]));
-        }
-    }
+pub fn damping<S: Scalar, const N: usize>(weights: &[S], positions: Option<[usize; N]>) -> Viscous<S, N> {
+    positions.map_or(Viscous::none(), |positions| Viscous { coefficients: positions.map(|at| weights[at]) })
 }
 
 #[track_caller]
@@ -132,22 +104,20 @@ fn close(found: f64, expected: f64, size: f64) {
     assert!(error <= bound, "{found} instead of {expected}, off by {error:e}");
 }
 
-/// Checks everything that a [`System`] gives against core's model over the same weights. `size` is that of the terms that cancel
-/// in first derivatives.
-pub fn check<L, F, const N: usize>(
+/// Checks everything that a [`System`] gives against core's model over the same weights, which `motion` evaluates over any.
+/// `size` is that of the terms that cancel in first derivatives.
+pub fn check<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
     model: &dyn Energies,
     core: &forces::System<L, F>,
+    motion: impl Fn(&[Dual], [&[Dual; N]; 3]) -> Motion<Dual, N>,
     numbers: &Numbers<N>,
     size: f64,
-) where
-    L: Lagrangian<f64, N> + Learnable<f64, N>,
-    F: Forces<f64, N> + LearnableForces<f64, N>,
-{
+) {
     assert_eq!((model.n(), model.parameters()), (N, numbers.weights.len()), "n and the numbers of the model");
     let system = System::new(model);
     check_values(&system, core, numbers, size);
     check_one_sample(&system, numbers);
-    check_gradients(&system, core, numbers, size);
+    gradients::check(&system, motion, numbers, size);
 }
 
 pub fn check_values<L: Lagrangian<f64, N>, F: Forces<f64, N>, const N: usize>(
@@ -203,35 +173,6 @@ fn check_one_sample<const N: usize>(system: &System, numbers: &Numbers<N>) {
         for (found, expected) in found.iter().zip(&expected).filter(|_| solved) {
             let expected = expected.0[sample];
             assert!((found - expected).abs() <= 1e-7 * (1.0 + expected.abs()), "{found} {expected}");
-        }
-    }
-}
-
-fn check_gradients<L: Learnable<f64, N>, F: LearnableForces<f64, N>, const N: usize>(
-    system: &System,
-    forces::System { lagrangian: core, forces }: &forces::System<L, F>,
-    numbers: &Numbers<N>,
-    size: f64,
-) {
-    let vectors: Vec<usize> = (4..4 + 2 * N).collect();
-    let (_, along) = numbers.run(&system.along(N), &[&[0, 1, 2], &vectors[..]].concat());
-    let (_, residual) = numbers.run(&system.residual(N), &[&[0, 1, 2, 3], &vectors[..N]].concat());
-    for sample in (0..WIDTH).step_by(5) {
-        let [q, v, a] = [0, 1, 3].map(|vector| numbers.of(vector, sample));
-        for direction in 0..N {
-            let [dq, dv] = [0, 1].map(|k| numbers.of(4 + 2 * direction + k, sample));
-            let y = numbers.of(4 + direction, sample);
-            let mut expected = [vec![0.0; numbers.weights.len()], vec![0.0; numbers.weights.len()]];
-            let [of_along, of_residual] = &mut expected;
-            core.directional_gradient((&q, &v), (&dq, &dv), |i, x| of_along[i] += x);
-            forces.force_gradient((&q, &v), &dq, |i, x| of_along[i] += x);
-            core.residual_gradient((&q, &v), &a, &y, |i, x| of_residual[i] += x);
-            forces.force_gradient((&q, &v), &y, |i, x| of_residual[i] += x);
-            for (found, expected) in [&along, &residual].into_iter().zip(&expected) {
-                for (found, expected) in found[direction].iter().zip(expected) {
-                    close(found.0[sample], *expected, 100.0 * size);
-                }
-            }
         }
     }
 }

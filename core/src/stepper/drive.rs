@@ -1,0 +1,208 @@
+//! From commands to the force over a step.
+
+use crate::discrete::StepError;
+use crate::forces::{Actuator, Control, ControlKind};
+use crate::model::{ModelError, Section, Sections};
+use crate::scalar::all_finite;
+use core::marker::PhantomData;
+
+/// What happens to a command between two steps, as a type: [`Held`] or [`Linear`].
+pub trait Kind: Copy {
+    /// The kind in a model file.
+    const KIND: ControlKind;
+    /// Commands before the one of this step that a step sees where none is late.
+    const PAST: usize;
+
+    /// The force over a step; `ago(k)` is the command given to the step k steps earlier.
+    fn force<'u, A: Actuation<N>, const N: usize>(
+        actuation: &A,
+        ago: impl Fn(usize) -> &'u [f32; N],
+    ) -> Control<f32, N>;
+}
+
+/// A step's command acts from its start to its end.
+#[derive(Clone, Copy, Debug)]
+pub struct Held;
+
+impl Kind for Held {
+    const KIND: ControlKind = ControlKind::Held;
+    const PAST: usize = 0;
+
+    #[inline(always)]
+    fn force<'u, A: Actuation<N>, const N: usize>(
+        actuation: &A,
+        ago: impl Fn(usize) -> &'u [f32; N],
+    ) -> Control<f32, N> {
+        actuation.held(ago(1), ago(0))
+    }
+}
+
+/// A step's command is the sample at its end, reached along a line from that of the step before.
+#[derive(Clone, Copy, Debug)]
+pub struct Linear;
+
+impl Kind for Linear {
+    const KIND: ControlKind = ControlKind::Linear;
+    const PAST: usize = 1;
+
+    #[inline(always)]
+    fn force<'u, A: Actuation<N>, const N: usize>(
+        actuation: &A,
+        ago: impl Fn(usize) -> &'u [f32; N],
+    ) -> Control<f32, N> {
+        actuation.linear(ago(2), ago(1), ago(0))
+    }
+}
+
+/// What lies between commands and forces, as a type: nothing ([`Direct`]) or the file's actuator ([`Actuated`]).
+pub trait Actuation<const N: usize>: Sized {
+    /// From the actuator of a file, where it has one, for steps of h > 0 seconds.
+    ///
+    /// # Errors
+    /// [`ModelError::Actuator`] where the file has none of this type; those of [`Sections::actuator`] and of
+    /// [`ActuatorBytes::at_step`](crate::model::ActuatorBytes::at_step).
+    fn load(sections: &Sections, h: f32) -> Result<Self, ModelError>;
+
+    /// Whole steps by which a command is late.
+    fn whole(&self) -> usize;
+
+    /// Whether it is late by a part of a step beside them.
+    fn has_rest(&self) -> bool;
+
+    /// The force of a command that has arrived, N or N m.
+    fn output(&self, u: &[f32; N]) -> [f32; N];
+
+    /// [`Actuator::held`].
+    fn held(&self, before: &[f32; N], u: &[f32; N]) -> Control<f32, N>;
+
+    /// [`Actuator::linear`].
+    fn linear(&self, before: &[f32; N], start: &[f32; N], end: &[f32; N]) -> Control<f32, N>;
+}
+
+/// The command is the force, N or N m, at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Direct;
+
+impl<const N: usize> Actuation<N> for Direct {
+    fn load(sections: &Sections, _: f32) -> Result<Self, ModelError> {
+        let found = sections.get(Section::Actuator).is_some();
+        if found { Err(ModelError::Actuator { found }) } else { Ok(Self) }
+    }
+
+    #[inline(always)]
+    fn whole(&self) -> usize {
+        0
+    }
+
+    #[inline(always)]
+    fn has_rest(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn output(&self, u: &[f32; N]) -> [f32; N] {
+        *u
+    }
+
+    #[inline(always)]
+    fn held(&self, _: &[f32; N], u: &[f32; N]) -> Control<f32, N> {
+        Control::held(*u)
+    }
+
+    #[inline(always)]
+    fn linear(&self, _: &[f32; N], start: &[f32; N], end: &[f32; N]) -> Control<f32, N> {
+        Control { start: *start, end: *end }
+    }
+}
+
+/// An actuator of gain, offset and delay, τ(t) = g u(t − d) + o, d being `whole` steps and the part of a step in `actuator`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuated<const N: usize> {
+    /// Whole steps by which a command is late.
+    pub whole: u16,
+    /// Gain, offset and the rest of the delay.
+    pub actuator: Actuator<f32, N>,
+}
+
+impl<const N: usize> Actuation<N> for Actuated<N> {
+    fn load(sections: &Sections, h: f32) -> Result<Self, ModelError> {
+        let actuator = sections.actuator()?.ok_or(ModelError::Actuator { found: false })?;
+        let (whole, actuator) = actuator.at_step(h)?;
+        Ok(Self { whole, actuator })
+    }
+
+    #[inline(always)]
+    fn whole(&self) -> usize {
+        self.whole.into()
+    }
+
+    #[inline(always)]
+    fn has_rest(&self) -> bool {
+        self.actuator.delay > 0.0
+    }
+
+    fn output(&self, u: &[f32; N]) -> [f32; N] {
+        self.actuator.output(u)
+    }
+
+    fn held(&self, before: &[f32; N], u: &[f32; N]) -> Control<f32, N> {
+        self.actuator.held(before, u)
+    }
+
+    fn linear(&self, before: &[f32; N], start: &[f32; N], end: &[f32; N]) -> Control<f32, N> {
+        self.actuator.linear(before, start, end)
+    }
+}
+
+/// The way from commands to forces: their kind `K`, what lies between, `A`, and the last `PAST` commands in N coordinates.
+///
+/// A new one is at rest: all commands before were 0. Held commands of an ideal drive take no memory and no time.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<K, A, const N: usize, const PAST: usize> {
+    actuation: A,
+    /// Newest first.
+    past: [[f32; N]; PAST],
+    kind: PhantomData<K>,
+}
+
+impl<K: Kind, A: Actuation<N>, const N: usize, const PAST: usize> Drive<K, A, N, PAST> {
+    /// A drive at rest.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] where its delay needs more than `PAST` commands.
+    pub fn new(actuation: A) -> Result<Self, ModelError> {
+        let found = K::PAST + actuation.whole() + usize::from(actuation.has_rest());
+        if found > PAST {
+            return Err(ModelError::Shape { what: "past commands of the actuator", found, compiled: PAST });
+        }
+        Ok(Self { actuation, past: [[0.0; N]; PAST], kind: PhantomData })
+    }
+
+    /// The force over the step of command `u`.
+    #[inline(always)]
+    pub fn force(&self, u: &[f32; N]) -> Control<f32, N> {
+        let whole = self.actuation.whole();
+        K::force(&self.actuation, |steps| self.ago(whole + steps, u))
+    }
+
+    /// The command so many steps ago, `u` being the one of now. What is older than the memory is multiplied by 0.
+    #[inline(always)]
+    fn ago<'u>(&'u self, steps: usize, u: &'u [f32; N]) -> &'u [f32; N] {
+        steps.checked_sub(1).and_then(|k| self.past.get(k)).unwrap_or(u)
+    }
+
+    /// An error where a command that would stay in memory is not finite, or its force.
+    #[inline(always)]
+    pub(super) fn check(&self, u: &[f32; N]) -> Result<(), StepError<f32>> {
+        if PAST == 0 || all_finite(&self.actuation.output(u)) { Ok(()) } else { Err(StepError::NotFinite) }
+    }
+
+    /// Goes one step on: `u` is the last command.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, u: [f32; N]) {
+        let mut newer = u;
+        for command in &mut self.past {
+            newer = core::mem::replace(command, newer);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Which mechanism of few joints moves as logs say.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt::{self, Write};
+
+/// Joints at most that are tried: arms of more are seldom in a plane.
+pub const MOST_JOINTS: usize = 3;
+
+/// A chain of bodies in an upright plane, each on a link or a slide.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mechanism(Vec<Joint>);
+
+/// How a body moves on the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Joint {
+    /// It turns; at q = 0 it hangs, or goes on straight.
+    Link,
+    /// It slides, on the ground along the level and then upright, on a link along it.
+    Slide {
+        /// The other way along that line.
+        back: bool,
+    },
+}
+
+const JOINTS: [Joint; 3] = [Joint::Link, Joint::Slide { back: false }, Joint::Slide { back: true }];
+
+/// A body with the place that it has in a mechanism.
+struct Body {
+    joint: Joint,
+    /// From the hanging frame, or from that of the link before, rad.
+    direction: f64,
+    /// The same of the body before.
+    before: f64,
+    /// Whether some body before turns.
+    on_link: bool,
+    /// Whether the body before turns.
+    next_to_link: bool,
+}
+
+impl Mechanism {
+    /// Links alone.
+    pub fn links(n: usize) -> Self {
+        Self(vec![Joint::Link; n])
+    }
+
+    /// Every mechanism of so many joints, links alone first. A single slide either way is the same.
+    pub fn all(n: usize) -> Vec<Self> {
+        let joints = (0..n).fold(vec![Vec::new()], |all: Vec<Vec<Joint>>, _| {
+            let with = |before: Vec<Joint>| JOINTS.map(|joint| [before.clone(), vec![joint]].concat());
+            all.into_iter().flat_map(with).collect()
+        });
+        joints.into_iter().map(Self).filter(|own| own.bodies().is_some()).collect()
+    }
+
+    /// Its bodies; `None` where slides lie along each other, or the same mechanism is another one of [`Mechanism::all`].
+    fn bodies(&self) -> Option<Vec<Body>> {
+        let (mut bodies, mut slides, mut on_link, mut before) = (Vec::new(), 0, false, 0.0);
+        for (i, joint) in self.0.iter().copied().enumerate() {
+            let direction = match joint {
+                Joint::Link => 0.0,
+                Joint::Slide { back } => {
+                    let level = !on_link && slides == 0;
+                    let most = if on_link { 1 } else { 2 };
+                    if slides == most || back && level && self.0.len() == 1 {
+                        return None;
+                    }
+                    slides += 1;
+                    match (level, back) {
+                        (true, false) => FRAC_PI_2,
+                        (true, true) => -FRAC_PI_2,
+                        (false, false) => 0.0,
+                        (false, true) => PI,
+                    }
+                }
+            };
+            let next_to_link = i > 0 && self.0[i - 1] == Joint::Link;
+            bodies.push(Body { joint, direction, before, on_link, next_to_link });
+            before = direction;
+            if joint == Joint::Link {
+                (slides, on_link) = (0, true);
+            }
+        }
+        Some(bodies)
+    }
+
+    /// The tables of `[model]` that say so: those in front of friction, and those behind it.
+    pub fn tables(&self) -> [String; 2] {
+        let n = self.0.len();
+        let head =
+            "family = \"bodies\" # others: leastaction train --print-defaults rigid, modular or graph\n";
+        if self.0.iter().all(|joint| *joint == Joint::Link) {
+            let comment = "# links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before";
+            return [format!("\n[model] {comment}\n{head}chain = {n}\n"), String::new()];
+        }
+        let mut bodies = String::new();
+        for (i, body) in self.bodies().into_iter().flatten().enumerate() {
+            // Writing to a string does not fail.
+            let _ = write!(bodies, "\n[[model.bodies]]{}", body.keys(i));
+        }
+        [format!("\n[model] # {self}, in an upright plane\n{head}"), bodies]
+    }
+}
+
+impl Body {
+    /// Its keys, as the i-th.
+    fn keys(&self, i: usize) -> String {
+        let slides = self.joint != Joint::Link;
+        let mut keys = match self.joint {
+            Joint::Link if i == 0 => " # a link; q = 0 hangs\n".to_owned(),
+            Joint::Link => " # a link on it\n".to_owned(),
+            Joint::Slide { .. } if i == 0 => " # a slide on a level rail\njoint = \"prismatic\"\n".to_owned(),
+            Joint::Slide { .. } => " # a slide on it\njoint = \"prismatic\"\n".to_owned(),
+        };
+        let mut add = |key: fmt::Arguments<'_>| {
+            let _ = writeln!(keys, "{key}");
+        };
+        if i > 0 {
+            add(format_args!("on = {}", i - 1));
+        }
+        let angle = self.direction - self.before;
+        if angle != 0.0 {
+            add(format_args!("angle = {angle}"));
+        }
+        if self.next_to_link && !slides {
+            add(format_args!("at = [\"learned\", 0.0]"));
+        }
+        match (slides, self.on_link) {
+            // A body that never turns shows its mass alone.
+            (true, false) => add(format_args!("centre = [0.0, 0.0]\ninertia = 1.0")),
+            (false, true) => add(format_args!("rotor = \"learned\"\ngear = 10.0")),
+            _ => (),
+        }
+        keys
+    }
+}
+
+impl fmt::Display for Mechanism {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let name = |joint: &Joint| if *joint == Joint::Link { "a link" } else { "a slide" };
+        let names: Vec<&str> = self.0.iter().map(name).collect();
+        let on = if names.len() > 1 { " each on the one before" } else { "" };
+        match names.split_last() {
+            Some((last, [])) => f.write_str(last),
+            Some((last, before)) => write!(f, "{} and {last},{on}", before.join(", ")),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mechanisms_are_told_apart_once() {
+        assert_eq!(Mechanism::all(1).len(), 2);
+        // Two links, a link and a slide out or in, a slide and a link or an upright slide, each either way.
+        assert_eq!(Mechanism::all(2).len(), 9);
+        assert_eq!(Mechanism::all(2)[0], Mechanism::links(2));
+        let mut all: Vec<String> = Mechanism::all(3).iter().map(|own| own.tables().concat()).collect();
+        let count = all.len();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), count);
+    }
+
+    #[test]
+    fn a_cart_with_a_pole_hangs_from_a_level_rail() {
+        let cart = Mechanism(vec![Joint::Slide { back: false }, Joint::Link]);
+        let [head, bodies] = cart.tables();
+        assert!(
+            head.starts_with("\n[model] # a slide and a link, each on the one before, in an upright plane\n")
+        );
+        assert_eq!(
+            bodies,
+            "\n[[model.bodies]] # a slide on a level rail\njoint = \"prismatic\"\nangle = 1.5707963267948966\ncentre = [0.0, 0.0]\n\
+             inertia = 1.0\n\n[[model.bodies]] # a link on it\non = 0\nangle = -1.5707963267948966\n"
+        );
+    }
+}
