@@ -19,6 +19,7 @@ use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
+use leastaction_models::rollout::logged_command;
 use leastaction_models::{Model, parallel};
 
 /// Steps of the first part of a long integration.
@@ -229,7 +230,7 @@ fn forces(model: &Model, data: &Dataset) -> Vec<f64> {
     let mut forces = Vec::with_capacity(data.samples() * data.n);
     for trajectory in &data.trajectories {
         for (k, i) in (0..trajectory.samples()).flat_map(|k| (0..data.n).map(move |i| (k, i))) {
-            let command = |k: usize| trajectory.u.as_ref().and_then(|u| u.get(k)).map_or(0.0, |u| u[i]);
+            let command = |k: isize| logged_command(trajectory, k, i);
             forces.push(model.facts.actuator.at_sample(step, (k, i), command));
         }
     }

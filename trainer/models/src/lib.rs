@@ -17,6 +17,7 @@ pub mod file;
 pub mod forces;
 pub mod graph;
 pub mod inertia_network;
+pub mod inverse;
 pub mod laws;
 pub mod layers;
 pub mod limits;

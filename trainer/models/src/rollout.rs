@@ -27,6 +27,13 @@ pub fn order_of(order: u8) -> Order {
 /// Places in a log that are stepped side by side: trajectories, and samples that their motions begin at.
 type Places<'d> = [(&'d Trajectory, usize)];
 
+/// u_i at a sample; before the first and after the last sample of a log as there, 0 without control.
+pub fn logged_command(trajectory: &Trajectory, sample: isize, i: usize) -> f64 {
+    let Some(u) = &trajectory.u else { return 0.0 };
+    let sample = usize::try_from(sample).unwrap_or(0).min(u.len().saturating_sub(1));
+    u.get(sample).and_then(|u| u.get(i)).copied().unwrap_or(0.0)
+}
+
 /// What a step sees of a log.
 struct Logged<'a> {
     model: &'a Model,
@@ -98,10 +105,7 @@ impl Logged<'_> {
         let mut ends = [(); 2].map(|()| vec![Row::default(); self.data.n]);
         for (lane, i) in (0..WIDTH).flat_map(|lane| (0..self.data.n).map(move |i| (lane, i))) {
             let Some((trajectory, first)) = places.get(lane).or(places.last()) else { continue };
-            let command = |k: usize| {
-                let u = trajectory.u.as_ref().and_then(|u| u.get(k.min(u.len().saturating_sub(1))));
-                u.map_or(0.0, |u| u[i])
-            };
+            let command = |k: isize| logged_command(trajectory, k, i);
             let own = self.model.facts.actuator.over_step(step, (first + k, i), command);
             ends.iter_mut().zip(own).for_each(|(end, tau)| end[i].0[lane] = tau);
         }

@@ -7,6 +7,7 @@ use crate::motion::{Flight, Motions};
 use crate::single::{self, Quantity, Unsolved};
 use leastaction::models::{Loaded as Read, chip_file, of_part, read, refused};
 use leastaction_core::discrete::Order;
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{FORMAT_VERSION, Interval};
 use leastaction_learning::data::control_name;
 use leastaction_models as models;
@@ -310,6 +311,29 @@ impl Model {
             start.extend_from_slice(force.start);
             end.extend_from_slice(force.end);
         }
+        let shape = [commands.count, n];
+        Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
+    }
+
+    /// As `forces`, in double precision and at any size.
+    fn forces_double<'py>(
+        &self,
+        py: Python<'py>,
+        commands: PyReadonlyArrayDyn<'py, f64>,
+        h: f64,
+        linear: bool,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let n = self.n();
+        let commands = table("u", &commands, &[n])?;
+        let kind = if linear { ControlKind::Linear } else { ControlKind::Held };
+        let last = commands.count.saturating_sub(1);
+        let command = |k: isize, i: usize| {
+            usize::try_from(k).map_or(0.0, |k| commands.row(k.min(last)).get(i).copied().unwrap_or(0.0))
+        };
+        let actuator = &self.host.facts.actuator;
+        let places = (0..commands.count).flat_map(|k| (0..n).map(move |i| (k, i)));
+        let ends = places.map(|(k, i)| actuator.over_step((h, kind), (k, i), |k| command(k, i)));
+        let (start, end): (Vec<f64>, Vec<f64>) = ends.map(|[start, end]| (start, end)).unzip();
         let shape = [commands.count, n];
         Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
     }

@@ -223,6 +223,11 @@ fn between(start: &[Row], end: &[Row], part: f64) -> Vec<Row> {
 }
 
 impl Prediction {
+    /// (q, v) where it starts, of every coordinate: true positions, without the zeros of encoders.
+    pub fn start(&self) -> &[[f64; 2]] {
+        &self.start
+    }
+
     /// Steps.
     pub fn steps(&self, n: usize) -> usize {
         (self.path.len() / n.max(1)).saturating_sub(1)

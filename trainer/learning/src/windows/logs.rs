@@ -87,9 +87,10 @@ impl WindowLogs {
     }
 
     /// u_i at a sample; beyond the ends of the log as there, 0 without control.
-    pub(crate) fn command(&self, log: usize, sample: usize, i: usize) -> f64 {
+    pub(crate) fn command(&self, log: usize, sample: isize, i: usize) -> f64 {
         let last = self.samples(log).saturating_sub(1);
-        self.logs[log].u.get(sample.min(last) * self.n + i).copied().unwrap_or(0.0)
+        let sample = usize::try_from(sample).unwrap_or(0).min(last);
+        self.logs[log].u.get(sample * self.n + i).copied().unwrap_or(0.0)
     }
 
     /// u_i that acts `delay` (≥ 0, s) after it was logged at a sample, and its derivative in the delay; before the first sample it is

@@ -68,16 +68,16 @@ impl Actuator {
     /// τ_i at the start and at the end of the step of h seconds from sample k on, linear between: as core has it
     /// ([`forces::Actuator`]), of the same impulse and moment as what acts.
     ///
-    /// `command` gives u_i at a sample; before sample 0 it is taken to be as there.
+    /// `command` gives u_i at a sample; samples below 0 were before the first.
     pub fn over_step(
         &self,
         (h, kind): (f64, ControlKind),
         (k, i): (usize, usize),
-        command: impl Fn(usize) -> f64,
+        command: impl Fn(isize) -> f64,
     ) -> [f64; 2] {
         let (whole, delay) = self.steps(h);
         let own = forces::Actuator::<f64, 1> { gain: [self.gain(i)], offset: [self.offset(i)], delay };
-        let [before, now, next] = [0, 1, 2].map(|late| [command((k + late).saturating_sub(whole + 1))]);
+        let [before, now, next] = [0, 1, 2].map(|late| [command((k + late) as isize - (whole + 1) as isize)]);
         let forces::Control { start: [start], end: [end] } = match kind {
             ControlKind::Held => own.held(&before, &now),
             ControlKind::Linear => own.linear(&before, &now, &next),
@@ -90,10 +90,11 @@ impl Actuator {
         &self,
         (h, kind): (f64, ControlKind),
         (k, i): (usize, usize),
-        command: impl Fn(usize) -> f64,
+        command: impl Fn(isize) -> f64,
     ) -> f64 {
         let (whole, part) = self.steps(h);
-        let (before, now) = (command(k.saturating_sub(whole + 1)), command(k.saturating_sub(whole)));
+        let now = k as isize - whole as isize;
+        let (before, now) = (command(now - 1), command(now));
         let arrived = match kind {
             ControlKind::Held if part > 0.0 => before,
             ControlKind::Held => now,
