@@ -1,6 +1,6 @@
 //! The arm of `firmware-sim/chip/models`: the frames of a Franka Panda with bodies of round numbers.
 
-use leastaction_core::energy::spatial::SPATIAL_PARAMETERS;
+use leastaction_core::energy::arm::ARM_PARAMETERS;
 use leastaction_core::model::{ArmHeader, Family, Header, Laws, WriteError, write};
 
 /// Of it.
@@ -65,13 +65,13 @@ fn round(m: f32) -> [f32; 10] {
 }
 
 /// A body of a model file: R, p, axis, inertia about the joint and rotor.
-pub fn body((turn, a, d): (i8, f32, f32), inertia: [f32; 10], rotor: f32) -> [f32; SPATIAL_PARAMETERS] {
+pub fn body((turn, a, d): (i8, f32, f32), inertia: [f32; 10], rotor: f32) -> [f32; ARM_PARAMETERS] {
     let s = f32::from(turn);
     let c = 1.0 - s.abs();
     // Rx of the quarter turn, where the joint is, and the axis: z.
     let frame = [1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c, a, -s * d, c * d, 0.0, 0.0, 1.0];
     let numbers = frame.into_iter().chain(inertia).chain([rotor]);
-    let mut body = [0.0; SPATIAL_PARAMETERS];
+    let mut body = [0.0; ARM_PARAMETERS];
     body.iter_mut().zip(numbers).for_each(|(entry, number)| *entry = number);
     body
 }

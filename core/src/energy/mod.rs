@@ -3,20 +3,21 @@
 //!
 //! - [`rigid`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
 //! - [`bodies`]: trees of rigid bodies on joints in the plane, by their masses, lengths and inertias;
-//! - [`spatial`]: the same in space: arms;
+//! - [`arm`]: trees of rigid bodies on joints in space;
 //! - [`modular`]: a tree of reusable elements (ModLaNet);
 //! - [`graph`]: particles with potentials of their own, of pairs and of messages (LGNN), any number of them;
 //! - [`trigonometric`]: exact mechanisms whose inertia and potential are sums of cosines: references and plants.
 
+pub mod arm;
 pub mod bodies;
 mod distance;
 pub mod graph;
 mod list;
 pub mod modular;
+mod multibody;
 mod network_shape;
 mod pull_back;
 pub mod rigid;
-pub mod spatial;
 pub mod trigonometric;
 
 pub use list::List;

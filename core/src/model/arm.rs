@@ -1,9 +1,7 @@
 use super::header::{MAX_TREE_COORDINATES, require};
 use super::{BodiesHeader, ModelError};
+use crate::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmParameters, BodyTree, TreeBody};
 use crate::energy::modular::TreeError;
-use crate::energy::spatial::{
-    SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialParameters, SpatialTree, TreeBody,
-};
 use crate::expected::expected;
 use crate::scalar::FileWeightFormat;
 use serde::{Deserialize, Serialize};
@@ -40,7 +38,7 @@ impl<'a> ArmHeader<'a> {
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for a joint that does not exist, [`ModelError::Tree`] for what is no tree of N bodies.
-    pub fn tree<const N: usize>(&self) -> Result<SpatialTree<N>, ModelError> {
+    pub fn tree<const N: usize>(&self) -> Result<BodyTree<N>, ModelError> {
         BodiesHeader::planar(self.bodies).tree()
     }
 
@@ -48,7 +46,7 @@ impl<'a> ArmHeader<'a> {
     pub fn parameters(&self) -> Result<usize, ModelError> {
         require(self.bodies.len().is_multiple_of(TreeBody::BYTES), "length of a tree")?;
         require(self.n() <= MAX_TREE_COORDINATES, "number of coordinates of a tree")?;
-        Ok(SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * self.n())
+        Ok(ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * self.n())
     }
 
     pub(super) fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
@@ -57,14 +55,14 @@ impl<'a> ArmHeader<'a> {
             Ok(_) | Err(ModelError::Tree(TreeError::Coordinates { .. })) => {}
             Err(error) => return Err(error),
         }
-        let (numbers, _) = expected(weights.get(SPATIAL_GRAVITY_PARAMETERS..), &[]).as_chunks();
+        let (numbers, _) = expected(weights.get(ARM_GRAVITY_PARAMETERS..), &[]).as_chunks();
         let rounding = ROUNDING.iter().find(|(bits, _)| *bits == W::BITS).map_or(0.0, |(_, most)| *most);
-        numbers.iter().try_for_each(|n| check(&SpatialParameters::from_array(n.map(W::wide)), rounding))
+        numbers.iter().try_for_each(|n| check(&ArmParameters::from_array(n.map(W::wide)), rounding))
     }
 }
 
 /// Checks the numbers of a body, which are finite.
-fn check(body: &SpatialParameters<f32>, rounding: f32) -> Result<(), ModelError> {
+fn check(body: &ArmParameters<f32>, rounding: f32) -> Result<(), ModelError> {
     let near = |a: f32, b: f32| (a - b).max(b - a) <= rounding;
     let dot = |a: &[f32; 3], b: &[f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let [x, y, z] = &body.rotation;

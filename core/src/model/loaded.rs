@@ -10,11 +10,11 @@ use super::{
 use crate::constraints::Holonomic;
 use crate::discrete::rattle::Rattle;
 use crate::discrete::{Del, Path};
+use crate::energy::arm::ArmBodies;
 use crate::energy::bodies::PlanarBodies;
 use crate::energy::graph::Edge;
 use crate::energy::modular::Modular;
 use crate::energy::rigid::{Rigid, RigidShape};
-use crate::energy::spatial::SpatialBodies;
 use crate::forces::{System, Viscous};
 use crate::scalar::{FileWeightFormat, Real, Scalar, WeightFormat};
 
@@ -69,7 +69,7 @@ pub type BodiesModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
 ///
 /// `W` and `F` as of a [`RigidModel`].
 pub type ArmModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
-    Model<'a, System<SpatialBodies<'a, W, N>, F>>;
+    Model<'a, System<ArmBodies<'a, W, N>, F>>;
 
 impl<'a, M> Model<'a, M> {
     /// The one way to load: the file, then the system that a family makes of it, and whether that is the first of the file.
@@ -292,14 +292,14 @@ impl ArmHeader<'_> {
         &self,
         laws: Laws,
         weights: &'w [W],
-    ) -> Result<System<SpatialBodies<'w, W, N>, F>, ModelError>
+    ) -> Result<System<ArmBodies<'w, W, N>, F>, ModelError>
     where
         W: WeightFormat,
         S: Scalar<Weight = W::Wide>,
         F: LoadForces<'w, W, S, N>,
     {
         let (tree, needed, mut block) = (self.tree()?, self.parameters()?, weights);
-        let lagrangian = SpatialBodies::take(&mut block, tree)
+        let lagrangian = ArmBodies::take(&mut block, tree)
             .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
         Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
     }

@@ -2,9 +2,9 @@
 
 use super::Random;
 use super::bodies::body;
-use leastaction_core::energy::spatial::{
-    INERTIAL_PARAMETERS, Joint, Rotation, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialBodies,
-    SpatialInertia, SpatialParameters, SpatialTree, TreeBody, Vector,
+use leastaction_core::energy::arm::{
+    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies, ArmParameters, BodyInertia, BodyTree,
+    INERTIAL_PARAMETERS, Joint, Rotation, TreeBody, Vector,
 };
 use leastaction_core::scalar::WeightFormat;
 
@@ -25,29 +25,29 @@ impl<const N: usize> Arm<N> {
         let points = core::array::from_fn(|_| {
             (0..5).map(|_| (0.6 + random.symmetric(0.5), random.array(0.4))).collect::<Vec<Point>>()
         });
-        let mut weights = random.vector(SPATIAL_GRAVITY_PARAMETERS, 9.0);
+        let mut weights = random.vector(ARM_GRAVITY_PARAMETERS, 9.0);
         for points in &points {
             let rotation = rotation(unit(random.array(1.0)), random.symmetric(3.0));
             let (place, axis) = (random.array(0.7), unit(random.array(1.0)));
-            let inertia = SpatialInertia::from_array(inertia(points));
+            let inertia = BodyInertia::from_array(inertia(points));
             let rotor = 0.2 + random.symmetric(0.2);
-            weights.extend(SpatialParameters { rotation, place, axis, inertia, rotor }.into_array());
+            weights.extend(ArmParameters { rotation, place, axis, inertia, rotor }.into_array());
         }
         Self { bodies, points, weights }
     }
 
-    pub fn tree(&self) -> SpatialTree<N> {
-        SpatialTree::new(self.bodies).expect("a tree")
+    pub fn tree(&self) -> BodyTree<N> {
+        BodyTree::new(self.bodies).expect("a tree")
     }
 
     /// The tree over a weight block of any type.
-    pub fn over<'a, W: WeightFormat>(&self, mut weights: &'a [W]) -> SpatialBodies<'a, W, N> {
-        let bodies = SpatialBodies::take(&mut weights, self.tree()).expect("weights of this tree");
+    pub fn over<'a, W: WeightFormat>(&self, mut weights: &'a [W]) -> ArmBodies<'a, W, N> {
+        let bodies = ArmBodies::take(&mut weights, self.tree()).expect("weights of this tree");
         assert!(weights.is_empty(), "{} weights too many", weights.len());
         bodies
     }
 
-    pub fn in_f64(&self) -> SpatialBodies<'_, f64, N> {
+    pub fn in_f64(&self) -> ArmBodies<'_, f64, N> {
         self.over(&self.weights)
     }
 
@@ -56,9 +56,9 @@ impl<const N: usize> Arm<N> {
         self.weights.iter().map(|w| *w as f32).collect()
     }
 
-    pub fn numbers(&self) -> [SpatialParameters<f64>; N] {
-        let (numbers, _) = self.weights[SPATIAL_GRAVITY_PARAMETERS..].as_chunks::<SPATIAL_PARAMETERS>();
-        core::array::from_fn(|i| SpatialParameters::from_array(numbers[i]))
+    pub fn numbers(&self) -> [ArmParameters<f64>; N] {
+        let (numbers, _) = self.weights[ARM_GRAVITY_PARAMETERS..].as_chunks::<ARM_PARAMETERS>();
+        core::array::from_fn(|i| ArmParameters::from_array(numbers[i]))
     }
 
     /// The pose of every body on the base, as a homogeneous matrix.

@@ -1,7 +1,7 @@
 //! The model file of a small arm in space.
 
 use super::file;
-use leastaction_core::energy::spatial::SPATIAL_PARAMETERS;
+use leastaction_core::energy::arm::ARM_PARAMETERS;
 use leastaction_core::model::{ArmHeader, Family, Header, Laws};
 
 /// A column that turns, an upper arm that swings on it, a forearm that slides along it.
@@ -14,7 +14,7 @@ pub const GRAVITY: [f32; 3] = [0.0, 0.0, -9.75];
 
 /// The numbers of its bodies: rotation row by row, place, axis; mass, first moments, inertia, rotor.
 #[rustfmt::skip]
-pub const NUMBERS: [[f32; SPATIAL_PARAMETERS]; 3] = [
+pub const NUMBERS: [[f32; ARM_PARAMETERS]; 3] = [
     [
         1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.375, 0.0, 0.0, 1.0,
         2.0, 0.0625, 0.0, -0.25, 0.25, 0.0, 0.25, 0.015625, 0.0, 0.125, 0.5,

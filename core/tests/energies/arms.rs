@@ -5,7 +5,7 @@ use crate::common::dual::Dual;
 use crate::common::oracle::{at_states, check_lagrangian, check_second_derivatives};
 use crate::common::{Random, assert_close, assert_matrices_close, assert_vectors_close};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
-use leastaction_core::energy::spatial::{SpatialBodies, SpatialInertia, SpatialParameters};
+use leastaction_core::energy::arm::{ArmBodies, ArmParameters, BodyInertia};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear;
@@ -135,17 +135,14 @@ fn single_precision_is_near() {
 #[test]
 fn numbers_keep_their_order() {
     let numbers = core::array::from_fn(|i| i as f64);
-    let body = SpatialParameters::from_array(numbers);
+    let body = ArmParameters::from_array(numbers);
     assert_eq!(body.into_array(), numbers);
     assert_eq!(
         (body.rotation[1], body.place, body.axis),
         ([3.0, 4.0, 5.0], [9.0, 10.0, 11.0], [12.0, 13.0, 14.0])
     );
-    let inertia = SpatialInertia {
-        mass: 15.0,
-        moment: [16.0, 17.0, 18.0],
-        matrix: [19.0, 20.0, 21.0, 22.0, 23.0, 24.0],
-    };
+    let inertia =
+        BodyInertia { mass: 15.0, moment: [16.0, 17.0, 18.0], matrix: [19.0, 20.0, 21.0, 22.0, 23.0, 24.0] };
     assert_eq!((body.inertia, body.rotor), (inertia, 25.0));
     assert_eq!(inertia.into_array(), core::array::from_fn(|i| 15.0 + i as f64));
 }
@@ -153,9 +150,9 @@ fn numbers_keep_their_order() {
 #[test]
 fn a_block_takes_what_is_its_own() {
     let arm = arms::chain_of_seven();
-    assert!(SpatialBodies::take(&mut &arm.weights[1..], arm.tree()).is_none(), "too short");
+    assert!(ArmBodies::take(&mut &arm.weights[1..], arm.tree()).is_none(), "too short");
     let longer = [&arm.weights[..], &[1.0, 2.0]].concat();
     let mut block = &longer[..];
-    assert!(SpatialBodies::take(&mut block, arm.tree()).is_some());
+    assert!(ArmBodies::take(&mut block, arm.tree()).is_some());
     assert_eq!(block, [1.0, 2.0]);
 }

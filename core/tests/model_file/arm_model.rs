@@ -4,8 +4,8 @@ use crate::common::arms::{self, Arm};
 use crate::common::file::{self, Aligned};
 use crate::common::{assert_vectors_close, bodies::body};
 use leastaction_core::continuous::{acceleration, inverse_dynamics};
+use leastaction_core::energy::arm::{ARM_PARAMETERS, Joint};
 use leastaction_core::energy::modular::TreeError;
-use leastaction_core::energy::spatial::{Joint, SPATIAL_PARAMETERS};
 use leastaction_core::forces::{Coulomb, Viscous};
 use leastaction_core::model::{ArmHeader, ArmModel, BodiesModel, Family, Header, Laws, ModelError, parse};
 use leastaction_core::scalar::{Weights, f16};
@@ -107,7 +107,7 @@ fn numbers_of_a_body_are_in_range() {
     for body in 0..3 {
         for (number, value, what) in cases {
             let mut weights = weights();
-            weights[3 + body * SPATIAL_PARAMETERS + number] = value;
+            weights[3 + body * ARM_PARAMETERS + number] = value;
             assert_eq!(refusal(&file::write(HEADER, &weights)), ModelError::OutOfRange { what });
         }
     }
@@ -156,7 +156,7 @@ fn is_tree(bytes: &[u8]) -> bool {
 
 /// As many weights as bodies and dampers need: every body that of the test.
 fn weights_of(bodies: usize) -> Vec<f32> {
-    let (gravity, body) = (&weights()[..3], &weights()[3..3 + SPATIAL_PARAMETERS]);
+    let (gravity, body) = (&weights()[..3], &weights()[3..3 + ARM_PARAMETERS]);
     [gravity, &body.repeat(bodies), &vec![0.25; bodies]].concat()
 }
 
@@ -192,7 +192,7 @@ proptest! {
 
     /// Whatever stands in a body's numbers, a file is refused or its arm moves: nothing panics.
     #[test]
-    fn any_number_is_refused_or_evaluated(at in 0_usize..3 + 3 * SPATIAL_PARAMETERS, bits in any::<u32>()) {
+    fn any_number_is_refused_or_evaluated(at in 0_usize..3 + 3 * ARM_PARAMETERS, bits in any::<u32>()) {
         let mut weights = weights();
         weights[at] = f32::from_bits(bits);
         let file = Aligned::new(&file::write(HEADER, &weights));

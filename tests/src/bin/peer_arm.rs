@@ -2,7 +2,7 @@
 //! Input and output: `tests/peers/README.md`.
 
 use leastaction_core::continuous::acceleration;
-use leastaction_core::energy::spatial::{Joint, SPATIAL_PARAMETERS, SpatialBodies, SpatialTree, TreeBody};
+use leastaction_core::energy::arm::{ARM_PARAMETERS, ArmBodies, BodyTree, Joint, TreeBody};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use std::error::Error;
@@ -50,20 +50,20 @@ fn numbers(words: &mut SplitAsciiWhitespace, count: usize) -> Result<Vec<f64>, F
     (0..count).map(|_| next(words)).collect()
 }
 
-fn tree<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<SpatialTree<N>, Failure> {
+fn tree<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<BodyTree<N>, Failure> {
     let mut bodies = Vec::new();
     for _ in 0..N {
         let (parent, slides): (i16, u8) = (next(words)?, next(words)?);
         let joint = if slides == 1 { Joint::Prismatic } else { Joint::Revolute };
         bodies.push(TreeBody { joint, parent: u8::try_from(parent).ok() });
     }
-    SpatialTree::new(bodies).map_err(|error| format!("{error:?}").into())
+    BodyTree::new(bodies).map_err(|error| format!("{error:?}").into())
 }
 
 fn measure<const N: usize>(words: &mut SplitAsciiWhitespace) -> Result<(), Failure> {
     let tree = tree::<N>(words)?;
-    let weights = numbers(words, 3 + N * SPATIAL_PARAMETERS)?;
-    let arm = SpatialBodies::take(&mut &weights[..], tree).ok_or("too few weights")?;
+    let weights = numbers(words, 3 + N * ARM_PARAMETERS)?;
+    let arm = ArmBodies::take(&mut &weights[..], tree).ok_or("too few weights")?;
     let count: usize = next(words)?;
     let states: Vec<f64> = numbers(words, 3 * N * count)?;
     let state = |of: &[[f64; N]]| -> State<N> { [of[0], of[1], of[2]] };

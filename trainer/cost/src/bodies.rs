@@ -2,10 +2,10 @@
 //! carry the other.
 
 use crate::counted::{Counted, Operations, count};
+use leastaction_core::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies};
 use leastaction_core::energy::bodies::{
     BODY_PARAMETERS, BodyTree, GRAVITY_PARAMETERS, PlanarBodies, TreeBody,
 };
-use leastaction_core::energy::spatial::{SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialBodies};
 use leastaction_core::lagrangian::Lagrangian;
 
 type Real = Counted<f64>;
@@ -55,13 +55,13 @@ fn counted<const N: usize>(place: Where, tree: [TreeBody; N], evaluation: Evalua
     let Ok(tree) = BodyTree::new(tree) else { return 0 };
     let count = match place {
         Where::Plane => GRAVITY_PARAMETERS + BODY_PARAMETERS * N,
-        Where::Space => SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * N,
+        Where::Space => ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * N,
     };
     let weights = vec![1.0; count];
     let block = &mut weights.as_slice();
     match place {
         Where::Plane => flops(PlanarBodies::<f64, N>::take(block, tree), evaluation),
-        Where::Space => flops(SpatialBodies::<f64, N>::take(block, tree), evaluation),
+        Where::Space => flops(ArmBodies::<f64, N>::take(block, tree), evaluation),
     }
 }
 

@@ -70,7 +70,7 @@ pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
             Evaluations::bodies((Where::Plane, BODY), &bodies.bodies().collect::<Vec<_>>(), &bytes)
         }
         AnyFamily::Arm(arm) => {
-            Evaluations::bodies((Where::Space, SPATIAL_BODY), &arm.tree_bodies().collect::<Vec<_>>(), &bytes)
+            Evaluations::bodies((Where::Space, ARM_BODY), &arm.tree_bodies().collect::<Vec<_>>(), &bytes)
         }
     };
     let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
@@ -232,7 +232,7 @@ fn ends(tangents: usize, n: usize) -> usize {
 /// Numbers of a body in motion: its own, of its frame, of the sums over what it carries, of its rotor.
 const BODY: usize = 9 + 9 + 7 + 3;
 /// The same in space: a frame, the motion of its joint, what it carries, its inertia and momentum, a rotor.
-const SPATIAL_BODY: usize = 12 + 12 + 12 + 10 + 6 + 1;
+const ARM_BODY: usize = 12 + 12 + 12 + 10 + 6 + 1;
 /// Bytes of a joint and its parent.
 const JOINT: usize = 3;
 const WORD: usize = 4;

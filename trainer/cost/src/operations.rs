@@ -8,11 +8,11 @@ use leastaction_core::discrete::{
     Order,
     rattle::{ParticleState, Rattle},
 };
+use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
-use leastaction_core::energy::spatial::SpatialBodies;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Laws, Rod};
@@ -81,7 +81,7 @@ fn of_coordinates<const N: usize>(family: &AnyFamily, weights: &[f64]) -> Option
         }
         AnyFamily::Arm(arm) => {
             let system = arm.header().system(laws, weights).ok()?;
-            steps::<SpatialBodies<f64, N>, Viscous<Real, N>, N>(&system)
+            steps::<ArmBodies<f64, N>, Viscous<Real, N>, N>(&system)
         }
         AnyFamily::Graph(_) => None,
     }

@@ -2,11 +2,11 @@ use crate::forces::{AllForces, Needed};
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
 use crate::{AnyLagrangian, ForcesOf, Friction, LAYERS, RIGID_UNITS, Replica, ReplicaError, SystemOf, UNITS};
+use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
 use leastaction_core::energy::rigid::Rigid;
-use leastaction_core::energy::spatial::SpatialBodies;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{
     ArmHeader, BodiesHeader, Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader,
@@ -208,7 +208,7 @@ impl<'f> LoadWith<'f> for ArmLoader<'f> {
     where
         F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
     {
-        let system: System<SpatialBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
+        let system: System<ArmBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! a Panda's frames with bodies of round numbers
 
-use leastaction_core::energy::spatial::SpatialBodies;
+use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{ArmHeader, Laws, ModelError};
 
@@ -10,7 +10,7 @@ use leastaction_core::model::{ArmHeader, Laws, ModelError};
 pub const N: usize = 7;
 
 /// Energies and forces.
-pub type Model = System<SpatialBodies<'static, f32, N>, Viscous<f32, N>>;
+pub type Model = System<ArmBodies<'static, f32, N>, Viscous<f32, N>>;
 
 /// The model; the weights stay where they are. An error would say that the constants were changed.
 pub fn system() -> Result<Model, ModelError> {

@@ -2,7 +2,7 @@ use super::{Laws, Weight};
 use crate::config::LEASTACTION_COORDINATES as N;
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
-use leastaction_core::energy::spatial::SpatialBodies;
+use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::forces::System;
 use leastaction_core::model::ArmModel;
 
@@ -20,7 +20,7 @@ impl Lists {
 /// A tree of rigid bodies in space.
 pub(crate) type Mechanism = ArmModel<'static, N, Weight, Laws>;
 
-type Parts<'a> = System<&'a SpatialBodies<'static, Weight, N>, &'a Laws>;
+type Parts<'a> = System<&'a ArmBodies<'static, Weight, N>, &'a Laws>;
 
 /// # Safety
 /// None: an arm has no name to read.

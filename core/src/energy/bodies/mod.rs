@@ -7,11 +7,13 @@
 //! T = Σ ½m|ẋ|² + ½I φ̇² + ½J(φ̇_parent + g q̇)²,  V = −Σ m γ·x.
 
 mod motion;
-mod planar;
-mod tree;
+mod parameters;
 mod vector;
 
 pub use super::modular::TreeError;
-pub use planar::PlanarBodies;
-pub use tree::{BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint, TreeBody};
+pub use super::multibody::{Bodies, BodyTree, Joint, TreeBody};
+pub use parameters::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
 pub use vector::Vector;
+
+/// A tree of N rigid bodies on joints in the plane: γ and the [`BodyParameters`] of every body.
+pub type PlanarBodies<'a, W, const N: usize> = Bodies<'a, W, GRAVITY_PARAMETERS, BODY_PARAMETERS, N>;

@@ -1,38 +1,56 @@
 //! Where a tree's frames are and how they move, from the ground up, and what every joint carries, from the tips down.
 
 use super::vector::{Vector, Wrench, across, add, cross, dot, scale, turned};
-use super::{BodyParameters, Joint};
+use super::{BODY_PARAMETERS, BodyParameters, Joint};
+use crate::energy::multibody::{self, Space, Wrench as _};
 use crate::scalar::Scalar;
 
 /// The frame of a body at its joint; vectors are in the frame of the ground.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame<S> {
-    pub joint: Joint,
+pub struct Frame<S> {
+    joint: Joint,
     /// φ, rad.
     angle: S,
     /// φ̇, rad/s.
-    pub spin: S,
+    spin: S,
     /// Its x axis, (cos φ, sin φ).
-    pub axis: Vector<S>,
+    axis: Vector<S>,
     /// From the parent's joint to this one, m.
-    pub step: Vector<S>,
+    step: Vector<S>,
     /// ṙ of this one, m/s.
-    pub velocity: Vector<S>,
+    velocity: Vector<S>,
 }
 
-impl<S: Scalar> Frame<S> {
-    pub fn ground() -> Self {
+impl<S: Scalar> Space<S, BODY_PARAMETERS> for Vector<S> {
+    type Frame = Frame<S>;
+
+    #[inline(always)]
+    fn body(numbers: [S; BODY_PARAMETERS]) -> BodyParameters<S> {
+        BodyParameters::from_array(numbers)
+    }
+}
+
+impl<S: Scalar> multibody::Frame<S> for Frame<S> {
+    type Vector = Vector<S>;
+    type Body = BodyParameters<S>;
+    /// Of momentum it sees the linear part alone.
+    type Bend = Vector<S>;
+    type Wrench = Wrench<S>;
+    type Carried = Carried<S>;
+    type Rotor = Rotor<S>;
+    type Pull = S;
+
+    fn base() -> Self {
         let (zero, none) = (S::zero(), [S::zero(); 2]);
         let axis = [S::one(), zero];
         Self { joint: Joint::Revolute, angle: zero, spin: zero, axis, step: none, velocity: none }
     }
 
-    /// The frame of a body on this one.
     #[inline(always)]
-    pub fn carried(&self, joint: Joint, numbers: &BodyParameters<S>, q: S, v: S) -> Self {
-        let step = turned(self.axis, numbers.place);
+    fn carried(&self, joint: Joint, body: &BodyParameters<S>, q: S, v: S) -> Self {
+        let step = turned(self.axis, body.place);
         let velocity = add(self.velocity, scale(self.spin, across(step)));
-        let angle = self.angle + numbers.angle;
+        let angle = self.angle + body.angle;
         match joint {
             Joint::Revolute => {
                 let angle = angle + q;
@@ -47,22 +65,43 @@ impl<S: Scalar> Frame<S> {
         }
     }
 
-    /// The part of momentum or force at this joint that its coordinate has.
     #[inline(always)]
-    pub fn share(&self, wrench: &Wrench<S>) -> S {
+    fn step(&self) -> Vector<S> {
+        self.step
+    }
+
+    #[inline(always)]
+    fn share(&self, wrench: &Wrench<S>) -> S {
         match self.joint {
             Joint::Revolute => wrench.angular,
             Joint::Prismatic => dot(self.axis, wrench.linear),
         }
     }
 
-    /// z with ∂/∂q of Σ m ẋ·y = z·Σ m y over all that the joint carries, y a velocity that moves with it: −⊥ṙ of a revolute
-    /// joint, φ̇⊥u of a prismatic one along u.
+    /// −⊥ṙ of a revolute joint, φ̇⊥u of a prismatic one along u.
     #[inline(always)]
-    pub fn bend(&self) -> Vector<S> {
+    fn bend(&self) -> Vector<S> {
         match self.joint {
             Joint::Revolute => scale(-S::one(), across(self.velocity)),
             Joint::Prismatic => scale(self.spin, across(self.axis)),
+        }
+    }
+
+    #[inline(always)]
+    fn bent(bend: &Vector<S>, wrench: &Wrench<S>) -> S {
+        dot(*bend, wrench.linear)
+    }
+
+    #[inline(always)]
+    fn pull(unit: &Wrench<S>, gravity: Vector<S>) -> S {
+        dot(gravity, across(unit.linear))
+    }
+
+    #[inline(always)]
+    fn pulled(&self, pull: S) -> S {
+        match self.joint {
+            Joint::Revolute => pull,
+            Joint::Prismatic => S::zero(),
         }
     }
 }
@@ -73,37 +112,78 @@ fn direction<S: Scalar>(angle: S) -> Vector<S> {
     [cos, sin]
 }
 
+/// The rotor of a joint's drive, which sits on the parent.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotor<S> {
+    /// J(φ̇_parent + gq̇), kg m²/s.
+    momentum: S,
+    /// Jg, what it adds to the inertia between the joint and those below.
+    coupling: S,
+    gear: S,
+}
+
+impl<S: Scalar> multibody::Rotor<S, Frame<S>> for Rotor<S> {
+    fn none() -> Self {
+        Self { momentum: S::zero(), coupling: S::zero(), gear: S::zero() }
+    }
+
+    #[inline(always)]
+    fn new(parent: &Frame<S>, body: &BodyParameters<S>, v: S) -> Self {
+        let BodyParameters { rotor, gear, .. } = *body;
+        Self { momentum: rotor * (parent.spin + gear * v), coupling: rotor * gear, gear }
+    }
+
+    #[inline(always)]
+    fn momentum(&self, _: S) -> S {
+        self.gear * self.momentum
+    }
+
+    #[inline(always)]
+    fn inertia(&self) -> S {
+        self.gear * self.coupling
+    }
+
+    #[inline(always)]
+    fn below(&self, unit: Wrench<S>) -> Wrench<S> {
+        Wrench { angular: unit.angular + self.coupling, ..unit }
+    }
+}
+
 /// Sums over a body and all that it carries, about its joint r.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Carried<S> {
+pub struct Carried<S> {
     /// Σ m, kg.
-    pub mass: S,
+    mass: S,
     /// Σ m(x − r), kg m.
-    pub moment: Vector<S>,
+    moment: Vector<S>,
     /// Σ m|x − r|² + I + J of the rotors that sit on these bodies, kg m².
     inertia: S,
     /// Σ mẋ and Σ m(x − r) × ẋ + Iφ̇ + J(φ̇_parent + gq̇).
-    pub momentum: Wrench<S>,
+    momentum: Wrench<S>,
 }
 
-impl<S: Scalar> Carried<S> {
-    pub fn nothing() -> Self {
+impl<S: Scalar> multibody::Carried<S, Frame<S>> for Carried<S> {
+    fn nothing() -> Self {
         let (zero, none) = (S::zero(), [S::zero(); 2]);
         let momentum = Wrench { linear: none, angular: zero };
         Self { mass: zero, moment: none, inertia: zero, momentum }
     }
 
-    /// With the body whose frame this is.
     #[inline(always)]
-    pub fn with_body(self, frame: &Frame<S>, numbers: &BodyParameters<S>) -> Self {
-        let lever = turned(frame.axis, numbers.centre);
+    fn begun(_: &Frame<S>, _: &BodyParameters<S>) -> Self {
+        Self::nothing()
+    }
+
+    #[inline(always)]
+    fn finished(self, frame: &Frame<S>, body: &BodyParameters<S>) -> Self {
+        let lever = turned(frame.axis, body.centre);
         let velocity = add(frame.velocity, scale(frame.spin, across(lever)));
-        let (moment, momentum) = (scale(numbers.mass, lever), scale(numbers.mass, velocity));
-        let angular = numbers.inertia * frame.spin + cross(lever, momentum);
+        let (moment, momentum) = (scale(body.mass, lever), scale(body.mass, velocity));
+        let angular = body.inertia * frame.spin + cross(lever, momentum);
         Self {
-            mass: self.mass + numbers.mass,
+            mass: self.mass + body.mass,
             moment: add(self.moment, moment),
-            inertia: self.inertia + numbers.inertia + dot(moment, lever),
+            inertia: self.inertia + body.inertia + dot(moment, lever),
             momentum: Wrench {
                 linear: add(self.momentum.linear, momentum),
                 angular: self.momentum.angular + angular,
@@ -111,9 +191,8 @@ impl<S: Scalar> Carried<S> {
         }
     }
 
-    /// With all that a joint on this body carries, and the drive of that joint: its rotor and the rotor's momentum.
     #[inline(always)]
-    pub fn with_joint(self, joint: &Frame<S>, above: &Self, rotor: S, of_rotor: S) -> Self {
+    fn with_joint(&self, joint: &Frame<S>, above: &Self, body: &BodyParameters<S>, rotor: &Rotor<S>) -> Self {
         let step = joint.step;
         let from_here = scale(above.mass, step);
         let moment = add(above.moment, from_here);
@@ -123,17 +202,26 @@ impl<S: Scalar> Carried<S> {
         Self {
             mass: self.mass + above.mass,
             moment: add(self.moment, moment),
-            inertia: self.inertia + inertia + rotor,
+            inertia: self.inertia + inertia + body.rotor,
             momentum: Wrench {
                 linear: add(self.momentum.linear, momentum.linear),
-                angular: self.momentum.angular + momentum.angular + of_rotor,
+                angular: self.momentum.angular + momentum.angular + rotor.momentum,
             },
         }
     }
 
-    /// ∂/∂q̇ of its momentum: that of a unit velocity of the joint that carries it.
     #[inline(always)]
-    pub fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
+    fn momentum(&self) -> &Wrench<S> {
+        &self.momentum
+    }
+
+    #[inline(always)]
+    fn moment(&self, direction: Vector<S>) -> S {
+        dot(direction, self.moment)
+    }
+
+    #[inline(always)]
+    fn unit_momentum(&self, frame: &Frame<S>) -> Wrench<S> {
         match frame.joint {
             Joint::Revolute => Wrench { linear: across(self.moment), angular: self.inertia },
             Joint::Prismatic => {
@@ -142,9 +230,8 @@ impl<S: Scalar> Carried<S> {
         }
     }
 
-    /// ∂/∂q of its momentum about a joint that does not move with q.
     #[inline(always)]
-    pub fn momentum_slope(&self, frame: &Frame<S>) -> Wrench<S> {
+    fn momentum_slope(&self, frame: &Frame<S>, _: &Vector<S>) -> Wrench<S> {
         match frame.joint {
             Joint::Revolute => {
                 let relative = add(self.momentum.linear, scale(-self.mass, frame.velocity));

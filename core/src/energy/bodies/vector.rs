@@ -1,5 +1,6 @@
 //! Vectors of the plane.
 
+use crate::energy::multibody;
 use crate::scalar::Scalar;
 
 /// A point or a direction of the plane.
@@ -43,15 +44,23 @@ pub(super) fn turned<S: Scalar>(axis: Vector<S>, [along, aside]: Vector<S>) -> V
 
 /// A linear and an angular part, the angular one about a joint: momentum (kg m/s, kg m²/s) or its derivative.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wrench<S> {
+pub struct Wrench<S> {
+    /// The linear part.
     pub linear: Vector<S>,
+    /// The angular part.
     pub angular: S,
 }
 
-impl<S: Scalar> Wrench<S> {
-    /// The same about a joint from which this one is at `step`.
+impl<S: Scalar> multibody::Wrench<S> for Wrench<S> {
+    type Vector = Vector<S>;
+
     #[inline(always)]
-    pub fn about(self, step: Vector<S>) -> Self {
+    fn about(self, step: Vector<S>) -> Self {
         Self { angular: self.angular + cross(step, self.linear), ..self }
+    }
+
+    #[inline(always)]
+    fn along(&self, direction: Vector<S>) -> S {
+        dot(direction, self.linear)
     }
 }

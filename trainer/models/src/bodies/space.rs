@@ -6,15 +6,15 @@ use crate::family::{Family, OpenGauge};
 use crate::names::{NumberName, named};
 use crate::number::{Number, known_positions};
 use leastaction_arms::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
-use leastaction_core::energy::spatial::{
-    Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialInertia, SpatialParameters, TreeBody,
+use leastaction_core::energy::arm::{
+    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmParameters, BodyInertia, Joint, TreeBody,
 };
 use leastaction_core::model::{ArmHeader, Laws, ModelError};
 use leastaction_programs::energies::{ArmEnergies, ArmJoint, Energies};
 use serde::{Deserialize, Serialize};
 
 /// Numbers of a body that are its joint's frame and axis.
-const FRAME: usize = SPATIAL_PARAMETERS - INERTIAL - 1;
+const FRAME: usize = ARM_PARAMETERS - INERTIAL - 1;
 
 /// Names and units of a body's numbers that can be learned, and of its rotor.
 const NUMBERS_OF_BODY: [(&str, &str); 11] = [
@@ -53,7 +53,7 @@ pub struct ArmArchitecture {
     /// As in [`ArmHeader::bodies`].
     pub tree: Vec<u8>,
     /// γ, m/s².
-    pub gravity: [f64; SPATIAL_GRAVITY_PARAMETERS],
+    pub gravity: [f64; ARM_GRAVITY_PARAMETERS],
     /// Of every coordinate.
     pub bodies: Vec<ArmBody>,
 }
@@ -97,13 +97,13 @@ impl ArmArchitecture {
 
     /// The shape that a model file has; all numbers are known, as in the file.
     pub(crate) fn from_header(header: &ArmHeader, _: Laws, weights: &[f64]) -> Self {
-        let (gravity, numbers) = weights.split_at(weights.len().min(SPATIAL_GRAVITY_PARAMETERS));
-        let of = |numbers: &[f64; SPATIAL_PARAMETERS]| ArmBody {
+        let (gravity, numbers) = weights.split_at(weights.len().min(ARM_GRAVITY_PARAMETERS));
+        let of = |numbers: &[f64; ARM_PARAMETERS]| ArmBody {
             name: String::new(),
             frame: numbers[..FRAME].to_vec(),
             inertia: *numbers[FRAME..].first_chunk().unwrap_or(&[0.0; INERTIAL]),
             is_learned: false,
-            rotor: Number::known(numbers[SPATIAL_PARAMETERS - 1]),
+            rotor: Number::known(numbers[ARM_PARAMETERS - 1]),
         };
         Self {
             tree: header.bodies.to_vec(),
@@ -129,7 +129,7 @@ impl ArmArchitecture {
 
     /// Where the numbers of a body begin in the weight block.
     fn start(body: usize) -> usize {
-        SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * body
+        ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * body
     }
 
     /// Where the ten inertial numbers of a body begin in the weight block.
@@ -143,8 +143,8 @@ impl ArmArchitecture {
     }
 
     /// The numbers of the k-th body in a weight block; `None` where it is too short.
-    pub fn body_of(weights: &[f64], k: usize) -> Option<SpatialParameters<f64>> {
-        Some(SpatialParameters::from_array(*weights.get(Self::start(k)..)?.first_chunk()?))
+    pub fn body_of(weights: &[f64], k: usize) -> Option<ArmParameters<f64>> {
+        Some(ArmParameters::from_array(*weights.get(Self::start(k)..)?.first_chunk()?))
     }
 
     /// These bodies and rotors put into a weight block of this shape, where they are learned.
@@ -155,7 +155,7 @@ impl ArmArchitecture {
                 numbers[FRAME..FRAME + INERTIAL].copy_from_slice(&body.inertia.0);
             }
             if own.rotor.learned {
-                numbers[SPATIAL_PARAMETERS - 1] = *rotor;
+                numbers[ARM_PARAMETERS - 1] = *rotor;
             }
         }
     }
@@ -239,10 +239,10 @@ impl Family for ArmArchitecture {
     fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
         self.header().parameters()?;
         let joint = |(body, own): (TreeBody, &ArmBody)| {
-            let mut numbers = [0.0; SPATIAL_PARAMETERS];
+            let mut numbers = [0.0; ARM_PARAMETERS];
             let places = numbers.iter_mut().zip(&own.frame);
             places.for_each(|(place, number)| *place = *number);
-            let SpatialParameters { rotation, place, axis, .. } = SpatialParameters::from_array(numbers);
+            let ArmParameters { rotation, place, axis, .. } = ArmParameters::from_array(numbers);
             ArmJoint { body, rotation, place, axis }
         };
         if self.bodies.len() != self.n() || self.bodies.iter().any(|body| body.frame.len() != FRAME) {
@@ -253,7 +253,7 @@ impl Family for ArmArchitecture {
     }
 }
 
-fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &SpatialParameters<f64>) -> Body {
+fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &ArmParameters<f64>) -> Body {
     use leastaction_arms::{Limits, Pose};
     use nalgebra::{Matrix3, Unit};
     let axis = Unit::new_normalize(numbers.axis.into());
@@ -272,7 +272,7 @@ fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &SpatialParameter
         coordinate: k,
         ratio: 1.0,
         offset: 0.0,
-        inertia: Inertia(SpatialInertia::into_array(numbers.inertia)),
+        inertia: Inertia(BodyInertia::into_array(numbers.inertia)),
         limits: Limits::none(),
     }
 }

@@ -73,9 +73,7 @@ impl Kind {
             Family::Bodies(header) => {
                 tree("PlanarBodies", "bodies::PlanarBodies", "BodiesHeader", format!("{header:?}"))
             }
-            Family::Arm(header) => {
-                tree("SpatialBodies", "spatial::SpatialBodies", "ArmHeader", format!("{header:?}"))
-            }
+            Family::Arm(header) => tree("ArmBodies", "arm::ArmBodies", "ArmHeader", format!("{header:?}")),
             Family::Modular(_) => return Err(ConstantsError::Unsupported { what: "a tree of elements" }),
             _ => return Err(ConstantsError::Unsupported { what: "a graph" }),
         })

@@ -3,9 +3,8 @@
 mod common;
 
 use common::Numbers;
-use leastaction_core::energy::spatial::{
-    Joint, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialBodies, SpatialParameters, SpatialTree,
-    TreeBody, TreeError,
+use leastaction_core::energy::arm::{
+    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies, ArmParameters, BodyTree, Joint, TreeBody, TreeError,
 };
 use leastaction_core::forces;
 use leastaction_programs::System;
@@ -37,9 +36,9 @@ fn unit(a: Vector) -> Vector {
 
 /// Random numbers: frames are rotations, axes are unit vectors, and the mass is such that M is positive definite.
 fn weights(bodies: usize, seed: u64) -> Vec<f64> {
-    let mut weights = common::random_weights(SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * bodies, seed);
-    for own in weights[SPATIAL_GRAVITY_PARAMETERS..].as_chunks_mut::<SPATIAL_PARAMETERS>().0 {
-        let mut body = SpatialParameters::from_array(*own);
+    let mut weights = common::random_weights(ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * bodies, seed);
+    for own in weights[ARM_GRAVITY_PARAMETERS..].as_chunks_mut::<ARM_PARAMETERS>().0 {
+        let mut body = ArmParameters::from_array(*own);
         let [x, y, _] = body.rotation;
         let x = unit(x);
         let z = unit(cross(x, y));
@@ -54,9 +53,9 @@ fn weights(bodies: usize, seed: u64) -> Vec<f64> {
 }
 
 fn model(tree: &[TreeBody], weights: &[f64]) -> ArmEnergies {
-    let numbers = weights[SPATIAL_GRAVITY_PARAMETERS..].as_chunks::<SPATIAL_PARAMETERS>().0;
-    let joint = |(body, own): (&TreeBody, &[f64; SPATIAL_PARAMETERS])| {
-        let SpatialParameters { rotation, place, axis, .. } = SpatialParameters::from_array(*own);
+    let numbers = weights[ARM_GRAVITY_PARAMETERS..].as_chunks::<ARM_PARAMETERS>().0;
+    let joint = |(body, own): (&TreeBody, &[f64; ARM_PARAMETERS])| {
+        let ArmParameters { rotation, place, axis, .. } = ArmParameters::from_array(*own);
         ArmJoint { body: *body, rotation, place, axis }
     };
     ArmEnergies::new(tree.iter().zip(numbers).map(joint).collect()).unwrap()
@@ -64,7 +63,7 @@ fn model(tree: &[TreeBody], weights: &[f64]) -> ArmEnergies {
 
 fn check_against_core<const N: usize>(tree: [TreeBody; N], seed: u64) {
     let numbers = Numbers::<N>::new(weights(N, seed), 2.0, seed);
-    let bodies = SpatialBodies::take(&mut &numbers.weights[..], SpatialTree::new(tree).unwrap()).unwrap();
+    let bodies = ArmBodies::take(&mut &numbers.weights[..], BodyTree::new(tree).unwrap()).unwrap();
     let core = forces::System::conservative(bodies);
     common::check_values(&System::new(&model(&tree, &numbers.weights)), &core, &numbers, 10.0);
 }
@@ -82,7 +81,7 @@ fn gradients_are_the_differences_of_the_equation_of_motion() {
     const N: usize = BRANCHED.len();
     let weights = weights(N, 4);
     let is_of_body = |at: usize| {
-        let place = at.checked_sub(SPATIAL_GRAVITY_PARAMETERS).map(|place| place % SPATIAL_PARAMETERS);
+        let place = at.checked_sub(ARM_GRAVITY_PARAMETERS).map(|place| place % ARM_PARAMETERS);
         place.is_none_or(|place| place >= 15)
     };
     // Frames are not read.

@@ -1,10 +1,10 @@
-//! Trees of rigid bodies on joints in space, of any size ([`leastaction_core::energy::spatial`]).
+//! Trees of rigid bodies on joints in space, of any size ([`leastaction_core::energy::arm`]).
 
 use super::{Energies, check_tree};
 use crate::builder::{Builder, Node};
 use crate::function::Function;
-use leastaction_core::energy::spatial::{
-    Joint, Rotation, SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, TreeBody, TreeError, Vector,
+use leastaction_core::energy::arm::{
+    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, Joint, Rotation, TreeBody, TreeError, Vector,
 };
 
 /// Where a body's joint is, all of which is known.
@@ -25,7 +25,7 @@ pub struct ArmJoint {
 /// L = Σ ½m|u|² + u·(ω × mc) + ½ω·Iω + ½Jq̇² + γ·(mr + mc).
 ///
 /// The weight block has the numbers of a model file: γ (m/s²), then the
-/// [`SpatialParameters`](leastaction_core::energy::spatial::SpatialParameters) of every body, of which those of the joint's frame are
+/// [`ArmParameters`](leastaction_core::energy::arm::ArmParameters) of every body, of which those of the joint's frame are
 /// not read: they are the [`ArmJoint`]'s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmEnergies {
@@ -33,9 +33,9 @@ pub struct ArmEnergies {
 }
 
 /// Where the ten inertial numbers of a body begin among its own.
-const INERTIAL: usize = SPATIAL_PARAMETERS - 11;
+const INERTIAL: usize = ARM_PARAMETERS - 11;
 /// Where its rotor is.
-const ROTOR: usize = SPATIAL_PARAMETERS - 1;
+const ROTOR: usize = ARM_PARAMETERS - 1;
 
 /// A body that moves, in its own frame.
 #[derive(Clone, Copy)]
@@ -58,7 +58,7 @@ impl ArmEnergies {
 
     /// Numbers of a body in the weight block, from one of its own on.
     fn numbers(builder: &mut Builder, body: usize, first: usize, count: usize) -> Node {
-        builder.parameters(SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * body + first, count)
+        builder.parameters(ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * body + first, count)
     }
 }
 
@@ -190,7 +190,7 @@ impl Energies for ArmEnergies {
     }
 
     fn parameters(&self) -> usize {
-        SPATIAL_GRAVITY_PARAMETERS + SPATIAL_PARAMETERS * self.joints.len()
+        ARM_GRAVITY_PARAMETERS + ARM_PARAMETERS * self.joints.len()
     }
 
     fn energies(&self, builder: &mut Builder, q: Node, v: Node) -> [Node; 2] {
@@ -225,7 +225,7 @@ impl Energies for ArmEnergies {
                 }
             }
         }
-        let gravity = builder.parameters(0, SPATIAL_GRAVITY_PARAMETERS);
+        let gravity = builder.parameters(0, ARM_GRAVITY_PARAMETERS);
         let work = builder.dot(gravity, of_base);
         [builder.scaled(0.5, twice), builder.scaled(-1.0, work)]
     }

@@ -1,11 +1,11 @@
 //! The shape of a model, in words.
 
 use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::arm::ArmParameters;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
 use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
-use leastaction_core::energy::spatial::SpatialParameters;
 use leastaction_core::model::TreeHeader;
 use leastaction_models::{
     AnyFamily, Architecture, ArmArchitecture, BodiesArchitecture, Family as _, GraphArchitecture,
@@ -62,13 +62,13 @@ pub enum ShapeReport {
         /// m/s².
         gravity: [f64; 3],
         /// The bodies, in the order of the coordinates.
-        bodies: Vec<SpatialBody>,
+        bodies: Vec<ArmBody>,
     },
 }
 
 /// A rigid body in space on its joint.
 #[derive(Serialize)]
-pub struct SpatialBody {
+pub struct ArmBody {
     joint: &'static str,
     on: Option<u8>,
     at: [f64; 3],
@@ -238,7 +238,7 @@ impl ShapeReport {
         let each = arm.tree_bodies().enumerate().filter_map(|(k, body)| Some((body, numbers(k)?)));
         Self::Arm {
             gravity: arm.gravity,
-            bodies: each.map(|(body, numbers)| SpatialBody::new(body, numbers)).collect(),
+            bodies: each.map(|(body, numbers)| ArmBody::new(body, numbers)).collect(),
         }
     }
 
@@ -291,8 +291,8 @@ fn vector(x: &[f64; 3]) -> String {
     format!("({:.4}, {:.4}, {:.4})", x[0], x[1], x[2])
 }
 
-impl SpatialBody {
-    fn new(body: TreeBody, numbers: SpatialParameters<f64>) -> Self {
+impl ArmBody {
+    fn new(body: TreeBody, numbers: ArmParameters<f64>) -> Self {
         let [m, x, y, z, xx, _, yy, _, _, zz] = numbers.inertia.into_array();
         let centre = if m > 0.0 { [x / m, y / m, z / m] } else { [0.0; 3] };
         Self {

@@ -1,5 +1,6 @@
 //! Vectors of space, and pairs of them: how a body moves, and what moves it.
 
+use crate::energy::multibody;
 use crate::scalar::Scalar;
 use core::array::from_fn;
 
@@ -64,8 +65,10 @@ pub(super) fn turned_about<S: Scalar>(
 
 /// How a body moves: its angular velocity, and the velocity of its point at a joint.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Twist<S> {
+pub struct Twist<S> {
+    /// The angular part.
     pub angular: Vector<S>,
+    /// The linear part.
     pub linear: Vector<S>,
 }
 
@@ -83,8 +86,10 @@ impl<S: Scalar> Twist<S> {
 
 /// An angular part about a joint and a linear one: momentum (kg m²/s, kg m/s), force (N m, N), or derivatives of them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wrench<S> {
+pub struct Wrench<S> {
+    /// The angular part.
     pub angular: Vector<S>,
+    /// The linear part.
     pub linear: Vector<S>,
 }
 
@@ -97,10 +102,18 @@ impl<S: Scalar> Wrench<S> {
     pub fn plus(self, other: Self) -> Self {
         Self { angular: add(self.angular, other.angular), linear: add(self.linear, other.linear) }
     }
+}
 
-    /// The same about a joint from which this one is at `step`.
+impl<S: Scalar> multibody::Wrench<S> for Wrench<S> {
+    type Vector = Vector<S>;
+
     #[inline(always)]
-    pub fn about(self, step: Vector<S>) -> Self {
+    fn about(self, step: Vector<S>) -> Self {
         Self { angular: add(self.angular, cross(step, self.linear)), ..self }
+    }
+
+    #[inline(always)]
+    fn along(&self, direction: Vector<S>) -> S {
+        dot(direction, self.linear)
     }
 }

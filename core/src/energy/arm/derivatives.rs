@@ -2,13 +2,14 @@
 
 use super::motion::{Carried, Frame};
 use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale};
-use super::{Joint, SpatialBodies, SpatialInertia};
+use super::{ArmBodies, BodyInertia, Joint};
+use crate::energy::multibody::{Carried as _, Frame as _, Wrench as _};
 use crate::expected::{expected, present};
 use crate::linear::Matrix;
 use crate::scalar::{Scalar, WeightFormat};
 use core::array::from_fn;
 
-/// Derivatives of τ(q, v, v̇) = M v̇ + L_vq v − L_q; ∂τ/∂v̇ is [`SpatialBodies::mass_matrix`].
+/// Derivatives of τ(q, v, v̇) = M v̇ + L_vq v − L_q; ∂τ/∂v̇ is [`ArmBodies::mass_matrix`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsDerivatives<S, const N: usize> {
     /// ∂τ_i/∂q_j, N m/rad where both joints turn.
@@ -34,7 +35,7 @@ impl<S: Scalar> Driven<S> {
 
     /// One body, its inertia in the axes of the base; `acceleration` is that of its origin.
     #[inline(always)]
-    fn body(inertia: &SpatialInertia<S>, velocity: &Twist<S>, acceleration: &Twist<S>) -> Self {
+    fn body(inertia: &BodyInertia<S>, velocity: &Twist<S>, acceleration: &Twist<S>) -> Self {
         let carried = Carried::nothing().with_body(inertia, velocity);
         let second = second_moments(inertia);
         let columns: [Vector<S>; 3] =
@@ -88,7 +89,7 @@ fn twice<S: Scalar>(x: S) -> S {
 
 /// ∫ xxᵀ dm = ½ tr(I)·1 − I.
 #[inline(always)]
-fn second_moments<S: Scalar>(inertia: &SpatialInertia<S>) -> Rotation<S> {
+fn second_moments<S: Scalar>(inertia: &BodyInertia<S>) -> Rotation<S> {
     let [xx, xy, yy, xz, yz, zz] = inertia.matrix;
     let half = (xx + yy + zz).half();
     [[half - xx, -xy, -xz], [-xy, half - yy, -yz], [-xz, -yz, half - zz]]
@@ -124,8 +125,8 @@ fn turned_force<S: Scalar>(frame: &Frame<S>, force: &Wrench<S>) -> Wrench<S> {
     }
 }
 
-impl<W: WeightFormat, const N: usize> SpatialBodies<'_, W, N> {
-    /// ∂τ/∂q and ∂τ/∂v of [`SpatialBodies::inverse_dynamics`] at (q, v, v̇), friction apart. O(n · depth).
+impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
+    /// ∂τ/∂q and ∂τ/∂v of [`ArmBodies::inverse_dynamics`] at (q, v, v̇), friction apart. O(n · depth).
     ///
     /// With z = V × S, ψ = A × S + V × z, the force F and inertia I of all that a joint carries, and Cx the Coriolis force that a
     /// motion x of it adds, for a joint k that j carries (or j itself):
@@ -160,7 +161,7 @@ struct Moved<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Moved<S, N> {
     fn new<W: WeightFormat<Wide = S::Weight>>(
-        bodies: &SpatialBodies<W, N>,
+        bodies: &ArmBodies<W, N>,
         q: &[S; N],
         v: &[S; N],
         acceleration: &[S; N],
@@ -194,7 +195,7 @@ impl<S: Scalar, const N: usize> Moved<S, N> {
     #[inline(always)]
     fn differentiate<W: WeightFormat>(
         &mut self,
-        bodies: &SpatialBodies<W, N>,
+        bodies: &ArmBodies<W, N>,
         k: usize,
         sum: &mut InverseDynamicsDerivatives<S, N>,
     ) {

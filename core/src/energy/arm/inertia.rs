@@ -2,14 +2,14 @@ use super::vector::{Rotation, Twist, Vector, Wrench, add, cross, dot, scale, tur
 use crate::scalar::Scalar;
 use core::array::from_fn;
 
-/// Numbers of a [`SpatialInertia`].
+/// Numbers of a [`BodyInertia`].
 pub const INERTIAL_PARAMETERS: usize = 10;
 
 /// Mass, first moments and inertia about a point: all that inertia is of a rigid body, or of many that move as one.
 ///
 /// A body of positive density has a positive definite pseudo-inertia [½ tr(I)·1 − I, mc; mcᵀ, m].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpatialInertia<S> {
+pub struct BodyInertia<S> {
     /// m, kg.
     pub mass: S,
     /// mc, from the point to the centre of mass times m, kg m.
@@ -18,21 +18,21 @@ pub struct SpatialInertia<S> {
     pub matrix: [S; 6],
 }
 
-impl<S> SpatialInertia<S> {
+impl<S> BodyInertia<S> {
     /// From m, mc_x, mc_y, mc_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz.
     pub fn from_array(numbers: [S; INERTIAL_PARAMETERS]) -> Self {
         let [mass, x, y, z, matrix @ ..] = numbers;
         Self { mass, moment: [x, y, z], matrix }
     }
 
-    /// The same numbers in the order of [`SpatialInertia::from_array`].
+    /// The same numbers in the order of [`BodyInertia::from_array`].
     pub fn into_array(self) -> [S; INERTIAL_PARAMETERS] {
         let Self { mass, moment: [x, y, z], matrix: [xx, xy, yy, xz, yz, zz] } = self;
         [mass, x, y, z, xx, xy, yy, xz, yz, zz]
     }
 }
 
-impl<S: Scalar> SpatialInertia<S> {
+impl<S: Scalar> BodyInertia<S> {
     pub(super) fn zero() -> Self {
         Self { mass: S::zero(), moment: [S::zero(); 3], matrix: [S::zero(); 6] }
     }

@@ -17,9 +17,10 @@ mod motion;
 mod parameters;
 mod vector;
 
-pub use super::bodies::{BodyTree as SpatialTree, Joint, TreeBody, TreeError};
-pub use bodies::SpatialBodies;
+pub use super::modular::TreeError;
+pub use super::multibody::{Bodies, BodyTree, Joint, TreeBody};
+pub use bodies::ArmBodies;
 pub use derivatives::InverseDynamicsDerivatives;
-pub use inertia::{INERTIAL_PARAMETERS, SpatialInertia};
-pub use parameters::{SPATIAL_GRAVITY_PARAMETERS, SPATIAL_PARAMETERS, SpatialParameters};
+pub use inertia::{BodyInertia, INERTIAL_PARAMETERS};
+pub use parameters::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmParameters};
 pub use vector::{Rotation, Vector};

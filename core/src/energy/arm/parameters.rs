@@ -1,13 +1,13 @@
-use super::{INERTIAL_PARAMETERS, Rotation, SpatialInertia, Vector};
+use super::{BodyInertia, INERTIAL_PARAMETERS, Rotation, Vector};
 
 /// Components of the acceleration of gravity γ, m/s², which come first in the weight block.
-pub const SPATIAL_GRAVITY_PARAMETERS: usize = 3;
-/// Number of [`SpatialParameters`] of a body.
-pub const SPATIAL_PARAMETERS: usize = 16 + INERTIAL_PARAMETERS;
+pub const ARM_GRAVITY_PARAMETERS: usize = 3;
+/// Number of [`ArmParameters`] of a body.
+pub const ARM_PARAMETERS: usize = 16 + INERTIAL_PARAMETERS;
 
 /// The numbers of a body, in the order of the weight block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpatialParameters<S> {
+pub struct ArmParameters<S> {
     /// R of the joint's frame on the parent's, x_parent = Rx + p; its columns are the axes of the joint's frame. Orthonormal to
     /// rounding: the derivatives take it for a rotation.
     pub rotation: Rotation<S>,
@@ -16,28 +16,28 @@ pub struct SpatialParameters<S> {
     /// The unit axis of the joint, in its frame.
     pub axis: Vector<S>,
     /// Of the body, about the origin of its frame and in its frame.
-    pub inertia: SpatialInertia<S>,
+    pub inertia: BodyInertia<S>,
     /// J ≥ 0 of the rotor of the drive as the joint sees it (times the square of the gear ratio), kg m², or kg of a prismatic
     /// joint.
     pub rotor: S,
 }
 
-impl<S> SpatialParameters<S> {
-    /// In the order of the weight block: R row by row, p, axis, the ten of [`SpatialInertia::from_array`], J.
-    pub fn from_array(numbers: [S; SPATIAL_PARAMETERS]) -> Self {
+impl<S> ArmParameters<S> {
+    /// In the order of the weight block: R row by row, p, axis, the ten of [`BodyInertia::from_array`], J.
+    pub fn from_array(numbers: [S; ARM_PARAMETERS]) -> Self {
         let [a, b, c, d, e, f, g, h, i, x, y, z, along_x, along_y, along_z, rest @ ..] = numbers;
         let [m, mx, my, mz, xx, xy, yy, xz, yz, zz, rotor] = rest;
         Self {
             rotation: [[a, b, c], [d, e, f], [g, h, i]],
             place: [x, y, z],
             axis: [along_x, along_y, along_z],
-            inertia: SpatialInertia::from_array([m, mx, my, mz, xx, xy, yy, xz, yz, zz]),
+            inertia: BodyInertia::from_array([m, mx, my, mz, xx, xy, yy, xz, yz, zz]),
             rotor,
         }
     }
 
     /// The same as the weight block has them.
-    pub fn into_array(self) -> [S; SPATIAL_PARAMETERS] {
+    pub fn into_array(self) -> [S; ARM_PARAMETERS] {
         let Self { rotation: [[a, b, c], [d, e, f], [g, h, i]], place, axis, inertia, rotor } = self;
         let ([x, y, z], [along_x, along_y, along_z]) = (place, axis);
         let [m, mx, my, mz, xx, xy, yy, xz, yz, zz] = inertia.into_array();
