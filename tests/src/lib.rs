@@ -1,6 +1,8 @@
 //! What the cross-crate tests and the peer programs share.
 
 pub mod arm;
+#[path = "../../firmware-sim/examples/cartpole.rs"]
+pub mod cartpole;
 pub mod panda;
 
 /// The programs that the book shows, as tests.

@@ -41,7 +41,9 @@ impl<R: Real, const N: usize> State<R, N> {
         Ok(Self { q, p, history, known: 1, left: Residual::zero() })
     }
 
-    /// Where nothing is known: position and momentum are not numbers, and every step is refused.
+    /// A state of which nothing is known: position and momentum are not numbers, and every step is refused.
+    // Once a program: small rather than fast.
+    #[inline(never)]
     pub(crate) fn unknown() -> Self {
         let unknown = [Compensated::new(R::constant(f64::NAN)); N];
         let history = [Increment { w: [R::zero(); N], s: [R::zero(); N] }; HISTORY];

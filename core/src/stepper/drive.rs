@@ -6,7 +6,7 @@ use crate::model::{ModelError, Section, Sections};
 use crate::scalar::all_finite;
 use core::marker::PhantomData;
 
-/// What happens to a command between two steps, as a type: [`Held`] or [`Linear`].
+/// Kind of control, as a type: [`Held`] or [`Linear`].
 pub trait Kind: Copy {
     /// The kind in a model file.
     const KIND: ControlKind;
@@ -54,7 +54,7 @@ impl Kind for Linear {
     }
 }
 
-/// What lies between commands and forces, as a type: nothing ([`Direct`]) or the file's actuator ([`Actuated`]).
+/// Actuator between commands and forces, as a type: none ([`Direct`]), or that of the file ([`Actuated`]).
 pub trait Actuation<const N: usize>: Sized {
     /// From the actuator of a file, where it has one, for steps of h > 0 seconds.
     ///

@@ -1,7 +1,7 @@
-//! A model, its integrator, its actuator and its state as one thing: what a firmware steps.
+//! A model, its integrator, its actuator and its state as one thing, which a firmware steps.
 //!
-//! `leastaction export --rust` names the type that fits its file, and makes it by `stepper()`. What a [`Stepper`] is made of
-//! ([`Model`], [`Del`], [`Actuator`](crate::forces::Actuator), [`State`]) remains for programs that need one of it alone.
+//! `leastaction export --rust` names the type that fits its file, and makes it by `stepper()`. The parts of a [`Stepper`]
+//! ([`Model`], [`Del`], [`Actuator`](crate::forces::Actuator), [`State`]) remain for programs that need one of them alone.
 //!
 //! One step takes one command u:
 //!

@@ -15,8 +15,8 @@ pub const fn particle_numbers<const D: usize>(nodes: usize, rods: usize, band: u
         + Rattle::<f32>::workspace_of::<D>(nodes, rods, band, graph)
 }
 
-/// Where a graph of at most `EDGES` edges and `RODS` rods in `D` dimensions is read to, and where it is stepped: in a static, or on the
-/// stack of a function that outlives the stepper.
+/// Memory that a graph of at most `EDGES` edges and `RODS` rods in `D` dimensions is read to and stepped in: a static, or on the stack
+/// of a function that outlives the stepper.
 #[derive(Clone, Debug)]
 pub struct ParticleMemory<const D: usize, const EDGES: usize, const RODS: usize, const NUMBERS: usize> {
     edges: [Edge; EDGES],
@@ -61,7 +61,7 @@ pub struct ParticleStepper<'a, M, C, const D: usize, const N: usize> {
     workspace: &'a mut [f32],
 }
 
-/// What RATTLE steps.
+/// The mechanism that RATTLE steps.
 type Mechanism<'m, 'a, const D: usize, const K: usize, const H: usize, const L: usize, W> =
     Constrained<'m, f32, Graph<'a, W, D, K, H, L>, [Holonomic<f32, D>], D>;
 
@@ -257,7 +257,7 @@ fn copied<const D: usize, const N: usize>(vectors: &[[f32; D]]) -> [f32; N] {
     all
 }
 
-/// What a graph that was loaded has not.
+/// The error of rods that loading would have refused.
 fn refused(_: ConstraintError<f32>) -> ModelError {
     ModelError::OutOfRange { what: "rod" }
 }

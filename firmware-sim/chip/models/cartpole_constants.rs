@@ -2,11 +2,12 @@
 //!
 //! leastaction 0.1.0; next-position by levenberg-marquardt, seed 0, data 463cdb17ab7c31c0; iteration 60, training loss 2.488e-13, validation loss 1.824e-13
 
-use leastaction_core::discrete::{Del, Galerkin};
+use leastaction_core::discrete::{Galerkin, Order};
 use leastaction_core::energy::rigid::{Inertia, Rigid};
-use leastaction_core::forces::{System, Viscous};
-use leastaction_core::model::{Laws, ModelError, RigidHeader};
+use leastaction_core::forces::{ControlKind, System, Viscous};
+use leastaction_core::model::{self, Laws, ModelError, RigidHeader, TrainedStep};
 use leastaction_core::network::Activation;
+use leastaction_core::stepper::{self, Direct, Linear};
 
 /// Coordinates; their kinds are `ca` (t: translation, a: angle, c: cyclic).
 pub const N: usize = 2;
@@ -16,24 +17,27 @@ pub const H: usize = 32;
 pub const L: usize = 2;
 
 /// Energies and forces.
-pub type Model = System<Rigid<'static, f32, N, H, L>, Viscous<f32, N>>;
+pub type Model = model::Model<'static, System<Rigid<'static, f32, N, H, L>, Viscous<f32, N>>>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;
-/// The order of the discrete Euler–Lagrange equation it was trained with.
-pub const ORDER: u8 = 4;
-/// The integrator it was trained with.
-pub type Integrator = Del<f32, Galerkin>;
 
-/// The integrator with that step.
-pub fn integrator() -> Integrator {
-    Del::new(STEP)
+/// A command is the sample at the end of its step, linear from the one before; it is the force.
+pub type Drive = stepper::Drive<Linear, Direct, N, 1>;
+/// Model, integrator of order 4, drive and state: `start`, then `step`.
+pub type Stepper = stepper::Stepper<Model, Galerkin, Drive, N>;
+
+/// A stepper, not started. Validates the model, once; the weights stay where they are.
+pub fn stepper() -> Result<Stepper, ModelError> {
+    Stepper::new(load()?)
 }
 
 /// The model; the weights stay where they are. An error would say that the constants were changed.
-pub fn system() -> Result<Model, ModelError> {
-    SHAPE.system(Laws::NONE, &WEIGHTS)
+pub fn load() -> Result<Model, ModelError> {
+    Ok(Model::constant(SHAPE.system(Laws::NONE, &WEIGHTS)?, Some(TRAINED)))
 }
+
+const TRAINED: TrainedStep = TrainedStep { order: Order::Four, h: STEP, control: ControlKind::Linear };
 
 #[rustfmt::skip]
 const SHAPE: RigidHeader = RigidHeader { coordinates: "ca", widths: [32, 32, 0, 0], activation: Activation::Isru, inertia: Inertia::Cholesky { epsilon: 1e-9 } };

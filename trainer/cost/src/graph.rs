@@ -3,7 +3,7 @@
 use crate::{Cost, LAYER, WORD, Work, network_weights, tape};
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::energy::graph::{Edge, GraphShape, Kinetic, NodeShape, Potential};
-use leastaction_core::model::{ModelError, Rod};
+use leastaction_core::model::ModelError;
 use leastaction_models::GraphArchitecture;
 
 /// Steps of order 2 that one of order 4 is composed of.
@@ -20,10 +20,10 @@ pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError>
     let (nodes, rods) = (graph.nodes.len(), graph.rods.len());
     let numbers = if architecture.dimension() == 3 {
         ParticleState::<f32, 3>::workspace(nodes, rods)
-            + Rattle::<f32>::workspace_of::<3>(nodes, rods, band(&graph.rods), 0)
+            + Rattle::<f32>::workspace_of::<3>(nodes, rods, graph.band(), 0)
     } else {
         ParticleState::<f32, 2>::workspace(nodes, rods)
-            + Rattle::<f32>::workspace_of::<2>(nodes, rods, band(&graph.rods), 0)
+            + Rattle::<f32>::workspace_of::<2>(nodes, rods, graph.band(), 0)
     };
     let forces = Forces::of(shape, &graph.nodes, &graph.edges).multiply_adds();
     Ok(Cost {
@@ -38,17 +38,6 @@ pub(super) fn cost(architecture: &GraphArchitecture) -> Result<Cost, ModelError>
         step_order_4: Work { multiply_adds: COMPOSED * forces, stack_bytes },
         iterated: false,
     })
-}
-
-/// The largest distance in the list between two rods that share a node.
-fn band(rods: &[Rod]) -> usize {
-    let share = |a: &Rod, b: &Rod| {
-        let ends = |rod: &Rod| [rod.from, Some(rod.to)];
-        ends(a).iter().flatten().any(|end| ends(b).contains(&Some(*end)))
-    };
-    let reach =
-        |k: usize| (k + 1..rods.len()).rev().find(|l| share(&rods[k], &rods[*l])).map_or(0, |l| l - k);
-    (0..rods.len()).map(reach).max().unwrap_or(0)
 }
 
 /// Weights that one evaluation of all networks multiplies.
@@ -97,8 +86,10 @@ impl Forces {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use leastaction_core::model::Rod;
     use leastaction_learning::ground_truth::LgnnSystem;
     use leastaction_learning::ground_truth::lgnn_shape;
+    use leastaction_models::NamedGraph;
 
     #[test]
     fn three_pendulums_and_five_springs_by_hand() {
@@ -114,6 +105,10 @@ mod tests {
     #[test]
     fn the_band_of_a_chain_is_one() {
         let rod = |from: Option<u16>, to| Rod { from, to, length: 1.0 };
+        let band = |rods: &[Rod]| {
+            NamedGraph { name: String::new(), nodes: vec![0; 3], edges: Vec::new(), rods: rods.to_vec() }
+                .band()
+        };
         assert_eq!(band(&[rod(None, 0), rod(Some(0), 1), rod(Some(1), 2)]), 1);
         assert_eq!(band(&[rod(None, 0), rod(Some(1), 2), rod(Some(0), 1)]), 2);
         assert_eq!(band(&[rod(None, 0), rod(None, 1)]), 0);

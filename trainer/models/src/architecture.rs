@@ -60,7 +60,8 @@ impl Architecture {
     /// The shape with the tree or graph of that name in mind; `None` where there is none.
     #[must_use]
     pub fn with_part_named(&self, name: &str) -> Option<Self> {
-        Some(Self { family: self.family.with_part_named(name)?, ..self.clone() })
+        let mut own = self.clone();
+        own.family.mean_part(name).then_some(own)
     }
 
     /// Whether evaluation steps it by the discrete Euler–Lagrange equation: it has no rods.

@@ -2,7 +2,6 @@
 
 use crate::bounds::Range;
 use crate::names::NumberName;
-use crate::registry::AnyFamily;
 use leastaction_arms::LogCholesky;
 use leastaction_core::model::{Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
@@ -93,9 +92,9 @@ pub trait Family {
         None
     }
 
-    /// The family with the tree or graph of that name in mind; `None` where there is none.
-    fn with_part_named(&self, _name: &str) -> Option<AnyFamily> {
-        None
+    /// Takes the tree or graph of that name for the one that is meant; `false` where there is none, and nothing changes.
+    fn mean_part(&mut self, _name: &str) -> bool {
+        false
     }
 
     /// Rods of the graph that is meant.

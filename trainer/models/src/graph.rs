@@ -4,7 +4,6 @@ use crate::family::{Family, OpenGauge, Parts};
 use crate::layers::{hidden, layers, random_layers};
 use crate::limits::{DEPTH, MAX_ELEMENT_UNITS};
 use crate::number::{Number, known_positions};
-use crate::registry::AnyFamily;
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Types,
@@ -58,6 +57,14 @@ pub struct NamedGraph {
 }
 
 impl NamedGraph {
+    /// The largest distance in the list between two rods that share a node: the band of A M⁻¹ Aᵀ.
+    pub fn band(&self) -> usize {
+        let ends = |rod: &Rod| [rod.from, Some(rod.to)];
+        let share = |a: &Rod, b: &Rod| ends(a).iter().flatten().any(|end| ends(b).contains(&Some(*end)));
+        let later = |k: usize, rod: &Rod| self.rods.iter().skip(k + 1).rposition(|other| share(rod, other));
+        self.rods.iter().enumerate().filter_map(|(k, rod)| Some(later(k, rod)? + 1)).max().unwrap_or(0)
+    }
+
     /// The rods as constraints in D dimensions.
     pub fn constraints<const D: usize>(&self) -> Vec<Holonomic<f64, D>> {
         self.rods.iter().map(Rod::constraint).collect()
@@ -334,8 +341,10 @@ impl Family for GraphArchitecture {
         Some(Parts { what: "graph", names, meant: self.graph().map_or("", |graph| &graph.name) })
     }
 
-    fn with_part_named(&self, name: &str) -> Option<AnyFamily> {
-        self.with_graph_named(name).map(Into::into)
+    fn mean_part(&mut self, name: &str) -> bool {
+        let found = self.graphs.iter().position(|graph| graph.name == name);
+        self.graph = found.unwrap_or(self.graph);
+        found.is_some()
     }
 
     fn rods(&self) -> Result<Rods, ModelError> {

@@ -1,6 +1,6 @@
 //! A model on the host: one object that every path asks.
 
-use crate::file::{EncodeError, Precision, encode_in};
+use crate::precision::Precision;
 use crate::{Actuator, Architecture};
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, ModelError, TrainedStep};
 use leastaction_programs::System;
@@ -81,13 +81,5 @@ impl Model {
     /// Weights as shipped.
     pub fn weights_f32(&self) -> Vec<f32> {
         self.weights.iter().map(|w| *w as f32).collect()
-    }
-
-    /// Bytes of the model file, of the format's present version.
-    ///
-    /// # Errors
-    /// As [`encode_in`]; none for a model as it was read.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, EncodeError> {
-        encode_in(self.precision, &self.architecture, &self.weights, &self.facts)
     }
 }

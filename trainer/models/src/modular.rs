@@ -4,7 +4,6 @@ use crate::family::{Family, OpenGauge, Parts};
 use crate::layers::{hidden, layers, random_layers};
 use crate::names::{NumberName, named};
 use crate::number::{Number, known_positions};
-use crate::registry::AnyFamily;
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
@@ -297,7 +296,9 @@ impl Family for ModularArchitecture {
         Some(Parts { what: "tree", names, meant: self.tree_name() })
     }
 
-    fn with_part_named(&self, name: &str) -> Option<AnyFamily> {
-        self.with_tree_named(name).map(Into::into)
+    fn mean_part(&mut self, name: &str) -> bool {
+        let found = self.trees.iter().position(|tree| tree.name == name);
+        self.tree = found.unwrap_or(self.tree);
+        found.is_some()
     }
 }

@@ -7,7 +7,7 @@ use crate::inertia_network::RigidArchitecture;
 use crate::modular::ModularArchitecture;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use serde::{Deserialize, Serialize};
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
 /// Makes the enum of all families and what follows from the list alone: conversions, names, reading and writing headers.
 macro_rules! families {
@@ -28,6 +28,14 @@ macro_rules! families {
             type Target = dyn Family;
 
             fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$variant(shape) => shape,)*
+                }
+            }
+        }
+
+        impl DerefMut for AnyFamily {
+            fn deref_mut(&mut self) -> &mut Self::Target {
                 match self {
                     $(Self::$variant(shape) => shape,)*
                 }

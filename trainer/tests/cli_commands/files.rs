@@ -3,15 +3,15 @@
 use crate::support::Bench;
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::continuous::acceleration;
-use leastaction_core::discrete::Order;
+use leastaction_core::discrete::{Midpoint, Order};
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Viscous};
 use leastaction_core::model::{ArmModel, Laws, TrainedStep};
 use leastaction_core::particles::Particles;
 use leastaction_learning::config::Config;
-use leastaction_models::file::{ConstantsError, decode, encode, rust_constants, rust_source};
-use leastaction_models::{Architecture, RigidArchitecture};
+use leastaction_models::file::{ConstantsError, decode, encode, encode_in, rust_constants, rust_source};
+use leastaction_models::{Actuator, Architecture, Facts, Precision, RigidArchitecture};
 
 #[path = "../cli_golden/model.rs"]
 mod golden;
@@ -22,6 +22,10 @@ mod golden_arm_constants;
 mod golden_constants;
 #[path = "../cli_golden/graphs.rs"]
 mod golden_graphs;
+#[path = "../cli_golden/late.rs"]
+mod golden_late;
+#[path = "../cli_golden/late_constants.rs"]
+mod golden_late_constants;
 #[path = "../cli_golden/trees.rs"]
 mod golden_trees;
 
@@ -172,6 +176,16 @@ fn example() -> Vec<u8> {
     .unwrap()
 }
 
+/// Commands held, late by 2.3 steps.
+fn example_of_delay() -> Vec<u8> {
+    let architecture = Architecture::from(shape());
+    let weights = architecture.initial_weights(2);
+    let actuator = Actuator { gain: vec![0.8], offset: vec![-0.05], delay: 0.115 };
+    let trained_step = Some(TrainedStep { order: Order::Two, h: 0.05, control: ControlKind::Held });
+    let facts = Facts { trained_step, actuator, ..Facts::default() };
+    encode_in(Precision::Single, &architecture, &weights, &facts).unwrap()
+}
+
 /// Trees of two sizes over the same types.
 fn example_of_trees() -> (Architecture, Vec<u8>) {
     let text = "[data]\nfile = \"none\"\n[model]\nfamily = \"modular\"\ntree = \"double\"\n\
@@ -212,6 +226,10 @@ fn rust_source_is_the_golden_file() {
     is_golden(&rust_source(&example_of_graphs().1).unwrap(), "graphs.rs");
     is_golden(&rust_constants(&example()).unwrap(), "constants.rs");
     is_golden(&rust_constants(&ARM.0).unwrap(), "arm_constants.rs");
+    is_golden(&rust_source(&example_of_delay()).unwrap(), "late.rs");
+    is_golden(&rust_constants(&example_of_delay()).unwrap(), "late_constants.rs");
+    let of_firmware = include_bytes!("../../../firmware-sim/examples/cartpole.postcard");
+    is_golden(&rust_source(of_firmware).unwrap(), "../../../firmware-sim/examples/cartpole.rs");
 }
 
 #[repr(align(4))]
@@ -222,16 +240,43 @@ static ARM: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../firmware-sim/chi
 #[test]
 fn constants_compile_and_are_the_same_model() {
     let (q, v, u) = ([0.3], [-1.2], [0.5]);
-    let found = acceleration(&golden_constants::system().unwrap(), &q, &v, &u).unwrap();
+    let found = acceleration(&golden_constants::load().unwrap().system, &q, &v, &u).unwrap();
     assert_eq!(found, acceleration(&golden::load().unwrap().system, &q, &v, &u).unwrap());
-    assert_eq!((golden_constants::STEP, golden_constants::ORDER), (0.05, 4));
-    assert_eq!(golden_constants::integrator().h(), 0.05);
+    assert_eq!((golden_constants::STEP, golden_constants::stepper().unwrap().h()), (0.05, 0.05));
     assert_eq!((golden_constants::N, golden_constants::H, golden_constants::L), (1, 3, 2));
 
     let arm = ArmModel::<{ golden_arm_constants::N }>::load(&ARM.0).unwrap();
     let (q, v, u) = ([0.3; 7], [-0.7; 7], [1.5; 7]);
-    let found = acceleration(&golden_arm_constants::system().unwrap(), &q, &v, &u).unwrap();
+    let found = acceleration(&golden_arm_constants::load().unwrap().system, &q, &v, &u).unwrap();
     assert_eq!(found, acceleration(&arm.system, &q, &v, &u).unwrap());
+    let mut stepper = golden_arm_constants::stepper(0.001).unwrap();
+    stepper.start(q, v).unwrap();
+    stepper.step(u).unwrap();
+    assert!(golden_arm_constants::stepper(0.0).is_err());
+}
+
+/// Of the file and of the constants, under commands that are late by 2.3 steps.
+#[test]
+fn steppers_of_an_actuator_agree() {
+    let (mut file, mut constants) =
+        (golden_late::stepper().unwrap(), golden_late_constants::stepper().unwrap());
+    file.start([0.3], [-1.2]).unwrap();
+    constants.start([0.3], [-1.2]).unwrap();
+    let mut state = *file.state();
+    let model = golden_late::load().unwrap();
+    let (whole, actuator) = model.actuator().unwrap().unwrap().at_step::<1>(golden_late::STEP).unwrap();
+    assert_eq!(whole, 2);
+    let u = |k: usize| [if k < 3 { 0.0 } else { (k as f32 - 7.0) * 0.25 }];
+    for k in 3..20 {
+        let report = file.step(u(k)).unwrap();
+        assert_eq!(
+            (report, file.q(), file.p()),
+            (constants.step(u(k)).unwrap(), constants.q(), constants.p())
+        );
+        let force = actuator.held(&u(k - 3), &u(k - 2));
+        model.del::<f32, Midpoint>().unwrap().step(&model.system, &mut state, &force).unwrap();
+        assert_eq!(file.state(), &state);
+    }
 }
 
 #[test]
@@ -268,6 +313,13 @@ fn rust_source_of_graphs_compiles_and_is_the_same_model() {
     assert!(energies(&here).potential != 0.0);
     assert_eq!((N, H, L, K, EDGES, RODS, GRAPH), (4, 3, 1, 2, 1, 0, "pair"));
     assert_eq!(GRAPHS, [("pair", 2, 1), ("three", 3, 2)]);
+
+    let mut memory = golden_graphs::Memory::new();
+    let mut stepper = golden_graphs::stepper(&mut memory, 0.01).unwrap();
+    let [q, v] = [q, v].map(|x| [x[0][0], x[0][1], x[1][0], x[1][1]]);
+    stepper.start(q, v).unwrap();
+    stepper.step([0.5, 0.0, -0.5, 0.0]).unwrap();
+    assert!(stepper.q() != q);
 }
 
 #[test]
@@ -293,6 +345,10 @@ fn rust_source_of_trees_compiles_and_is_the_same_model() {
     );
     assert_eq!((golden_trees::N, golden_trees::H, golden_trees::L, golden_trees::E), (2, 3, 1, 2));
     assert_eq!(golden_trees::TREE, "double");
+    let mut stepper = golden_trees::stepper(0.01).unwrap();
+    stepper.start(q, v).unwrap();
+    stepper.step(u).unwrap();
+    assert!(stepper.q() != q);
 }
 
 #[test]
@@ -304,6 +360,6 @@ fn rust_source_compiles_and_is_the_same_model() {
     let (q, v, u) = ([0.3], [-1.2], [0.5]);
     let there = acceleration(&model.system, &q, &v, &u).unwrap();
     assert_eq!(there, acceleration(&system, &q, &v, &u).unwrap());
-    assert_eq!((golden::N, golden::H, golden::L, golden::ORDER, golden::STEP), (1, 3, 2, 4, 0.05));
-    assert_eq!(golden::integrator().h(), 0.05);
+    assert_eq!((golden::N, golden::H, golden::L, golden::STEP), (1, 3, 2, 0.05));
+    assert_eq!(golden::stepper().unwrap().h(), 0.05);
 }

@@ -2,19 +2,31 @@
 //!
 //! a Panda's frames with bodies of round numbers
 
+use leastaction_core::discrete::Galerkin;
 use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::model::{ArmHeader, Laws, ModelError};
+use leastaction_core::model::{self, ArmHeader, Laws, ModelError};
+use leastaction_core::stepper::{self, Direct, Held};
 
 /// Coordinates; their kinds are `aaaaaaa` (t: translation, a: angle, c: cyclic).
 pub const N: usize = 7;
 
 /// Energies and forces.
-pub type Model = System<ArmBodies<'static, f32, N>, Viscous<f32, N>>;
+pub type Model = model::Model<'static, System<ArmBodies<'static, f32, N>, Viscous<f32, N>>>;
+
+/// A command is held over its step; it is the force.
+pub type Drive = stepper::Drive<Held, Direct, N, 0>;
+/// Model, integrator of order 4, drive and state: `start`, then `step`.
+pub type Stepper = stepper::Stepper<Model, Galerkin, Drive, N>;
+
+/// A stepper of a step of h seconds, not started. Validates the model, once; the weights stay where they are.
+pub fn stepper(h: f32) -> Result<Stepper, ModelError> {
+    Stepper::with_step(load()?, h)
+}
 
 /// The model; the weights stay where they are. An error would say that the constants were changed.
-pub fn system() -> Result<Model, ModelError> {
-    SHAPE.system(Laws::VISCOUS, &WEIGHTS)
+pub fn load() -> Result<Model, ModelError> {
+    Ok(Model::constant(SHAPE.system(Laws::VISCOUS, &WEIGHTS)?, None))
 }
 
 #[rustfmt::skip]

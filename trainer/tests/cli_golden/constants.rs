@@ -3,11 +3,12 @@
 //! an example
 //! in two lines
 
-use leastaction_core::discrete::{Del, Galerkin};
+use leastaction_core::discrete::{Galerkin, Order};
 use leastaction_core::energy::rigid::{Inertia, Rigid};
-use leastaction_core::forces::{System, Viscous};
-use leastaction_core::model::{Laws, ModelError, RigidHeader};
+use leastaction_core::forces::{ControlKind, System, Viscous};
+use leastaction_core::model::{self, Laws, ModelError, RigidHeader, TrainedStep};
 use leastaction_core::network::Activation;
+use leastaction_core::stepper::{self, Direct, Linear};
 
 /// Coordinates; their kinds are `a` (t: translation, a: angle, c: cyclic).
 pub const N: usize = 1;
@@ -17,24 +18,27 @@ pub const H: usize = 3;
 pub const L: usize = 2;
 
 /// Energies and forces.
-pub type Model = System<Rigid<'static, f32, N, H, L>, Viscous<f32, N>>;
+pub type Model = model::Model<'static, System<Rigid<'static, f32, N, H, L>, Viscous<f32, N>>>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;
-/// The order of the discrete Euler–Lagrange equation it was trained with.
-pub const ORDER: u8 = 4;
-/// The integrator it was trained with.
-pub type Integrator = Del<f32, Galerkin>;
 
-/// The integrator with that step.
-pub fn integrator() -> Integrator {
-    Del::new(STEP)
+/// A command is the sample at the end of its step, linear from the one before; it is the force.
+pub type Drive = stepper::Drive<Linear, Direct, N, 1>;
+/// Model, integrator of order 4, drive and state: `start`, then `step`.
+pub type Stepper = stepper::Stepper<Model, Galerkin, Drive, N>;
+
+/// A stepper, not started. Validates the model, once; the weights stay where they are.
+pub fn stepper() -> Result<Stepper, ModelError> {
+    Stepper::new(load()?)
 }
 
 /// The model; the weights stay where they are. An error would say that the constants were changed.
-pub fn system() -> Result<Model, ModelError> {
-    SHAPE.system(Laws::VISCOUS, &WEIGHTS)
+pub fn load() -> Result<Model, ModelError> {
+    Ok(Model::constant(SHAPE.system(Laws::VISCOUS, &WEIGHTS)?, Some(TRAINED)))
 }
+
+const TRAINED: TrainedStep = TrainedStep { order: Order::Four, h: STEP, control: ControlKind::Linear };
 
 #[rustfmt::skip]
 const SHAPE: RigidHeader = RigidHeader { coordinates: "a", widths: [3, 3, 0, 0], activation: Activation::Tanh, inertia: Inertia::Diagonal };

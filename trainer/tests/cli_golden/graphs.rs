@@ -5,6 +5,7 @@
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::{GraphModel, ModelError};
+use leastaction_core::stepper::{self, Direct, Held, ParticleMemory, ParticleStepper, particle_numbers};
 
 /// Coordinates; their kinds are `tttt` (t: translation, a: angle, c: cyclic).
 pub const N: usize = 4;
@@ -29,6 +30,19 @@ pub const GRAPHS: [(&str, usize, usize); 2] = [("pair", 2, 1), ("three", 3, 2)];
 pub type Rod = Holonomic<f32, DIMENSION>;
 /// The loaded model, whose lists of edges and rods live as long.
 pub type Model<'a> = GraphModel<'a, DIMENSION, K, H, L>;
+
+/// A command is held over its step; it is the force.
+pub type Drive = stepper::Drive<Held, Direct, N, 0>;
+/// Model, integrator of order 4, drive and state: `start`, then `step`.
+pub type Stepper<'a> = ParticleStepper<'a, Model<'a>, Drive, DIMENSION, N>;
+/// Memory that the graph is read to and stepped in.
+pub type Memory = ParticleMemory<DIMENSION, EDGES, RODS, NUMBERS>;
+const NUMBERS: usize = particle_numbers::<DIMENSION>(N / DIMENSION, RODS, 0, 0);
+
+/// A stepper of a step of h seconds, not started. Validates the model, once; the weights stay where they are.
+pub fn stepper(memory: &mut Memory, h: f32) -> Result<Stepper<'_>, ModelError> {
+    Stepper::with_step(&FILE.0, GRAPH, memory, h)
+}
 
 /// Validates the model, once; the weights stay where they are.
 pub fn load<'a>(edges: &'a mut [Edge; EDGES], rods: &'a mut [Rod; RODS]) -> Result<Model<'a>, ModelError> {

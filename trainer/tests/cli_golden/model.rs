@@ -3,8 +3,9 @@
 //! an example
 //! in two lines
 
-use leastaction_core::discrete::{Del, Galerkin};
+use leastaction_core::discrete::Galerkin;
 use leastaction_core::model::{ModelError, RigidModel};
+use leastaction_core::stepper::{self, Direct, Linear};
 
 /// Coordinates; their kinds are `a` (t: translation, a: angle, c: cyclic).
 pub const N: usize = 1;
@@ -18,14 +19,15 @@ pub type Model = RigidModel<'static, N, H, L>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;
-/// The order of the discrete Euler–Lagrange equation it was trained with.
-pub const ORDER: u8 = 4;
-/// The integrator it was trained with.
-pub type Integrator = Del<f32, Galerkin>;
 
-/// The integrator with that step.
-pub fn integrator() -> Integrator {
-    Del::new(STEP)
+/// A command is the sample at the end of its step, linear from the one before; it is the force.
+pub type Drive = stepper::Drive<Linear, Direct, N, 1>;
+/// Model, integrator of order 4, drive and state: `start`, then `step`.
+pub type Stepper = stepper::Stepper<Model, Galerkin, Drive, N>;
+
+/// A stepper, not started. Validates the model, once; the weights stay where they are.
+pub fn stepper() -> Result<Stepper, ModelError> {
+    Stepper::new(load()?)
 }
 
 /// Validates the model, once; the weights stay where they are.

@@ -2,7 +2,9 @@
 //!
 //! an example
 
+use leastaction_core::discrete::Galerkin;
 use leastaction_core::model::{ModelError, ModularModel};
+use leastaction_core::stepper::{self, Direct, Held};
 
 /// Coordinates; their kinds are `aa` (t: translation, a: angle, c: cyclic).
 pub const N: usize = 2;
@@ -21,6 +23,16 @@ pub const TREES: [(&str, usize); 2] = [("double", 2), ("crane", 3)];
 pub type Tree<const M: usize> = ModularModel<'static, M, E, H, L>;
 /// The loaded model.
 pub type Model = Tree<N>;
+
+/// A command is held over its step; it is the force.
+pub type Drive = stepper::Drive<Held, Direct, N, 0>;
+/// Model, integrator of order 4, drive and state: `start`, then `step`.
+pub type Stepper = stepper::Stepper<Model, Galerkin, Drive, N>;
+
+/// A stepper of a step of h seconds, not started. Validates the model, once; the weights stay where they are.
+pub fn stepper(h: f32) -> Result<Stepper, ModelError> {
+    Stepper::with_step(load()?, h)
+}
 
 /// Validates the model, once; the weights stay where they are.
 pub fn load() -> Result<Model, ModelError> {

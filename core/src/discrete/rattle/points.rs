@@ -103,7 +103,7 @@ impl<'a, R: Real, const D: usize> ParticleState<'a, R, D> {
         Ok(all)
     }
 
-    /// Where nothing is known: positions are not numbers, and every step is refused.
+    /// A state of which nothing is known: positions are not numbers, and every step is refused.
     pub(crate) fn unknown<S, C>(
         mechanism: &Constrained<R, S, C, D>,
         state: &'a mut [R],

@@ -7,13 +7,13 @@ use leastaction_chip::bare;
 use leastaction_core::continuous::acceleration;
 
 #[path = "../../models/cartpole_constants.rs"]
-#[allow(dead_code, reason = "it also has the step that the model was trained with")]
+#[allow(dead_code, reason = "it also has a stepper")]
 mod cartpole;
 
 fn run() -> Option<()> {
-    let system = cartpole::system().ok()?;
+    let model = cartpole::load().ok()?;
     let [q, v, u] = black_box(&[[0.1, 0.1], [0.2, 0.2], [0.0, 0.0]]);
-    black_box(acceleration(&system, q, v, u)).ok().map(drop)
+    black_box(acceleration(&model.system, q, v, u)).ok().map(drop)
 }
 
 bare!(run);

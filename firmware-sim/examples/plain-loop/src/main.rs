@@ -7,18 +7,12 @@ use cortex_m::asm::wfi;
 use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
 use cortex_m_rt::{entry, exception};
 use cortex_m_semihosting::{debug, hprintln};
-use leastaction_core::discrete::{Control, Galerkin, State};
-use leastaction_core::model::{ModelError, RigidModel};
+use leastaction_core::model::ModelError;
 use panic_halt as _;
 
-/// The model file at a multiple of 4, as loading asks: its weights are read where they lie, in flash.
-#[repr(align(4))]
-struct Aligned<const BYTES: usize>([u8; BYTES]);
-static FILE: Aligned<{ include_bytes!("../../cartpole.postcard").len() }> =
-    Aligned(*include_bytes!("../../cartpole.postcard"));
-
-/// Coordinates, exactly; units of a hidden layer and hidden layers, at most.
-type Model = RigidModel<'static, 2, 7, 2>;
+#[path = "../../cartpole.rs"]
+#[allow(dead_code, reason = "it also has sizes, and the step as a constant")]
+mod model;
 
 /// Of the processor, Hz.
 const CLOCK: f32 = 25e6;
@@ -35,8 +29,8 @@ fn SysTick() {
 
 #[entry]
 fn main() -> ! {
-    match Model::load(&FILE.0) {
-        Ok(model) => debug::exit(run(&model)),
+    match model::stepper() {
+        Ok(stepper) => debug::exit(run(stepper)),
         // On a board: a light, a safe state.
         Err(error) => fail("the model was refused", &error),
     }
@@ -50,21 +44,18 @@ fn control(tick: u32) -> [f32; 2] {
     [if tick / 10 % 2 == 0 { 0.25 } else { -0.25 }, 0.0]
 }
 
-fn run(model: &Model) -> Result<(), ()> {
-    // Step and order of the file; an error where it was trained with another order.
-    let (Ok(del), Some(mut peripherals)) = (model.del::<f32, Galerkin>(), Peripherals::take()) else {
-        return Err(());
-    };
-    let mut state = State::new(&model.system.lagrangian, [0.0, 0.1], [0.0, 0.0]).map_err(|_| ())?;
+fn run(mut stepper: model::Stepper) -> Result<(), ()> {
+    let Some(mut peripherals) = Peripherals::take() else { return Err(()) };
+    stepper.start([0.0, 0.1], [0.0, 0.0]).map_err(|_| ())?;
     let (mut late, mut refused) = (0, 0);
-    start(&mut peripherals.SYST, del.h());
+    start(&mut peripherals.SYST, stepper.h());
     for tick in 0..TICKS {
         late += u32::from(NOW.load(Ordering::Relaxed) > tick);
         wait_for(tick + 1);
         // On error the state is what it was: hold it, count, and command no force.
-        refused += u32::from(del.step(&model.system, &mut state, &Control::held(control(tick))).is_err());
+        refused += u32::from(stepper.step(control(tick)).is_err());
         if (tick + 1) % 20 == 0 {
-            let [x, angle] = state.q().map(thousandths);
+            let [x, angle] = stepper.q().map(thousandths);
             hprintln!("tick {}: x = {} mm, angle = {} mrad", tick + 1, x, angle);
         }
     }

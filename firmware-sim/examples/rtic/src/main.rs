@@ -3,40 +3,33 @@
 #![no_main]
 
 use cortex_m_semihosting::debug;
-use leastaction_core::discrete::{Control, Del, Galerkin, State};
-use leastaction_core::model::RigidModel;
 use panic_halt as _;
 
-/// The model file at a multiple of 4, as loading asks: its weights are read where they lie, in flash.
-#[repr(align(4))]
-struct Aligned<const BYTES: usize>([u8; BYTES]);
-static FILE: Aligned<{ include_bytes!("../../cartpole.postcard").len() }> =
-    Aligned(*include_bytes!("../../cartpole.postcard"));
+#[path = "../../cartpole.rs"]
+#[allow(dead_code, reason = "it also has sizes, and the step as a constant")]
+mod model;
 
 /// Of the processor after a reset, Hz.
 const CLOCK: u32 = 16_000_000;
 
-/// The mechanism and where it is. Coordinates, exactly; units of a hidden layer and hidden layers, at most.
+/// The mechanism and where it is.
 pub struct Mechanism {
-    model: RigidModel<'static, 2, 7, 2>,
-    del: Del<f32, Galerkin>,
-    state: State<f32, 2>,
+    stepper: model::Stepper,
     /// Steps that were refused.
     refused: u32,
 }
 
 impl Mechanism {
-    /// None where the file is no such model, does not say its step or was trained with another order.
+    /// None where the model is refused.
     fn load() -> Option<Self> {
-        let model = RigidModel::<2, 7, 2>::load(&FILE.0).ok()?;
-        let state = State::new(&model.system.lagrangian, [0.0, 0.1], [0.0, 0.0]).ok()?;
-        Some(Self { model, del: model.del().ok()?, state, refused: 0 })
+        let mut stepper = model::stepper().ok()?;
+        stepper.start([0.0, 0.1], [0.0, 0.0]).ok()?;
+        Some(Self { stepper, refused: 0 })
     }
 
     /// On error the state is what it was: hold it, count, and command no force.
     fn step(&mut self, u: [f32; 2]) {
-        let stepped = self.del.step(&self.model.system, &mut self.state, &Control::held(u));
-        self.refused += u32::from(stepped.is_err());
+        self.refused += u32::from(self.stepper.step(u).is_err());
     }
 }
 
@@ -88,14 +81,14 @@ mod app {
     #[task(priority = 2, local = [mechanism], shared = [q, faults])]
     async fn tick(mut cx: tick::Context) {
         let mechanism = cx.local.mechanism;
-        let period = ((mechanism.del.h() * 1e3) as u32).millis();
+        let period = ((mechanism.stepper.h() * 1e3) as u32).millis();
         let (mut next, mut late) = (Mono::now() + period, 0);
         for k in 0.. {
             Mono::delay_until(next).await;
             late += u32::from(Mono::now() > next + 1.millis());
             next += period;
             mechanism.step(control(k));
-            cx.shared.q.lock(|q| *q = mechanism.state.q());
+            cx.shared.q.lock(|q| *q = mechanism.stepper.q());
             cx.shared.faults.lock(|faults| *faults = [mechanism.refused, late]);
         }
     }

@@ -3,6 +3,7 @@
 mod c_source;
 mod rust_constants;
 mod rust_source;
+mod rust_stepper;
 mod version_1;
 
 pub use c_source::{C_HEAD, c_source};
@@ -10,12 +11,13 @@ pub use rust_constants::{ConstantsError, rust_constants};
 pub use rust_source::{RUST_HEAD, rust_source};
 
 use crate::model::{Facts, Model};
+pub use crate::precision::Precision;
 use crate::{Actuator, Architecture};
 use leastaction_core::model::{
     ActuatorBytes, FORMAT_VERSION, Header, ModelError, Parsed, TrainedStep, TrainingRange, WriteError, parse,
     write,
 };
-use leastaction_core::scalar::{Weights, f16};
+use leastaction_core::scalar::Weights;
 use thiserror::Error;
 
 /// A model that cannot be written.
@@ -41,45 +43,13 @@ pub enum EncodeError {
     Write(WriteError),
 }
 
-/// How a file stores its weights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Two bytes a number, `f16`.
-    Half,
-    /// Four bytes a number, `f32`.
-    #[default]
-    Single,
-}
-
-impl Precision {
-    /// Bits of a number.
-    pub fn bits(self) -> u8 {
-        match self {
-            Self::Half => 16,
-            Self::Single => 32,
-        }
-    }
-
-    fn way_out(self) -> &'static str {
-        match self {
-            Self::Half => "keep single precision",
-            Self::Single => "train again, with a smaller step or another seed",
-        }
-    }
-
-    /// Appends the nearest number, little-endian; `None` where it would be infinite.
-    fn append(self, value: f64, block: &mut Vec<u8>) -> Option<()> {
-        match self {
-            Self::Half => {
-                let half = Some(f16::from_f64(value)).filter(|half| half.is_finite())?;
-                block.extend(half.to_le_bytes());
-            }
-            Self::Single => {
-                let single = Some(value as f32).filter(|single| single.is_finite())?;
-                block.extend(single.to_le_bytes());
-            }
-        }
-        Some(())
+impl Model {
+    /// Bytes of the model file, of the format's present version.
+    ///
+    /// # Errors
+    /// As [`encode_in`]; none for a model as it was read.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, EncodeError> {
+        encode_in(self.precision, &self.architecture, &self.weights, &self.facts)
     }
 }
 

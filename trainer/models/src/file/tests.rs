@@ -50,6 +50,27 @@ fn a_program_with_dry_friction_names_its_forces() {
     }
 }
 
+/// The delay of 0.23 s in steps of 0.05 s, linear; in any step where the model was trained for none.
+#[test]
+fn a_stepper_keeps_as_many_commands_as_the_delay_needs() {
+    let (architecture, weights, _) = example("");
+    let actuator: Vec<u8> = [0.23_f32, 1.0, 0.0, -2.0, 0.5].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let file = |trained_step| {
+        let facts = Facts { trained_step, actuator: actuator.clone(), ..Facts::default() };
+        encode_in(Precision::Single, &architecture, &weights, &facts).unwrap()
+    };
+    let trained = rust_source(&file(Some(STEP))).unwrap();
+    assert!(trained.contains("pub type Drive = stepper::Drive<Linear, Actuated<N>, N, 6>;"), "{trained}");
+    assert!(trained.contains("pub fn stepper() -> Result<Stepper, ModelError>"), "{trained}");
+    let any = rust_source(&file(None)).unwrap();
+    assert!(any.contains("pub type Drive = stepper::Drive<Held, Actuated<N>, N, 9>;"), "{any}");
+    assert!(any.contains("pub fn stepper(h: f32) -> Result<Stepper, ModelError>"), "{any}");
+    let constants = rust_constants(&file(Some(STEP))).unwrap();
+    assert!(constants.contains("gain: [1.0, -2.0], offset: [0.0, 0.5]"), "{constants}");
+    let refused = rust_constants(&file(None)).unwrap_err();
+    assert!(matches!(refused, ConstantsError::Unsupported { .. }), "{refused}");
+}
+
 #[test]
 fn the_chip_loads_it_in_place() {
     let (_, _, bytes) = example("somewhere");

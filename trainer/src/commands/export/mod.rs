@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Make a model file of a training run.
 ///
 /// The best weights of the run, in single precision, with what a chip needs to know about them. With --rust also a Rust
-/// module that holds the file as a constant and needs `leastaction-core` alone; with --constants too the module has no file, but the
+/// module that holds the file as a constant, makes its stepper, and needs `leastaction-core` alone; with --constants too the module has no file, but the
 /// model as constants of the program, which then takes about 6 KB less code: it needs no reader and no checksum. (Not of trees, graphs
 /// and laws of force with networks.)
 ///
