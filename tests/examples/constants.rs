@@ -1,6 +1,6 @@
 //! Prints a model file as constants of a Rust program: `constants FILE`.
 
-use leastaction_learning::model_file::rust_constants;
+use leastaction_models::file::rust_constants;
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {

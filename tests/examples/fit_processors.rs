@@ -4,7 +4,7 @@
 mod shapes;
 
 use leastaction_cost::processor::{Coefficients, CostFactors, Evaluation, Fit, Processor};
-use leastaction_learning::model_file::decode;
+use leastaction_models::file::decode;
 use std::collections::BTreeMap;
 use std::error::Error;
 

@@ -3,7 +3,7 @@
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
-use leastaction_learning::model_file::rust_source;
+use leastaction_models::file::rust_source;
 use std::error::Error;
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! The models of `firmware-sim/chip/shapes.toml`.
 
 use leastaction_learning::config::Config;
-use leastaction_learning::model_file::{EncodeError, encode};
+use leastaction_models::file::{EncodeError, encode};
 use std::error::Error;
 use std::path::Path;
 use toml::{Table, Value};

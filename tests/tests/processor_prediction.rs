@@ -4,7 +4,7 @@
 mod shapes;
 
 use leastaction_cost::processor::{Prediction, Processor};
-use leastaction_learning::model_file::decode;
+use leastaction_models::file::decode;
 use shapes::{Measured, RandomModel};
 
 /// How far a prediction may be off, of models that nothing was fitted to.

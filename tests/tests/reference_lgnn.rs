@@ -9,10 +9,10 @@ use leastaction_core::constraints::{Constraints, Holonomic, Positions};
 use leastaction_core::energy::graph::{Fixed, Graph, MAX_NETWORKS};
 use leastaction_core::forces::Forces;
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_learning::architecture::{DEPTH, GraphArchitecture, HostTypes, MAX_GRAPH_WIDTH};
-use leastaction_learning::evaluate::particles::Driven;
 use leastaction_learning::import::{Imported, LGNN_EMBEDDINGS, lgnn};
 use leastaction_learning::training::{LossKind, Samples, objective};
+use leastaction_models::particles::Driven;
+use leastaction_models::{DEPTH, GraphArchitecture, HostTypes, MAX_ELEMENT_UNITS};
 use reference::{Arrays, EXACT, assert_close, assert_within, data, scale};
 use std::fs;
 
@@ -26,10 +26,10 @@ fn network(name: &str, drag: bool) -> Imported {
 }
 
 fn graph(imported: &Imported) -> &GraphArchitecture {
-    imported.architecture.graph().expect("a graph")
+    imported.architecture.family.graph().expect("a graph")
 }
 
-type Model<'a> = Fixed<'a, f64, 2, MAX_NETWORKS, MAX_GRAPH_WIDTH, DEPTH, N>;
+type Model<'a> = Fixed<'a, f64, 2, MAX_NETWORKS, MAX_ELEMENT_UNITS, DEPTH, N>;
 
 fn types(imported: &Imported) -> HostTypes<'_, f64, 2> {
     graph(imported).host_types(&imported.weights).expect("weights of this shape")

@@ -10,11 +10,11 @@ use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::Laws;
 use leastaction_core::scalar::Real;
-use leastaction_learning::architecture::{Architecture, ModularArchitecture};
 use leastaction_learning::data::modlanet as layout;
 use leastaction_learning::ground_truth::ManyBody;
 use leastaction_learning::import::{Imported, modlanet};
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
+use leastaction_models::{Architecture, ModularArchitecture};
 use reference::{Arrays, EXACT, assert_close, assert_within, data, in_single, scale};
 use std::fs;
 use std::path::PathBuf;
@@ -97,7 +97,7 @@ fn evaluate<R: Real>(
 }
 
 fn modular(architecture: &Architecture) -> &ModularArchitecture {
-    architecture.modular().expect("modular")
+    architecture.family.modular().expect("modular")
 }
 
 #[test]

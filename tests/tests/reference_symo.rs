@@ -10,9 +10,9 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
-use leastaction_learning::architecture::{MAX_WIDTH, RigidArchitecture};
 use leastaction_learning::import::{Imported, symo};
 use leastaction_learning::training::{LossKind, Samples, objective};
+use leastaction_models::{MAX_WIDTH, RigidArchitecture};
 use reference::{Arrays, EXACT, assert_close, data, in_single};
 use std::fs;
 
@@ -40,7 +40,7 @@ impl Reference {
     }
 
     fn rigid(&self) -> &RigidArchitecture {
-        self.imported.architecture.rigid().expect("rigid")
+        self.imported.architecture.family.rigid().expect("rigid")
     }
 
     fn samples(&mut self) -> Samples {

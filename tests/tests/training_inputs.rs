@@ -5,9 +5,10 @@ mod common;
 use common::{config, log, model_file};
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset, Rows};
-use leastaction_learning::evaluate::{Beginning, one_step_mse, rollout};
-use leastaction_learning::model_file::decode;
+use leastaction_learning::evaluate::one_step_mse;
 use leastaction_learning::training::LossKind;
+use leastaction_models::Beginning;
+use leastaction_models::file::decode;
 
 const WIDTH: u16 = 16;
 
@@ -63,13 +64,12 @@ fn logged_velocities_do_not_enter_the_model() {
 fn logged_velocities_do_not_enter_the_prediction() {
     let log = log(4);
     let model = decode(&model_file(with_threads(0), &log)).unwrap();
-    let (architecture, weights) = (&model.architecture, &model.weights);
     for value in [None, Some(-1e300)] {
         let other = with_velocities(&log, value);
         for order in [2, 4] {
-            let paths = |log| rollout(architecture, weights, order, (log, Beginning::Positions)).unwrap();
+            let paths = |log| model.rollout(order, (log, Beginning::Positions)).unwrap();
             assert_eq!(paths(&log), paths(&other));
-            let error = |log| one_step_mse(architecture, weights, order, log).unwrap().or_infinite();
+            let error = |log| one_step_mse(&model, order, log).unwrap().or_infinite();
             assert_eq!(error(&log).to_bits(), error(&other).to_bits());
         }
     }

@@ -3,14 +3,15 @@
 use crate::cli::Failure;
 use leastaction_core::model::ModelError;
 use leastaction_learning::checkpoint::{Best, Trained};
-use leastaction_learning::model_file::{self, HostModel, Precision, decode};
+use leastaction_models::Model;
+use leastaction_models::file::{Precision, decode, encode_in};
 use leastaction_replica::{ModelFile, Replica};
 use std::path::Path;
 
 /// A model file in memory.
 pub struct Loaded {
     /// What it is.
-    pub model: HostModel,
+    pub model: Model,
     /// As it was read.
     pub bytes: Vec<u8>,
 }
@@ -34,7 +35,7 @@ pub fn refused(error: ModelError) -> String {
 ///
 /// # Errors
 /// As [`read`].
-pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
+pub fn load(file: &Path) -> Result<(Model, usize), Failure> {
     let Loaded { model, bytes } = read(file)?;
     Ok((model, bytes.len()))
 }
@@ -43,7 +44,7 @@ pub fn load(file: &Path) -> Result<(HostModel, usize), Failure> {
 ///
 /// # Errors
 /// As [`read`] and [`of_part`].
-pub fn load_part(file: &Path, name: Option<&str>) -> Result<(HostModel, usize), Failure> {
+pub fn load_part(file: &Path, name: Option<&str>) -> Result<(Model, usize), Failure> {
     let (model, bytes) = load(file)?;
     Ok((of_part(file, model, name)?, bytes))
 }
@@ -52,7 +53,7 @@ pub fn load_part(file: &Path, name: Option<&str>) -> Result<(HostModel, usize), 
 ///
 /// # Errors
 /// [`Failure::Input`] where there is none of that name.
-pub fn of_part(file: &Path, model: HostModel, name: Option<&str>) -> Result<HostModel, Failure> {
+pub fn of_part(file: &Path, model: Model, name: Option<&str>) -> Result<Model, Failure> {
     let Some(name) = name else { return Ok(model) };
     let Some((what, _)) = model.architecture.part() else {
         return Err(Failure::input(file, "a rigid model has no trees or graphs; leave out --tree"));
@@ -61,26 +62,21 @@ pub fn of_part(file: &Path, model: HostModel, name: Option<&str>) -> Result<Host
     let architecture = model.architecture.with_part_named(name).ok_or_else(|| {
         Failure::input(file, format!("no {what} is called {name:?}; there are: {}", known()))
     })?;
-    Ok(HostModel { architecture, ..model })
+    Ok(Model { architecture, ..model })
 }
 
 /// The model of a file, or as `leastaction export` makes it of a run's folder.
 ///
 /// # Errors
 /// [`Failure::Input`] where there is none.
-pub fn of_file_or_run(path: &Path, part: Option<&str>) -> Result<HostModel, Failure> {
+pub fn of_file_or_run(path: &Path, part: Option<&str>) -> Result<Model, Failure> {
     if !path.is_dir() {
         return Ok(load_part(path, part)?.0);
     }
     let refused = |error: &dyn std::fmt::Display| Failure::input(path, error);
     let trained = Trained::read(path).map_err(|error| refused(&error))?;
-    let bytes = model_file::encode_in(
-        Precision::Single,
-        &trained.architecture,
-        &trained.best.weights,
-        &trained.facts(),
-    )
-    .map_err(|error| refused(&error))?;
+    let bytes = encode_in(Precision::Single, &trained.architecture, &trained.best.weights, &trained.facts())
+        .map_err(|error| refused(&error))?;
     let model = decode(&bytes).map_err(|error| refused(&error))?;
     of_part(path, model, part)
 }
@@ -95,7 +91,7 @@ pub fn encoded(run: &Path, precision: Precision) -> Result<(Trained, Vec<u8>), F
     if !best.is_a_model() {
         return Err(Failure::file(run, nothing(best)));
     }
-    let bytes = model_file::encode_in(precision, architecture, &best.weights, &trained.facts())
+    let bytes = encode_in(precision, architecture, &best.weights, &trained.facts())
         .map_err(|error| Failure::file(run, error))?;
     Ok((trained, bytes))
 }
@@ -118,7 +114,7 @@ fn nothing(best: &Best) -> String {
 ///
 /// # Errors
 /// In words, where it cannot be.
-pub fn chip_file(model: &HostModel) -> Result<ModelFile, String> {
+pub fn chip_file(model: &Model) -> Result<ModelFile, String> {
     let bytes = model.to_bytes().map_err(|error| error.to_string())?;
     ModelFile::new(&bytes).map_err(|error| error.to_string())
 }
@@ -127,6 +123,6 @@ pub fn chip_file(model: &HostModel) -> Result<ModelFile, String> {
 ///
 /// # Errors
 /// In words, where core is not compiled for its size.
-pub fn meant<'f>(file: &'f ModelFile, model: &HostModel) -> Result<Replica<'f>, String> {
+pub fn meant<'f>(file: &'f ModelFile, model: &Model) -> Result<Replica<'f>, String> {
     file.replica(model.architecture.part().map(|(_, name)| name)).map_err(|error| error.to_string())
 }

@@ -3,7 +3,7 @@
 use crate::CHECKPOINT;
 use crc::{CRC_64_XZ, Crc, Table};
 use leastaction_learning::checkpoint::Trained;
-use leastaction_learning::model_file::{Precision, encode_in};
+use leastaction_models::file::{Precision, encode_in};
 
 static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 

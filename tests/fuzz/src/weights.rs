@@ -3,7 +3,7 @@
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_learning::ground_truth::ManyBody;
 use leastaction_learning::import::{Imported, lgnn, modlanet, symo};
-use leastaction_learning::model_file::encode;
+use leastaction_models::file::encode;
 
 /// A file of tensors, as each program may have written it: what is imported has as many weights as its shape says, and becomes a
 /// model file.

@@ -4,8 +4,8 @@ use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::{Config, Coordinates, RigidConfig};
 use leastaction_learning::data::Dataset;
 use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
-use leastaction_learning::model_file::encode;
 use leastaction_learning::run::{Monitor, Plan, Row, Run};
+use leastaction_models::file::encode;
 use std::sync::atomic::AtomicBool;
 
 /// Takes warnings for failures.

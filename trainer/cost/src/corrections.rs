@@ -3,7 +3,7 @@
 use super::{LAYER, WORD, Work, jet, network_weights, tape};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::Law;
-use leastaction_learning::architecture::Architecture;
+use leastaction_models::Architecture;
 
 /// Of the networks that correct a model.
 pub(super) struct CorrectionsCost {

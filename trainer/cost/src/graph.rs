@@ -4,7 +4,7 @@ use crate::{Cost, LAYER, WORD, Work, network_weights, tape};
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::energy::graph::{Edge, GraphShape, Kinetic, NodeShape, Potential};
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::GraphArchitecture;
+use leastaction_models::GraphArchitecture;
 
 /// Steps of order 2 that one of order 4 is composed of.
 pub(super) const COMPOSED: usize = 5;
@@ -87,17 +87,16 @@ impl Forces {
 mod tests {
     use super::*;
     use leastaction_core::model::Rod;
-    use leastaction_learning::architecture::NamedGraph;
     use leastaction_learning::ground_truth::LgnnSystem;
+    use leastaction_learning::ground_truth::lgnn_shape;
+    use leastaction_models::NamedGraph;
 
     #[test]
     fn three_pendulums_and_five_springs_by_hand() {
-        let pendulums =
-            cost(&GraphArchitecture::of_system(LgnnSystem::Pendulum(3), false, false).unwrap()).unwrap();
+        let pendulums = cost(&lgnn_shape(LgnnSystem::Pendulum(3), false, false).unwrap()).unwrap();
         assert_eq!(pendulums.step_order_2.multiply_adds, 2 * 3 * (2 * 8 + 8));
         assert_eq!(pendulums.step_order_4.multiply_adds, 5 * 2 * 3 * (2 * 8 + 8));
-        let springs =
-            cost(&GraphArchitecture::of_system(LgnnSystem::Spring(5), false, false).unwrap()).unwrap();
+        let springs = cost(&lgnn_shape(LgnnSystem::Spring(5), false, false).unwrap()).unwrap();
         assert_eq!(springs.acceleration.multiply_adds, 2 * 5 * (16 + 16));
         // Two states of six vectors a node; without rods there is no room to solve in.
         assert_eq!(springs.state_bytes, 4 * 2 * 6 * 5 * 2);

@@ -16,7 +16,7 @@ use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::bodies::TreeBody;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::model::{Law, ModelError};
-use leastaction_learning::architecture::{Architecture, Family, ModularArchitecture, RigidArchitecture};
+use leastaction_models::{AnyFamily, Architecture, Family as _, ModularArchitecture, RigidArchitecture};
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
@@ -63,13 +63,13 @@ pub struct Cost {
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
     let bytes = Bytes::of(architecture.n());
     let evaluations = match &architecture.family {
-        Family::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
-        Family::Modular(modular) => Evaluations::modular(modular, &bytes),
-        Family::Graph(graph) => return graph::cost(graph),
-        Family::Bodies(bodies) => {
+        AnyFamily::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
+        AnyFamily::Modular(modular) => Evaluations::modular(modular, &bytes),
+        AnyFamily::Graph(graph) => return graph::cost(graph),
+        AnyFamily::Bodies(bodies) => {
             Evaluations::bodies((Where::Plane, BODY), &bodies.bodies().collect::<Vec<_>>(), &bytes)
         }
-        Family::Arm(arm) => {
+        AnyFamily::Arm(arm) => {
             Evaluations::bodies((Where::Space, ARM_BODY), &arm.tree_bodies().collect::<Vec<_>>(), &bytes)
         }
     };

@@ -17,9 +17,7 @@ use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Laws, Rod};
 use leastaction_core::scalar::Packed;
-use leastaction_learning::architecture::{
-    Architecture, DEPTH, Family, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH,
-};
+use leastaction_models::{AnyFamily, Architecture, DEPTH, GraphArchitecture, MAX_ELEMENT_UNITS, MAX_WIDTH};
 
 type Real = Counted<f64>;
 
@@ -37,8 +35,8 @@ pub struct Evaluations {
 /// graphs of up to 4 coordinates, in which code and stack grow unevenly, or has wider or deeper networks than are compiled here.
 pub fn operations(architecture: &Architecture, weights: &[f64]) -> Option<Evaluations> {
     match (&architecture.family, architecture.n()) {
-        (Family::Graph(graph), _) if graph.dimension() == 3 => particles::<3>(graph, weights),
-        (Family::Graph(graph), _) => particles::<2>(graph, weights),
+        (AnyFamily::Graph(graph), _) if graph.dimension() == 3 => particles::<3>(graph, weights),
+        (AnyFamily::Graph(graph), _) => particles::<2>(graph, weights),
         (family, 1) => of_coordinates::<1>(family, weights),
         (family, 2) => of_coordinates::<2>(family, weights),
         (family, 3) => of_coordinates::<3>(family, weights),
@@ -66,26 +64,26 @@ impl Packed for Real {
     }
 }
 
-fn of_coordinates<const N: usize>(family: &Family, weights: &[f64]) -> Option<Evaluations> {
+fn of_coordinates<const N: usize>(family: &AnyFamily, weights: &[f64]) -> Option<Evaluations> {
     let laws = Laws::NONE;
     match family {
-        Family::Rigid(rigid) => {
+        AnyFamily::Rigid(rigid) => {
             let system = rigid.header().system(laws, weights).ok()?;
             steps::<Rigid<f64, N, MAX_WIDTH, DEPTH>, Viscous<Real, N>, N>(&system)
         }
-        Family::Modular(modular) => {
+        AnyFamily::Modular(modular) => {
             let system = modular.header().system(&modular.tree_header(), laws, weights).ok()?;
             steps::<Modular<f64, N, MAX_TYPES, MAX_ELEMENT_UNITS, DEPTH>, Viscous<Real, N>, N>(&system)
         }
-        Family::Bodies(bodies) => {
+        AnyFamily::Bodies(bodies) => {
             let system = bodies.header().system(laws, weights).ok()?;
             steps::<PlanarBodies<f64, N>, Viscous<Real, N>, N>(&system)
         }
-        Family::Arm(arm) => {
+        AnyFamily::Arm(arm) => {
             let system = arm.header().system(laws, weights).ok()?;
             steps::<ArmBodies<f64, N>, Viscous<Real, N>, N>(&system)
         }
-        Family::Graph(_) => None,
+        AnyFamily::Graph(_) => None,
     }
 }
 

@@ -10,8 +10,9 @@ use crate::operations::{Evaluations, operations};
 use crate::{Cost, cost};
 use leastaction_core::energy::modular::TransformShape;
 use leastaction_core::model::Law;
-use leastaction_learning::architecture::Architecture;
-use leastaction_learning::model_file::{HostModel, Precision};
+use leastaction_models::Architecture;
+use leastaction_models::Model;
+use leastaction_models::file::Precision;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -38,7 +39,7 @@ impl Processor {
 
     /// What a model takes; `None` where its shape is beyond what was measured or this program was compiled for, or its precision was not
     /// measured.
-    pub fn predict(self, model: &HostModel) -> Option<Prediction> {
+    pub fn predict(self, model: &Model) -> Option<Prediction> {
         let shape = CostFactors::of(model)?;
         let mut fits: BTreeMap<String, BTreeMap<String, Fit>> = serde_json::from_str(FITS).ok()?;
         let fit = fits.remove(self.name())?.remove(shape.family)?;
@@ -139,7 +140,7 @@ pub struct CostFactors {
 
 impl CostFactors {
     /// Of a model.
-    pub fn of(model: &HostModel) -> Option<Self> {
+    pub fn of(model: &Model) -> Option<Self> {
         let architecture = &model.architecture;
         let (family, coordinates) = (architecture.name(), architecture.n());
         if model.precision == Precision::Half || !architecture.corrections.is_none() {
@@ -284,7 +285,7 @@ impl CostFactors {
 }
 
 fn moved_by_network(architecture: &Architecture) -> bool {
-    let Some(modular) = architecture.modular() else { return false };
+    let Some(modular) = architecture.family.modular() else { return false };
     modular.shape.types.iter().any(|of| matches!(of.transform, TransformShape::Network { .. }))
 }
 

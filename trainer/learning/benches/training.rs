@@ -6,11 +6,11 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::ground_truth::{Mechanism, symo_set};
 use leastaction_learning::training::{
     Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective,
 };
+use leastaction_models::{Architecture, RigidArchitecture};
 use std::time::{Duration, Instant};
 
 /// Training trajectories.

@@ -1,11 +1,10 @@
 //! The checkpoint of a run: where it is, to go on bit for bit, and the best weights so far.
 
-use crate::architecture::Architecture;
 use crate::checksummed::{self, ReadError};
-use crate::model_file::Facts;
 use crate::training::{Adam, Levenberg};
 use crate::windows::{Calibrated, CalibrationLayout};
 use leastaction_core::model::{CoordinateRange, TrainedStep};
+use leastaction_models::{Actuator, Architecture, Facts, Model};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
@@ -150,8 +149,13 @@ impl Trained {
     /// What a model file says of it beside its shape and weights.
     pub fn facts(&self) -> Facts {
         let Self { trained_step, range, provenance, calibrated, .. } = self.clone();
-        let actuator = calibrated.as_ref().map_or(Vec::new(), Calibrated::actuator_bytes);
+        let actuator = calibrated.map_or_else(Actuator::default, |calibrated| calibrated.actuator);
         Facts { range, actuator, ..Facts::new(trained_step, &provenance) }
+    }
+
+    /// The best model.
+    pub fn model(&self) -> Model {
+        Model::new(self.architecture.clone(), self.best.weights.clone()).with_facts(self.facts())
     }
 
     /// The best model of the run in a folder.

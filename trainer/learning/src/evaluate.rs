@@ -1,31 +1,26 @@
 //! How good a model is, in SyMo's measures on equal terms, [`states`] those of models that are stepped from states;
 //! [`prediction`] has ModLaNet's, [`rollouts`] LGNN's.
 
-pub mod friction;
+#[cfg(test)]
+mod forces_tests;
 pub mod horizons;
 #[cfg(test)]
 mod horizons_tests;
-pub mod learned;
-pub mod particles;
 pub mod prediction;
-pub mod rest;
 pub mod rollouts;
 pub mod states;
-mod systems;
 
-pub use systems::{Beginning, FreeAccelerations, NEWTON, masses_at, rollout};
-
-use crate::architecture::{Architecture, Family, GraphArchitecture};
 use crate::data::{Dataset, Trajectory};
 use crate::ground_truth::{Exact, Mechanism};
-use crate::parallel;
-use crate::training::{LossKind, Samples, Solved, objective};
+use crate::training::{Samples, Solved};
 use leastaction_core::continuous::energy;
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, StepError};
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
+use leastaction_models::rollout::logged_command;
+use leastaction_models::{Model, parallel};
 
 /// Steps of the first part of a long integration.
 const EARLY: usize = 100;
@@ -189,17 +184,12 @@ fn midpoint_energy<const N: usize>(exact: &Trigonometric<N>, a: &[f64; N], b: &[
 ///
 /// # Errors
 /// Where the shape does not fit in itself or the data.
-pub fn inertia_mse(
-    architecture: &Architecture,
-    weights: &[f64],
-    mechanism: Mechanism,
-    data: &Dataset,
-) -> Result<f64, ModelError> {
-    let positions = data.trajectories.iter().flat_map(|t| t.q.iter());
-    let pairs = systems::masses(architecture, weights, data)?.into_iter().zip(positions);
+pub fn inertia_mse(model: &Model, mechanism: Mechanism, data: &Dataset) -> Result<f64, ModelError> {
+    let positions: Vec<&[f64]> = data.trajectories.iter().flat_map(|t| t.q.iter()).collect();
+    let pairs = model.at_rest(&positions)?.into_iter().zip(positions);
     let squares = pairs.flat_map(|(learned, q)| {
         let exact = exact_mass(mechanism, q);
-        learned.into_iter().zip(exact).map(|(a, b)| (a - b) * (a - b))
+        learned.mass.into_iter().zip(exact).map(|(a, b)| (a - b) * (a - b))
     });
     Ok(mean(&squares.collect::<Vec<_>>()))
 }
@@ -211,56 +201,48 @@ fn exact_mass(mechanism: Mechanism, q: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Squared error of the acceleration at logged states under the logged controls, over samples and coordinates, and the mean
-/// squared acceleration; `None` where the data lacks velocities or accelerations.
+/// Squared error of the acceleration at logged states under what the actuator makes of the logged commands, over samples and
+/// coordinates, and the mean squared acceleration; `None` where the data lacks velocities or accelerations.
 ///
 /// # Errors
 /// Where the shape does not fit in itself or the data.
-pub fn acceleration_mse(
-    architecture: &Architecture,
-    weights: &[f64],
-    data: &Dataset,
-) -> Result<Option<(Solved, f64)>, ModelError> {
+pub fn acceleration_mse(model: &Model, data: &Dataset) -> Result<Option<(Solved, f64)>, ModelError> {
     let Ok(samples) = Samples::accelerations(data) else { return Ok(None) };
-    let square = samples.mean_square();
-    let error = match &architecture.family {
-        Family::Graph(graph) => graph_error(graph, weights, &samples)?,
-        Family::Rigid(_) | Family::Modular(_) | Family::Bodies(_) | Family::Arm(_) => {
-            objective(architecture, samples, LossKind::Acceleration, 4)?.solved(weights)
-        }
-    };
-    Ok(Some((error, square)))
-}
-
-/// That of a graph of any size.
-fn graph_error(graph: &GraphArchitecture, weights: &[f64], samples: &Samples) -> Result<Solved, ModelError> {
-    let n = samples.n.max(1);
+    let (n, square) = (samples.n.max(1), samples.mean_square());
+    let forces = forces(model, data);
     let [q, v, a] = samples.states.each_ref().map(|x| x.chunks_exact(n));
-    let rows = q.zip(v).zip(samples.controls[0].chunks_exact(n)).zip(a);
-    let mut out = vec![0.0; n];
-    let squares: Vec<Option<f64>> = learned::with_forced_graph(graph, weights, |forced| {
-        rows.map(|(((q, v), u), a)| {
-            forced(q, v, u, &mut out)?;
+    let rows: Vec<_> = q.zip(v).zip(forces.chunks_exact(n)).zip(a).collect();
+    let squares: Vec<Option<f64>> = model.with_forced(|forced| {
+        parallel::map(rows.len(), &|k| {
+            let (((q, v), tau), a) = rows[k];
+            let mut out = vec![0.0; n];
+            forced(q, v, tau, &mut out)?;
             let square = out.iter().zip(a).map(|(ours, a)| (ours - a) * (ours - a)).sum::<f64>();
-            Some(square).filter(|square| square.is_finite())
+            Some(square / n as f64).filter(|square| square.is_finite())
         })
-        .collect()
     })?;
-    let solved = squares.iter().flatten().count();
-    Ok(Solved::new(squares.iter().flatten().sum(), solved * n, squares.len() - solved))
+    Ok(Some((Solved::of(&squares), square)))
 }
 
-/// Squared error of the position one step ahead, from the two before it.
+/// τ at every sample, \[samples\]\[n\].
+fn forces(model: &Model, data: &Dataset) -> Vec<f64> {
+    let step = (data.h, data.control_kind());
+    let mut forces = Vec::with_capacity(data.samples() * data.n);
+    for trajectory in &data.trajectories {
+        for (k, i) in (0..trajectory.samples()).flat_map(|k| (0..data.n).map(move |i| (k, i))) {
+            let command = |k: isize| logged_command(trajectory, k, i);
+            forces.push(model.facts.actuator.at_sample(step, (k, i), command));
+        }
+    }
+    forces
+}
+
+/// Squared error of the position one step ahead, from the two before it, over samples and coordinates.
 ///
 /// # Errors
 /// Where the shape does not fit in itself or the data.
-pub fn one_step_mse(
-    architecture: &Architecture,
-    weights: &[f64],
-    order: u8,
-    data: &Dataset,
-) -> Result<Solved, ModelError> {
-    Ok(objective(architecture, Samples::triples(data), LossKind::NextPosition, order)?.solved(weights))
+pub fn one_step_mse(model: &Model, order: u8, data: &Dataset) -> Result<Solved, ModelError> {
+    Ok(Solved::of(&model.one_steps(order, data)?))
 }
 
 #[cfg(test)]

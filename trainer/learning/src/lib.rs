@@ -1,16 +1,13 @@
 //! Learn the energies of a mechanical system from logged motion, on the host.
 //!
-//! Data flows one way: [`ground_truth`] or a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`model_file`], and
+//! Data flows one way: [`ground_truth`] or a log → [`data`] → [`training`] (by [`config`] and [`run`]) → [`leastaction_models::file`], and
 //! from there to the chip; [`evaluate`] measures.
 
-pub mod architecture;
 pub mod checkpoint;
 pub mod config;
 pub mod evaluate;
 pub mod ground_truth;
 pub mod import;
-pub mod model_file;
-pub mod parallel;
 pub mod report;
 pub mod run;
 pub mod runge_kutta;

@@ -1,11 +1,11 @@
 //! What a log of torques says alone of an arm's base parameters and friction, beside what the model has.
 
-use crate::architecture::{Architecture, ArmArchitecture, NumberName};
 use crate::data::Dataset;
 use crate::torques::{arm, samples};
-use crate::windows::{Calibrated, Certainty, LearnedNumber, Shown};
+use crate::windows::{Certainty, LearnedNumber, Shown};
 use leastaction_arms::Samples;
 use leastaction_arms::fit::{Alone, Arm, Bodies, FitError, JointNumber, Learned, alone};
+use leastaction_models::{Architecture, ArmArchitecture, Family, Model, NumberName};
 use serde::Serialize;
 use std::fmt;
 
@@ -46,16 +46,11 @@ pub struct TorqueNumber {
     pub correlation: Option<f64>,
 }
 
-/// Those of a model by logs that are filtered at so many Hz: of all bodies, rotors and friction that it has, and of the offsets of its drives;
+/// Estimates of a model's numbers by logs that are filtered at so many Hz: of all bodies, rotors and friction that it has, and of the offsets of its drives;
 /// `None` where [`crate::torques::torque_errors`] has none either.
-pub fn torque_numbers(
-    (architecture, weights): (&Architecture, &[f64]),
-    calibrated: Option<&Calibrated>,
-    data: &Dataset,
-    cut_off: f64,
-) -> Option<TorqueNumbers> {
-    let family = architecture.arm()?;
-    let arm = arm((architecture, weights), family, calibrated)?;
+pub fn torque_numbers(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueNumbers> {
+    let architecture = &model.architecture;
+    let (family, arm) = (architecture.family.arm()?, arm(model)?);
     let samples = samples(&data.trajectories, (data.h, data.control_kind()), cut_off).ok()?;
     let friction = &architecture.friction;
     let (viscous, dry) = (!friction.viscous.is_empty(), !friction.dry.is_empty());

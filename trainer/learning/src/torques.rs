@@ -1,12 +1,11 @@
 //! The torques of an arm along logged motion, filtered.
 
-use crate::architecture::{Architecture, ArmArchitecture};
 use crate::data::{Dataset, Rows, Trajectory};
 use crate::training;
-use crate::windows::Calibrated;
 use leastaction_arms::fit::{Arm, JointNumbers, SOFTNESS, mean_nmse, squared_errors, variances};
 use leastaction_arms::{Preparation, SampleError, Samples};
 use leastaction_core::forces::ControlKind;
+use leastaction_models::Model;
 
 /// Time between samples, s: closer ones of a filtered motion say the same.
 const APART: f64 = 0.02;
@@ -22,15 +21,10 @@ pub struct TorqueErrors {
     pub samples: usize,
 }
 
-/// Those of a model along logs that are filtered at so many Hz; `None` of another family, of an arm with networks or with friction whose
-/// growth with the load is smoothed otherwise, and where the logs have no torques or are too short.
-pub fn torque_errors(
-    (architecture, weights): (&Architecture, &[f64]),
-    calibrated: Option<&Calibrated>,
-    data: &Dataset,
-    cut_off: f64,
-) -> Option<TorqueErrors> {
-    let arm = arm((architecture, weights), architecture.arm()?, calibrated)?;
+/// Torque errors of a model along logs that are filtered at so many Hz; `None` of another family, of an arm with networks or with friction
+/// whose growth with the load is smoothed otherwise, and where the logs have no torques or are too short.
+pub fn torque_errors(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueErrors> {
+    let arm = arm(model)?;
     let samples = samples(&data.trajectories, (data.h, data.control_kind()), cut_off).ok()?;
     Some(TorqueErrors::of(&arm, &samples))
 }
@@ -44,12 +38,9 @@ impl TorqueErrors {
     }
 }
 
-/// The arm of a weight block. The log has τ less what its calibration adds.
-pub(crate) fn arm(
-    (architecture, weights): (&Architecture, &[f64]),
-    family: &ArmArchitecture,
-    calibrated: Option<&Calibrated>,
-) -> Option<Arm> {
+/// The arm of a model. The log has τ less what its actuator adds.
+pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<Arm> {
+    let family = architecture.family.arm()?;
     if !architecture.corrections.is_none() {
         return None;
     }
@@ -67,7 +58,7 @@ pub(crate) fn arm(
         }
         (joint.coulomb, joint.load, joint.width) = (dry.constant, dry.load, dry.width);
     }
-    let offsets = calibrated.iter().flat_map(|calibrated| &calibrated.offset);
+    let offsets = &facts.actuator.offset;
     joints.iter_mut().zip(offsets).for_each(|(joint, offset)| joint.offset = -offset);
     Some(Arm { tree, joints })
 }

@@ -1,8 +1,10 @@
 //! LGNN's experiments: training by laws and networks, rollouts on other graphs.
 
-use leastaction_learning::architecture::GraphArchitecture;
+use leastaction_learning::ground_truth::lgnn_shape;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::Samples;
+use leastaction_models::Family as _;
+use leastaction_models::GraphArchitecture;
 use leastaction_papers::lgnn::{Case, Options, run, train};
 
 fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {
@@ -12,7 +14,7 @@ fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {
 }
 
 fn shape(system: LgnnSystem, drag: bool, networks_alone: bool) -> GraphArchitecture {
-    GraphArchitecture::of_system(system, drag, networks_alone).expect("a shape")
+    lgnn_shape(system, drag, networks_alone).expect("a shape")
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Rows that are computed in blocks of a fixed size: the threads that take them change no bit.
 
-use leastaction_learning::parallel;
+use leastaction_models::parallel;
 use rayon::prelude::*;
 use std::sync::LazyLock;
 

@@ -4,11 +4,9 @@ use crate::arrays::Table;
 use crate::blocks::fill;
 use crate::single::Quantity;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::Architecture;
-use leastaction_learning::evaluate::NEWTON;
-use leastaction_learning::evaluate::learned::{Forced, with_forced};
-use leastaction_learning::model_file::HostModel;
-use leastaction_learning::parallel::Pool;
+use leastaction_models::accelerations::Forced;
+use leastaction_models::parallel::Pool;
+use leastaction_models::{Model, NEWTON};
 use leastaction_programs::dynamics::{Accelerations, Del, InverseDynamics, Order};
 use leastaction_programs::{Program, Row, System, WIDTH, Workspace};
 use std::convert::Infallible;
@@ -68,17 +66,18 @@ impl Solver {
 /// # Errors
 /// Where the shape does not fit in itself, or the weights to the shape.
 pub fn evaluate(
-    HostModel { architecture, weights, .. }: &HostModel,
+    model: &Model,
     quantity: Quantity,
     (inputs, count): (&[Table<f64>], usize),
 ) -> Result<Vec<f64>, ModelError> {
+    let Model { architecture, weights, .. } = model;
     let width = quantity.width(architecture.n());
     let mut numbers = vec![0.0; count * width];
-    if quantity == Quantity::Acceleration && architecture.graph().is_some() {
-        with_forced(architecture, weights, |forced| graph(forced, inputs, (&mut numbers, width)))?;
+    if quantity == Quantity::Acceleration && architecture.family.graph().is_some() {
+        model.with_forced(|forced| graph(forced, inputs, (&mut numbers, width)))?;
         return Ok(numbers);
     }
-    let system = system(architecture)?;
+    let system = model.system()?;
     let pool = Pool::new(move || Solver::new(&system, quantity));
     let work = |first: usize, rows: &mut [f64]| {
         let lanes: Vec<Vec<Row>> =
@@ -103,11 +102,6 @@ fn graph(forced: &Forced, inputs: &[Table<f64>], (numbers, width): (&mut [f64], 
         Ok::<(), Infallible>(())
     };
     let Ok(()) = fill((numbers, width, 1), work);
-}
-
-/// The energies and forces of a shape, written down.
-pub fn system(architecture: &Architecture) -> Result<System, ModelError> {
-    Ok(System::new(&*architecture.energies()?))
 }
 
 /// States from one on, side by side; beyond the last one it stands again.
@@ -145,7 +139,8 @@ impl Rollout {
     ///
     /// # Errors
     /// Where the shape does not fit in itself.
-    pub fn run(&self, HostModel { architecture, weights, .. }: &HostModel) -> Result<Vec<f64>, ModelError> {
+    pub fn run(&self, model: &Model) -> Result<Vec<f64>, ModelError> {
+        let Model { architecture, weights, .. } = model;
         architecture.rods().and_then(|rods| match rods.count() {
             0 => Ok(()),
             found => Err(ModelError::Shape {
@@ -154,7 +149,7 @@ impl Rollout {
                 compiled: 0,
             }),
         })?;
-        let (system, (h, order)) = (system(architecture)?, self.step);
+        let (system, (h, order)) = (model.system()?, self.step);
         let pool = Pool::new(move || Del::new(&system, h, order, NEWTON));
         let width = (self.steps + 1) * 2 * architecture.n();
         let mut numbers = vec![f64::NAN; self.count * width];

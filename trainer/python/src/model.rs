@@ -7,10 +7,11 @@ use crate::motion::{Flight, Motions};
 use crate::single::{self, Quantity, Unsolved};
 use leastaction::models::{Loaded as Read, chip_file, of_part, read, refused};
 use leastaction_core::discrete::Order;
+use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{FORMAT_VERSION, Interval};
 use leastaction_learning::data::control_name;
-use leastaction_learning::model_file::{HostModel, Precision, c_source, rust_source};
-use leastaction_learning::windows::Calibrated;
+use leastaction_models as models;
+use leastaction_models::file::{Precision, c_source, rust_source};
 use leastaction_programs::dynamics;
 use leastaction_replica::{ModelFile, Replica, Step};
 use numpy::{PyArray1, PyReadonlyArrayDyn};
@@ -31,7 +32,7 @@ self_cell::self_cell!(
 /// A learned model: a model file in memory.
 #[pyclass(frozen, module = "leastaction._leastaction")]
 pub struct Model {
-    host: HostModel,
+    host: models::Model,
     bytes: Vec<u8>,
     /// Why there is none, where it has not a size that core is compiled for.
     chip: Result<Arc<OnChip>, String>,
@@ -51,7 +52,7 @@ impl Model {
     }
 
     /// The model on the host.
-    pub fn host(&self) -> &HostModel {
+    pub fn host(&self) -> &models::Model {
         &self.host
     }
 
@@ -125,8 +126,7 @@ impl Model {
     #[pyo3(signature = (bytes, part=None))]
     fn from_bytes(bytes: Vec<u8>, part: Option<&str>) -> PyResult<Self> {
         let path = PathBuf::from("the bytes");
-        let model =
-            leastaction_learning::model_file::decode(&bytes).map_err(|error| input(refused(error)))?;
+        let model = leastaction_models::file::decode(&bytes).map_err(|error| input(refused(error)))?;
         let model = of_part(&path, model, part).map_err(failure)?;
         Ok(Self::new(Read { model, bytes }))
     }
@@ -139,7 +139,7 @@ impl Model {
     /// The file of the format's present version, with weights in single or in half precision.
     fn encoded<'py>(&self, py: Python<'py>, half: bool) -> PyResult<Bound<'py, PyBytes>> {
         let precision = if half { Precision::Half } else { self.host.precision };
-        let model = HostModel { precision, ..self.host.clone() };
+        let model = models::Model { precision, ..self.host.clone() };
         let bytes = model.to_bytes().map_err(|error| Kind::Work.says(error))?;
         Ok(PyBytes::new(py, &bytes))
     }
@@ -315,6 +315,29 @@ impl Model {
         Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
     }
 
+    /// As `forces`, in double precision and at any size.
+    fn forces_double<'py>(
+        &self,
+        py: Python<'py>,
+        commands: PyReadonlyArrayDyn<'py, f64>,
+        h: f64,
+        linear: bool,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let n = self.n();
+        let commands = table("u", &commands, &[n])?;
+        let kind = if linear { ControlKind::Linear } else { ControlKind::Held };
+        let last = commands.count.saturating_sub(1);
+        let command = |k: isize, i: usize| {
+            usize::try_from(k).map_or(0.0, |k| commands.row(k.min(last)).get(i).copied().unwrap_or(0.0))
+        };
+        let actuator = &self.host.facts.actuator;
+        let places = (0..commands.count).flat_map(|k| (0..n).map(move |i| (k, i)));
+        let ends = places.map(|(k, i)| actuator.over_step((h, kind), (k, i), |k| command(k, i)));
+        let (start, end): (Vec<f64>, Vec<f64>) = ends.map(|[start, end]| (start, end)).unzip();
+        let shape = [commands.count, n];
+        Ok((rows(py, start, shape)?.into_any(), rows(py, end, shape)?.into_any()))
+    }
+
     /// Of every state the first quantity outside of the training data: 3 i + 0, 1, 2 for q, v, u of coordinate i; −1 where there is none.
     fn outside<'py>(
         &self,
@@ -380,10 +403,10 @@ impl Model {
 
     /// Gain, offset and delay of the drives.
     fn actuator<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        if self.host.facts.actuator.is_empty() {
+        let of = self.host.facts.actuator.clone();
+        if of.is_ideal() {
             return Ok(None);
         }
-        let of = Calibrated::of_file(&self.host.facts.actuator, self.n()).map_err(input)?;
         let dictionary = PyDict::new(py);
         dictionary.set_item("gain", of.gain)?;
         dictionary.set_item("offset", of.offset)?;

@@ -14,7 +14,7 @@ use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::{control_name, control_of_name};
 use leastaction_learning::ground_truth::{ManyBody, Mechanism};
 use leastaction_learning::import::{self, Imported};
-use leastaction_learning::model_file::{self, HostModel, Precision};
+use leastaction_models::file::{self, Precision};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -116,7 +116,7 @@ pub fn evaluate(
 #[pyfunction]
 pub fn model_of_run(folder: PathBuf) -> PyResult<Model> {
     let (_, bytes) = encoded(&folder, Precision::Single).map_err(failure)?;
-    let model = model_file::decode(&bytes).map_err(input)?;
+    let model = file::decode(&bytes).map_err(input)?;
     Ok(Model::new(Loaded { model, bytes }))
 }
 
@@ -231,8 +231,7 @@ fn model_of(
     (name, program): (&str, &str),
 ) -> PyResult<Model> {
     let provenance = format!("imported from {name} ({program})");
-    let bytes =
-        model_file::encode(&imported.architecture, &imported.weights, step, &provenance).map_err(input)?;
-    let model: HostModel = model_file::decode(&bytes).map_err(input)?;
+    let bytes = file::encode(&imported.architecture, &imported.weights, step, &provenance).map_err(input)?;
+    let model = file::decode(&bytes).map_err(input)?;
     Ok(Model::new(Loaded { model, bytes }))
 }

@@ -161,8 +161,9 @@ def test_the_log_of_an_actuator(run):
     model = run.model
     assert model.actuator is None
     commands = np.ones((5, 2))
-    start, end = model.forces(commands)
-    assert np.array_equal(start, commands) and np.array_equal(end, commands)
+    for own in (model, model.double):
+        start, end = own.forces(commands)
+        assert start.dtype == own.dtype and np.array_equal(start, commands) and np.array_equal(end, commands)
     q, v, u = states(model, 1)
     forced = model.rollout(q[0], v[0], np.repeat(u, 4, 0), commands=True)
     assert np.array_equal(forced.q, model.rollout(q[0], v[0], np.repeat(u, 4, 0)).q)

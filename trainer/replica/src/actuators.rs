@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 /// From commands to the force that acts over each step, as the actuator of a file has it: gain, offset and delay.
 ///
-/// Before the first command all commands were 0. Without an actuator in the file the command is the force.
+/// Before the first command all commands were 0, unless [`Actuators::take_past`] says otherwise. Without an actuator in the file the command is the force.
 pub struct Actuators {
     /// Of each coordinate; none where the command is the force.
     each: Vec<Actuator<f32, 1>>,
@@ -36,6 +36,16 @@ impl Actuators {
         }
         let past = VecDeque::from(vec![vec![0.0; n]; usize::from(whole_steps) + 1]);
         Ok(Self { each, past, start, end })
+    }
+
+    /// Takes all commands so far to have been u: a log begins in the middle of a motion.
+    ///
+    /// # Errors
+    /// [`ReplicaError::Length`].
+    pub fn take_past(&mut self, u: &[f32]) -> Result<(), ReplicaError> {
+        ReplicaError::check_length("u", self.start.len(), u.len())?;
+        self.past.iter_mut().for_each(|past| past.copy_from_slice(u));
+        Ok(())
     }
 
     /// The force over the step that begins when `u` is commanded, and that holds it.

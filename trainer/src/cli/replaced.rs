@@ -4,7 +4,7 @@
 use super::Failure;
 use leastaction_core::model::MAGIC;
 use leastaction_learning::data;
-use leastaction_learning::model_file::{C_HEAD, RUST_HEAD};
+use leastaction_models::file::{C_HEAD, RUST_HEAD};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;

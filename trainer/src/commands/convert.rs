@@ -3,7 +3,7 @@
 use clap::Args;
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction_learning::atomic;
-use leastaction_learning::model_file::{self, decode};
+use leastaction_models::file::{self, decode};
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -51,8 +51,7 @@ impl Convert {
         replaceable(&self.output, FileKind::Model)?;
         let bytes = std::fs::read(&self.model).map_err(|error| Failure::input(&self.model, error))?;
         let model = decode(&bytes).map_err(|error| Failure::input(&self.model, error))?;
-        let encoded =
-            model_file::encode_in(model.precision, &model.architecture, &model.weights, &model.facts);
+        let encoded = file::encode_in(model.precision, &model.architecture, &model.weights, &model.facts);
         let written = encoded.map_err(|error| Failure::file(&self.model, error))?;
         atomic::write(&self.output, &written).map_err(|error| Failure::file(&self.output, error))?;
         output.report(&Report {

@@ -9,7 +9,7 @@ use leastaction::models::of_file_or_run;
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::config::DataConfig;
 use leastaction_learning::ground_truth::Mechanism;
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::Model;
 use std::path::{Path, PathBuf};
 
 /// Measure a model on logged motion.
@@ -114,12 +114,12 @@ impl Evaluate {
         }
     }
 
-    fn load(&self, path: &Path) -> Result<HostModel, Failure> {
+    fn load(&self, path: &Path) -> Result<Model, Failure> {
         of_file_or_run(path, self.tree.as_deref())
     }
 
     /// The model that is shown beside this one.
-    fn beside(&self, page: Option<&Path>, model: &HostModel) -> Result<Option<HostModel>, Failure> {
+    fn beside(&self, page: Option<&Path>, model: &Model) -> Result<Option<Model>, Failure> {
         let Some(path) = &self.beside else { return Ok(None) };
         if page.is_none() {
             return Err(Failure::Input("--beside is shown on a page: name one, as -o page.html".to_owned()));
@@ -138,7 +138,7 @@ impl Evaluate {
     }
 
     /// The mechanism that a system names, of the model's size.
-    fn exact(&self, system: System, model: &HostModel) -> Result<Exact, Failure> {
+    fn exact(&self, system: System, model: &Model) -> Result<Exact, Failure> {
         let (n, letters) = (model.architecture.n(), model.architecture.coordinates());
         match system.kind() {
             Kind::Symo(mechanism) => {
@@ -167,7 +167,7 @@ impl Evaluate {
             }
             Kind::Lgnn(of) => {
                 let system = of(n / 2);
-                let plane = model.architecture.graph().is_some_and(|graph| graph.dimension() == 2);
+                let plane = model.architecture.family.graph().is_some_and(|graph| graph.dimension() == 2);
                 if !plane || 2 * system.nodes() != n {
                     let (name, nodes) = (system.name(), system.nodes());
                     let message =
@@ -179,7 +179,7 @@ impl Evaluate {
         }
     }
 
-    fn request<'a>(&self, model: &'a HostModel, system: Scalable) -> LongTermRequest<'a> {
+    fn request<'a>(&self, model: &'a Model, system: Scalable) -> LongTermRequest<'a> {
         LongTermRequest {
             model,
             system,

@@ -8,9 +8,10 @@ use leastaction_core::discrete::Order;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::TrainedStep;
+use leastaction_learning::atomic;
 use leastaction_learning::ground_truth::{ManyBody, Mechanism};
 use leastaction_learning::import::{self, Imported};
-use leastaction_learning::{atomic, model_file};
+use leastaction_models::file;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -208,7 +209,7 @@ impl Files<'_> {
         replaceable(&self.to, FileKind::Model)?;
         let name = self.from.file_name().unwrap_or_default().to_string_lossy();
         let provenance = format!("imported from {name} ({program})");
-        let model = model_file::encode(&imported.architecture, &imported.weights, trained_step, &provenance)
+        let model = file::encode(&imported.architecture, &imported.weights, trained_step, &provenance)
             .map_err(|error| Failure::input(self.from, error))?;
         atomic::write(&self.to, &model).map_err(|error| Failure::file(&self.to, error))?;
         output.report(&Report {

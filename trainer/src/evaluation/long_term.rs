@@ -2,13 +2,12 @@
 
 use crate::cli::{Failure, FileKind, folder, replaceable};
 use leastaction_learning::atomic;
-use leastaction_learning::evaluate::learned::with_accelerations;
 use leastaction_learning::evaluate::prediction::{Prediction, TOLERANCE, Truth};
 use leastaction_learning::ground_truth::{
     BadMechanism, Horizon, LgnnSettings, LgnnSystem, ManyBody, ModlanetSettings, Motion, Start, lgnn_starts,
     starts,
 };
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::Model;
 use leastaction_plot::{Panel, Series, Vertical, time_series};
 use serde::Serialize;
 use std::fmt::{self, Write};
@@ -61,7 +60,7 @@ impl Scalable {
 /// From how many random starts of the system, and how far.
 pub struct Request<'a> {
     /// The model.
-    pub model: &'a HostModel,
+    pub model: &'a Model,
     /// The exact system.
     pub system: Scalable,
     /// How many starts.
@@ -126,11 +125,10 @@ impl Request<'_> {
         let starts = self.system.starts(self.starts, self.seed);
         let truth = Truth::new(motion.as_ref(), starts, Horizon::of_seconds(self.seconds))
             .map_err(|error| failed(&error))?;
-        let HostModel { architecture, weights, .. } = self.model;
-        let learned = with_accelerations(architecture, weights, |accelerations| {
-            truth.compare(TOLERANCE, motion.as_ref(), accelerations)
-        })
-        .map_err(|error| failed(&error))?;
+        let learned = self
+            .model
+            .with_accelerations(|accelerations| truth.compare(TOLERANCE, motion.as_ref(), accelerations))
+            .map_err(|error| failed(&error))?;
         let floor = truth.single_precision(motion.as_ref());
         let mut report = LongTerm {
             system: self.system.name(),

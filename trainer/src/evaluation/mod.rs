@@ -15,17 +15,13 @@ use crate::notes::sentences;
 use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::Architecture;
 use leastaction_learning::config::{Config, DataConfig, TrainingConfig};
 use leastaction_learning::data::{Dataset, control_name};
-use leastaction_learning::evaluate::{
-    Beginning, acceleration_mse, energy_mse, finished, inertia_mse, one_step_mse, rollout,
-};
+use leastaction_learning::evaluate::{acceleration_mse, energy_mse, finished, inertia_mse, one_step_mse};
 use leastaction_learning::ground_truth::Mechanism;
-use leastaction_learning::model_file::HostModel;
 use leastaction_learning::torque_numbers::torque_numbers;
 use leastaction_learning::torques::{TorqueErrors, torque_errors};
-use leastaction_learning::windows::Calibrated;
+use leastaction_models::{Beginning, Model};
 use std::path::{Path, PathBuf};
 
 /// Takes messages, a sentence each.
@@ -36,7 +32,7 @@ pub struct Evaluation<'a> {
     /// Where it comes from.
     pub file: &'a Path,
     /// The model.
-    pub model: &'a HostModel,
+    pub model: &'a Model,
     /// Of the steps; else that of the model, or 4.
     pub order: Option<u8>,
     /// What u does between samples; else what the log says, or what it did in training.
@@ -155,17 +151,17 @@ impl Evaluation<'_> {
         system: Option<Mechanism>,
     ) -> Result<Report, ModelError> {
         let model = self.model;
-        let (architecture, weights) = (&model.architecture, &model.weights);
+        let architecture = &model.architecture;
         let order = self.order.or(model.facts.trained_step.map(|step| step.order.number())).unwrap_or(4);
         // Under a force even the true energy does not keep its first value, which the measure compares with.
         let free = system.filter(|_| !log.is_forced());
-        let steps = || steps((architecture, weights), order, log, free);
-        let inertia = |system| inertia_mse(architecture, weights, system, log);
+        let steps = || steps(model, order, log, free);
+        let inertia = |system| inertia_mse(model, system, log);
         let part = |what| {
             let (_, name) = architecture.part().filter(|(of, _)| *of == what)?;
             Some(name.to_owned())
         };
-        let acceleration = acceleration_mse(architecture, weights, log)?;
+        let acceleration = acceleration_mse(model, log)?;
         Ok(Report {
             model: self.file.to_owned(),
             data,
@@ -191,7 +187,7 @@ impl Evaluation<'_> {
 }
 
 /// Steps in the chip's arithmetic; an error in words where it has not the size of the model.
-fn on_chip(model: &HostModel, order: u8, log: &Dataset) -> Result<Steps, String> {
+fn on_chip(model: &Model, order: u8, log: &Dataset) -> Result<Steps, String> {
     let order = Order::from_number(order).ok_or("there is no such order")?;
     let file = chip_file(model)?;
     let measured = on_chip::steps(&meant(&file, model)?, order, log);
@@ -199,14 +195,9 @@ fn on_chip(model: &HostModel, order: u8, log: &Dataset) -> Result<Steps, String>
 }
 
 /// Measures steps, and energies where they are to be compared with those of a mechanism.
-fn steps(
-    (architecture, weights): (&Architecture, &[f64]),
-    order: u8,
-    log: &Dataset,
-    mechanism: Option<Mechanism>,
-) -> Result<Steps, ModelError> {
-    let one_step = one_step_mse(architecture, weights, order, log)?;
-    let (runs, motions) = finished(&rollout(architecture, weights, order, (log, Beginning::Velocity))?, log);
+fn steps(model: &Model, order: u8, log: &Dataset, mechanism: Option<Mechanism>) -> Result<Steps, ModelError> {
+    let one_step = one_step_mse(model, order, log)?;
+    let (runs, motions) = finished(&model.rollout(order, (log, Beginning::Velocity))?, log);
     let energy = mechanism.filter(|_| !runs.is_empty()).map(|system| energy_mse(system, &runs, &motions));
     let steps = Steps::new(one_step, (&runs, &motions), log.trajectories.len());
     Ok(Steps { energy_mse: energy, ..steps })
@@ -219,11 +210,9 @@ fn prepare(log: &mut Dataset, letters: &str, tell: Tell) {
 }
 
 /// Errors of the torques of an arm, motion and torques filtered as training does by default.
-pub fn torques(model: &HostModel, log: &Dataset) -> Option<Torques> {
-    let calibrated = Calibrated::of_file(&model.facts.actuator, model.architecture.n()).ok();
-    let of = (&model.architecture, &model.weights[..]);
+pub fn torques(model: &Model, log: &Dataset) -> Option<Torques> {
     let cut_off = TrainingConfig::default().cut_off;
-    let TorqueErrors { nmse, rmse, .. } = torque_errors(of, calibrated.as_ref(), log, cut_off)?;
-    let torque_numbers = torque_numbers(of, calibrated.as_ref(), log, cut_off);
+    let TorqueErrors { nmse, rmse, .. } = torque_errors(model, log, cut_off)?;
+    let torque_numbers = torque_numbers(model, log, cut_off);
     Some(Torques { torque_nmse: nmse, torque_rmse: rmse, torque_numbers })
 }

@@ -5,8 +5,8 @@ use leastaction_core::discrete::Order;
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::finished;
-use leastaction_learning::parallel;
 use leastaction_learning::training::Solved;
+use leastaction_models::parallel;
 use leastaction_replica::{Control, Motion, Replica, ReplicaError, Step};
 
 /// Steps a model along a log: from every pair of positions, and over whole trajectories from the second sample.
@@ -45,6 +45,7 @@ impl<'l> Track<'l> {
     ) -> Result<Self, ReplicaError> {
         let u = logged.u.as_ref().map_or_else(|| vec![vec![0.0; log.n]; logged.samples()], singles);
         let mut actuators = chip.actuators(step.h)?;
+        u.first().map_or(Ok(()), |first| actuators.take_past(first))?;
         let pairs = u.iter().zip(u.iter().skip(1));
         let tau = pairs.map(|(start, end)| {
             let control = match log.control_kind() {

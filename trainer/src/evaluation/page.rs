@@ -4,12 +4,12 @@ use crate::cli::{Failure, FileKind, replaceable};
 use leastaction_learning::atomic;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::horizons::Predictor;
-use leastaction_learning::model_file::HostModel;
 use leastaction_learning::report::{Fit, Report};
 use leastaction_learning::torque_numbers::TorqueNumbers;
 use leastaction_learning::windows::{
-    Calibrated, Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
+    Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
 };
+use leastaction_models::Model;
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
@@ -30,20 +30,15 @@ const WINDOW: f64 = 1.0;
 /// Writes the page of a model, from this file, on these logs, beside another model.
 pub fn write(
     path: &Path,
-    ((file, model), beside): ((&Path, &HostModel), Option<(&Path, &HostModel)>),
+    ((file, model), beside): ((&Path, &Model), Option<(&Path, &Model)>),
     (data, log): (&Path, &Dataset),
     torques: Option<&TorqueNumbers>,
 ) -> Result<(), Failure> {
     let failed =
         |error: &dyn std::fmt::Display| Failure::Work(format!("the page on {}: {error}", file.display()));
-    let HostModel { architecture, weights, facts, .. } = model;
-    let actuator = |of: &HostModel| Calibrated::of_file(&of.facts.actuator, log.n);
-    let calibrated = actuator(model).map_err(|error| failed(&error))?;
-    let of_other = beside.map(|(_, of)| actuator(of)).transpose().map_err(|error| failed(&error))?;
+    let Model { architecture, weights, facts, .. } = model;
     let logs = Arc::new(WindowLogs::new(log));
-    let other = beside
-        .zip(of_other.as_ref())
-        .map(|((file, model), calibrated)| (file.display().to_string(), predictor(model, calibrated, &logs)));
+    let other = beside.map(|(file, model)| (file.display().to_string(), predictor(model, &logs)));
     let report = Report {
         title: format!("{} on {}", file.display(), data.display()),
         facts: vec![
@@ -61,8 +56,8 @@ pub fn write(
             ("encoders", "zero offsets of these logs are not known, and taken to be 0".to_owned()),
             ("program", format!("leastaction {}", env!("CARGO_PKG_VERSION"))),
         ],
-        fit: fit(model, &calibrated, &logs),
-        predictor: predictor(model, &calibrated, &logs),
+        fit: fit(model, &logs),
+        predictor: predictor(model, &logs),
         beside: other,
         torques,
     };
@@ -70,13 +65,12 @@ pub fn write(
     atomic::write(path, page.as_bytes()).map_err(|error| Failure::file(path, error))
 }
 
-fn predictor<'a>(model: &'a HostModel, calibrated: &'a Calibrated, logs: &'a WindowLogs) -> Predictor<'a> {
-    let HostModel { architecture, weights, facts, .. } = model;
-    Predictor { architecture, weights, trained_step: facts.trained_step, calibrated, logs }
+fn predictor<'a>(model: &'a Model, logs: &'a WindowLogs) -> Predictor<'a> {
+    Predictor { model, zeros: &[], logs }
 }
 
 /// Residuals over windows; none where no log is as long as one of a few samples, or the model has rods.
-fn fit(model: &HostModel, calibrated: &Calibrated, logs: &Arc<WindowLogs>) -> Option<Fit> {
+fn fit(model: &Model, logs: &Arc<WindowLogs>) -> Option<Fit> {
     let longest = (0..logs.count()).map(|log| logs.samples(log)).max()?;
     let steps =
         ((WINDOW / logs.h).round() as usize).clamp(1, longest.checked_sub(1).filter(|steps| *steps > 0)?);
@@ -91,7 +85,10 @@ fn fit(model: &HostModel, calibrated: &Calibrated, logs: &Arc<WindowLogs>) -> Op
     };
     let own = WindowModel::new(&model.architecture).ok()?;
     let loss = WindowLoss::new(own, logs, 0..logs.count(), settings).ok()?;
-    let Calibrated { gain, offset, delay, .. } = calibrated;
-    let shared = [&model.weights[..], gain, offset, &[*delay]].concat();
+    let actuator = &model.facts.actuator;
+    let gains = (0..logs.n).map(|i| actuator.gain(i));
+    let offsets = (0..logs.n).map(|i| actuator.offset(i));
+    let shared: Vec<f64> =
+        model.weights.iter().copied().chain(gains).chain(offsets).chain([actuator.delay]).collect();
     Some(Fit::new(&loss, &shared, steps as f64 * logs.h, None))
 }

@@ -3,7 +3,7 @@
 use crate::support::Bench;
 use leastaction_core::forces::ControlKind::{self, Held, Linear};
 use leastaction_learning::data::{self, control_name};
-use leastaction_learning::model_file::decode;
+use leastaction_models::file::decode;
 
 const KINDS: [ControlKind; 2] = [Held, Linear];
 

@@ -9,11 +9,9 @@ use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::{ControlKind, Viscous};
 use leastaction_core::model::{ArmModel, Laws, TrainedStep};
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::config::Config;
-use leastaction_learning::model_file::{
-    ConstantsError, Facts, Precision, decode, encode, encode_in, rust_constants, rust_source,
-};
+use leastaction_models::file::{ConstantsError, decode, encode, encode_in, rust_constants, rust_source};
+use leastaction_models::{Actuator, Architecture, Facts, Precision, RigidArchitecture};
 
 #[path = "../cli_golden/model.rs"]
 mod golden;
@@ -182,7 +180,7 @@ fn example() -> Vec<u8> {
 fn example_of_delay() -> Vec<u8> {
     let architecture = Architecture::from(shape());
     let weights = architecture.initial_weights(2);
-    let actuator: Vec<u8> = [0.115_f32, 0.8, -0.05].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let actuator = Actuator { gain: vec![0.8], offset: vec![-0.05], delay: 0.115 };
     let trained_step = Some(TrainedStep { order: Order::Two, h: 0.05, control: ControlKind::Held });
     let facts = Facts { trained_step, actuator, ..Facts::default() };
     encode_in(Precision::Single, &architecture, &weights, &facts).unwrap()
@@ -299,9 +297,12 @@ fn rust_source_of_graphs_compiles_and_is_the_same_model() {
     let host = decode(&bytes).unwrap();
     assert_eq!(&host.architecture, &architecture);
     let weights = host.weights_f32();
-    let named = architecture.graph().unwrap().graph().unwrap();
-    let types =
-        architecture.graph().unwrap().with_header(|header| header.types::<f32, DIMENSION, K, H, L>(&weights));
+    let named = architecture.family.graph().unwrap().graph().unwrap();
+    let types = architecture
+        .family
+        .graph()
+        .unwrap()
+        .with_header(|header| header.types::<f32, DIMENSION, K, H, L>(&weights));
     let here = Graph::new(types.unwrap(), &named.nodes, &named.edges).unwrap();
     let mut edges = [Edge::default(); EDGES];
     let mut rods = [Holonomic::default(); RODS];
@@ -327,7 +328,7 @@ fn rust_source_of_trees_compiles_and_is_the_same_model() {
     let host = decode(&bytes).unwrap();
     assert_eq!(&host.architecture, &architecture);
     let weights = host.weights_f32();
-    let modular = architecture.modular().unwrap();
+    let modular = architecture.family.modular().unwrap();
     let (q, v, u) = ([0.3, -0.4], [-1.2, 0.2], [0.5, 0.0]);
     let tree = modular.tree_header();
     let here = modular

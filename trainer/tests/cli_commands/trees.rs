@@ -227,7 +227,7 @@ fn a_new_type_joins_a_trained_one() {
         (report["types"][1]["mass"].as_f64(), report["types"][0]["damping"].as_f64()),
         (Some(3.0), Some(0.5))
     );
-    let weights = |bytes: &[u8]| leastaction_learning::model_file::decode(bytes).unwrap().weights;
+    let weights = |bytes: &[u8]| leastaction_models::file::decode(bytes).unwrap().weights;
     // Position and potential are those of the run, bit for bit.
     assert_eq!(weights(&old)[..9], weights(&new)[..9]);
 }

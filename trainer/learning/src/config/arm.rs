@@ -4,10 +4,12 @@ use super::corrections::{DissipationConfig, Known, PotentialConfig, assemble};
 use super::friction::FrictionConfig;
 use super::origin::Origin;
 use super::problem::{Problem, ShapeError, list};
-use crate::architecture::{Architecture, ArmArchitecture, MAX_TREE_COORDINATES, Number, letters_of_joints};
 use leastaction_arms::urdf::{self, Inertias};
 use leastaction_arms::{Body, Joint, LogCholesky, Tree};
 use leastaction_core::energy::arm::Joint as JointKind;
+use leastaction_models::{
+    Architecture, ArmArchitecture, Family, MAX_TREE_COORDINATES, Number, letters_of_joints,
+};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -208,8 +210,8 @@ impl ArmConfig {
             let file = self.start_from.clone().unwrap_or_default();
             Problem::OtherArm { file, urdf: self.urdf.clone() }.at(["start_from".into()])
         };
-        let arm = origin.architecture.arm().ok_or_else(other)?;
-        let own = arm.host_tree(&origin.weights).ok_or_else(other)?;
+        let arm = origin.0.architecture.family.arm().ok_or_else(other)?;
+        let own = arm.host_tree(&origin.0.weights).ok_or_else(other)?;
         let is_same = own.bodies().iter().zip(tree.bodies()).all(|(a, b)| is_same_joint(a, b));
         if !is_same {
             return Err(other());

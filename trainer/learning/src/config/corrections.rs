@@ -3,8 +3,8 @@
 use super::fields;
 use super::parts::Range;
 use super::problem::{Problem, ShapeError, Step};
-use crate::architecture::{CorrectionNetwork, Corrections, DissipationNetwork, MAX_COORDINATES};
 use leastaction_core::network::Activation;
+use leastaction_models::{CorrectionNetwork, Corrections, DissipationNetwork, MAX_COORDINATES};
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! Fields whose range is checked while they are read, so that the error knows the line.
 
-use crate::architecture::{DEPTH, MAX_COORDINATES, MAX_ELEMENT_UNITS, MAX_HIDDEN, MAX_UNITS};
 use crate::training::StateNoise;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::network::Activation;
+use leastaction_models::{DEPTH, MAX_COORDINATES, MAX_ELEMENT_UNITS, MAX_HIDDEN, MAX_UNITS};
 use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;

@@ -2,7 +2,7 @@
 
 use super::parts::Range;
 use super::problem::{Problem, ShapeError, Step};
-use crate::architecture::{FrictionArchitecture, MOST_LOAD, Number, WIDTHS};
+use leastaction_models::{FrictionArchitecture, MOST_LOAD, Number, WIDTHS};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::ser::SerializeMap;

@@ -39,9 +39,9 @@ pub use parts::NumberConfig;
 pub use problem::{Problem, ShapeError, Step};
 pub use rigid::RigidConfig;
 
-use crate::architecture::Architecture;
 use crate::training::StateNoise;
 use crate::windows::Integrator;
+use leastaction_models::Architecture;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

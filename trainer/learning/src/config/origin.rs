@@ -1,60 +1,38 @@
-//! The trained model of another shape that the energies of a new one begin at.
+//! A trained model of another shape that the energies of a new one begin at.
 
 use super::Problem;
-use crate::architecture::{Architecture, CoordinateFriction, FrictionArchitecture, Number};
 use crate::checkpoint::Trained;
-use crate::model_file::decode;
-use crate::windows::Calibrated;
 use leastaction_core::model::FrictionNumber;
+use leastaction_models::file::decode;
+use leastaction_models::{CoordinateFriction, FrictionArchitecture, Model, Number};
 use std::fmt::Display;
 use std::path::Path;
 
-/// A trained model: its shape, its weights, and its sensors and actuators.
-pub(crate) struct Origin {
-    pub architecture: Architecture,
-    pub weights: Vec<f64>,
-    pub calibrated: Calibrated,
-}
+/// A trained model, with its actuator.
+pub(crate) struct Origin(pub Model);
 
 impl Origin {
     /// The best weights of the run in a folder, or a model file; of coordinates as these letters say.
     pub fn read(path: &Path, coordinates: &str) -> Result<Self, Problem> {
-        let own = if path.is_dir() { Self::of_run(path) } else { Self::of_file(path) }
-            .map_err(|message| Problem::From { message })?;
+        let own = if path.is_dir() { of_run(path) } else { of_file(path) };
+        let own = own.map_err(|message| Problem::From { message })?;
         let is_angle = |letter: char| letter != 't';
         let found = own.architecture.coordinates();
         if found.chars().map(is_angle).eq(coordinates.chars().map(is_angle)) && own.architecture.has_steps() {
-            return Ok(own);
+            return Ok(Self(own));
         }
         let needed = coordinates.to_owned();
         Err(Problem::OtherCoordinates { file: path.to_owned(), found, needed })
     }
 
-    fn of_run(folder: &Path) -> Result<Self, String> {
-        let trained = Trained::read(folder).map_err(|error| error.to_string())?;
-        let Trained { architecture, best, calibrated, .. } = trained;
-        let ideal = || Calibrated::of_file(&[], architecture.n()).map_err(|error| error.to_string());
-        let calibrated = calibrated.map_or_else(ideal, Ok)?;
-        Ok(Self { architecture, weights: best.weights, calibrated })
-    }
-
-    fn of_file(path: &Path) -> Result<Self, String> {
-        let named = |error: &dyn Display| format!("{}: {error}", path.display());
-        let model = decode(&std::fs::read(path).map_err(|error| named(&error))?);
-        let model = model.map_err(|error| named(&error))?;
-        let calibrated = Calibrated::of_file(&model.facts.actuator, model.architecture.n());
-        let calibrated = calibrated.map_err(|error| named(&error))?;
-        Ok(Self { architecture: model.architecture, weights: model.weights, calibrated })
-    }
-
     fn friction(&self) -> Vec<CoordinateFriction> {
-        self.architecture.friction_of_coordinates(&self.weights)
+        self.0.architecture.friction_of_coordinates(&self.0.weights)
     }
 
     /// b of every coordinate.
     pub fn damping(&self) -> Vec<f64> {
         let own = self.friction();
-        (0..self.architecture.n()).map(|i| own.get(i).map_or(0.0, |friction| friction.viscous)).collect()
+        (0..self.0.n()).map(|i| own.get(i).map_or(0.0, |friction| friction.viscous)).collect()
     }
 
     /// The friction of the coordinates, learned on, but for what is 0 and τ_s.
@@ -96,4 +74,13 @@ impl Origin {
             }
         }
     }
+}
+
+fn of_run(folder: &Path) -> Result<Model, String> {
+    Ok(Trained::read(folder).map_err(|error| error.to_string())?.model())
+}
+
+fn of_file(path: &Path) -> Result<Model, String> {
+    let named = |error: &dyn Display| format!("{}: {error}", path.display());
+    decode(&std::fs::read(path).map_err(|error| named(&error))?).map_err(|error| named(&error))
 }

@@ -1,10 +1,10 @@
 //! What types are made of: numbers that are known or learned, and networks.
 
 use super::problem::Problem;
-use crate::architecture::Number;
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::model::MAX_HIDDEN;
 use leastaction_core::network::Activation;
+use leastaction_models::Number;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{
     DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected, Visitor,

@@ -5,11 +5,11 @@ use super::fields::{self, Coordinates, InertiaKind};
 use super::friction::FrictionConfig;
 use super::origin::Origin;
 use super::problem::{Problem, ShapeError};
-use crate::architecture::{
-    Architecture, Corrections, FrictionArchitecture, RigidArchitecture, largest_factor,
-};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::network::Activation;
+use leastaction_models::{
+    Architecture, Corrections, FrictionArchitecture, RigidArchitecture, largest_factor,
+};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -128,7 +128,7 @@ impl RigidConfig {
             origin.set_friction(&mut architecture.friction);
         }
         let mut weights = architecture.initial_weights(seed);
-        let damping = architecture.rigid().and_then(RigidArchitecture::damping).unwrap_or_default();
+        let damping = architecture.family.rigid().and_then(RigidArchitecture::damping).unwrap_or_default();
         weights.splice(damping.clone(), origin.damping().into_iter().take(damping.len()));
         Ok((architecture, weights))
     }

@@ -121,7 +121,7 @@ fn values_out_of_range_are_refused_with_their_line() {
 }
 
 fn inertia(architecture: &Architecture) -> Inertia {
-    architecture.rigid().unwrap().inertia
+    architecture.family.rigid().unwrap().inertia
 }
 
 #[test]

@@ -6,12 +6,11 @@
 //! all samples from the start to there, of one coordinate or of all. A perfect model is off by the noise, and by what the noise does to
 //! the start.
 
-use super::{median, percentile, systems};
-use crate::architecture::Architecture;
-use crate::parallel::{self, Pool};
-use crate::windows::{Calibrated, Integrator, WindowLogs};
-use leastaction_core::forces::ControlKind;
-use leastaction_core::model::{ModelError, TrainedStep};
+use super::{median, percentile};
+use crate::windows::{Integrator, WindowLogs};
+use leastaction_core::model::ModelError;
+use leastaction_models::Model;
+use leastaction_models::parallel::{self, Pool};
 use leastaction_programs::steps::{State, Steps};
 use leastaction_programs::{Row, WIDTH};
 
@@ -34,15 +33,11 @@ const TENTH: f64 = 0.9;
 /// A model along logs.
 #[derive(Clone, Copy, Debug)]
 pub struct Predictor<'a> {
-    /// Its shape.
-    pub architecture: &'a Architecture,
-    /// Its weight block.
-    pub weights: &'a [f64],
-    /// The step that it was trained with, where it was.
-    pub trained_step: Option<TrainedStep>,
-    /// Its actuator, and the zeros of the logs' encoders; those of logs without any are 0.
-    pub calibrated: &'a Calibrated,
-    /// Positions and controls.
+    /// Shape, weights, actuator and step.
+    pub model: &'a Model,
+    /// Zeros of the encoders of every log; those of logs without any are 0.
+    pub zeros: &'a [Vec<f64>],
+    /// Positions and commands.
     pub logs: &'a WindowLogs,
 }
 
@@ -101,8 +96,8 @@ impl Predictor<'_> {
     /// Where the shape does not fit in itself or the weights.
     pub fn predict(&self) -> Result<Predictions, ModelError> {
         let (n, h) = (self.logs.n, self.logs.h);
-        let system = systems::system(self.architecture, self.weights)?;
-        let (integrator, order) = Integrator::of_trained(self.trained_step, h);
+        let system = self.model.system()?;
+        let (integrator, order) = Integrator::of_trained(self.model.facts.trained_step, h);
         let parts = if integrator == Integrator::Del { 1.0 } else { (h / STEP).ceil().max(1.0) };
         let pool = Pool::new(move || integrator.steps(&system, (h / parts, order), Vec::new()));
         let roll = |starts: Vec<(usize, usize)>, most: f64| -> Vec<Prediction> {
@@ -141,7 +136,7 @@ impl Predictor<'_> {
     }
 
     fn zero(&self, log: usize, i: usize) -> f64 {
-        self.calibrated.zeros.get(log).and_then(|zeros| zeros.get(i)).copied().unwrap_or(0.0)
+        self.zeros.get(log).and_then(|zeros| zeros.get(i)).copied().unwrap_or(0.0)
     }
 
     /// (q, v) of the parabola through the samples around one, q without the encoder's zero.
@@ -153,17 +148,15 @@ impl Predictor<'_> {
         [value - self.zero(log, i), slope / self.logs.h]
     }
 
-    /// τ_i at a sample.
-    fn force(&self, log: usize, sample: usize, i: usize) -> f64 {
-        let Calibrated { gain, offset, delay, .. } = self.calibrated;
-        let sample = sample.min(self.logs.samples(log) - 1);
-        let [u, _] = self.logs.delayed_control(log, sample, i, *delay);
-        gain.get(i).unwrap_or(&1.0) * u + offset.get(i).unwrap_or(&0.0)
+    /// τ_i at both ends of the step that begins at a sample.
+    fn force(&self, log: usize, sample: usize, i: usize) -> [f64; 2] {
+        let step = (self.logs.h, self.logs.control);
+        self.model.facts.actuator.over_step(step, (sample, i), |k| self.logs.command(log, k, i))
     }
 
     /// The force that nine of ten samples are below, N or N m.
     pub fn largest_force(&self, i: usize) -> f64 {
-        let sample = |(log, first): (usize, usize)| self.force(log, first, i).abs();
+        let sample = |(log, first): (usize, usize)| self.force(log, first, i)[0].abs();
         Spread::of(self.starts().into_iter().map(sample).collect()).percentile_90
     }
 
@@ -204,22 +197,21 @@ impl Predictor<'_> {
             path: Vec::new(),
         };
         let mut predictions: Vec<Prediction> = starts.iter().copied().map(prediction).collect();
-        stepper.begin(self.weights, &mut state, None);
+        stepper.begin(&self.model.weights, &mut state, None);
         for step in 0..=longest {
             for (lane, own) in
                 predictions.iter_mut().enumerate().filter(|(lane, _)| step <= steps(starts[*lane]))
             {
                 own.path.extend((0..n).map(|i| state[i].0[lane] + self.zero(own.log, i)));
             }
-            let tau = |step: usize| -> Vec<Row> {
-                (0..n).map(|i| row(&|log, first| self.force(log, first + step, i))).collect()
+            let tau = |end: usize| -> Vec<Row> {
+                (0..n).map(|i| row(&|log, first| self.force(log, first + step, i)[end])).collect()
             };
-            let start = tau(step);
-            let end = if self.logs.control == ControlKind::Held { start.clone() } else { tau(step + 1) };
+            let [start, end] = [tau(0), tau(1)];
             for k in 0..parts {
                 let [from, to] = [k, k + 1].map(|k| between(&start, &end, k as f64 / parts as f64));
                 // What failed is not a number from here on.
-                let _failures = stepper.step(self.weights, &mut state, [&from, &to], None);
+                let _failures = stepper.step(&self.model.weights, &mut state, [&from, &to], None);
             }
         }
         predictions
@@ -231,6 +223,11 @@ fn between(start: &[Row], end: &[Row], part: f64) -> Vec<Row> {
 }
 
 impl Prediction {
+    /// (q, v) where it starts, of every coordinate: true positions, without the zeros of encoders.
+    pub fn start(&self) -> &[[f64; 2]] {
+        &self.start
+    }
+
     /// Steps.
     pub fn steps(&self, n: usize) -> usize {
         (self.path.len() / n.max(1)).saturating_sub(1)

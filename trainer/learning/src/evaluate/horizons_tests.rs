@@ -1,8 +1,9 @@
 use super::horizons::{HorizonErrors, Predictor};
-use crate::architecture::{Architecture, BodiesArchitecture, Number};
 use crate::data::{Dataset, Rows, Trajectory};
-use crate::windows::{Calibrated, WindowLogs};
+use crate::windows::WindowLogs;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
+use leastaction_models::Model;
+use leastaction_models::{Architecture, BodiesArchitecture, Number};
 
 const H: f64 = 0.01;
 const INERTIA: f64 = 0.5;
@@ -29,22 +30,20 @@ fn logs(samples: &[usize], zero: f64) -> WindowLogs {
     WindowLogs::new(&Dataset { n: 1, h: H, control: None, trajectories })
 }
 
-fn errors(logs: &WindowLogs, calibrated: &Calibrated) -> Vec<HorizonErrors> {
-    let architecture = wheel();
-    let weights = architecture.initial_weights(0);
-    let predictor =
-        Predictor { architecture: &architecture, weights: &weights, trained_step: None, calibrated, logs };
-    predictor.predict().unwrap().errors(logs)
+fn exact() -> Model {
+    let weights = wheel().initial_weights(0);
+    Model::new(wheel(), weights)
+}
+
+fn errors(logs: &WindowLogs, zeros: &[Vec<f64>]) -> Vec<HorizonErrors> {
+    Predictor { model: &exact(), zeros, logs }.predict().unwrap().errors(logs)
 }
 
 /// Of a constant velocity k samples on the error is ½a(kh)², and Σk⁴ has a closed form.
 #[test]
 fn an_exact_model_is_exact_and_a_constant_velocity_as_wrong_as_it_is() {
-    let calibrated = Calibrated { zeros: vec![vec![0.7]; 2], ..Calibrated::default() };
-    for (logs, calibrated) in
-        [(logs(&[160, 20], 0.0), Calibrated::default()), (logs(&[160, 20], 0.7), calibrated)]
-    {
-        let errors = errors(&logs, &calibrated);
+    for (logs, zeros) in [(logs(&[160, 20], 0.0), Vec::new()), (logs(&[160, 20], 0.7), vec![vec![0.7]; 2])] {
+        let errors = errors(&logs, &zeros);
         let seconds: Vec<Option<f64>> = errors.iter().map(|of| of.seconds).collect();
         assert_eq!(seconds, [Some(0.1), Some(0.5), Some(1.0), None]);
         assert_eq!(errors.iter().map(|of| of.predictions).collect::<Vec<_>>(), [3, 3, 3, 2]);
@@ -62,9 +61,8 @@ fn an_exact_model_is_exact_and_a_constant_velocity_as_wrong_as_it_is() {
 
 #[test]
 fn horizons_are_as_long_as_the_logs() {
-    let none = Calibrated::default();
     let seconds = |samples: &[usize]| -> Vec<Option<f64>> {
-        errors(&logs(samples, 0.0), &none).iter().map(|of| of.seconds).collect()
+        errors(&logs(samples, 0.0), &[]).iter().map(|of| of.seconds).collect()
     };
     assert_eq!(seconds(&[60]), [Some(0.1), Some(0.5), None]);
     assert_eq!(seconds(&[9]), [None]);
@@ -74,16 +72,9 @@ fn horizons_are_as_long_as_the_logs() {
 #[test]
 fn a_wrong_model_is_beside_the_logs_and_the_median_window_is_in_the_middle() {
     let logs = logs(&[180], 0.0);
-    let (architecture, calibrated) = (wheel(), Calibrated::default());
-    let mut weights = architecture.initial_weights(0);
-    weights[2 + 6] = 1e-3;
-    let predictor = Predictor {
-        architecture: &architecture,
-        weights: &weights,
-        trained_step: None,
-        calibrated: &calibrated,
-        logs: &logs,
-    };
+    let mut model = exact();
+    model.weights[2 + 6] = 1e-3;
+    let predictor = Predictor { model: &model, zeros: &[], logs: &logs };
     let predictions = predictor.predict().unwrap();
     let growth = predictions.growth(&logs);
     assert!(growth.len() == 101 && growth[100][0] > growth[100][1] && growth[0][0] < 1e-9);

@@ -1,7 +1,7 @@
 //! Long-term prediction in ModLaNet's measures, and the floor that single precision sets to them.
 
 use crate::ground_truth::{Horizon, IntegrationError, Motion, Start, follow};
-use crate::parallel;
+use leastaction_models::parallel;
 use std::f64::consts::{PI, TAU};
 
 /// Error a step of the truth, and of predictions unless said otherwise, relative to 1 + |x|.

@@ -3,7 +3,7 @@
 
 use super::prediction::Truth;
 use crate::ground_truth::Motion;
-use crate::parallel;
+use leastaction_models::parallel;
 
 /// The least error that a geometric mean takes; below it is rounding.
 const LEAST: f64 = 1e-17;

@@ -2,10 +2,10 @@
 
 use super::{mean_square_or_infinite, start_energy};
 use crate::data::{Dataset, Trajectory};
-use crate::parallel;
 use crate::runge_kutta::{self, RungeKutta, State};
 use leastaction_core::continuous::energy;
 use leastaction_core::energy::trigonometric::Trigonometric;
+use leastaction_models::parallel;
 
 /// A learned v̇(q, v, u), m/s² or rad/s², and how it is stepped: each stage under the control at its time.
 pub struct Stepper<A> {

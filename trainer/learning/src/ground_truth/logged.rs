@@ -3,7 +3,7 @@
 use super::generate::noisy;
 use super::{BadMechanism, Extrapolation, IntegrationError, Motion, second_order};
 use crate::data::{Dataset, Rows, Trajectory};
-use crate::parallel;
+use leastaction_models::parallel;
 use rand_pcg::Pcg64;
 use thiserror::Error;
 

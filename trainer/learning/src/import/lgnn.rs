@@ -1,14 +1,14 @@
 //! Networks of the LGNN authors' program.
 
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
-use crate::architecture::{GraphArchitecture, GraphType, NamedGraph, Number};
-use crate::ground_truth::LgnnSystem;
+use crate::ground_truth::{LgnnSystem, lgnn_graph};
 use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
 use leastaction_core::model::MAX_HIDDEN;
 use leastaction_core::network::Activation;
+use leastaction_models::{GraphArchitecture, GraphType, NamedGraph, Number};
 use safetensors::SafeTensors;
 
 /// The authors' names of the networks, in the order of our weight block.
@@ -124,5 +124,5 @@ fn shape(networks: &[NetworkShape], [kinetic, own, dimension]: [usize; 3], drag:
 /// Bobs on rods, with an edge beside every rod between two of them.
 fn chain(count: usize) -> NamedGraph {
     let edges = (1..count as u16).map(|to| Edge { kind: 0, ends: [to - 1, to] }).collect();
-    NamedGraph { edges, ..NamedGraph::of_system(LgnnSystem::Pendulum(count)) }
+    NamedGraph { edges, ..lgnn_graph(LgnnSystem::Pendulum(count)) }
 }

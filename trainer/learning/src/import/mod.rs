@@ -10,8 +10,8 @@ pub use lgnn::{EMBEDDINGS as LGNN_EMBEDDINGS, NETWORKS as LGNN_NETWORKS, lgnn};
 pub use modlanet::modlanet;
 pub use symo::symo;
 
-use crate::architecture::Architecture;
 use leastaction_core::network::Dense;
+use leastaction_models::Architecture;
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use thiserror::Error;

@@ -1,13 +1,13 @@
 //! Networks of the ModLaNet authors' program.
 
 use super::{ImportError, Imported, MAX_ELEMENTS, Tensors};
-use crate::architecture::{ModularArchitecture, NamedTree, NamedType, Number};
 use crate::ground_truth::ManyBody;
 use leastaction_core::energy::List;
 use leastaction_core::energy::modular::{
     Input, MAX_NETWORKS, ModularShape, NetworkShape, PairInput, PairShape, TransformShape, TypeShape,
 };
 use leastaction_core::network::Activation;
+use leastaction_models::{ModularArchitecture, NamedTree, NamedType, Number};
 use safetensors::SafeTensors;
 
 /// The mass of every element, \[1, 1\].

@@ -1,9 +1,9 @@
 //! Networks of the SyMo authors' program.
 
 use super::{ImportError, Imported, Layer, Tensors};
-use crate::architecture::RigidArchitecture;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::network::Activation;
+use leastaction_models::{Family, RigidArchitecture};
 use safetensors::SafeTensors;
 
 /// Prefixes of the authors' modules: SyMo and E2E-SyMo, then L-NODE.

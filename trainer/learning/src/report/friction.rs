@@ -4,10 +4,10 @@ use super::page::number;
 use super::pictures::MOST;
 use super::shape::column;
 use super::unit_of;
-use crate::evaluate::friction::{Driven, forces_at};
 use crate::evaluate::horizons::{Predictions, Predictor};
 use crate::evaluate::percentile;
 use leastaction_core::model::ModelError;
+use leastaction_models::forces::Driven;
 use leastaction_plot::{NotDrawn, Series, Stroke, Vertical, curves_svg};
 
 /// Points of a curve.
@@ -64,7 +64,7 @@ impl Ranges {
         i: usize,
         predictor: &Predictor,
     ) -> Result<Option<Result<String, NotDrawn>>, ModelError> {
-        let letters = predictor.architecture.coordinates();
+        let letters = predictor.model.architecture.coordinates();
         let (unit, force) = if unit_of(&letters, i) == "m" { ("m", "N") } else { ("rad", "N m") };
         let mut curves = Vec::<(Curve, Vec<f64>)>::new();
         for curve in self.curves(i, (unit, force)) {
@@ -114,7 +114,7 @@ impl Ranges {
             Driven { q, v: only(self.velocity(k)), tau: only(curve.load) }
         };
         let states: Vec<Driven> = (0..POINTS).map(state).collect();
-        let forces = forces_at(predictor.architecture, predictor.weights, &states)?;
+        let forces = predictor.model.forces_at(&states)?;
         Ok(forces.iter().map(|force| -force[i]).collect())
     }
 }

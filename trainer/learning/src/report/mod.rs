@@ -7,12 +7,12 @@ pub mod page;
 mod pictures;
 mod shape;
 
-use crate::architecture::Architecture;
 use crate::evaluate::horizons::{HorizonErrors, Predictions, Predictor, Spread, WHOLE};
 use crate::torque_numbers::TorqueNumbers;
 use crate::training::Residuals;
 use crate::windows::{CalibrationLayout, Certainty, WindowLogs, WindowLoss, certainty};
 use leastaction_core::model::ModelError;
+use leastaction_models::Architecture;
 use leastaction_plot::{NotDrawn, Stroke};
 use page::{cell, escaped, folded, list, number, paragraph, picture, section, table};
 use thiserror::Error;
@@ -119,7 +119,7 @@ impl Report<'_> {
     }
 
     fn letters(&self) -> String {
-        self.predictor.architecture.coordinates()
+        self.predictor.model.architecture.coordinates()
     }
 
     fn noise(&self, i: usize) -> f64 {
@@ -214,8 +214,7 @@ impl Report<'_> {
     }
 
     fn shape(&self) -> Result<Vec<String>, ReportError> {
-        let Predictor { architecture, weights, .. } = self.predictor;
-        let drawn = shape::pictures((architecture, weights), self.logs())?;
+        let drawn = shape::pictures(self.predictor.model, self.logs())?;
         let mut parts = Vec::new();
         if !drawn.is_empty() {
             let about = "Over what the logs covered; a second coordinate is where it mostly was.";
@@ -256,7 +255,7 @@ impl Report<'_> {
         let Some((certainty, layout)) = self.fit.as_ref().and_then(|fit| fit.certainty.as_ref()) else {
             return String::new();
         };
-        let names = numbers::Names::of_windows(self.predictor.architecture, layout);
+        let names = numbers::Names::of_windows(&self.predictor.model.architecture, layout);
         numbers::sections(certainty, &names).concat()
     }
 

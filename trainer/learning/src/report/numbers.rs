@@ -1,9 +1,9 @@
 //! The learned numbers with what the logs say of them.
 
 use super::page::{escaped, folded, list, number, paragraph, section, table};
-use crate::architecture::{Architecture, NumberName};
 use crate::torque_numbers::TorqueNumbers;
 use crate::windows::{CalibrationLayout, Certainty, LearnedNumber, Shown};
+use leastaction_models::{Architecture, NumberName};
 
 /// A number whose standard error is more than this part of it is hardly shown.
 const HARDLY: f64 = 0.5;

@@ -1,11 +1,11 @@
 //! Pictures of inertia and potential over what the logs covered.
 
 use super::unit_of;
-use crate::architecture::Architecture;
 use crate::evaluate::median;
-use crate::evaluate::rest::{AtRest, at_rest};
 use crate::windows::WindowLogs;
 use leastaction_core::model::ModelError;
+use leastaction_models::Model;
+use leastaction_models::rest::AtRest;
 use leastaction_plot::{NotDrawn, Series, Vertical, curves_svg};
 use std::f64::consts::PI;
 
@@ -25,13 +25,13 @@ struct Slice {
 
 /// Inertia and potential along every coordinate; nothing for more than two coordinates.
 pub(super) fn pictures(
-    (architecture, weights): (&Architecture, &[f64]),
+    model: &Model,
     logs: &WindowLogs,
 ) -> Result<Vec<Result<String, NotDrawn>>, ModelError> {
     if logs.n > MOST {
         return Ok(Vec::new());
     }
-    let letters = architecture.coordinates();
+    let letters = model.architecture.coordinates();
     let columns: Vec<Vec<f64>> = (0..logs.n).map(|i| column(logs, i)).collect();
     let middle: Vec<f64> = columns.iter().map(|column| median(column)).collect();
     let slice = |along: usize| {
@@ -44,7 +44,8 @@ pub(super) fn pictures(
                 position
             })
             .collect();
-        let at_rest = at_rest(architecture, weights, &positions)?;
+        let positions: Vec<&[f64]> = positions.iter().map(Vec::as_slice).collect();
+        let at_rest = model.at_rest(&positions)?;
         Ok(Slice { along, q, at_rest })
     };
     let slices = (0..logs.n).map(slice).collect::<Result<Vec<_>, ModelError>>()?;

@@ -100,8 +100,8 @@ pub(super) fn chosen(
 mod tests {
     use super::*;
     use crate::data::Rows;
-    use crate::parallel;
     use crate::run::robots::pendulums;
+    use leastaction_models::parallel;
     use std::path::Path;
 
     fn data(samples: &[usize], h: f64) -> Dataset {

@@ -2,11 +2,11 @@
 
 use super::TorqueReport;
 use super::plan::PlanError;
-use crate::architecture::Architecture;
 use crate::config::Config;
 use crate::config::TrainingLoss;
 use crate::data::{Dataset, Doubt, Note};
 use crate::windows::Noise;
+use leastaction_models::Architecture;
 
 /// Something the user should know before training begins, or when it ends.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! Where a network begins that starts from another model.
 
-use crate::architecture::Architecture;
 use crate::config::Origin;
 use crate::data::Dataset;
 use crate::training::{Covered, network_start};
 use crate::windows::WindowLogs;
 use leastaction_core::model::ModelError;
+use leastaction_models::Architecture;
 
 /// The energies of the model that a network starts from, over the range of the data.
 pub(super) fn at_origin(
@@ -23,5 +23,5 @@ pub(super) fn at_origin(
         let square = |i: usize| all.iter().skip(i).step_by(n).map(|x| x * x).sum::<f64>();
         (0..n).map(|i| (square(i) / (all.len() / n).max(1) as f64).sqrt()).collect()
     });
-    network_start(network, (&origin.architecture, &origin.weights), &Covered { q: &q, sizes })
+    network_start(network, (&origin.0.architecture, &origin.0.weights), &Covered { q: &q, sizes })
 }

@@ -12,7 +12,6 @@ use super::notice::{Notice, prepared};
 use super::origin::at_origin;
 use super::stages::{self, Scope, Stage, Windowed};
 use super::{TorqueReport, range, ringing, torques};
-use crate::architecture::Architecture;
 use crate::checkpoint::{Checkpoint, State, Trained};
 use crate::config::{Config, OptimiserKind, Origin, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
@@ -21,6 +20,7 @@ use crate::windows::{self, CalibrationLayout, Integrator, Noise, WindowLogs, fir
 use checks::{check_coordinates, check_gauge, check_state_noise};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
+use leastaction_models::Architecture;
 
 /// Everything that a run is determined by.
 pub struct Plan {
@@ -83,7 +83,7 @@ impl Plan {
         };
         // Bodies of an arm are found one by one, before any stage.
         let of_samples =
-            loss.of_samples().filter(|kind| *kind != LossKind::Torque || architecture.arm().is_none());
+            loss.of_samples().filter(|kind| *kind != LossKind::Torque || architecture.family.arm().is_none());
         let (stages, windows) = match of_samples {
             Some(kind) => {
                 let parts = data.split(training);
@@ -108,7 +108,7 @@ impl Plan {
         if let Some(origin) = &origin {
             initial = at_origin((&architecture, initial), &data, origin)?;
             let layout = windows.as_ref().map(|windows| windows.layout);
-            initial.extend(layout.into_iter().flat_map(|layout| layout.initial_at(&origin.calibrated)));
+            initial.extend(layout.into_iter().flat_map(|layout| layout.initial_at(&origin.0.facts.actuator)));
         }
         let step = |order| TrainedStep { order, h: data.h as f32, control: data.control_kind() };
         let TrainingConfig { order, integrator, .. } = config.training;
@@ -214,12 +214,12 @@ fn begin_windows(
     (stages, windows, mut initial): (&[Stage], &Windowed, Vec<f64>),
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<f64>, PlanError> {
-    if let Some(arm) = architecture.arm() {
+    if let Some(arm) = architecture.family.arm() {
         let fitted = torques::fitted((architecture, arm), &initial, (data, training), config)?;
         initial = fitted.weights;
         notices.push(Notice::Torques(fitted.report));
         let begins = fitted.calibrated.iter();
-        initial.extend(begins.flat_map(|calibrated| windows.layout.initial_at(calibrated)));
+        initial.extend(begins.flat_map(|calibrated| windows.layout.initial_at(&calibrated.actuator)));
     } else if let Some(stage) = stages.first() {
         let logs = WindowLogs::new(&data.split(training).0);
         initial = first_guess(architecture, &logs, initial, &*stage.objective)?;
@@ -252,7 +252,7 @@ fn settle_loss(
 fn loss_of(config: &Config, architecture: &Architecture, data: &Dataset) -> (TrainingLoss, Option<Noise>) {
     let training = &config.training;
     let of_noise = training.state_noise.map(|_| TrainingLoss::Acceleration);
-    let of_torques = architecture.arm().map(|_| TrainingLoss::Torque);
+    let of_torques = architecture.family.arm().map(|_| TrainingLoss::Torque);
     if let Some(loss) = training.loss.or(of_noise).or(of_torques) {
         return (loss, None);
     }

@@ -1,8 +1,8 @@
 //! What the data of a run covered, for the model file.
 
-use crate::architecture::Architecture;
 use crate::data::{Dataset, Trajectory};
 use leastaction_core::model::{CoordinateRange, Interval};
+use leastaction_models::Architecture;
 
 /// Coordinates at most of which the range is kept: that of a large graph would be longer than its model.
 const MAX_COORDINATES: usize = 64;

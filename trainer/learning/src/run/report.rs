@@ -2,12 +2,12 @@
 
 use super::plan::Plan;
 use super::stages::Windowed;
-use crate::architecture::Architecture;
 use crate::checkpoint::State;
 use crate::config::{Origin, TrainingLoss};
 use crate::evaluate::horizons::Predictor;
 use crate::report::{Fit, Report, ReportError};
 use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
+use leastaction_models::{Facts, Model};
 
 /// The page on the best numbers of a run; nothing where nothing was learned over windows.
 pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportError> {
@@ -18,20 +18,17 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
     let shared = best.weights.get(..layout.end()).unwrap_or(&best.weights);
     let length = settings.steps as f64 * logs.h;
     let calibrated = layout.read(shared);
+    let weights = shared.get(..layout.start).unwrap_or(shared).to_vec();
+    let own = Facts { actuator: calibrated.actuator.clone(), ..Facts::new(plan.trained_step, "") };
+    let model = Model::new(plan.architecture.clone(), weights).with_facts(own);
     let simple = Simple::of(plan, state.alone.as_deref(), (*layout, &calibrated));
     let torques = plan.torques().filter(|_| plan.config.training.loss == Some(TrainingLoss::Torque));
     let torques = torques.map(|report| &report.numbers);
     let report = Report {
         title: format!("Learned from {}", plan.config.data.file),
         facts: facts(plan, windows, state),
-        predictor: Predictor {
-            architecture: &plan.architecture,
-            weights: shared.get(..layout.start).unwrap_or(shared),
-            trained_step: plan.trained_step,
-            calibrated: &calibrated,
-            logs,
-        },
-        beside: simple.as_ref().map(|simple| (simple.name.to_owned(), simple.predictor(plan, logs))),
+        predictor: Predictor { model: &model, zeros: &calibrated.zeros, logs },
+        beside: simple.as_ref().map(|simple| (simple.name.to_owned(), simple.predictor(logs))),
         fit: Some(Fit::new(&loss, shared, length, torques.is_none().then_some(&plan.architecture))),
         torques,
     };
@@ -39,39 +36,34 @@ pub(super) fn html(plan: &Plan, state: &State) -> Result<Option<String>, ReportE
 }
 
 /// The simple physics that a run began with.
-struct Simple<'a> {
+struct Simple {
     name: &'static str,
-    architecture: &'a Architecture,
-    weights: &'a [f64],
-    calibrated: Calibrated,
+    model: Model,
+    zeros: Vec<Vec<f64>>,
 }
 
-impl<'a> Simple<'a> {
+impl Simple {
     /// The model alone, before networks corrected it, or the model that a network started from, by the sensors and drives of the same
     /// logs; none where the run had neither.
     fn of(
-        plan: &'a Plan,
-        alone: Option<&'a [f64]>,
+        plan: &Plan,
+        alone: Option<&[f64]>,
         (layout, calibrated): (CalibrationLayout, &Calibrated),
     ) -> Option<Self> {
-        let architecture = &plan.architecture;
         if let Some(shared) = alone {
-            let (weights, calibrated) = (shared.get(..layout.start)?, layout.read(shared));
-            return Some(Self { name: "without networks", architecture, weights, calibrated });
+            let Calibrated { actuator, zeros } = layout.read(shared);
+            let model = Model::new(plan.architecture.clone(), shared.get(..layout.start)?.to_vec());
+            let facts = Facts { actuator, ..Facts::new(plan.trained_step, "") };
+            return Some(Self { name: "without networks", model: model.with_facts(facts), zeros });
         }
-        let Origin { architecture, weights, calibrated: own } = plan.origin.as_ref()?;
-        let calibrated = Calibrated { zeros: calibrated.zeros.clone(), ..own.clone() };
-        Some(Self { name: "the model it started from", architecture, weights, calibrated })
+        let Origin(model) = plan.origin.as_ref()?;
+        let facts = Facts { trained_step: plan.trained_step, ..model.facts.clone() };
+        let model = model.clone().with_facts(facts);
+        Some(Self { name: "the model it started from", model, zeros: calibrated.zeros.clone() })
     }
 
-    fn predictor(&'a self, plan: &Plan, logs: &'a WindowLogs) -> Predictor<'a> {
-        Predictor {
-            architecture: self.architecture,
-            weights: self.weights,
-            trained_step: plan.trained_step,
-            calibrated: &self.calibrated,
-            logs,
-        }
+    fn predictor<'a>(&'a self, logs: &'a WindowLogs) -> Predictor<'a> {
+        Predictor { model: &self.model, zeros: &self.zeros, logs }
     }
 }
 

@@ -2,13 +2,12 @@
 
 use super::notice::Notice;
 use super::plan::Plan;
-use crate::architecture::CoordinateFriction;
 use crate::data::Dataset;
-use crate::evaluate::masses_at;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::TrainedStep;
+use leastaction_models::{CoordinateFriction, Model};
 
 /// Positions of the data that are looked at.
 const POSITIONS: usize = 64;
@@ -34,8 +33,10 @@ pub(super) fn notice(plan: &Plan, weights: &[f64]) -> Option<Notice> {
     let friction = plan.architecture.friction_of_coordinates(weights);
     friction.iter().find(|friction| friction.dry.is_some())?;
     let positions: Vec<&[f64]> = plan.positions.iter().map(Vec::as_slice).collect();
-    let masses = masses_at(&plan.architecture, weights, &positions).ok()?;
-    let all = masses.iter().flat_map(|mass| stiffness(f64::from(h), mass, &friction).into_iter().enumerate());
+    let own = weights.get(..plan.architecture.parameters().ok()?)?.to_vec();
+    let at_rest = Model::new(plan.architecture.clone(), own).at_rest(&positions).ok()?;
+    let all =
+        at_rest.iter().flat_map(|at| stiffness(f64::from(h), &at.mass, &friction).into_iter().enumerate());
     let (coordinate, stiffness) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let most = limit(order);
     (stiffness > most).then_some(Notice::Rings { coordinate, stiffness, most, order: order.number() })

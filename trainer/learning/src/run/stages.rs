@@ -4,14 +4,12 @@ use super::TorqueError;
 use super::lengths;
 use super::notice::Notice;
 use super::plan::{PlanError, is_forced};
-use crate::architecture::{
-    Architecture, ArmArchitecture, BodiesArchitecture, GraphArchitecture, ModularArchitecture,
-};
 use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
 use crate::torques::filtered;
 use crate::training::{LossKind, Objective, Samples, free_states_objective, objective};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
+use leastaction_models::{Architecture, GraphArchitecture};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -79,7 +77,7 @@ pub(super) fn of_samples(
         return Err(PlanError::Integrator);
     }
     let scale = shows_scale(architecture, parts.0);
-    let laws = architecture.graph().and_then(GraphArchitecture::laws_alone);
+    let laws = architecture.family.graph().and_then(GraphArchitecture::laws_alone);
     let enough = enough_triples(parts.0, architecture.learned_parameters()?);
     let mut kinds = kinds((&config.training, kind), laws.is_some(), (scale, enough.is_some()), notices)?;
     let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
@@ -99,11 +97,7 @@ pub(super) fn of_samples(
 
 /// Whether energies are known, not only up to one common factor.
 fn shows_scale(architecture: &Architecture, data: &Dataset) -> bool {
-    is_forced(architecture, data)
-        || architecture.modular().is_some_and(ModularArchitecture::shows_scale)
-        || architecture.graph().is_some_and(GraphArchitecture::shows_scale)
-        || architecture.bodies().is_some_and(BodiesArchitecture::shows_scale)
-        || architecture.arm().is_some_and(ArmArchitecture::shows_scale)
+    is_forced(architecture, data) || architecture.family.shows_scale()
 }
 
 /// The part of a window that is learned from first: whatever the initial weights, motion over it is hardly chaotic.

@@ -1,6 +1,5 @@
 //! Where training of an arm begins: bodies, rotors and friction that need the logged torques.
 
-use crate::architecture::{Architecture, ArmArchitecture};
 use crate::config::Config;
 use crate::data::{Dataset, Trajectory};
 use crate::torque_numbers::TorqueNumbers;
@@ -9,6 +8,7 @@ use crate::windows::{Calibrated, Setting};
 use leastaction_arms::fit::{Bodies, FitError, Fitted, JointNumbers, Learned, SOFTNESS, fit, fit_by_folds};
 use leastaction_arms::{SampleError, Samples, Tree};
 use leastaction_core::model::ModelError;
+use leastaction_models::{Actuator, Architecture, ArmArchitecture, Family};
 use std::fmt;
 use thiserror::Error;
 
@@ -107,9 +107,11 @@ pub(super) fn fitted(
     put_friction(architecture, &found.arm.joints, &mut weights);
     let n = arm.n();
     let calibrated = offsets.then(|| Calibrated {
-        gain: vec![1.0; n],
-        offset: found.arm.joints.iter().map(|joint| -joint.offset).collect(),
-        ..Calibrated::default()
+        actuator: Actuator {
+            offset: found.arm.joints.iter().map(|joint| -joint.offset).collect(),
+            ..Actuator::ideal(n)
+        },
+        zeros: Vec::new(),
     });
     let errors = |of: &Samples| TorqueErrors::of(&found.arm, of);
     let report = TorqueReport {
@@ -146,7 +148,7 @@ fn learned(
     offsets: bool,
 ) -> Result<Learned, TorqueError> {
     let friction = &architecture.friction;
-    let is_absent = |number: &crate::architecture::Number| !number.learned && number.value == 0.0;
+    let is_absent = |number: &leastaction_models::Number| !number.learned && number.value == 0.0;
     let of_dry = |place: usize| friction.dry.iter().map(move |numbers| &numbers[place]);
     let (viscous, dry) = (!friction.viscous.is_empty(), !friction.dry.is_empty());
     let load = dry && !of_dry(1).all(is_absent);

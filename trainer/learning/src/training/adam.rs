@@ -136,7 +136,7 @@ impl Adam {
     fn step(&mut self, bounds: &Bounds, mut equations: NormalEquations) {
         let scale = 2.0 / equations.rows as f64;
         let mut theta = bounds.free(&self.weights);
-        bounds.to_free(&theta, &mut equations);
+        equations.bring_to_free(bounds, &theta);
         self.steps += 1;
         let power = self.steps.min(100_000) as i32;
         let (correction_1, correction_2) = (1.0 - BETA_1.powi(power), 1.0 - BETA_2.powi(power));

@@ -2,7 +2,7 @@
 
 use super::residuals::{ChunkRows, Failed, Residuals};
 use super::{Bounds, NormalEquations, Samples};
-use crate::parallel::Pool;
+use leastaction_models::parallel::Pool;
 use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;

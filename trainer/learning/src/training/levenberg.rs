@@ -4,9 +4,9 @@
 //! Marquardt's method", 1999. Steps are of the free numbers θ of [`Bounds`](super::Bounds), from the weights and back to weights.
 
 use super::{Bounds, NormalEquations, Objective};
-use crate::parallel;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use leastaction_models::parallel;
 use serde::{Deserialize, Serialize};
 
 /// The damping grows beyond any use: no direction lowers the loss in double precision.
@@ -107,7 +107,7 @@ impl Levenberg {
         let Some(mut equations) = objective.normal_equations(&self.weights) else { return Progress::Stuck };
         equations.add_decay(self.decay, &self.weights[..objective.weights()]);
         let theta = objective.bounds().free(&self.weights);
-        objective.bounds().to_free(&theta, &mut equations);
+        equations.bring_to_free(objective.bounds(), &theta);
         let scales = self.damping(objective, &equations);
         let before = self.cost(objective, self.loss, &self.weights);
         while self.mu < MU_LIMIT {

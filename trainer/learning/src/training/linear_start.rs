@@ -2,12 +2,12 @@
 
 use super::blocks::Blocks;
 use super::{Levenberg, Objective, Samples};
-use crate::architecture::{Architecture, BodiesArchitecture, Number};
-use crate::parallel;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS};
 use leastaction_core::model::{FrictionNumber, Law, ModelError};
+use leastaction_models::parallel;
+use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use leastaction_programs::System;
 use leastaction_programs::losses::TorqueLoss;
 
@@ -33,7 +33,7 @@ const LEAST_PART: f64 = 0.05;
 /// [`ModelError::Shape`] where a list has not n numbers of every sample; where the shape does not fit in itself.
 pub fn linear_start(architecture: &Architecture, states: [&[f64]; 4]) -> Result<Vec<f64>, ModelError> {
     let initial = architecture.initial_weights(0);
-    let Some(bodies) = architecture.bodies() else { return Ok(initial) };
+    let Some(bodies) = architecture.family.bodies() else { return Ok(initial) };
     let objective = balance(architecture, states)?;
     let mut state = Levenberg::new(&objective, initial);
     for _ in 0..ROUNDS {

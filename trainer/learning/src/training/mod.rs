@@ -5,7 +5,8 @@
 
 mod adam;
 mod blocks;
-mod bounds;
+#[cfg(test)]
+mod bounds_tests;
 mod free_states;
 mod levenberg;
 mod linear_start;
@@ -16,13 +17,12 @@ mod residuals;
 mod samples;
 
 pub use adam::{Adam, AdamSettings, Schedule};
-pub use bounds::{Bounds, LEAST, MARGIN, Range};
 pub use free_states::{StateNoise, free_states_objective};
+pub use leastaction_models::bounds::{Bounds, LEAST, MARGIN, Range};
 pub use levenberg::{Levenberg, Progress};
 pub use linear_start::linear_start;
 pub use network_start::{Covered, inverse_dynamics, network_start};
 pub use normal::NormalEquations;
-pub(crate) use objective::order_of;
 pub use objective::{LossKind, Objective, Solved, TorqueTerms, objective, objective_of, torque_objective};
 pub(crate) use residuals::normal_equations_of;
 pub use residuals::{ChunkRows, Failed, Residuals};

@@ -2,8 +2,8 @@
 
 use super::blocks::Blocks;
 use super::{Levenberg, Progress, Samples};
-use crate::architecture::Architecture;
 use leastaction_core::model::ModelError;
+use leastaction_models::Architecture;
 use leastaction_programs::losses::{AccelerationLoss, Derivatives, Loss, TorqueLoss};
 use leastaction_programs::{Row, System, WIDTH};
 use rand::{RngExt, SeedableRng};
@@ -39,7 +39,7 @@ pub fn network_start(
     (model, weights): (&Architecture, &[f64]),
     covered: &Covered,
 ) -> Result<Vec<f64>, ModelError> {
-    let Some(rigid) = architecture.rigid() else { return Ok(initial) };
+    let Some(rigid) = architecture.family.rigid() else { return Ok(initial) };
     let (own, parameters) = (rigid.header().parameters()?, architecture.parameters()?);
     let [system, model] = [architecture, model].map(|of| of.energies().map(|of| System::new(&*of)));
     let (system, model) = (system?.conservative(), model?.conservative());

@@ -1,3 +1,4 @@
+use super::Bounds;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par};
 use leastaction_programs::Row;
@@ -73,7 +74,15 @@ impl NormalEquations {
         self.gradient[position] += c * difference;
     }
 
-    /// Those in θ, dw/dθ of some weights being these slopes by position; of all others it is 1.
+    /// Brings equations in the weights to the free numbers θ.
+    pub(super) fn bring_to_free(&mut self, bounds: &Bounds, theta: &[f64]) {
+        self.scale(bounds.slopes_at(theta));
+        for (position, slopes) in bounds.body_slopes(theta) {
+            self.mix(position, &slopes);
+        }
+    }
+
+    /// Brings some weights to θ one by one, dw/dθ being these slopes by position; of all others it is 1.
     pub(super) fn scale(&mut self, slopes: impl Iterator<Item = (usize, f64)>) {
         for (position, slope) in slopes {
             self.gradient[position] *= slope;
@@ -86,8 +95,8 @@ impl NormalEquations {
         }
     }
 
-    /// Those in θ where the weights from a position on vary with as many θ, ∂w_j/∂θ_k being `slopes[k][j]`.
-    pub(super) fn mix<const M: usize>(&mut self, position: usize, slopes: &[[f64; M]; M]) {
+    /// Brings weights to θ where those from a position on vary with as many θ, ∂w_j/∂θ_k being `slopes[k][j]`.
+    fn mix<const M: usize>(&mut self, position: usize, slopes: &[[f64; M]; M]) {
         let mixed = |own: [f64; M]| slopes.map(|row| row.iter().zip(own).map(|(slope, x)| slope * x).sum());
         let of: [f64; M] = mixed(std::array::from_fn(|j| self.gradient[position + j]));
         self.gradient[position..position + M].copy_from_slice(&of);

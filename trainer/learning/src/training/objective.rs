@@ -1,11 +1,13 @@
 //! A loss over all samples, as the optimisers see it, and those of a learned Lagrangian.
 
 use super::blocks::Blocks;
-use super::{Bounds, NormalEquations, Samples, bounds};
-use crate::architecture::Architecture;
+use super::{Bounds, NormalEquations, Samples};
 use leastaction_core::model::ModelError;
+use leastaction_models::Architecture;
+use leastaction_models::bounds;
+use leastaction_models::rollout::order_of;
 use leastaction_programs::System;
-use leastaction_programs::dynamics::{Order, Rods};
+use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::WithOffsets;
 use leastaction_programs::losses::{AccelerationLoss, DelLoss, Loss, NextStateLoss, RodsLoss, TorqueLoss};
 use leastaction_programs::steps::RungeKutta;
@@ -113,6 +115,12 @@ pub struct Solved {
 }
 
 impl Solved {
+    /// Mean of the squared errors of samples, `None` where one cannot be computed.
+    pub fn of(squares: &[Option<f64>]) -> Self {
+        let solved = squares.iter().flatten().count();
+        Self::new(squares.iter().flatten().sum(), solved, squares.len() - solved)
+    }
+
     /// Of a sum of squares of so many components.
     pub(crate) fn new(squares: f64, components: usize, unsolved: usize) -> Self {
         Self { mean_square: (components > 0).then(|| squares / components as f64), unsolved }
@@ -214,9 +222,4 @@ fn loss(kind: LossKind, system: &System, rods: &Rods, (h, order, units): (f64, u
             }
         }
     }
-}
-
-/// The integrator's order: 4, or 2 for whatever else.
-pub(crate) fn order_of(order: u8) -> Order {
-    if order == 4 { Order::Four } else { Order::Two }
 }

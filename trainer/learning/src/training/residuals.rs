@@ -1,9 +1,10 @@
 //! Sums over samples: fixed parts, each computed in order on one thread, added as a fixed tree. Results do not depend on the number
 //! of threads.
 
-use super::{Bounds, NormalEquations, Objective, Solved, bounds};
-use crate::parallel;
+use super::{Bounds, NormalEquations, Objective, Solved};
 use faer::Mat;
+use leastaction_models::bounds;
+use leastaction_models::parallel;
 use leastaction_programs::{Row, WIDTH};
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 use super::logs::WindowLogs;
 use crate::data::Rows;
-use leastaction_core::model::{ActuatorBytes, ModelError};
+use leastaction_models::Actuator;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -38,8 +38,6 @@ impl Default for Calibration {
     }
 }
 
-/// The delay in the bytes of an actuator.
-const DELAY_BYTES: usize = 4;
 /// A learned z is expected to be of this size, m or rad.
 const ZERO_SIZE: f64 = 0.05;
 /// A learned g to be this near to 1.
@@ -54,12 +52,9 @@ const LEAST_GAIN: f64 = 0.05;
 /// The numbers of sensors and actuators, as they were learned or are known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Calibrated {
-    /// g of every coordinate.
-    pub gain: Vec<f64>,
-    /// o of every coordinate, N or N m.
-    pub offset: Vec<f64>,
-    /// d, s.
-    pub delay: f64,
+    /// From commands to forces.
+    #[serde(flatten)]
+    pub actuator: Actuator,
     /// z of every log, of every coordinate, m or rad.
     pub zeros: Vec<Vec<f64>>,
 }
@@ -68,46 +63,16 @@ impl Calibrated {
     /// τ of every sample of a control u on a step of h, s, as a loss over windows has it: g u(t − d) + o, u before the first sample being as
     /// there.
     pub fn forces(&self, u: &Rows, h: f64) -> Option<Rows> {
-        let (n, late) = (u.width(), self.delay / h);
+        let (n, late) = (u.width(), self.actuator.delay / h);
         let (whole, part) = (late.floor(), late - late.floor());
         let command = |k: f64, i: usize| u.get(k.max(0.0) as usize).and_then(|row| row.get(i)).copied();
         let force = |k: usize, i: usize| -> Option<f64> {
             let now = k as f64 - whole;
             let mean = (1.0 - part) * command(now, i)? + part * command(now - 1.0, i)?;
-            Some(self.gain.get(i)? * mean + self.offset.get(i)?)
+            Some(self.actuator.output(i, mean))
         };
         let all = (0..u.len()).flat_map(|k| (0..n).map(move |i| (k, i))).map(|(k, i)| force(k, i));
         Rows::from_flat(n, all.collect::<Option<_>>()?)
-    }
-
-    /// Those of a model file, whose actuator has these bytes (none: the command is the force), on n coordinates; zeros are not in it.
-    ///
-    /// # Errors
-    /// As [`ActuatorBytes::new`].
-    pub fn of_file(actuator: &[u8], n: usize) -> Result<Self, ModelError> {
-        let mut ideal = Self { gain: vec![1.0; n], offset: vec![0.0; n], ..Self::default() };
-        if actuator.is_empty() {
-            return Ok(ideal);
-        }
-        let bytes = ActuatorBytes::new(actuator)?;
-        let pairs = actuator.get(DELAY_BYTES..).unwrap_or_default().as_chunks::<4>().0;
-        let mut numbers = pairs.iter().map(|bytes| f64::from(f32::from_le_bytes(*bytes)));
-        for i in 0..n.min(bytes.n()) {
-            ideal.gain[i] = numbers.next().unwrap_or(1.0);
-            ideal.offset[i] = numbers.next().unwrap_or(0.0);
-        }
-        Ok(Self { delay: bytes.delay().into(), ..ideal })
-    }
-
-    /// The actuator as a model file has it: d, then g and o of every coordinate, in single precision; nothing where the command is the
-    /// force.
-    pub fn actuator_bytes(&self) -> Vec<u8> {
-        let pairs = || self.gain.iter().zip(&self.offset);
-        if self.delay == 0.0 && pairs().all(|pair| pair == (&1.0, &0.0)) {
-            return Vec::new();
-        }
-        let numbers = std::iter::once(self.delay).chain(pairs().flat_map(|(gain, offset)| [*gain, *offset]));
-        numbers.flat_map(|x| (x as f32).to_le_bytes()).collect()
     }
 }
 
@@ -185,7 +150,7 @@ impl CalibrationLayout {
     }
 
     /// Where they begin that were learned before: learned ones there, known ones as they are known; zeros belong to the logs of then.
-    pub(crate) fn initial_at(&self, before: &Calibrated) -> Vec<f64> {
+    pub(crate) fn initial_at(&self, before: &Actuator) -> Vec<f64> {
         let Calibration { gain, offset, delay, .. } = self.calibration;
         let mut numbers = self.initial();
         let of_coordinates = |numbers: &mut [f64], setting: Setting, before: &[f64]| {
@@ -204,9 +169,11 @@ impl CalibrationLayout {
     pub fn read(&self, weights: &[f64]) -> Calibrated {
         let of = |range: Range<usize>| weights.get(range).unwrap_or_default().to_vec();
         Calibrated {
-            gain: of(self.gain(0)..self.offset(0)),
-            offset: of(self.offset(0)..self.delay()),
-            delay: weights.get(self.delay()).copied().unwrap_or_default(),
+            actuator: Actuator {
+                gain: of(self.gain(0)..self.offset(0)),
+                offset: of(self.offset(0)..self.delay()),
+                delay: weights.get(self.delay()).copied().unwrap_or_default(),
+            },
             zeros: (0..self.logs).map(|log| of(self.zero(log, 0)..self.zero(log + 1, 0))).collect(),
         }
     }

@@ -15,10 +15,10 @@
 
 use super::loss::WindowLoss;
 use super::rollout::curvatures;
-use crate::parallel;
 use crate::training::{LEAST, MARGIN, NormalEquations, Objective, Range, Residuals, normal_equations_of};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
+use leastaction_models::parallel;
 use std::ops;
 
 /// Logs that are enough to be told apart.

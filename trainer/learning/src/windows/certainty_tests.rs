@@ -2,12 +2,12 @@ use super::{
     Calibration, Certainty, Integrator, LearnedNumber, Shown, WindowLogs, WindowLoss, WindowModel,
     WindowSettings, certainty,
 };
-use crate::architecture::{Architecture, BodiesArchitecture, FrictionArchitecture, Number};
 use crate::data::{Dataset, Rows, Trajectory};
-use crate::parallel;
 use crate::training::Levenberg;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::forces::ControlKind;
+use leastaction_models::parallel;
+use leastaction_models::{Architecture, BodiesArchitecture, FrictionArchitecture, Number};
 use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps};
 use leastaction_programs::{Row, System};
 use rand::SeedableRng;

@@ -1,9 +1,9 @@
 //! Where a fit over windows begins.
 
 use super::WindowLogs;
-use crate::architecture::Architecture;
 use crate::training::{Objective, linear_start};
 use leastaction_core::model::ModelError;
+use leastaction_models::Architecture;
 
 /// Of rigid bodies the least-squares fit to smoothed states, if these windows are predicted better by it than by `initial`;
 /// `initial` of all other models.
@@ -16,7 +16,7 @@ pub fn first_guess(
     initial: Vec<f64>,
     windows: &dyn Objective,
 ) -> Result<Vec<f64>, ModelError> {
-    if architecture.bodies().is_none() {
+    if architecture.family.bodies().is_none() {
         return Ok(initial);
     }
     let guess = linear_start(architecture, logs.smoothed().each_ref().map(Vec::as_slice))?;

@@ -86,11 +86,18 @@ impl WindowLogs {
         self.logs[log].q[sample * self.n + i]
     }
 
+    /// u_i at a sample; beyond the ends of the log as there, 0 without control.
+    pub(crate) fn command(&self, log: usize, sample: isize, i: usize) -> f64 {
+        let last = self.samples(log).saturating_sub(1);
+        let sample = usize::try_from(sample).unwrap_or(0).min(last);
+        self.logs[log].u.get(sample * self.n + i).copied().unwrap_or(0.0)
+    }
+
     /// u_i that acts `delay` (≥ 0, s) after it was logged at a sample, and its derivative in the delay; before the first sample it is
     /// as there. 0 without control.
     ///
     /// Between samples it is taken to be linear: that is the mean over a step of a u that is held, too.
-    pub(crate) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
+    pub(super) fn delayed_control(&self, log: usize, sample: usize, i: usize, delay: f64) -> [f64; 2] {
         let u = &self.logs[log].u;
         if u.is_empty() {
             return [0.0; 2];

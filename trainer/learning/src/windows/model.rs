@@ -1,9 +1,10 @@
 //! What a loss over windows is made of.
 
 use super::Calibration;
-use crate::architecture::Architecture;
-use crate::training::{Bounds, order_of};
+use crate::training::Bounds;
 use leastaction_core::model::{ModelError, TrainedStep};
+use leastaction_models::Architecture;
+use leastaction_models::rollout::order_of;
 use leastaction_programs::System;
 use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps, VariationalSteps};
 use serde::{Deserialize, Serialize};

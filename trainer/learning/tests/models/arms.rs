@@ -4,13 +4,14 @@ use leastaction_arms::fit::{Arm, JointNumbers, SOFTNESS};
 use leastaction_arms::urdf::{Inertias, parse as parse_urdf};
 use leastaction_arms::{Inertia, Samples, Tree};
 use leastaction_core::forces::ControlKind;
-use leastaction_learning::architecture::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
 use leastaction_learning::config::{ARM_DEFAULTS, Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
-use leastaction_learning::model_file::{decode, encode, rust_source};
 use leastaction_learning::run::{Notice, Plan};
 use leastaction_learning::torques::torque_errors;
 use leastaction_learning::training::{Samples as States, inverse_dynamics};
+use leastaction_models::Model;
+use leastaction_models::file::{decode, encode, rust_source};
+use leastaction_models::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
 use leastaction_programs::System;
 use std::path::Path;
 
@@ -112,7 +113,7 @@ fn data_of(robot: &Arm) -> Dataset {
 const LEARNED: &str = "friction = \"learned\"\n[calibration]\noffset = \"learned\"";
 
 fn bodies(architecture: &Architecture, weights: &[f64]) -> Tree {
-    architecture.arm().unwrap().host_tree(weights).unwrap()
+    architecture.family.arm().unwrap().host_tree(weights).unwrap()
 }
 
 #[test]
@@ -141,14 +142,15 @@ fn an_arm_is_learned_from_its_description_and_torques() {
     // What the description says is far off, and friction is found.
     let (_, initial) = config_of(folder.path(), LEARNED).unwrap().beginning().unwrap();
     let of = |weights: &[f64]| {
-        torque_errors((architecture, weights), trained.calibrated.as_ref(), &data(), 20.0).unwrap().nmse
+        let model = Model { weights: weights.to_vec(), ..trained.model() };
+        torque_errors(&model, &data(), 20.0).unwrap().nmse
     };
     assert!(of(weights) < 1e-4 && of(&initial) > 0.1, "{} {}", of(weights), of(&initial));
     for friction in architecture.friction_of_coordinates(weights) {
         assert!((friction.viscous - 0.3).abs() < 0.03, "{friction:?}");
         assert!((friction.dry.unwrap().constant - 0.4).abs() < 0.04, "{friction:?}");
     }
-    let offset = &trained.calibrated.as_ref().unwrap().offset;
+    let offset = &trained.calibrated.as_ref().unwrap().actuator.offset;
     assert!((offset[1] + 0.25).abs() < 0.02 && offset[0].abs() < 0.02, "{offset:?}");
 }
 
@@ -161,9 +163,8 @@ fn the_model_file_has_the_arm_and_rust_loads_it() {
     let bytes = encode(&trained.architecture, &trained.best.weights, trained.trained_step, "test").unwrap();
     let model = decode(&bytes).unwrap();
     let [there, back] = [&trained.best.weights, &model.weights].map(|weights| {
-        torque_errors((&model.architecture, weights), trained.calibrated.as_ref(), &data(), 20.0)
-            .unwrap()
-            .nmse
+        let model = Model { weights: weights.clone(), ..trained.model() };
+        torque_errors(&model, &data(), 20.0).unwrap().nmse
     });
     assert!((there - back).abs() < 1e-5, "{there} {back}");
     assert!(rust_source(&bytes).unwrap().contains("ArmModel<'static, N"));

@@ -3,13 +3,14 @@
 use crate::documented_bodies;
 use crate::page::Strict;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
-use leastaction_learning::architecture::{Architecture, BodiesArchitecture, Number};
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::{BODIES_DEFAULTS, Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows};
-use leastaction_learning::model_file::{decode, encode, rust_source};
 use leastaction_learning::run::{Plan, Run};
 use leastaction_learning::training::{Range, linear_start};
+use leastaction_models::Family as _;
+use leastaction_models::file::{decode, encode, rust_source};
+use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -23,7 +24,7 @@ fn config_of(rest: &str) -> String {
 }
 
 fn architecture(text: &str) -> BodiesArchitecture {
-    parse(text).unwrap().beginning().unwrap().0.bodies().unwrap().clone()
+    parse(text).unwrap().beginning().unwrap().0.family.bodies().unwrap().clone()
 }
 
 fn error(rest: &str) -> String {
@@ -139,7 +140,7 @@ fn machine() -> BodiesArchitecture {
 }
 
 fn log(trajectories: i64) -> Dataset {
-    documented_bodies::log::<2>(&machine(), &machine().initial_weights(), trajectories)
+    documented_bodies::log::<2>(&machine(), &machine().initial_weights(0), trajectories)
 }
 
 /// What motion shows of a geared double pendulum: constants of M, the coupling, gravity.
@@ -170,7 +171,7 @@ fn a_chain_learns_the_machine_that_it_sees() {
     let run = folder.path().join("run");
     Run::begin(plan, &run, true).unwrap().train(&mut Strict, &AtomicBool::new(false)).unwrap();
     let trained = Trained::read(&run).unwrap();
-    let (found, expected) = (shown(&trained.best.weights), shown(&machine().initial_weights()));
+    let (found, expected) = (shown(&trained.best.weights), shown(&machine().initial_weights(0)));
     for (found, expected) in found.iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-5, "{found} instead of {expected}");
     }
@@ -196,7 +197,7 @@ fn least_squares_of_torques_find_what_motion_shows() {
             a.extend(of(&t.a));
         }
         let found = linear_start(&architecture, [&q, &v, &a, &u]).unwrap();
-        let expected = shown(&machine().initial_weights());
+        let expected = shown(&machine().initial_weights(0));
         for (found, expected) in shown(&found).iter().zip(expected) {
             let expected = scale * expected;
             assert!((found / expected - 1.0).abs() < 1e-4, "{found} instead of {expected}");
@@ -230,12 +231,12 @@ fn a_model_of_another_number_of_bodies_is_refused() {
 
 #[test]
 fn the_model_file_holds_bodies() {
-    let (machine, weights) = (Architecture::from(machine()), machine().initial_weights());
+    let (machine, weights) = (Architecture::from(machine()), machine().initial_weights(0));
     let bytes = encode(&machine, &weights, None, "bodies").unwrap();
     let read = decode(&bytes).unwrap();
-    let bodies = read.architecture.bodies().unwrap();
+    let bodies = read.architecture.family.bodies().unwrap();
     assert_eq!((bodies.n(), read.architecture.name()), (2, "bodies"));
-    assert_eq!(bodies.initial_weights(), read.weights);
+    assert_eq!(bodies.initial_weights(0), read.weights);
     assert_eq!(read.architecture.units(), "rad,rad");
     assert_eq!(encode(&read.architecture, &read.weights, None, "bodies").unwrap(), bytes);
     let source = rust_source(&bytes).unwrap();

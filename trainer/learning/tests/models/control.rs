@@ -84,7 +84,7 @@ fn learned(data: &Dataset, asked: ControlKind, (loss, order): (LossKind, u8)) ->
     } else {
         return run.best().validation.expect("held back");
     }
-    one_step_mse(&trained.architecture, &trained.best.weights, order, &as_kind(&unseen, asked))
+    one_step_mse(&trained.model(), order, &as_kind(&unseen, asked))
         .expect("steps")
         .mean_square
         .expect("solved")

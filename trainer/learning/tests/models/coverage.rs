@@ -112,9 +112,14 @@ fn intervals_cover_the_truth() {
         };
         let model = WindowModel::new(architecture).unwrap();
         let loss = WindowLoss::new(model, &Arc::new(WindowLogs::new(&data)), 0..LOGS, settings).unwrap();
-        let shared =
-            [&trained.best.weights[..], &found.gain, &found.offset, &[found.delay], &found.zeros.concat()]
-                .concat();
+        let shared = [
+            &trained.best.weights[..],
+            &found.actuator.gain,
+            &found.actuator.offset,
+            &[found.actuator.delay],
+            &found.zeros.concat(),
+        ]
+        .concat();
         let mut all = loss.enter(shared);
         for _ in 0..3 {
             loss.settle(&mut all);

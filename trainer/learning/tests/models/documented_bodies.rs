@@ -5,12 +5,12 @@ use leastaction_core::continuous::acceleration;
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS, PlanarBodies};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::Laws;
-use leastaction_learning::architecture::BodiesArchitecture;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::acceleration_mse;
 use leastaction_learning::run::{Plan, Run};
+use leastaction_models::BodiesArchitecture;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -45,14 +45,13 @@ fn learned<const N: usize>(name: &str, change: impl Fn(&mut [f64])) -> f64 {
     let config = Config::parse(page::example(PAGE, name), Path::new(name)).unwrap();
     let (architecture, mut weights) = config.beginning().unwrap();
     change(&mut weights);
-    let data = log::<N>(architecture.bodies().unwrap(), &weights, 8);
+    let data = log::<N>(architecture.family.bodies().unwrap(), &weights, 8);
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
     let plan = Plan::new(config, &data).unwrap();
     Run::begin(plan, &run, true).unwrap().train(&mut Strict, &AtomicBool::new(false)).unwrap();
     let trained = Trained::read(&run).unwrap();
-    let (error, square) =
-        acceleration_mse(&trained.architecture, &trained.best.weights, &data).unwrap().unwrap();
+    let (error, square) = acceleration_mse(&trained.model(), &data).unwrap().unwrap();
     println!("{name}: {:.1e}", error.or_infinite() / square);
     error.or_infinite() / square
 }

@@ -1,13 +1,14 @@
 //! The examples of docs/book/src/graphs.md, as they stand there, on exact motion.
 
 use crate::page::{self, Strict};
-use leastaction_learning::architecture::GraphArchitecture;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset};
 use leastaction_learning::evaluate::acceleration_mse;
 use leastaction_learning::ground_truth::{Horizon, LgnnSettings, LgnnSystem, Start, Truss, lgnn_set, logged};
 use leastaction_learning::run::{Plan, Run};
+use leastaction_models::GraphArchitecture;
+use leastaction_models::Model;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -38,14 +39,14 @@ fn log(system: LgnnSystem, drag: f64) -> Dataset {
 /// The error of the accelerations of a graph, relative to their mean square.
 fn relative(trained: &Trained, graph: &str, log: &Dataset) -> f64 {
     let architecture = trained.architecture.with_part_named(graph).unwrap();
-    let (error, square) = acceleration_mse(&architecture, &trained.best.weights, log).unwrap().unwrap();
+    let (error, square) = acceleration_mse(&Model { architecture, ..trained.model() }, log).unwrap().unwrap();
     println!("{graph}: {:.1e}", error.or_infinite() / square);
     error.or_infinite() / square
 }
 
 /// The numbers after the networks.
 fn numbers(trained: &Trained) -> &[f64] {
-    let graph: &GraphArchitecture = trained.architecture.graph().unwrap();
+    let graph: &GraphArchitecture = trained.architecture.family.graph().unwrap();
     let weights = &trained.best.weights;
     &weights[weights.len() - graph.shape.all_numbers()..]
 }

@@ -4,13 +4,14 @@ use crate::page::{self, Strict};
 use leastaction_core::continuous::acceleration;
 use leastaction_core::forces::Viscous;
 use leastaction_core::model::Laws;
-use leastaction_learning::architecture::Architecture;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::Config;
 use leastaction_learning::data::{self, Dataset, Rows, Trajectory};
 use leastaction_learning::evaluate::acceleration_mse;
 use leastaction_learning::ground_truth::{Bodies, Chain, Horizon, Link, Motion, Start, follow};
 use leastaction_learning::run::{Plan, Run};
+use leastaction_models::Architecture;
+use leastaction_models::Model;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -63,7 +64,8 @@ fn train(folder: &Path, name: &str, motion: &dyn Motion, spread: f64) -> Trained
 
 /// The error of the accelerations, relative to their mean square.
 fn relative(architecture: &Architecture, weights: &[f64], motion: &dyn Motion, spread: f64) -> f64 {
-    let (error, square) = acceleration_mse(architecture, weights, &log(motion, spread)).unwrap().unwrap();
+    let model = Model::new(architecture.clone(), weights.to_vec());
+    let (error, square) = acceleration_mse(&model, &log(motion, spread)).unwrap().unwrap();
     error.or_infinite() / square
 }
 
@@ -96,7 +98,7 @@ fn double_and_triple() {
 fn a_cart_that_carries_a_chain() {
     let chain = Chain::new(vec![Link::point(0.7, 0.6); 2], Some(3.0)).unwrap();
     let trained = learned("cart.toml", &chain, 2.0, 1e-10);
-    let modular = trained.architecture.modular().unwrap().clone().with_numbers(&trained.best.weights);
+    let modular = trained.architecture.family.modular().unwrap().clone().with_numbers(&trained.best.weights);
     assert!((modular.types[1].numbers[0].value - 0.7).abs() < 1e-3, "{:?}", modular.types[1]);
 }
 
@@ -107,7 +109,7 @@ fn two_kinds_of_bobs() {
         Chain::new(kinds.into_iter().cycle().take(count).collect(), None).unwrap()
     };
     let trained = learned("ab.toml", &chain(2), 2.0, 1e-9);
-    let four = trained.architecture.modular().unwrap().with_tree_named("chain").unwrap().into();
+    let four = trained.architecture.family.modular().unwrap().with_tree_named("chain").unwrap().into();
     let error = relative(&four, &trained.best.weights, &chain(4), 2.0);
     assert!(error < 1e-8, "{error:e}");
 }
@@ -116,7 +118,7 @@ fn two_kinds_of_bobs() {
 fn rigid_links() {
     let link = Link { mass: 1.5, length: 0.8, centre: 0.4, inertia: 0.08 };
     let trained = learned("links.toml", &Chain::new(vec![link; 2], None).unwrap(), 2.0, 1e-10);
-    let modular = trained.architecture.modular().unwrap().clone().with_numbers(&trained.best.weights);
+    let modular = trained.architecture.family.modular().unwrap().clone().with_numbers(&trained.best.weights);
     let [_, inertia, centre, ..] = modular.types[0].numbers;
     assert!(
         (inertia.value - 0.08).abs() < 1e-4 && (centre.value - 0.5).abs() < 1e-4,
@@ -134,7 +136,7 @@ fn bodies() {
 fn a_fork() {
     let config = Config::parse(example("fork.toml"), Path::new("fork.toml")).unwrap();
     let (architecture, mut weights) = config.beginning().unwrap();
-    let modular = architecture.modular().unwrap();
+    let modular = architecture.family.modular().unwrap();
     // Gravity: U = g y.
     weights[..3].copy_from_slice(&[0.0, 9.8, 0.0]);
     let header = modular.header();

@@ -1,9 +1,9 @@
 //! Accelerations at states that are logged with noise.
 
 use leastaction_core::energy::rigid::Coordinate;
-use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::ground_truth::{Mechanism, Settings, generate, noisy};
 use leastaction_learning::training::{Levenberg, Objective, Samples, StateNoise, free_states_objective};
+use leastaction_models::{Architecture, RigidArchitecture};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 

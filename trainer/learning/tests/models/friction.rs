@@ -6,10 +6,10 @@ use leastaction_core::energy::trigonometric::PENDULUM;
 use leastaction_core::forces::{ControlKind, Coulomb, DryFriction, Forces, System, Viscous};
 use leastaction_core::model::{Law, Laws};
 use leastaction_core::scalar::LANES;
-use leastaction_learning::architecture::{Architecture, MOST_LOAD, WIDTHS};
 use leastaction_learning::config::Config;
-use leastaction_learning::model_file::{decode, encode};
 use leastaction_learning::training::{Bounds, Levenberg, LossKind, Objective, Samples, objective};
+use leastaction_models::file::{decode, encode};
+use leastaction_models::{Architecture, MOST_LOAD, WIDTHS};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::path::Path;
@@ -233,9 +233,7 @@ fn files_come_back_bit_for_bit() {
 #[test]
 fn a_tree_may_have_no_law() {
     let (mut shape, weights) = architecture(TREE);
-    let leastaction_learning::architecture::Family::Modular(tree) = &mut shape.family else {
-        panic!("a tree")
-    };
+    let leastaction_models::AnyFamily::Modular(tree) = &mut shape.family else { panic!("a tree") };
     tree.damped = false;
     let weights = &weights[..weights.len() - 2];
     let bytes = encode(&shape, weights, None, "").unwrap();

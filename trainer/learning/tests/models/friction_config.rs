@@ -1,9 +1,9 @@
 //! `[model.friction]`: what can be written, and what is said of what cannot.
 
 use leastaction_core::model::Laws;
-use leastaction_learning::architecture::Number;
 use leastaction_learning::config::{Config, ConfigError};
-use leastaction_learning::model_file::encode;
+use leastaction_models::Number;
+use leastaction_models::file::encode;
 use std::path::Path;
 
 const RIGID: &str = "coordinates = \"ta\"\n";

@@ -3,8 +3,8 @@
 use leastaction_core::energy::graph::{Drag, Edge, Potential, Separation};
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
-use leastaction_learning::architecture::{GraphArchitecture, Number};
 use leastaction_learning::config::{Config, ConfigError, GRAPH_DEFAULTS};
+use leastaction_models::{GraphArchitecture, Number};
 use std::path::Path;
 
 fn parse(text: &str) -> Result<Config, ConfigError> {
@@ -17,7 +17,7 @@ fn graph(rest: &str) -> String {
 }
 
 fn architecture(text: &str) -> GraphArchitecture {
-    parse(text).unwrap().beginning().unwrap().0.graph().unwrap().clone()
+    parse(text).unwrap().beginning().unwrap().0.family.graph().unwrap().clone()
 }
 
 fn error(text: &str) -> String {
@@ -208,7 +208,8 @@ fn more_than_a_model_holds_is_refused() {
 fn networks_beside_learned_laws_begin_small() {
     let last = |text: &str| {
         let (architecture, weights) = parse(text).unwrap().beginning().unwrap();
-        let networks = architecture.graph().unwrap().shape.networks.iter().filter_map(|n| n.parameters());
+        let networks =
+            architecture.family.graph().unwrap().shape.networks.iter().filter_map(|n| n.parameters());
         let end: usize = networks.sum();
         weights[end - 4..end - 1].iter().fold(0.0, |most: f64, w| most.max(w.abs()))
     };

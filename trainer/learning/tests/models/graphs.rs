@@ -3,11 +3,11 @@
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::lagrangian::Energies;
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::{Family, GraphArchitecture, HostTypes, NamedGraph};
-use leastaction_learning::evaluate::learned::with_accelerations;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, Motion, lgnn_set, lgnn_starts};
-use leastaction_learning::model_file::{decode, encode};
+use leastaction_learning::ground_truth::{lgnn_graph, lgnn_shape};
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
+use leastaction_models::file::{decode, encode};
+use leastaction_models::{AnyFamily, Family as _, GraphArchitecture, HostTypes, Model};
 
 fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {
     let published = LgnnSettings::published(system, 3);
@@ -16,7 +16,7 @@ fn samples(system: LgnnSystem, drag: f64, trajectories: usize) -> Samples {
 }
 
 fn shape(system: LgnnSystem, drag: bool) -> GraphArchitecture {
-    GraphArchitecture::of_system(system, drag, false).expect("a shape")
+    lgnn_shape(system, drag, false).expect("a shape")
 }
 
 fn loss(shape: &GraphArchitecture, samples: Samples, kind: LossKind) -> Box<dyn Objective> {
@@ -80,20 +80,21 @@ fn the_exact_numbers_have_no_error_on_rods() {
 #[test]
 fn a_model_file_keeps_shape_rods_and_accelerations() {
     let mut shape = shape(LgnnSystem::Pendulum(3), true);
-    shape.graphs.push(NamedGraph::of_system(LgnnSystem::Pendulum(5)));
+    shape.graphs.push(lgnn_graph(LgnnSystem::Pendulum(5)));
     shape.graphs[1].name = "five".to_owned();
     let weights: Vec<f64> = shape.initial_weights(4).iter().map(|w| f64::from((w + 0.5) as f32)).collect();
     let bytes = encode(&shape.clone().into(), &weights, None, "test").expect("fits the format");
     let read = decode(&bytes).expect("readable");
     assert_eq!(read.weights, weights);
-    let Family::Graph(found) = &read.architecture.family else { panic!("another family") };
+    let AnyFamily::Graph(found) = &read.architecture.family else { panic!("another family") };
     assert_eq!((found.shape, &found.graphs), (shape.shape, &shape.graphs));
     let five = found.with_graph_named("five").expect("is there");
     assert_eq!(five.n(), 10);
     let settings = LgnnSettings { trajectories: 1, ..LgnnSettings::published(LgnnSystem::Pendulum(5), 0) };
     let start = &lgnn_starts(&settings)[0];
     let mut a = [0.0; 10];
-    let found = with_accelerations(&five.clone().into(), &weights, |f| f(&start.q, &start.v, &mut a));
+    let found =
+        Model::new(five.clone(), weights.clone()).with_accelerations(|f| f(&start.q, &start.v, &mut a));
     found.expect("any size").expect("exists");
     let truss = settings.truss().expect("exists");
     // At rest the rods take all of the acceleration along them.
@@ -107,4 +108,17 @@ fn a_model_file_keeps_shape_rods_and_accelerations() {
     let Energies { kinetic, potential } =
         particles.energies(start.q.as_chunks().0, start.v.as_chunks().0, &mut []);
     assert!((kinetic + potential).is_finite());
+}
+
+/// Graphs have their drag in their node types; a law of force beside it is not left out in silence.
+#[test]
+fn a_law_that_the_family_cannot_have_is_refused() {
+    use leastaction_core::model::{Family, Laws, ModelError};
+    use leastaction_models::Architecture;
+    let system = LgnnSystem::Pendulum(2);
+    let graph: Architecture = lgnn_shape(system, true, true).unwrap().into();
+    for laws in [Laws::VISCOUS, Laws::COULOMB] {
+        let found = graph.with_header(|family: Family| Architecture::from_header(&family, laws, &[0.0; 99]));
+        assert_eq!(found.map(|_| ()), Err(ModelError::Law { number: laws.iter().next().unwrap() as u8 }));
+    }
 }

@@ -6,9 +6,11 @@ use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
 use leastaction_core::scalar::LANES;
-use leastaction_learning::architecture::{Architecture, GraphArchitecture, RigidArchitecture};
+use leastaction_learning::ground_truth::lgnn_shape;
 use leastaction_learning::ground_truth::{LgnnSystem, Mechanism, Settings, generate};
 use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
+use leastaction_models::Family as _;
+use leastaction_models::{Architecture, GraphArchitecture, RigidArchitecture};
 
 const H: f64 = 0.1;
 /// Not a multiple of the samples that are evaluated side by side.
@@ -227,7 +229,7 @@ fn rods_are_refused_and_springs_are_not() {
         objective(&Architecture::from(graph), samples, LossKind::NextState, 4)
             .map(|objective| objective.samples())
     };
-    let graph = |system| GraphArchitecture::of_system(system, false, false).expect("a shape");
+    let graph = |system| lgnn_shape(system, false, false).expect("a shape");
     let refused = objective(graph(LgnnSystem::Pendulum(3))).expect_err("rods");
     assert!(refused.to_string().contains("rods under the next-state loss"), "{refused}");
     assert!(matches!(refused, ModelError::Shape { .. }));

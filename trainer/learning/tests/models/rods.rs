@@ -12,9 +12,11 @@ use leastaction_core::energy::graph::{
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
-use leastaction_learning::architecture::{GraphArchitecture, GraphType, HostTypes, NamedGraph, Number};
+use leastaction_learning::ground_truth::lgnn_shape;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
+use leastaction_models::Family as _;
+use leastaction_models::{GraphArchitecture, GraphType, HostTypes, NamedGraph, Number};
 
 const KINDS: [LossKind; 2] = [LossKind::DelResidual, LossKind::NextPosition];
 const ORDERS: [(u8, Order); 2] = [(2, Order::Two), (4, Order::Four)];
@@ -197,7 +199,7 @@ fn normal_matrices_are_the_curvature_of_the_losses() {
 #[test]
 fn losses_of_exact_motion_have_their_order() {
     let system = LgnnSystem::Pendulum(2);
-    let shape = GraphArchitecture::of_system(system, false, false).expect("a shape");
+    let shape = lgnn_shape(system, false, false).expect("a shape");
     let mut weights = shape.with_corrections_scaled(shape.initial_weights(0), 0.0);
     let numbers = weights.len() - 4;
     weights[numbers..].copy_from_slice(&[1.0, 0.0, 0.0, 10.0]);

@@ -1,21 +1,20 @@
 //! A network that starts from a fit of rigid bodies.
 
 use leastaction_core::model::TrainedStep;
-use leastaction_learning::architecture::Architecture;
 use leastaction_learning::checkpoint::Trained;
 use leastaction_learning::config::{Config, ConfigError};
 use leastaction_learning::data::Dataset;
-use leastaction_learning::evaluate::masses_at;
 use leastaction_learning::ground_truth::robot::{
     Drives, Excitation, Joint, JointFriction, Linkage, Machine, RobotSettings, Sensors, StartSpread,
     robot_logs,
 };
-use leastaction_learning::model_file::encode;
 use leastaction_learning::run::Plan;
 use leastaction_learning::training::Objective;
 use leastaction_learning::windows::{
     Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings,
 };
+use leastaction_models::Architecture;
+use leastaction_models::file::encode;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -101,7 +100,7 @@ fn a_network_learns_faster_from_where_bodies_are() {
     let friction = |of: &Trained| of.architecture.friction_of_coordinates(&of.best.weights);
     for (own, theirs) in friction(&begun).iter().zip(friction(&bodies)) {
         assert!((own.viscous - theirs.viscous).abs() < 1e-6, "{own:?} {theirs:?}");
-        let constant = |of: &leastaction_learning::architecture::CoordinateFriction| of.dry.unwrap().constant;
+        let constant = |of: &leastaction_models::CoordinateFriction| of.dry.unwrap().constant;
         assert!((constant(own) - constant(&theirs)).abs() < 1e-6, "{own:?} {theirs:?}");
     }
 
@@ -115,7 +114,7 @@ fn a_network_learns_faster_from_where_bodies_are() {
 
 fn masses(of: &Trained) -> Vec<f64> {
     let positions: [&[f64]; 3] = [&[0.2, -0.4], &[-0.5, 0.3], &[0.1, 0.8]];
-    masses_at(&of.architecture, &of.best.weights, &positions).unwrap().concat()
+    of.model().at_rest(&positions).unwrap().into_iter().flat_map(|at| at.mass).collect()
 }
 
 #[test]

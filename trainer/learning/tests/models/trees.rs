@@ -1,8 +1,9 @@
 //! Configurations of trees of elements: what they mean, and what is wrong with them, with file, line and key.
 
 use leastaction_core::energy::modular::{Input, PairInput, TransformShape};
-use leastaction_learning::architecture::{ModularArchitecture, Number};
 use leastaction_learning::config::{Config, ConfigError, MODULAR_DEFAULTS};
+use leastaction_models::Family as _;
+use leastaction_models::{ModularArchitecture, Number};
 use std::path::Path;
 
 fn parse(text: &str) -> Result<Config, ConfigError> {
@@ -15,7 +16,7 @@ fn modular(rest: &str) -> String {
 }
 
 fn architecture(text: &str) -> ModularArchitecture {
-    parse(text).unwrap().beginning().unwrap().0.modular().unwrap().clone()
+    parse(text).unwrap().beginning().unwrap().0.family.modular().unwrap().clone()
 }
 
 fn error(text: &str) -> String {

@@ -2,12 +2,12 @@
 
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::ControlKind;
-use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::training::{Levenberg, Objective, Progress};
 use leastaction_learning::windows::{
     Calibration, Integrator, Setting, WindowLogs, WindowLoss, WindowModel, WindowSettings, noise_of,
 };
+use leastaction_models::{Architecture, RigidArchitecture};
 use leastaction_programs::dynamics::Order;
 use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps, VariationalSteps};
 use leastaction_programs::{Row, System};
@@ -173,8 +173,11 @@ fn sensors_and_actuators_are_found() {
     let fit = Levenberg::new(&loss, weights(&model())).run(&loss, 60, |_, _| ());
     let found = layout.read(&fit.weights);
     let near = |own: &[f64], other: &[f64]| own.iter().zip(other).all(|(a, b)| (a - b).abs() < 2e-3);
-    assert!(near(&found.gain, &REAL.gain) && near(&found.offset, &REAL.offset), "{found:?}");
-    assert!((found.delay - 2.0 * H).abs() < 2e-4, "{found:?}");
+    assert!(
+        near(&found.actuator.gain, &REAL.gain) && near(&found.actuator.offset, &REAL.offset),
+        "{found:?}"
+    );
+    assert!((found.actuator.delay - 2.0 * H).abs() < 2e-4, "{found:?}");
     assert!(found.zeros.iter().all(|zero| near(zero, &REAL.zero)), "{found:?}");
 }
 
@@ -187,7 +190,7 @@ fn weight_decay_leaves_sensors_and_actuators_alone() {
         (0..6).for_each(|_| {
             let _ = fit.iterate(&loss);
         });
-        loss.layout().read(&fit.weights).gain
+        loss.layout().read(&fit.weights).actuator.gain
     });
     assert!(gains[0].iter().zip(&gains[1]).all(|(own, with)| (own - with).abs() < 1e-6), "{gains:?}");
 }
@@ -200,7 +203,10 @@ fn what_is_known_stays() {
     let loss = loss(&logs(IDEAL), known, false);
     let fit = Levenberg::new(&loss, weights(&model())).run(&loss, 3, |_, _| ());
     let found = loss.layout().read(&fit.weights);
-    assert_eq!((found.gain, found.offset, found.delay), (vec![0.5; N], vec![0.0; N], 0.01));
+    assert_eq!(
+        (found.actuator.gain, found.actuator.offset, found.actuator.delay),
+        (vec![0.5; N], vec![0.0; N], 0.01)
+    );
     assert!(found.zeros.iter().flatten().all(|zero| *zero == 0.0));
 }
 

@@ -2,9 +2,9 @@
 
 use super::enough_weights;
 use leastaction_core::model::ModelError;
-use leastaction_learning::evaluate::learned::Forced;
-use leastaction_learning::parallel::Pool;
 use leastaction_learning::training::{Objective, Samples, objective_of};
+use leastaction_models::accelerations::Forced;
+use leastaction_models::parallel::Pool;
 use leastaction_programs::dynamics::Failures;
 use leastaction_programs::losses::{Block, Derivatives, Loss};
 use leastaction_programs::{Builder, Node, Program, Row, Workspace};

@@ -2,7 +2,7 @@
 
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
-use leastaction_learning::architecture::NamedGraph;
+use leastaction_models::NamedGraph;
 use leastaction_programs::energies::Network;
 use leastaction_programs::{Builder, Function, Node};
 use std::iter::repeat_n;

@@ -3,9 +3,9 @@
 use super::enough_weights;
 use leastaction_core::constraints::{Constraints, Holonomic, Positions};
 use leastaction_core::model::ModelError;
-use leastaction_learning::evaluate::learned::Accelerations;
-use leastaction_learning::parallel::Pool;
 use leastaction_learning::training::{Objective, Samples, objective_of};
+use leastaction_models::accelerations::Accelerations;
+use leastaction_models::parallel::Pool;
 use leastaction_programs::dynamics::{Failures, Rods};
 use leastaction_programs::energies::Energies;
 use leastaction_programs::losses::{AccelerationLoss, Block, Derivatives, Loss};

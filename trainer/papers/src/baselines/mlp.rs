@@ -6,9 +6,9 @@ use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of
 use faer::{Mat, Scale};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp as Network};
-use leastaction_learning::architecture::random_layers;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::training::{Objective, Samples};
+use leastaction_models::random_layers;
 use std::ops::Range;
 
 /// Units of a hidden layer at most.

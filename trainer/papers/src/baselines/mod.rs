@@ -26,11 +26,11 @@ pub use mlp::{MAX_WIDTH as MAX_MLP_WIDTH, Mlp};
 pub use node::NeuralOde;
 
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::{Architecture, GraphArchitecture, ModularArchitecture};
-use leastaction_learning::evaluate::learned::with_accelerations;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::ground_truth::Motion;
 use leastaction_learning::training::{LossKind, Objective, Samples, objective};
+use leastaction_models::Model;
+use leastaction_models::{Architecture, Family, GraphArchitecture, ModularArchitecture};
 use std::time::Instant;
 
 /// A shape whose weights are learned from accelerations: a baseline, or one of ours.
@@ -94,7 +94,8 @@ impl Follow<'_> {
         weights: &[f64],
         truth: &Truth,
     ) -> Result<Prediction, ModelError> {
-        with_accelerations(architecture, weights, |f| self.compare(truth, f))
+        let model = Model::new(architecture.clone(), weights.to_vec());
+        model.with_accelerations(|f| self.compare(truth, f))
     }
 }
 
@@ -122,7 +123,7 @@ fn enough_weights(weights: &[f64], needed: usize) -> Result<(), ModelError> {
 
 impl AccelerationModel for ModularArchitecture {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        self.initial_weights(seed)
+        Family::initial_weights(self, seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {
@@ -136,7 +137,7 @@ impl AccelerationModel for ModularArchitecture {
 
 impl AccelerationModel for GraphArchitecture {
     fn initial_weights(&self, seed: u64) -> Vec<f64> {
-        self.initial_weights(seed)
+        Family::initial_weights(self, seed)
     }
 
     fn objective(&self, samples: Samples) -> Result<Box<dyn Objective>, ModelError> {

@@ -12,12 +12,13 @@ pub use task::tasks;
 use super::lgnn::{ReproduceError, floor, train};
 use leastaction_core::energy::graph::Graph;
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::HostTypes;
-use leastaction_learning::evaluate::particles::Driven;
 use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared, Rollouts};
 use leastaction_learning::ground_truth::{GenerationError, Horizon, Truss};
 use leastaction_learning::training::Samples;
+use leastaction_models::Family as _;
+use leastaction_models::HostTypes;
+use leastaction_models::particles::Driven;
 use serde::Serialize;
 use std::time::Instant;
 

@@ -7,7 +7,7 @@ use leastaction::cli::{Done, Failure, Output};
 use leastaction_learning::data::symo;
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_papers::SYMO;
-use leastaction_papers::symo::{Case, Model, NOISE, SymoData, tasks};
+use leastaction_papers::symo::{Case, Method, NOISE, SymoData, tasks};
 use leastaction_papers::task::Task;
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub struct Symo {
     system: Option<System>,
     /// Only this model.
     #[arg(long)]
-    model: Option<Model>,
+    model: Option<Method>,
     /// Only this order, 2 or 4.
     #[arg(long, value_parser = order)]
     order: Option<u8>,
@@ -136,10 +136,10 @@ impl Symo {
         };
         let sizes = self.trajectories.map_or_else(|| all.to_vec(), |only| vec![only as usize]);
         let usual = || {
-            let all = Model::value_variants().iter().copied();
+            let all = Method::value_variants().iter().copied();
             all.filter(|model| noise > 0.0 || !model.is_for_noise()).collect()
         };
-        let models: Vec<Model> = self.model.map_or_else(usual, |only| vec![only]);
+        let models: Vec<Method> = self.model.map_or_else(usual, |only| vec![only]);
         let is_wanted = |order: &&u8| self.order.is_none_or(|only| only == **order);
         let most_iterations = if quick { QUICK } else { usize::MAX };
         let mut cases = Vec::new();

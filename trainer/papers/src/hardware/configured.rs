@@ -166,7 +166,7 @@ impl Predictor for Driven {
 mod tests {
     use super::*;
     use leastaction_core::energy::rigid::Coordinate;
-    use leastaction_learning::architecture::{Architecture, RigidArchitecture};
+    use leastaction_models::{Actuator, Architecture, RigidArchitecture};
 
     #[test]
     fn torques_are_those_of_the_drive_a_delay_ago() {
@@ -180,8 +180,10 @@ mod tests {
         };
         let architecture: Architecture = RigidArchitecture::new(&[Coordinate::Angle], 2).into();
         let system = System::new(&*architecture.energies().unwrap());
-        let calibrated =
-            Calibrated { gain: vec![2.0], offset: vec![0.5], delay: 1.25 * STEP, zeros: Vec::new() };
+        let calibrated = Calibrated {
+            actuator: Actuator { gain: vec![2.0], offset: vec![0.5], delay: 1.25 * STEP },
+            zeros: Vec::new(),
+        };
         let learned = Learned::new(&system, architecture.initial_weights(0));
         let driven = Driven { learned, calibrated, is_commanded: true };
         let found = driven.torques(&log);

@@ -6,10 +6,10 @@ use super::predictor::Learned;
 use super::states::{dataset, smoothed};
 use crate::task::TaskError;
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
-use leastaction_learning::architecture::{Architecture, FrictionArchitecture, Number, RigidArchitecture};
 use leastaction_learning::training::{
     Levenberg, LossKind, Objective, Samples, TorqueTerms, objective, torque_objective,
 };
+use leastaction_models::{Architecture, FrictionArchitecture, Number, RigidArchitecture};
 use leastaction_programs::System;
 use std::time::Instant;
 

@@ -5,10 +5,10 @@ use super::recipe::JUDGES;
 use super::{Case, Experiment, Options, Outcome, ReproduceError, published};
 use crate::baselines::{AccelerationModel, CartesianLnn, Follow, Gns, GraphSizes, Lgn};
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::NamedGraph;
-use leastaction_learning::evaluate::learned::Accelerations;
+use leastaction_learning::ground_truth::lgnn_graph;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{AdamSettings, Samples, Schedule};
+use leastaction_models::accelerations::Accelerations;
 use serde::Serialize;
 
 /// Error a step of their rollouts, relative to 1 + |x|: that of the models is far above it.
@@ -83,9 +83,9 @@ impl Baseline {
     /// Its shape on a system.
     fn model(self, system: LgnnSystem) -> Result<Model, ModelError> {
         Ok(match self {
-            Self::Gns => Model::Gns(Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(system))?),
-            Self::Lgn => Model::Lgn(Lgn::new(GraphSizes::LGNN, NamedGraph::of_system(system))?),
-            Self::Lnn => Model::Lnn(CartesianLnn::new(NamedGraph::of_system(system), LNN_WIDTH)),
+            Self::Gns => Model::Gns(Gns::new(GraphSizes::LGNN, &lgnn_graph(system))?),
+            Self::Lgn => Model::Lgn(Lgn::new(GraphSizes::LGNN, lgnn_graph(system))?),
+            Self::Lnn => Model::Lnn(CartesianLnn::new(lgnn_graph(system), LNN_WIDTH)),
         })
     }
 }

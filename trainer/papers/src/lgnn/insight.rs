@@ -3,10 +3,10 @@
 use super::{Model, ReproduceError};
 use leastaction_core::energy::graph::{Edge, Graph};
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::HostTypes;
-use leastaction_learning::evaluate::particles::Driven;
 use leastaction_learning::ground_truth::Truss;
 use leastaction_learning::training::Samples;
+use leastaction_models::HostTypes;
+use leastaction_models::particles::Driven;
 
 /// Points of a curve.
 const POINTS: usize = 200;

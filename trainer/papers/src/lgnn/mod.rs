@@ -25,10 +25,12 @@ pub(super) use trial::floor;
 
 use leastaction_core::energy::graph::{Graph, Member, Union};
 use leastaction_core::particles::Particles;
-use leastaction_learning::architecture::{GraphArchitecture, HostTypes, NamedGraph};
-use leastaction_learning::evaluate::particles::Driven;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
+use leastaction_learning::ground_truth::{lgnn_graph, lgnn_shape};
 use leastaction_learning::training::Samples;
+use leastaction_models::Family as _;
+use leastaction_models::HostTypes;
+use leastaction_models::particles::Driven;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -152,7 +154,7 @@ impl Experiment<'_> {
         let settings = LgnnSettings { drag, ..LgnnSettings::published(system, seed) };
         let all = Samples::accelerations(&lgnn_set(&settings)?)?;
         let samples = samples.map_or_else(|| all.clone(), |count| all.shuffled(!seed).range(0..count));
-        let architecture = GraphArchitecture::of_system(system, drag > 0.0, self.options.networks_alone)?;
+        let architecture = lgnn_shape(system, drag > 0.0, self.options.networks_alone)?;
         let (clock, iterations) = (Instant::now(), self.options.iterations);
         let tell = self.tell;
         let name = format!("{} of {}", system.name(), system.nodes());
@@ -213,7 +215,7 @@ impl Experiment<'_> {
         particles: &P,
     ) -> Result<Outcome, ReproduceError> {
         let trial = self.trial(&row, system)?;
-        let rods = NamedGraph::of_system(system).constraints();
+        let rods = lgnn_graph(system).constraints();
         let u = trial.pull();
         let driven = Driven::new(particles, &rods)?;
         let rollouts = trial.roll_out(TOLERANCE, |q, v, a| driven.acceleration(q, v, &u, a));

@@ -2,9 +2,10 @@
 
 use crate::baselines::AccelerationModel;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::{GraphArchitecture, NamedGraph};
 use leastaction_learning::ground_truth::LgnnSystem;
+use leastaction_learning::ground_truth::lgnn_graph;
 use leastaction_learning::training::{Levenberg, Samples};
+use leastaction_models::GraphArchitecture;
 
 /// Of 4 samples 3 are learned from, and one judges.
 pub(super) const JUDGES: usize = 4;
@@ -24,10 +25,7 @@ impl Model {
     /// The same nodes and edges in another graph.
     #[must_use]
     pub fn on(&self, system: LgnnSystem) -> Self {
-        Self {
-            architecture: self.architecture.with_graph(NamedGraph::of_system(system)),
-            weights: self.weights.clone(),
-        }
+        Self { architecture: self.architecture.with_graph(lgnn_graph(system)), weights: self.weights.clone() }
     }
 }
 

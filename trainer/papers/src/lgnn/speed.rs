@@ -7,8 +7,8 @@ use leastaction_core::discrete::{
     rattle::{ParticleState, Rattle},
 };
 use leastaction_core::energy::graph::Graph;
-use leastaction_learning::architecture::HostTypes;
 use leastaction_learning::ground_truth::lgnn_starts;
+use leastaction_models::HostTypes;
 use std::time::Instant;
 
 /// Numbers of springs that the time of a step is measured for.

@@ -2,12 +2,12 @@
 
 use super::{Compared, Experiment, Outcome, ReproduceError, RolledOut, insight};
 use leastaction_core::particles::Particles;
-use leastaction_learning::evaluate::particles::Driven;
 use leastaction_learning::evaluate::prediction::Truth;
 use leastaction_learning::evaluate::rollouts::{Compared as What, Rollouts};
 use leastaction_learning::ground_truth::{
     GenerationError, Horizon, IntegrationError, LgnnSettings, LgnnSystem, Motion, Start, Truss, lgnn_starts,
 };
+use leastaction_models::particles::Driven;
 
 /// Makes the stream of rollout starts another than that of the data.
 const UNSEEN: u64 = 0x5eed_0000_0000_0000;

@@ -8,6 +8,7 @@ use leastaction_core::model::ModelError;
 use leastaction_learning::data::modlanet::ModlanetSet;
 use leastaction_learning::ground_truth::ManyBody;
 use leastaction_learning::training::{AdamSettings, Samples, Schedule};
+use leastaction_models::Family as _;
 use serde::Serialize;
 
 /// Error a step of their predictions: that of the models is far above it.

@@ -15,7 +15,7 @@ pub use baselines::Baseline;
 pub use case::{Case, Options};
 pub use outcome::{Outcome, Pictured, Predicted, ReproduceError, Stepped};
 pub use published::Published;
-pub use recipe::{Model, architecture, fine_tune, train, tree};
+pub use recipe::{LearnedTree, architecture, fine_tune, train, tree};
 pub use stepping::{Energies, LongRun, SteppingError, long_run};
 pub use task::{ModlanetData, tasks};
 
@@ -23,13 +23,14 @@ use super::training::{Bounds, Ending};
 use crate::baselines::{AccelerationModel, Follow};
 use judge::Judge;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::ModularArchitecture;
 use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
 use leastaction_learning::evaluate::prediction::TOLERANCE;
 use leastaction_learning::ground_truth::{
     GenerationError, ManyBody, ModlanetSettings, modlanet_set, modlanet_set_of,
 };
 use leastaction_learning::training::Samples;
+use leastaction_models::Family as _;
+use leastaction_models::ModularArchitecture;
 use std::time::Instant;
 
 /// Runs a case; `tell` gets a line of progress now and then.
@@ -124,7 +125,7 @@ impl Experiment<'_> {
     }
 
     /// A system with predictions of 30 s.
-    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, Model), ReproduceError> {
+    fn table_2(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), ReproduceError> {
         let (mut outcome, model) = self.learn(system, set)?;
         if let Some(judge) = &self.judge(system, PREDICTION)? {
             self.predict(&mut outcome, judge, &model)?;
@@ -133,7 +134,7 @@ impl Experiment<'_> {
     }
 
     /// Learns a system from its own data.
-    fn learn(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, Model), ReproduceError> {
+    fn learn(&self, system: ManyBody, set: &ModlanetSet) -> Result<(Outcome, LearnedTree), ReproduceError> {
         let architecture = self.architecture(system, set)?;
         let clock = Instant::now();
         let (iterations, seed) = (self.iterations(), self.options.seed);
@@ -198,7 +199,12 @@ impl Experiment<'_> {
         Judge::new(system, self.options, length).map(Some)
     }
 
-    fn predict(&self, outcome: &mut Outcome, judge: &Judge, model: &Model) -> Result<(), ReproduceError> {
+    fn predict(
+        &self,
+        outcome: &mut Outcome,
+        judge: &Judge,
+        model: &LearnedTree,
+    ) -> Result<(), ReproduceError> {
         (self.tell)(&format!("{} of {}: predicting {} s", outcome.system, outcome.count, judge.length));
         let follow = Follow { motion: judge.motion.as_ref(), tolerance: TOLERANCE, deadline: None };
         judge.put(outcome, judge.predict(model.learned(), follow)?);
@@ -220,7 +226,7 @@ impl Experiment<'_> {
         Ok(rows)
     }
 
-    fn extend_to(&self, system: ManyBody, model: &Model) -> Result<[Outcome; 2], ReproduceError> {
+    fn extend_to(&self, system: ManyBody, model: &LearnedTree) -> Result<[Outcome; 2], ReproduceError> {
         let set = modlanet_set(system, self.options.seed)?;
         let mut zero_shot = self.outcome(system, "zero-shot", &set, model.learned(), 0.0)?;
         zero_shot.samples = 0;

@@ -4,11 +4,12 @@ use super::recipe::best_of;
 use super::{Experiment, Outcome, ReproduceError, held_back};
 use crate::baselines::{AccelerationModel, Mlp};
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::ModularArchitecture;
 use leastaction_learning::data::Rows;
 use leastaction_learning::data::modlanet::{ModlanetRows, ModlanetSet};
 use leastaction_learning::ground_truth::{ManyBody, noisy};
 use leastaction_learning::training::{Levenberg, Samples, StateNoise, free_states_objective};
+use leastaction_models::Family;
+use leastaction_models::ModularArchitecture;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
@@ -34,7 +35,7 @@ impl Experiment<'_> {
     /// others. The test set is without noise.
     pub(super) fn noise(&self, system: ManyBody, set: &ModlanetSet) -> Result<Vec<Outcome>, ReproduceError> {
         let modular = self.architecture(system, set)?;
-        let weights = modular.initial_weights(self.options.seed).len();
+        let weights = Family::initial_weights(&modular, self.options.seed).len();
         let mlp = Mlp::with_weights(&modular.coordinates(), weights)?;
         let mut rows = Vec::new();
         for count in SAMPLES {
@@ -75,7 +76,7 @@ impl Experiment<'_> {
         let objective = |rows| free_states_objective(&shape, Samples::modlanet(rows), noise);
         let [rows, judges] = rows;
         let (objective, judge) = (objective(rows)?, objective(judges)?);
-        let mut weights = modular.initial_weights(self.options.seed);
+        let mut weights = Family::initial_weights(modular, self.options.seed);
         for decay in DECAYS {
             let levenberg = Levenberg::new(&*objective, weights).with_decay(decay);
             weights = levenberg.best(&*objective, &*judge, self.iterations(), |_, _| ());

@@ -7,11 +7,11 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
-use leastaction_learning::architecture::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
 use leastaction_learning::data::modlanet::ModlanetRows;
-use leastaction_learning::evaluate::learned::with_accelerations;
 use leastaction_learning::ground_truth::ManyBody;
 use leastaction_learning::training::{Levenberg, Samples};
+use leastaction_models::Model;
+use leastaction_models::{Architecture, ModularArchitecture, NamedTree, NamedType, Number};
 
 /// Hidden units of the pendulum's position; its potential is linear in the position, as the authors' is.
 const POSITION: [u16; 4] = [32, 0, 0, 0];
@@ -76,14 +76,14 @@ fn one_type(shape: ModularShape, name: &str) -> ModularArchitecture {
 
 /// A trained model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Model {
+pub struct LearnedTree {
     /// Its shape.
     pub architecture: ModularArchitecture,
     /// Its weight block.
     pub weights: Vec<f64>,
 }
 
-impl Model {
+impl LearnedTree {
     /// The same elements in another tree.
     #[must_use]
     pub fn extended(&self, system: ManyBody) -> Self {
@@ -101,7 +101,7 @@ impl Model {
     /// Where the shape does not fit in itself or the data.
     pub fn accelerations(&self, rows: &ModlanetRows) -> Result<Vec<(f64, f64)>, ModelError> {
         let apart = (rows.q.len() * rows.q.width()).div_ceil(SHOWN).max(1);
-        with_accelerations(&self.shape(), &self.weights, |accelerations| {
+        Model::new(self.shape(), self.weights.clone()).with_accelerations(|accelerations| {
             let of_row = |k: usize| {
                 let mut learned = vec![0.0; rows.q.width()];
                 accelerations(&rows.q[k], &rows.v[k], &mut learned)?;
@@ -127,11 +127,11 @@ pub fn train(
     iterations: usize,
     seed: u64,
     mut watch: impl FnMut(usize, f64),
-) -> Result<Model, ModelError> {
+) -> Result<LearnedTree, ModelError> {
     let objective = architecture.objective(Samples::modlanet(rows))?;
     let levenberg = Levenberg::new(&*objective, architecture.initial_weights(seed));
     let levenberg = levenberg.run(&*objective, iterations, |iteration, state| watch(iteration, state.loss));
-    Ok(Model { architecture, weights: levenberg.weights })
+    Ok(LearnedTree { architecture, weights: levenberg.weights })
 }
 
 /// Goes on from a trained model with other rows; of all iterations, the start included, the one with the lowest error on
@@ -140,12 +140,12 @@ pub fn train(
 /// # Errors
 /// Where the shape does not fit in itself or the data.
 pub fn fine_tune(
-    model: &Model,
+    model: &LearnedTree,
     [rows, validation]: [&ModlanetRows; 2],
     iterations: usize,
-) -> Result<Model, ModelError> {
+) -> Result<LearnedTree, ModelError> {
     let weights = best_of(&model.architecture, [rows, validation], model.weights.clone(), iterations)?;
-    Ok(Model { weights, ..model.clone() })
+    Ok(LearnedTree { weights, ..model.clone() })
 }
 
 /// Goes on from these weights by Levenberg–Marquardt on `rows`; of all iterations, the start included, the weights with the

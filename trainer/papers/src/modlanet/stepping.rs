@@ -1,7 +1,7 @@
 //! A learned double pendulum stepped a million times in single precision: by the DEL equation its energy stays, by a
 //! Runge–Kutta method on the same accelerations it drifts.
 
-use super::{Model, ReproduceError};
+use super::{LearnedTree, ReproduceError};
 use leastaction_core::continuous::{ContinuousState, energy, rk4_step};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State, StepError};
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
@@ -88,7 +88,7 @@ impl From<SolveError> for SteppingError {
 ///
 /// # Errors
 /// Where the model has other coordinates, or a step fails.
-pub fn long_run(model: &Model, steps: usize, h: f32) -> Result<LongRun, ReproduceError> {
+pub fn long_run(model: &LearnedTree, steps: usize, h: f32) -> Result<LongRun, ReproduceError> {
     let rounded: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
     let exact: Vec<f64> = rounded.iter().map(|w| f64::from(*w)).collect();
     let header = model.architecture.header();

@@ -16,20 +16,19 @@ pub use task::{SymoData, overview, tasks};
 
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::data::Dataset;
 use leastaction_learning::data::symo::SymoSet;
-use leastaction_learning::evaluate::{
-    Beginning, energy_mse, inertia_mse, integration_errors, one_step_mse, rollout,
-};
+use leastaction_learning::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
+use leastaction_models::{Architecture, RigidArchitecture};
+use leastaction_models::{Beginning, Model};
 use serde::Serialize;
 
 /// Which of the models: SyMo's two, and the baselines that are stepped by Runge–Kutta from logged velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
-pub enum Model {
+pub enum Method {
     /// The DEL residual at logged positions is minimised.
     Symo,
     /// The error of the implicit step's next position is minimised.
@@ -49,7 +48,7 @@ pub enum Model {
     NodeMidpoint,
 }
 
-impl Model {
+impl Method {
     /// Whether it is one of the discrete Euler–Lagrange equation, and not one that those are compared with.
     pub fn is_discrete(self) -> bool {
         matches!(self, Self::Symo | Self::E2eSymo | Self::Windows | Self::Bodies)
@@ -76,7 +75,7 @@ pub struct Case {
     /// Which mechanism.
     pub mechanism: Mechanism,
     /// Which loss.
-    pub model: Model,
+    pub model: Method,
     /// 2 (SyMo's) or 4.
     pub order: u8,
     /// Training trajectories.
@@ -95,7 +94,7 @@ pub struct Outcome {
     /// Name of the mechanism.
     pub system: &'static str,
     /// Which loss.
-    pub model: Model,
+    pub model: Method,
     /// Of the integrator.
     pub order: u8,
     /// Training trajectories.
@@ -211,7 +210,7 @@ impl Case {
     }
 
     fn loss(&self) -> LossKind {
-        if self.model == Model::Symo { LossKind::DelResidual } else { LossKind::NextPosition }
+        if self.model == Method::Symo { LossKind::DelResidual } else { LossKind::NextPosition }
     }
 
     /// The learned weights of a discrete model.
@@ -234,7 +233,7 @@ impl Case {
         let weights = architecture.initial_weights(self.seed);
         let weights = recipe.minimise((&*warm_up, Some(&*next)), weights, recipe.warm_up, &mut watch);
         // On the same trajectories the next position would judge itself.
-        let is_other = recipe.judges > 0 || self.model == Model::Symo;
+        let is_other = recipe.judges > 0 || self.model == Method::Symo;
         let judge = Some(&*judge).filter(|_| is_other);
         Ok(recipe.minimise((&*loss, judge), weights, recipe.iterations, &mut watch))
     }
@@ -243,29 +242,23 @@ impl Case {
     ///
     /// # Errors
     /// Where the shape does not fit in itself or the data.
-    pub fn outcome(
-        &self,
-        architecture: &Architecture,
-        weights: &[f64],
-        set: &SymoSet,
-        train_seconds: f64,
-    ) -> Result<Outcome, ModelError> {
+    pub fn outcome(&self, model: &Model, set: &SymoSet, train_seconds: f64) -> Result<Outcome, ModelError> {
         let train = set.train.truncated(self.trajectories);
-        let runs = rollout(architecture, weights, self.order, (&set.integration, Beginning::Positions))?;
+        let runs = model.rollout(self.order, (&set.integration, Beginning::Positions))?;
         let integration = integration_errors(&runs, &set.integration);
         Ok(Outcome {
             system: self.mechanism.name(),
             model: self.model,
             order: self.order,
             trajectories: self.trajectories,
-            parameters: architecture.learned_parameters()?,
-            train_mse: one_step_mse(architecture, weights, self.order, &train)?.or_infinite(),
-            test_mse: one_step_mse(architecture, weights, self.order, &set.test)?.or_infinite(),
+            parameters: model.architecture.learned_parameters()?,
+            train_mse: one_step_mse(model, self.order, &train)?.or_infinite(),
+            test_mse: one_step_mse(model, self.order, &set.test)?.or_infinite(),
             integration_mse: integration.mean,
             integration_median: integration.median,
             integration_mse_100: integration.first_100,
             energy_mse: energy_mse(self.mechanism, &runs, &set.integration),
-            inertia_mse: Some(inertia_mse(architecture, weights, self.mechanism, &set.test)?),
+            inertia_mse: Some(inertia_mse(model, self.mechanism, &set.test)?),
             train_seconds,
             seed: self.seed,
         })

@@ -2,10 +2,9 @@
 
 use super::Case;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::Architecture;
 use leastaction_learning::data::Dataset;
-use leastaction_learning::evaluate::{Beginning, rollout};
 use leastaction_learning::ground_truth::{Drive, IntegrationError, Mechanism, Settings, generate};
+use leastaction_models::{Beginning, Model};
 use leastaction_plot::{Angle, Phase, PlotError, Series, Stroke, phase_portrait};
 use std::path::Path;
 use thiserror::Error;
@@ -30,19 +29,14 @@ pub(super) enum PortraitError {
 }
 
 /// Draws the angle of the last coordinate and its rate along 4,000 steps of a motion that no data has; the name of the file.
-pub(super) fn draw(
-    folder: &Path,
-    name: &str,
-    case: &Case,
-    (architecture, weights): (&Architecture, &[f64]),
-) -> Result<String, PortraitError> {
+pub(super) fn draw(folder: &Path, name: &str, case: &Case, model: &Model) -> Result<String, PortraitError> {
     let start = Settings {
         samples: STEPS + 2,
         drive: Drive::Free,
         ..Settings::symo(case.mechanism, 1, case.seed ^ UNSEEN)
     };
     let exact = generate(&start)?;
-    let learned = rollout(architecture, weights, case.order, (&exact, Beginning::Positions))?;
+    let learned = model.rollout(case.order, (&exact, Beginning::Positions))?;
     let flat = |data: &Dataset| data.trajectories.first().map_or(Vec::new(), |run| run.q.as_flat().to_vec());
     let series = [
         Series::new("exact", points(&flat(&exact), &exact)).with_stroke(Stroke::Wide),

@@ -1,7 +1,7 @@
 //! What the authors' program reaches.
 
 use super::Case;
-use super::Model::{self, E2eSymo, LNodeRk4, NodeRk4, Symo};
+use super::Method::{self, E2eSymo, LNodeRk4, NodeRk4, Symo};
 use leastaction_learning::ground_truth::Mechanism::{self, Acrobot, Cartpole, Pendulum};
 
 /// What the published program reaches, on equal terms; `None` where it is not known or, beyond 100 steps of the chaotic
@@ -15,7 +15,7 @@ pub struct Published {
 }
 
 /// A row: mechanism, model, trajectories, weights, measures.
-type Row = (Mechanism, Model, usize, usize, [f64; 6]);
+type Row = (Mechanism, Method, usize, usize, [f64; 6]);
 
 /// Not known, or without meaning.
 const UNKNOWN: f64 = f64::NAN;

@@ -1,19 +1,19 @@
 //! The baselines that are stepped by Runge–Kutta from logged states: L-NODE and NODE.
 
-use super::{Case, Model, Outcome, Recipe};
+use super::{Case, Method, Outcome, Recipe};
 use crate::baselines::NeuralOde;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::Architecture;
 use leastaction_learning::data::symo::SymoSet;
-use leastaction_learning::evaluate::learned::{Forced, with_forced};
 use leastaction_learning::evaluate::states::{Stepper, positions, state_energy_mse};
 use leastaction_learning::evaluate::{inertia_mse, integration_errors};
 use leastaction_learning::ground_truth::Exact;
 use leastaction_learning::runge_kutta::RungeKutta;
 use leastaction_learning::training::{LossKind, SampleError, Samples, objective};
 use leastaction_learning::windows::TooShort;
+use leastaction_models::Model;
+use leastaction_models::accelerations::Forced;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -34,7 +34,7 @@ pub enum CaseError {
 /// What a baseline has learned.
 enum Learned {
     /// A Lagrangian.
-    LNode(Box<Architecture>),
+    LNode(Box<Model>),
     /// An acceleration.
     NeuralOde(NeuralOde),
 }
@@ -42,7 +42,7 @@ enum Learned {
 impl Learned {
     fn with_forced<T>(&self, weights: &[f64], then: impl FnOnce(&Forced) -> T) -> Result<T, ModelError> {
         match self {
-            Self::LNode(architecture) => with_forced(architecture, weights, then),
+            Self::LNode(model) => model.with_forced(then),
             Self::NeuralOde(node) => Ok(then(&*node.motion(weights)?)),
         }
     }
@@ -64,9 +64,7 @@ impl Case {
         let (learned, weights) = self.learn_from_states(recipe, samples, watch)?;
         let seconds = clock.elapsed().as_secs_f64();
         let inertia_mse = match &learned {
-            Learned::LNode(architecture) => {
-                Some(inertia_mse(architecture, &weights, self.mechanism, &set.test)?)
-            }
+            Learned::LNode(model) => Some(inertia_mse(model, self.mechanism, &set.test)?),
             Learned::NeuralOde(_) => None,
         };
         let outcome = learned.with_forced(&weights, |forced| match self.mechanism.exact() {
@@ -85,13 +83,13 @@ impl Case {
         watch: &mut dyn FnMut(usize, f64),
     ) -> Result<(Learned, Vec<f64>), ModelError> {
         let architecture = &recipe.architecture;
-        if matches!(self.model, Model::LNodeRk4 | Model::LNodeMidpoint) {
+        if matches!(self.model, Method::LNodeRk4 | Method::LNodeMidpoint) {
             let weights = architecture.initial_weights(self.seed);
             let loss = |samples| objective(architecture, samples, LossKind::NextState, self.order);
             let (loss, judge) = (loss(samples)?, loss(judges)?);
             let judge = Some(&*judge).filter(|_| recipe.judges > 0);
             let weights = recipe.minimise((&*loss, judge), weights, recipe.iterations, watch);
-            return Ok((Learned::LNode(Box::new(recipe.architecture)), weights));
+            return Ok((Learned::LNode(Box::new(Model::new(recipe.architecture, weights.clone()))), weights));
         }
         let coordinates: Vec<_> =
             architecture.coordinates().chars().filter_map(Coordinate::from_letter).collect();

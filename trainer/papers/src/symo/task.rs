@@ -7,6 +7,7 @@ use super::floor::floor;
 use super::{Case, Outcome, portrait, published};
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::ground_truth::{IntegrationError, Mechanism, symo_set};
+use leastaction_models::Model;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -119,9 +120,10 @@ impl Task for Experiment {
         }
         let (clock, recipe) = (Instant::now(), case.recipe());
         let (architecture, weights) = case.learn(recipe, set, &mut { watch })?;
-        let outcome = case.outcome(&architecture, &weights, set, clock.elapsed().as_secs_f64())?;
+        let model = Model::new(architecture, weights);
+        let outcome = case.outcome(&model, set, clock.elapsed().as_secs_f64())?;
         let drawn = folder.filter(|_| case.trajectories == PORTRAYED && case.noise == 0.0);
-        let drawn = drawn.map(|folder| portrait::draw(folder, &self.name(), case, (&architecture, &weights)));
+        let drawn = drawn.map(|folder| portrait::draw(folder, &self.name(), case, &model));
         let record = record(case, &outcome, self.data.floor(case.order)?)?;
         Ok(vec![Record { pictures: drawn.transpose()?.into_iter().collect(), ..record }])
     }

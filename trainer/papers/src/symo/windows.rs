@@ -2,9 +2,8 @@
 
 use super::bodies::bodies;
 use super::states::CaseError;
-use super::{Case, Model, Recipe};
+use super::{Case, Method, Recipe};
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::{Architecture, RigidArchitecture};
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::data::{Dataset, Trajectory};
 use leastaction_learning::run::{Fold, folds};
@@ -12,6 +11,7 @@ use leastaction_learning::training::{Levenberg, Objective};
 use leastaction_learning::windows::{
     Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings, first_guess,
 };
+use leastaction_models::{Architecture, RigidArchitecture};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ impl Case {
 
     /// What is chosen from: the bodies of the mechanism, or networks.
     fn candidates(&self, recipe: &Recipe) -> Result<Vec<Recipe>, ModelError> {
-        if self.model != Model::Bodies {
+        if self.model != Method::Bodies {
             return Ok(networks(recipe));
         }
         let architecture = bodies(self.mechanism).ok_or(ModelError::OutOfRange { what: "tree" })?;
@@ -120,7 +120,7 @@ impl Case {
 
 /// Every width with every penalty; without a hidden layer there is nothing to keep small.
 fn networks(recipe: &Recipe) -> Vec<Recipe> {
-    let Some(rigid) = recipe.architecture.rigid() else { return Vec::new() };
+    let Some(rigid) = recipe.architecture.family.rigid() else { return Vec::new() };
     let of = |widths: &[u16]| -> Vec<Recipe> {
         let architecture = RigidArchitecture { widths: widths.to_vec(), ..rigid.clone() };
         let decays = if widths.is_empty() { &[0.0][..] } else { &DECAYS };
@@ -157,8 +157,9 @@ fn windows(recipe: &Recipe, data: &Dataset, of: Range<usize>, steps: usize) -> R
 mod tests {
     use super::*;
     use leastaction_learning::ground_truth::{Mechanism, symo_set};
+    use leastaction_models::Model;
 
-    fn case(mechanism: Mechanism, model: Model, noise: f64) -> Case {
+    fn case(mechanism: Mechanism, model: Method, noise: f64) -> Case {
         Case { mechanism, model, order: 4, trajectories: 16, seed: 1, noise, most_iterations: 30 }
     }
 
@@ -172,10 +173,10 @@ mod tests {
             (Mechanism::Acrobot, 1e-3, 0.5),
         ];
         for (mechanism, inertia, integration) in cases {
-            let case = case(mechanism, Model::Bodies, 0.01);
+            let case = case(mechanism, Method::Bodies, 0.01);
             let set = symo_set(case.mechanism, case.seed, case.noise).unwrap();
             let (architecture, weights) = case.learn(case.recipe(), &set, &mut |_, _| ()).unwrap();
-            let outcome = case.outcome(&architecture, &weights, &set, 0.0).unwrap();
+            let outcome = case.outcome(&Model::new(architecture, weights), &set, 0.0).unwrap();
             assert!(outcome.inertia_mse.unwrap() < inertia, "{outcome:?}");
             assert!(outcome.test_mse < 1.1 * 6.0 * 0.01 * 0.01, "{outcome:?}");
             assert!(outcome.integration_mse_100 < integration, "{outcome:?}");
@@ -184,11 +185,11 @@ mod tests {
 
     #[test]
     fn noise_of_positions_hardly_matters_over_windows() {
-        let case = case(Mechanism::Pendulum, Model::Windows, 0.05);
+        let case = case(Mechanism::Pendulum, Method::Windows, 0.05);
         let set = symo_set(case.mechanism, case.seed, case.noise).unwrap();
         let recipe = Recipe { iterations: 30, ..networks(&case.recipe()).remove(0) };
         let weights = case.over_windows(&recipe, &set.train, 0..16, &mut |_, _| ()).unwrap();
-        let outcome = case.outcome(&recipe.architecture, &weights, &set, 0.0).unwrap();
+        let outcome = case.outcome(&Model::new(recipe.architecture.clone(), weights), &set, 0.0).unwrap();
         // The position one step ahead of two noisy ones is off by √6 of their noise.
         assert!(outcome.test_mse < 1.1 * 6.0 * 0.05 * 0.05, "{outcome:?}");
         assert!(outcome.inertia_mse.unwrap() < 1e-4, "{outcome:?}");

@@ -41,4 +41,9 @@ impl AccelerationSlopes {
         failures.add_not_finite(slopes);
         failures
     }
+
+    /// M⁻¹ of the last evaluation, \[n\]\[n\].
+    pub fn compliance(&self) -> &[Row] {
+        &self.compliance
+    }
 }

@@ -34,6 +34,9 @@ class Model:
     def forces(
         self, commands: NDArray[float32], h: float, linear: bool
     ) -> tuple[NDArray[float32], NDArray[float32]]: ...
+    def forces_double(
+        self, commands: NDArray[float64], h: float, linear: bool
+    ) -> tuple[NDArray[float64], NDArray[float64]]: ...
     def outside(self, q: NDArray[float32], v: NDArray[float32], u: NDArray[float32]) -> NDArray[int64]: ...
 
 class Motions:

@@ -287,9 +287,9 @@ class Model:
         """The forces at the start and at the end of the steps that begin at the samples of `commands`, [samples, n], by the file's
         gain, offset and delay; N or N m. Before the first command all were 0."""
         h, _ = self._step(h, 2)
-        rows = _rows(np.asarray(commands, np.float32), self._n, "commands")
-        start, end = self._core.forces(rows, h, _is_linear(control))
-        return start.astype(self.dtype), end.astype(self.dtype)
+        rows = _rows(np.asarray(commands, self.dtype), self._n, "commands")
+        forces = self._core.forces_double if self._double else self._core.forces
+        return forces(rows, h, _is_linear(control))
 
     def inside(self, q: ArrayLike, v: ArrayLike | None = None, u: ArrayLike | None = None) -> Array:
         """Whether the training data covered a state, [...]; always true where the file does not say what they covered."""

@@ -9,8 +9,9 @@ use crate::commands::simulate::{
 use crate::commands::train;
 use leastaction::cli::{Done, Failure, Output, written};
 use leastaction::evaluation::{Torques, torques};
-use leastaction_learning::model_file::{HostModel, decode};
 use leastaction_learning::{atomic, data};
+use leastaction_models::Model;
+use leastaction_models::file::decode;
 use leastaction_plot::{Panel, Series, Stroke, time_series};
 use serde::Serialize;
 use std::fmt;
@@ -109,8 +110,8 @@ fn steps(demo: &Demo, output: Output) -> Result<Report, Failure> {
 }
 
 fn follow(
-    (model, file): (&HostModel, &Path),
-    (plant, plant_file): (&HostModel, &Path),
+    (model, file): (&Model, &Path),
+    (plant, plant_file): (&Model, &Path),
     motion: &Motion,
     (seed, name): (u64, &Path),
 ) -> Result<(simulate::Report, Trace), Failure> {

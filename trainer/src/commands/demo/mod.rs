@@ -11,9 +11,10 @@ use leastaction::cli::{Done, Failure, Output, folder, written};
 use leastaction::models::encoded;
 use leastaction_learning::config::{Config, Coordinates, RigidConfig};
 use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
-use leastaction_learning::model_file::{HostModel, Precision, decode};
 use leastaction_learning::run::{Ending, Run};
 use leastaction_learning::{atomic, data};
+use leastaction_models::Model;
+use leastaction_models::file::{Precision, decode};
 use portrait::{Forecast, forecast};
 use serde::Serialize;
 use std::fmt;
@@ -175,11 +176,11 @@ fn say(output: Output, started: &Instant, step: &str) {
     output.note(&format!("{:5.1} s  {step}", started.elapsed().as_secs_f64()));
 }
 
-fn write_model(run: &Path, file: &Path, rust: &Path) -> Result<(HostModel, usize), Failure> {
+fn write_model(run: &Path, file: &Path, rust: &Path) -> Result<(Model, usize), Failure> {
     let (_, bytes) = encoded(run, Precision::Single)?;
     atomic::write(file, &bytes).map_err(|error| Failure::file(file, error))?;
     let failed = |error| Failure::file(file, error);
-    let source = leastaction_learning::model_file::rust_source(&bytes).map_err(failed)?;
+    let source = leastaction_models::file::rust_source(&bytes).map_err(failed)?;
     atomic::write(rust, source.as_bytes()).map_err(|error| Failure::file(rust, error))?;
     Ok((decode(&bytes).map_err(failed)?, bytes.len()))
 }

@@ -2,9 +2,9 @@
 
 use super::Failure;
 use leastaction_learning::data::{Dataset, Trajectory};
-use leastaction_learning::evaluate::{Beginning, integration_errors, rollout};
+use leastaction_learning::evaluate::integration_errors;
 use leastaction_learning::ground_truth::{Drive, Mechanism, Settings, generate};
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::{Beginning, Model};
 use leastaction_plot::{Angle, Phase, Series, Stroke, phase_portrait};
 use serde::Serialize;
 use std::path::Path;
@@ -29,19 +29,15 @@ pub struct Forecast {
 }
 
 /// Steps the model from the first two positions of motions it has not seen, and draws the last coordinate's phase plane.
-pub fn forecast(
-    model: &HostModel,
-    mechanism: Mechanism,
-    seed: u64,
-    picture: &Path,
-) -> Result<Forecast, Failure> {
+pub fn forecast(model: &Model, mechanism: Mechanism, seed: u64, picture: &Path) -> Result<Forecast, Failure> {
     let samples = (SECONDS / mechanism.step()).round() as usize + 2;
     let unseen = seed.wrapping_add(1);
     let settings =
         Settings { samples, drive: Drive::Free, ..Settings::symo(mechanism, TRAJECTORIES, unseen) };
     let truth = generate(&settings).map_err(|error| Failure::Work(error.to_string()))?;
     let order = model.facts.trained_step.map_or(4, |step| step.order.number());
-    let learned = rollout(&model.architecture, &model.weights, order, (&truth, Beginning::Positions))
+    let learned = model
+        .rollout(order, (&truth, Beginning::Positions))
         .map_err(|error| Failure::Work(error.to_string()))?;
     let errors = integration_errors(&learned, &truth);
     draw(picture, &truth, &learned)?;

@@ -2,15 +2,12 @@
 
 use super::Precision;
 use leastaction::cli::{Failure, Output};
-use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::Architecture;
 use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::Dataset;
-use leastaction_learning::evaluate::{
-    Beginning, acceleration_mse, integration_errors, one_step_mse, rollout,
-};
+use leastaction_learning::evaluate::{acceleration_mse, integration_errors, one_step_mse};
 use leastaction_learning::training::Solved;
+use leastaction_models::{Beginning, Model};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -39,21 +36,15 @@ struct Errors {
     trajectory: Option<f64>,
 }
 
-/// The model whose weights are compared.
-pub struct Compared<'a> {
-    /// Its shape.
-    pub architecture: &'a Architecture,
-    /// The order of its steps.
-    pub order: u8,
-    /// What the control did between samples in training.
-    pub control: Option<ControlKind>,
+/// A model whose weights are compared.
+pub struct Compared {
     /// As trained.
-    pub trained: &'a [f64],
+    pub trained: Model,
     /// As shipped.
-    pub shipped: &'a [f64],
+    pub shipped: Model,
 }
 
-impl Compared<'_> {
+impl Compared {
     /// Measures on `data`, or else on the log that the run's configuration names; where that is not there any more, says so.
     pub fn measure(
         &self,
@@ -76,31 +67,29 @@ impl Compared<'_> {
                 return Ok(None);
             }
         };
-        if set.n != self.architecture.n() {
-            let message = format!("q has {} coordinates, the model {}", set.n, self.architecture.n());
+        if set.n != self.trained.n() {
+            let message = format!("q has {} coordinates, the model {}", set.n, self.trained.n());
             return Err(Failure::input(&log, message));
         }
-        set.control = set.control.or(self.control);
+        set.control = set.control.or(self.trained.facts.trained_step.map(|step| step.control));
         // Training told of the seams.
-        let _ = set.unwrap_angles(&self.architecture.coordinates());
+        let _ = set.unwrap_angles(&self.trained.architecture.coordinates());
         let failed = |error: ModelError| Failure::input(run, error);
-        let trained = self.errors(self.trained, &set).map_err(failed)?;
-        let shipped = self.errors(self.shipped, &set).map_err(failed)?;
+        let trained = errors(&self.trained, &set).map_err(failed)?;
+        let shipped = errors(&self.shipped, &set).map_err(failed)?;
         Ok(Some(Accuracy { data: log, bits: precision.bits(), trained, shipped }))
     }
+}
 
-    fn errors(&self, weights: &[f64], log: &Dataset) -> Result<Errors, ModelError> {
-        let (architecture, order) = (self.architecture, self.order);
-        let steps = architecture.has_steps();
-        let one_step = || one_step_mse(architecture, weights, order, log);
-        let rollout = || rollout(architecture, weights, order, (log, Beginning::Velocity));
-        let runs = steps.then(rollout).transpose()?;
-        Ok(Errors {
-            acceleration: acceleration_mse(architecture, weights, log)?.and_then(|(error, _)| root(error)),
-            one_step: steps.then(one_step).transpose()?.and_then(root),
-            trajectory: runs.map(|runs| integration_errors(&runs, log).median.sqrt()),
-        })
-    }
+fn errors(model: &Model, log: &Dataset) -> Result<Errors, ModelError> {
+    let order = model.facts.trained_step.map_or(4, |step| step.order.number());
+    let steps = model.architecture.has_steps();
+    let runs = steps.then(|| model.rollout(order, (log, Beginning::Velocity))).transpose()?;
+    Ok(Errors {
+        acceleration: acceleration_mse(model, log)?.and_then(|(error, _)| root(error)),
+        one_step: steps.then(|| one_step_mse(model, order, log)).transpose()?.and_then(root),
+        trajectory: runs.map(|runs| integration_errors(&runs, log).median.sqrt()),
+    })
 }
 
 /// The root of the mean square, of what could be computed.

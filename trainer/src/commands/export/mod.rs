@@ -8,7 +8,7 @@ use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction::models::encoded;
 use leastaction_learning::atomic;
 use leastaction_learning::checkpoint::Trained;
-use leastaction_learning::model_file::{self, Precision};
+use leastaction_models::file::{self, Precision};
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -113,9 +113,9 @@ impl Export {
     /// The Rust module.
     fn source(&self, bytes: &[u8]) -> Result<String, Failure> {
         if self.constants {
-            model_file::rust_constants(bytes).map_err(|error| Failure::Input(error.to_string()))
+            file::rust_constants(bytes).map_err(|error| Failure::Input(error.to_string()))
         } else {
-            model_file::rust_source(bytes).map_err(|error| Failure::input(&self.output, error))
+            file::rust_source(bytes).map_err(|error| Failure::input(&self.output, error))
         }
     }
 
@@ -133,14 +133,8 @@ impl Export {
         if self.weights == Weights::F32 && self.data.is_none() {
             return Ok(None);
         }
-        let shipped = model_file::decode(bytes).map_err(|error| Failure::input(&self.output, error))?;
-        let compared = Compared {
-            architecture: &trained.architecture,
-            order: trained.trained_step.map_or(4, |step| step.order.number()),
-            control: trained.trained_step.map(|step| step.control),
-            trained: &trained.best.weights,
-            shipped: &shipped.weights,
-        };
+        let shipped = file::decode(bytes).map_err(|error| Failure::input(&self.output, error))?;
+        let compared = Compared { trained: trained.model(), shipped };
         compared.measure((&self.run, self.data.as_deref()), self.weights.precision(), output)
     }
 }

@@ -8,11 +8,11 @@ use clap::Args;
 use leastaction::cli::{Done, Failure, Output};
 use leastaction::models::load_part;
 use leastaction_core::forces::DryFriction;
-use leastaction_core::model::{ActuatorBytes, CoordinateRange, FORMAT_VERSION, Interval};
+use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
 use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
-use leastaction_learning::model_file::{HostModel, Precision};
-use leastaction_learning::windows::Calibrated;
+use leastaction_models::file::Precision;
+use leastaction_models::{Actuator, Model};
 use network::NetworkReport;
 use serde::Serialize;
 use shape::ShapeReport;
@@ -84,7 +84,7 @@ impl Inspect {
 }
 
 /// The prediction for a processor.
-fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Result<OnTarget, Failure> {
+fn on(target: Target, file: &Path, model: &Model, model_bytes: usize) -> Result<OnTarget, Failure> {
     let unknown = || {
         let name = target.processor().name();
         let why = match model.precision {
@@ -100,12 +100,12 @@ fn on(target: Target, file: &Path, model: &HostModel, model_bytes: usize) -> Res
     Ok(OnTarget { prediction, model_bytes, static_ram_bytes: 0 })
 }
 
-fn report(file: PathBuf, model: HostModel, flash_bytes: usize) -> Report {
+fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     let architecture = &model.architecture;
     let friction = architecture.friction_of_coordinates(&model.weights);
     let damping: Vec<f64> = friction.iter().map(|friction| friction.viscous).collect();
     // Every modular model has the numbers, most of them 0.
-    let damped = architecture.rigid().is_some() || damping.iter().any(|damping| *damping != 0.0);
+    let damped = architecture.family.rigid().is_some() || damping.iter().any(|damping| *damping != 0.0);
     Report {
         cost: cost(architecture).ok(),
         target: None,
@@ -175,11 +175,9 @@ struct ActuatorReport {
 }
 
 impl ActuatorReport {
-    fn of(model: &HostModel) -> Option<Self> {
-        let bytes = &model.facts.actuator;
-        let n = ActuatorBytes::new(bytes).ok()?.n();
-        let Calibrated { gain, offset, delay, .. } = Calibrated::of_file(bytes, n).ok()?;
-        Some(Self { gain, offset, delay })
+    fn of(model: &Model) -> Option<Self> {
+        let Actuator { gain, offset, delay } = model.facts.actuator.clone();
+        (!model.facts.actuator.is_ideal()).then_some(Self { gain, offset, delay })
     }
 }
 

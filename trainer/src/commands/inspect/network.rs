@@ -1,6 +1,6 @@
 //! Networks that correct a model, in words.
 
-use leastaction_learning::architecture::CorrectionNetwork;
+use leastaction_models::CorrectionNetwork;
 use serde::Serialize;
 use std::fmt;
 

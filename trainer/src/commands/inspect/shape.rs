@@ -7,9 +7,9 @@ use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
 use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
 use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
-use leastaction_learning::architecture::{
-    Architecture, ArmArchitecture, BodiesArchitecture, Family, GraphArchitecture, ModularArchitecture,
-    RigidArchitecture,
+use leastaction_models::{
+    AnyFamily, Architecture, ArmArchitecture, BodiesArchitecture, Family as _, GraphArchitecture,
+    ModularArchitecture, RigidArchitecture,
 };
 use serde::Serialize;
 
@@ -127,11 +127,11 @@ impl ShapeReport {
     /// Of a model.
     pub fn of(architecture: &Architecture) -> Self {
         match &architecture.family {
-            Family::Rigid(rigid) => Self::rigid(rigid),
-            Family::Modular(modular) => Self::modular(modular),
-            Family::Graph(graph) => Self::graph(graph),
-            Family::Bodies(bodies) => Self::bodies(bodies),
-            Family::Arm(arm) => Self::arm(arm),
+            AnyFamily::Rigid(rigid) => Self::rigid(rigid),
+            AnyFamily::Modular(modular) => Self::modular(modular),
+            AnyFamily::Graph(graph) => Self::graph(graph),
+            AnyFamily::Bodies(bodies) => Self::bodies(bodies),
+            AnyFamily::Arm(arm) => Self::arm(arm),
         }
     }
 
@@ -233,7 +233,7 @@ impl ShapeReport {
     }
 
     fn arm(arm: &ArmArchitecture) -> Self {
-        let weights = arm.initial_weights();
+        let weights = arm.initial_weights(0);
         let numbers = |k: usize| ArmArchitecture::body_of(&weights, k);
         let each = arm.tree_bodies().enumerate().filter_map(|(k, body)| Some((body, numbers(k)?)));
         Self::Arm {

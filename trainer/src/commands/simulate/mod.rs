@@ -29,7 +29,7 @@ use leastaction::cli::arguments::{positive, positive_f32, seed};
 use leastaction::cli::{Done, Failure, FileKind, Output, folder, replaceable};
 use leastaction::models::load;
 use leastaction_learning::ground_truth::Mechanism;
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::Model;
 use replay::{Replay, ReplayReport};
 use report::{FORCE, POSITION, median_and_most, unit};
 use std::path::{Path, PathBuf};
@@ -217,7 +217,7 @@ fn cut(failure: Failure, rows: &Trace, file: &Path) -> Failure {
 }
 
 /// The mechanism whose coordinates are those of the model.
-fn mechanism(file: &Path, model: &HostModel) -> Result<Mechanism, Failure> {
+fn mechanism(file: &Path, model: &Model) -> Result<Mechanism, Failure> {
     match model.architecture.coordinates().as_str() {
         "a" => Ok(Mechanism::Pendulum),
         "ta" | "ca" => Ok(Mechanism::Cartpole),

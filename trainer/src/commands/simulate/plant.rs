@@ -11,7 +11,7 @@ use leastaction_firmware_sim::devices::{Devices, Drive, EncoderConfig};
 use leastaction_firmware_sim::observer::ObserverConfig;
 use leastaction_firmware_sim::scenario::{Excitation, Predict, Push, Setup, Start, predict};
 use leastaction_learning::ground_truth::Mechanism;
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::Model;
 use leastaction_replica::{OfSize, ParticleSystem, Replica, SystemOf, Visitor};
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub enum Plant<'a> {
         /// The file.
         file: &'a Path,
         /// What is in it.
-        model: &'a HostModel,
+        model: &'a Model,
     },
 }
 
@@ -80,7 +80,7 @@ pub trait OnPlant {
 pub fn on_plant(
     request: &Request,
     model: &Replica,
-    plant: &HostModel,
+    plant: &Model,
     (what, trace): (impl OnPlant, &mut Trace),
 ) -> Result<Report, Failure> {
     let [own, others] = [request.model, plant].map(|model| model.architecture.coordinates());

@@ -12,7 +12,7 @@ use leastaction_firmware_sim::scenario::{Logged, replay};
 use leastaction_firmware_sim::{Mode, Outcome, Program, SetupError, Summary, Tick, wrap};
 use leastaction_learning::config::{Config, DataConfig};
 use leastaction_learning::data::{Dataset, Rows};
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::Model;
 use leastaction_replica::{OfSize, ParticleSystem, Replica, SystemOf, Visitor};
 use serde::Serialize;
 use std::fmt;
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// What to run along which log.
 pub struct Replay<'a> {
     /// The model.
-    pub model: &'a HostModel,
+    pub model: &'a Model,
     /// The log.
     pub log: &'a Path,
     /// The configuration whose `[data]` says how the log is read, where its columns are not the usual ones.

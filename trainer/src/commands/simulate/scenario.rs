@@ -18,7 +18,7 @@ use leastaction_firmware_sim::scenario::{
 };
 use leastaction_firmware_sim::{self as firmware_sim, Processor, Program, SetupError, Summary, Tick};
 use leastaction_learning::ground_truth::Mechanism;
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::Model;
 use leastaction_replica::{OfSize, Replica, SystemOf};
 use serde::Serialize;
 use std::convert::Infallible;
@@ -54,7 +54,7 @@ impl fmt::Display for Scenario {
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// The model.
-    pub model: &'a HostModel,
+    pub model: &'a Model,
     /// What the loop acts on.
     pub plant: Plant<'a>,
     /// What the loop does.

@@ -10,7 +10,7 @@ use leastaction_core::model::ActuatorBytes;
 use leastaction_firmware_sim::devices::Drive;
 use leastaction_firmware_sim::observer::LearnZeros;
 use leastaction_firmware_sim::scenario::Setup;
-use leastaction_learning::model_file::HostModel;
+use leastaction_models::Model;
 
 /// Where the mechanism is not as the firmware would like it. Lists have one value for every coordinate, or one for all.
 #[derive(Args, Default)]
@@ -117,7 +117,7 @@ impl World {
     pub fn adapt<const N: usize>(
         &self,
         setup: &mut Setup<N>,
-        (plant, model): (Plant, &HostModel),
+        (plant, model): (Plant, &Model),
     ) -> Result<(), Failure> {
         self.encoders(setup)?;
         self.actuators(setup, (plant, model))?;
@@ -144,7 +144,7 @@ impl World {
     fn actuators<const N: usize>(
         &self,
         setup: &mut Setup<N>,
-        (plant, model): (Plant, &HostModel),
+        (plant, model): (Plant, &Model),
     ) -> Result<(), Failure> {
         let (h, truth) = (setup.tick, &mut setup.devices.actuator);
         let ticks = |ms: f64| (1e-3 * ms / f64::from(h)) as f32;
@@ -169,8 +169,9 @@ impl World {
 }
 
 /// Gain, offset and delay (in steps of h seconds) of a model file's actuator; nothing where the command is the force.
-pub fn known_actuator<const N: usize>(model: &HostModel, h: f32) -> Result<Option<(Drive<N>, f32)>, Failure> {
-    let Ok(file) = ActuatorBytes::new(&model.facts.actuator) else { return Ok(None) };
+pub fn known_actuator<const N: usize>(model: &Model, h: f32) -> Result<Option<(Drive<N>, f32)>, Failure> {
+    let bytes = model.facts.actuator.to_bytes();
+    let Ok(file) = ActuatorBytes::new(&bytes) else { return Ok(None) };
     let (_, Actuator { gain, offset, .. }) =
         file.at_step(h).map_err(|error| Failure::Input(error.to_string()))?;
     Ok(Some((Drive { gain, offset }, file.delay() / h)))

@@ -1,11 +1,11 @@
 //! From a configuration to the shape of a model.
 
 use super::{BodiesConfig, BodyConfig, BodyNumber, LEARNED, ZERO};
-use crate::architecture::{Architecture, BodiesArchitecture, MAX_TREE_COORDINATES, Number};
 use crate::config::corrections::{Known, assemble};
 use crate::config::parts::Range;
 use crate::config::problem::{Problem, ShapeError};
 use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
+use leastaction_models::{Architecture, BodiesArchitecture, Family, MAX_TREE_COORDINATES, Number};
 
 /// The gear ratio of a drive that nothing is known of. Of it and of the rotor motion shows J(g² − g) alone.
 const GEAR: f64 = 10.0;

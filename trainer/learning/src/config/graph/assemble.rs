@@ -1,7 +1,6 @@
 //! From a configuration to the shape of a model.
 
 use super::{EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig};
-use crate::architecture::{GraphArchitecture, GraphType, MAX_GRAPH_COORDINATES, NamedGraph, Number};
 use crate::config::parts::{Networks, NumberConfig, Range};
 use crate::config::problem::{Problem, ShapeError, check_count, check_name, list};
 use leastaction_core::energy::graph::{
@@ -10,6 +9,7 @@ use leastaction_core::energy::graph::{
 };
 use leastaction_core::model::{MAX_GRAPHS, ORIGIN, Rod};
 use leastaction_core::network::Activation;
+use leastaction_models::{Family, GraphArchitecture, GraphType, MAX_GRAPH_COORDINATES, NamedGraph, Number};
 
 /// The key of the node types.
 const NODE_TYPES: &str = "node_types";

@@ -3,10 +3,6 @@
 use super::numbers::DEFAULTS;
 use super::source::Source;
 use super::{ElementConfig, ModularConfig, PairConfig, Problem, ShapeError, TransformKind, TypeConfig};
-use crate::architecture::{
-    Corrections, FrictionArchitecture, MAX_TREE_COORDINATES, ModularArchitecture, NamedTree, NamedType,
-    Number,
-};
 use crate::config::corrections::{Known, assemble};
 use crate::config::parts::Networks;
 use crate::config::problem::{check_count, check_name, list};
@@ -17,6 +13,10 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::model::MAX_TREES;
 use leastaction_core::network::Activation;
+use leastaction_models::{
+    Corrections, Family, FrictionArchitecture, MAX_TREE_COORDINATES, ModularArchitecture, NamedTree,
+    NamedType, Number,
+};
 use std::ops::Range;
 
 /// Units of the hidden layer of a network that does not say.

@@ -1,8 +1,8 @@
 //! The numbers of element types.
 
 use super::{Problem, TransformKind, TypeConfig};
-use crate::architecture::{Number, TYPE_NUMBERS};
 use crate::config::parts::{NumberConfig, Range};
+use leastaction_models::{Number, TYPE_NUMBERS};
 
 /// A point of 1 kg at the end of whatever carries it.
 pub(super) const DEFAULTS: [Number; TYPE_NUMBERS] =

@@ -1,9 +1,9 @@
 //! The trained model that a new one begins from.
 
 use super::Problem;
-use crate::architecture::{Architecture, Corrections, Family, FrictionArchitecture, ModularArchitecture};
 use crate::checkpoint::Trained;
-use crate::model_file::decode;
+use leastaction_models::file::decode;
+use leastaction_models::{AnyFamily, Architecture, Corrections, FrictionArchitecture, ModularArchitecture};
 use std::path::Path;
 
 /// A trained tree of elements: its shape, whose numbers are the trained ones, and its weights.
@@ -24,7 +24,7 @@ impl Source {
         let of_networks = weights.len().saturating_sub(corrections.count());
         let friction = friction.with_numbers(weights.get(..of_networks).unwrap_or_default());
         match family {
-            Family::Modular(modular) => {
+            AnyFamily::Modular(modular) => {
                 Ok(Self { architecture: modular.with_numbers(&weights), friction, corrections, weights })
             }
             other => Err(Problem::OtherFamily { file: path.to_owned(), found: other.name() }),

@@ -24,8 +24,8 @@ pub use settings::{
 pub use sines::Sines;
 
 use crate::data::{Dataset, Rows, Trajectory};
-use crate::parallel;
 use leastaction_core::forces::ControlKind;
+use leastaction_models::parallel;
 use simulate::Robot;
 
 /// One log with its truth, a row for every sample.

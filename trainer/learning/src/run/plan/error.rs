@@ -14,69 +14,8 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlanError {
     /// The data has another number of coordinates than the model.
-    #[error(
-        "[model] coordinates names {model} coordinates, but the data has {data}; name every coordinate of q, in order"
-    )]
-    Coordinates {
-        /// Of the model.
-        model: usize,
-        /// Of the data.
-        data: usize,
-    },
-    /// The data has another number of coordinates than the tree.
-    #[error(
-        "[model] tree = {tree:?} has {model} coordinates, one after the other those of {elements}, but the data has {data}; name \
-         the tree that the data is of, its elements in the order of q"
-    )]
-    Tree {
-        /// What it is called.
-        tree: String,
-        /// Its elements.
-        elements: String,
-        /// Of the tree.
-        model: usize,
-        /// Of the data.
-        data: usize,
-    },
-    /// The data has another number of coordinates than the graph.
-    #[error(
-        "[model] graph = {graph:?} has {model} coordinates, {dimension} of each node, but the data has {data}; name the graph that \
-         the data is of, its nodes in the order of q"
-    )]
-    Graph {
-        /// What it is called.
-        graph: String,
-        /// Coordinates of a node.
-        dimension: usize,
-        /// Of the graph.
-        model: usize,
-        /// Of the data.
-        data: usize,
-    },
-    /// The data has another number of coordinates than there are bodies.
-    #[error(
-        "[model] has {model} bodies, one a coordinate, but the data has {data} coordinates; name the bodies in the order of q, or \
-         set chain = {data}"
-    )]
-    Bodies {
-        /// Of the model.
-        model: usize,
-        /// Of the data.
-        data: usize,
-    },
-    /// The data has another number of coordinates than the arm.
-    #[error(
-        "[model] urdf has {model} joints, in this order: {joints}; but the data has {data} coordinates; name the columns of all joints in \
-         that order"
-    )]
-    Arm {
-        /// Names of the joints.
-        joints: String,
-        /// Of the model.
-        model: usize,
-        /// Of the data.
-        data: usize,
-    },
+    #[error("{0}")]
+    Coordinates(String),
     /// A loss of torques without torques.
     #[error(
         "an arm, and whatever has loss = \"torque\", is learned from the torques of its drives, and the data has none (u is zero or missing); \

@@ -1,9 +1,9 @@
 //! What a fit over windows is looked at by: its windows log by log, its residuals, what it learned.
 
 use super::WindowLoss;
-use crate::parallel;
 use crate::training::Residuals;
 use crate::windows::logs::Window;
+use leastaction_models::parallel;
 use leastaction_programs::WIDTH;
 use std::ops::Range;
 

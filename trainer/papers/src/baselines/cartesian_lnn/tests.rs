@@ -4,7 +4,7 @@ use super::*;
 use crate::baselines::oracle::{
     Dual, assert_close, check_normal_equations, moving, network, random, squareplus,
 };
-use leastaction_learning::architecture::NamedGraph;
+use leastaction_learning::ground_truth::lgnn_graph;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{Adam, AdamSettings, Schedule};
 use nalgebra::{DMatrix, DVector};
@@ -17,7 +17,7 @@ const WIDTH: usize = 5;
 const SAMPLES: usize = 11;
 
 fn lnn() -> CartesianLnn {
-    CartesianLnn::new(NamedGraph::of_system(LgnnSystem::Pendulum(NODES)), WIDTH)
+    CartesianLnn::new(lgnn_graph(LgnnSystem::Pendulum(NODES)), WIDTH)
 }
 
 /// States on the rods or off them.
@@ -111,7 +111,7 @@ fn a_few_epochs_lower_the_loss() {
     let system = LgnnSystem::Pendulum(3);
     let settings = LgnnSettings { trajectories: 2, ..LgnnSettings::published(system, 3) };
     let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
-    let lnn = CartesianLnn::new(NamedGraph::of_system(system), 9);
+    let lnn = CartesianLnn::new(lgnn_graph(system), 9);
     let objective = lnn.objective(samples).unwrap();
     let start = lnn.initial_weights(2);
     let before = objective.loss(&start);
@@ -133,7 +133,7 @@ fn what_does_not_fit_is_refused() {
     let needed = lnn.parameters();
     assert_eq!(lnn.motion(&weights[1..]).err(), shape("weights", needed - 1, needed));
     assert!(lnn.motion(&weights).unwrap()(&[0.1; N], &[0.0; N - 1], &mut [0.0; N]).is_none());
-    let authors = CartesianLnn::new(NamedGraph::of_system(LgnnSystem::Pendulum(3)), 256);
+    let authors = CartesianLnn::new(lgnn_graph(LgnnSystem::Pendulum(3)), 256);
     assert_eq!((authors.parameters(), authors.initial_weights(0).len()), (67_844, 67_844));
 }
 

@@ -5,10 +5,10 @@ use super::direct::Direct;
 use super::graph_network::{GraphNetwork, GraphSizes};
 use super::{AccelerationModel, Follow, coordinates_fit};
 use leastaction_core::model::ModelError;
-use leastaction_learning::architecture::{NamedGraph, random_layers};
-use leastaction_learning::evaluate::learned::Accelerations;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::training::{Objective, Samples};
+use leastaction_models::accelerations::Accelerations;
+use leastaction_models::{NamedGraph, random_layers};
 
 /// v̇_i = N_a(h′_i): nodes h_i = N_h(x_i, v_i, type_i) and both directions of every edge e_ij = N_e(|x_i − x_j|) are embedded
 /// linearly; then e′_ij = N_m(e_ij, h_i, h_j) and h′_i = N_u(h_i, Σ_j e′_ij, Σ_j e′_ji). N_m, N_u and N_a have two hidden

@@ -3,9 +3,10 @@
 use super::*;
 use crate::baselines::oracle::{assert_close, check_normal_equations, messages, random, squareplus, take};
 use leastaction_core::energy::graph::Edge;
-use leastaction_learning::architecture::NamedGraph;
+use leastaction_learning::ground_truth::lgnn_graph;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{Adam, AdamSettings, Schedule};
+use leastaction_models::NamedGraph;
 use std::array::from_fn;
 
 /// Nodes, edges and sizes are pairwise distinct.
@@ -87,7 +88,7 @@ fn nodes_in_another_order_have_the_accelerations_in_that_order() {
 
 #[test]
 fn weights_of_five_springs_serve_a_ring_of_any_size() {
-    let on = |nodes| Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(LgnnSystem::Spring(nodes))).unwrap();
+    let on = |nodes| Gns::new(GraphSizes::LGNN, &lgnn_graph(LgnnSystem::Spring(nodes))).unwrap();
     let five = on(5);
     assert_eq!((five.parameters(), five.initial_weights(0).len()), (2_130, 2_130));
     // Where all nodes are alike their number makes no difference.
@@ -105,7 +106,7 @@ fn weights_of_five_springs_serve_a_ring_of_any_size() {
 fn a_few_epochs_lower_the_loss() {
     let settings = LgnnSettings { trajectories: 2, ..LgnnSettings::published(LgnnSystem::Spring(5), 3) };
     let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
-    let gns = Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(LgnnSystem::Spring(5))).unwrap();
+    let gns = Gns::new(GraphSizes::LGNN, &lgnn_graph(LgnnSystem::Spring(5))).unwrap();
     let objective = gns.objective(samples).unwrap();
     let start = gns.initial_weights(2);
     let before = objective.loss(&start);
@@ -123,7 +124,7 @@ fn a_few_epochs_lower_the_loss() {
 fn what_does_not_fit_is_refused() {
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
     assert_eq!(Gns::new(SIZES, &named(&[0, 0], &[[0, 2]])).err(), shape("nodes", 3, 2));
-    let ring = Gns::new(GraphSizes::LGNN, &NamedGraph::of_system(LgnnSystem::Spring(5))).unwrap();
+    let ring = Gns::new(GraphSizes::LGNN, &lgnn_graph(LgnnSystem::Spring(5))).unwrap();
     assert_eq!(ring.objective(samples()).err(), shape("coordinates", 15, 10));
     assert_eq!(ring.motion(&[0.0; 9]).err(), shape("weights", 9, ring.parameters()));
     let weights = ring.initial_weights(0);

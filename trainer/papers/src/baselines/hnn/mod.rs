@@ -10,10 +10,10 @@ use super::features::{adjoint, count, fixed, inputs};
 use super::{AccelerationModel, Follow, coordinates_fit, layers_of, parameters_of};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Jet, Mlp, Tape};
-use leastaction_learning::architecture::random_layers;
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};
 use leastaction_learning::ground_truth::{IntegrationError, Start, follow_flow};
 use leastaction_learning::training::{Objective, Samples};
+use leastaction_models::random_layers;
 use slopes::Slopes;
 
 /// Units of a hidden layer at most.

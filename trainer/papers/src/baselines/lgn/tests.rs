@@ -6,9 +6,10 @@ use crate::baselines::oracle::{
 };
 use leastaction_core::energy::graph::Edge;
 use leastaction_core::model::Rod;
-use leastaction_learning::architecture::NamedGraph;
+use leastaction_learning::ground_truth::lgnn_graph;
 use leastaction_learning::ground_truth::{LgnnSettings, LgnnSystem, lgnn_set};
 use leastaction_learning::training::{Adam, AdamSettings, Schedule};
+use leastaction_models::NamedGraph;
 use leastaction_programs::{Row, System, WIDTH};
 use nalgebra::{DMatrix, DVector};
 use std::array::from_fn;
@@ -149,7 +150,7 @@ fn a_few_epochs_lower_the_loss() {
     for system in [LgnnSystem::Spring(5), LgnnSystem::Pendulum(3)] {
         let settings = LgnnSettings { trajectories: 1, ..LgnnSettings::published(system, 3) };
         let samples = Samples::accelerations(&lgnn_set(&settings).unwrap()).unwrap();
-        let lgn = Lgn::new(SIZES, NamedGraph::of_system(system)).unwrap();
+        let lgn = Lgn::new(SIZES, lgnn_graph(system)).unwrap();
         let objective = lgn.objective(samples).unwrap();
         let start = lgn.initial_weights(2);
         let before = objective.loss(&start);
@@ -172,7 +173,7 @@ fn a_few_epochs_lower_the_loss() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let shape = |what, found, compiled| Some(ModelError::Shape { what, found, compiled });
-    let on = |sizes, nodes| Lgn::new(sizes, NamedGraph::of_system(LgnnSystem::Spring(nodes)));
+    let on = |sizes, nodes| Lgn::new(sizes, lgnn_graph(LgnnSystem::Spring(nodes)));
     assert_eq!(on(GraphSizes { dimension: 3, ..SIZES }, 5).err(), shape("dimensions", 3, 2));
     let five = on(GraphSizes::LGNN, 5).unwrap();
     assert_eq!((five.parameters(), five.initial_weights(0).len()), (2_113, 2_113));
@@ -186,7 +187,7 @@ fn what_does_not_fit_is_refused() {
 /// A graph of more coordinates than directions go side by side, in which several blocks make up the mass matrix.
 #[test]
 fn accelerations_of_many_nodes_are_those_that_are_learned_from() {
-    let lgn = Lgn::new(SIZES, NamedGraph::of_system(LgnnSystem::Spring(10))).unwrap();
+    let lgn = Lgn::new(SIZES, lgnn_graph(LgnnSystem::Spring(10))).unwrap();
     let n = lgn.n();
     assert!(n > WIDTH);
     let (q, v, weights) = (random(n, 1.0, 5), random(n, 1.5, 6), lgn.initial_weights(34));

@@ -7,13 +7,12 @@ use crate::task::TaskError;
 use leastaction_arms::Samples;
 use leastaction_arms::fit::{Arm, JointNumbers};
 use leastaction_core::energy::rigid::{Coordinate, Inertia};
-use leastaction_learning::architecture::{
-    Architecture, ArmArchitecture, FrictionArchitecture, Number, RigidArchitecture,
-};
 use leastaction_learning::training::{
     Covered, Levenberg, Objective, Samples as States, TorqueTerms, inverse_dynamics, network_start,
     torque_objective,
 };
+use leastaction_models::Family as _;
+use leastaction_models::{Architecture, ArmArchitecture, FrictionArchitecture, Number, RigidArchitecture};
 use leastaction_programs::System;
 use leastaction_programs::energies::WithOffsets;
 
@@ -54,7 +53,7 @@ pub(super) fn from_bodies(data: &ArmData) -> Result<Learned, TaskError> {
         let network = network(&joints);
         let bodies = ArmArchitecture::new(&tree, |_| false, |k| Number::known(tree.rotors[k]));
         let bodies = bodies.ok_or("the arm is none of a model file")?;
-        let numbers = bodies.initial_weights();
+        let numbers = bodies.initial_weights(0);
         let sizes = [&data.train.v, &data.train.a].map(root_mean_squares);
         let covered = Covered { q: data.train.q.as_flat(), sizes };
         let weights =

@@ -6,10 +6,11 @@ use leastaction_arms::fit::{Arm, JointNumbers};
 use leastaction_arms::urdf::{Inertias, parse};
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::TrainedStep;
-use leastaction_learning::architecture::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
-use leastaction_learning::model_file::{HostModel, encode};
 use leastaction_learning::training::{Samples as States, inverse_dynamics};
+use leastaction_models::Model;
+use leastaction_models::file::encode;
+use leastaction_models::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
 use leastaction_plot::{Panel, Series, Stroke, time_series};
 use leastaction_programs::System;
 use rand::{RngExt, SeedableRng};
@@ -152,7 +153,7 @@ pub fn motion(seed: u64) -> String {
 const SHOWN: usize = 10;
 
 /// Draws the torques of the motion that was not learned from: what the sensors read, and what the model takes.
-pub fn draw_torques(file: &Path, model: &HostModel, seed: u64, unseen: &Dataset) -> Result<(), Failure> {
+pub fn draw_torques(file: &Path, model: &Model, seed: u64, unseen: &Dataset) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
     let exact = samples(&waves(seed, 1))?;
     let system = System::new(&*model.architecture.energies().map_err(|error| failed(&error))?);

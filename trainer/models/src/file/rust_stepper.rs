@@ -1,0 +1,177 @@
+//! The stepper of a generated module: its types, and the function that makes it.
+
+use crate::GraphArchitecture;
+use crate::Model;
+use leastaction_core::discrete::Order;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::{ActuatorBytes, ModelError, TrainedStep};
+use std::fmt::{self, Write};
+
+/// Commands that a model without a step of its own keeps for a delay: 8 steps of it and a part of one.
+const PAST: usize = 9;
+
+/// Facts of a model that its stepper's types depend on.
+pub(super) struct StepperType {
+    step: Option<TrainedStep>,
+    /// Bytes of the actuator; none where the command is the force.
+    actuator: Vec<u8>,
+    /// Commands kept.
+    past: usize,
+}
+
+impl StepperType {
+    pub(super) fn of(model: &Model) -> Result<Self, ModelError> {
+        let (step, bytes) = (model.facts.trained_step, model.facts.actuator.to_bytes());
+        let actuator = (!bytes.is_empty()).then(|| ActuatorBytes::new(&bytes)).transpose()?;
+        let of_kind = usize::from(step.is_some_and(|step| step.control == ControlKind::Linear));
+        let late = match (actuator, step) {
+            (None, _) => 0,
+            (Some(_), None) => PAST,
+            (Some(actuator), Some(step)) => {
+                let (whole, rest) = actuator.delay_at_step(step.h)?;
+                usize::from(whole) + usize::from(rest > 0.0)
+            }
+        };
+        Ok(Self { step, past: of_kind + late, actuator: bytes })
+    }
+
+    fn actuator(&self) -> Option<ActuatorBytes<'_>> {
+        ActuatorBytes::new(&self.actuator).ok()
+    }
+
+    /// Whether the actuator is known only together with a step that is not.
+    pub(super) fn is_open(&self) -> bool {
+        self.step.is_none() && self.has_actuator()
+    }
+
+    fn order(&self) -> Order {
+        self.step.map_or(Order::Four, |step| step.order)
+    }
+
+    pub(super) fn has_step(&self) -> bool {
+        self.step.is_some()
+    }
+
+    pub(super) fn has_actuator(&self) -> bool {
+        !self.actuator.is_empty()
+    }
+
+    /// The path of the integrator.
+    pub(super) fn path(&self) -> &'static str {
+        match self.order() {
+            Order::Two => "Midpoint",
+            Order::Four => "Galerkin",
+        }
+    }
+
+    fn kind(&self) -> &'static str {
+        match self.step.map_or(ControlKind::Held, |step| step.control) {
+            ControlKind::Held => "Held",
+            ControlKind::Linear => "Linear",
+        }
+    }
+
+    fn actuation(&self) -> &'static str {
+        if self.has_actuator() { "Actuated" } else { "Direct" }
+    }
+
+    /// Names of core's module `stepper`, `others` among them.
+    pub(super) fn imports(&self, others: &[&'static str]) -> String {
+        let mut names = [&[self.kind(), self.actuation()], others].concat();
+        names.sort_unstable_by_key(|name| (name.starts_with(char::is_lowercase), *name));
+        format!("use leastaction_core::stepper::{{self, {}}};", names.join(", "))
+    }
+
+    /// The types of the drive and of the stepper, and the function that makes one of a file.
+    pub(super) fn write(&self, to: &mut impl Write) -> fmt::Result {
+        self.write_made(to, "Stepper::new(load()?)")
+    }
+
+    /// [`StepperType::write`] of a model that is constants.
+    pub(super) fn write_of_constants(&self, to: &mut impl Write) -> fmt::Result {
+        let made = match self.actuator() {
+            None => "Stepper::new(load()?)",
+            Some(_) => "Stepper::with_drive(load()?, Drive::new(ACTUATOR)?)",
+        };
+        self.write_made(to, made)
+    }
+
+    fn write_made(&self, to: &mut impl Write, made: &str) -> fmt::Result {
+        self.write_types(to)?;
+        writeln!(to, "pub type Stepper = stepper::Stepper<Model, {}, Drive, N>;\n", self.path())?;
+        let [of, argument, made] = match self.step {
+            Some(_) => ["", "", made],
+            None => [" of a step of h seconds", "h: f32", "Stepper::with_step(load()?, h)"],
+        };
+        writeln!(to, "/// A stepper{of}, not started. {VALIDATES}")?;
+        writeln!(to, "pub fn stepper({argument}) -> Result<Stepper, ModelError> {{\n    {made}\n}}")
+    }
+
+    /// The types of a graph's stepper, and the function that makes one.
+    pub(super) fn write_of_graph(&self, to: &mut impl Write, graph: &GraphArchitecture) -> fmt::Result {
+        let named = graph.graphs.get(graph.graph);
+        let (nodes, band) = named.map_or((0, 0), |graph| (graph.nodes.len(), graph.band()));
+        let sizes = format!("N / DIMENSION, RODS, {band}, {}", graph.shape.workspace(nodes));
+        self.write_types(to)?;
+        writeln!(to, "pub type Stepper<'a> = ParticleStepper<'a, Model<'a>, Drive, DIMENSION, N>;")?;
+        writeln!(to, "/// Memory that the graph is read to and stepped in.")?;
+        writeln!(to, "pub type Memory = ParticleMemory<DIMENSION, EDGES, RODS, NUMBERS>;")?;
+        writeln!(to, "const NUMBERS: usize = particle_numbers::<DIMENSION>({sizes});\n")?;
+        let [of, argument, new, h] = if self.step.is_some() {
+            ["", "", "new", ""]
+        } else {
+            [" of a step of h seconds", ", h: f32", "with_step", ", h"]
+        };
+        writeln!(to, "/// A stepper{of}, not started. {VALIDATES}")?;
+        writeln!(to, "pub fn stepper(memory: &mut Memory{argument}) -> Result<Stepper<'_>, ModelError> {{")?;
+        writeln!(to, "    Stepper::{new}(&FILE.0, GRAPH, memory{h})\n}}")
+    }
+
+    /// The step and the type of the drive, and what the stepper is.
+    fn write_types(&self, to: &mut impl Write) -> fmt::Result {
+        if let Some(TrainedStep { h, .. }) = self.step {
+            writeln!(to, "\n/// The step that the model was trained with, s.\npub const STEP: f32 = {h:?};")?;
+        }
+        let (kind, past, order) = (self.kind(), self.past, self.order());
+        let commands = match kind {
+            "Held" => "A command is held over its step",
+            _ => "A command is the sample at the end of its step, linear from the one before",
+        };
+        writeln!(to, "\n/// {commands}; {}", self.between())?;
+        let actuation = if self.has_actuator() { "Actuated<N>" } else { "Direct" };
+        writeln!(to, "pub type Drive = stepper::Drive<{kind}, {actuation}, N, {past}>;")?;
+        writeln!(to, "/// Model, integrator of order {order}, drive and state: `start`, then `step`.")
+    }
+
+    /// The rest of a sentence on commands: what lies between them and forces.
+    fn between(&self) -> String {
+        let Some(actuator) = self.actuator() else { return "it is the force.".to_owned() };
+        format!("the actuator has gains, offsets and a delay of {:?} s.", actuator.delay())
+    }
+
+    /// The step of a model that is constants, as a value.
+    pub(super) fn trained(&self) -> &'static str {
+        if self.step.is_some() { "Some(TRAINED)" } else { "None" }
+    }
+
+    /// The constants that a model without a file has its step and its actuator from.
+    pub(super) fn write_numbers(&self, to: &mut impl Write) -> fmt::Result {
+        let Some(TrainedStep { order, control, h }) = self.step else { return Ok(()) };
+        let control = format!("ControlKind::{control:?}");
+        writeln!(
+            to,
+            "\nconst TRAINED: TrainedStep = TrainedStep {{ order: Order::{order:?}, h: STEP, control: {control} }};"
+        )?;
+        let Some(actuator) = self.actuator() else { return Ok(()) };
+        // Read before, for the number of commands kept.
+        let (whole, rest) = actuator.delay_at_step(h).unwrap_or_default();
+        let pairs = actuator.pairs().collect::<Vec<_>>();
+        let [gain, offset] = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>());
+        writeln!(to, "\n#[rustfmt::skip]\nconst ACTUATOR: Actuated<N> = Actuated {{")?;
+        writeln!(to, "    whole: {whole},")?;
+        writeln!(to, "    actuator: Actuator {{ gain: {gain:?}, offset: {offset:?}, delay: {rest:?} }},\n}};")
+    }
+}
+
+/// A sentence on every function that makes a stepper.
+const VALIDATES: &str = "Validates the model, once; the weights stay where they are.";

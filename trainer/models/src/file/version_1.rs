@@ -1,0 +1,130 @@
+//! Files of version 1 of the format: one postcard document, damping among the numbers of element types. Read here alone, and
+//! turned into version 2.
+
+use super::assemble;
+use crate::TYPE_NUMBERS;
+use leastaction_core::discrete::Order;
+use leastaction_core::energy::MAX_HIDDEN;
+use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::forces::ControlKind;
+use leastaction_core::model::{
+    Family, GraphHeader, Header, Laws, MAGIC, ModelError, ModularHeader, RigidHeader, TrainedStep, checksum,
+};
+use leastaction_core::network::Activation;
+use serde::Deserialize;
+
+const VERSION: u8 = 1;
+
+/// The whole file.
+#[derive(Deserialize)]
+struct Document<'a> {
+    _magic: [u8; 4],
+    _version: u8,
+    #[serde(borrow)]
+    family: OldFamily<'a>,
+    step: Option<OldStep>,
+    provenance: &'a str,
+    padding: &'a [u8],
+    weights: &'a [u8],
+    _checksum: [u8; 4],
+}
+
+#[derive(Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "read once")]
+enum OldFamily<'a> {
+    #[serde(borrow)]
+    Rigid(OldRigid<'a>),
+    Modular(ModularHeader<'a>),
+    Graph(GraphHeader<'a>),
+}
+
+#[derive(Deserialize)]
+struct OldRigid<'a> {
+    coordinates: &'a str,
+    widths: [u16; MAX_HIDDEN],
+    activation: Activation,
+    inertia: Inertia,
+    damped: bool,
+}
+
+#[derive(Deserialize)]
+struct OldStep {
+    order: u8,
+    h: f32,
+}
+
+/// Whether it is a file of version 1.
+pub fn is(bytes: &[u8]) -> bool {
+    bytes.get(..MAGIC.len()) == Some(&MAGIC) && bytes.get(MAGIC.len()) == Some(&VERSION)
+}
+
+/// The same model as a file of version 2, which the caller validates: same numbers, to the last bit.
+///
+/// # Errors
+/// [`ModelError`]: a wrong checksum, or no document of version 1.
+pub fn converted(bytes: &[u8]) -> Result<Vec<u8>, ModelError> {
+    check_sum(bytes)?;
+    let document: Document = postcard::from_bytes(bytes).map_err(|_| ModelError::Malformed)?;
+    if document.padding.len() > 3 || document.padding.iter().any(|byte| *byte != 0) {
+        return Err(ModelError::OutOfRange { what: "padding" });
+    }
+    let trained_step = document.step.map(OldStep::converted).transpose()?;
+    let (family, laws, weights) = document.family.converted(document.weights)?;
+    let header = Header { laws, trained_step, provenance: document.provenance, ..Header::new(family) };
+    assemble(&header, &weights).map_err(|_| ModelError::Malformed)
+}
+
+fn check_sum(bytes: &[u8]) -> Result<(), ModelError> {
+    let (body, stored) = bytes.split_last_chunk::<4>().ok_or(ModelError::TooShort { bytes: bytes.len() })?;
+    let (stored, computed) = (u32::from_le_bytes(*stored), checksum(body));
+    if stored == computed { Ok(()) } else { Err(ModelError::Checksum { stored, computed }) }
+}
+
+impl OldStep {
+    /// Version 1 did not say what happens to a control between samples: losses took it to be linear.
+    fn converted(self) -> Result<TrainedStep, ModelError> {
+        let order = Order::from_number(self.order).ok_or(ModelError::OutOfRange { what: "order" })?;
+        Ok(TrainedStep { order, h: self.h, control: ControlKind::Linear })
+    }
+}
+
+impl<'a> OldFamily<'a> {
+    /// The family, its laws and its weight block.
+    fn converted(self, weights: &[u8]) -> Result<(Family<'a>, Laws<'static>, Vec<u8>), ModelError> {
+        match self {
+            Self::Graph(graph) => Ok((Family::Graph(graph), Laws::NONE, weights.to_vec())),
+            Self::Modular(modular) => {
+                let weights = with_damping_last(&modular, weights)?;
+                Ok((Family::Modular(modular), Laws::VISCOUS, weights))
+            }
+            Self::Rigid(OldRigid { coordinates, widths, activation, inertia, damped }) => {
+                let laws = if damped { Laws::VISCOUS } else { Laws::NONE };
+                let rigid = RigidHeader { coordinates, widths, activation, inertia };
+                Ok((Family::Rigid(rigid), laws, weights.to_vec()))
+            }
+        }
+    }
+}
+
+/// The networks, mass, inertia, centre and length of each element type, c₁ and c₂, then the damping of each type, which stood
+/// behind its length.
+fn with_damping_last(modular: &ModularHeader, weights: &[u8]) -> Result<Vec<u8>, ModelError> {
+    let kinds = modular.shape.types.len();
+    // Version 2 counts as many numbers, in another order.
+    let needed = modular.parameters()? + kinds;
+    let width = weights.len() / needed.max(1);
+    let wrong = ModelError::WeightCount { found: weights.len() / size_of::<f32>(), needed };
+    if !matches!(width, 2 | 4) || weights.len() != width * needed {
+        return Err(wrong);
+    }
+    let numbers = TYPE_NUMBERS * kinds;
+    let (networks, rest) = weights.split_at_checked(width * (needed - numbers - 2)).ok_or(wrong)?;
+    let (types, coefficients) = rest.split_at_checked(width * numbers).ok_or(wrong)?;
+    let (mut parameters, mut damping) = (Vec::new(), Vec::new());
+    for kind in types.chunks(width * TYPE_NUMBERS) {
+        let (own, of_damping) = kind.split_at_checked(width * (TYPE_NUMBERS - 1)).ok_or(wrong)?;
+        parameters.extend_from_slice(own);
+        damping.extend_from_slice(of_damping);
+    }
+    Ok([networks, &parameters, coefficients, &damping].concat())
+}

@@ -1,0 +1,57 @@
+//! Models on the host, where sizes are values: what a family and a law of force are, and one object that every path asks.
+//!
+//! ```text
+//! number, bounds ─► family (the trait) ─► inertia_network, modular, graph, bodies ─► registry ─► architecture ─► file ─► model
+//!                   laws: friction, networks that correct, the actuator ─────────────────────────┘
+//! ```
+//!
+//! A family writes down its energies once, as a program ([`leastaction_programs`]); all that a model does in double precision
+//! follows. In single precision it is core itself, behind slices ([`leastaction_replica`]).
+
+pub mod accelerations;
+pub mod architecture;
+pub mod bodies;
+pub mod bounds;
+pub mod family;
+pub mod file;
+pub mod forces;
+pub mod graph;
+pub mod inertia_network;
+pub mod inverse;
+pub mod laws;
+pub mod layers;
+pub mod limits;
+pub mod linearize;
+pub mod model;
+pub mod modular;
+pub mod names;
+pub mod number;
+pub mod parallel;
+pub mod particles;
+pub mod precision;
+pub mod registry;
+pub mod rest;
+pub mod rollout;
+
+pub use architecture::Architecture;
+pub use bodies::{ArmArchitecture, ArmBody, BodiesArchitecture, BodyNumbers, letters_of_joints};
+pub use family::{Family, OpenGauge, Parts};
+pub use graph::{GraphArchitecture, GraphType, HostTypes, NamedGraph};
+pub use inertia_network::{HostSystem, RigidArchitecture, largest_factor};
+pub use laws::{
+    Actuator, CoordinateFriction, CorrectionNetwork, Corrections, DissipationNetwork, FrictionArchitecture,
+    MOST_LOAD, WIDTHS,
+};
+pub use layers::random_layers;
+pub use limits::{
+    DEPTH, MAX_COORDINATES, MAX_ELEMENT_UNITS, MAX_GRAPH_COORDINATES, MAX_HIDDEN, MAX_TREE_COORDINATES,
+    MAX_UNITS, MAX_WIDTH,
+};
+pub use linearize::Linearization;
+pub use model::{Facts, Model};
+pub use modular::{ModularArchitecture, NamedTree, NamedType, TYPE_NUMBERS};
+pub use names::NumberName;
+pub use number::Number;
+pub use precision::Precision;
+pub use registry::AnyFamily;
+pub use rollout::{Beginning, NEWTON};

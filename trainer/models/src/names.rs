@@ -1,0 +1,110 @@
+//! What the numbers of a weight block are called.
+
+use crate::architecture::Architecture;
+use leastaction_core::model::{FrictionNumber, Law};
+
+/// The name of a number, for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NumberName {
+    /// As `body 1: mass`.
+    pub name: String,
+    /// Its unit; empty for a pure number.
+    pub unit: &'static str,
+}
+
+pub(crate) fn named(whose: &str, name: &str, unit: &'static str) -> NumberName {
+    NumberName { name: format!("{whose}: {name}"), unit }
+}
+
+/// A group's viscous friction, and the others of dry friction.
+fn of_friction(whose: &str, letter: Option<char>) -> [NumberName; 1 + FrictionNumber::ALL.len()] {
+    let slides = letter == Some('t');
+    let pick = |of_length, of_angle| if slides { of_length } else { of_angle };
+    let force = pick("N", "N m");
+    let dry = FrictionNumber::ALL.map(|number| match number {
+        FrictionNumber::Constant => ("Coulomb friction", force),
+        FrictionNumber::Load => ("Coulomb friction, growth with the load", ""),
+        FrictionNumber::Smoothing => ("Coulomb friction, load from which it grows", force),
+        FrictionNumber::Width => ("Coulomb friction, width of the change of sign", pick("m/s", "rad/s")),
+    });
+    let viscous = ("viscous friction", pick("N s/m", "N m s/rad"));
+    let [c, load, smoothing, width] = dry;
+    [viscous, c, load, smoothing, width].map(|(name, unit)| named(whose, name, unit))
+}
+
+impl Architecture {
+    /// The name of every number of the weight block; none of a network's weights and scales and of a graph's numbers.
+    pub fn number_names(&self) -> Vec<Option<NumberName>> {
+        let count = self.parameters().unwrap_or(0);
+        let mut names = self.family.number_names();
+        let friction = self.friction_names();
+        let networks = self.corrections.count();
+        names.resize(count.saturating_sub(friction.len() + networks), None);
+        names.extend(friction.into_iter().map(Some));
+        names.resize(count, None);
+        names
+    }
+
+    /// Those of all friction, the family's own included.
+    fn friction_names(&self) -> Vec<NumberName> {
+        let (laws, groups) = (self.friction_laws(), self.family.groups());
+        let letters: Vec<char> = self.coordinates().chars().collect();
+        let of_coordinates = self.family.group_of_coordinates();
+        let group = |group: usize| {
+            let first = of_coordinates.iter().position(|of| *of == group);
+            of_friction(&self.family.group_name(group), first.and_then(|first| letters.get(first)).copied())
+        };
+        let all: Vec<[NumberName; 5]> = (0..groups).map(group).collect();
+        let mut names = Vec::new();
+        if laws.contains(Law::Viscous) {
+            names.extend(all.iter().map(|[viscous, ..]| viscous.clone()));
+        }
+        if laws.contains(Law::Coulomb) {
+            names.extend(all.iter().flat_map(|[_, dry @ ..]| dry.iter().cloned()));
+        }
+        names
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Architecture, BodiesArchitecture, FrictionArchitecture, Number, RigidArchitecture};
+    use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
+    use leastaction_core::energy::rigid::Coordinate;
+
+    fn friction(groups: usize) -> FrictionArchitecture {
+        FrictionArchitecture {
+            viscous: vec![Number::learned(0.1); groups],
+            dry: vec![[Number::learned(0.1); 4]; groups],
+        }
+    }
+
+    #[test]
+    fn numbers_of_bodies_and_of_friction_have_names_and_units() {
+        let own = BodyParameters::from_array([Number::learned(1.0); 9]);
+        let body = |joint, parent| TreeBody { joint, parent };
+        let bodies = [(body(Joint::Prismatic, None), own), (body(Joint::Revolute, Some(0)), own)];
+        let family = BodiesArchitecture::new([Number::known(0.0); 2], bodies).unwrap();
+        let architecture = Architecture { friction: friction(2), ..Architecture::from(family) };
+        let names = architecture.number_names();
+        assert_eq!(names.len(), architecture.parameters().unwrap());
+        let text = |k: usize| {
+            let name = names[k].clone().unwrap();
+            format!("{}, {}", name.name, name.unit)
+        };
+        assert_eq!(text(1), "gravity along y, m/s²");
+        assert_eq!(text(2 + 9 + 3), "body 1: mass, kg");
+        assert_eq!(text(20), "coordinate 0: viscous friction, N s/m");
+        assert_eq!(text(22), "coordinate 0: Coulomb friction, N");
+        assert_eq!(text(29), "coordinate 1: Coulomb friction, width of the change of sign, rad/s");
+    }
+
+    #[test]
+    fn weights_of_networks_have_none() {
+        let rigid = RigidArchitecture { damped: true, ..RigidArchitecture::new(&[Coordinate::Angle], 3) };
+        let names = Architecture::from(rigid).number_names();
+        let (last, weights) = names.split_last().unwrap();
+        assert_eq!(last.clone().unwrap().name, "coordinate 0: viscous friction");
+        assert!(weights.iter().all(Option::is_none) && !weights.is_empty());
+    }
+}

@@ -1,0 +1,105 @@
+//! The list of all families.
+
+use crate::bodies::{ArmArchitecture, BodiesArchitecture};
+use crate::family::Family;
+use crate::graph::GraphArchitecture;
+use crate::inertia_network::RigidArchitecture;
+use crate::modular::ModularArchitecture;
+use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
+use serde::{Deserialize, Serialize};
+use std::ops::{Deref, DerefMut};
+
+/// Makes the enum of all families and what follows from the list alone: conversions, names, reading and writing headers.
+macro_rules! families {
+    ($($(#[$doc:meta])* $variant:ident($shape:ty) as $name:literal, $get:ident;)*) => {
+        /// A family, whichever it is.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub enum AnyFamily {
+            $($(#[$doc])* $variant($shape),)*
+        }
+
+        $(impl From<$shape> for AnyFamily {
+            fn from(shape: $shape) -> Self {
+                Self::$variant(shape)
+            }
+        })*
+
+        impl Deref for AnyFamily {
+            type Target = dyn Family;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$variant(shape) => shape,)*
+                }
+            }
+        }
+
+        impl DerefMut for AnyFamily {
+            fn deref_mut(&mut self) -> &mut Self::Target {
+                match self {
+                    $(Self::$variant(shape) => shape,)*
+                }
+            }
+        }
+
+        impl AnyFamily {
+            /// Name in configurations and messages.
+            pub const fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$variant(_) => $name,)*
+                }
+            }
+
+            /// Family of a model file of these laws; of several trees or graphs the first. All its numbers are known.
+            ///
+            /// # Errors
+            /// [`ModelError::OtherFamily`] for a family that this program does not know.
+            pub(crate) fn from_header(header: &FamilyHeader, laws: Laws, weights: &[f64]) -> Result<Self, ModelError> {
+                match header {
+                    $(FamilyHeader::$variant(header) => Ok(<$shape>::from_header(header, laws, weights).into()),)*
+                    other => Err(ModelError::OtherFamily { found: other.name() }),
+                }
+            }
+
+            /// Calls `read` with the shape in the words of the model file.
+            pub fn with_header<T>(&self, read: impl FnOnce(FamilyHeader) -> T) -> T {
+                match self {
+                    $(Self::$variant(shape) => shape.with_header(|header| read(FamilyHeader::$variant(header))),)*
+                }
+            }
+
+            $(
+                #[doc = concat!("Shape, if the family is `", $name, "`.")]
+                pub fn $get(&self) -> Option<&$shape> {
+                    match self {
+                        Self::$variant(shape) => Some(shape),
+                        _ => None,
+                    }
+                }
+            )*
+        }
+    };
+}
+
+families! {
+    /// Inertia matrix and potential from one network.
+    Rigid(RigidArchitecture) as "rigid", rigid;
+    /// A tree of elements.
+    Modular(ModularArchitecture) as "modular", modular;
+    /// A graph of particles.
+    Graph(GraphArchitecture) as "graph", graph;
+    /// A tree of rigid bodies on joints in a plane.
+    Bodies(BodiesArchitecture) as "bodies", bodies;
+    /// A tree of rigid bodies on joints in space.
+    Arm(ArmArchitecture) as "arm", arm;
+}
+
+impl AnyFamily {
+    /// Numbers of its own in the weight block, from its front.
+    ///
+    /// # Errors
+    /// Where the shape is out of the format's range.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        self.with_header(|family| Header { laws: self.laws(), ..Header::new(family) }.parameters())
+    }
+}
