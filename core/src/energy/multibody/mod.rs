@@ -75,7 +75,7 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
         let motion = Motion::new(self, q, v);
         let (mut l_q, mut l_vq, mut l_vv) = ([S::zero(); N], [[S::zero(); N]; N], [[S::zero(); N]; N]);
         for k in 0..N {
-            let (frame, carried, bend) = (&motion.frames[k], &motion.carried[k], motion.frames[k].bend());
+            let (frame, carried, bend) = (&motion.frames[k], &motion.carried[k], motion.bends[k]);
             let (mut unit, mut slope) = (motion.unit(k), carried.momentum_slope(frame, &bend));
             let pull = FrameOf::<S, D, B>::pull(&unit, gravity);
             l_q[k] = motion.force_at(k, (&unit, &bend), gravity);
@@ -90,7 +90,7 @@ impl<'a, W: WeightFormat, const D: usize, const B: usize, const N: usize> Bodies
             while let Some(j) = below {
                 let Some(frame) = present(motion.frames.get(j)) else { break };
                 (unit, slope) = (unit.about(step), slope.about(step));
-                let bend = &frame.bend();
+                let bend = &motion.bends[j];
                 l_vv[j][k] = frame.share(&unit);
                 l_vv[k][j] = l_vv[j][k];
                 l_vq[j][k] = frame.share(&slope);
@@ -114,6 +114,8 @@ type BodyOf<S, const D: usize, const B: usize> = <FrameOf<S, D, B> as Frame<S>>:
 /// A tree in motion.
 pub(super) struct Motion<S: Scalar, F: Frame<S>, const N: usize> {
     frames: [F; N],
+    /// z of every joint: without a floating-point unit, a second evaluation costs more than its memory.
+    bends: [F::Bend; N],
     carried: [F::Carried; N],
     rotors: [F::Rotor; N],
     /// All together, about the origin of the base.
@@ -133,6 +135,7 @@ impl<S: Scalar, F: Frame<S>, const N: usize> Motion<S, F, N> {
         let base = F::base();
         let mut motion = Self {
             frames: [base; N],
+            bends: [base.bend(); N],
             carried: [F::Carried::nothing(); N],
             rotors: [F::Rotor::none(); N],
             whole: F::Carried::nothing(),
@@ -144,7 +147,7 @@ impl<S: Scalar, F: Frame<S>, const N: usize> Motion<S, F, N> {
             let frame = parent.carried(bodies.tree.bodies()[k].joint, &body, q[k], v[k]);
             motion.carried[k] = F::Carried::begun(&frame, &body);
             motion.rotors[k] = F::Rotor::new(&parent, &body, v[k]);
-            motion.frames[k] = frame;
+            (motion.frames[k], motion.bends[k]) = (frame, frame.bend());
         }
         for k in (0..N).rev() {
             let (frame, body) = (&motion.frames[k], bodies.body(k));
@@ -165,7 +168,7 @@ impl<S: Scalar, F: Frame<S>, const N: usize> Motion<S, F, N> {
 
     /// L_q.
     fn force(&self, gravity: F::Vector) -> [S; N] {
-        core::array::from_fn(|k| self.force_at(k, (&self.unit(k), &self.frames[k].bend()), gravity))
+        core::array::from_fn(|k| self.force_at(k, (&self.unit(k), &self.bends[k]), gravity))
     }
 
     /// L_q of a joint with what it carries at its unit velocity, and its z.
