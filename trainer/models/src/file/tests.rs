@@ -4,6 +4,7 @@ use leastaction_core::discrete::Order;
 use leastaction_core::energy::rigid::Coordinate;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::RigidModel;
+use leastaction_core::scalar::f16;
 use proptest::prelude::*;
 
 const STEP: TrainedStep = TrainedStep { order: Order::Four, h: 0.05, control: ControlKind::Linear };
@@ -54,7 +55,7 @@ fn a_program_with_dry_friction_names_its_forces() {
 #[test]
 fn a_stepper_keeps_as_many_commands_as_the_delay_needs() {
     let (architecture, weights, _) = example("");
-    let actuator: Vec<u8> = [0.23_f32, 1.0, 0.0, -2.0, 0.5].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let actuator = Actuator { gain: vec![1.0, -2.0], offset: vec![0.0, 0.5], delay: 0.23 };
     let file = |trained_step| {
         let facts = Facts { trained_step, actuator: actuator.clone(), ..Facts::default() };
         encode_in(Precision::Single, &architecture, &weights, &facts).unwrap()
