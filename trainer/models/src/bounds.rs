@@ -142,18 +142,6 @@ impl Bounds {
         slopes
     }
 
-    /// Positions of the numbers between bounds that a step takes beyond one, with the steps to that bound, 0 where they are there. A
-    /// number above 0 has no end that is worth going to at once: it would hardly come back.
-    pub fn steps_to_ends(&self, theta: &[f64], step: &[f64]) -> impl Iterator<Item = (usize, f64)> {
-        let beyond = |(position, range): &(usize, Range)| {
-            let (theta, step) = (*theta.get(*position)?, *step.get(*position)?);
-            let end = range.held(theta + step);
-            let goes_beyond = matches!(range, Range::Between(..)) && end != theta + step;
-            goes_beyond.then_some((*position, end - theta))
-        };
-        self.ranges.iter().filter_map(beyond)
-    }
-
     /// The weight block nearest to these weights that has a θ.
     pub fn within(&self, weights: Vec<f64>) -> Vec<f64> {
         if self.is_empty() { weights } else { self.weights(&self.free(&weights)) }

@@ -1,5 +1,5 @@
 use crate::training::{
-    Adam, AdamSettings, Bounds, Levenberg, MARGIN, NormalEquations, Objective, Progress, Range, Schedule,
+    Adam, AdamSettings, Bounds, Levenberg, NormalEquations, Objective, Progress, Range, Schedule,
 };
 use leastaction_arms::{INERTIAL, Inertia, LogCholesky};
 
@@ -99,46 +99,6 @@ fn what_lies_beyond_a_bound_ends_at_it() {
         let found = Levenberg::new(&objective, vec![0.7]).run(&objective, 100, |_, _| {}).weights[0];
         assert!((found - end).abs() < 2e-4, "{range:?}: {found}");
     }
-}
-
-/// r = (w₀ + w₁ − 5, w₁ − 1), w₀ in a range.
-struct Coupled(Bounds);
-
-impl Objective for Coupled {
-    fn parameters(&self) -> usize {
-        2
-    }
-    fn samples(&self) -> usize {
-        1
-    }
-    fn loss(&self, weights: &[f64]) -> f64 {
-        self.gradient(weights, 0..1).unwrap().mean_square()
-    }
-    fn normal_equations(&self, weights: &[f64]) -> Option<NormalEquations> {
-        let mut equations = NormalEquations::zero(2);
-        let jacobian = faer::Mat::from_fn(2, 2, |i, j| if (i, j) == (1, 0) { 0.0 } else { 1.0 });
-        equations.add(&jacobian, &[weights[0] + weights[1] - 5.0, weights[1] - 1.0]);
-        Some(equations)
-    }
-    fn gradient(&self, weights: &[f64], _: std::ops::Range<usize>) -> Option<NormalEquations> {
-        self.normal_equations(weights)
-    }
-    fn project(&self, _: &mut [f64]) {}
-    fn is_of_many_units(&self) -> bool {
-        true
-    }
-    fn bounds(&self) -> &Bounds {
-        &self.0
-    }
-}
-
-/// With w₀ = 1, where it ends, w₁ is best at 2.5; a damping that grew by what w₀ cannot do would not let it get there.
-#[test]
-fn others_find_their_best_beside_a_number_at_its_bound() {
-    let objective = Coupled(Bounds::new(vec![(0, Range::Between(0.0, 1.0))]));
-    let end = Levenberg::new(&objective, vec![0.7, 0.0]).run(&objective, 8, |_, _| {});
-    let [least, best] = [end.weights[0], end.weights[1]];
-    assert!((least - (1.0 - MARGIN)).abs() < 1e-9 && (best - 2.5 - 0.5 * MARGIN).abs() < 1e-6, "{end:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! Source: Nocedal and Wright, "Numerical Optimization", section 10.3; the damping follows Nielsen, "Damping parameter in
 //! Marquardt's method", 1999. Steps are of the free numbers θ of [`Bounds`](super::Bounds), from the weights and back to weights.
 
-use super::{Bounds, NormalEquations, Objective};
+use super::{NormalEquations, Objective};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use leastaction_models::parallel;
@@ -140,9 +140,7 @@ impl Levenberg {
         (equations, scales): (&NormalEquations, &[f64]),
     ) -> bool {
         let damping: Vec<f64> = scales.iter().map(|scale| self.mu * scale).collect();
-        let Some((step, held)) = step_within(objective.bounds(), theta, (equations, &damping)) else {
-            return false;
-        };
+        let Some(step) = damped_step(equations, &damping) else { return false };
         let mut trial = theta.to_vec();
         trial.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
         let mut trial = objective.bounds().weights(&trial);
@@ -153,7 +151,7 @@ impl Levenberg {
         if decrease.is_nan() || decrease <= 0.0 {
             return false;
         }
-        let gain = decrease / predicted_decrease((equations, &damping), &step, &held);
+        let gain = decrease / predicted_decrease(equations, &step, &damping);
         self.mu = (self.mu * (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1)).max(MU_FLOOR);
         self.raise = 2.0;
         (self.weights, self.loss) = (trial, loss);
@@ -166,60 +164,23 @@ fn mean_diagonal(equations: &NormalEquations) -> f64 {
     (0..p).map(|i| equations.gram[(i, i)]).sum::<f64>() / p as f64
 }
 
-/// The damped step to numbers in their ranges, and the numbers that it takes to an end or leaves there: of those that would go beyond, the
-/// step to the end is given, and all others are solved for anew beside it. Else the linear model would promise what no step can keep, and
-/// damping would grow until nothing moves.
-fn step_within(
-    bounds: &Bounds,
-    theta: &[f64],
-    (equations, damping): (&NormalEquations, &[f64]),
-) -> Option<(Vec<f64>, Vec<usize>)> {
-    let mut held: Vec<(usize, f64)> = Vec::new();
-    loop {
-        let step = damped_step((equations, damping), &held)?;
-        let is_held = |position: usize| held.iter().any(|(own, _)| *own == position);
-        let beyond: Vec<(usize, f64)> =
-            bounds.steps_to_ends(theta, &step).filter(|(position, _)| !is_held(*position)).collect();
-        if beyond.is_empty() {
-            return Some((step, held.into_iter().map(|(position, _)| position).collect()));
-        }
-        held.extend(beyond);
-    }
-}
-
-/// The step δ that minimises the linear model, D diagonal: (JᵀJ + D)δ = −Jᵀr, but for numbers whose steps are given; `None` where the matrix is not
-/// positive definite in double precision.
-fn damped_step((equations, damping): (&NormalEquations, &[f64]), given: &[(usize, f64)]) -> Option<Vec<f64>> {
+/// −(JᵀJ + D)⁻¹Jᵀr, D diagonal; `None` where the matrix is not positive definite in double precision.
+fn damped_step(equations: &NormalEquations, damping: &[f64]) -> Option<Vec<f64>> {
     let p = equations.gradient.len();
     let mut matrix = equations.gram.clone();
     for (i, damping) in damping.iter().enumerate() {
         matrix[(i, i)] += damping;
     }
-    let mut right = Mat::from_fn(p, 1, |i, _| -equations.gradient[i]);
-    for (position, step) in given {
-        for i in (0..p).filter(|i| i != position) {
-            let entry = &mut matrix[(i.max(*position), i.min(*position))];
-            right[(i, 0)] -= *entry * step;
-            *entry = 0.0;
-        }
-    }
-    for (position, step) in given {
-        (matrix[(*position, *position)], right[(*position, 0)]) = (1.0, *step);
-    }
     // Elsewhere it would start threads of its own.
     let factor = parallel::within(|| matrix.llt(Side::Lower)).ok()?;
-    Some(factor.solve(&right).col_as_slice(0).to_vec())
+    let right = Mat::from_fn(p, 1, |i, _| -equations.gradient[i]);
+    let step = factor.solve(&right);
+    Some(step.col_as_slice(0).to_vec())
 }
 
-/// How much the linear model says the mean square falls, −(2δᵀJᵀr + δᵀJᵀJδ)/rows: of numbers that were solved for δ(Dδ − Jᵀr)/rows.
-fn predicted_decrease((equations, damping): (&NormalEquations, &[f64]), step: &[f64], held: &[usize]) -> f64 {
-    let is_free = |i: &usize| !held.contains(i);
-    let free = (0..step.len()).filter(is_free);
-    let of_free: f64 = free.map(|i| step[i] * (damping[i] * step[i] - equations.gradient[i])).sum();
-    let of_held = |i: &usize| {
-        let product: f64 =
-            (0..step.len()).map(|j| equations.gram[((*i).max(j), (*i).min(j))] * step[j]).sum();
-        step[*i] * (2.0 * equations.gradient[*i] + product)
-    };
-    (of_free - held.iter().map(of_held).sum::<f64>()) / equations.rows as f64
+/// How much the linear model says the mean square falls: ½δ·(Dδ − Jᵀr)·2/rows.
+fn predicted_decrease(equations: &NormalEquations, step: &[f64], damping: &[f64]) -> f64 {
+    let of = step.iter().zip(&equations.gradient).zip(damping);
+    let sum: f64 = of.map(|((s, g), d)| s * (d * s - g)).sum();
+    sum / equations.rows as f64
 }
