@@ -25,7 +25,7 @@ use leastaction_models::{Model, parallel};
 /// Steps of the first part of a long integration.
 const EARLY: usize = 100;
 
-/// [`rollout`] of any system, exact or learned.
+/// Positions along every trajectory as [`Model::rollout`] gives them, by any system of core's types, exact or learned.
 pub fn rollout_system<L, F, const N: usize>(system: &System<L, F>, order: u8, data: &Dataset) -> Vec<Vec<f64>>
 where
     L: Lagrangian<f64, N> + Sync,
