@@ -79,3 +79,79 @@ impl Model {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Actuator, Architecture, Facts, FrictionArchitecture, Model, Number, RigidArchitecture};
+    use leastaction_core::energy::rigid::Coordinate;
+
+    const STATE: [[f64; 2]; 3] = [[0.3, -0.7], [0.4, -0.2], [0.6, 0.9]];
+    const STEP: f64 = 1e-5;
+
+    /// Dry friction that grows with the load, so that Q sees τ, and drives of different gains.
+    fn machine() -> Model {
+        let dry = [0.3, 0.4, 0.2, 0.25].map(Number::known);
+        let architecture = Architecture {
+            friction: FrictionArchitecture { viscous: vec![Number::known(0.1); 2], dry: vec![dry; 2] },
+            ..RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], 5).into()
+        };
+        let weights = architecture.initial_weights(3);
+        let actuator = Actuator { gain: vec![1.5, -0.5], offset: vec![0.25, 0.125], delay: 0.0 };
+        Model::new(architecture, weights).with_facts(Facts { actuator, ..Facts::default() })
+    }
+
+    fn acceleration(model: &Model, [q, v, u]: [[f64; 2]; 3]) -> [f64; 2] {
+        let tau = [0, 1].map(|i| model.facts.actuator.output(i, u[i]));
+        let mut a = [0.0; 2];
+        model.with_forced(|forced| forced(&q, &v, &tau, &mut a)).unwrap().unwrap();
+        a
+    }
+
+    /// Central differences in the entry j of an input, of every output.
+    fn differences(input: usize, of: impl Fn([[f64; 2]; 3]) -> [f64; 2], at: [[f64; 2]; 3]) -> Vec<f64> {
+        let moved = |j: usize, step: f64| {
+            let mut at = at;
+            at[input][j] += step;
+            of(at)
+        };
+        let column = |j: usize| {
+            let (forth, back) = (moved(j, STEP), moved(j, -STEP));
+            [0, 1].map(|i| (forth[i] - back[i]) / (2.0 * STEP))
+        };
+        let columns = [column(0), column(1)];
+        (0..4).map(|k| columns[k % 2][k / 2]).collect()
+    }
+
+    fn assert_close(found: &[f64], expected: &[f64]) {
+        let close =
+            |(found, expected): (&f64, &f64)| (found - expected).abs() < 1e-7 * expected.abs().max(1.0);
+        assert!(found.len() == 4 && found.iter().zip(expected).all(close), "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn derivatives_are_differences_of_accelerations_and_of_inverse_dynamics() {
+        let model = machine();
+        let [q, v, u] = STATE;
+        let found = model.linearize(&q, &v, &u).unwrap().unwrap();
+        let of = |at| acceleration(&model, at);
+        assert!(found.acceleration.iter().zip(of(STATE)).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert_close(&found.acceleration_q, &differences(0, of, STATE));
+        assert_close(&found.acceleration_v, &differences(1, of, STATE));
+        assert_close(&found.acceleration_u, &differences(2, of, STATE));
+        let inverse = |[q, v, a]: [[f64; 2]; 3]| -> [f64; 2] {
+            model.inverse_dynamics([&q, &v, &a]).unwrap().try_into().unwrap()
+        };
+        let motion = [q, v, of(STATE)];
+        assert!(inverse(motion).iter().zip(u).all(|(found, u)| (found - u).abs() < 1e-12));
+        assert_close(&found.control_q, &differences(0, inverse, motion));
+        assert_close(&found.control_v, &differences(1, inverse, motion));
+        assert_close(&found.control_a, &differences(2, inverse, motion));
+    }
+
+    #[test]
+    fn a_state_of_another_size_is_refused() {
+        let model = machine();
+        assert!(model.linearize(&[0.0; 3], &[0.0; 2], &[0.0; 2]).is_err());
+        assert!(model.inverse_dynamics([&[0.0; 4], &[0.0; 2], &[0.0; 4]]).is_err());
+    }
+}
