@@ -29,7 +29,7 @@ where
         Ok(Self { system, constraints, band: band(constraints), scalar: PhantomData })
     }
 
-    /// What [`Constrained::new`] has checked, and found to have this band.
+    /// System whose constraints [`Constrained::new`] has checked, and found to have this band.
     pub(crate) const fn known(system: &'a S, constraints: &'a C, band: usize) -> Self {
         Self { system, constraints, band, scalar: PhantomData }
     }

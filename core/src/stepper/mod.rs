@@ -126,7 +126,7 @@ where
     /// is needed.
     ///
     /// # Errors
-    /// As [`Del::start`].
+    /// Errors of [`Del::start`].
     pub fn start_from(&mut self, [q0, q1]: [[f32; N]; 2], u: [f32; N]) -> Result<(), StepError<f32>> {
         self.drive.check(&u)?;
         self.state = self.del.start(&self.model.system, &q0, &q1, &self.drive.force(&u))?;
@@ -147,7 +147,7 @@ where
     /// One step under the command `u`.
     ///
     /// # Errors
-    /// As [`Del::step`]. Where the command that is refused is one of the past, the next step is refused for the same reason:
+    /// Errors of [`Del::step`]. Where the command that is refused is one of the past, the next step is refused for the same reason:
     /// [`Stepper::commanded`] goes past it, and [`Stepper::start`] begins anew.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, StepError<f32>> {
         self.drive.check(&u)?;

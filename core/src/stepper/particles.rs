@@ -53,7 +53,7 @@ impl<const D: usize, const EDGES: usize, const RODS: usize, const NUMBERS: usize
 #[derive(Debug)]
 pub struct ParticleStepper<'a, M, C, const D: usize, const N: usize> {
     model: M,
-    /// Of the rods.
+    /// Band of A M⁻¹ Aᵀ, of the rods.
     band: usize,
     rattle: Rattle<f32>,
     drive: C,
@@ -138,7 +138,7 @@ where
     /// Starts at positions q (m), which satisfy the rods, with velocities v (m/s). Commands on their way stay there.
     ///
     /// # Errors
-    /// As [`ParticleState::new`]; it is then what it was.
+    /// Errors of [`ParticleState::new`]; it is then what it was.
     pub fn start(&mut self, q: [f32; N], v: [f32; N]) -> Result<(), ConstraintError<f32>> {
         let mechanism = mechanism(&self.model.system, self.band);
         self.state.restart(&mechanism, [&q, &v].map(|x| x.as_chunks().0), self.workspace)
@@ -148,7 +148,7 @@ where
     /// No velocity is needed.
     ///
     /// # Errors
-    /// As [`Rattle::start`]; it is then not started any more, with the commands that it had.
+    /// Errors of [`Rattle::start`]; it is then not started any more, with the commands that it had.
     pub fn start_from(&mut self, positions: [[f32; N]; 2], u: [f32; N]) -> Result<(), ConstraintError<f32>> {
         self.drive.check(&u)?;
         let mechanism = mechanism(&self.model.system, self.band);
@@ -179,7 +179,7 @@ where
     /// One step under the command `u`, N, of every coordinate.
     ///
     /// # Errors
-    /// As [`Rattle::step`]; it is then what it was.
+    /// Errors of [`Rattle::step`]; it is then what it was.
     pub fn step(&mut self, u: [f32; N]) -> Result<Report<f32>, ConstraintError<f32>> {
         self.drive.check(&u)?;
         let mechanism = mechanism(&self.model.system, self.band);

@@ -47,7 +47,7 @@ impl Architecture {
         Ok(Self { family, friction, corrections })
     }
 
-    /// What a model of several mechanisms calls them, tree or graph, and the name of the one that is meant.
+    /// Word for the mechanisms of a model of several, tree or graph, and the name of the one that is meant.
     pub fn part(&self) -> Option<(&'static str, &str)> {
         self.family.parts().map(|Parts { what, meant, .. }| (what, meant))
     }
@@ -79,7 +79,7 @@ impl Architecture {
         self.family.units()
     }
 
-    /// What the family is called.
+    /// Name of the family.
     pub const fn name(&self) -> &'static str {
         self.family.name()
     }
@@ -117,17 +117,17 @@ impl Architecture {
         self.corrections.laws(self.friction_laws())
     }
 
-    /// Those without a network.
+    /// Laws of force without a network.
     pub fn friction_laws(&self) -> Laws<'static> {
         self.friction.laws(self.family.laws())
     }
 
-    /// Where the numbers of friction begin that are not the family's own.
+    /// Position of the first number of friction that is not the family's own.
     pub fn friction_start(&self) -> usize {
         self.family.parameters().unwrap_or(0)
     }
 
-    /// Where the numbers of the networks that correct begin.
+    /// Position of the first number of the networks that correct.
     pub fn corrections_start(&self) -> usize {
         self.friction_start() + self.friction.count()
     }
@@ -192,7 +192,7 @@ impl Architecture {
         self.family.project(weights);
     }
 
-    /// Its energies and forces, written down for the tree or graph that is meant.
+    /// Energies and forces as a program, for the tree or graph that is meant.
     ///
     /// # Errors
     /// [`ModelError`] where the shape does not fit in itself.

@@ -17,7 +17,7 @@ pub const LEAST: f64 = 1e-12;
 /// Numbers between bounds stay this part of the way from one to the other away from both.
 pub const MARGIN: f64 = 1e-4;
 
-/// Where a number of a weight block may be.
+/// Range of a number of a weight block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Range {
     /// Anywhere: θ = w.

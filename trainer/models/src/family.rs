@@ -54,7 +54,7 @@ pub trait Family {
         (0..self.n()).collect()
     }
 
-    /// What a group is called.
+    /// Name of a group.
     fn group_name(&self, group: usize) -> String {
         format!("coordinate {group}")
     }
@@ -123,7 +123,7 @@ pub enum OpenGauge {
     Masses {
         /// The key of the types in a configuration.
         types: &'static str,
-        /// What is made of them: tree or graph.
+        /// Mechanism that is made of them: tree or graph.
         of: &'static str,
     },
     /// Only torques show it.

@@ -140,8 +140,8 @@ impl GraphArchitecture {
     /// The same with the graph of that name in mind; `None` where there is none.
     #[must_use]
     pub fn with_graph_named(&self, name: &str) -> Option<Self> {
-        let graph = self.graphs.iter().position(|graph| graph.name == name)?;
-        Some(Self { graph, ..self.clone() })
+        let mut own = self.clone();
+        own.mean_part(name).then_some(own)
     }
 
     /// The same with another graph in place of all others.

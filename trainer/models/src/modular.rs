@@ -132,8 +132,8 @@ impl ModularArchitecture {
     /// The same with the tree of that name in mind; `None` where there is none.
     #[must_use]
     pub fn with_tree_named(&self, name: &str) -> Option<Self> {
-        let tree = self.trees.iter().position(|tree| tree.name == name)?;
-        Some(Self { tree, ..self.clone() })
+        let mut own = self.clone();
+        own.mean_part(name).then_some(own)
     }
 
     /// The tree in the words of the model file; without elements where there is none.

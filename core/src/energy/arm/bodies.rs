@@ -42,7 +42,7 @@ impl<W: WeightFormat, const N: usize> ArmBodies<'_, W, N> {
         force
     }
 
-    /// What the drives must hold against gravity, V_q, N m or N.
+    /// Forces of the drives that hold against gravity, V_q, N m or N.
     pub fn gravity_torque<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N]) -> [S; N] {
         let gravity = self.gravity();
         let motion = Motion::new(self, q, &[S::zero(); N]);

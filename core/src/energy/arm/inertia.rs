@@ -25,7 +25,7 @@ impl<S> BodyInertia<S> {
         Self { mass, moment: [x, y, z], matrix }
     }
 
-    /// The same numbers in the order of [`BodyInertia::from_array`].
+    /// Numbers of the inertia in the order of [`BodyInertia::from_array`].
     pub fn into_array(self) -> [S; INERTIAL_PARAMETERS] {
         let Self { mass, moment: [x, y, z], matrix: [xx, xy, yy, xz, yz, zz] } = self;
         [mass, x, y, z, xx, xy, yy, xz, yz, zz]

@@ -23,7 +23,7 @@ pub struct ArmParameters<S> {
 }
 
 impl<S> ArmParameters<S> {
-    /// In the order of the weight block: R row by row, p, axis, the ten of [`BodyInertia::from_array`], J.
+    /// Parameters from the order of the weight block: R row by row, p, axis, the ten of [`BodyInertia::from_array`], J.
     pub fn from_array(numbers: [S; ARM_PARAMETERS]) -> Self {
         let [a, b, c, d, e, f, g, h, i, x, y, z, along_x, along_y, along_z, rest @ ..] = numbers;
         let [m, mx, my, mz, xx, xy, yy, xz, yz, zz, rotor] = rest;
@@ -36,7 +36,7 @@ impl<S> ArmParameters<S> {
         }
     }
 
-    /// The same as the weight block has them.
+    /// Parameters in the order of the weight block.
     pub fn into_array(self) -> [S; ARM_PARAMETERS] {
         let Self { rotation: [[a, b, c], [d, e, f], [g, h, i]], place, axis, inertia, rotor } = self;
         let ([x, y, z], [along_x, along_y, along_z]) = (place, axis);

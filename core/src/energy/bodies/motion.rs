@@ -33,7 +33,7 @@ impl<S: Scalar> Space<S, BODY_PARAMETERS> for Vector<S> {
 impl<S: Scalar> multibody::Frame<S> for Frame<S> {
     type Vector = Vector<S>;
     type Body = BodyParameters<S>;
-    /// Of momentum it sees the linear part alone.
+    /// z, which sees the linear part of momentum alone.
     type Bend = Vector<S>;
     type Wrench = Wrench<S>;
     type Carried = Carried<S>;

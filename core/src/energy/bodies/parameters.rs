@@ -10,7 +10,7 @@ pub const BODY_PARAMETERS: usize = 9;
 /// The numbers of a body, in the order of the weight block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyParameters<S> {
-    /// Where the joint sits in the parent's frame, m.
+    /// Place of the joint in the parent's frame, m.
     pub place: Vector<S>,
     /// How far the joint's frame is turned from the parent's, rad.
     pub angle: S,
@@ -27,13 +27,13 @@ pub struct BodyParameters<S> {
 }
 
 impl<S> BodyParameters<S> {
-    /// In the order of the weight block.
+    /// Parameters from the order of the weight block.
     pub fn from_array(numbers: [S; BODY_PARAMETERS]) -> Self {
         let [x, y, angle, mass, centre_x, centre_y, inertia, rotor, gear] = numbers;
         Self { place: [x, y], angle, mass, centre: [centre_x, centre_y], inertia, rotor, gear }
     }
 
-    /// The same as the weight block has them.
+    /// Parameters in the order of the weight block.
     pub fn into_array(self) -> [S; BODY_PARAMETERS] {
         let Self { place: [x, y], angle, mass, centre: [centre_x, centre_y], inertia, rotor, gear } = self;
         [x, y, angle, mass, centre_x, centre_y, inertia, rotor, gear]

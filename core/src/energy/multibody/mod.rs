@@ -160,7 +160,7 @@ impl<S: Scalar, F: Frame<S>, const N: usize> Motion<S, F, N> {
         motion
     }
 
-    /// What a joint carries at its unit velocity.
+    /// Momentum of what a joint carries at its unit velocity.
     #[inline(always)]
     pub(super) fn unit(&self, k: usize) -> F::Wrench {
         self.carried[k].unit_momentum(&self.frames[k])

@@ -26,7 +26,7 @@ pub trait Frame<S: Scalar>: Copy {
     type Carried: Carried<S, Self>;
     /// The rotor of a joint's drive.
     type Rotor: Rotor<S, Self>;
-    /// What the coordinate of a joint makes of the force of gravity.
+    /// Force of gravity as the coordinate of a joint takes it.
     type Pull: Copy;
 
     /// The frame that does not move, on which trees stand.
@@ -52,7 +52,7 @@ pub trait Wrench<S: Scalar>: Copy {
     /// A direction.
     type Vector;
 
-    /// The same about a joint from which this one is at `step`.
+    /// Wrench about a joint from which this one is at `step`.
     fn about(self, step: Self::Vector) -> Self;
     /// The linear part along a direction.
     fn along(&self, direction: Self::Vector) -> S;

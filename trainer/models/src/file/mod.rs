@@ -120,18 +120,17 @@ fn decode_current(bytes: &[u8]) -> Result<Model, ModelError> {
         Weights::Single(_) => Precision::Single,
     };
     let weights: Vec<f64> = weights.iter().map(f64::from).collect();
-    let range = header.range.iter().flat_map(|range| range.coordinates());
-    let facts = Facts {
-        trained_step: header.trained_step,
-        range: range.collect::<Result<_, _>>()?,
-        actuator: Actuator::default(),
-        provenance: header.provenance.to_owned(),
-    };
     let architecture = Architecture::from_header(&header.family, header.laws, &weights)?;
     let actuator = header.actuator.map_or(Ok(Actuator::ideal(architecture.n())), |bytes| {
         Actuator::from_bytes(bytes.bytes(), bytes.n())
     })?;
-    let facts = Facts { actuator, ..facts };
+    let range = header.range.iter().flat_map(|range| range.coordinates());
+    let facts = Facts {
+        trained_step: header.trained_step,
+        range: range.collect::<Result<_, _>>()?,
+        actuator,
+        provenance: header.provenance.to_owned(),
+    };
     Ok(Model { precision, architecture, weights, facts, version: FORMAT_VERSION })
 }
 
