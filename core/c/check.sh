@@ -3,9 +3,9 @@
 # example to it, which does not link if anything can panic; runs it on the host and under qemu: both must print the hash that
 # the same steps have in Rust, and refuse every damaged file. Links two shapes into one image, and runs both. The committed
 # header must be what the sources give.
-# Families may be named: `check.sh rigid`; without a name all five are checked, each with the features that it has beside it.
+# Families may be named: `check.sh inertia-network`; without a name all five are checked, each with the features that it has beside it.
 set -euo pipefail
-families=" ${*:-rigid modular graph bodies arm} "
+families=" ${*:-inertia-network modular graph bodies arm} "
 cd "$(dirname "$0")"
 target=thumbv7em-none-eabihf
 out=${CARGO_TARGET_DIR:-$PWD/target}
@@ -160,7 +160,7 @@ part() {
 check_two() {
     local expected
     {
-        part cart rigid cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+        part cart inertia-network cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
         part arm modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
     } >"$work/two"
     expected=$(<"$work/two")
@@ -185,7 +185,7 @@ tool header | diff include/leastaction.h - ||
 checked=${families/ graph / graph graph,rods }
 checked=${checked/ bodies / bodies bodies,friction bodies,networks }
 checked=${checked/ arm / arm arm,friction arm,networks }
-for family in ${checked/ rigid / rigid rigid,friction rigid,friction,networks }; do
+for family in ${checked/ inertia-network / inertia-network inertia-network,friction inertia-network,friction,networks }; do
     features=(--no-default-features --features "$family")
     "${host[@]}" test --quiet --lib "${features[@]}"
     "${host[@]}" clippy --version >/dev/null 2>&1 || continue
@@ -198,14 +198,14 @@ wrong=$(LEASTACTION_HIDDEN=many "${host[@]}" check --quiet --lib 2>&1) && fail "
 [[ $wrong == *"LEASTACTION_HIDDEN must be a whole number from 1 to 1024"* ]] || fail "$wrong"
 
 cart='0.125 0.25' arm='0.125 0.25 0.375'
-check rigid cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-check rigid,half cartpole-f16 "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
-check rigid,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check inertia-network cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check inertia-network,half cartpole-f16 "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check inertia-network,friction cartpole-friction "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 # The same file without dry friction, by the same library: what it does is what the library without the feature does.
-check rigid,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
+check inertia-network,friction cartpole "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2
 # With every law, and a file that has none with a network by the same library.
 for golden in cartpole-networks cartpole; do
-    check rigid,friction,networks $golden "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2 \
+    check inertia-network,friction,networks $golden "" "$cart" LEASTACTION_COORDINATES=2 LEASTACTION_HIDDEN=7 LEASTACTION_LAYERS=2 \
         LEASTACTION_LAW_HIDDEN=4 LEASTACTION_LAW_LAYERS=1
 done
 check modular arm arm "$arm" LEASTACTION_COORDINATES=3 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=2 LEASTACTION_TYPES=3
@@ -220,5 +220,5 @@ done
 # On rods of 0.5 m and 2 m, with room for another.
 check graph,rods web ring '0.3 -0.4 1 1 1.5 -2' LEASTACTION_COORDINATES=6 LEASTACTION_HIDDEN=5 LEASTACTION_LAYERS=1 \
     LEASTACTION_NETWORKS=6 LEASTACTION_EDGES=3 LEASTACTION_RODS=3
-[[ $families != *" rigid "* || $families != *" modular "* ]] || check_two
+[[ $families != *" inertia-network "* || $families != *" modular "* ]] || check_two
 printf 'the C interface is well\n'

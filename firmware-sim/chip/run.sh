@@ -15,15 +15,15 @@ steps=1000 only= budgets= build_only=
 while [ $# -gt 0 ]; do
     case $1 in
         --steps) steps=${2:?--steps takes a number}; shift 2 ;;
-        --only) only=${2:?--only takes a name such as rigid_2 or cortex-m7}; shift 2 ;;
+        --only) only=${2:?--only takes a name such as inertia-network_2 or cortex-m7}; shift 2 ;;
         --budgets) budgets=${2:?--budgets takes check or write}; shift 2 ;;
         --build) build_only=yes; shift ;;
         *) echo "usage: run.sh [--steps N] [--only IMAGE|BOARD] [--budgets check|write] | --build" >&2; exit 2 ;;
     esac
 done
 
-images=(rigid_2 rigid_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
-    rigid-f16_2 rigid-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4)
+images=(inertia-network_2 inertia-network_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
+    inertia-network-f16_2 inertia-network-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4)
 bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step)
 case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction elementary " in
     *" ${only:-bare} "*) ;;
@@ -61,7 +61,7 @@ bare() {
     local board=$1 image=$2 elf
     elf=$(program "$board" "$image")
     emulate "$board" "$elf" "$steps" || { printf '%s on %s failed\n' "$image" "$board" >&2; return 1; }
-    printf '{"board": "%s", "family": "rigid", "only": "%s", "text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s}\n' \
+    printf '{"board": "%s", "family": "inertia-network", "only": "%s", "text_bytes": %s, "rodata_bytes": %s, "ram_bytes": %s}\n' \
         "$board" "${image#bare_}" $(sections "$elf")
 }
 

@@ -3,7 +3,7 @@
 //! golden: weights are multiples of 1/64
 
 use leastaction_core::discrete::Galerkin;
-use leastaction_core::model::{ModelError, RigidModel};
+use leastaction_core::model::{InertiaNetworkModel, ModelError};
 use leastaction_core::stepper::{self, Direct, Held};
 
 /// Coordinates; their kinds are `ta` (t: translation, a: angle, c: cyclic).
@@ -14,7 +14,7 @@ pub const H: usize = 7;
 pub const L: usize = 2;
 
 /// The loaded model.
-pub type Model = RigidModel<'static, N, H, L>;
+pub type Model = InertiaNetworkModel<'static, N, H, L>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;

@@ -73,7 +73,7 @@ struct Aligned<T: ?Sized>(T);
 /// A run whose fingerprint every target must give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// rigid, modular, graph, bodies, rigid-f16, rigid-dry, bodies-dry or arm.
+    /// inertia-network, modular, graph, bodies, inertia-network-f16, inertia-network-dry, bodies-dry or arm.
     pub family: &'static str,
     /// 2 or 4.
     pub order: u8,
@@ -83,8 +83,8 @@ impl Reference {
     /// All of them.
     pub fn all() -> impl Iterator<Item = Self> {
         let orders = |family| [2, 4].map(|order| Self { family, order });
-        let others = ["rigid-f16", "rigid-dry"].map(|family| Self { family, order: 2 });
-        let families = ["rigid", "modular", "graph", "bodies"].into_iter().flat_map(orders);
+        let others = ["inertia-network-f16", "inertia-network-dry"].map(|family| Self { family, order: 2 });
+        let families = ["inertia-network", "modular", "graph", "bodies"].into_iter().flat_map(orders);
         families.chain(others).chain(["bodies-dry", "arm"].into_iter().flat_map(orders))
     }
 
@@ -94,15 +94,15 @@ impl Reference {
     /// Where the model or a step is refused.
     pub fn hash(&self, steps: u32) -> Result<u64, Refused> {
         match (self.family, self.order) {
-            ("rigid", order) => {
+            ("inertia-network", order) => {
                 let model = Cartpole::load(&CARTPOLE.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
             }
-            ("rigid-dry", order) => {
+            ("inertia-network-dry", order) => {
                 let model = Cartpole::load(&CARTPOLE.0).map_err(Refused::Model)?;
                 free(&dry(&model), order, steps)
             }
-            ("rigid-f16", order) => {
+            ("inertia-network-f16", order) => {
                 let model = HalfCartpole::load(&HALF_CARTPOLE.0).map_err(Refused::Model)?;
                 free(&model.system, order, steps)
             }

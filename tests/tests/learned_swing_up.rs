@@ -14,7 +14,7 @@ const STARTS: u64 = 20;
 fn a_learned_cartpole_swings_up_from_twenty_starts() {
     let model = decode(&common::model_file(common::config(16, 30), &common::log(12))).unwrap();
     let weights = model.weights_f32();
-    let system = model.architecture.family.rigid().unwrap().system::<f32, 2, 16>(&weights).unwrap();
+    let system = model.architecture.family.inertia_network().unwrap().system::<f32, 2, 16>(&weights).unwrap();
     let plant = System::conservative(CARTPOLE);
     for seed in 0..STARTS {
         let mut config = SwingUpConfig::cartpole();

@@ -5,8 +5,8 @@ mod samples;
 
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Order, Path, State};
 use leastaction_core::energy::graph::{Fixed, Graph, MAX_NETWORKS};
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::{
     ControlKind, Coulomb, Dissipation, Forces, PotentialCorrection, System, Viscous,
 };
@@ -18,7 +18,7 @@ use leastaction_learning::evaluate::horizons::Predictor;
 use leastaction_learning::windows::WindowLogs;
 use leastaction_models::file::decode;
 use leastaction_models::{Beginning, DEPTH, HostTypes, MAX_ELEMENT_UNITS, Model};
-use samples::{BodiesSample, GraphSample, NETWORK, RigidSample, TREES, TreeSample, bytes};
+use samples::{BodiesSample, GraphSample, InertiaNetworkSample, NETWORK, TREES, TreeSample, bytes};
 
 /// Exact in single precision, as the file has it.
 const H: f64 = 1.0 / 128.0;
@@ -214,7 +214,7 @@ fn inertia_network<F: leastaction_core::model::LoadForces<'static, f64, f64, 2> 
     laws_name: &str,
     laws: Laws<'static>,
 ) {
-    let sample: &'static RigidSample = Box::leak(Box::new(RigidSample {
+    let sample: &'static InertiaNetworkSample = Box::leak(Box::new(InertiaNetworkSample {
         coordinates: "aa".to_owned(),
         widths: [5, 4, 0, 0],
         activation: Activation::Tanh,
@@ -223,8 +223,8 @@ fn inertia_network<F: leastaction_core::model::LoadForces<'static, f64, f64, 2> 
         seed: 3,
     }));
     let (weights, header) = (sample.weights(), |order| sample.header(order));
-    let Family::Rigid(rigid) = header(Order::Two).family else { unreachable!() };
-    let system = rigid.system::<f64, f64, F, 2, 8, 2>(laws, doubles(&weights)).unwrap();
+    let Family::InertiaNetwork(inertia_network) = header(Order::Two).family else { unreachable!() };
+    let system = inertia_network.system::<f64, f64, F, 2, 8, 2>(laws, doubles(&weights)).unwrap();
     over_all(&format!("inertia network, {laws_name}"), (&header, &weights), None, &system, [0.25, -0.5]);
 }
 

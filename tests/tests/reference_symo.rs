@@ -6,13 +6,13 @@ mod reference;
 
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Del, Interval, Midpoint};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::scalar::Real;
 use leastaction_learning::import::{Imported, symo};
 use leastaction_learning::training::{LossKind, Samples, objective};
-use leastaction_models::{MAX_WIDTH, RigidArchitecture};
+use leastaction_models::{InertiaNetworkArchitecture, MAX_WIDTH};
 use reference::{Arrays, EXACT, assert_close, data, in_single};
 use std::fs;
 
@@ -39,8 +39,8 @@ impl Reference {
         Self { arrays: Arrays::open(&file("npz")), imported, h }
     }
 
-    fn rigid(&self) -> &RigidArchitecture {
-        self.imported.architecture.family.rigid().expect("rigid")
+    fn inertia_network(&self) -> &InertiaNetworkArchitecture {
+        self.imported.architecture.family.inertia_network().expect("inertia-network")
     }
 
     fn samples(&mut self) -> Samples {
@@ -101,13 +101,13 @@ where
 }
 
 fn evaluate<const N: usize>(reference: &Reference, samples: &Samples, single: bool) -> Values {
-    let (rigid, weights) = (reference.rigid(), &reference.imported.weights);
+    let (inertia_network, weights) = (reference.inertia_network(), &reference.imported.weights);
     if single {
         let weights = in_single(weights);
-        let system = rigid.system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
+        let system = inertia_network.system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
         values(&system, samples, |x| x as f32)
     } else {
-        let system = rigid.system::<f64, N, MAX_WIDTH>(weights).expect("shape");
+        let system = inertia_network.system::<f64, N, MAX_WIDTH>(weights).expect("shape");
         values(&system, samples, |x| x)
     }
 }
@@ -191,11 +191,11 @@ fn check_accelerations<const N: usize>(name: &str, coordinates: &[Coordinate], h
     assert!(!reference.imported.discrete);
     let states = ["q", "qdot", "tau"].map(|key| reference.arrays.get(key));
     let theirs = reference.arrays.get("qddot");
-    let (rigid, weights) = (reference.rigid(), &reference.imported.weights);
-    let system = rigid.system::<f64, N, MAX_WIDTH>(weights).expect("shape");
+    let (inertia_network, weights) = (reference.inertia_network(), &reference.imported.weights);
+    let system = inertia_network.system::<f64, N, MAX_WIDTH>(weights).expect("shape");
     assert_close(&format!("{name} qddot"), &accelerations(&system, &states, |x| x), &theirs, EXACT);
     let weights = in_single(weights);
-    let system = rigid.system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
+    let system = inertia_network.system::<f32, N, MAX_WIDTH>(&weights).expect("shape");
     let single = accelerations(&system, &states, |x| x as f32);
     assert_close(&format!("{name} qddot single"), &single, &theirs, SINGLE);
 }

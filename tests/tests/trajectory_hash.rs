@@ -6,16 +6,16 @@ use leastaction_tests::Reference;
 
 /// After 100,000 steps; by `cargo run --release -p leastaction-tests --bin trajectory_hash`.
 const EXPECTED: [(&str, u8, u64); 14] = [
-    ("rigid", 2, 0xb71d_c8e9_d362_0964),
-    ("rigid", 4, 0x4c97_2f12_2ed9_ed3f),
+    ("inertia-network", 2, 0xb71d_c8e9_d362_0964),
+    ("inertia-network", 4, 0x4c97_2f12_2ed9_ed3f),
     ("modular", 2, 0xaffa_1254_3be8_c2ee),
     ("modular", 4, 0xcd6d_7c08_f89e_170e),
     ("graph", 2, 0xf2cd_73a9_1647_306a),
     ("graph", 4, 0x7753_1922_2e73_700a),
     ("bodies", 2, 0x8a14_fd4f_5d4c_7be4),
     ("bodies", 4, 0x648f_3168_8112_8fbe),
-    ("rigid-f16", 2, 0x8596_c215_b354_eafd),
-    ("rigid-dry", 2, 0xf17a_3e8e_bb3c_6a48),
+    ("inertia-network-f16", 2, 0x8596_c215_b354_eafd),
+    ("inertia-network-dry", 2, 0xf17a_3e8e_bb3c_6a48),
     ("bodies-dry", 2, 0xbeb8_d63f_0ebb_d76c),
     ("bodies-dry", 4, 0xd717_bb99_bcea_9bf9),
     ("arm", 2, 0xda61_d8f4_3e4d_dfc5),

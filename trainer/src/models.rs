@@ -56,7 +56,7 @@ pub fn load_part(file: &Path, name: Option<&str>) -> Result<(Model, usize), Fail
 pub fn of_part(file: &Path, model: Model, name: Option<&str>) -> Result<Model, Failure> {
     let Some(name) = name else { return Ok(model) };
     let Some((what, _)) = model.architecture.part() else {
-        return Err(Failure::input(file, "a rigid model has no trees or graphs; leave out --tree"));
+        return Err(Failure::input(file, "an inertia network has no trees or graphs; leave out --tree"));
     };
     let known = || model.architecture.parts().join(", ");
     let architecture = model.architecture.with_part_named(name).ok_or_else(|| {

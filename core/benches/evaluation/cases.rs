@@ -2,7 +2,7 @@
 
 use leastaction_core::continuous;
 use leastaction_core::discrete::{Control, Del, Path, State};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
@@ -16,7 +16,7 @@ impl Plain for f64 {}
 /// The step of the cart-pole, s.
 pub const CARTPOLE_STEP: f64 = 0.02;
 
-pub type CartPole<'a, S> = System<Rigid<'a, <S as Scalar>::Weight, 2, 32, 2>, Viscous<S, 2>>;
+pub type CartPole<'a, S> = System<InertiaNetwork<'a, <S as Scalar>::Weight, 2, 32, 2>, Viscous<S, 2>>;
 
 /// Weights of (x, cos θ, sin θ) → width tanh → width tanh → 4.
 pub struct Network<W> {
@@ -39,16 +39,16 @@ impl<W: Plain> Network<W> {
 
     /// The mechanism, in this or another scalar with these weights.
     pub fn system<S: Real<Weight = W>>(&self) -> CartPole<'_, S> {
-        let rigid = Rigid::take(&mut self.block.as_slice(), &shape(self.widths));
-        System::conservative(rigid.expect("a block of this length"))
+        let inertia_network = InertiaNetwork::take(&mut self.block.as_slice(), &shape(self.widths));
+        System::conservative(inertia_network.expect("a block of this length"))
     }
 }
 
-fn shape(widths: [usize; 2]) -> RigidShape<2> {
+fn shape(widths: [usize; 2]) -> InertiaNetworkShape<2> {
     let widths = widths.map(|width| width as u16);
     let coordinates = [Coordinate::Translation, Coordinate::Angle];
     let inertia = Inertia::Cholesky { epsilon: 1e-9 };
-    RigidShape::new(coordinates, &widths, Activation::Tanh, inertia).expect("a small network")
+    InertiaNetworkShape::new(coordinates, &widths, Activation::Tanh, inertia).expect("a small network")
 }
 
 /// (q, v, u).

@@ -30,7 +30,7 @@
 #include <stdint.h>
 
 /* What the library was built for. */
-#define LEASTACTION_RIGID 1
+#define LEASTACTION_INERTIA_NETWORK 1
 #define LEASTACTION_ABI 2
 #define LEASTACTION_COORDINATES 2
 #define LEASTACTION_HIDDEN 32
@@ -212,7 +212,7 @@ enum leastaction_status
      */
     LEASTACTION_STATUS_ORDER = 45,
     /**
-     * A number of dry friction is out of range; `what`: which. The coordinate of a rigid model, of bodies or of an arm, or the element type of a
+     * A number of dry friction is out of range; `what`: which. The coordinate of an inertia network, of bodies or of an arm, or the element type of a
      * modular one; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the number as a float.
      */
     LEASTACTION_STATUS_FRICTION = 46,
@@ -416,7 +416,7 @@ const char *leastaction_message(int status);
  * - `model_bytes`: `sizeof(leastaction_model)`, which shows that the structs of this header are the library's.
  * - `abi`: LEASTACTION_ABI, which shows the same of its functions.
  * - `file`, `file_bytes`: the whole file, at a multiple of 4. It must stay there unchanged while the model is used.
- * - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for the rigid family, bodies and arms.
+ * - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for inertia networks, bodies and arms.
  * - `error`: filled in; may be NULL.
  *
  * Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; then `model` holds no model, also if it did before.
@@ -433,7 +433,7 @@ leastaction_status leastaction_load(leastaction_model *model,
                                     leastaction_error *error);
 
 /**
- * The family that the library was built for: "rigid", "modular", "graph", "bodies" or "arm".
+ * The family that the library was built for: "inertia-network", "modular", "graph", "bodies" or "arm".
  */
 const char *leastaction_family(void);
 

@@ -66,7 +66,7 @@ const LAWS: usize = 2 * (5 * (LEASTACTION_LAW_LAYERS + 1) + LEASTACTION_COORDINA
 const LAWS: usize = 0;
 
 /// Words, as wide as a pointer, of a loaded model.
-#[cfg(feature = "rigid")]
+#[cfg(feature = "inertia-network")]
 pub const LEASTACTION_MODEL_WORDS: usize =
     NETWORK + LEASTACTION_COORDINATES + LEASTACTION_COORDINATES.div_ceil(4) + FRICTION + LAWS + 12;
 /// Words, as wide as a pointer, of a loaded model.

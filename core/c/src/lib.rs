@@ -1,7 +1,7 @@
 //! leastaction-core for C: a static library for one family of models and one shape, with a header.
 //!
 //! Family and shape are compiled in, so that nothing is allocated and the storage of a model and of a state is a C struct:
-//! the family by a Cargo feature (`rigid`, `modular`, `graph`, `bodies`, `arm`), the shape by environment variables (`config.rs`). No
+//! the family by a Cargo feature (`inertia-network`, `modular`, `graph`, `bodies`, `arm`), the shape by environment variables (`config.rs`). No
 //! callback, no allocation, no panic: the library calls `leastaction_panicked` where it could panic, which nobody defines,
 //! so that a program that could panic does not link.
 //!
@@ -9,25 +9,25 @@
 #![cfg_attr(not(test), no_std)]
 
 /// Families that the library is to be built for: one.
-const FAMILIES: usize = cfg!(feature = "rigid") as usize
+const FAMILIES: usize = cfg!(feature = "inertia-network") as usize
     + cfg!(feature = "modular") as usize
     + cfg!(feature = "graph") as usize
     + cfg!(feature = "bodies") as usize
     + cfg!(feature = "arm") as usize;
 const _: () = assert!(
     FAMILIES == 1,
-    "choose one family: --no-default-features --features rigid, modular, graph, bodies or arm"
+    "choose one family: --no-default-features --features inertia-network, modular, graph, bodies or arm"
 );
 #[cfg(all(feature = "rods", not(feature = "graph")))]
 compile_error!("rods are of graphs: --no-default-features --features graph,rods");
 #[cfg(all(feature = "friction", feature = "graph"))]
 compile_error!(
-    "graphs have no dry friction: --no-default-features --features rigid,friction, modular,friction, bodies,friction or arm,friction"
+    "graphs have no dry friction: --no-default-features --features inertia-network,friction, modular,friction, bodies,friction or arm,friction"
 );
 
 #[cfg(all(feature = "networks", feature = "graph"))]
 compile_error!(
-    "graphs have no such laws: --no-default-features --features rigid,networks, modular,networks, bodies,networks or arm,networks"
+    "graphs have no such laws: --no-default-features --features inertia-network,networks, modular,networks, bodies,networks or arm,networks"
 );
 
 mod arguments;

@@ -12,7 +12,7 @@ use core::ffi::{CStr, c_char};
 /// - `model_bytes`: `sizeof(leastaction_model)`, which shows that the structs of this header are the library's.
 /// - `abi`: LEASTACTION_ABI, which shows the same of its functions.
 /// - `file`, `file_bytes`: the whole file, at a multiple of 4. It must stay there unchanged while the model is used.
-/// - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for the rigid family, bodies and arms.
+/// - `name`: the tree or the graph to take, up to a zero; not read, and may be NULL, for inertia networks, bodies and arms.
 /// - `error`: filled in; may be NULL.
 ///
 /// Fails with statuses 1 to 3, 7, 9, 11 and 20 to 69; then `model` holds no model, also if it did before.
@@ -83,7 +83,7 @@ unsafe fn whole(file: *const u8, file_bytes: usize) -> Result<&'static [u8], Err
     Ok(unsafe { core::slice::from_raw_parts(file.pointer(), file_bytes) })
 }
 
-/// The family that the library was built for: "rigid", "modular", "graph", "bodies" or "arm".
+/// The family that the library was built for: "inertia-network", "modular", "graph", "bodies" or "arm".
 #[unsafe(export_name = concat!(env!("LEASTACTION_EXPORTS"), "family"))]
 pub extern "C" fn leastaction_family() -> *const c_char {
     FAMILY.as_ptr()

@@ -91,7 +91,7 @@ pub enum Status {
     Law = 44,
     /// The model was trained with an integrator of another order. In the file, asked for.
     Order = 45,
-    /// A number of dry friction is out of range; `what`: which. The coordinate of a rigid model, of bodies or of an arm, or the element type of a
+    /// A number of dry friction is out of range; `what`: which. The coordinate of an inertia network, of bodies or of an arm, or the element type of a
     /// modular one; 0 for c, 1 for c_load, 2 for tau_s, 3 for epsilon; the bits of the number as a float.
     Friction = 46,
     /// The tree was refused for a reason that this list does not know.

@@ -1,7 +1,7 @@
 //! Families of energies: each gives a [`Lagrangian`](crate::lagrangian::Lagrangian). Derivatives in the weights are no part of
 //! them: training has its own, from programs of the same energies.
 //!
-//! - [`rigid`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
+//! - [`inertia_network`]: inertia matrix and potential from one network (SyMo, L-NODE, DeLaN);
 //! - [`bodies`]: trees of rigid bodies on joints in the plane, by their masses, lengths and inertias;
 //! - [`arm`]: trees of rigid bodies on joints in space;
 //! - [`modular`]: a tree of reusable elements (ModLaNet);
@@ -12,12 +12,12 @@ pub mod arm;
 pub mod bodies;
 mod distance;
 pub mod graph;
+pub mod inertia_network;
 mod list;
 pub mod modular;
 mod multibody;
 mod network_shape;
 mod pull_back;
-pub mod rigid;
 pub mod trigonometric;
 
 pub use list::List;

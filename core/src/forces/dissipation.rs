@@ -1,5 +1,5 @@
 use super::{Forces, Seen};
-use crate::energy::rigid::Features;
+use crate::energy::inertia_network::Features;
 use crate::energy::{NetworkShape, SizeError};
 use crate::expected::{expected, first, first_mut};
 use crate::linear::Matrix;

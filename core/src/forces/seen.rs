@@ -1,5 +1,5 @@
 use crate::energy::SizeError;
-use crate::energy::rigid::{Coordinate, feature_count};
+use crate::energy::inertia_network::{Coordinate, feature_count};
 use crate::expected::expected;
 
 /// The coordinates that the network of a law sees and acts on, of N: a few of them, in order.

@@ -110,7 +110,7 @@ pub enum ModelError {
     Friction {
         /// Which number of its group.
         number: FrictionNumber,
-        /// The coordinate of a rigid model or of bodies, the element type of a modular one; from 0.
+        /// The coordinate of an inertia network or of bodies, the element type of a modular one; from 0.
         group: u16,
         /// The number.
         value: f32,

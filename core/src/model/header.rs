@@ -2,8 +2,8 @@ use super::{
     ActuatorBytes, ArmHeader, BodiesHeader, GraphHeader, Laws, ModelError, ShapeHeader, TrainedStep,
     TrainingRange,
 };
+use crate::energy::inertia_network::{Coordinate, Inertia, feature_count, network_shape};
 use crate::energy::modular::{self, TreeElement, TreeError};
-use crate::energy::rigid::{Coordinate, Inertia, feature_count, network_shape};
 use crate::energy::{MAX_HIDDEN, NetworkShape};
 use crate::expected::expected;
 use crate::network::Activation;
@@ -76,7 +76,7 @@ pub(super) fn sum(energies: usize, laws: Option<usize>) -> Result<usize, ModelEr
 #[allow(clippy::large_enum_variant, reason = "read once, and there is no heap to box it on")]
 pub enum Family<'a> {
     /// Inertia matrix and potential from one network.
-    Rigid(RigidHeader<'a>),
+    InertiaNetwork(InertiaNetworkHeader<'a>),
     /// Trees of reusable elements.
     Modular(ModularHeader<'a>),
     /// Particles with energies of nodes and edges.
@@ -108,10 +108,10 @@ pub struct TreeHeader<'a> {
     pub elements: &'a [u8],
 }
 
-/// The shape of a rigid model.
+/// The shape of an inertia network.
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RigidHeader<'a> {
+pub struct InertiaNetworkHeader<'a> {
     /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
     pub coordinates: &'a str,
     /// Units of the hidden layers; the first 0 ends the list.
@@ -147,7 +147,7 @@ impl Family<'_> {
     /// What the family is called.
     pub const fn name(&self) -> &'static str {
         match self {
-            Self::Rigid(_) => RigidHeader::FAMILY.1,
+            Self::InertiaNetwork(_) => InertiaNetworkHeader::FAMILY.1,
             Self::Modular(_) => ModularHeader::FAMILY.1,
             Self::Graph(_) => GraphHeader::FAMILY.1,
             Self::Bodies(_) => BodiesHeader::FAMILY.1,
@@ -155,11 +155,11 @@ impl Family<'_> {
         }
     }
 
-    /// Groups of coordinates that laws have numbers of their own for: coordinates of the rigid family, of bodies and of arms,
+    /// Groups of coordinates that laws have numbers of their own for: coordinates of inertia networks, of bodies and of arms,
     /// element types of the modular one, node types of graphs.
     pub fn groups(&self) -> usize {
         match self {
-            Self::Rigid(rigid) => rigid.groups(),
+            Self::InertiaNetwork(inertia_network) => inertia_network.groups(),
             Self::Modular(modular) => modular.groups(),
             Self::Graph(graph) => graph.groups(),
             Self::Bodies(bodies) => bodies.groups(),
@@ -170,7 +170,7 @@ impl Family<'_> {
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         match self {
-            Self::Rigid(rigid) => rigid.parameters(),
+            Self::InertiaNetwork(inertia_network) => inertia_network.parameters(),
             Self::Modular(modular) => modular.parameters(),
             Self::Graph(graph) => graph.parameters(),
             Self::Bodies(bodies) => bodies.parameters(),
@@ -258,7 +258,7 @@ impl TreeHeader<'_> {
     }
 }
 
-impl<'a> RigidHeader<'a> {
+impl<'a> InertiaNetworkHeader<'a> {
     /// Number of coordinates n.
     pub fn n(&self) -> usize {
         self.coordinates.len()

@@ -2,7 +2,7 @@
 
 use super::header::{MAX_COORDINATES, require};
 use super::{Law, ModelError};
-use crate::energy::rigid::{Coordinate, feature_count};
+use crate::energy::inertia_network::{Coordinate, feature_count};
 use crate::energy::{MAX_HIDDEN, NetworkShape};
 use crate::forces::Seen;
 use crate::network::Activation;

@@ -7,7 +7,7 @@ use crate::forces::{Coulomb, Dissipation, DryFriction, Forces, PotentialCorrecti
 use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 use serde::Deserialize;
 
-/// Laws that a model file can have. Friction has numbers for every *group* of coordinates: a coordinate of the rigid family or of
+/// Laws that a model file can have. Friction has numbers for every *group* of coordinates: a coordinate of inertia networks or of
 /// bodies, an element type of the modular one. A law with a network says which coordinates it sees ([`LawNetwork`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]

@@ -3,8 +3,8 @@
 use super::laws::load_forces;
 use super::parse::parse_knowing;
 use super::{
-    ActuatorBytes, ArmHeader, BodiesHeader, GraphHeader, GraphSystem, Law, LawNumbers, Laws, LoadForces,
-    ModelError, ModularHeader, ParsedAs, RigidHeader, Sections, ShapeHeader, TrainedStep, TrainingRange,
+    ActuatorBytes, ArmHeader, BodiesHeader, GraphHeader, GraphSystem, InertiaNetworkHeader, Law, LawNumbers,
+    Laws, LoadForces, ModelError, ModularHeader, ParsedAs, Sections, ShapeHeader, TrainedStep, TrainingRange,
     TreeHeader,
 };
 use crate::constraints::Holonomic;
@@ -13,8 +13,8 @@ use crate::discrete::{Del, Path};
 use crate::energy::arm::ArmBodies;
 use crate::energy::bodies::PlanarBodies;
 use crate::energy::graph::Edge;
+use crate::energy::inertia_network::{InertiaNetwork, InertiaNetworkShape};
 use crate::energy::modular::Modular;
-use crate::energy::rigid::{Rigid, RigidShape};
 use crate::forces::{System, Viscous};
 use crate::scalar::{FileWeightFormat, Real, Scalar, WeightFormat};
 
@@ -33,16 +33,22 @@ pub struct Model<'a, M> {
     covered: bool,
 }
 
-/// A rigid model in N coordinates with at most `L` hidden layers of at most `H` units.
+/// An inertia network in N coordinates with at most `L` hidden layers of at most `H` units.
 ///
 /// `W` is how the file stores its weights: `f32`, or [`struct@f16`](crate::scalar::f16) in half the flash. `F` are the laws of
 /// force that the program is compiled for.
-pub type RigidModel<'a, const N: usize, const H: usize, const L: usize, W = f32, F = Viscous<f32, N>> =
-    Model<'a, System<Rigid<'a, W, N, H, L>, F>>;
+pub type InertiaNetworkModel<
+    'a,
+    const N: usize,
+    const H: usize,
+    const L: usize,
+    W = f32,
+    F = Viscous<f32, N>,
+> = Model<'a, System<InertiaNetwork<'a, W, N, H, L>, F>>;
 
 /// A tree of elements in N coordinates: at most `E` element types, networks of at most `L` hidden layers of at most `H` units.
 ///
-/// `W` and `F` as of a [`RigidModel`].
+/// `W` and `F` as of a [`InertiaNetworkModel`].
 pub type ModularModel<
     'a,
     const N: usize,
@@ -55,19 +61,19 @@ pub type ModularModel<
 
 /// A graph in `D` dimensions with its rods: at most `K` networks of at most `L` hidden layers of at most `H` units.
 ///
-/// `W` as of a [`RigidModel`].
+/// `W` as of a [`InertiaNetworkModel`].
 pub type GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> =
     Model<'a, GraphSystem<'a, D, K, H, L, W>>;
 
 /// A tree of N rigid bodies on joints in the plane.
 ///
-/// `W` and `F` as of a [`RigidModel`].
+/// `W` and `F` as of a [`InertiaNetworkModel`].
 pub type BodiesModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
     Model<'a, System<PlanarBodies<'a, W, N>, F>>;
 
 /// A tree of N rigid bodies on joints in space.
 ///
-/// `W` and `F` as of a [`RigidModel`].
+/// `W` and `F` as of a [`InertiaNetworkModel`].
 pub type ArmModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
     Model<'a, System<ArmBodies<'a, W, N>, F>>;
 
@@ -132,14 +138,14 @@ impl<'a, M> Model<'a, M> {
 }
 
 impl<'a, const N: usize, const H: usize, const L: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>>
-    RigidModel<'a, N, H, L, W, F>
+    InertiaNetworkModel<'a, N, H, L, W, F>
 {
     /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
     ///
     /// # Errors
     /// See [`ModelError`].
     pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
-        Self::read(bytes, F::knows, |parsed: &ParsedAs<RigidHeader, W>| {
+        Self::read(bytes, F::knows, |parsed: &ParsedAs<InertiaNetworkHeader, W>| {
             Ok((parsed.shape.system(parsed.laws, parsed.weights)?, true))
         })
     }
@@ -232,7 +238,7 @@ impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: File
     }
 }
 
-impl RigidHeader<'_> {
+impl InertiaNetworkHeader<'_> {
     /// The system of this shape and these laws over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in
     /// training.
     ///
@@ -242,18 +248,21 @@ impl RigidHeader<'_> {
         &self,
         laws: Laws,
         weights: &'w [W],
-    ) -> Result<System<Rigid<'w, W, N, H, L>, F>, ModelError>
+    ) -> Result<System<InertiaNetwork<'w, W, N, H, L>, F>, ModelError>
     where
         W: WeightFormat,
         S: Scalar<Weight = W::Wide>,
         F: LoadForces<'w, W, S, N>,
     {
-        let shape =
-            RigidShape { coordinates: self.kinds()?, network: self.network()?, inertia: self.inertia };
+        let shape = InertiaNetworkShape {
+            coordinates: self.kinds()?,
+            network: self.network()?,
+            inertia: self.inertia,
+        };
         shape.check_size::<H, L>()?;
         let mut block = weights;
         let needed = self.parameters()?;
-        let lagrangian = Rigid::take(&mut block, &shape)
+        let lagrangian = InertiaNetwork::take(&mut block, &shape)
             .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
         Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
     }

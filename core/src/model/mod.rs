@@ -3,7 +3,7 @@
 //! `core/FORMAT.md` has the byte table. Loading validates everything once; after that, evaluation cannot fail except
 //! numerically.
 //!
-//! A program names the family, the sizes and the laws of force that it is compiled for by a type, [`RigidModel`],
+//! A program names the family, the sizes and the laws of force that it is compiled for by a type, [`InertiaNetworkModel`],
 //! [`ModularModel`], [`GraphModel`], [`BodiesModel`] or [`ArmModel`]; [`parse`] reads a file of any of them on the host, and
 //! [`write`](fn@write) writes one.
 
@@ -30,10 +30,12 @@ pub use bodies::BodiesHeader;
 pub use catalogue::{CATALOGUE, Coded, Entry, entry_of};
 pub use error::ModelError;
 pub use graph::{GraphHeader, GraphLayout, GraphSystem, MAX_GRAPHS, ORIGIN, Rod};
-pub use header::{FORMAT_VERSION, Family, Header, MAGIC, MAX_TREES, ModularHeader, RigidHeader, TreeHeader};
+pub use header::{
+    FORMAT_VERSION, Family, Header, InertiaNetworkHeader, MAGIC, MAX_TREES, ModularHeader, TreeHeader,
+};
 pub use law_network::LawNetwork;
 pub use laws::{FrictionNumber, Law, LawNumbers, Laws, LoadForces};
-pub use loaded::{ArmModel, BodiesModel, GraphModel, Model, ModularModel, RigidModel};
+pub use loaded::{ArmModel, BodiesModel, GraphModel, InertiaNetworkModel, Model, ModularModel};
 pub use parse::{Parsed, ParsedAs, ShapeHeader, parse, parse_as};
 pub use range::{CoordinateRange, Interval, Outside, TrainingRange};
 pub use section::{Section, Sections};

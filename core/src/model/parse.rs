@@ -3,15 +3,15 @@
 
 use super::header::sum;
 use super::{
-    ActuatorBytes, ArmHeader, BodiesHeader, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header, Law,
-    Laws, MAGIC, MAX_PADDING, ModelError, ModularHeader, PREFIX_BYTES, RigidHeader, Section, Sections,
-    TrainedStep, TrainingRange, checksum,
+    ActuatorBytes, ArmHeader, BodiesHeader, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header,
+    InertiaNetworkHeader, Law, Laws, MAGIC, MAX_PADDING, ModelError, ModularHeader, PREFIX_BYTES, Section,
+    Sections, TrainedStep, TrainingRange, checksum,
 };
 use crate::expected::expected;
 use crate::scalar::{FileWeightFormat, Weights, f16};
 use serde::Deserialize;
 
-/// The shape of one family, as it stands in a file: [`RigidHeader`], [`ModularHeader`], [`GraphHeader`],
+/// The shape of one family, as it stands in a file: [`InertiaNetworkHeader`], [`ModularHeader`], [`GraphHeader`],
 /// [`BodiesHeader`] or [`ArmHeader`].
 pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// What the family is in a file, and what it is called.
@@ -50,7 +50,7 @@ macro_rules! shape_header {
         }
     };
 }
-shape_header!(RigidHeader, 0, "rigid", RigidHeader::n);
+shape_header!(InertiaNetworkHeader, 0, "inertia-network", InertiaNetworkHeader::n);
 shape_header!(ModularHeader, 1, "modular", ModularHeader::fewest_coordinates);
 shape_header!(GraphHeader, 2, "graph", |_: &Self| 0);
 shape_header!(BodiesHeader, 3, "bodies", BodiesHeader::n);
@@ -134,7 +134,7 @@ struct Begun<'a> {
 pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
     let begun = begin(bytes)?;
     match begun.family {
-        0 => either(begun, Family::Rigid),
+        0 => either(begun, Family::InertiaNetwork),
         1 => either(begun, Family::Modular),
         2 => either(begun, Family::Graph),
         3 => either(begun, Family::Bodies),
@@ -176,7 +176,7 @@ pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
         return finish(&begun, knows);
     }
     let names = [
-        RigidHeader::FAMILY,
+        InertiaNetworkHeader::FAMILY,
         ModularHeader::FAMILY,
         GraphHeader::FAMILY,
         BodiesHeader::FAMILY,

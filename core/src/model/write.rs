@@ -35,7 +35,7 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
     file.append(&MAGIC)?;
     file.append(&[FORMAT_VERSION])?;
     match header.family {
-        Family::Rigid(shape) => file.energies(&shape)?,
+        Family::InertiaNetwork(shape) => file.energies(&shape)?,
         Family::Modular(shape) => file.energies(&shape)?,
         Family::Graph(shape) => file.energies(&shape)?,
         Family::Bodies(shape) => file.energies(&shape)?,

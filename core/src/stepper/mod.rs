@@ -33,11 +33,11 @@ use crate::model::{Model, ModelError, TrainedStep};
 ///
 /// ```
 /// # use leastaction_core::discrete::Galerkin;
-/// # use leastaction_core::model::RigidModel;
+/// # use leastaction_core::model::InertiaNetworkModel;
 /// # use leastaction_core::stepper::{Direct, Drive, Held, Stepper};
 /// # fn run(file: &'static [u8]) -> Result<(), Box<dyn core::error::Error>> {
 /// // What `leastaction export --rust` writes for a cart-pole of order 4, its commands held:
-/// type Model = RigidModel<'static, 2, 32, 2>;
+/// type Model = InertiaNetworkModel<'static, 2, 32, 2>;
 /// type CartPole = Stepper<Model, Galerkin, Drive<Held, Direct, 2, 0>, 2>;
 ///
 /// let mut stepper = CartPole::new(Model::load(file)?)?;

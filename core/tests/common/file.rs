@@ -6,15 +6,15 @@ use leastaction_core::discrete::Order;
 use leastaction_core::energy::graph::{
     self, Drag, EdgeShape, Kinetic, MessageShape, NodeShape, Potential, Separation,
 };
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, PairInput, PairShape, TransformShape, TypeShape,
 };
-use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header, Interval,
-    LawNetwork, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError, ModularHeader, RigidHeader, Section,
-    TrainedStep, TrainingRange, TreeHeader, checksum, parse,
+    ActuatorBytes, CoordinateRange, FORMAT_VERSION, Family, GraphHeader, GraphLayout, Header,
+    InertiaNetworkHeader, Interval, LawNetwork, Laws, MAGIC, MAX_GRAPHS, MAX_TREES, ModelError,
+    ModularHeader, Section, TrainedStep, TrainingRange, TreeHeader, checksum, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::f16;
@@ -52,7 +52,7 @@ impl Aligned {
 }
 
 /// The cart-pole of the golden file: 3 → 7 → 5 → 4, damped.
-pub const CARTPOLE: RigidHeader<'static> = RigidHeader {
+pub const CARTPOLE: InertiaNetworkHeader<'static> = InertiaNetworkHeader {
     coordinates: "ta",
     widths: [7, 5, 0, 0],
     activation: Activation::Tanh,
@@ -63,13 +63,13 @@ pub const HEADER: Header<'static> = Header {
     laws: Laws::VISCOUS,
     trained_step: Some(STEP),
     provenance: "golden: weights are multiples of 1/64",
-    ..Header::new(Family::Rigid(CARTPOLE))
+    ..Header::new(Family::InertiaNetwork(CARTPOLE))
 };
 
 pub const STEP: TrainedStep = TrainedStep { order: Order::Four, h: 0.05, control: ControlKind::Held };
 
 /// Weights that are exact in any text, damping last.
-pub fn weights(header: &RigidHeader) -> Vec<f32> {
+pub fn weights(header: &InertiaNetworkHeader) -> Vec<f32> {
     [exact(header.parameters().unwrap()), vec![0.125; header.n()]].concat()
 }
 
@@ -285,7 +285,7 @@ fn document(of: &impl serde::Serialize) -> Vec<u8> {
 pub fn energies(family: &Family) -> Vec<u8> {
     let mut buffer = vec![0; 8192];
     let written = match family {
-        Family::Rigid(shape) => postcard::to_slice(&(0_u8, shape), &mut buffer),
+        Family::InertiaNetwork(shape) => postcard::to_slice(&(0_u8, shape), &mut buffer),
         Family::Modular(shape) => postcard::to_slice(&(1_u8, shape), &mut buffer),
         Family::Graph(shape) => postcard::to_slice(&(2_u8, shape), &mut buffer),
         Family::Bodies(shape) => postcard::to_slice(&(3_u8, shape), &mut buffer),

@@ -1,10 +1,10 @@
 //! Takes model files apart into their sections, and puts them together again.
 
 use super::file::{self, Aligned};
-use leastaction_core::model::{ModelError, RigidModel, Section, parse};
+use leastaction_core::model::{InertiaNetworkModel, ModelError, Section, parse};
 
 /// The model of the golden file.
-pub type Cartpole<'a> = RigidModel<'a, 2, 8, 2>;
+pub type Cartpole<'a> = InertiaNetworkModel<'a, 2, 8, 2>;
 
 /// Why a file is refused.
 pub fn refusal(file: &[u8]) -> ModelError {

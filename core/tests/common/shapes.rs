@@ -1,8 +1,10 @@
-//! Rigid models of every kind, with a naive evaluation of their energies.
+//! Inertia networks of every kind, with a naive evaluation of their energies.
 
 use super::Random;
 use super::oracle::Learned;
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape, feature_count};
+use leastaction_core::energy::inertia_network::{
+    Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape, feature_count,
+};
 use leastaction_core::network::{Activation, Dense};
 use leastaction_core::scalar::{Scalar, WeightFormat};
 
@@ -12,7 +14,7 @@ pub use Coordinate::{Angle, Cyclic, Translation};
 pub const WIDTH: usize = 13;
 pub const DEPTH: usize = 3;
 
-/// A rigid model that owns its weights.
+/// An inertia network that owns its weights.
 #[derive(Clone, Debug)]
 pub struct Model<const N: usize> {
     pub coordinates: [Coordinate; N],
@@ -35,26 +37,27 @@ impl<const N: usize> Model<N> {
         model
     }
 
-    pub fn shape(&self) -> RigidShape<N> {
-        RigidShape::new(self.coordinates, &self.widths, self.activation, self.inertia)
+    pub fn shape(&self) -> InertiaNetworkShape<N> {
+        InertiaNetworkShape::new(self.coordinates, &self.widths, self.activation, self.inertia)
             .expect("a small network")
     }
 
     /// The model over a weight block of any type, of this shape.
-    pub fn over<'a, W: WeightFormat>(&self, mut weights: &'a [W]) -> Rigid<'a, W, N, WIDTH, DEPTH> {
-        let rigid = Rigid::take(&mut weights, &self.shape()).expect("weights of this shape");
+    pub fn over<'a, W: WeightFormat>(&self, mut weights: &'a [W]) -> InertiaNetwork<'a, W, N, WIDTH, DEPTH> {
+        let inertia_network =
+            InertiaNetwork::take(&mut weights, &self.shape()).expect("weights of this shape");
         assert!(weights.is_empty(), "{} weights too many", weights.len());
-        rigid
+        inertia_network
     }
 
-    pub fn in_f64(&self) -> Rigid<'_, f64, N, WIDTH, DEPTH> {
+    pub fn in_f64(&self) -> InertiaNetwork<'_, f64, N, WIDTH, DEPTH> {
         self.over(&self.weights)
     }
 }
 
 impl<const N: usize> Learned<N> for Model<N> {
     type Over<'w, S: Scalar>
-        = Rigid<'w, S::Weight, N, WIDTH, DEPTH>
+        = InertiaNetwork<'w, S::Weight, N, WIDTH, DEPTH>
     where
         S::Weight: 'w,
         Self: 'w;
@@ -173,7 +176,7 @@ pub fn of_three() -> Vec<Model<3>> {
     ]
 }
 
-/// One check of all rigid models, generic in their number of coordinates.
+/// One check of all inertia networks, generic in their number of coordinates.
 #[allow(unused_macros, reason = "only some tests use it")]
 macro_rules! for_each_shape {
     ($check:expr) => {
@@ -185,7 +188,7 @@ macro_rules! for_each_shape {
 #[allow(unused_imports, reason = "only some tests use it")]
 pub(crate) use for_each_shape;
 
-/// One check of the pendulums and of all rigid models in f64, generic in their number of coordinates.
+/// One check of the pendulums and of all inertia networks in f64, generic in their number of coordinates.
 #[allow(unused_macros, reason = "only some tests use it")]
 macro_rules! for_each_model {
     ($check:path) => {

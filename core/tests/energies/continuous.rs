@@ -11,7 +11,7 @@ use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, Trigonometric};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::linear::SolveError;
-use leastaction_core::model::{GraphModel, ModularModel, RigidModel};
+use leastaction_core::model::{GraphModel, InertiaNetworkModel, ModularModel};
 
 fn check_inverse<L, const N: usize>(lagrangian: L)
 where
@@ -108,7 +108,7 @@ fn everything_of_a_loop_can_move_to_another_thread() {
     moves::<Rattle<f32>>();
     moves::<ParticleState<'_, f32, 2>>();
     moves::<System<Trigonometric<'_, 2>, Viscous<f32, 2>>>();
-    moves::<System<RigidModel<'_, 2, 8, 2>, Viscous<f32, 2>>>();
+    moves::<System<InertiaNetworkModel<'_, 2, 8, 2>, Viscous<f32, 2>>>();
     moves::<ModularModel<'_, 2, 1, 8, 2>>();
     moves::<GraphModel<'_, 2, 1, 8, 2>>();
     moves::<StepError<f32>>();

@@ -11,7 +11,7 @@ mod coulomb;
 mod forces;
 mod graph;
 mod graph_union;
+mod inertia_network;
 mod modular;
 mod network_laws;
-mod rigid;
 mod trigonometric;

@@ -7,7 +7,7 @@ use crate::common::network_laws::NetworkLaws;
 use crate::common::{Random, assert_close, assert_vectors_close};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
 use leastaction_core::energy::NetworkShape;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE};
 use leastaction_core::forces::{Dissipation, Forces, PotentialCorrection, Seen, System};
 use leastaction_core::lagrangian::{Energies, Gradient, Hessian, Lagrangian};

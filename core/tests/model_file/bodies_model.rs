@@ -9,7 +9,8 @@ use leastaction_core::energy::bodies::{BODY_PARAMETERS, Joint, TreeBody, TreeErr
 use leastaction_core::forces::{Coulomb, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    BodiesHeader, BodiesModel, FORMAT_VERSION, Family, Header, ModelError, RigidModel, Section, parse,
+    BodiesHeader, BodiesModel, FORMAT_VERSION, Family, Header, InertiaNetworkModel, ModelError, Section,
+    parse,
 };
 use leastaction_core::scalar::{Weights, f16};
 use proptest::prelude::*;
@@ -90,9 +91,9 @@ fn every_truncation_and_every_change_of_a_byte_is_an_error() {
 
 #[test]
 fn families_are_not_mistaken_for_each_other() {
-    let (rigid, bodies) = (file::golden(), Aligned::new(&crane::golden()));
-    assert_eq!(refusal(&rigid), ModelError::OtherFamily { found: "rigid" });
-    let error = RigidModel::<2, 8, 2>::load(bodies.bytes()).unwrap_err();
+    let (inertia_network, bodies) = (file::golden(), Aligned::new(&crane::golden()));
+    assert_eq!(refusal(&inertia_network), ModelError::OtherFamily { found: "inertia-network" });
+    let error = InertiaNetworkModel::<2, 8, 2>::load(bodies.bytes()).unwrap_err();
     assert_eq!(error, ModelError::OtherFamily { found: "bodies" });
 }
 

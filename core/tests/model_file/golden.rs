@@ -55,7 +55,7 @@ fn cartpole_text(bytes: &[u8], each: usize) -> String {
     let mut before = vec![
         (1, "section 1: energies"),
         (4, HEAD),
-        (1, "family 0: rigid"),
+        (1, "family 0: inertia-network"),
         (3, "coordinates, 2 letters: t, a"),
         (4, "hidden widths 7, 5, then none"),
         (1, "activation 0: tanh"),
@@ -261,13 +261,13 @@ fn manipulator_text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn the_rigid_file_is_unchanged() {
+fn the_inertia_network_file_is_unchanged() {
     let file = file::golden();
     file::assert_golden("cartpole.hex", &file, &cartpole_text(&file, 4));
 }
 
 #[test]
-fn the_rigid_file_in_half_precision_is_unchanged() {
+fn the_inertia_network_file_in_half_precision_is_unchanged() {
     let file = file::write_half(file::HEADER, &file::weights(&CARTPOLE));
     file::assert_golden("cartpole-f16.hex", &file, &cartpole_text(&file, 2));
 }

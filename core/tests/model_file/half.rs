@@ -10,7 +10,7 @@ use leastaction_core::discrete::{Control, Del, Galerkin, State};
 use leastaction_core::energy::graph::{Edge, Fixed, Graph};
 use leastaction_core::forces::{Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{GraphModel, Header, ModelError, ModularModel, RigidModel, parse};
+use leastaction_core::model::{GraphModel, Header, InertiaNetworkModel, ModelError, ModularModel, parse};
 use leastaction_core::scalar::{WeightFormat, Weights, f16};
 use proptest::prelude::*;
 
@@ -37,13 +37,13 @@ where
 }
 
 #[test]
-fn a_rigid_model_has_the_bits_of_its_numbers() {
+fn a_inertia_network_model_has_the_bits_of_its_numbers() {
     let weights = file::weights(&CARTPOLE);
     let [single, half] = files(HEADER, &weights);
     assert!(half.bytes().len() + 2 * weights.len() <= single.bytes().len() + 4);
     let (single, half) = (
-        RigidModel::<2, 8, 2>::load(single.bytes()).unwrap(),
-        RigidModel::<2, 8, 2, f16>::load(half.bytes()),
+        InertiaNetworkModel::<2, 8, 2>::load(single.bytes()).unwrap(),
+        InertiaNetworkModel::<2, 8, 2, f16>::load(half.bytes()),
     );
     assert_eq!(motion(&single.system), motion(&half.unwrap().system));
 }
@@ -90,9 +90,9 @@ fn every_file_says_its_precision() {
 #[test]
 fn a_program_of_one_precision_refuses_the_other() {
     let [single, half] = files(HEADER, &file::weights(&CARTPOLE));
-    let refusal = RigidModel::<2, 8, 2>::load(half.bytes()).unwrap_err();
+    let refusal = InertiaNetworkModel::<2, 8, 2>::load(half.bytes()).unwrap_err();
     assert_eq!(refusal, ModelError::Precision { found: 16, compiled: 32 });
-    let refusal = RigidModel::<2, 8, 2, f16>::load(single.bytes()).unwrap_err();
+    let refusal = InertiaNetworkModel::<2, 8, 2, f16>::load(single.bytes()).unwrap_err();
     assert_eq!(refusal, ModelError::Precision { found: 32, compiled: 16 });
     assert!(refusal.to_string().contains("32 bits"), "{refusal}");
 }
@@ -100,7 +100,8 @@ fn a_program_of_one_precision_refuses_the_other() {
 #[test]
 fn halves_must_be_finite_as_many_as_needed_and_aligned() {
     let mut weights = file::weights(&CARTPOLE);
-    let load = |file: &Aligned| RigidModel::<2, 8, 2, f16>::load(file.bytes()).map(|_| ()).unwrap_err();
+    let load =
+        |file: &Aligned| InertiaNetworkModel::<2, 8, 2, f16>::load(file.bytes()).map(|_| ()).unwrap_err();
     let needed = weights.len();
     weights.push(0.5);
     let more = Aligned::new(&file::write_half(HEADER, &weights));
@@ -114,7 +115,7 @@ fn halves_must_be_finite_as_many_as_needed_and_aligned() {
     let damping = Aligned::new(&file::write_half(HEADER, &weights));
     assert_eq!(load(&damping), ModelError::OutOfRange { what: "damping coefficient" });
     let shifted = Aligned::shifted(&file::write_half(HEADER, &file::weights(&CARTPOLE)), 2);
-    let refusal = RigidModel::<2, 8, 2, f16>::load(&shifted.bytes()[2..]).unwrap_err();
+    let refusal = InertiaNetworkModel::<2, 8, 2, f16>::load(&shifted.bytes()[2..]).unwrap_err();
     assert_eq!(refusal, ModelError::Unaligned { offset: 2 });
 }
 
@@ -155,8 +156,8 @@ proptest! {
         let networks = weights.len() - 2;
         weights.iter_mut().take(networks).zip(bits).for_each(|(w, b)| *w = b);
         let [single, half] = files(HEADER, &weights);
-        let single = RigidModel::<2, 8, 2>::load(single.bytes()).unwrap().system.lagrangian;
-        let half = RigidModel::<2, 8, 2, f16>::load(half.bytes()).unwrap().system.lagrangian;
+        let single = InertiaNetworkModel::<2, 8, 2>::load(single.bytes()).unwrap().system.lagrangian;
+        let half = InertiaNetworkModel::<2, 8, 2, f16>::load(half.bytes()).unwrap().system.lagrangian;
         let (q, v) = ([0.3, -1.5], [2.0, 0.5]);
         let (of_single, of_half) = (single.hessian(&q, &v), half.hessian(&q, &v));
         prop_assert_eq!(of_single.l_qq.map(|row| row.map(f32::to_bits)), of_half.l_qq.map(|row| row.map(f32::to_bits)));

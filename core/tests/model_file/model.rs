@@ -5,11 +5,11 @@ use crate::common::file::{self, Aligned, CARTPOLE, HEADER};
 use crate::common::oracle::Learned;
 use crate::common::shapes::{Angle, Model, Translation};
 use leastaction_core::continuous::acceleration;
-use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    CATALOGUE, FORMAT_VERSION, Family, Header, Laws, ModelError, RigidHeader, RigidModel, Section, parse,
-    parse_as,
+    CATALOGUE, FORMAT_VERSION, Family, Header, InertiaNetworkHeader, InertiaNetworkModel, Laws, ModelError,
+    Section, parse, parse_as,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
@@ -18,12 +18,12 @@ use proptest::prelude::*;
 /// What loading as the golden cart-pole says.
 fn load_error(bytes: &[u8]) -> ModelError {
     let aligned = Aligned::new(bytes);
-    let loaded = RigidModel::<2, 8, 2>::load(aligned.bytes());
+    let loaded = InertiaNetworkModel::<2, 8, 2>::load(aligned.bytes());
     loaded.map(|_| ()).expect_err("the file must be refused")
 }
 
-fn with_family(rigid: RigidHeader<'static>) -> Header<'static> {
-    Header { family: Family::Rigid(rigid), ..HEADER }
+fn with_family(inertia_network: InertiaNetworkHeader<'static>) -> Header<'static> {
+    Header { family: Family::InertiaNetwork(inertia_network), ..HEADER }
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
     assert_eq!(parsed.header, HEADER);
     assert_eq!(parsed.weights, Weights::Single(&file::weights(&CARTPOLE)));
     assert_eq!((parsed.weights.bits(), parsed.weights.len()), (32, file::weights(&CARTPOLE).len()));
-    let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
+    let model = InertiaNetworkModel::<2, 8, 2>::load(file.bytes()).unwrap();
     assert_eq!((model.trained_step, model.step()), (HEADER.trained_step, Ok(file::STEP)));
     assert_eq!(model.system.forces.coefficients, [0.125; 2]);
     assert_eq!(model.system.lagrangian.coordinates(), &[Translation, Angle]);
@@ -46,7 +46,7 @@ fn a_valid_file_loads_and_is_what_was_written() {
 #[test]
 fn a_loaded_model_is_the_network_of_its_weights() {
     let file = Aligned::new(&file::golden());
-    let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
+    let model = InertiaNetworkModel::<2, 8, 2>::load(file.bytes()).unwrap();
     let weights: Vec<f64> = file::weights(&CARTPOLE).into_iter().map(f64::from).collect();
     let twin = Model::<2> {
         coordinates: [Translation, Angle],
@@ -66,18 +66,18 @@ fn a_loaded_model_is_the_network_of_its_weights() {
 
 #[test]
 fn headers_without_options_load_too() {
-    let rigid = RigidHeader {
+    let inertia_network = InertiaNetworkHeader {
         coordinates: "a",
         widths: [6, 0, 0, 0],
         activation: Activation::Isru,
         inertia: Inertia::Diagonal,
     };
     for provenance in ["", "a", "ab", "abc"] {
-        let header = Header { provenance, ..Header::new(Family::Rigid(rigid)) };
-        let weights = file::weights(&rigid);
+        let header = Header { provenance, ..Header::new(Family::InertiaNetwork(inertia_network)) };
+        let weights = file::weights(&inertia_network);
         let (_, undamped) = weights.split_last().unwrap();
         let file = Aligned::new(&file::write(header, &weights[..undamped.len()]));
-        let model = RigidModel::<1, 6, 1>::load(file.bytes()).unwrap();
+        let model = InertiaNetworkModel::<1, 6, 1>::load(file.bytes()).unwrap();
         assert_eq!((model.trained_step, model.system.forces.coefficients), (None, [0.0]));
         assert_eq!(
             (model.step(), model.actuator(), model.range()),
@@ -153,10 +153,11 @@ fn weights_must_be_as_many_as_the_shape_says() {
 #[test]
 fn a_factor_of_the_inertia_matrix_loads() {
     for rows in [2, 3] {
-        let rigid = RigidHeader { inertia: Inertia::Factor { rows, epsilon: 0.5 }, ..CARTPOLE };
-        let file = Aligned::new(&file::write(with_family(rigid), &file::weights(&rigid)));
-        assert_eq!(parse(file.bytes()).unwrap().header, with_family(rigid));
-        let model = RigidModel::<2, 8, 2>::load(file.bytes()).unwrap();
+        let inertia_network =
+            InertiaNetworkHeader { inertia: Inertia::Factor { rows, epsilon: 0.5 }, ..CARTPOLE };
+        let file = Aligned::new(&file::write(with_family(inertia_network), &file::weights(&inertia_network)));
+        assert_eq!(parse(file.bytes()).unwrap().header, with_family(inertia_network));
+        let model = InertiaNetworkModel::<2, 8, 2>::load(file.bytes()).unwrap();
         let [[a, b], [c, d]] =
             Lagrangian::<f32, 2>::dynamics(&model.system.lagrangian, &[0.3, 0.8], &[1.0, 2.0]).mass;
         assert!(a >= 0.5 && d >= 0.5 && b == c && a * d > b * b, "{rows}: {a} {b} {c} {d}");
@@ -168,26 +169,38 @@ fn the_shape_must_be_the_compiled_one() {
     let file = Aligned::new(&file::golden());
     let shape = |what, found, compiled| Err(ModelError::Shape { what, found, compiled });
     let refused = |loaded: Result<(), ModelError>| loaded;
-    assert_eq!(refused(RigidModel::<1, 8, 2>::load(file.bytes()).map(|_| ())), shape("coordinates", 2, 1));
-    assert_eq!(refused(RigidModel::<3, 8, 2>::load(file.bytes()).map(|_| ())), shape("coordinates", 2, 3));
     assert_eq!(
-        refused(RigidModel::<2, 6, 2>::load(file.bytes()).map(|_| ())),
+        refused(InertiaNetworkModel::<1, 8, 2>::load(file.bytes()).map(|_| ())),
+        shape("coordinates", 2, 1)
+    );
+    assert_eq!(
+        refused(InertiaNetworkModel::<3, 8, 2>::load(file.bytes()).map(|_| ())),
+        shape("coordinates", 2, 3)
+    );
+    assert_eq!(
+        refused(InertiaNetworkModel::<2, 6, 2>::load(file.bytes()).map(|_| ())),
         shape("units in a hidden layer", 7, 6)
     );
-    assert_eq!(refused(RigidModel::<2, 8, 1>::load(file.bytes()).map(|_| ())), shape("hidden layers", 2, 1));
+    assert_eq!(
+        refused(InertiaNetworkModel::<2, 8, 1>::load(file.bytes()).map(|_| ())),
+        shape("hidden layers", 2, 1)
+    );
 }
 
 #[test]
 fn header_fields_out_of_range_are_errors() {
-    let epsilon = |epsilon| RigidHeader { inertia: Inertia::Cholesky { epsilon }, ..CARTPOLE };
-    let rows = |rows| RigidHeader { inertia: Inertia::Factor { rows, epsilon: 0.0 }, ..CARTPOLE };
+    let epsilon = |epsilon| InertiaNetworkHeader { inertia: Inertia::Cholesky { epsilon }, ..CARTPOLE };
+    let rows = |rows| InertiaNetworkHeader { inertia: Inertia::Factor { rows, epsilon: 0.0 }, ..CARTPOLE };
     let cases = [
         (with_family(rows(1)), "rows of the inertia matrix"),
         (with_family(rows(4)), "rows of the inertia matrix"),
         (with_family(epsilon(-1e-3)), "epsilon of the inertia matrix"),
         (with_family(epsilon(f32::NAN)), "epsilon of the inertia matrix"),
-        (with_family(RigidHeader { coordinates: "", ..CARTPOLE }), "number of coordinates"),
-        (with_family(RigidHeader { coordinates: "aaaaaaaaaaaaaaaaa", ..CARTPOLE }), "number of coordinates"),
+        (with_family(InertiaNetworkHeader { coordinates: "", ..CARTPOLE }), "number of coordinates"),
+        (
+            with_family(InertiaNetworkHeader { coordinates: "aaaaaaaaaaaaaaaaa", ..CARTPOLE }),
+            "number of coordinates",
+        ),
     ];
     for (header, what) in cases {
         let file = file::write(header, &file::weights(&CARTPOLE));
@@ -195,11 +208,11 @@ fn header_fields_out_of_range_are_errors() {
     }
     // Three inputs and two letters still, so that only the letters are wrong.
     for (coordinates, what) in [("xa", "coordinate kind"), ("é", "coordinate kind")] {
-        let rigid = RigidHeader { coordinates, ..CARTPOLE };
-        let file = file::write(with_family(rigid), &file::weights(&rigid));
+        let inertia_network = InertiaNetworkHeader { coordinates, ..CARTPOLE };
+        let file = file::write(with_family(inertia_network), &file::weights(&inertia_network));
         assert_eq!(load_error(&file), ModelError::OutOfRange { what }, "{coordinates}");
     }
-    let gap = RigidHeader { widths: [7, 0, 5, 0], ..CARTPOLE };
+    let gap = InertiaNetworkHeader { widths: [7, 0, 5, 0], ..CARTPOLE };
     let file = file::write(with_family(gap), &file::weights(&gap));
     assert_eq!(load_error(&file), ModelError::OutOfRange { what: "hidden width" });
     let mut weights = file::weights(&CARTPOLE);
@@ -252,8 +265,9 @@ fn other_families_are_refused_before_their_shape_is_decoded() {
 #[test]
 fn a_file_of_one_family_says_the_same_as_of_any() {
     let file = Aligned::new(&file::golden());
-    let (any, one) = (parse(file.bytes()).unwrap(), parse_as::<RigidHeader, f32>(file.bytes()).unwrap());
-    assert_eq!(any.header.family, Family::Rigid(one.shape));
+    let (any, one) =
+        (parse(file.bytes()).unwrap(), parse_as::<InertiaNetworkHeader, f32>(file.bytes()).unwrap());
+    assert_eq!(any.header.family, Family::InertiaNetwork(one.shape));
     assert_eq!(any.header.trained_step, one.trained_step);
     assert_eq!((any.header.laws, any.weights), (Laws::VISCOUS, Weights::Single(one.weights)));
     assert_eq!(any.header.laws, one.laws);
@@ -313,7 +327,7 @@ proptest! {
         }
         let file = Aligned::new(&file::with_checksum(&body));
         let _ = parse(file.bytes());
-        if let Ok(model) = RigidModel::<2, 8, 3>::load(file.bytes()) {
+        if let Ok(model) = InertiaNetworkModel::<2, 8, 3>::load(file.bytes()) {
             let _ = acceleration(&model.system, &[0.1, 0.2], &[0.3, 0.4], &[0.5, 0.6]);
         }
     }

@@ -11,8 +11,8 @@ use leastaction_core::energy::modular::{
 };
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    FORMAT_VERSION, Family, Header, Laws, MAX_TREES, ModelError, ModularHeader, ModularModel, RigidModel,
-    Section, TreeHeader, parse,
+    FORMAT_VERSION, Family, Header, InertiaNetworkModel, Laws, MAX_TREES, ModelError, ModularHeader,
+    ModularModel, Section, TreeHeader, parse,
 };
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::Weights;
@@ -103,10 +103,10 @@ fn every_truncation_and_every_change_of_a_byte_is_an_error() {
 
 #[test]
 fn families_are_not_mistaken_for_each_other() {
-    let (rigid, modular) = (Aligned::new(&file::golden()), Aligned::new(&file::golden_arm()));
-    let error = Arm::load(rigid.bytes(), "arm").unwrap_err();
-    assert_eq!(error, ModelError::OtherFamily { found: "rigid" });
-    let error = RigidModel::<2, 8, 2>::load(modular.bytes()).unwrap_err();
+    let (inertia_network, modular) = (Aligned::new(&file::golden()), Aligned::new(&file::golden_arm()));
+    let error = Arm::load(inertia_network.bytes(), "arm").unwrap_err();
+    assert_eq!(error, ModelError::OtherFamily { found: "inertia-network" });
+    let error = InertiaNetworkModel::<2, 8, 2>::load(modular.bytes()).unwrap_err();
     assert_eq!(error, ModelError::OtherFamily { found: "modular" });
 }
 

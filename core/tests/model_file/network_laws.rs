@@ -10,13 +10,13 @@ use crate::common::sections::{Cartpole, out_of_range, refusal, with_content};
 use leastaction_core::forces::{Dissipation, Forces, PotentialCorrection, Viscous};
 use leastaction_core::linear::dot;
 use leastaction_core::model::{
-    BodiesModel, GraphModel, Header, Law, LawNetwork, Laws, ModelError, ModularModel, RigidModel, Section,
-    parse,
+    BodiesModel, GraphModel, Header, InertiaNetworkModel, Law, LawNetwork, Laws, ModelError, ModularModel,
+    Section, parse,
 };
 use leastaction_core::scalar::f16;
 
 type Networks<'a, W, const N: usize> = (Dissipation<'a, W, N, 4, 1>, PotentialCorrection<'a, W, N, 4, 1>);
-type CartpoleUnder<'a, F, W = f32> = RigidModel<'a, 2, 8, 2, W, F>;
+type CartpoleUnder<'a, F, W = f32> = InertiaNetworkModel<'a, 2, 8, 2, W, F>;
 type All<'a> = CartpoleUnder<'a, (Dry<f32, 2>, Networks<'a, f32, 2>)>;
 
 const WHAT: &str = "coordinates of a law's network";

@@ -10,12 +10,12 @@ use leastaction_core::discrete::{Galerkin, Midpoint, Order};
 use leastaction_core::forces::{Actuator, ControlKind, Coulomb, DryFriction, Forces, Viscous};
 use leastaction_core::linear::Matrix;
 use leastaction_core::model::{
-    ActuatorBytes, FrictionNumber, GraphModel, Header, Law, LawNumbers, Laws, LoadForces, ModelError,
-    ModularModel, RigidModel, Section, TrainedStep, parse,
+    ActuatorBytes, FrictionNumber, GraphModel, Header, InertiaNetworkModel, Law, LawNumbers, Laws,
+    LoadForces, ModelError, ModularModel, Section, TrainedStep, parse,
 };
 use leastaction_core::scalar::{Scalar, WeightFormat, f16};
 
-type CartpoleUnder<'a, F> = RigidModel<'a, 2, 8, 2, f32, F>;
+type CartpoleUnder<'a, F> = InertiaNetworkModel<'a, 2, 8, 2, f32, F>;
 
 // ---- Laws ----
 
@@ -172,7 +172,7 @@ fn dry_friction_out_of_range_is_refused_with_its_numbers() {
 /// Numbers that half precision rounds out of their range are refused as such.
 #[test]
 fn dry_friction_in_half_precision() {
-    type Half<'a> = RigidModel<'a, 2, 8, 2, f16, Dry<f32, 2>>;
+    type Half<'a> = InertiaNetworkModel<'a, 2, 8, 2, f16, Dry<f32, 2>>;
     let written = |friction: [[f32; 4]; 2]| {
         let weights = [file::weights(&CARTPOLE), friction.concat()].concat();
         Aligned::new(&file::write_half(FRICTION_HEADER, &weights))

@@ -16,9 +16,9 @@ fn written(header: &Header, weights: &[f32]) -> Vec<u8> {
 #[test]
 fn core_writes_what_the_tests_write() {
     let (actuator, range) = (file::actuator(&file::ACTUATOR), file::range(&file::RANGE));
-    let rigid = file::weights(&CARTPOLE);
+    let inertia_network = file::weights(&CARTPOLE);
     let cases = [
-        (HEADER, rigid.clone()),
+        (HEADER, inertia_network.clone()),
         (arm_header(arm()), file::arm_weights(file::ARM_NUMBERS)),
         (web_header(web()), file::web_weights(file::WEB_NUMBERS)),
         (crane::HEADER, crane::weights(crane::NUMBERS)),
@@ -63,6 +63,6 @@ proptest! {
         prop_assert_eq!(&file, &file::write(header, &file::weights(&CARTPOLE)));
         let parsed = Aligned::new(&file);
         prop_assert_eq!(parse(parsed.bytes()).unwrap().header, header);
-        prop_assert!(matches!(header.family, Family::Rigid(_)));
+        prop_assert!(matches!(header.family, Family::InertiaNetwork(_)));
     }
 }

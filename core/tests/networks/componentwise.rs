@@ -238,9 +238,13 @@ fn evaluated<S: Scalar<Weight = f32> + Bits, const N: usize>(
     v: [S; N],
 ) -> Vec<u32> {
     let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
-    let rigid = model.over(&weights);
-    let (e, g, d, h) =
-        (rigid.energies(&q, &v), rigid.gradient(&q, &v), rigid.dynamics(&q, &v), rigid.hessian(&q, &v));
+    let inertia_network = model.over(&weights);
+    let (e, g, d, h) = (
+        inertia_network.energies(&q, &v),
+        inertia_network.gradient(&q, &v),
+        inertia_network.dynamics(&q, &v),
+        inertia_network.hessian(&q, &v),
+    );
     let vectors = [g.l_q, g.l_v, d.l_q, d.l_v, d.l_vq_v, h.l_q, h.l_v].concat();
     let matrices = [d.mass.concat(), h.l_qq.concat(), h.l_vq.concat(), h.l_vv.concat()].concat();
     [vec![e.kinetic, e.potential], vectors, matrices].concat().iter().map(Bits::bits).collect()

@@ -6,8 +6,8 @@ use leastaction_core::continuous::{
     ContinuousState, acceleration, energy, inverse_dynamics, midpoint_step, momentum, rk4_step,
 };
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Newton, Path, State};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::energy::modular::{Input, PairInput, TreeElement};
-use leastaction_core::energy::rigid::{Coordinate, Inertia};
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
@@ -90,7 +90,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
 
     #[test]
-    fn rigid_never_panics(
+    fn inertia_network_never_panics(
         (q, v, u, damping) in (pair(), pair(), pair(), pair()),
         h in extreme(),
         activation in prop::sample::select(&Activation::ALL[..]),
@@ -101,8 +101,8 @@ proptest! {
         let inertia = if diagonal { Inertia::Diagonal } else { Inertia::Cholesky { epsilon: 0.0 } };
         let model = Model::new(coordinates, &[9, 3], activation, inertia, 5);
         let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32 * scale).collect();
-        let rigid = model.over(&weights);
-        everything(rigid, damping, h, q, v, u);
+        let inertia_network = model.over(&weights);
+        everything(inertia_network, damping, h, q, v, u);
     }
 
     #[test]

@@ -218,9 +218,13 @@ proptest! {
 
 /// All that a model gives at (q, v), one number after another.
 fn evaluated<S: Scalar<Weight = f64>, const N: usize>(model: &Model<N>, q: &[S; N], v: &[S; N]) -> Vec<S> {
-    let rigid = model.in_f64();
-    let (e, g, d, h) =
-        (rigid.energies(q, v), rigid.gradient(q, v), rigid.dynamics(q, v), rigid.hessian(q, v));
+    let inertia_network = model.in_f64();
+    let (e, g, d, h) = (
+        inertia_network.energies(q, v),
+        inertia_network.gradient(q, v),
+        inertia_network.dynamics(q, v),
+        inertia_network.hessian(q, v),
+    );
     let vectors = [g.l_q, g.l_v, d.l_q, d.l_v, d.l_vq_v, h.l_q, h.l_v].concat();
     let matrices = [d.mass.concat(), h.l_qq.concat(), h.l_vq.concat(), h.l_vv.concat()].concat();
     [vec![e.kinetic, e.potential], vectors, matrices].concat()

@@ -12,12 +12,12 @@ use leastaction_core::discrete::{
 use leastaction_core::forces::{Actuator, ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{
-    ActuatorBytes, Header, Model, ModelError, ModularModel, RigidModel, TrainedStep,
+    ActuatorBytes, Header, InertiaNetworkModel, Model, ModelError, ModularModel, TrainedStep,
 };
 use leastaction_core::stepper::{Actuated, Actuation, Direct, Drive, Held, Kind, Linear, Stepper};
 
 /// 2 coordinates.
-type Cartpole<'a> = RigidModel<'a, 2, 7, 2>;
+type Cartpole<'a> = InertiaNetworkModel<'a, 2, 7, 2>;
 /// 3 coordinates.
 type Arm<'a> = ModularModel<'a, 3, 3, 5, 2>;
 
@@ -180,12 +180,12 @@ fn actuators_with_delays_are_a_naive_loop() {
     let (two, four) = (Order::Two, Order::Four);
     // 2.3 and 1.6 steps.
     let (of_cartpole, of_arm) = (actuator(0.115, &PAIRS[..2]), actuator(0.016, &PAIRS));
-    let rigid = |order, kind| cartpole(step(order, 0.05, kind), &of_cartpole);
+    let inertia_network = |order, kind| cartpole(step(order, 0.05, kind), &of_cartpole);
     let tree = |order, kind| arm(step(order, 0.01, kind), &of_arm);
     let (held, linear) = (ControlKind::Held, ControlKind::Linear);
-    agree::<_, _, Midpoint, Held, 2, 3, 7>(Cartpole::load(rigid(two, held).bytes()).unwrap());
-    agree::<_, _, Galerkin, Held, 2, 3, 4>(Cartpole::load(rigid(four, held).bytes()).unwrap());
-    agree::<_, _, Galerkin, Linear, 2, 4, 5>(Cartpole::load(rigid(four, linear).bytes()).unwrap());
+    agree::<_, _, Midpoint, Held, 2, 3, 7>(Cartpole::load(inertia_network(two, held).bytes()).unwrap());
+    agree::<_, _, Galerkin, Held, 2, 3, 4>(Cartpole::load(inertia_network(four, held).bytes()).unwrap());
+    agree::<_, _, Galerkin, Linear, 2, 4, 5>(Cartpole::load(inertia_network(four, linear).bytes()).unwrap());
     agree::<_, _, Midpoint, Linear, 3, 3, 6>(Arm::load(tree(two, linear).bytes(), "arm").unwrap());
     agree::<_, _, Galerkin, Held, 3, 2, 3>(Arm::load(tree(four, held).bytes(), "arm").unwrap());
 }

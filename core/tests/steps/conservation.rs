@@ -4,7 +4,7 @@
 use crate::common::shapes::{Angle, Cyclic, Model};
 use crate::common::{arms, bodies, trees};
 use leastaction_core::discrete::{Control, Del, Galerkin, Midpoint, Path, State};
-use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::trigonometric::{CARTPOLE, PENDULUM};
 use leastaction_core::forces::System;
 use leastaction_core::lagrangian::{Energies, Lagrangian};
@@ -326,10 +326,10 @@ fn energy_of_a_learned_system_is_bounded() {
     let inertia = Inertia::Cholesky { epsilon: 0.05 };
     let model = Model::new([Angle, Angle], &[8, 7], Activation::Tanh, inertia, 33);
     let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
-    let rigid = model.over(&weights);
-    let system = System::conservative(rigid);
+    let inertia_network = model.over(&weights);
+    let system = System::conservative(inertia_network);
     let del = Del::<f32, Galerkin>::new(0.01);
-    let mut state = State::new(&rigid, [0.4, -0.8], [0.6, 1.1]).unwrap();
+    let mut state = State::new(&inertia_network, [0.4, -0.8], [0.6, 1.1]).unwrap();
     let in_double = model.in_f64();
     let initial = energy_at(&in_double, &state);
     for _ in 0..20_000 {

@@ -161,12 +161,12 @@ fn systems_at_rest_step_too() {
 fn a_learned_system_at_rest_steps_in_f32() {
     for model in shapes::of_two() {
         let weights: Vec<f32> = model.weights.iter().map(|w| *w as f32).collect();
-        let rigid = model.over(&weights);
-        let system = System { lagrangian: rigid, forces: Viscous { coefficients: [0.4, 0.4] } };
-        let mut state = State::new(&rigid, [0.3, -0.2], [0.0, 0.0]).unwrap();
+        let inertia_network = model.over(&weights);
+        let system = System { lagrangian: inertia_network, forces: Viscous { coefficients: [0.4, 0.4] } };
+        let mut state = State::new(&inertia_network, [0.3, -0.2], [0.0, 0.0]).unwrap();
         // Gravity held, at every step: forces and momenta are rounding errors.
         for k in 0..2_000 {
-            let l_q = rigid.gradient(&state.q(), &[0.0, 0.0]).l_q;
+            let l_q = inertia_network.gradient(&state.q(), &[0.0, 0.0]).l_q;
             let u = Control::held(l_q.map(|x| -x));
             let result = Del::<f32, Galerkin>::new(0.002).step(&system, &mut state, &u);
             assert!(result.is_ok(), "step {k}: {result:?}");

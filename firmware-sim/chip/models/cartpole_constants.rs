@@ -3,9 +3,9 @@
 //! leastaction 0.1.0; next-position by levenberg-marquardt, seed 0, data 463cdb17ab7c31c0; iteration 60, training loss 2.488e-13, validation loss 1.824e-13
 
 use leastaction_core::discrete::{Galerkin, Order};
-use leastaction_core::energy::rigid::{Inertia, Rigid};
+use leastaction_core::energy::inertia_network::{Inertia, InertiaNetwork};
 use leastaction_core::forces::{ControlKind, System, Viscous};
-use leastaction_core::model::{self, Laws, ModelError, RigidHeader, TrainedStep};
+use leastaction_core::model::{self, Laws, ModelError, InertiaNetworkHeader, TrainedStep};
 use leastaction_core::network::Activation;
 use leastaction_core::stepper::{self, Direct, Linear};
 
@@ -17,7 +17,7 @@ pub const H: usize = 32;
 pub const L: usize = 2;
 
 /// Energies and forces.
-pub type Model = model::Model<'static, System<Rigid<'static, f32, N, H, L>, Viscous<f32, N>>>;
+pub type Model = model::Model<'static, System<InertiaNetwork<'static, f32, N, H, L>, Viscous<f32, N>>>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;
@@ -40,7 +40,7 @@ pub fn load() -> Result<Model, ModelError> {
 const TRAINED: TrainedStep = TrainedStep { order: Order::Four, h: STEP, control: ControlKind::Linear };
 
 #[rustfmt::skip]
-const SHAPE: RigidHeader = RigidHeader { coordinates: "ca", widths: [32, 32, 0, 0], activation: Activation::Isru, inertia: Inertia::Cholesky { epsilon: 1e-9 } };
+const SHAPE: InertiaNetworkHeader = InertiaNetworkHeader { coordinates: "ca", widths: [32, 32, 0, 0], activation: Activation::Isru, inertia: Inertia::Cholesky { epsilon: 1e-9 } };
 
 #[rustfmt::skip]
 static WEIGHTS: [f32; 1284] = [

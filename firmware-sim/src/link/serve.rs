@@ -7,7 +7,7 @@ use crate::firmware::Firmware;
 use crate::trajectory::reference::Friction;
 use crate::{Mechanism, Trained};
 use leastaction_core::forces::{Dissipation, PotentialCorrection};
-use leastaction_core::model::{ArmModel, BodiesModel, ModelError, RigidModel};
+use leastaction_core::model::{ArmModel, BodiesModel, InertiaNetworkModel, ModelError};
 
 /// A board's end of a link.
 pub trait Port {
@@ -34,10 +34,10 @@ pub trait Port {
 type AllForces<'a, const H: usize, const D: usize, const N: usize> =
     (Friction<N>, (Dissipation<'a, f32, N, H, D>, PotentialCorrection<'a, f32, N, H, D>));
 
-/// Runs a program of `$n` coordinates over the model in a file: rigid, or of rigid bodies.
+/// Runs a program of `$n` coordinates over the model in a file: inertia-network, or of rigid bodies.
 macro_rules! run {
     ($link:ident, $file:ident, $program:ident, $n:literal) => {
-        match $file.map(RigidModel::<$n, H, D, f32, Friction<$n>>::load) {
+        match $file.map(InertiaNetworkModel::<$n, H, D, f32, Friction<$n>>::load) {
             Some(Err(ModelError::OtherFamily { .. })) => {
                 match $file.map(BodiesModel::<$n, f32, Friction<$n>>::load) {
                     Some(Err(ModelError::Law { .. })) => {
@@ -47,7 +47,7 @@ macro_rules! run {
                 }
             }
             Some(Err(ModelError::Law { .. })) => {
-                let loaded = $file.map(RigidModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
+                let loaded = $file.map(InertiaNetworkModel::<$n, H, D, f32, AllForces<H, D, $n>>::load);
                 over!($link, loaded, $program)
             }
             loaded => over!($link, loaded, $program),
@@ -68,7 +68,7 @@ macro_rules! over {
     }};
 }
 
-/// Serves requests until one is to end: programs over a rigid model of 1 or 2 coordinates with at most `D` hidden layers
+/// Serves requests until one is to end: programs over an inertia network of 1 or 2 coordinates with at most `D` hidden layers
 /// of at most `H` units, or over 1 or 2 rigid bodies, with laws of force of such networks or without, borrowed where it lies, in the name of a processor.
 ///
 /// # Errors

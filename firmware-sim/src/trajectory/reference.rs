@@ -2,25 +2,25 @@
 
 use leastaction_core::constraints::Holonomic;
 use leastaction_core::discrete::Newton;
-use leastaction_core::energy::rigid::Rigid;
+use leastaction_core::energy::inertia_network::InertiaNetwork;
 use leastaction_core::forces::{Coulomb, DryFriction, System, Viscous};
-use leastaction_core::model::{ArmModel, BodiesModel, GraphModel, ModularModel, RigidModel};
+use leastaction_core::model::{ArmModel, BodiesModel, GraphModel, InertiaNetworkModel, ModularModel};
 use leastaction_core::scalar::f16;
 
 /// The step, s.
 pub const STEP: f32 = 0.01;
 
 /// A cart-pole: layers 2 → 32 → 32 → 4.
-pub type Cartpole<'a> = RigidModel<'a, 2, 32, 2>;
+pub type Cartpole<'a> = InertiaNetworkModel<'a, 2, 32, 2>;
 
 /// Damping, and dry friction that grows with the load.
 pub type Friction<const N: usize> = (Viscous<f32, N>, Coulomb<f32, N>);
 
 /// The cart-pole with friction.
-pub type DryCartpole<'a> = System<Rigid<'a, f32, 2, 32, 2>, Friction<2>>;
+pub type DryCartpole<'a> = System<InertiaNetwork<'a, f32, 2, 32, 2>, Friction<2>>;
 
 /// The same with weights in half precision.
-pub type HalfCartpole<'a> = RigidModel<'a, 2, 32, 2, f16>;
+pub type HalfCartpole<'a> = InertiaNetworkModel<'a, 2, 32, 2, f16>;
 
 /// Two pendulums of one learned type: layers 2 → 8 → 2 and 2 → 8 → 1.
 pub type Double<'a> = ModularModel<'a, 2, 1, 8, 1>;

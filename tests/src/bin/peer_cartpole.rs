@@ -3,7 +3,7 @@
 
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Control, Interval, Linearised, Midpoint};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::{Activation, Dense};
 use std::error::Error;
@@ -20,7 +20,7 @@ const PASSES: u32 = 4;
 const REPETITIONS: u32 = 5;
 
 type Pair = [f32; 2];
-type CartPole<'a> = System<Rigid<'a, f32, 2, 32, 2>, Viscous<f32, 2>>;
+type CartPole<'a> = System<InertiaNetwork<'a, f32, 2, 32, 2>, Viscous<f32, 2>>;
 
 /// One state of the file: q₀, w, p₀, u.
 struct State {
@@ -85,8 +85,8 @@ fn system(mut block: &[f32]) -> Option<CartPole<'_>> {
     let coordinates = [Coordinate::Translation, Coordinate::Angle];
     let widths = [SIZES[1] as u16, SIZES[2] as u16];
     let inertia = Inertia::Cholesky { epsilon: 1e-9 };
-    let shape = RigidShape::new(coordinates, &widths, Activation::Tanh, inertia)?;
-    Rigid::take(&mut block, &shape).map(System::conservative)
+    let shape = InertiaNetworkShape::new(coordinates, &widths, Activation::Tanh, inertia)?;
+    InertiaNetwork::take(&mut block, &shape).map(System::conservative)
 }
 
 /// v̇ at (q₀, w); not a number where the mass matrix is singular.

@@ -1,7 +1,7 @@
 //! Training by the library, as `leastaction train` and `leastaction export` do it.
 
 use leastaction_learning::checkpoint::Trained;
-use leastaction_learning::config::{Config, Coordinates, RigidConfig};
+use leastaction_learning::config::{Config, Coordinates, InertiaNetworkConfig};
 use leastaction_learning::data::Dataset;
 use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::run::{Monitor, Plan, Row, Run};
@@ -27,7 +27,7 @@ pub fn log(trajectories: usize) -> Dataset {
 /// A network of two layers for the cart-pole.
 pub fn config(width: u16, iterations: u64) -> Config {
     let coordinates = Coordinates(Mechanism::Cartpole.coordinates().to_vec());
-    let model = RigidConfig { hidden: vec![width; 2], ..RigidConfig::new(coordinates) };
+    let model = InertiaNetworkConfig { hidden: vec![width; 2], ..InertiaNetworkConfig::new(coordinates) };
     let mut config = Config::new("log.npz", model);
     config.training.iterations = iterations;
     config

@@ -16,7 +16,9 @@ use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::bodies::TreeBody;
 use leastaction_core::energy::modular::{PairInput, TransformShape, TypeShape};
 use leastaction_core::model::{Law, ModelError};
-use leastaction_models::{AnyFamily, Architecture, Family as _, ModularArchitecture, RigidArchitecture};
+use leastaction_models::{
+    AnyFamily, Architecture, Family as _, InertiaNetworkArchitecture, ModularArchitecture,
+};
 use serde::Serialize;
 
 /// Work and memory of one evaluation.
@@ -63,7 +65,7 @@ pub struct Cost {
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
     let bytes = Bytes::of(architecture.n());
     let evaluations = match &architecture.family {
-        AnyFamily::Rigid(rigid) => Evaluations::rigid(rigid, &bytes),
+        AnyFamily::InertiaNetwork(inertia_network) => Evaluations::inertia_network(inertia_network, &bytes),
         AnyFamily::Modular(modular) => Evaluations::modular(modular, &bytes),
         AnyFamily::Graph(graph) => return graph::cost(graph),
         AnyFamily::Bodies(bodies) => {
@@ -101,11 +103,11 @@ struct Evaluations {
 impl Evaluations {
     /// A step takes a forward pass with N tangents. So do the dynamics up to two coordinates; beyond, one with a single tangent
     /// and a plain adjoint.
-    fn rigid(rigid: &RigidArchitecture, bytes: &Bytes) -> Self {
-        let n = rigid.n();
-        let weights: usize = rigid.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
-        let widest = rigid.widths.iter().copied().max().map_or(0, usize::from);
-        let depth = rigid.widths.len();
+    fn inertia_network(inertia_network: &InertiaNetworkArchitecture, bytes: &Bytes) -> Self {
+        let n = inertia_network.n();
+        let weights: usize = inertia_network.layers().iter().map(|(inputs, outputs)| inputs * outputs).sum();
+        let widest = inertia_network.widths.iter().copied().max().map_or(0, usize::from);
+        let depth = inertia_network.widths.len();
         // A layer is written while the one below it is read; then its slopes.
         let units = (2 * jet(n) + WORD) * widest;
         let linearization = Work { multiply_adds: (1 + n) * weights, stack_bytes: units + ends(n, n) };
@@ -243,12 +245,12 @@ const LAYER: usize = 5 * WORD;
 mod tests {
     use super::*;
     use leastaction_core::discrete::State;
-    use leastaction_core::energy::rigid::Coordinate;
-    use leastaction_core::model::RigidModel;
+    use leastaction_core::energy::inertia_network::Coordinate;
+    use leastaction_core::model::InertiaNetworkModel;
     use leastaction_core::network::Jet;
 
     fn cartpole(width: u16) -> Architecture {
-        RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()
+        InertiaNetworkArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], width).into()
     }
 
     #[test]
@@ -263,7 +265,7 @@ mod tests {
 
     #[test]
     fn an_arm_of_seven_joints_has_a_cost() {
-        let arm = RigidArchitecture::new(&[Coordinate::Angle; 7], 32);
+        let arm = InertiaNetworkArchitecture::new(&[Coordinate::Angle; 7], 32);
         let weights = 14 * 32 + 32 * 32 + 32 * (13 * 7 + 1);
         let cost = cost(&arm.into()).unwrap();
         assert_eq!(cost.state_bytes, size_of::<State<f32, 7>>());
@@ -281,7 +283,7 @@ mod tests {
     #[test]
     #[cfg(target_pointer_width = "64")]
     fn the_handle_is_about_half_of_that_on_a_64_bit_host() {
-        let here = size_of::<RigidModel<2, 24, 2>>() / 2;
+        let here = size_of::<InertiaNetworkModel<2, 24, 2>>() / 2;
         let there = cost(&cartpole(24)).unwrap().handle_bytes;
         assert!(there.abs_diff(here) <= 16, "{there} against {here}");
     }

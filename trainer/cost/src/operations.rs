@@ -11,8 +11,8 @@ use leastaction_core::discrete::{
 use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Graph;
+use leastaction_core::energy::inertia_network::InertiaNetwork;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
-use leastaction_core::energy::rigid::Rigid;
 use leastaction_core::forces::{Forces, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::{Laws, Rod};
@@ -67,9 +67,9 @@ impl Packed for Real {
 fn of_coordinates<const N: usize>(family: &AnyFamily, weights: &[f64]) -> Option<Evaluations> {
     let laws = Laws::NONE;
     match family {
-        AnyFamily::Rigid(rigid) => {
-            let system = rigid.header().system(laws, weights).ok()?;
-            steps::<Rigid<f64, N, MAX_WIDTH, DEPTH>, Viscous<Real, N>, N>(&system)
+        AnyFamily::InertiaNetwork(inertia_network) => {
+            let system = inertia_network.header().system(laws, weights).ok()?;
+            steps::<InertiaNetwork<f64, N, MAX_WIDTH, DEPTH>, Viscous<Real, N>, N>(&system)
         }
         AnyFamily::Modular(modular) => {
             let system = modular.header().system(&modular.tree_header(), laws, weights).ok()?;

@@ -125,7 +125,7 @@ impl Evaluation {
 
 /// What of a model its cost depends on.
 pub struct CostFactors {
-    /// rigid, modular, bodies or graph.
+    /// inertia-network, modular, bodies or graph.
     pub family: &'static str,
     evaluations: Evaluations,
     cost: Cost,
@@ -224,7 +224,7 @@ impl CostFactors {
     /// Units of the layers that leave a tape to an adjoint: of the acceleration of a network of three coordinates or more.
     fn recorded(&self, evaluation: Evaluation) -> &[usize] {
         let by_adjoint =
-            self.family == RIGID && self.coordinates > 2 && evaluation == Evaluation::Acceleration;
+            self.family == INERTIA_NETWORK && self.coordinates > 2 && evaluation == Evaluation::Acceleration;
         if by_adjoint { &self.widths } else { &[] }
     }
 
@@ -289,7 +289,7 @@ fn moved_by_network(architecture: &Architecture) -> bool {
     modular.shape.types.iter().any(|of| matches!(of.transform, TransformShape::Network { .. }))
 }
 
-const RIGID: &str = "rigid";
+const INERTIA_NETWORK: &str = "inertia-network";
 const GRAPH: &str = "graph";
 const BODIES: &str = "bodies";
 

@@ -5,12 +5,12 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_learning::ground_truth::{Mechanism, symo_set};
 use leastaction_learning::training::{
     Adam, AdamSettings, Levenberg, LossKind, Objective, Samples, objective,
 };
-use leastaction_models::{Architecture, RigidArchitecture};
+use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use std::time::{Duration, Instant};
 
 /// Training trajectories.
@@ -32,7 +32,8 @@ fn main() {
     let set = symo_set(Mechanism::Cartpole, SEED, 0.0).expect("the motion can be followed");
     let coordinates = [Coordinate::Cyclic, Coordinate::Angle];
     let architecture: Architecture =
-        RigidArchitecture { widths: vec![100], ..RigidArchitecture::new(&coordinates, 0) }.into();
+        InertiaNetworkArchitecture { widths: vec![100], ..InertiaNetworkArchitecture::new(&coordinates, 0) }
+            .into();
     let samples = Samples::triples(&set.train.truncated(TRAJECTORIES)).shuffled(SEED);
     let build =
         |kind, order| objective(&architecture, samples.clone(), kind, order).expect("the shape is compiled");

@@ -3,22 +3,22 @@
 use crate::family::Family;
 use crate::layers::random_layers;
 use crate::limits::DEPTH;
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork};
 use leastaction_core::forces::{System, Viscous};
-use leastaction_core::model::{Law, Laws, MAX_HIDDEN, ModelError, RigidHeader};
+use leastaction_core::model::{InertiaNetworkHeader, Law, Laws, MAX_HIDDEN, ModelError};
 use leastaction_core::network::{Activation, Dense};
 use leastaction_core::scalar::Scalar;
-use leastaction_programs::energies::{Energies, RigidEnergies};
+use leastaction_programs::energies::{Energies, InertiaNetworkEnergies};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A rigid system over host weights: its type has the compiled sizes.
+/// An inertia network over host weights: its type has the compiled sizes.
 pub type HostSystem<'w, S, const N: usize, const H: usize> =
-    System<Rigid<'w, <S as Scalar>::Weight, N, H, DEPTH>, Viscous<S, N>>;
+    System<InertiaNetwork<'w, <S as Scalar>::Weight, N, H, DEPTH>, Viscous<S, N>>;
 
-/// The shape of a rigid model.
+/// The shape of an inertia network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RigidArchitecture {
+pub struct InertiaNetworkArchitecture {
     /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
     pub coordinates: String,
     /// Units of the hidden layers.
@@ -38,7 +38,7 @@ pub fn largest_factor(n: usize) -> Option<u8> {
     u8::try_from(rows).ok().filter(|_| rows >= n && n > 0)
 }
 
-impl RigidArchitecture {
+impl InertiaNetworkArchitecture {
     /// The default network for coordinates of these kinds: two tanh layers, H = softplus for one coordinate and LLᵀ + 1e-9 I for two,
     /// as SyMo; BᵀB + 1e-9 I for more, as long as a file can hold it.
     pub fn new(coordinates: &[Coordinate], width: u16) -> Self {
@@ -58,17 +58,17 @@ impl RigidArchitecture {
     }
 
     /// Calls `read` with the shape in the words of the model file.
-    pub(crate) fn with_header<T>(&self, read: impl FnOnce(RigidHeader) -> T) -> T {
+    pub(crate) fn with_header<T>(&self, read: impl FnOnce(InertiaNetworkHeader) -> T) -> T {
         read(self.header())
     }
 
     /// The shape in the words of the model file.
-    pub fn header(&self) -> RigidHeader<'_> {
+    pub fn header(&self) -> InertiaNetworkHeader<'_> {
         let mut widths = [0; MAX_HIDDEN];
         for (slot, width) in widths.iter_mut().zip(&self.widths) {
             *slot = *width;
         }
-        RigidHeader {
+        InertiaNetworkHeader {
             coordinates: &self.coordinates,
             widths,
             activation: self.activation,
@@ -77,7 +77,7 @@ impl RigidArchitecture {
     }
 
     /// The shape that a model file has.
-    pub(crate) fn from_header(header: &RigidHeader, laws: Laws, _: &[f64]) -> Self {
+    pub(crate) fn from_header(header: &InertiaNetworkHeader, laws: Laws, _: &[f64]) -> Self {
         Self {
             coordinates: header.coordinates.to_owned(),
             widths: header.widths.into_iter().take_while(|width| *width != 0).collect(),
@@ -142,7 +142,7 @@ impl RigidArchitecture {
     }
 }
 
-impl Family for RigidArchitecture {
+impl Family for InertiaNetworkArchitecture {
     fn n(&self) -> usize {
         self.coordinates.len()
     }
@@ -158,7 +158,12 @@ impl Family for RigidArchitecture {
         let kinds = self.coordinates.chars().map(Coordinate::from_letter).collect::<Option<Vec<_>>>();
         let kinds = kinds.ok_or(ModelError::OutOfRange { what: "coordinates" })?;
         let widths: Vec<usize> = self.widths.iter().map(|width| usize::from(*width)).collect();
-        Ok(Box::new(RigidEnergies::new(kinds, (&widths, self.activation), self.inertia, self.damped)))
+        Ok(Box::new(InertiaNetworkEnergies::new(
+            kinds,
+            (&widths, self.activation),
+            self.inertia,
+            self.damped,
+        )))
     }
 
     /// Random weights: uniform with Glorot's variance, biases and damping zero. H is well-conditioned whatever the number of

@@ -37,7 +37,7 @@ pub use architecture::Architecture;
 pub use bodies::{ArmArchitecture, ArmBody, BodiesArchitecture, BodyNumbers, letters_of_joints};
 pub use family::{Family, OpenGauge, Parts};
 pub use graph::{GraphArchitecture, GraphType, HostTypes, NamedGraph};
-pub use inertia_network::{HostSystem, RigidArchitecture, largest_factor};
+pub use inertia_network::{HostSystem, InertiaNetworkArchitecture, largest_factor};
 pub use laws::{
     Actuator, CoordinateFriction, CorrectionNetwork, Corrections, DissipationNetwork, FrictionArchitecture,
     MOST_LOAD, WIDTHS,

@@ -82,8 +82,10 @@ impl Model {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Actuator, Architecture, Facts, FrictionArchitecture, Model, Number, RigidArchitecture};
-    use leastaction_core::energy::rigid::Coordinate;
+    use crate::{
+        Actuator, Architecture, Facts, FrictionArchitecture, InertiaNetworkArchitecture, Model, Number,
+    };
+    use leastaction_core::energy::inertia_network::Coordinate;
 
     const STATE: [[f64; 2]; 3] = [[0.3, -0.7], [0.4, -0.2], [0.6, 0.9]];
     const STEP: f64 = 1e-5;
@@ -93,7 +95,7 @@ mod tests {
         let dry = [0.3, 0.4, 0.2, 0.25].map(Number::known);
         let architecture = Architecture {
             friction: FrictionArchitecture { viscous: vec![Number::known(0.1); 2], dry: vec![dry; 2] },
-            ..RigidArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], 5).into()
+            ..InertiaNetworkArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], 5).into()
         };
         let weights = architecture.initial_weights(3);
         let actuator = Actuator { gain: vec![1.5, -0.5], offset: vec![0.25, 0.125], delay: 0.0 };

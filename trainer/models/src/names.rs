@@ -68,9 +68,9 @@ impl Architecture {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Architecture, BodiesArchitecture, FrictionArchitecture, Number, RigidArchitecture};
+    use crate::{Architecture, BodiesArchitecture, FrictionArchitecture, InertiaNetworkArchitecture, Number};
     use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
-    use leastaction_core::energy::rigid::Coordinate;
+    use leastaction_core::energy::inertia_network::Coordinate;
 
     fn friction(groups: usize) -> FrictionArchitecture {
         FrictionArchitecture {
@@ -101,8 +101,11 @@ mod tests {
 
     #[test]
     fn weights_of_networks_have_none() {
-        let rigid = RigidArchitecture { damped: true, ..RigidArchitecture::new(&[Coordinate::Angle], 3) };
-        let names = Architecture::from(rigid).number_names();
+        let inertia_network = InertiaNetworkArchitecture {
+            damped: true,
+            ..InertiaNetworkArchitecture::new(&[Coordinate::Angle], 3)
+        };
+        let names = Architecture::from(inertia_network).number_names();
         let (last, weights) = names.split_last().unwrap();
         assert_eq!(last.clone().unwrap().name, "coordinate 0: viscous friction");
         assert!(weights.iter().all(Option::is_none) && !weights.is_empty());

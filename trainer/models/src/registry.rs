@@ -3,7 +3,7 @@
 use crate::bodies::{ArmArchitecture, BodiesArchitecture};
 use crate::family::Family;
 use crate::graph::GraphArchitecture;
-use crate::inertia_network::RigidArchitecture;
+use crate::inertia_network::InertiaNetworkArchitecture;
 use crate::modular::ModularArchitecture;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use serde::{Deserialize, Serialize};
@@ -83,7 +83,7 @@ macro_rules! families {
 
 families! {
     /// Inertia matrix and potential from one network.
-    Rigid(RigidArchitecture) as "rigid", rigid;
+    InertiaNetwork(InertiaNetworkArchitecture) as "inertia-network", inertia_network;
     /// A tree of elements.
     Modular(ModularArchitecture) as "modular", modular;
     /// A graph of particles.

@@ -167,8 +167,8 @@ impl Logged<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Architecture, RigidArchitecture};
-    use leastaction_core::energy::rigid::Coordinate;
+    use crate::{Architecture, InertiaNetworkArchitecture};
+    use leastaction_core::energy::inertia_network::Coordinate;
     use leastaction_data::Rows;
 
     const H: f64 = 1e-3;
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn rollouts_begin_with_the_velocity_that_was_logged() {
-        let architecture = Architecture::from(RigidArchitecture::new(&[Coordinate::Angle], 5));
+        let architecture = Architecture::from(InertiaNetworkArchitecture::new(&[Coordinate::Angle], 5));
         let weights = architecture.initial_weights(3);
         let model = Model::new(architecture, weights);
         let end = |v: Option<f64>, beginning| {

@@ -1,15 +1,15 @@
 //! Programs beside core's code over lanes of the same samples, whose sizes are types: nanoseconds a sample of the parts of losses,
-//! for a rigid model of two coordinates (core has no derivatives in the weights). Then the acceleration loss of a chain of two equal pendulums, whose networks are learned.
+//! for an inertia network of two coordinates (core has no derivatives in the weights). Then the acceleration loss of a chain of two equal pendulums, whose networks are learned.
 //!
 //! `cargo run --release -p leastaction-programs --example speed`
 
 use leastaction_core::energy::NetworkShape;
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::energy::modular::{Input, ModularShape, TransformShape, TreeElement, TypeShape};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{LANES, Lanes};
-use leastaction_programs::energies::{Energies, ModularEnergies, RigidEnergies};
+use leastaction_programs::energies::{Energies, InertiaNetworkEnergies, ModularEnergies};
 use leastaction_programs::losses::{AccelerationLoss, Block, Derivatives, Loss};
 use leastaction_programs::{Row, System, WIDTH};
 use std::hint::black_box;
@@ -79,15 +79,16 @@ fn beside(lanes: f64, time: f64) -> String {
 fn main() {
     acceleration_loss();
     for width in [16_u16, 32, 64] {
-        let model = RigidEnergies::new(
+        let model = InertiaNetworkEnergies::new(
             KINDS.to_vec(),
             (&[width.into(), width.into()], Activation::Tanh),
             INERTIA,
             false,
         );
         let weights: Vec<f64> = (0..model.parameters()).map(|i| (1.7 * i as f64).sin() * 0.3).collect();
-        let shape = RigidShape::new(KINDS, &[width, width], Activation::Tanh, INERTIA).expect("a shape");
-        let core = Rigid::<f64, 2, 64, 3>::take(&mut &weights[..], &shape).expect("a model");
+        let shape =
+            InertiaNetworkShape::new(KINDS, &[width, width], Activation::Tanh, INERTIA).expect("a shape");
+        let core = InertiaNetwork::<f64, 2, 64, 3>::take(&mut &weights[..], &shape).expect("a model");
         let x = [Lanes([0.3; LANES]), Lanes([0.7; LANES])];
         let lanes = [
             nanoseconds(LANES, || {

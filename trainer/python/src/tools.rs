@@ -7,7 +7,7 @@ use leastaction::evaluation::{Evaluation, is_page, log_config, write_page};
 use leastaction::look::Look;
 use leastaction::models::{Loaded, encoded, of_file_or_run};
 use leastaction_core::discrete::Order;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::TrainedStep;
 use leastaction_learning::config::{Config, DataConfig};

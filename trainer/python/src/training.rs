@@ -127,13 +127,13 @@ pub fn defaults(family: &str) -> PyResult<&'static str> {
         ARM_DEFAULTS, BODIES_DEFAULTS, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS,
     };
     match family {
-        "rigid" => Ok(DEFAULTS),
+        "inertia-network" | "rigid" => Ok(DEFAULTS),
         "modular" => Ok(MODULAR_DEFAULTS),
         "graph" => Ok(GRAPH_DEFAULTS),
         "bodies" => Ok(BODIES_DEFAULTS),
         "arm" => Ok(ARM_DEFAULTS),
         other => Err(input(format!(
-            "no family is called {other:?}; there are rigid, modular, graph, bodies and arm"
+            "no family is called {other:?}; there are inertia-network, modular, graph, bodies and arm"
         ))),
     }
 }

@@ -12,7 +12,7 @@ import leastaction as la
 REPOSITORY = Path(__file__).resolve().parents[3]
 MODELS = REPOSITORY / "firmware-sim" / "chip" / "models"
 FAMILIES = {
-    "rigid": "cartpole",
+    "inertia-network": "cartpole",
     "modular": "double",
     "graph": "pendulums",
     "bodies": "acrobot",

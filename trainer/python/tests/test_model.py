@@ -25,7 +25,7 @@ def states(model, count, seed=0):
 
 def test_facts():
     model = la.load(MODELS / "cartpole.postcard")
-    assert (model.family, model.n, model.order, model.h) == ("rigid", 2, 4, 0.05)
+    assert (model.family, model.n, model.order, model.h) == ("inertia-network", 2, 4, 0.05)
     assert model.parameters == len(model.weights) == 1284
     graph = la.load(MODELS / "pendulums.postcard", "three")
     assert graph.n == 6 and graph.part == "three" and graph.parts == ["two", "three"]

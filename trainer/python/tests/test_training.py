@@ -111,5 +111,5 @@ def test_logs_from_arrays(tmp_path):
 
 
 def test_defaults_train(log, tmp_path):
-    for family in ("rigid", "modular", "graph", "bodies", "arm"):
+    for family in ("inertia-network", "modular", "graph", "bodies", "arm"):
         assert "[training]" in la.defaults(family)

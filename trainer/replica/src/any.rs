@@ -5,8 +5,8 @@ use leastaction_core::lagrangian::{Dynamics, Energies, Gradient, Hessian, Lagran
 
 /// Hidden layers of a network at most: as many as a model file allows.
 pub const LAYERS: usize = MAX_HIDDEN;
-/// Units of a hidden layer of a rigid model at most. Layers take stack only for as many as they have.
-pub const RIGID_UNITS: usize = 1024;
+/// Units of a hidden layer of an inertia network at most. Layers take stack only for as many as they have.
+pub const INERTIA_NETWORK_UNITS: usize = 1024;
 /// Units of a hidden layer of a network of an element, a node or an edge at most.
 pub const UNITS: usize = 64;
 

@@ -93,7 +93,7 @@ impl<P: Path + Send, const N: usize> Motion for DelMotion<'_, P, N> {
     }
 
     fn velocity(&self, to: &mut [f32]) -> Result<(), ReplicaError> {
-        // The kinetic energies of rigid models and of trees are quadratic in v.
+        // The kinetic energies of inertia networks and of trees are quadratic in v.
         let mass = self.system.lagrangian.linearization(&self.q, &[0.0; N]).l_vv;
         write("the velocity", &linear::solve(mass, self.p)?, to)
     }

@@ -1,16 +1,18 @@
 use crate::forces::{AllForces, Needed};
 use crate::particles::{ParticleSystem, RodsOf};
 use crate::sizes::{AnySystem, Load};
-use crate::{AnyLagrangian, ForcesOf, Friction, LAYERS, RIGID_UNITS, Replica, ReplicaError, SystemOf, UNITS};
+use crate::{
+    AnyLagrangian, ForcesOf, Friction, INERTIA_NETWORK_UNITS, LAYERS, Replica, ReplicaError, SystemOf, UNITS,
+};
 use leastaction_core::energy::arm::ArmBodies;
 use leastaction_core::energy::bodies::PlanarBodies;
 use leastaction_core::energy::graph::Edge;
+use leastaction_core::energy::inertia_network::InertiaNetwork;
 use leastaction_core::energy::modular::{MAX_TYPES, Modular};
-use leastaction_core::energy::rigid::Rigid;
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{
-    ArmHeader, BodiesHeader, Family, GraphHeader, GraphLayout, Laws, LoadForces, ModelError, ModularHeader,
-    Parsed, RigidHeader, TreeHeader, parse,
+    ArmHeader, BodiesHeader, Family, GraphHeader, GraphLayout, InertiaNetworkHeader, Laws, LoadForces,
+    ModelError, ModularHeader, Parsed, TreeHeader, parse,
 };
 
 /// A model file in memory, validated, its weights widened to single precision.
@@ -67,7 +69,9 @@ impl ModelFile {
     pub fn replica(&self, part: Option<&str>) -> Result<Replica<'_>, ReplicaError> {
         let Parsed { header, .. } = self.parsed()?;
         let (system, is_first) = match header.family {
-            Family::Rigid(rigid) => (self.rigid(rigid, header.laws)?, true),
+            Family::InertiaNetwork(inertia_network) => {
+                (self.inertia_network(inertia_network, header.laws)?, true)
+            }
             Family::Modular(modular) => self.tree(modular, header.laws, part)?,
             Family::Graph(graph) => self.graph(&graph, header.laws, part)?,
             Family::Bodies(bodies) => (self.bodies(bodies, header.laws)?, true),
@@ -79,8 +83,12 @@ impl ModelFile {
         Ok(Replica::new(system, header.trained_step, range, header.actuator))
     }
 
-    fn rigid<'f>(&'f self, header: RigidHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ReplicaError> {
-        AnySystem::load(header.n(), RigidLoader { header, laws, weights: &self.weights })
+    fn inertia_network<'f>(
+        &'f self,
+        header: InertiaNetworkHeader<'f>,
+        laws: Laws<'f>,
+    ) -> Result<AnySystem<'f>, ReplicaError> {
+        AnySystem::load(header.n(), InertiaNetworkLoader { header, laws, weights: &self.weights })
     }
 
     fn bodies<'f>(&'f self, header: BodiesHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ReplicaError> {
@@ -170,14 +178,14 @@ impl<'f, L: LoadWith<'f>> Load<'f> for L {
     }
 }
 
-/// Loads rigid models.
-struct RigidLoader<'f> {
-    header: RigidHeader<'f>,
+/// Loads inertia networks.
+struct InertiaNetworkLoader<'f> {
+    header: InertiaNetworkHeader<'f>,
     laws: Laws<'f>,
     weights: &'f [f32],
 }
 
-impl<'f> LoadWith<'f> for RigidLoader<'f> {
+impl<'f> LoadWith<'f> for InertiaNetworkLoader<'f> {
     fn laws(&self) -> Laws<'f> {
         self.laws
     }
@@ -186,7 +194,7 @@ impl<'f> LoadWith<'f> for RigidLoader<'f> {
     where
         F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
     {
-        let system: System<Rigid<'f, f32, N, RIGID_UNITS, LAYERS>, F> =
+        let system: System<InertiaNetwork<'f, f32, N, INERTIA_NETWORK_UNITS, LAYERS>, F> =
             self.header.system(self.laws, self.weights)?;
         Ok(AnyLagrangian::erased(system))
     }

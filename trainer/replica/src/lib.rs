@@ -31,7 +31,7 @@ mod sizes;
 mod watch;
 
 pub use actuators::Actuators;
-pub use any::{AnyLagrangian, LAYERS, RIGID_UNITS, SystemOf, UNITS};
+pub use any::{AnyLagrangian, INERTIA_NETWORK_UNITS, LAYERS, SystemOf, UNITS};
 pub use control::{Control, Step};
 pub use error::ReplicaError;
 pub use evaluator::Evaluator;

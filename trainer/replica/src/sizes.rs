@@ -13,7 +13,7 @@ pub trait Visitor<'c> {
     /// What comes of it.
     type Output;
 
-    /// Visits a rigid model, bodies or a tree. Other chips can be asked whether they are of the same size.
+    /// Visits an inertia network, bodies or a tree. Other chips can be asked whether they are of the same size.
     fn coordinates<const N: usize>(self, system: &'c SystemOf<'c, N>) -> Self::Output
     where
         for<'f> Replica<'f>: OfSize<N>;

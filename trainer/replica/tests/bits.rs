@@ -3,7 +3,7 @@
 mod common;
 
 use common::{
-    BodiesSample, GRAPHS, GraphSample, NETWORK, Random, RigidSample, TREES, TreeSample, bytes, step,
+    BodiesSample, GRAPHS, GraphSample, InertiaNetworkSample, NETWORK, Random, TREES, TreeSample, bytes, step,
 };
 use leastaction_core::constraints::{Constrained, Holonomic};
 use leastaction_core::continuous::{
@@ -13,11 +13,13 @@ use leastaction_core::continuous::{
 use leastaction_core::discrete::rattle::{ParticleState, Rattle};
 use leastaction_core::discrete::{Control as CoreControl, Del, Galerkin, Midpoint, Order, Path, State};
 use leastaction_core::energy::graph::Edge;
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::{Dissipation, Forces, PotentialCorrection, System, Viscous};
 use leastaction_core::lagrangian::Lagrangian;
-use leastaction_core::model::{BodiesModel, GraphModel, Law, Laws, LoadForces, ModularModel, RigidModel};
+use leastaction_core::model::{
+    BodiesModel, GraphModel, InertiaNetworkModel, Law, Laws, LoadForces, ModularModel,
+};
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
 use leastaction_core::scalar::f16;
@@ -147,20 +149,22 @@ fn has_networks(laws: Laws) -> bool {
     laws.network(Law::Dissipation).or(laws.network(Law::Potential)).is_some()
 }
 
-/// Loads a rigid model both ways; core is compiled for the laws of the file.
-fn same_rigid<const N: usize>(sample: &RigidSample) {
+/// Loads an inertia network both ways; core is compiled for the laws of the file.
+fn same_inertia_network<const N: usize>(sample: &InertiaNetworkSample) {
     if has_networks(sample.laws) {
-        same_rigid_with::<All<N>, N>(sample);
+        same_inertia_network_with::<All<N>, N>(sample);
     } else if sample.laws.contains(Law::Coulomb) {
-        same_rigid_with::<Friction<N>, N>(sample);
+        same_inertia_network_with::<Friction<N>, N>(sample);
     } else {
-        same_rigid_with::<Viscous<f32, N>, N>(sample);
+        same_inertia_network_with::<Viscous<f32, N>, N>(sample);
     }
 }
 
-fn same_rigid_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(sample: &RigidSample) {
+fn same_inertia_network_with<F: LoadForces<'static, f32, f32, N>, const N: usize>(
+    sample: &InertiaNetworkSample,
+) {
     let bytes = sample.file(Order::Four);
-    let core = RigidModel::<N, 40, 4, f32, F>::load(in_flash(&bytes)).unwrap();
+    let core = InertiaNetworkModel::<N, 40, 4, f32, F>::load(in_flash(&bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.replica(None).unwrap(), &core.system, sample.seed ^ 77);
 }
@@ -316,7 +320,7 @@ fn widths() -> impl Strategy<Value = [u16; 4]> {
     })
 }
 
-fn rigid(n: usize) -> impl Strategy<Value = RigidSample> {
+fn inertia_network(n: usize) -> impl Strategy<Value = InertiaNetworkSample> {
     let letters = prop::collection::vec(prop_oneof!["t", "a", "c"], n).prop_map(|letters| letters.concat());
     (letters, widths(), activations(), 0..3_u8, laws(), any::<u64>()).prop_map(
         move |(coordinates, widths, activation, inertia, laws, seed)| {
@@ -325,7 +329,7 @@ fn rigid(n: usize) -> impl Strategy<Value = RigidSample> {
                 1 => Inertia::Cholesky { epsilon: 0.1 },
                 _ => Inertia::Factor { rows: (n as u64 + seed % n as u64) as u8, epsilon: 0.1 },
             };
-            RigidSample { coordinates, widths, activation, inertia, laws, seed }
+            InertiaNetworkSample { coordinates, widths, activation, inertia, laws, seed }
         },
     )
 }
@@ -340,10 +344,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn rigid_models_have_the_bits_of_core(one in rigid(1), three in rigid(3), seven in rigid(7)) {
-        same_rigid::<1>(&one);
-        same_rigid::<3>(&three);
-        same_rigid::<7>(&seven);
+    fn inertia_network_models_have_the_bits_of_core(one in inertia_network(1), three in inertia_network(3), seven in inertia_network(7)) {
+        same_inertia_network::<1>(&one);
+        same_inertia_network::<3>(&three);
+        same_inertia_network::<7>(&seven);
     }
 
     #[test]
@@ -372,7 +376,7 @@ fn twelve_coordinates_have_the_bits_of_core() {
     let inertia = Inertia::Factor { rows: 20, epsilon: 0.1 };
     let (coordinates, widths) = ("ataaataacaaa".to_owned(), [17, 9, 0, 0]);
     let activation = Activation::Tanh;
-    same_rigid::<12>(&RigidSample {
+    same_inertia_network::<12>(&InertiaNetworkSample {
         coordinates,
         widths,
         activation,
@@ -387,11 +391,12 @@ fn twelve_coordinates_have_the_bits_of_core() {
 fn weights_in_half_precision_have_the_bits_of_core() {
     let inertia = Inertia::Cholesky { epsilon: 0.1 };
     let (coordinates, widths, activation) = ("ata".to_owned(), [13, 6, 0, 0], Activation::Softplus);
-    let sample = RigidSample { coordinates, widths, activation, inertia, laws: Laws::FRICTION, seed: 9 };
+    let sample =
+        InertiaNetworkSample { coordinates, widths, activation, inertia, laws: Laws::FRICTION, seed: 9 };
     let block: Vec<u8> = sample.weights().iter().flat_map(|w| f16::from_f32(*w).to_le_bytes()).collect();
     let bytes = bytes(&sample.header(Order::Four), &block);
     let words = aligned(&bytes);
-    let core = RigidModel::<3, 13, 2, f16, Friction<3>>::load(flash(&words, &bytes)).unwrap();
+    let core = InertiaNetworkModel::<3, 13, 2, f16, Friction<3>>::load(flash(&words, &bytes)).unwrap();
     let file = ModelFile::new(&bytes).unwrap();
     same(&file.replica(None).unwrap(), &core.system, 9);
 }

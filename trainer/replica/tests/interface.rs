@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{GraphSample, RigidSample, TREES, TreeSample, bytes, file, step};
+use common::{GraphSample, InertiaNetworkSample, TREES, TreeSample, bytes, file, step};
 use leastaction_core::discrete::{Order, StepError};
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::Actuator;
 use leastaction_core::model::{
     ActuatorBytes, CoordinateRange, Header, Interval, Laws, ModelError, Outside, TrainingRange,
@@ -15,8 +15,8 @@ use leastaction_replica::{
     COORDINATES, Control, ModelFile, OfSize, ParticleSystem, ReplicaError, Step, SystemOf, Visitor,
 };
 
-fn arm(coordinates: &str, widths: [u16; 4]) -> RigidSample {
-    RigidSample {
+fn arm(coordinates: &str, widths: [u16; 4]) -> InertiaNetworkSample {
+    InertiaNetworkSample {
         coordinates: coordinates.to_owned(),
         widths,
         activation: Activation::Tanh,

@@ -5,7 +5,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use leastaction::cli::arguments::{positive, positive_f32};
 use leastaction::cli::{Done, Failure, FileKind, Output, replaceable};
 use leastaction_core::discrete::Order;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::TrainedStep;
 use leastaction_learning::atomic;

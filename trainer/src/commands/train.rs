@@ -40,7 +40,7 @@ pub struct Train {
     quiet: bool,
     /// Print a configuration with every key explained, and do nothing else; `modular`: one for trees of elements, `graph`: one for
     /// particles.
-    #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "rigid")]
+    #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "inertia-network")]
     print_defaults: Option<Family>,
 }
 
@@ -48,7 +48,8 @@ pub struct Train {
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Family {
     /// One network for the inertia matrix and the potential.
-    Rigid,
+    #[value(alias = "rigid")]
+    InertiaNetwork,
     /// Trees of elements.
     Modular,
     /// Graphs of particles.

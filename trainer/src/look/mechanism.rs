@@ -86,8 +86,7 @@ impl Mechanism {
     /// The tables of `[model]` that say so: those in front of friction, and those behind it.
     pub fn tables(&self) -> [String; 2] {
         let n = self.0.len();
-        let head =
-            "family = \"bodies\" # others: leastaction train --print-defaults rigid, modular or graph\n";
+        let head = "family = \"bodies\" # others: leastaction train --print-defaults inertia-network, modular or graph\n";
         if self.0.iter().all(|joint| *joint == Joint::Link) {
             let comment = "# links on revolute joints in an upright plane; q = 0 hangs, each q relative to the link before";
             return [format!("\n[model] {comment}\n{head}chain = {n}\n"), String::new()];

@@ -200,7 +200,10 @@ fn a_logged_motion_that_cannot_be_followed_is_said() {
     // By names and units of its own.
     fs::write(bench.at("m.csv"), name("time,a,b\n") + &whole).unwrap();
     let columns = "[data]\nfile = 'm.csv'\n[data.columns]\nt = 'time'\nq = ['a', 'b']\n";
-    fs::write(bench.at("m.toml"), columns.to_owned() + "[model]\nfamily = 'rigid'\ncoordinates = 'aa'\n")
-        .unwrap();
+    fs::write(
+        bench.at("m.toml"),
+        columns.to_owned() + "[model]\nfamily = 'inertia-network'\ncoordinates = 'aa'\n",
+    )
+    .unwrap();
     bench.run(&format!("{words} --config m.toml")).good();
 }

@@ -5,13 +5,13 @@ use leastaction_core::constraints::Holonomic;
 use leastaction_core::continuous::acceleration;
 use leastaction_core::discrete::{Midpoint, Order};
 use leastaction_core::energy::graph::{Edge, Graph};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::{ControlKind, Viscous};
 use leastaction_core::model::{ArmModel, Laws, TrainedStep};
 use leastaction_core::particles::Particles;
 use leastaction_learning::config::Config;
 use leastaction_models::file::{ConstantsError, decode, encode, encode_in, rust_constants, rust_source};
-use leastaction_models::{Actuator, Architecture, Facts, Precision, RigidArchitecture};
+use leastaction_models::{Actuator, Architecture, Facts, InertiaNetworkArchitecture, Precision};
 
 #[path = "../cli_golden/model.rs"]
 mod golden;
@@ -75,7 +75,7 @@ fn half_the_flash_has_a_price_that_is_told() {
     };
     let found = evaluated("half.postcard").sqrt();
     assert!((found - error("shipped")).abs() <= 1e-12 * found, "{found} {}", error("shipped"));
-    assert!(bench.text("half.rs").contains("RigidModel<'static, N, H, L, f16>"));
+    assert!(bench.text("half.rs").contains("InertiaNetworkModel<'static, N, H, L, f16>"));
     let text = bench.run("export run -o half.postcard --weights f16").good().stdout;
     assert!(text.contains("parameters of 16 bits") && text.contains("positions one step ahead"), "{text}");
     let text = bench.run("inspect half.postcard").good().stdout;
@@ -159,8 +159,8 @@ fn inspect_refuses_what_is_no_model() {
     refused(&changed, &["format version 9"]);
 }
 
-fn shape() -> RigidArchitecture {
-    RigidArchitecture { damped: true, ..RigidArchitecture::new(&[Coordinate::Angle], 3) }
+fn shape() -> InertiaNetworkArchitecture {
+    InertiaNetworkArchitecture { damped: true, ..InertiaNetworkArchitecture::new(&[Coordinate::Angle], 3) }
 }
 
 /// A model whose bytes depend on nothing but the format and the seeded initial weights.

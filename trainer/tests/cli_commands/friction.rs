@@ -49,7 +49,7 @@ fn friction_is_learned_exported_inspected_stepped_on_the_chip_and_a_plant() {
     bench.write("robot.toml", configuration());
     bench.run("train robot.toml -o run -q").good();
     bench.run("export run -o m.postcard --rust m.rs").good();
-    assert!(bench.text("m.rs").contains("RigidModel<'static, N, H, L, f32, Friction<N>>"));
+    assert!(bench.text("m.rs").contains("InertiaNetworkModel<'static, N, H, L, f32, Friction<N>>"));
 
     let report = bench.run("inspect m.postcard --json").good().json();
     let dry = &report["dry_friction"][0];

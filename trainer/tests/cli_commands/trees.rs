@@ -208,9 +208,9 @@ fn what_does_not_fit_is_refused() {
     bench.run("train c.toml -o new").bad(2, &["c.toml:5", "none.postcard"]);
     bench.log("");
     bench.config("iterations = 1");
-    bench.run("train c.toml -o rigid -q").good();
-    config(&bench, "c.toml", "two.npz", "from = \"rigid\"", TRAINING);
-    bench.run("train c.toml -o new").bad(2, &["c.toml:5", "rigid", "no element types"]);
+    bench.run("train c.toml -o inertia_network -q").good();
+    config(&bench, "c.toml", "two.npz", "from = \"inertia_network\"", TRAINING);
+    bench.run("train c.toml -o new").bad(2, &["c.toml:5", "inertia-network", "no element types"]);
     assert!(!bench.at("new").exists());
 }
 

@@ -2,7 +2,7 @@
 //!
 
 use leastaction_core::discrete::Midpoint;
-use leastaction_core::model::{ModelError, RigidModel};
+use leastaction_core::model::{InertiaNetworkModel, ModelError};
 use leastaction_core::stepper::{self, Actuated, Held};
 
 /// Coordinates; their kinds are `a` (t: translation, a: angle, c: cyclic).
@@ -13,7 +13,7 @@ pub const H: usize = 3;
 pub const L: usize = 2;
 
 /// The loaded model.
-pub type Model = RigidModel<'static, N, H, L>;
+pub type Model = InertiaNetworkModel<'static, N, H, L>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;

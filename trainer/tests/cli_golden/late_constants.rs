@@ -2,9 +2,9 @@
 //!
 
 use leastaction_core::discrete::{Midpoint, Order};
-use leastaction_core::energy::rigid::{Inertia, Rigid};
+use leastaction_core::energy::inertia_network::{Inertia, InertiaNetwork};
 use leastaction_core::forces::{Actuator, ControlKind, System, Viscous};
-use leastaction_core::model::{self, Laws, ModelError, RigidHeader, TrainedStep};
+use leastaction_core::model::{self, InertiaNetworkHeader, Laws, ModelError, TrainedStep};
 use leastaction_core::network::Activation;
 use leastaction_core::stepper::{self, Actuated, Held};
 
@@ -16,7 +16,7 @@ pub const H: usize = 3;
 pub const L: usize = 2;
 
 /// Energies and forces.
-pub type Model = model::Model<'static, System<Rigid<'static, f32, N, H, L>, Viscous<f32, N>>>;
+pub type Model = model::Model<'static, System<InertiaNetwork<'static, f32, N, H, L>, Viscous<f32, N>>>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;
@@ -45,7 +45,7 @@ const ACTUATOR: Actuated<N> = Actuated {
 };
 
 #[rustfmt::skip]
-const SHAPE: RigidHeader = RigidHeader { coordinates: "a", widths: [3, 3, 0, 0], activation: Activation::Tanh, inertia: Inertia::Diagonal };
+const SHAPE: InertiaNetworkHeader = InertiaNetworkHeader { coordinates: "a", widths: [3, 3, 0, 0], activation: Activation::Tanh, inertia: Inertia::Diagonal };
 
 #[rustfmt::skip]
 static WEIGHTS: [f32; 30] = [

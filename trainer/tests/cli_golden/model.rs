@@ -4,7 +4,7 @@
 //! in two lines
 
 use leastaction_core::discrete::Galerkin;
-use leastaction_core::model::{ModelError, RigidModel};
+use leastaction_core::model::{InertiaNetworkModel, ModelError};
 use leastaction_core::stepper::{self, Direct, Linear};
 
 /// Coordinates; their kinds are `a` (t: translation, a: angle, c: cyclic).
@@ -15,7 +15,7 @@ pub const H: usize = 3;
 pub const L: usize = 2;
 
 /// The loaded model.
-pub type Model = RigidModel<'static, N, H, L>;
+pub type Model = InertiaNetworkModel<'static, N, H, L>;
 
 /// The step that the model was trained with, s.
 pub const STEP: f32 = 0.05;

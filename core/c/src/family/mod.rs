@@ -9,8 +9,8 @@ mod bodies;
 mod graph;
 #[cfg(feature = "modular")]
 mod modular;
-#[cfg(feature = "rigid")]
-mod rigid;
+#[cfg(feature = "inertia-network")]
+mod inertia_network;
 
 #[cfg(feature = "arm")]
 pub(crate) use arm::{FAMILY, Lists, Mechanism, load, system};
@@ -24,8 +24,8 @@ pub(crate) use graph::{AnyGraph, constrained};
 pub(crate) use graph::{FAMILY, Lists, Mechanism, load};
 #[cfg(feature = "modular")]
 pub(crate) use modular::{FAMILY, Lists, Mechanism, load, system};
-#[cfg(feature = "rigid")]
-pub(crate) use rigid::{FAMILY, Lists, Mechanism, load, system};
+#[cfg(feature = "inertia-network")]
+pub(crate) use inertia_network::{FAMILY, Lists, Mechanism, load, system};
 
 #[cfg(not(feature = "graph"))]
 use crate::config::LEASTACTION_COORDINATES as N;

@@ -6,7 +6,7 @@ use core::hint::black_box;
 use leastaction_chip::instructions::mean;
 use leastaction_chip::{image, print};
 use leastaction_core::energy::NetworkShape;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::{
     Coulomb, Dissipation, DryFriction, Forces, PotentialCorrection, Seen, Viscous,
 };

@@ -1,7 +1,7 @@
 //! Fields whose range is checked while they are read, so that the error knows the line.
 
 use crate::training::StateNoise;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::network::Activation;
 use leastaction_models::{DEPTH, MAX_COORDINATES, MAX_ELEMENT_UNITS, MAX_HIDDEN, MAX_UNITS};
 use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};

@@ -35,7 +35,7 @@ pub struct FrictionConfig {
 pub enum FrictionNumbers {
     /// Written once, for all of them; learned ones differ in the end.
     All(FrictionNumberConfig),
-    /// One of each coordinate of a rigid model or of bodies, or of each element type.
+    /// One of each coordinate of an inertia network or of bodies, or of each element type.
     Each(Vec<FrictionNumberConfig>),
 }
 

@@ -10,6 +10,7 @@ mod error;
 mod fields;
 mod friction;
 mod graph;
+mod inertia_network;
 mod loss;
 mod model;
 mod modular;
@@ -17,7 +18,6 @@ mod origin;
 mod parts;
 mod problem;
 mod read;
-mod rigid;
 
 pub(crate) use origin::Origin;
 
@@ -32,12 +32,12 @@ pub use friction::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
 pub use graph::{
     EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
 };
+pub use inertia_network::InertiaNetworkConfig;
 pub use loss::TrainingLoss;
 pub use model::ModelConfig;
 pub use modular::{Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig};
 pub use parts::NumberConfig;
 pub use problem::{Problem, ShapeError, Step};
-pub use rigid::RigidConfig;
 
 use crate::training::StateNoise;
 use crate::windows::Integrator;
@@ -182,7 +182,7 @@ impl Default for AdamConfig {
 }
 
 impl Config {
-    /// The defaults for a log, and a model of this shape; [`Coordinates`] give a rigid one.
+    /// The defaults for a log, and a model of this shape; [`Coordinates`] give an inertia network.
     pub fn new(file: impl Into<LogFiles>, model: impl Into<ModelConfig>) -> Self {
         Self {
             data: DataConfig::new(file),
@@ -224,9 +224,9 @@ impl Config {
         }
         let located = |error: ShapeError| read::located(file, text, &error);
         match &config.model {
-            ModelConfig::Rigid(rigid) => {
-                rigid.laws().map_err(located)?;
-                rigid.origin().map_err(located)?;
+            ModelConfig::InertiaNetwork(inertia_network) => {
+                inertia_network.laws().map_err(located)?;
+                inertia_network.origin().map_err(located)?;
             }
             ModelConfig::Modular(modular) => {
                 modular.assemble().map_err(located)?;
@@ -279,7 +279,7 @@ impl Config {
     pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ShapeError> {
         let seed = self.training.seed;
         match &self.model {
-            ModelConfig::Rigid(rigid) => rigid.beginning(seed),
+            ModelConfig::InertiaNetwork(inertia_network) => inertia_network.beginning(seed),
             ModelConfig::Modular(modular) => {
                 let assembled = modular.assemble()?;
                 let (family, weights) =

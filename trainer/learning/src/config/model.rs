@@ -4,10 +4,10 @@ use super::arm::ArmConfig;
 use super::bodies::BodiesConfig;
 use super::fields::Coordinates;
 use super::graph::GraphConfig;
+use super::inertia_network::InertiaNetworkConfig;
 use super::modular::ModularConfig;
 use super::origin::Origin;
 use super::problem::ShapeError;
-use super::rigid::RigidConfig;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -15,8 +15,8 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum ModelConfig {
-    /// `family = "rigid"`, the default.
-    Rigid(RigidConfig),
+    /// `family = "inertia-network"`, the default.
+    InertiaNetwork(InertiaNetworkConfig),
     /// `family = "modular"`.
     Modular(ModularConfig),
     /// `family = "graph"`.
@@ -37,7 +37,7 @@ impl ModelConfig {
     /// The model of another shape whose energies training begins at, where there is one.
     pub(crate) fn origin(&self) -> Result<Option<Origin>, ShapeError> {
         match self {
-            Self::Rigid(rigid) => rigid.origin(),
+            Self::InertiaNetwork(inertia_network) => inertia_network.origin(),
             _ => Ok(None),
         }
     }
@@ -52,7 +52,9 @@ impl ModelConfig {
     pub(crate) fn with_networks(&self, with_dissipation: bool, with_potential: bool) -> Option<Self> {
         let mut own = self.clone();
         let (dissipation, potential) = match &mut own {
-            Self::Rigid(rigid) => (&mut rigid.dissipation, &mut rigid.potential),
+            Self::InertiaNetwork(inertia_network) => {
+                (&mut inertia_network.dissipation, &mut inertia_network.potential)
+            }
             Self::Modular(modular) => (&mut modular.dissipation, &mut modular.potential),
             Self::Bodies(bodies) => (&mut bodies.dissipation, &mut bodies.potential),
             Self::Arm(arm) => (&mut arm.dissipation, &mut arm.potential),
@@ -66,7 +68,7 @@ impl ModelConfig {
     /// The files that the model comes from.
     pub(crate) fn files(&mut self) -> Vec<&mut PathBuf> {
         match self {
-            Self::Rigid(rigid) => rigid.start_from.iter_mut().collect(),
+            Self::InertiaNetwork(inertia_network) => inertia_network.start_from.iter_mut().collect(),
             Self::Modular(modular) => modular.from.iter_mut().collect(),
             Self::Arm(arm) => arm.files(),
             Self::Graph(_) | Self::Bodies(_) => Vec::new(),
@@ -81,7 +83,7 @@ impl ModelConfig {
     /// Whether training begins with trained weights.
     pub(crate) fn goes_on(&self) -> bool {
         match self {
-            Self::Rigid(rigid) => rigid.start_from.is_some(),
+            Self::InertiaNetwork(inertia_network) => inertia_network.start_from.is_some(),
             Self::Modular(modular) => modular.from.is_some(),
             _ => false,
         }
@@ -90,13 +92,13 @@ impl ModelConfig {
 
 impl From<Coordinates> for ModelConfig {
     fn from(coordinates: Coordinates) -> Self {
-        Self::Rigid(RigidConfig::new(coordinates))
+        Self::InertiaNetwork(InertiaNetworkConfig::new(coordinates))
     }
 }
 
-impl From<RigidConfig> for ModelConfig {
-    fn from(rigid: RigidConfig) -> Self {
-        Self::Rigid(rigid)
+impl From<InertiaNetworkConfig> for ModelConfig {
+    fn from(inertia_network: InertiaNetworkConfig) -> Self {
+        Self::InertiaNetwork(inertia_network)
     }
 }
 

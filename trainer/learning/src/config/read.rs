@@ -5,7 +5,9 @@ use super::bodies::BodiesConfig;
 use super::graph::GraphConfig;
 use super::modular::ModularConfig;
 use super::problem::{ShapeError, Step};
-use super::{CalibrationConfig, Config, ConfigError, DataConfig, ModelConfig, RigidConfig, TrainingConfig};
+use super::{
+    CalibrationConfig, Config, ConfigError, DataConfig, InertiaNetworkConfig, ModelConfig, TrainingConfig,
+};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -14,9 +16,11 @@ use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 
 /// What stands in `family`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 enum Family {
-    Rigid,
+    /// It was called `rigid` once.
+    #[serde(alias = "rigid")]
+    InertiaNetwork,
     Modular,
     Graph,
     Bodies,
@@ -50,7 +54,7 @@ impl<M: Into<ModelConfig>> From<File<M>> for Config {
 pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
     let mut document = DeTable::parse(text)?;
     match take_family(document.get_mut())? {
-        Family::Rigid => read::<RigidConfig>(document),
+        Family::InertiaNetwork => read::<InertiaNetworkConfig>(document),
         Family::Modular => read::<ModularConfig>(document),
         Family::Graph => read::<GraphConfig>(document),
         Family::Bodies => read::<BodiesConfig>(document),
@@ -66,9 +70,9 @@ fn read<M: DeserializeOwned + Into<ModelConfig>>(
 
 /// Takes `family` out of `[model]`: so every family has only keys of its own. A model to go on from is of the modular family.
 fn take_family(document: &mut DeTable) -> Result<Family, toml::de::Error> {
-    let Some(model) = document.get_mut("model") else { return Ok(Family::Rigid) };
-    let DeValue::Table(model) = model.get_mut() else { return Ok(Family::Rigid) };
-    let default = if model.contains_key("from") { Family::Modular } else { Family::Rigid };
+    let Some(model) = document.get_mut("model") else { return Ok(Family::InertiaNetwork) };
+    let DeValue::Table(model) = model.get_mut() else { return Ok(Family::InertiaNetwork) };
+    let default = if model.contains_key("from") { Family::Modular } else { Family::InertiaNetwork };
     let Some(family) = model.remove("family") else { return Ok(default) };
     Family::deserialize(ValueDeserializer::from(family))
 }

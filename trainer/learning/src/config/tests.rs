@@ -1,6 +1,6 @@
 use super::*;
-use leastaction_core::energy::rigid::Coordinate;
-use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::energy::inertia_network::Coordinate;
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::network::Activation;
 
 fn parse(text: &str) -> Result<Config, ConfigError> {
@@ -15,11 +15,11 @@ fn defaults() -> Config {
     Config::new("data.npz", Coordinates(vec![Coordinate::Translation, Coordinate::Angle]))
 }
 
-fn rigid(config: &Config) -> &RigidConfig {
+fn inertia_network(config: &Config) -> &InertiaNetworkConfig {
     match &config.model {
-        ModelConfig::Rigid(rigid) => rigid,
+        ModelConfig::InertiaNetwork(inertia_network) => inertia_network,
         ModelConfig::Modular(_) | ModelConfig::Graph(_) | ModelConfig::Bodies(_) | ModelConfig::Arm(_) => {
-            panic!("not a rigid model")
+            panic!("not an inertia network")
         }
     }
 }
@@ -48,7 +48,7 @@ fn printed_keys_that_are_off_can_be_switched_on() {
         .collect();
     let config = parse(&switched).unwrap();
     assert_eq!(config.data.trajectories, Some(32));
-    assert_eq!(rigid(&config).inertia, Some(InertiaKind::Cholesky));
+    assert_eq!(inertia_network(&config).inertia, Some(InertiaKind::Cholesky));
     let TrainingConfig { target, patience, max_seconds, .. } = config.training;
     assert_eq!((target, patience, max_seconds), (Some(1e-12), Some(50), Some(600.0)));
 }
@@ -67,10 +67,10 @@ fn every_key_is_printed() {
 fn toml_round_trips() {
     let mut config = defaults();
     config.training.target = Some(1e-9);
-    config.model = RigidConfig {
+    config.model = InertiaNetworkConfig {
         activation: Activation::Isru,
         inertia: Some(InertiaKind::Diagonal),
-        ..rigid(&config).clone()
+        ..inertia_network(&config).clone()
     }
     .into();
     assert_eq!(parse(&config.to_toml()).unwrap(), config);
@@ -121,7 +121,7 @@ fn values_out_of_range_are_refused_with_their_line() {
 }
 
 fn inertia(architecture: &Architecture) -> Inertia {
-    architecture.family.rigid().unwrap().inertia
+    architecture.family.inertia_network().unwrap().inertia
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub use modlanet::{
 pub use motion::{BadMechanism, Motion};
 pub use truss::{Rod, Truss};
 
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::energy::trigonometric::{ACROBOT, CARTPOLE, PENDULUM, Trigonometric};
 
 /// A mechanism by its name on the command line.

@@ -1,9 +1,9 @@
 //! Networks of the SyMo authors' program.
 
 use super::{ImportError, Imported, Layer, Tensors};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::network::Activation;
-use leastaction_models::{Family, RigidArchitecture};
+use leastaction_models::{Family, InertiaNetworkArchitecture};
 use safetensors::SafeTensors;
 
 /// Prefixes of the authors' modules: SyMo and E2E-SyMo, then L-NODE.
@@ -48,8 +48,8 @@ impl Source<'_> {
     }
 
     /// The widths are those of the biases.
-    fn architecture(&self, coordinates: &[Coordinate]) -> Result<RigidArchitecture, ImportError> {
-        let mut architecture = RigidArchitecture::new(coordinates, 0);
+    fn architecture(&self, coordinates: &[Coordinate]) -> Result<InertiaNetworkArchitecture, ImportError> {
+        let mut architecture = InertiaNetworkArchitecture::new(coordinates, 0);
         architecture.activation = Activation::Tanh;
         architecture.widths.clear();
         while let Some(width) = self.tensors.width(&self.hidden_name(architecture.widths.len())) {
@@ -61,7 +61,7 @@ impl Source<'_> {
         Ok(architecture)
     }
 
-    fn refuse_others(&self, architecture: &RigidArchitecture) -> Result<(), ImportError> {
+    fn refuse_others(&self, architecture: &InertiaNetworkArchitecture) -> Result<(), ImportError> {
         let hidden = (0..architecture.widths.len()).map(|k| self.hidden_name(k));
         let layers = hidden.chain(Self::heads(architecture.n()).iter().map(|head| self.head_name(head)));
         let known: Vec<String> =
@@ -69,7 +69,7 @@ impl Source<'_> {
         self.tensors.refuse_others(|name| known.iter().any(|k| k == name))
     }
 
-    fn weights(&self, architecture: &RigidArchitecture) -> Result<Vec<f64>, ImportError> {
+    fn weights(&self, architecture: &InertiaNetworkArchitecture) -> Result<Vec<f64>, ImportError> {
         let sizes = architecture.layers();
         let mut weights = Vec::new();
         for (k, (inputs, outputs)) in sizes.iter().take(architecture.widths.len()).enumerate() {

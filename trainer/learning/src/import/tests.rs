@@ -1,6 +1,6 @@
 use super::{ImportError, Imported, lgnn, modlanet, symo};
 use crate::ground_truth::ManyBody;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::lagrangian::Energies;
 use leastaction_programs::{Row, System};
 use safetensors::tensor::{Dtype, TensorView};
@@ -188,7 +188,7 @@ fn symo_pendulums_are_the_written_out_network() {
     for (prefix, discrete) in [("nn.", true), ("Rigid_Body.", false)] {
         let file = symo_pendulum(prefix);
         let imported = symo(&bytes(&file), &[Coordinate::Angle]).unwrap();
-        assert!(imported.discrete == discrete && imported.architecture.family.rigid().is_some());
+        assert!(imported.discrete == discrete && imported.architecture.family.inertia_network().is_some());
         let (q, v) = (0.8_f64, 1.5);
         let layer = |name: &str, x: &[f64]| -> Vec<f64> {
             let get = |part| file[&format!("{prefix}{name}.{part}")].1.as_slice();

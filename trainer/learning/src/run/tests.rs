@@ -1,10 +1,10 @@
 use super::*;
 use crate::checkpoint::Trained;
-use crate::config::{Config, Coordinates, RigidConfig, TrainingLoss};
+use crate::config::{Config, Coordinates, InertiaNetworkConfig, TrainingLoss};
 use crate::data::Dataset;
 use crate::ground_truth::{Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};
 use crate::training::StateNoise;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 
 #[derive(Default)]
 struct Silent {
@@ -51,7 +51,7 @@ fn noisy(trajectories: usize, control: bool, noise: f64) -> Dataset {
 
 pub(super) fn config() -> Config {
     let coordinates = Coordinates(vec![Coordinate::Angle]);
-    let model = RigidConfig { hidden: vec![5], ..RigidConfig::new(coordinates) };
+    let model = InertiaNetworkConfig { hidden: vec![5], ..InertiaNetworkConfig::new(coordinates) };
     let mut config = Config::new("nowhere.npz", model);
     config.training.order = 2;
     (config.training.iterations, config.training.warm_up) = (4, 2);
@@ -95,8 +95,10 @@ fn without_force_there_is_no_warm_up_and_no_scale() {
 fn chain(count: usize, trajectories: usize) -> (Dataset, Config) {
     let system = ManyBody::Pendulum(count);
     let settings = ModlanetSettings { trajectories, h: 0.01, ..ModlanetSettings::published(system, 0) };
-    let model =
-        RigidConfig { hidden: vec![8], ..RigidConfig::new(Coordinates(vec![Coordinate::Angle; count])) };
+    let model = InertiaNetworkConfig {
+        hidden: vec![8],
+        ..InertiaNetworkConfig::new(Coordinates(vec![Coordinate::Angle; count]))
+    };
     (generate_many(&settings).unwrap(), Config::new("nowhere.npz", model))
 }
 

@@ -1,4 +1,4 @@
-//! Where training of a rigid network begins that starts from another model: at the energies of that model, over the range of the logs.
+//! Where training of an inertia network begins that starts from another model: at the energies of that model, over the range of the logs.
 
 use super::blocks::Blocks;
 use super::{Levenberg, Progress, Samples};
@@ -26,7 +26,7 @@ pub struct Covered<'a> {
     pub sizes: [Vec<f64>; 2],
 }
 
-/// Weights of a rigid network, from `initial` on, whose inertia and potential are those of a model of the same coordinates.
+/// Weights of an inertia network, from `initial` on, whose inertia and potential are those of a model of the same coordinates.
 ///
 /// At positions of the logs, and random velocities and accelerations of the size that the logs have, both models without their forces are
 /// to take the same torque, M v̇ + L_vq v − L_q: first torques are fitted, to which any weights lead, then the accelerations that these
@@ -39,8 +39,8 @@ pub fn network_start(
     (model, weights): (&Architecture, &[f64]),
     covered: &Covered,
 ) -> Result<Vec<f64>, ModelError> {
-    let Some(rigid) = architecture.family.rigid() else { return Ok(initial) };
-    let (own, parameters) = (rigid.header().parameters()?, architecture.parameters()?);
+    let Some(inertia_network) = architecture.family.inertia_network() else { return Ok(initial) };
+    let (own, parameters) = (inertia_network.header().parameters()?, architecture.parameters()?);
     let [system, model] = [architecture, model].map(|of| of.energies().map(|of| System::new(&*of)));
     let (system, model) = (system?.conservative(), model?.conservative());
     let n = architecture.n();

@@ -3,7 +3,7 @@
 use leastaction_core::forces::ControlKind::{self, Held, Linear};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_learning::checkpoint::Trained;
-use leastaction_learning::config::{Config, Coordinates, RigidConfig};
+use leastaction_learning::config::{Config, Coordinates, InertiaNetworkConfig};
 use leastaction_learning::data::Dataset;
 use leastaction_learning::evaluate::{one_step_mse, rollout_system};
 use leastaction_learning::ground_truth::{Drive, Exact, Mechanism, Settings, generate};
@@ -69,7 +69,7 @@ fn accelerations_are_those_under_the_control_at_the_sample() {
 fn learned(data: &Dataset, asked: ControlKind, (loss, order): (LossKind, u8)) -> f64 {
     let folder = tempfile::tempdir().expect("a folder");
     let coordinates = Coordinates(Mechanism::Pendulum.coordinates().to_vec());
-    let model = RigidConfig { hidden: vec![12], ..RigidConfig::new(coordinates) };
+    let model = InertiaNetworkConfig { hidden: vec![12], ..InertiaNetworkConfig::new(coordinates) };
     let mut config = Config::new("nowhere.npz", model);
     config.data.control = Some(asked);
     (config.training.loss, config.training.order) = (Some(loss.into()), order);

@@ -16,7 +16,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::path::Path;
 
-const RIGID: &str = "coordinates = \"ata\"\nhidden = [5, 3]\n";
+const INERTIA_NETWORK: &str = "coordinates = \"ata\"\nhidden = [5, 3]\n";
 const TREE: &str = "family = \"modular\"\ntypes = [{ name = \"cart\", transform = \"slide\" }, { name = \"bob\", transform = \"rod\", \
                     inertia = 0.3, potential = [] }]\ntrees = { crane = [\"cart\", \"bob\", \"bob\"] }\n";
 const BODIES: &str = "family = \"bodies\"\nchain = 3\n";
@@ -33,7 +33,7 @@ fn parse(model: &str) -> Result<Config, ConfigError> {
 
 #[test]
 fn networks_are_what_was_written() {
-    let (shape, weights) = architecture(&format!("{RIGID}{FRICTION}{BOTH}"));
+    let (shape, weights) = architecture(&format!("{INERTIA_NETWORK}{FRICTION}{BOTH}"));
     let laws = shape.laws();
     let dissipation = LawNetwork { coordinates: "c-a", widths: [4, 3, 0, 0], activation: Activation::Tanh };
     let potential = LawNetwork { coordinates: "-ta", widths: [5, 0, 0, 0], activation: Activation::Softplus };
@@ -58,7 +58,7 @@ fn networks_are_what_was_written() {
 #[test]
 fn everything_has_a_default() {
     for (model, letters, positions) in [
-        (RIGID, "ata", "ata"),
+        (INERTIA_NETWORK, "ata", "ata"),
         (TREE, "taa", "taa"),
         (BODIES, "aaa", "aaa"),
         ("coordinates = \"tca\"\n", "tca", "t-a"),
@@ -72,7 +72,7 @@ fn everything_has_a_default() {
         assert_eq!(shape.corrections.dissipation.unwrap().scales, [1.0; 3]);
     }
     let (without, _) =
-        architecture(&format!("{RIGID}[model.dissipation]\npositions = []\ncoordinates = [1]\n"));
+        architecture(&format!("{INERTIA_NETWORK}[model.dissipation]\npositions = []\ncoordinates = [1]\n"));
     assert_eq!(without.laws().network(Law::Dissipation).unwrap().coordinates, "-c");
 }
 
@@ -112,7 +112,7 @@ fn errors_name_line_and_key() {
 
 #[test]
 fn what_is_written_is_read_again() {
-    for model in [RIGID, TREE, BODIES] {
+    for model in [INERTIA_NETWORK, TREE, BODIES] {
         let config = parse(&format!("{model}{FRICTION}{BOTH}")).unwrap();
         assert_eq!(
             Config::parse(&config.to_toml(), Path::new("c.toml")).unwrap(),
@@ -128,7 +128,7 @@ fn what_is_written_is_read_again() {
 #[test]
 fn files_come_back_bit_for_bit() {
     let one = "[model.dissipation]\ncoordinates = [1]\nscale = 0.25\n";
-    for model in [RIGID, TREE, BODIES] {
+    for model in [INERTIA_NETWORK, TREE, BODIES] {
         for laws in [format!("{FRICTION}{BOTH}"), BOTH.to_owned(), one.to_owned()] {
             let (shape, weights) = architecture(&format!("{model}{laws}"));
             let bytes = encode(&shape, &weights, None, "here").unwrap();
@@ -177,14 +177,14 @@ fn a_rust_source_names_the_types_of_its_laws() {
         let (shape, weights) = architecture(model);
         rust_source(&encode(&shape, &weights, None, "").unwrap()).unwrap()
     };
-    let both = source(&format!("{RIGID}{FRICTION}{BOTH}"));
+    let both = source(&format!("{INERTIA_NETWORK}{FRICTION}{BOTH}"));
     for words in [
         "use leastaction_core::forces::{Coulomb, Dissipation, PotentialCorrection, Viscous};",
         "pub const LAW_H: usize = 5;",
         "pub const LAW_L: usize = 2;",
         "(((Viscous<f32, M>, Coulomb<f32, M>), Dissipation<'static, f32, M, LAW_H, LAW_L>), \
          PotentialCorrection<'static, f32, M, LAW_H, LAW_L>)",
-        "pub type Model = RigidModel<'static, N, H, L, f32, Forces<N>>;",
+        "pub type Model = InertiaNetworkModel<'static, N, H, L, f32, Forces<N>>;",
     ] {
         assert!(both.contains(words), "{words}: {both}");
     }
@@ -206,7 +206,7 @@ fn gradients_of_every_loss_are_its_differences() {
         (LossKind::NextState, 2),
         (LossKind::NextState, 4),
     ];
-    for model in [RIGID, TREE, BODIES] {
+    for model in [INERTIA_NETWORK, TREE, BODIES] {
         let (shape, mut weights) = architecture(&format!("{model}{FRICTION}{BOTH}"));
         let first = shape.corrections_start();
         // Away from the start, where outputs are small.

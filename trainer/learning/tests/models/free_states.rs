@@ -1,9 +1,9 @@
 //! Accelerations at states that are logged with noise.
 
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_learning::ground_truth::{Mechanism, Settings, generate, noisy};
 use leastaction_learning::training::{Levenberg, Objective, Samples, StateNoise, free_states_objective};
-use leastaction_models::{Architecture, RigidArchitecture};
+use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -17,7 +17,12 @@ fn wave(k: usize) -> f64 {
 /// A damped network of three coordinates.
 fn shape() -> Architecture {
     let kinds = [Coordinate::Angle, Coordinate::Translation, Coordinate::Angle];
-    RigidArchitecture { damped: true, widths: vec![4, 3], ..RigidArchitecture::new(&kinds, 0) }.into()
+    InertiaNetworkArchitecture {
+        damped: true,
+        widths: vec![4, 3],
+        ..InertiaNetworkArchitecture::new(&kinds, 0)
+    }
+    .into()
 }
 
 /// States and accelerations anywhere; nineteen are no multiple of what is evaluated side by side.
@@ -78,8 +83,11 @@ fn pendulum(noise: f64) -> Samples {
 
 #[test]
 fn held_back_rows_tell_good_weights_from_bad_ones_whatever_rows_were_learned_from() {
-    let architecture: Architecture =
-        RigidArchitecture { widths: vec![6], ..RigidArchitecture::new(&[Coordinate::Angle], 0) }.into();
+    let architecture: Architecture = InertiaNetworkArchitecture {
+        widths: vec![6],
+        ..InertiaNetworkArchitecture::new(&[Coordinate::Angle], 0)
+    }
+    .into();
     let [rows, judges] = pendulum(NOISE).split(9);
     let noise = StateNoise { q: NOISE, v: NOISE, a: 0.0 };
     let objective = |samples| free_states_objective(&architecture, samples, noise).unwrap();

@@ -24,7 +24,7 @@ pub fn architecture(model: &str) -> (Architecture, Vec<f64>) {
     Config::parse(&text, Path::new("c.toml")).unwrap().beginning().unwrap()
 }
 
-const RIGID: &str = "coordinates = \"ata\"\nhidden = [5, 3]\n";
+const INERTIA_NETWORK: &str = "coordinates = \"ata\"\nhidden = [5, 3]\n";
 const TREE: &str = "family = \"modular\"\ntypes = [{ name = \"cart\", transform = \"slide\" }, { name = \"bob\", transform = \"rod\", \
                     inertia = 0.3, potential = [] }]\ntrees = { crane = [\"cart\", \"bob\", \"bob\"] }\n";
 const ALL: &str = "[model.friction]\nviscous = \"learned\"\ncoulomb = { learn = 0.3 }\nload = \"learned\"\nwidth = { learn = 0.4 }\n\
@@ -61,7 +61,8 @@ fn gradients_of_every_loss_are_its_differences() {
         (LossKind::NextState, 2),
         (LossKind::NextState, 4),
     ];
-    for (model, friction) in [(RIGID, ALL), (RIGID, PARTLY), (TREE, ALL), (TREE, PARTLY)] {
+    for (model, friction) in [(INERTIA_NETWORK, ALL), (INERTIA_NETWORK, PARTLY), (TREE, ALL), (TREE, PARTLY)]
+    {
         let (shape, weights) = architecture(&format!("{model}{friction}"));
         let (first, fixed) = (weights.len() - shape.friction.count(), shape.fixed_positions());
         for (kind, order) in kinds {
@@ -162,7 +163,7 @@ fn friction_is_recovered_from_exact_data() {
 /// Whatever the free numbers are, those of friction are in their range, in single precision too, and power is never positive.
 #[test]
 fn learned_friction_only_dissipates() {
-    let (shape, weights) = architecture(&format!("{RIGID}{ALL}"));
+    let (shape, weights) = architecture(&format!("{INERTIA_NETWORK}{ALL}"));
     let (bounds, first) = (Bounds::new(shape.ranges()), weights.len() - shape.friction.count());
     assert_eq!(shape.ranges().len(), 15);
     for k in 0..2_000 {
@@ -200,10 +201,10 @@ fn files_come_back_bit_for_bit() {
     let damped = "damping = true\n";
     let viscous = "[model.friction]\nviscous = 0.25\n";
     let cases = [
-        (RIGID.to_owned() + ALL, Laws::FRICTION),
-        (RIGID.to_owned() + damped + PARTLY, Laws::FRICTION),
-        (RIGID.to_owned() + PARTLY, Laws::COULOMB),
-        (RIGID.to_owned() + viscous, Laws::VISCOUS),
+        (INERTIA_NETWORK.to_owned() + ALL, Laws::FRICTION),
+        (INERTIA_NETWORK.to_owned() + damped + PARTLY, Laws::FRICTION),
+        (INERTIA_NETWORK.to_owned() + PARTLY, Laws::COULOMB),
+        (INERTIA_NETWORK.to_owned() + viscous, Laws::VISCOUS),
         (TREE.to_owned() + ALL, Laws::FRICTION),
         (TREE.to_owned() + viscous, Laws::VISCOUS),
         (TREE.to_owned() + PARTLY, Laws::FRICTION),

@@ -6,7 +6,7 @@ use leastaction_models::Number;
 use leastaction_models::file::encode;
 use std::path::Path;
 
-const RIGID: &str = "coordinates = \"ta\"\n";
+const INERTIA_NETWORK: &str = "coordinates = \"ta\"\n";
 const TREE: &str = "family = \"modular\"\ntypes = [{ name = \"cart\", transform = \"slide\" }, { name = \"bob\", transform = \"rod\" }]\n\
                     trees = { crane = [\"cart\", \"bob\", \"bob\"] }\n";
 
@@ -20,7 +20,8 @@ fn error(model: &str) -> String {
 
 #[test]
 fn one_word_learns_damping_and_dry_friction() {
-    let (shape, weights) = parse(&format!("{RIGID}friction = \"learned\"\n")).unwrap().beginning().unwrap();
+    let (shape, weights) =
+        parse(&format!("{INERTIA_NETWORK}friction = \"learned\"\n")).unwrap().beginning().unwrap();
     assert_eq!((shape.laws(), weights.len()), (Laws::FRICTION, shape.parameters().unwrap()));
     assert_eq!(shape.friction.viscous, [Number::learned(0.01); 2]);
     let dry = [Number::learned(0.1), Number::known(0.0), Number::known(0.1), Number::learned(0.1)];
@@ -52,7 +53,7 @@ fn what_is_written_is_read_again() {
         "friction = \"learned\"\n",
         "[model.friction]\nviscous = [0.5, \"learned\"]\nload = { learn = 0.2 }\nwidth = 0.3\nsmoothing = 2.0\n",
     ] {
-        for model in [RIGID, TREE] {
+        for model in [INERTIA_NETWORK, TREE] {
             let config = parse(&format!("{model}{friction}")).unwrap();
             assert_eq!(
                 Config::parse(&config.to_toml(), Path::new("c.toml")).unwrap(),
@@ -80,7 +81,7 @@ fn errors_name_line_and_key() {
         ("damping = true\n[model.friction]\nviscous = 0.1", 7, "`damping` too"),
     ];
     for (text, line, words) in cases {
-        let message = error(&format!("{RIGID}{text}\n"));
+        let message = error(&format!("{INERTIA_NETWORK}{text}\n"));
         assert!(
             message.starts_with(&format!("c.toml:{line}: ")) && message.contains(words),
             "{text}: {message}"

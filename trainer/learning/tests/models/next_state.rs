@@ -1,7 +1,7 @@
 //! The loss of the next state under explicit Runge–Kutta steps.
 
 use leastaction_core::continuous::acceleration;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::{ControlKind, Forces, System};
 use leastaction_core::lagrangian::Lagrangian;
 use leastaction_core::model::ModelError;
@@ -10,7 +10,7 @@ use leastaction_learning::ground_truth::lgnn_shape;
 use leastaction_learning::ground_truth::{LgnnSystem, Mechanism, Settings, generate};
 use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
 use leastaction_models::Family as _;
-use leastaction_models::{Architecture, GraphArchitecture, RigidArchitecture};
+use leastaction_models::{Architecture, GraphArchitecture, InertiaNetworkArchitecture};
 
 const H: f64 = 0.1;
 /// Not a multiple of the samples that are evaluated side by side.
@@ -24,12 +24,16 @@ fn wave(k: usize) -> f64 {
 }
 
 /// A damped shape of these coordinates.
-fn shape(coordinates: &[Coordinate]) -> RigidArchitecture {
-    RigidArchitecture { damped: true, widths: vec![5, 3], ..RigidArchitecture::new(coordinates, 0) }
+fn shape(coordinates: &[Coordinate]) -> InertiaNetworkArchitecture {
+    InertiaNetworkArchitecture {
+        damped: true,
+        widths: vec![5, 3],
+        ..InertiaNetworkArchitecture::new(coordinates, 0)
+    }
 }
 
 /// With damping.
-fn weights(shape: &RigidArchitecture) -> Vec<f64> {
+fn weights(shape: &InertiaNetworkArchitecture) -> Vec<f64> {
     shape.initial_weights(3).iter().enumerate().map(|(k, w)| w + 0.1 * wave(k) + 0.15).collect()
 }
 
@@ -47,7 +51,7 @@ fn samples(n: usize, control: ControlKind) -> Samples {
     }
 }
 
-fn loss(shape: &RigidArchitecture, samples: Samples, order: u8) -> Box<dyn Objective> {
+fn loss(shape: &InertiaNetworkArchitecture, samples: Samples, order: u8) -> Box<dyn Objective> {
     objective(&shape.clone().into(), samples, LossKind::NextState, order).expect("compiled")
 }
 
@@ -111,7 +115,7 @@ where
     Samples { states: [q, v, positions], next_velocities: velocities, ..samples }
 }
 
-fn is_exact_where_the_data_is<const N: usize>(shape: &RigidArchitecture) {
+fn is_exact_where_the_data_is<const N: usize>(shape: &InertiaNetworkArchitecture) {
     let weights = weights(shape);
     let system = shape.system::<f64, N, 32>(&weights).expect("fits");
     for (order, control) in CASES {
@@ -175,7 +179,7 @@ fn check_gram(objective: &dyn Objective, weights: &[f64]) {
     }
 }
 
-fn has_the_derivatives_of_differences<const N: usize>(shape: &RigidArchitecture) {
+fn has_the_derivatives_of_differences<const N: usize>(shape: &InertiaNetworkArchitecture) {
     let weights = weights(shape);
     let system = shape.system::<f64, N, 32>(&weights).expect("fits");
     for (order, control) in CASES {
@@ -200,7 +204,10 @@ fn a_pendulum_is_learned_from_states() {
     let settings = Settings::symo(Mechanism::Pendulum, 8, 1);
     let data = Samples::next_states(&generate(&settings).expect("data")).expect("velocities");
     assert_eq!(data.len(), 8 * 33);
-    let shape = RigidArchitecture { widths: vec![12], ..RigidArchitecture::new(&[Coordinate::Angle], 0) };
+    let shape = InertiaNetworkArchitecture {
+        widths: vec![12],
+        ..InertiaNetworkArchitecture::new(&[Coordinate::Angle], 0)
+    };
     for order in [2, 4] {
         let objective = loss(&shape, data.clone(), order);
         let start = shape.initial_weights(1);

@@ -119,9 +119,12 @@ fn types_have_their_transforms_and_numbers() {
 fn the_family_decides_which_keys_there_are() {
     let unknown = error("[data]\nfile = \"a\"\n[model]\nfamily = \"modul\"\n");
     assert!(unknown.starts_with("c.toml:4: ") && unknown.contains("did you mean `modular`?"), "{unknown}");
-    let rigid =
-        error("[data]\nfile = \"a\"\n[model]\nfamily = \"rigid\"\ncoordinates = \"a\"\ntree = \"x\"\n");
-    assert!(rigid.starts_with("c.toml:6: ") && rigid.contains("unknown field `tree`"), "{rigid}");
+    for family in ["inertia-network", "rigid"] {
+        let tree = error(&format!(
+            "[data]\nfile = \"a\"\n[model]\nfamily = \"{family}\"\ncoordinates = \"a\"\ntree = \"x\"\n"
+        ));
+        assert!(tree.starts_with("c.toml:6: ") && tree.contains("unknown field `tree`"), "{tree}");
+    }
     let hidden = error(&modular("hidden = [8]"));
     assert!(hidden.starts_with("c.toml:5: ") && hidden.contains("unknown field `hidden`"), "{hidden}");
 }

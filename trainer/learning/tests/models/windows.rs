@@ -1,13 +1,13 @@
 //! The loss over windows: its derivatives, what it learns of sensors and actuators, and what noise does to it.
 
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::training::{Levenberg, Objective, Progress};
 use leastaction_learning::windows::{
     Calibration, Integrator, Setting, WindowLogs, WindowLoss, WindowModel, WindowSettings, noise_of,
 };
-use leastaction_models::{Architecture, RigidArchitecture};
+use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use leastaction_programs::dynamics::Order;
 use leastaction_programs::steps::{ExplicitSteps, RungeKutta, Steps, VariationalSteps};
 use leastaction_programs::{Row, System};
@@ -25,7 +25,12 @@ const ALL: Calibration =
 
 fn model() -> Architecture {
     let coordinates = [Coordinate::Angle, Coordinate::Angle];
-    RigidArchitecture { damped: true, widths: vec![5], ..RigidArchitecture::new(&coordinates, 0) }.into()
+    InertiaNetworkArchitecture {
+        damped: true,
+        widths: vec![5],
+        ..InertiaNetworkArchitecture::new(&coordinates, 0)
+    }
+    .into()
 }
 
 fn weights(model: &Architecture) -> Vec<f64> {

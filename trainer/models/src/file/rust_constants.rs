@@ -4,7 +4,7 @@ use super::rust_source::{ForcesType, RUST_HEAD, write_forces, write_provenance};
 use super::rust_stepper::StepperType;
 use super::{Aligned, decode};
 use crate::Model;
-use leastaction_core::model::{Family, Law, Laws, ModelError, Parsed, RigidHeader, parse};
+use leastaction_core::model::{Family, InertiaNetworkHeader, Law, Laws, ModelError, Parsed, parse};
 use leastaction_core::scalar::Weights;
 use std::fmt::{self, Write};
 use thiserror::Error;
@@ -76,7 +76,7 @@ impl Kind {
             network: None,
         };
         Ok(match parsed.header.family {
-            Family::Rigid(header) => Self::rigid(&header),
+            Family::InertiaNetwork(header) => Self::inertia_network(&header),
             Family::Bodies(header) => {
                 tree("PlanarBodies", "bodies::PlanarBodies", "BodiesHeader", format!("{header:?}"))
             }
@@ -86,16 +86,16 @@ impl Kind {
         })
     }
 
-    fn rigid(header: &RigidHeader) -> Self {
-        let RigidHeader { coordinates, widths, activation, inertia } = header;
+    fn inertia_network(header: &InertiaNetworkHeader) -> Self {
+        let InertiaNetworkHeader { coordinates, widths, activation, inertia } = header;
         let hidden: Vec<usize> =
             widths.iter().take_while(|width| **width > 0).map(|width| usize::from(*width)).collect();
         Self {
-            energies: "Rigid",
-            module: "rigid::{Inertia, Rigid}",
-            header: "RigidHeader",
+            energies: "InertiaNetwork",
+            module: "inertia_network::{Inertia, InertiaNetwork}",
+            header: "InertiaNetworkHeader",
             shape: format!(
-                "RigidHeader {{ coordinates: {coordinates:?}, widths: {widths:?}, activation: Activation::{activation:?}, \
+                "InertiaNetworkHeader {{ coordinates: {coordinates:?}, widths: {widths:?}, activation: Activation::{activation:?}, \
                  inertia: Inertia::{inertia:?} }}"
             ),
             network: Some([hidden.iter().copied().max().unwrap_or(0), hidden.len()]),

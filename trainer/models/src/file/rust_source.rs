@@ -42,7 +42,7 @@ fn write_head(to: &mut String, (model, stepper): (&Model, &StepperType), length:
     write_provenance(to, model)?;
     writeln!(to)?;
     let imports = match &model.architecture.family {
-        AnyFamily::Rigid(_) => "ModelError, RigidModel",
+        AnyFamily::InertiaNetwork(_) => "InertiaNetworkModel, ModelError",
         AnyFamily::Modular(_) => "ModelError, ModularModel",
         AnyFamily::Graph(_) => "GraphModel, ModelError",
         AnyFamily::Bodies(_) => "BodiesModel, ModelError",
@@ -89,12 +89,12 @@ fn write_sizes(to: &mut String, model: &Model) -> fmt::Result {
         writeln!(to, "/// Hidden layers.\npub const L: usize = {};", architecture.depth())?;
     }
     match &architecture.family {
-        AnyFamily::Rigid(_) => {
+        AnyFamily::InertiaNetwork(_) => {
             write_forces(to, model)?;
             let forces = of("N");
             writeln!(
                 to,
-                "\n/// The loaded model.\npub type Model = RigidModel<'static, N, H, L{weight}{forces}>;"
+                "\n/// The loaded model.\npub type Model = InertiaNetworkModel<'static, N, H, L{weight}{forces}>;"
             )
         }
         AnyFamily::Modular(modular) => {
@@ -230,7 +230,7 @@ fn write_trees(to: &mut String, modular: &ModularArchitecture) -> fmt::Result {
 fn write_bytes(to: &mut String, model: &Model, bytes: &[u8]) -> fmt::Result {
     let length = bytes.len();
     let (edges, lists) = match &model.architecture.family {
-        AnyFamily::Rigid(_) | AnyFamily::Bodies(_) | AnyFamily::Arm(_) => ("", ""),
+        AnyFamily::InertiaNetwork(_) | AnyFamily::Bodies(_) | AnyFamily::Arm(_) => ("", ""),
         AnyFamily::Modular(_) => ("", ", TREE"),
         AnyFamily::Graph(_) => {
             ("edges: &'a mut [Edge; EDGES], rods: &'a mut [Rod; RODS]", ", GRAPH, edges, rods")

@@ -1,9 +1,9 @@
 use super::*;
-use crate::RigidArchitecture;
+use crate::InertiaNetworkArchitecture;
 use leastaction_core::discrete::Order;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::forces::ControlKind;
-use leastaction_core::model::RigidModel;
+use leastaction_core::model::InertiaNetworkModel;
 use leastaction_core::scalar::f16;
 use proptest::prelude::*;
 
@@ -12,7 +12,7 @@ const CARTPOLE: [Coordinate; 2] = [Coordinate::Translation, Coordinate::Angle];
 
 fn example(provenance: &str) -> (Architecture, Vec<f64>, Vec<u8>) {
     let architecture: Architecture =
-        RigidArchitecture { damped: true, ..RigidArchitecture::new(&CARTPOLE, 9) }.into();
+        InertiaNetworkArchitecture { damped: true, ..InertiaNetworkArchitecture::new(&CARTPOLE, 9) }.into();
     let weights = architecture.initial_weights(3);
     let bytes = encode(&architecture, &weights, Some(STEP), provenance).unwrap();
     (architecture, weights, bytes)
@@ -45,7 +45,7 @@ fn a_program_with_dry_friction_names_its_forces() {
     for line in [
         "use leastaction_core::forces::{Coulomb, Viscous};",
         "pub type Friction<const M: usize> = (Viscous<f32, M>, Coulomb<f32, M>);",
-        "pub type Model = RigidModel<'static, N, H, L, f32, Friction<N>>;",
+        "pub type Model = InertiaNetworkModel<'static, N, H, L, f32, Friction<N>>;",
     ] {
         assert!(source.contains(line), "{source}");
     }
@@ -76,9 +76,9 @@ fn a_stepper_keeps_as_many_commands_as_the_delay_needs() {
 fn the_chip_loads_it_in_place() {
     let (_, _, bytes) = example("somewhere");
     let aligned = Aligned::new(&bytes);
-    let model = RigidModel::<2, 9, 2>::load(aligned.bytes()).unwrap();
+    let model = InertiaNetworkModel::<2, 9, 2>::load(aligned.bytes()).unwrap();
     assert_eq!(model.trained_step, Some(STEP));
-    let narrow = RigidModel::<2, 8, 2>::load(aligned.bytes()).unwrap_err();
+    let narrow = InertiaNetworkModel::<2, 8, 2>::load(aligned.bytes()).unwrap_err();
     assert_eq!(narrow, ModelError::Shape { what: "units in a hidden layer", found: 9, compiled: 8 });
 }
 
@@ -97,8 +97,10 @@ fn halves_are_the_nearest_numbers_and_the_chip_loads_them() {
     }
     let again = encode_in(Precision::Half, &architecture, &model.weights, &Facts::default()).unwrap();
     assert_eq!(again, bytes);
-    assert!(RigidModel::<2, 9, 2, f16>::load(Aligned::new(&bytes).bytes()).is_ok());
-    assert!(rust_source(&bytes).unwrap().contains("pub type Model = RigidModel<'static, N, H, L, f16>;"));
+    assert!(InertiaNetworkModel::<2, 9, 2, f16>::load(Aligned::new(&bytes).bytes()).is_ok());
+    assert!(
+        rust_source(&bytes).unwrap().contains("pub type Model = InertiaNetworkModel<'static, N, H, L, f16>;")
+    );
 }
 
 #[test]

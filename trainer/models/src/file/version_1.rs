@@ -5,10 +5,11 @@ use super::assemble;
 use crate::TYPE_NUMBERS;
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::MAX_HIDDEN;
-use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    Family, GraphHeader, Header, Laws, MAGIC, ModelError, ModularHeader, RigidHeader, TrainedStep, checksum,
+    Family, GraphHeader, Header, InertiaNetworkHeader, Laws, MAGIC, ModelError, ModularHeader, TrainedStep,
+    checksum,
 };
 use leastaction_core::network::Activation;
 use serde::Deserialize;
@@ -33,13 +34,13 @@ struct Document<'a> {
 #[allow(clippy::large_enum_variant, reason = "read once")]
 enum OldFamily<'a> {
     #[serde(borrow)]
-    Rigid(OldRigid<'a>),
+    InertiaNetwork(OldInertiaNetwork<'a>),
     Modular(ModularHeader<'a>),
     Graph(GraphHeader<'a>),
 }
 
 #[derive(Deserialize)]
-struct OldRigid<'a> {
+struct OldInertiaNetwork<'a> {
     coordinates: &'a str,
     widths: [u16; MAX_HIDDEN],
     activation: Activation,
@@ -97,10 +98,10 @@ impl<'a> OldFamily<'a> {
                 let weights = with_damping_last(&modular, weights)?;
                 Ok((Family::Modular(modular), Laws::VISCOUS, weights))
             }
-            Self::Rigid(OldRigid { coordinates, widths, activation, inertia, damped }) => {
+            Self::InertiaNetwork(OldInertiaNetwork { coordinates, widths, activation, inertia, damped }) => {
                 let laws = if damped { Laws::VISCOUS } else { Laws::NONE };
-                let rigid = RigidHeader { coordinates, widths, activation, inertia };
-                Ok((Family::Rigid(rigid), laws, weights.to_vec()))
+                let inertia_network = InertiaNetworkHeader { coordinates, widths, activation, inertia };
+                Ok((Family::InertiaNetwork(inertia_network), laws, weights.to_vec()))
             }
         }
     }

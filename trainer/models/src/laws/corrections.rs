@@ -2,7 +2,7 @@
 
 use crate::layers::{layers, random_layers};
 use crate::limits::MAX_HIDDEN;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::{Law, LawNetwork, Laws, ModelError};
 use leastaction_core::network::Activation;
 use leastaction_programs::energies::{Energies, LawNetwork as HostNetwork, WithNetworks};

@@ -1,6 +1,6 @@
 //! What the networks of the baselines see of a state.
 
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::network::Jet;
 use leastaction_core::scalar::Scalar;
 use leastaction_programs::{Builder, Function, Node};

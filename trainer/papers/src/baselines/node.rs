@@ -4,7 +4,7 @@ use super::direct::Direct;
 use super::features::seen;
 use super::mlp::scale;
 use super::{coordinates_fit, layers_of, parameters_of};
-use leastaction_core::energy::rigid::{Coordinate, feature_count};
+use leastaction_core::energy::inertia_network::{Coordinate, feature_count};
 use leastaction_core::model::ModelError;
 use leastaction_core::network::Activation;
 use leastaction_learning::training::{Objective, Samples};

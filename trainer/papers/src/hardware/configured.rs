@@ -165,8 +165,8 @@ impl Predictor for Driven {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use leastaction_core::energy::rigid::Coordinate;
-    use leastaction_models::{Actuator, Architecture, RigidArchitecture};
+    use leastaction_core::energy::inertia_network::Coordinate;
+    use leastaction_models::{Actuator, Architecture, InertiaNetworkArchitecture};
 
     #[test]
     fn torques_are_those_of_the_drive_a_delay_ago() {
@@ -178,7 +178,7 @@ mod tests {
             measured: rows(100.0),
             commanded: Some(rows(1.0)),
         };
-        let architecture: Architecture = RigidArchitecture::new(&[Coordinate::Angle], 2).into();
+        let architecture: Architecture = InertiaNetworkArchitecture::new(&[Coordinate::Angle], 2).into();
         let system = System::new(&*architecture.energies().unwrap());
         let calibrated = Calibrated {
             actuator: Actuator { gain: vec![2.0], offset: vec![0.5], delay: 1.25 * STEP },

@@ -5,11 +5,11 @@ use super::log::Log;
 use super::predictor::Learned;
 use super::states::{dataset, smoothed};
 use crate::task::TaskError;
-use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_learning::training::{
     Levenberg, LossKind, Objective, Samples, TorqueTerms, objective, torque_objective,
 };
-use leastaction_models::{Architecture, FrictionArchitecture, Number, RigidArchitecture};
+use leastaction_models::{Architecture, FrictionArchitecture, InertiaNetworkArchitecture, Number};
 use leastaction_programs::System;
 use std::time::Instant;
 
@@ -72,15 +72,15 @@ impl Rival {
     }
 }
 
-/// The rigid family's network for joints that turn, with friction of each or without.
+/// An inertia network for joints that turn, with friction of each or without.
 fn network(training: &Training, has_friction: bool) -> Architecture {
     let n = training.machine.joints();
-    let mut rigid = RigidArchitecture::new(&vec![Coordinate::Angle; n], WIDTH);
+    let mut inertia_network = InertiaNetworkArchitecture::new(&vec![Coordinate::Angle; n], WIDTH);
     if n > 1 {
         // 10⁻⁴ kg m² keeps the first iterations, whose inertia is far from that of the machine, from dividing by nothing.
-        rigid.inertia = Inertia::Cholesky { epsilon: 1e-4 };
+        inertia_network.inertia = Inertia::Cholesky { epsilon: 1e-4 };
     }
-    let mut network = Architecture::from(rigid);
+    let mut network = Architecture::from(inertia_network);
     if has_friction {
         let dry = FRICTION.map(|(value, learned)| Number { value, learned });
         network.friction =

@@ -14,14 +14,14 @@ pub use published::{NOISE, Published, published};
 pub use states::CaseError;
 pub use task::{SymoData, overview, tasks};
 
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::ModelError;
 use leastaction_learning::data::Dataset;
 use leastaction_learning::data::symo::SymoSet;
 use leastaction_learning::evaluate::{energy_mse, inertia_mse, integration_errors, one_step_mse};
 use leastaction_learning::ground_truth::Mechanism;
 use leastaction_learning::training::{Levenberg, LossKind, Objective, Samples, objective};
-use leastaction_models::{Architecture, RigidArchitecture};
+use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use leastaction_models::{Beginning, Model};
 use serde::Serialize;
 
@@ -190,7 +190,8 @@ impl Case {
             Mechanism::Cartpole => (&[Coordinate::Cyclic, Coordinate::Angle], vec![100]),
             Mechanism::Acrobot => (&[Coordinate::Angle; 2], self.acrobot_widths()),
         };
-        let architecture = RigidArchitecture { widths, ..RigidArchitecture::new(coordinates, 0) }.into();
+        let architecture =
+            InertiaNetworkArchitecture { widths, ..InertiaNetworkArchitecture::new(coordinates, 0) }.into();
         // At order 2 the model cannot fit the motion exactly and soon learns the integrator's error by heart; that error, and
         // so the penalty that keeps the weights from it, is the largest at the pendulum's step of 0.1 s.
         let (iterations, decay) = match (self.order, self.mechanism) {

@@ -2,7 +2,7 @@
 
 use super::{Case, Method, Outcome, Recipe};
 use crate::baselines::NeuralOde;
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::energy::trigonometric::Trigonometric;
 use leastaction_core::model::ModelError;
 use leastaction_learning::data::symo::SymoSet;

@@ -11,7 +11,7 @@ use leastaction_learning::training::{Levenberg, Objective};
 use leastaction_learning::windows::{
     Calibration, Integrator, WindowLogs, WindowLoss, WindowModel, WindowSettings, first_guess,
 };
-use leastaction_models::{Architecture, RigidArchitecture};
+use leastaction_models::{Architecture, InertiaNetworkArchitecture};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -120,9 +120,9 @@ impl Case {
 
 /// Every width with every penalty; without a hidden layer there is nothing to keep small.
 fn networks(recipe: &Recipe) -> Vec<Recipe> {
-    let Some(rigid) = recipe.architecture.family.rigid() else { return Vec::new() };
+    let Some(inertia_network) = recipe.architecture.family.inertia_network() else { return Vec::new() };
     let of = |widths: &[u16]| -> Vec<Recipe> {
-        let architecture = RigidArchitecture { widths: widths.to_vec(), ..rigid.clone() };
+        let architecture = InertiaNetworkArchitecture { widths: widths.to_vec(), ..inertia_network.clone() };
         let decays = if widths.is_empty() { &[0.0][..] } else { &DECAYS };
         let one = |decay: &f64| Recipe {
             architecture: architecture.clone().into(),

@@ -4,11 +4,11 @@ mod common;
 
 use common::{Numbers, random_weights};
 use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path, State};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::forces::{Coulomb, DryFriction, Forces, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Del, Newton, Order};
-use leastaction_programs::energies::{DryLaw, Energies, FrictionLaws, RigidEnergies, WithFriction};
+use leastaction_programs::energies::{DryLaw, Energies, FrictionLaws, InertiaNetworkEnergies, WithFriction};
 use leastaction_programs::{Row, System, WIDTH};
 
 const N: usize = 3;
@@ -17,7 +17,7 @@ const INERTIA: Inertia = Inertia::Cholesky { epsilon: 1e-2 };
 /// The groups of the coordinates.
 const OF: [usize; N] = [1, 0, 1];
 
-type Model = WithFriction<RigidEnergies>;
+type Model = WithFriction<InertiaNetworkEnergies>;
 
 /// b of both groups.
 const VISCOUS: [f64; 2] = [0.3, 0.05];
@@ -31,12 +31,12 @@ const CASES: [FrictionLaws; 4] = [
     FrictionLaws { dry: DryLaw::Unloaded, ..ALL },
 ];
 
-fn rigid(damped: bool) -> RigidEnergies {
-    RigidEnergies::new(KINDS.to_vec(), (&[6, 5], Activation::Tanh), INERTIA, damped)
+fn inertia_network(damped: bool) -> InertiaNetworkEnergies {
+    InertiaNetworkEnergies::new(KINDS.to_vec(), (&[6, 5], Activation::Tanh), INERTIA, damped)
 }
 
 fn model(laws: FrictionLaws, damped: bool) -> Model {
-    WithFriction::new(rigid(damped), laws, 2, OF.to_vec()).unwrap()
+    WithFriction::new(inertia_network(damped), laws, 2, OF.to_vec()).unwrap()
 }
 
 /// Numbers of the laws in the order of a weight block.
@@ -52,7 +52,7 @@ fn numbers(laws: FrictionLaws, dry: [[f64; 4]; 2]) -> Vec<f64> {
 
 /// Random weights of the model, and these numbers.
 fn weights(laws: FrictionLaws, dry: [[f64; 4]; 2], damped: bool, seed: u64) -> Vec<f64> {
-    let mut weights = random_weights(rigid(damped).parameters(), seed);
+    let mut weights = random_weights(inertia_network(damped).parameters(), seed);
     weights.extend(numbers(laws, dry));
     weights
 }
@@ -72,9 +72,9 @@ fn laws(which: FrictionLaws, weights: &[f64]) -> Laws {
     (Viscous { coefficients }, Coulomb { coordinates })
 }
 
-fn core(which: FrictionLaws, weights: &[f64]) -> CoreSystem<Rigid<'_, f64, N, 8, 2>, Laws> {
-    let shape = RigidShape::new(KINDS, &[6, 5], Activation::Tanh, INERTIA).unwrap();
-    let lagrangian = Rigid::take(&mut &weights[..], &shape).unwrap();
+fn core(which: FrictionLaws, weights: &[f64]) -> CoreSystem<InertiaNetwork<'_, f64, N, 8, 2>, Laws> {
+    let shape = InertiaNetworkShape::new(KINDS, &[6, 5], Activation::Tanh, INERTIA).unwrap();
+    let lagrangian = InertiaNetwork::take(&mut &weights[..], &shape).unwrap();
     CoreSystem { lagrangian, forces: laws(which, weights) }
 }
 
@@ -92,8 +92,9 @@ fn values_and_derivatives_are_cores() {
 #[test]
 fn friction_adds_to_the_forces_of_the_model() {
     let which = FrictionLaws { viscous: false, ..ALL };
-    let both = WithFriction::new(Box::new(rigid(true)) as Box<dyn Energies>, which, 2, OF.to_vec()).unwrap();
-    let (alone, weights) = (rigid(true), weights(which, DRY, true, 5));
+    let both = WithFriction::new(Box::new(inertia_network(true)) as Box<dyn Energies>, which, 2, OF.to_vec())
+        .unwrap();
+    let (alone, weights) = (inertia_network(true), weights(which, DRY, true, 5));
     assert_eq!((both.parameters(), alone.parameters() + 8), (weights.len(), weights.len()));
     let friction = laws(which, &weights);
     let numbers = Numbers::<N>::new(weights, 1.5, 5);
@@ -145,8 +146,11 @@ fn gradients_are_the_differences_of_cores_force() {
 
 #[test]
 fn groups_must_fit() {
-    assert!(WithFriction::new(rigid(false), ALL, 2, vec![0, 1]).is_none(), "two coordinates of three");
-    assert!(WithFriction::new(rigid(false), ALL, 2, vec![0, 1, 2]).is_none(), "no third group");
+    assert!(
+        WithFriction::new(inertia_network(false), ALL, 2, vec![0, 1]).is_none(),
+        "two coordinates of three"
+    );
+    assert!(WithFriction::new(inertia_network(false), ALL, 2, vec![0, 1, 2]).is_none(), "no third group");
 }
 
 /// So narrow that Newton's method alone jumps to and fro.

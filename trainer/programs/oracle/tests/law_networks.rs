@@ -4,7 +4,7 @@ mod common;
 
 use common::{Numbers, random_weights};
 use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path, State};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::forces::{Dissipation, Forces, PotentialCorrection, System as CoreSystem, Viscous};
 use leastaction_core::lagrangian::{Energies as CoreEnergies, Gradient, Hessian, Lagrangian};
 use leastaction_core::linear::add_scaled_matrix;
@@ -12,7 +12,7 @@ use leastaction_core::model::{Law, LawNetwork as Header};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Del, Newton, Order};
 use leastaction_programs::energies::{
-    DryLaw, Energies, FrictionLaws, LawNetwork, RigidEnergies, WithFriction, WithNetworks,
+    DryLaw, Energies, FrictionLaws, InertiaNetworkEnergies, LawNetwork, WithFriction, WithNetworks,
 };
 use leastaction_programs::{Row, System, WIDTH};
 
@@ -21,7 +21,7 @@ const KINDS: [Coordinate; N] = [Coordinate::Angle, Coordinate::Translation, Coor
 const INERTIA: Inertia = Inertia::Cholesky { epsilon: 1e-2 };
 const VISCOUS: [f64; N] = [0.3, 0.05, 0.2];
 
-type Model = WithNetworks<WithFriction<RigidEnergies>>;
+type Model = WithNetworks<WithFriction<InertiaNetworkEnergies>>;
 type Networks<'w> = (Dissipation<'w, f64, N, 6, 2>, PotentialCorrection<'w, f64, N, 6, 2>);
 
 /// Two coordinates of three, one by its velocity alone; another, and two.
@@ -46,20 +46,21 @@ fn network(header: &Header) -> LawNetwork {
     }
 }
 
-fn rigid() -> RigidEnergies {
-    RigidEnergies::new(KINDS.to_vec(), (&[4], Activation::Tanh), INERTIA, false)
+fn inertia_network() -> InertiaNetworkEnergies {
+    InertiaNetworkEnergies::new(KINDS.to_vec(), (&[4], Activation::Tanh), INERTIA, false)
 }
 
 fn model([dissipation, potential]: [Option<Header>; 2]) -> Model {
     let laws = FrictionLaws { viscous: true, dry: DryLaw::None };
-    let damped = WithFriction::new(rigid(), laws, N, vec![0, 1, 2]).unwrap();
+    let damped = WithFriction::new(inertia_network(), laws, N, vec![0, 1, 2]).unwrap();
     let [dissipation, potential] = [dissipation, potential].map(|law| law.as_ref().map(network));
     WithNetworks::new(damped, dissipation.as_ref(), potential.as_ref()).unwrap()
 }
 
 /// Random weights, among them those of damping and scales, which are positive.
 fn weights(case: [Option<Header>; 2], seed: u64) -> Vec<f64> {
-    let (mut weights, start) = (random_weights(model(case).parameters(), seed), rigid().parameters());
+    let (mut weights, start) =
+        (random_weights(model(case).parameters(), seed), inertia_network().parameters());
     weights[start..start + N].copy_from_slice(&VISCOUS);
     let scales = case[0].map_or(0, |header| header.count());
     (0..scales).for_each(|k| weights[start + N + k] = 0.6 + 0.5 * k as f64);
@@ -67,7 +68,7 @@ fn weights(case: [Option<Header>; 2], seed: u64) -> Vec<f64> {
 }
 
 fn networks<'w>([dissipation, potential]: [Option<Header>; 2], weights: &'w [f64]) -> Networks<'w> {
-    let mut block = &weights[rigid().parameters() + N..];
+    let mut block = &weights[inertia_network().parameters() + N..];
     let dissipation = dissipation.map_or(Dissipation::none(), |header| {
         let shape = header.network(Law::Dissipation).unwrap();
         Dissipation::take(&mut block, header.seen().unwrap(), &shape).unwrap().unwrap()
@@ -80,13 +81,13 @@ fn networks<'w>([dissipation, potential]: [Option<Header>; 2], weights: &'w [f64
     (dissipation, potential)
 }
 
-fn lagrangian(weights: &[f64]) -> Rigid<'_, f64, N, 4, 1> {
-    let shape = RigidShape::new(KINDS, &[4], Activation::Tanh, INERTIA).unwrap();
-    Rigid::take(&mut &*weights, &shape).unwrap()
+fn lagrangian(weights: &[f64]) -> InertiaNetwork<'_, f64, N, 4, 1> {
+    let shape = InertiaNetworkShape::new(KINDS, &[4], Activation::Tanh, INERTIA).unwrap();
+    InertiaNetwork::take(&mut &*weights, &shape).unwrap()
 }
 
 /// Core's L with the potential of the law in it, as the host has it.
-struct Within<'w>(Rigid<'w, f64, N, 4, 1>, PotentialCorrection<'w, f64, N, 6, 2>);
+struct Within<'w>(InertiaNetwork<'w, f64, N, 4, 1>, PotentialCorrection<'w, f64, N, 6, 2>);
 
 impl Lagrangian<f64, N> for Within<'_> {
     fn energies(&self, q: &[f64; N], v: &[f64; N]) -> CoreEnergies<f64> {
@@ -136,7 +137,7 @@ fn gradients_are_the_differences_of_cores_force() {
         let own = Numbers::<N>::new(weights.clone(), 1.5, seed);
         // y and v̇ are vectors 4 and 3.
         let (_, rows) = own.run(&System::new(&model(case)).residual(1), &[0, 1, 2, 3, 4]);
-        for place in rigid().parameters() + N..weights.len() {
+        for place in inertia_network().parameters() + N..weights.len() {
             let moved = |step: f64| {
                 let mut moved = weights.clone();
                 moved[place] += step;
@@ -167,16 +168,16 @@ fn networks_must_fit() {
     let too_many = law(vec![Some(Coordinate::Angle); 4]);
     let (none, speed) = (law(vec![None; 2]), law(vec![Some(Coordinate::Cyclic)]));
     for wrong in [&too_many, &none] {
-        assert!(WithNetworks::new(rigid(), Some(wrong), None).is_none());
-        assert!(WithNetworks::new(rigid(), None, Some(wrong)).is_none());
+        assert!(WithNetworks::new(inertia_network(), Some(wrong), None).is_none());
+        assert!(WithNetworks::new(inertia_network(), None, Some(wrong)).is_none());
     }
-    assert!(WithNetworks::new(rigid(), None, Some(&speed)).is_none());
+    assert!(WithNetworks::new(inertia_network(), None, Some(&speed)).is_none());
     assert_eq!(
-        WithNetworks::new(rigid(), Some(&speed), None).unwrap().parameters(),
-        rigid().parameters() + 1 + 2 * 2 + 3
+        WithNetworks::new(inertia_network(), Some(&speed), None).unwrap().parameters(),
+        inertia_network().parameters() + 1 + 2 * 2 + 3
     );
-    let plain = WithNetworks::new(rigid(), None, None).unwrap();
-    assert_eq!((plain.parameters(), plain.n()), (rigid().parameters(), N));
+    let plain = WithNetworks::new(inertia_network(), None, None).unwrap();
+    assert_eq!((plain.parameters(), plain.n()), (inertia_network().parameters(), N));
 }
 
 /// Steps under a push to and fro are core's, which takes the potential as a force.

@@ -4,12 +4,12 @@ mod common;
 
 use common::losses::{check_derivatives, check_failures, evaluate};
 use leastaction_core::discrete::{Control, Del, Galerkin, Interval, Midpoint, Newton, Path};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::forces::{ControlKind, System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::{Accelerations, Order};
 use leastaction_programs::energies::{
-    DryLaw, Energies, FrictionLaws, RigidEnergies, WithFriction, WithOffsets,
+    DryLaw, Energies, FrictionLaws, InertiaNetworkEnergies, WithFriction, WithOffsets,
 };
 use leastaction_programs::losses::{AccelerationLoss, Block, DelLoss, Loss, NextStateLoss, TorqueLoss};
 use leastaction_programs::steps::RungeKutta;
@@ -22,12 +22,12 @@ const INERTIA: Inertia = Inertia::Cholesky { epsilon: 0.7 };
 const KINDS_OF_CONTROL: [ControlKind; 2] = [ControlKind::Held, ControlKind::Linear];
 const KINDS: [Coordinate; 3] = [Coordinate::Angle, Coordinate::Translation, Coordinate::Cyclic];
 
-fn model(n: usize) -> RigidEnergies {
+fn model(n: usize) -> InertiaNetworkEnergies {
     let kinds = (0..n).map(|i| KINDS[i % 3]).collect();
-    RigidEnergies::new(kinds, (&[6, 5], Activation::Tanh), INERTIA, true)
+    InertiaNetworkEnergies::new(kinds, (&[6, 5], Activation::Tanh), INERTIA, true)
 }
 
-fn weights(model: &RigidEnergies, seed: u64) -> Vec<f64> {
+fn weights(model: &InertiaNetworkEnergies, seed: u64) -> Vec<f64> {
     let mut stream = Pcg64::seed_from_u64(seed);
     let mut weights: Vec<f64> = (0..model.parameters()).map(|_| stream.random_range(-0.8..0.8)).collect();
     let damping = weights.len() - model.n();
@@ -60,9 +60,9 @@ fn core_residuals<P: Path, const N: usize>(
     next_position: bool,
 ) -> Vec<[f64; N]> {
     let kinds = std::array::from_fn(|i| KINDS[i % 3]);
-    let shape = RigidShape::new(kinds, &[6, 5], Activation::Tanh, INERTIA).unwrap();
+    let shape = InertiaNetworkShape::new(kinds, &[6, 5], Activation::Tanh, INERTIA).unwrap();
     let mut rest = weights;
-    let lagrangian = Rigid::<f64, N, 8, 2>::take(&mut rest, &shape).unwrap();
+    let lagrangian = InertiaNetwork::<f64, N, 8, 2>::take(&mut rest, &shape).unwrap();
     let system = CoreSystem { lagrangian, forces: Viscous { coefficients: rest.try_into().unwrap() } };
     let newton = Newton { max_iterations: 50, stop: 1e-14, accept: 1e-9 };
     let _ = Del::<f64, P>::with_newton(H, newton);
@@ -165,7 +165,7 @@ fn torques() {
 #[test]
 fn torques_of_drives_in_units_of_their_own() {
     let laws = FrictionLaws { viscous: true, dry: DryLaw::Loaded };
-    let plain = RigidEnergies::new(vec![KINDS[0]; 3], (&[5], Activation::Tanh), INERTIA, false);
+    let plain = InertiaNetworkEnergies::new(vec![KINDS[0]; 3], (&[5], Activation::Tanh), INERTIA, false);
     let of_network = plain.parameters();
     let model = WithOffsets(WithFriction::new(plain, laws, 3, vec![0, 1, 2]).unwrap());
     let mut stream = Pcg64::seed_from_u64(7);

@@ -7,13 +7,13 @@ use common::on_rods::{Case, H, ODD, PLAIN, SMOOTH, wave};
 use leastaction_core::constraints::{Constrained, Constraints, Positions};
 use leastaction_core::continuous::{Drive, constrained_acceleration, constrained_workspace};
 use leastaction_core::discrete;
-use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
 use leastaction_core::particles::Particles;
 use leastaction_programs::dynamics::{Order, Rods};
-use leastaction_programs::energies::RigidEnergies;
+use leastaction_programs::energies::InertiaNetworkEnergies;
 use leastaction_programs::losses::{AccelerationLoss, Block, Derivatives, Loss, RodsLoss};
 use leastaction_programs::{Row, System, WIDTH};
 
@@ -238,7 +238,8 @@ fn what_fails_fails_alone() {
 #[test]
 fn only_separable_systems() {
     let inertia = Inertia::Cholesky { epsilon: 0.7 };
-    let model = RigidEnergies::new(vec![Coordinate::Angle; 2], (&[6], Activation::Tanh), inertia, true);
+    let model =
+        InertiaNetworkEnergies::new(vec![Coordinate::Angle; 2], (&[6], Activation::Tanh), inertia, true);
     assert!(RodsLoss::new(&System::new(&model), Rods::default(), H, Order::Two, true).is_none());
 }
 

@@ -1,13 +1,13 @@
 //! Steps that carry derivatives: against differences, in weights, control and start; and against core.
 
 use leastaction_core::discrete::{self, Control, Galerkin, Midpoint, Path};
-use leastaction_core::energy::rigid::{Coordinate, Inertia};
-use leastaction_core::energy::rigid::{Rigid, RigidShape};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
+use leastaction_core::energy::inertia_network::{InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::forces::{System as CoreSystem, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_programs::dynamics::AccelerationSlopes;
 use leastaction_programs::dynamics::Order;
-use leastaction_programs::energies::{Energies, RigidEnergies};
+use leastaction_programs::energies::{Energies, InertiaNetworkEnergies};
 use leastaction_programs::steps::{
     ControlTangent, ExplicitSteps, RungeKutta, State, Steps, Tangents, VariationalSteps,
 };
@@ -20,7 +20,7 @@ const H: f64 = 0.05;
 const STEPS: usize = 3;
 
 /// A network's energies, with drag that grows with the load, −θτ²v.
-struct Loaded(RigidEnergies);
+struct Loaded(InertiaNetworkEnergies);
 
 impl Energies for Loaded {
     fn n(&self) -> usize {
@@ -47,7 +47,7 @@ impl Energies for Loaded {
 fn model() -> Loaded {
     let kinds = vec![Coordinate::Angle, Coordinate::Translation, Coordinate::Angle];
     let inertia = Inertia::Cholesky { epsilon: 0.7 };
-    Loaded(RigidEnergies::new(kinds, (&[5, 4], Activation::Tanh), inertia, false))
+    Loaded(InertiaNetworkEnergies::new(kinds, (&[5, 4], Activation::Tanh), inertia, false))
 }
 
 /// Numbers that the motion depends on: weights, a gain of coordinate 0, an offset of coordinate 2, and the start.
@@ -256,13 +256,14 @@ const KINDS: [Coordinate; N] = [Coordinate::Angle, Coordinate::Translation, Coor
 /// From positions and velocities, and under a control that is another one at both ends.
 fn check_against_core<P: Path>(order: Order) {
     let inertia = Inertia::Cholesky { epsilon: 0.7 };
-    let model = RigidEnergies::new(KINDS.to_vec(), (&[5, 4], Activation::Tanh), inertia, true);
+    let model = InertiaNetworkEnergies::new(KINDS.to_vec(), (&[5, 4], Activation::Tanh), inertia, true);
     let system = System::new(&model);
     let mut numbers = Numbers::random(system.parameters());
     let damping = system.parameters() - N;
     numbers.weights[damping..].copy_from_slice(&[0.3, 0.1, 0.2]);
-    let shape = RigidShape::new(KINDS, &[5, 4], Activation::Tanh, inertia).unwrap();
-    let lagrangian: Rigid<f64, N, 5, 2> = Rigid::take(&mut &numbers.weights[..], &shape).unwrap();
+    let shape = InertiaNetworkShape::new(KINDS, &[5, 4], Activation::Tanh, inertia).unwrap();
+    let lagrangian: InertiaNetwork<f64, N, 5, 2> =
+        InertiaNetwork::take(&mut &numbers.weights[..], &shape).unwrap();
     let forces = Viscous { coefficients: std::array::from_fn(|i| numbers.weights[damping + i]) };
     let core = CoreSystem { lagrangian, forces };
     let found = numbers.end(&mut VariationalSteps::new(&system, H, order));

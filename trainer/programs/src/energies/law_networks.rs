@@ -3,7 +3,7 @@
 use super::{Energies, Network, features};
 use crate::builder::{Builder, Node};
 use crate::function::Function;
-use leastaction_core::energy::rigid::{Coordinate, feature_count};
+use leastaction_core::energy::inertia_network::{Coordinate, feature_count};
 use leastaction_core::network::Activation;
 
 /// What a law's network sees of a model's coordinates, and its hidden layers.

@@ -4,26 +4,26 @@ mod arm;
 mod bodies;
 mod friction;
 mod graph;
+mod inertia_network;
 mod law_networks;
 mod modular;
 mod network;
 mod offsets;
-mod rigid;
 
 pub use arm::{ArmEnergies, ArmJoint};
 pub use bodies::BodiesEnergies;
 pub use friction::{DryLaw, FrictionLaws, WithFriction};
 pub use graph::GraphEnergies;
+pub use inertia_network::InertiaNetworkEnergies;
 pub use law_networks::{LawNetwork, WithNetworks};
 pub use modular::ModularEnergies;
 pub use network::Network;
 pub use offsets::WithOffsets;
-pub use rigid::RigidEnergies;
 
 use crate::builder::{Builder, Node};
 use crate::function::Function;
 use leastaction_core::energy::bodies::{TreeBody, TreeError};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 
 /// s(q) of coordinates of these kinds: translations, then the cosines of all angles, then their sines.
 fn features(builder: &mut Builder, kinds: &[Coordinate], q: Node) -> Node {

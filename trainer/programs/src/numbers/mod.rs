@@ -243,7 +243,7 @@ mod tests {
     use crate::energies::{BodiesEnergies, DryLaw, FrictionLaws, LawNetwork, WithFriction, WithNetworks};
     use crate::{Row, System};
     use leastaction_core::energy::bodies::{Joint, TreeBody};
-    use leastaction_core::energy::rigid::Coordinate;
+    use leastaction_core::energy::inertia_network::Coordinate;
     use leastaction_core::network::Activation;
 
     const N: usize = 3;

@@ -63,7 +63,7 @@ class Model:
 
     @property
     def family(self) -> str:
-        """rigid, modular, graph, bodies or arm."""
+        """inertia-network, modular, graph, bodies or arm."""
         return self._facts["family"]
 
     @property

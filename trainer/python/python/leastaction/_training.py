@@ -112,7 +112,7 @@ def train(
     """Learns a model, as `leastaction train config.toml -o output` does, with the same bits.
 
     config    a file, or a dictionary with the same keys: {"model": {"coordinates": "ta"}, "training": {"iterations": 50}};
-              `print(leastaction.defaults("rigid"))` explains all of them (rigid, modular, graph, bodies, arm).
+              `print(leastaction.defaults("inertia-network"))` explains all of them (inertia-network, modular, graph, bodies, arm).
     output    the folder of the run; a temporary one where it is left out.
     data      arrays to learn from, a `Log` or a dictionary of its arguments, in place of the configuration's files: they are written to
               output.npz, so that the run is one as any other. A name of a file, or a pattern, is one too.

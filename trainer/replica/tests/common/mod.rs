@@ -8,14 +8,14 @@ use leastaction_core::energy::bodies::{BODY_PARAMETERS, GRAVITY_PARAMETERS};
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, EdgeShape, GraphShape, Kinetic, NodeShape, Potential, Separation,
 };
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::{
     Input, ModularShape, PairInput, PairShape, TransformShape, TypeShape,
 };
-use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::{
-    BodiesHeader, Family, GraphHeader, GraphLayout, Header, Law, LawNetwork, Laws, MAX_GRAPHS, MAX_TREES,
-    ModularHeader, RigidHeader, Rod, TrainedStep, TreeHeader, write,
+    BodiesHeader, Family, GraphHeader, GraphLayout, Header, InertiaNetworkHeader, Law, LawNetwork, Laws,
+    MAX_GRAPHS, MAX_TREES, ModularHeader, Rod, TrainedStep, TreeHeader, write,
 };
 use leastaction_core::network::Activation;
 
@@ -77,9 +77,9 @@ fn numbers_of_laws(laws: Laws, groups: usize, random: &mut Random) -> Vec<f32> {
 pub const NETWORK: LawNetwork<'static> =
     LawNetwork { coordinates: "a", widths: [6, 5, 0, 0], activation: Activation::Tanh };
 
-/// A rigid model.
+/// An inertia network.
 #[derive(Clone, Debug)]
-pub struct RigidSample {
+pub struct InertiaNetworkSample {
     pub coordinates: String,
     pub widths: [u16; 4],
     pub activation: Activation,
@@ -88,18 +88,23 @@ pub struct RigidSample {
     pub seed: u64,
 }
 
-impl RigidSample {
+impl InertiaNetworkSample {
     pub fn header(&self, order: Order) -> Header<'_> {
         let Self { coordinates, widths, activation, inertia, laws, .. } = self;
-        let rigid = RigidHeader { coordinates, widths: *widths, activation: *activation, inertia: *inertia };
-        Header { laws: *laws, trained_step: Some(step(order)), ..Header::new(Family::Rigid(rigid)) }
+        let inertia_network =
+            InertiaNetworkHeader { coordinates, widths: *widths, activation: *activation, inertia: *inertia };
+        Header {
+            laws: *laws,
+            trained_step: Some(step(order)),
+            ..Header::new(Family::InertiaNetwork(inertia_network))
+        }
     }
 
     pub fn weights(&self) -> Vec<f32> {
-        let Family::Rigid(rigid) = self.header(Order::Two).family else { unreachable!() };
+        let Family::InertiaNetwork(inertia_network) = self.header(Order::Two).family else { unreachable!() };
         let mut random = Random(self.seed);
-        let mut weights = random.vector(rigid.parameters().unwrap(), 0.5);
-        weights.extend(numbers_of_laws(self.laws, rigid.n(), &mut random));
+        let mut weights = random.vector(inertia_network.parameters().unwrap(), 0.5);
+        weights.extend(numbers_of_laws(self.laws, inertia_network.n(), &mut random));
         weights
     }
 

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use leastaction::cli::arguments::seed;
 use leastaction::cli::{Done, Failure, Output, folder, written};
 use leastaction::models::encoded;
-use leastaction_learning::config::{Config, Coordinates, RigidConfig};
+use leastaction_learning::config::{Config, Coordinates, InertiaNetworkConfig};
 use leastaction_learning::ground_truth::{Mechanism, Settings, generate};
 use leastaction_learning::run::{Ending, Run};
 use leastaction_learning::{atomic, data};
@@ -152,7 +152,7 @@ impl Demo {
 
     fn write_config(&self, file: &Path) -> Done {
         let coordinates = Coordinates(MECHANISM.coordinates().to_vec());
-        let model = RigidConfig { hidden: vec![WIDTH; 2], ..RigidConfig::new(coordinates) };
+        let model = InertiaNetworkConfig { hidden: vec![WIDTH; 2], ..InertiaNetworkConfig::new(coordinates) };
         let mut config = Config::new("data.npz", model);
         (config.training.iterations, config.training.seed) = (ITERATIONS, self.seed);
         let text = format!("{MARK}\n{}", config.to_toml());

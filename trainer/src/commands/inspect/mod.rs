@@ -105,7 +105,8 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
     let friction = architecture.friction_of_coordinates(&model.weights);
     let damping: Vec<f64> = friction.iter().map(|friction| friction.viscous).collect();
     // Every modular model has the numbers, most of them 0.
-    let damped = architecture.family.rigid().is_some() || damping.iter().any(|damping| *damping != 0.0);
+    let damped =
+        architecture.family.inertia_network().is_some() || damping.iter().any(|damping| *damping != 0.0);
     Report {
         cost: cost(architecture).ok(),
         target: None,
@@ -284,7 +285,7 @@ impl Report {
             ["step, order 2", "step, order 4"]
         };
         match &self.shape {
-            ShapeReport::Rigid { .. } | ShapeReport::Bodies { .. } | ShapeReport::Arm { .. } => {}
+            ShapeReport::InertiaNetwork { .. } | ShapeReport::Bodies { .. } | ShapeReport::Arm { .. } => {}
             ShapeReport::Modular { tree, .. } => {
                 writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
             }

@@ -4,12 +4,12 @@ use leastaction_core::energy::NetworkShape;
 use leastaction_core::energy::arm::ArmParameters;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_core::energy::graph::{Drag, Kinetic, Potential, Separation};
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::energy::modular::{TransformShape, TreeElement, TypeShape};
-use leastaction_core::energy::rigid::Inertia;
 use leastaction_core::model::TreeHeader;
 use leastaction_models::{
     AnyFamily, Architecture, ArmArchitecture, BodiesArchitecture, Family as _, GraphArchitecture,
-    ModularArchitecture, RigidArchitecture,
+    InertiaNetworkArchitecture, ModularArchitecture,
 };
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ use serde::Serialize;
 #[serde(untagged)]
 pub enum ShapeReport {
     /// One network.
-    Rigid {
+    InertiaNetwork {
         /// Inputs and outputs of every layer.
         layers: Vec<[usize; 2]>,
         /// Of the hidden layers.
@@ -127,7 +127,7 @@ impl ShapeReport {
     /// Of a model.
     pub fn of(architecture: &Architecture) -> Self {
         match &architecture.family {
-            AnyFamily::Rigid(rigid) => Self::rigid(rigid),
+            AnyFamily::InertiaNetwork(inertia_network) => Self::inertia_network(inertia_network),
             AnyFamily::Modular(modular) => Self::modular(modular),
             AnyFamily::Graph(graph) => Self::graph(graph),
             AnyFamily::Bodies(bodies) => Self::bodies(bodies),
@@ -135,11 +135,11 @@ impl ShapeReport {
         }
     }
 
-    fn rigid(rigid: &RigidArchitecture) -> Self {
-        Self::Rigid {
-            layers: rigid.layers().into_iter().map(|(inputs, outputs)| [inputs, outputs]).collect(),
-            activation: format!("{:?}", rigid.activation).to_lowercase(),
-            inertia: match rigid.inertia {
+    fn inertia_network(inertia_network: &InertiaNetworkArchitecture) -> Self {
+        Self::InertiaNetwork {
+            layers: inertia_network.layers().into_iter().map(|(inputs, outputs)| [inputs, outputs]).collect(),
+            activation: format!("{:?}", inertia_network.activation).to_lowercase(),
+            inertia: match inertia_network.inertia {
                 Inertia::Diagonal => "diagonal".to_owned(),
                 Inertia::Cholesky { epsilon } => format!("cholesky, epsilon {epsilon:e}"),
                 Inertia::Factor { rows, epsilon } => format!("factor of {rows} rows, epsilon {epsilon:e}"),
@@ -245,7 +245,7 @@ impl ShapeReport {
     /// Names and values, line by line.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         match self {
-            Self::Rigid { layers, activation, inertia } => {
+            Self::InertiaNetwork { layers, activation, inertia } => {
                 let layers: Vec<_> =
                     layers.iter().map(|[inputs, outputs]| format!("{inputs}x{outputs}")).collect();
                 vec![

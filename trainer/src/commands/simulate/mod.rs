@@ -45,7 +45,7 @@ use std::time::Duration;
 /// tick over its serial line; the trace is the same, bit for bit. It takes QEMU, and images built by
 /// firmware-sim/chip/run.sh --build.
 ///
-/// With --plant, any rigid model or tree of up to 8, or of 12, coordinates is stepped beside the mechanism that another file
+/// With --plant, any inertia network or tree of up to 8, or of 12, coordinates is stepped beside the mechanism that another file
 /// describes, from within what the training data of the model covered: how far a small model is from a better one, before the
 /// robot says it.
 ///

@@ -4,7 +4,7 @@ use super::scenario::{misused, reported};
 use super::{Report, Request, Trace};
 use leastaction::cli::Failure;
 use leastaction::models::{chip_file, meant};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::{CoordinateRange, Interval};
 use leastaction_firmware_sim::Goal;
 use leastaction_firmware_sim::devices::{Devices, Drive, EncoderConfig};
@@ -119,7 +119,7 @@ impl<'c, W: OnPlant> Visitor<'c> for OfAnySize<'_, '_, W> {
 
 /// The loop steps generalised coordinates.
 pub fn no_graphs() -> Failure {
-    Failure::Input("the scenarios take rigid models and trees, no graphs".to_owned())
+    Failure::Input("the scenarios take inertia networks and trees, no graphs".to_owned())
 }
 
 /// Stepping a model beside the plant under the same force.

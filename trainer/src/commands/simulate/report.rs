@@ -3,7 +3,7 @@
 use super::gravity::FloatingReport;
 use super::{Plant, Request, Scenario};
 use leastaction::cli::{Done, Failure};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_firmware_sim::{Incidents, Summary};
 use serde::Serialize;
 use std::fmt;

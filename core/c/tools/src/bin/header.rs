@@ -65,7 +65,7 @@ fn family() -> &'static str {
     } else if cfg!(feature = "arm") {
         "ARM"
     } else {
-        "RIGID"
+        "INERTIA_NETWORK"
     }
 }
 

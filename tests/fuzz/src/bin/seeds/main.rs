@@ -2,7 +2,7 @@
 
 use leastaction_core::discrete::Order;
 use leastaction_core::energy::modular::PairInput;
-use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::model::Laws;
 use leastaction_core::network::Activation;
 use std::error::Error;
@@ -105,8 +105,8 @@ fn small() -> Vec<Vec<u8>> {
         let coordinates = ["a", "ta", "at"][seed as usize % 3].to_owned();
         let inertia = if coordinates.len() == 1 { Inertia::Diagonal } else { inertias[seed as usize % 3] };
         let widths = [3, 2 * (seed as u16 % 2), 0, 0];
-        let rigid = samples::RigidSample { coordinates, widths, activation, inertia, laws, seed };
-        files.push(rigid.file(Order::Two));
+        let inertia_network = samples::InertiaNetworkSample { coordinates, widths, activation, inertia, laws, seed };
+        files.push(inertia_network.file(Order::Two));
         let pair = [PairInput::Distance, PairInput::Difference, PairInput::Concat][seed as usize % 3];
         files.push(samples::TreeSample::chain(2, 2, pair, laws, seed).file(Order::Four));
         files.push(samples::BodiesSample::chain(1 + seed as usize % 3, laws, seed).file(Order::Two));

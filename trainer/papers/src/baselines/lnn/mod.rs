@@ -3,7 +3,7 @@
 use super::features::{count, seen};
 use super::lagrangian::{acceleration_error, motion};
 use super::{AccelerationModel, Follow, coordinates_fit};
-use leastaction_core::energy::rigid::Coordinate;
+use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::model::ModelError;
 use leastaction_core::network::{Activation, Dense};
 use leastaction_learning::evaluate::prediction::{Prediction, Truth};

@@ -6,13 +6,15 @@ use super::models::{Learned, WITHOUT_LOAD, consistent};
 use crate::task::TaskError;
 use leastaction_arms::Samples;
 use leastaction_arms::fit::{Arm, JointNumbers};
-use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_learning::training::{
     Covered, Levenberg, Objective, Samples as States, TorqueTerms, inverse_dynamics, network_start,
     torque_objective,
 };
 use leastaction_models::Family as _;
-use leastaction_models::{Architecture, ArmArchitecture, FrictionArchitecture, Number, RigidArchitecture};
+use leastaction_models::{
+    Architecture, ArmArchitecture, FrictionArchitecture, InertiaNetworkArchitecture, Number,
+};
 use leastaction_programs::System;
 use leastaction_programs::energies::WithOffsets;
 
@@ -69,15 +71,15 @@ fn root_mean_squares(rows: &leastaction_learning::data::Rows) -> Vec<f64> {
 
 /// Its shape, with this friction to begin with.
 fn network(joints: &[JointNumbers]) -> Architecture {
-    let mut rigid = RigidArchitecture::new(&vec![Coordinate::Angle; joints.len()], WIDTH);
-    rigid.inertia = Inertia::Cholesky { epsilon: EPSILON };
+    let mut inertia_network = InertiaNetworkArchitecture::new(&vec![Coordinate::Angle; joints.len()], WIDTH);
+    inertia_network.inertia = Inertia::Cholesky { epsilon: EPSILON };
     let dry = |joint: &JointNumbers| {
         let [constant, width] = [joint.coulomb, joint.width].map(Number::learned);
         [constant, Number::known(0.0), Number::known(1.0), width]
     };
     let viscous = joints.iter().map(|joint| Number::learned(joint.viscous)).collect();
     let friction = FrictionArchitecture { viscous, dry: joints.iter().map(dry).collect() };
-    Architecture { friction, ..Architecture::from(rigid) }
+    Architecture { friction, ..Architecture::from(inertia_network) }
 }
 
 /// The weights, then what the drives add: a log that has τ + o is of τ = u − o.

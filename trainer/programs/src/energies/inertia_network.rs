@@ -1,20 +1,20 @@
 use super::{Energies, Network, features};
 use crate::builder::{Builder, Node};
 use crate::function::Function;
-use leastaction_core::energy::rigid::{Coordinate, Inertia};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_core::network::Activation;
 
 /// Inertia matrix and potential of a mechanism from one network, with viscous damping of every coordinate where it is learned
-/// ([`leastaction_core::energy::rigid`]).
+/// ([`leastaction_core::energy::inertia_network`]).
 #[derive(Clone, Debug, PartialEq)]
-pub struct RigidEnergies {
+pub struct InertiaNetworkEnergies {
     coordinates: Vec<Coordinate>,
     inertia: Inertia,
     network: Network,
     damped: bool,
 }
 
-impl RigidEnergies {
+impl InertiaNetworkEnergies {
     /// The model of this shape: the network's numbers, then the coefficients of damping, N s/m or N m s.
     pub fn new(
         coordinates: Vec<Coordinate>,
@@ -22,7 +22,7 @@ impl RigidEnergies {
         inertia: Inertia,
         damped: bool,
     ) -> Self {
-        let features = leastaction_core::energy::rigid::feature_count(&coordinates);
+        let features = leastaction_core::energy::inertia_network::feature_count(&coordinates);
         let outputs = inertia.outputs(coordinates.len());
         let network = Network::of_widths(features, widths, (outputs, activation), 0);
         Self { coordinates, inertia, network, damped }
@@ -72,7 +72,7 @@ fn square(
     builder.sum(square, own)
 }
 
-impl Energies for RigidEnergies {
+impl Energies for InertiaNetworkEnergies {
     fn n(&self) -> usize {
         self.coordinates.len()
     }

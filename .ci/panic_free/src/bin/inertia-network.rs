@@ -5,19 +5,19 @@
 use core::hint::black_box;
 use leastaction_core::energy::trigonometric::CARTPOLE;
 use leastaction_core::forces::{Forces, System, Viscous};
-use leastaction_core::model::RigidModel;
+use leastaction_core::model::InertiaNetworkModel;
 use panic_free::{Flash, Friction, everything, halt, said, steppers};
 
 static FLASH: Flash = Flash::new();
 
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
-    if let Ok(model) = RigidModel::<2, 32, 2>::load(FLASH.bytes()) {
+    if let Ok(model) = InertiaNetworkModel::<2, 32, 2>::load(FLASH.bytes()) {
         everything(&model.system);
         said::<_, 2>(&model);
         steppers(&model);
     }
-    if let Ok(model) = RigidModel::<2, 32, 2, f32, Friction<2>>::load(FLASH.bytes()) {
+    if let Ok(model) = InertiaNetworkModel::<2, 32, 2, f32, Friction<2>>::load(FLASH.bytes()) {
         everything(&model.system);
         let (mass, tau) = black_box(([[1.0; 2]; 2], [0.1; 2]));
         let _ = black_box(model.system.forces.1.stiffness(0.01, mass, &tau));

@@ -2,11 +2,11 @@ use super::{Laws, Weight};
 use crate::config::{LEASTACTION_COORDINATES as N, LEASTACTION_HIDDEN as H, LEASTACTION_LAYERS as L};
 use crate::error::Error;
 use core::ffi::{CStr, c_char};
-use leastaction_core::energy::rigid::Rigid;
+use leastaction_core::energy::inertia_network::InertiaNetwork;
 use leastaction_core::forces::System;
-use leastaction_core::model::RigidModel;
+use leastaction_core::model::InertiaNetworkModel;
 
-pub(crate) const FAMILY: &CStr = c"rigid";
+pub(crate) const FAMILY: &CStr = c"inertia-network";
 
 /// Nothing beside the file.
 pub(crate) struct Lists;
@@ -17,13 +17,13 @@ impl Lists {
     }
 }
 
-/// A rigid mechanism.
-pub(crate) type Mechanism = RigidModel<'static, N, H, L, Weight, Laws>;
+/// An inertia network.
+pub(crate) type Mechanism = InertiaNetworkModel<'static, N, H, L, Weight, Laws>;
 
-type Parts<'a> = System<&'a Rigid<'static, Weight, N, H, L>, &'a Laws>;
+type Parts<'a> = System<&'a InertiaNetwork<'static, Weight, N, H, L>, &'a Laws>;
 
 /// # Safety
-/// None: a rigid model has no name to read.
+/// None: an inertia network has no name to read.
 pub(crate) unsafe fn load(
     bytes: &'static [u8],
     _: *const c_char,

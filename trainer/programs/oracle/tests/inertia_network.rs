@@ -1,13 +1,13 @@
-//! The rigid family of any size against core in f64: value, derivatives, and gradients in the weights.
+//! Inertia networks of any size against core in f64: value, derivatives, and gradients in the weights.
 
 mod common;
 
 use common::{Dual, Motion, Numbers, damping, random_weights};
-use leastaction_core::energy::rigid::{Coordinate, Inertia, Rigid, RigidShape};
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork, InertiaNetworkShape};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::network::Activation;
 use leastaction_core::scalar::{Scalar, WeightFormat};
-use leastaction_programs::energies::{Energies, RigidEnergies};
+use leastaction_programs::energies::{Energies, InertiaNetworkEnergies};
 
 const KINDS: [Coordinate; 3] = [Coordinate::Translation, Coordinate::Angle, Coordinate::Cyclic];
 
@@ -23,13 +23,13 @@ struct Case<const N: usize> {
 fn core<'w, S, const N: usize>(
     case: &Case<N>,
     weights: &'w [S],
-) -> System<Rigid<'w, S, N, 64, 4>, Viscous<S, N>>
+) -> System<InertiaNetwork<'w, S, N, 64, 4>, Viscous<S, N>>
 where
     S: Scalar<Weight = S> + WeightFormat<Wide = S>,
 {
-    let shape = RigidShape::new(case.kinds, &case.widths, case.activation, case.inertia).unwrap();
+    let shape = InertiaNetworkShape::new(case.kinds, &case.widths, case.activation, case.inertia).unwrap();
     let mut block = weights;
-    let lagrangian = Rigid::take(&mut block, &shape).unwrap();
+    let lagrangian = InertiaNetwork::take(&mut block, &shape).unwrap();
     assert_eq!(block.len(), if case.damped { N } else { 0 });
     let start = weights.len() - block.len();
     let positions = case.damped.then(|| std::array::from_fn(|i| start + i));
@@ -38,8 +38,12 @@ where
 
 fn check<const N: usize>(case: &Case<N>, seed: u64) {
     let widths: Vec<usize> = case.widths.iter().map(|w| usize::from(*w)).collect();
-    let model =
-        RigidEnergies::new(case.kinds.to_vec(), (&widths, case.activation), case.inertia, case.damped);
+    let model = InertiaNetworkEnergies::new(
+        case.kinds.to_vec(),
+        (&widths, case.activation),
+        case.inertia,
+        case.damped,
+    );
     let mut weights = random_weights(model.parameters(), seed);
     let start = weights.len() - if case.damped { N } else { 0 };
     weights[start..].iter_mut().for_each(|w| *w = w.abs());

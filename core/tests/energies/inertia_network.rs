@@ -1,4 +1,4 @@
-//! The rigid family against its printed formulas, exact derivatives, and finite differences.
+//! Inertia networks against its printed formulas, exact derivatives, and finite differences.
 
 use crate::common::oracle::{self, at_states};
 use crate::common::shapes::{self, Model};
@@ -23,15 +23,15 @@ fn first_derivatives_are_the_finite_differences() {
 #[test]
 fn nothing_depends_on_a_cyclic_coordinate() {
     fn check<const N: usize>(model: &Model<N>, q: &[f64; N], v: &[f64; N]) {
-        let rigid = model.in_f64();
+        let inertia_network = model.in_f64();
         let mut moved = *q;
         for (i, kind) in model.coordinates.iter().enumerate() {
             if *kind == shapes::Cyclic {
                 moved[i] += 17.0;
-                assert_eq!(rigid.gradient(q, v).l_q[i].abs(), 0.0);
+                assert_eq!(inertia_network.gradient(q, v).l_q[i].abs(), 0.0);
             }
         }
-        assert_eq!(rigid.hessian(q, v), rigid.hessian(&moved, v));
+        assert_eq!(inertia_network.hessian(q, v), inertia_network.hessian(&moved, v));
     }
     everywhere!(check);
 }
@@ -41,15 +41,20 @@ fn a_block_that_does_not_fit_is_refused() {
     let model = &shapes::of_two()[0];
     let shape = model.shape();
     let mut short = &model.weights[1..];
-    assert!(leastaction_core::energy::rigid::Rigid::<f64, 2, 13, 3>::take(&mut short, &shape).is_none());
+    assert!(
+        leastaction_core::energy::inertia_network::InertiaNetwork::<f64, 2, 13, 3>::take(&mut short, &shape)
+            .is_none()
+    );
     let mut block = &model.weights[..];
     assert!(
-        leastaction_core::energy::rigid::Rigid::<f64, 2, 6, 3>::take(&mut block, &shape).is_none(),
+        leastaction_core::energy::inertia_network::InertiaNetwork::<f64, 2, 6, 3>::take(&mut block, &shape)
+            .is_none(),
         "too wide"
     );
     let mut block = &model.weights[..];
     assert!(
-        leastaction_core::energy::rigid::Rigid::<f64, 2, 13, 1>::take(&mut block, &shape).is_none(),
+        leastaction_core::energy::inertia_network::InertiaNetwork::<f64, 2, 13, 1>::take(&mut block, &shape)
+            .is_none(),
         "too deep"
     );
 }

@@ -19,9 +19,9 @@ use crate::network::{Activation, Jet, Mlp, SecondOrderTape, Tape};
 use crate::scalar::{Scalar, WeightFormat};
 use inertia::{Jets, OutputJets, Outputs, without_tangents};
 
-/// The shape of a rigid model, apart from its numbers.
+/// The shape of an inertia network, apart from its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidShape<const N: usize> {
+pub struct InertiaNetworkShape<const N: usize> {
     /// What each coordinate is.
     pub coordinates: [Coordinate; N],
     /// The network from the features of the coordinates to the outputs that `inertia` reads.
@@ -30,7 +30,7 @@ pub struct RigidShape<const N: usize> {
     pub inertia: Inertia,
 }
 
-impl<const N: usize> RigidShape<N> {
+impl<const N: usize> InertiaNetworkShape<N> {
     /// The shape of a model whose network has hidden layers of these widths, the first 0 or the end of the slice ending the list.
     /// `None` for more than [`MAX_HIDDEN`](crate::energy::MAX_HIDDEN) widths, or more than 255 inputs or outputs.
     pub fn new(
@@ -66,7 +66,7 @@ impl<const N: usize> RigidShape<N> {
     }
 }
 
-/// The network of a model in `n` coordinates with `features` features in all; `None` as of [`RigidShape::new`].
+/// The network of a model in `n` coordinates with `features` features in all; `None` as of [`InertiaNetworkShape::new`].
 pub fn network_shape(
     features: usize,
     widths: &[u16],
@@ -77,18 +77,18 @@ pub fn network_shape(
     NetworkShape::new(inputs, widths, outputs, activation)
 }
 
-/// A rigid mechanism in N coordinates over borrowed weights: at most `L` hidden layers of at most `H` units.
+/// An inertia network in N coordinates over borrowed weights: at most `L` hidden layers of at most `H` units.
 #[derive(Clone, Copy, Debug)]
-pub struct Rigid<'a, W, const N: usize, const H: usize, const L: usize> {
+pub struct InertiaNetwork<'a, W, const N: usize, const H: usize, const L: usize> {
     coordinates: [Coordinate; N],
     inertia: Inertia,
     network: Mlp<'a, W, H, L>,
 }
 
-impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<'a, W, N, H, L> {
+impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> InertiaNetwork<'a, W, N, H, L> {
     /// Builds the mechanism on the front of `block` and leaves the rest there. `None` where the block is too short, the shape
-    /// is invalid (see [`RigidShape::invalid_part`]), or it has more than `L` hidden layers or `H` units in one.
-    pub fn take(block: &mut &'a [W], shape: &RigidShape<N>) -> Option<Self> {
+    /// is invalid (see [`InertiaNetworkShape::invalid_part`]), or it has more than `L` hidden layers or `H` units in one.
+    pub fn take(block: &mut &'a [W], shape: &InertiaNetworkShape<N>) -> Option<Self> {
         if shape.invalid_part().is_some() {
             return None;
         }
@@ -162,7 +162,7 @@ impl<'a, W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<
     }
 }
 
-impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> Rigid<'_, W, N, H, L> {
+impl<W: WeightFormat, const N: usize, const H: usize, const L: usize> InertiaNetwork<'_, W, N, H, L> {
     /// One forward pass with the tangent along v, and one adjoint: three passes' work.
     #[inline]
     fn dynamics_by_adjoint<S: Scalar<Weight = W::Wide>>(&self, q: &[S; N], v: &[S; N]) -> Dynamics<S, N> {
@@ -199,7 +199,7 @@ fn unit_vectors<S: Scalar, const N: usize>() -> [[S; N]; N] {
 }
 
 impl<W: WeightFormat, S: Scalar<Weight = W::Wide>, const N: usize, const H: usize, const L: usize>
-    Lagrangian<S, N> for Rigid<'_, W, N, H, L>
+    Lagrangian<S, N> for InertiaNetwork<'_, W, N, H, L>
 {
     fn energies(&self, q: &[S; N], v: &[S; N]) -> Energies<S> {
         let (mut tape, mut o) = (Tape::<S, 0, H, L>::default(), no_outputs());

@@ -1,22 +1,22 @@
-//! `[model]` of the rigid family.
+//! `[model]` of inertia networks.
 
 use super::corrections::{DissipationConfig, Known, PotentialConfig, assemble};
 use super::fields::{self, Coordinates, InertiaKind};
 use super::friction::FrictionConfig;
 use super::origin::Origin;
 use super::problem::{Problem, ShapeError};
-use leastaction_core::energy::rigid::Inertia;
+use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::network::Activation;
 use leastaction_models::{
-    Architecture, Corrections, FrictionArchitecture, RigidArchitecture, largest_factor,
+    Architecture, Corrections, FrictionArchitecture, InertiaNetworkArchitecture, largest_factor,
 };
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The shape of a rigid model.
+/// The shape of an inertia network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RigidConfig {
+pub struct InertiaNetworkConfig {
     /// What each coordinate is.
     pub coordinates: Coordinates,
     /// Units of the hidden layers.
@@ -63,7 +63,7 @@ fn epsilon() -> f32 {
     1e-9
 }
 
-impl RigidConfig {
+impl InertiaNetworkConfig {
     /// The defaults for these coordinates.
     pub fn new(coordinates: Coordinates) -> Self {
         Self {
@@ -87,7 +87,7 @@ impl RigidConfig {
     /// For rows that the factor cannot have, or rows of no factor; for friction that cannot be.
     pub fn architecture(&self) -> Result<Architecture, ShapeError> {
         let Self { coordinates, hidden, activation, damping, .. } = self;
-        let (n, plain) = (coordinates.0.len(), RigidArchitecture::new(&coordinates.0, 0));
+        let (n, plain) = (coordinates.0.len(), InertiaNetworkArchitecture::new(&coordinates.0, 0));
         let inertia = match self.inertia {
             None => plain.inertia.with_epsilon(self.epsilon),
             Some(InertiaKind::Diagonal) => Inertia::Diagonal,
@@ -98,7 +98,7 @@ impl RigidConfig {
             }
         };
         let (friction, corrections) = self.laws()?;
-        let family = RigidArchitecture {
+        let family = InertiaNetworkArchitecture {
             widths: hidden.clone(),
             activation: *activation,
             inertia: self.with_rows(inertia)?,
@@ -128,7 +128,11 @@ impl RigidConfig {
             origin.set_friction(&mut architecture.friction);
         }
         let mut weights = architecture.initial_weights(seed);
-        let damping = architecture.family.rigid().and_then(RigidArchitecture::damping).unwrap_or_default();
+        let damping = architecture
+            .family
+            .inertia_network()
+            .and_then(InertiaNetworkArchitecture::damping)
+            .unwrap_or_default();
         weights.splice(damping.clone(), origin.damping().into_iter().take(damping.len()));
         Ok((architecture, weights))
     }
