@@ -1,7 +1,7 @@
 //! Texts that people write.
 
 #[cfg(feature = "arms")]
-use leastaction_arms::urdf::{self, Inertias};
+use leastaction_models::urdf::{self, Inertias};
 #[cfg(feature = "learning")]
 use leastaction_learning::config::Config;
 #[cfg(feature = "learning")]

@@ -11,6 +11,7 @@ pub mod import;
 pub mod report;
 pub mod run;
 pub mod runge_kutta;
+pub mod torque;
 pub mod torque_numbers;
 pub mod torques;
 pub mod training;

@@ -1,15 +1,15 @@
 //! What a log of torques says alone of an arm's base parameters and friction, beside what the model has.
 
 use crate::data::Dataset;
+use crate::torque::Samples;
+use crate::torque::fit::{Alone, Arm, Bodies, FitError, JointNumber, Learned, alone};
 use crate::torques::{arm, samples};
 use crate::windows::{Certainty, LearnedNumber, Shown};
-use leastaction_arms::Samples;
-use leastaction_arms::fit::{Alone, Arm, Bodies, FitError, JointNumber, Learned, alone};
 use leastaction_models::{Architecture, ArmArchitecture, Family, Model, NumberName};
 use serde::Serialize;
 use std::fmt;
 
-/// Estimates without a prior ([`leastaction_arms::fit::alone`]) beside the numbers of a model.
+/// Estimates without a prior ([`crate::torque::fit::alone`]) beside the numbers of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueNumbers {
     /// Of the independent parameter of every base parameter, and of every number of friction.
@@ -72,7 +72,7 @@ impl TorqueNumbers {
         let found = alone(&arm.tree, samples, learned)?;
         let (names, signs) = names((architecture, family), &found);
         let own = found.of_model(&arm.tree.parameters(), &arm.joints);
-        let number = |(position, estimate): (usize, &leastaction_arms::fit::Estimate)| LearnedNumber {
+        let number = |(position, estimate): (usize, &crate::torque::fit::Estimate)| LearnedNumber {
             position,
             value: signs[position] * estimate.value,
             shown: estimate.shown,
@@ -148,12 +148,12 @@ impl fmt::Display for TorqueNumbers {
 
 /// Where a column of the regressor stands in the weight block.
 fn position(family: &ArmArchitecture, column: usize) -> usize {
-    let bodies = leastaction_arms::INERTIAL * family.n();
+    let bodies = leastaction_models::tree::INERTIAL * family.n();
     match column.checked_sub(bodies) {
         Some(rotor) => ArmArchitecture::rotor_position(rotor),
         None => {
-            ArmArchitecture::inertia_position(column / leastaction_arms::INERTIAL)
-                + column % leastaction_arms::INERTIAL
+            ArmArchitecture::inertia_position(column / leastaction_models::tree::INERTIAL)
+                + column % leastaction_models::tree::INERTIAL
         }
     }
 }

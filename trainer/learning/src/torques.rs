@@ -1,9 +1,9 @@
 //! The torques of an arm along logged motion, filtered.
 
 use crate::data::{Dataset, Rows, Trajectory};
+use crate::torque::fit::{Arm, JointNumbers, SOFTNESS, mean_nmse, squared_errors, variances};
+use crate::torque::{Preparation, SampleError, Samples};
 use crate::training;
-use leastaction_arms::fit::{Arm, JointNumbers, SOFTNESS, mean_nmse, squared_errors, variances};
-use leastaction_arms::{Preparation, SampleError, Samples};
 use leastaction_core::forces::ControlKind;
 use leastaction_models::Model;
 

@@ -9,7 +9,7 @@
 //! θ ends a little before the number would be at its bound in double precision, where its slope would be 0 and nothing could move it
 //! any more: [`LEAST`] and [`MARGIN`].
 
-use leastaction_arms::{INERTIAL, Inertia, LogCholesky};
+use crate::tree::{INERTIAL, Inertia, LogCholesky};
 use serde::{Deserialize, Serialize};
 
 /// Numbers above 0 stay between this and one over it.

@@ -2,7 +2,7 @@
 
 use crate::bounds::Range;
 use crate::names::NumberName;
-use leastaction_arms::LogCholesky;
+use crate::tree::LogCholesky;
 use leastaction_core::model::{Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::Energies;

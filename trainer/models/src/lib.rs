@@ -32,6 +32,8 @@ pub mod precision;
 pub mod registry;
 pub mod rest;
 pub mod rollout;
+pub mod tree;
+pub mod urdf;
 
 pub use architecture::Architecture;
 pub use bodies::{ArmArchitecture, ArmBody, BodiesArchitecture, BodyNumbers, letters_of_joints};

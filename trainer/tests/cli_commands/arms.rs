@@ -1,7 +1,7 @@
 //! Arms: from a robot description and a log of torques to a model that follows a motion in the loop.
 
 use crate::support::Bench;
-use leastaction_arms::urdf::{Inertias, parse};
+use leastaction_models::urdf::{Inertias, parse};
 use std::fmt::Write;
 use std::fs;
 

@@ -4,9 +4,9 @@ use super::corrections::{DissipationConfig, Known, PotentialConfig, assemble};
 use super::friction::FrictionConfig;
 use super::origin::Origin;
 use super::problem::{Problem, ShapeError, list};
-use leastaction_arms::urdf::{self, Inertias};
-use leastaction_arms::{Body, Joint, LogCholesky, Tree};
 use leastaction_core::energy::arm::Joint as JointKind;
+use leastaction_models::tree::{Body, Joint, LogCholesky, Tree};
+use leastaction_models::urdf::{self, Inertias};
 use leastaction_models::{
     Architecture, ArmArchitecture, Family, MAX_TREE_COORDINATES, Number, letters_of_joints,
 };

@@ -2,12 +2,13 @@
 
 use crate::config::Config;
 use crate::data::{Dataset, Trajectory};
+use crate::torque::fit::{Bodies, FitError, Fitted, JointNumbers, Learned, SOFTNESS, fit, fit_by_folds};
+use crate::torque::{SampleError, Samples};
 use crate::torque_numbers::TorqueNumbers;
 use crate::torques::{TorqueErrors, samples};
 use crate::windows::{Calibrated, Setting};
-use leastaction_arms::fit::{Bodies, FitError, Fitted, JointNumbers, Learned, SOFTNESS, fit, fit_by_folds};
-use leastaction_arms::{SampleError, Samples, Tree};
 use leastaction_core::model::ModelError;
+use leastaction_models::tree::Tree;
 use leastaction_models::{Actuator, Architecture, ArmArchitecture, Family};
 use std::fmt;
 use thiserror::Error;

@@ -1,7 +1,7 @@
 use crate::training::{
     Adam, AdamSettings, Bounds, Levenberg, NormalEquations, Objective, Progress, Range, Schedule,
 };
-use leastaction_arms::{INERTIAL, Inertia, LogCholesky};
+use leastaction_models::tree::{INERTIAL, Inertia, LogCholesky};
 
 const RANGES: [Range; 3] = [Range::Any, Range::Positive, Range::Between(0.02, 1.0)];
 

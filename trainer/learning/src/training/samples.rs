@@ -89,8 +89,8 @@ impl Samples {
     }
 
     /// Filtered states with the torques that they take, of a log of step h (s).
-    pub fn of_torques(filtered: &leastaction_arms::Samples, h: f64) -> Self {
-        let leastaction_arms::Samples { q, v, a, tau, .. } = filtered;
+    pub fn of_torques(filtered: &crate::torque::Samples, h: f64) -> Self {
+        let crate::torque::Samples { q, v, a, tau, .. } = filtered;
         let flat = |rows: &Rows| rows.as_flat().to_vec();
         let control = flat(tau);
         let controls = [control.clone(), control.clone(), control];

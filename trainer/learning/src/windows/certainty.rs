@@ -38,7 +38,7 @@ const RANK: f64 = 1e-9;
 /// A number is free where directions that are not shown have this part of it.
 const FREE: f64 = 1e-4;
 
-pub use leastaction_arms::fit::Shown;
+pub use crate::torque::fit::Shown;
 
 /// A learned number.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +70,7 @@ impl Certainty {
     /// By how many standard errors a number is off at most in 95 of 100 cases, by Student's distribution with one degree of freedom less
     /// than there are clusters.
     pub fn interval(&self) -> f64 {
-        leastaction_arms::fit::student(self.clusters.saturating_sub(1))
+        crate::torque::fit::student(self.clusters.saturating_sub(1))
     }
 }
 

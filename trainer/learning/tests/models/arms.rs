@@ -1,16 +1,17 @@
 //! Arms from a robot description and torques: configurations, what is wrong with them, training, and the model file.
 
-use leastaction_arms::fit::{Arm, JointNumbers, SOFTNESS};
-use leastaction_arms::urdf::{Inertias, parse as parse_urdf};
-use leastaction_arms::{Inertia, Samples, Tree};
 use leastaction_core::forces::ControlKind;
 use leastaction_learning::config::{ARM_DEFAULTS, Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::run::{Notice, Plan};
+use leastaction_learning::torque::Samples;
+use leastaction_learning::torque::fit::{Arm, JointNumbers, SOFTNESS};
 use leastaction_learning::torques::torque_errors;
 use leastaction_learning::training::{Samples as States, inverse_dynamics};
 use leastaction_models::Model;
 use leastaction_models::file::{decode, encode, rust_source};
+use leastaction_models::tree::{Inertia, Tree};
+use leastaction_models::urdf::{Inertias, parse as parse_urdf};
 use leastaction_models::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
 use leastaction_programs::System;
 use std::path::Path;

@@ -5,7 +5,7 @@ use crate::bounds::Range;
 use crate::family::{Family, OpenGauge};
 use crate::names::{NumberName, named};
 use crate::number::{Number, known_positions};
-use leastaction_arms::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
+use crate::tree::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
 use leastaction_core::energy::arm::{
     ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmParameters, BodyInertia, Joint, TreeBody,
 };
@@ -254,7 +254,7 @@ impl Family for ArmArchitecture {
 }
 
 fn host_body(k: usize, body: TreeBody, own: &ArmBody, numbers: &ArmParameters<f64>) -> Body {
-    use leastaction_arms::{Limits, Pose};
+    use crate::tree::{Limits, Pose};
     use nalgebra::{Matrix3, Unit};
     let axis = Unit::new_normalize(numbers.axis.into());
     Body {

@@ -3,9 +3,9 @@
 use super::super::TorqueError;
 use crate::config::ShapeError;
 use crate::data::{Doubt, control_name};
+use crate::torque::fit::FitError;
 use crate::training::SampleError;
 use crate::windows::TooShort;
-use leastaction_arms::fit::FitError;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
 use thiserror::Error;

@@ -4,9 +4,10 @@ use super::ArmData;
 use super::network::{from_bodies, from_nothing};
 use super::panda::panda;
 use crate::task::TaskError;
-use leastaction_arms::fit::{Bodies, Fitted, Learned as Numbers, fit, fit_by_folds, variances};
-use leastaction_arms::linear::{Design, Terms};
-use leastaction_arms::{Samples, Tree};
+use leastaction_learning::torque::Samples;
+use leastaction_learning::torque::fit::{Bodies, Fitted, Learned as Numbers, fit, fit_by_folds, variances};
+use leastaction_learning::torque::linear::{Design, Terms};
+use leastaction_models::tree::Tree;
 
 /// A row of the table.
 #[derive(Clone, Copy)]

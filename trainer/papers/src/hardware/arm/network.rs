@@ -4,9 +4,9 @@
 use super::ArmData;
 use super::models::{Learned, WITHOUT_LOAD, consistent};
 use crate::task::TaskError;
-use leastaction_arms::Samples;
-use leastaction_arms::fit::{Arm, JointNumbers};
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
+use leastaction_learning::torque::Samples;
+use leastaction_learning::torque::fit::{Arm, JointNumbers};
 use leastaction_learning::training::{
     Covered, Levenberg, Objective, Samples as States, TorqueTerms, inverse_dynamics, network_start,
     torque_objective,

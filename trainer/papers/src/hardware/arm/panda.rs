@@ -1,7 +1,7 @@
 //! The kinematics of the Franka Panda.
 
-use leastaction_arms::Tree;
-use leastaction_arms::urdf::{Inertias, UrdfError, parse};
+use leastaction_models::tree::Tree;
+use leastaction_models::urdf::{Inertias, UrdfError, parse};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 

@@ -1,15 +1,15 @@
 //! The arm that the demo logs and drives: what it is, how it moves, what its sensors read.
 
 use leastaction::cli::Failure;
-use leastaction_arms::Samples;
-use leastaction_arms::fit::{Arm, JointNumbers};
-use leastaction_arms::urdf::{Inertias, parse};
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::TrainedStep;
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
+use leastaction_learning::torque::Samples;
+use leastaction_learning::torque::fit::{Arm, JointNumbers};
 use leastaction_learning::training::{Samples as States, inverse_dynamics};
 use leastaction_models::Model;
 use leastaction_models::file::encode;
+use leastaction_models::urdf::{Inertias, parse};
 use leastaction_models::{Architecture, ArmArchitecture, FrictionArchitecture, Number};
 use leastaction_plot::{Panel, Series, Stroke, time_series};
 use leastaction_programs::System;

@@ -1,10 +1,10 @@
 //! Whether a simulated Panda's intervals and its load are what they say. Long:
 //!
-//!     LEASTACTION_SEEDS=100 cargo test -p leastaction-arms --test fit panda -- --ignored --nocapture
+//!     LEASTACTION_SEEDS=100 cargo test -p leastaction-learning --test fit panda -- --ignored --nocapture
 
 use super::panda;
-use leastaction_arms::Inertia;
-use leastaction_arms::fit::{Alone, Learned, Shown, alone, fit};
+use leastaction_learning::torque::fit::{Alone, Learned, Shown, alone, fit};
+use leastaction_models::tree::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
 /// Of the log of coverage and of its period, s: as of the real arm's log.
@@ -93,7 +93,7 @@ fn a_load_of_a_panda_is_found() {
         let samples = panda::logged(&loaded, &noise, 2 * seed + 1);
         let after = fit(&before.arm.tree, &samples, &last, 1.0).unwrap();
         let by_log = alone(&before.arm.tree, &samples, &last).unwrap();
-        let mass = |arm: &leastaction_arms::fit::Arm| arm.tree.bodies()[6].inertia.mass();
+        let mass = |arm: &leastaction_learning::torque::fit::Arm| arm.tree.bodies()[6].inertia.mass();
         let found = mass(&after.arm) - mass(&before.arm);
         println!("{seed}: {found:.4} kg, by the log alone {:?}", by_log.estimates[0]);
         [found - LOAD, 0.0]

@@ -9,9 +9,10 @@
 //! Source: Swevers et al., "Optimal robot excitation and identification", 1997; Gautier and Khalil, "Exciting trajectories for the
 //! identification of base inertial parameters of robots", 1992.
 
-use crate::linear::{BaseParameters, Design, Terms};
-use crate::{INERTIAL, Limits, Samples, Tree};
+use crate::torque::Samples;
+use crate::torque::linear::{BaseParameters, Design, Terms};
 use leastaction_data::Rows;
+use leastaction_models::tree::{INERTIAL, Limits, Tree};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
@@ -162,24 +163,6 @@ impl Series {
         };
         let still = Rows::from_flat(n, vec![0.0; n * count]).expect("n numbers a row");
         Samples { q: rows(0), v: rows(1), a: rows(2), tau: still, t }
-    }
-}
-
-impl Tree {
-    /// Limits of a coordinate: those of all joints that it moves; the effort is that of the joint that it is of.
-    #[must_use]
-    pub fn limits(&self, coordinate: usize) -> Limits {
-        let mut all = Limits::none();
-        for body in self.bodies().iter().filter(|body| body.coordinate == coordinate && body.ratio != 0.0) {
-            let mut ends = body.limits.position.map(|x| (x - body.offset) / body.ratio);
-            ends.sort_by(f64::total_cmp);
-            all.position = [all.position[0].max(ends[0]), all.position[1].min(ends[1])];
-            all.velocity = all.velocity.min(body.limits.velocity / body.ratio.abs());
-            if body.joint_name == self.coordinate_name(coordinate) {
-                all.effort = body.limits.effort;
-            }
-        }
-        all
     }
 }
 

@@ -1,7 +1,7 @@
 //! From stamps to samples.
 
-use leastaction_arms::{Butterworth, Preparation, SampleError, Samples};
 use leastaction_data::{Measured, Rows};
+use leastaction_learning::torque::{Butterworth, Preparation, SampleError, Samples};
 use std::f64::consts::TAU;
 
 const STEP: f64 = 1e-3;

@@ -1,6 +1,6 @@
 //! What can be wrong with a robot description.
 
-use crate::TreeError;
+use crate::tree::TreeError;
 use std::path::PathBuf;
 use thiserror::Error;
 

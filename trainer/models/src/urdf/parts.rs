@@ -1,7 +1,7 @@
 //! Links and joints as they are written.
 
 use super::error::UrdfError;
-use crate::{Inertia, Limits, Pose};
+use crate::tree::{Inertia, Limits, Pose};
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 

@@ -1,19 +1,21 @@
 //! Fits: what is found of a mechanism that is known, and what is not seen.
 
-#[path = "../common/mod.rs"]
 mod common;
+mod dynamics;
 mod excitation;
 mod panda;
+mod samples;
 mod simulated;
 
 use common::tree;
-use leastaction_arms::fit::{
+use leastaction_data::Rows;
+use leastaction_learning::torque::Samples;
+use leastaction_learning::torque::fit::{
     Arm, Bodies, JOINT, JointNumbers, Learned, Shown, alone, fit, fit_by_folds, mean_nmse, squared_errors,
     variances,
 };
-use leastaction_arms::linear::{BaseParameters, Design, Terms};
-use leastaction_arms::{INERTIAL, Inertia, LogCholesky, Samples, Tree};
-use leastaction_data::Rows;
+use leastaction_learning::torque::linear::{BaseParameters, Design, Terms};
+use leastaction_models::tree::{INERTIAL, Inertia, LogCholesky, Tree};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -189,7 +191,7 @@ proptest! {
     ) {
         let joint = JointNumbers { rotor: 0.2, viscous: 0.3, coulomb: 0.4, load, width, offset: 0.6 };
         let tau = joint.torque(bodies, v, a) - joint.offset;
-        let size = tau.hypot(leastaction_arms::fit::SOFTNESS) - leastaction_arms::fit::SOFTNESS;
+        let size = tau.hypot(leastaction_learning::torque::fit::SOFTNESS) - leastaction_learning::torque::fit::SOFTNESS;
         let friction = 0.3 * v + (0.4 + load * size) * (v / width).tanh();
         prop_assert!((tau - (bodies + 0.2 * a + friction)).abs() < 1e-9 * (1.0 + tau.abs()), "{tau}");
         let (value, gain, slopes) = joint.slopes(bodies, v, a);

@@ -1,7 +1,7 @@
 //! Fits of bodies, rotors and friction to torques, near a prior.
 //!
 //! Minimised is Σ ((τ̂ − τ)/s_i)² + λ Σ |θ|², s_i a robust scale of coordinate i's residuals after linear least squares, θ the
-//! [log-Cholesky numbers](crate::LogCholesky) of every body relative to the tree's own, which are the prior: what the log does not show stays there.
+//! [log-Cholesky numbers](leastaction_models::tree::LogCholesky) of every body relative to the tree's own, which are the prior: what the log does not show stays there.
 
 mod alone;
 mod friction;
@@ -11,8 +11,9 @@ mod problem;
 pub use alone::{Alone, Estimate, Shown, student};
 pub use friction::{JOINT, JointNumber, JointNumbers, SOFTNESS};
 
-use crate::linear::{Design, Terms};
-use crate::{INERTIAL, Samples, Tree};
+use crate::torque::Samples;
+use crate::torque::linear::{Design, Terms};
+use leastaction_models::tree::{INERTIAL, Tree};
 use problem::{Near, Problem, charts, regressors};
 use std::panic::resume_unwind;
 use thiserror::Error;

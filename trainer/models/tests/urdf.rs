@@ -1,7 +1,7 @@
 //! Robot descriptions: what is read from them, and hostile ones.
 
-use leastaction_arms::urdf::{Inertias, MOST_BYTES, parse};
-use leastaction_arms::{INERTIAL, Joint, Tree};
+use leastaction_models::tree::{INERTIAL, Joint, Tree};
+use leastaction_models::urdf::{Inertias, MOST_BYTES, parse};
 use nalgebra::Vector3;
 
 const BODY: &str = "<inertial><origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 0.1'/><mass value='2'/>\

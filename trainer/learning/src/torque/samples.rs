@@ -1,6 +1,6 @@
 //! A log as a fit of torques sees it.
 
-use crate::signal::{Butterworth, derivative};
+use super::signal::{Butterworth, derivative};
 use leastaction_data::{Measured, Rows};
 use thiserror::Error;
 

@@ -1,6 +1,6 @@
 //! Trees of random bodies.
 
-use leastaction_arms::{Body, Inertia, Joint, Limits, Pose, Tree};
+use leastaction_models::tree::{Body, Inertia, Joint, Limits, Pose, Tree};
 use nalgebra::{Matrix3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

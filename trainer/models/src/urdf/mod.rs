@@ -10,7 +10,7 @@ mod parts;
 
 pub use error::{MOST_BYTES, MOST_LINKS, UrdfError};
 
-use crate::{Body, Joint, Pose, Tree};
+use crate::tree::{Body, Joint, Pose, Tree};
 use nalgebra::Unit;
 use parts::{JointElement, Link};
 use std::collections::HashMap;
@@ -179,7 +179,7 @@ impl JointElement {
             coordinate: 0,
             ratio: 1.0,
             offset: 0.0,
-            inertia: crate::Inertia::default(),
+            inertia: crate::tree::Inertia::default(),
             limits: self.limits,
         })
     }

@@ -1,9 +1,10 @@
 //! A simulated Franka Panda: its frames and limits, bodies and friction of its size, sensors with noise.
 
-use leastaction_arms::excitation::{Search, Series, excite};
-use leastaction_arms::fit::{Arm, JointNumbers};
-use leastaction_arms::{Body, Inertia, Joint, Limits, Pose, Preparation, Samples, Tree};
 use leastaction_data::Rows;
+use leastaction_learning::torque::excitation::{Search, Series, excite};
+use leastaction_learning::torque::fit::{Arm, JointNumbers};
+use leastaction_learning::torque::{Preparation, Samples};
+use leastaction_models::tree::{Body, Inertia, Joint, Limits, Pose, Tree};
 use leastaction_tests::panda::{BODIES, LIMITS};
 use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};

@@ -2,8 +2,8 @@
 //!
 //! Source: Featherstone, "Rigid Body Dynamics Algorithms", 2008; the regressor: Atkeson, An and Hollerbach 1986.
 
-use crate::tree::{Body, Joint, Tree};
-use crate::{INERTIAL, Inertia};
+use super::{Body, Joint, Tree};
+use super::{INERTIAL, Inertia};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// The motion of a body's frame, in that frame.
@@ -178,11 +178,11 @@ impl Tree {
     #[must_use]
     pub fn energies(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
         let motions = self.motions([q, v, &vec![0.0; v.len()]], self.gravity);
-        let mut poses: Vec<crate::Pose> = Vec::with_capacity(motions.len());
+        let mut poses: Vec<super::Pose> = Vec::with_capacity(motions.len());
         let mut kinetic: f64 = self.rotors.iter().zip(v).map(|(rotor, v)| rotor * v * v / 2.0).sum();
         let mut potential = 0.0;
         for (body, motion) in self.bodies().iter().zip(&motions) {
-            let own = crate::Pose { rotation: motion.rotation, translation: motion.offset };
+            let own = super::Pose { rotation: motion.rotation, translation: motion.offset };
             let pose = body.parent.map_or(own, |parent| poses[parent].then(&own));
             let (mass, moment, w) = (body.inertia.mass(), body.inertia.moment(), &motion.angular);
             kinetic += mass * motion.linear.norm_squared() / 2.0

@@ -1,6 +1,14 @@
-//! A tree of rigid bodies.
+//! Trees of rigid bodies on revolute and prismatic joints, of any size, in f64, and their recursions.
+//!
+//! Conventions. Body i has one joint to its parent, a body before it, or to the base. The joint's frame stands on the parent's frame
+//! at a constant pose, parent_x = R x + p at q = 0; the axis is a unit vector in the joint's frame, and the body's frame is the joint's
+//! frame moved by q. SI units; gravity is a vector in the base frame, normally (0, 0, −9.81) m/s².
 
-use crate::Inertia;
+mod dynamics;
+mod inertia;
+
+pub use inertia::{INERTIAL, Inertia, LogCholesky};
+
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use thiserror::Error;
 
@@ -180,7 +188,7 @@ impl Tree {
     /// How many there are.
     #[must_use]
     pub fn parameter_count(&self) -> usize {
-        crate::INERTIAL * self.bodies.len() + self.coordinates()
+        INERTIAL * self.bodies.len() + self.coordinates()
     }
 
     /// The same tree of other bodies and rotors.
@@ -190,7 +198,7 @@ impl Tree {
     #[must_use]
     pub fn with_parameters(&self, parameters: &[f64]) -> Self {
         assert_eq!(parameters.len(), self.parameter_count(), "parameters of another tree");
-        let (bodies, rotors) = parameters.split_at(crate::INERTIAL * self.bodies.len());
+        let (bodies, rotors) = parameters.split_at(INERTIAL * self.bodies.len());
         let mut tree = self.clone();
         let (numbers, _) = bodies.as_chunks();
         tree.bodies.iter_mut().zip(numbers).for_each(|(body, numbers)| body.inertia = Inertia(*numbers));
@@ -201,8 +209,7 @@ impl Tree {
     /// The names of the parameters, for messages and tables.
     #[must_use]
     pub fn parameter_names(&self) -> Vec<String> {
-        const NUMBERS: [&str; crate::INERTIAL] =
-            ["m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+        const NUMBERS: [&str; INERTIAL] = ["m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
         let of_body = |body: &Body| NUMBERS.map(|number| format!("{} {number}", body.name));
         let rotors = (0..self.coordinates()).map(|k| format!("rotor {}", self.coordinate_name(k)));
         self.bodies.iter().flat_map(of_body).chain(rotors).collect()
@@ -240,5 +247,21 @@ impl Tree {
         let carried = || self.bodies.iter().filter(move |other| other.parent == Some(body));
         let sum: Vector3<f64> = carried().map(|other| other.pose.translation).sum();
         sum / carried().count().max(1) as f64
+    }
+
+    /// Limits of a coordinate: those of all joints that it moves; the effort is that of the joint that it is of.
+    #[must_use]
+    pub fn limits(&self, coordinate: usize) -> Limits {
+        let mut all = Limits::none();
+        for body in self.bodies().iter().filter(|body| body.coordinate == coordinate && body.ratio != 0.0) {
+            let mut ends = body.limits.position.map(|x| (x - body.offset) / body.ratio);
+            ends.sort_by(f64::total_cmp);
+            all.position = [all.position[0].max(ends[0]), all.position[1].min(ends[1])];
+            all.velocity = all.velocity.min(body.limits.velocity / body.ratio.abs());
+            if body.joint_name == self.coordinate_name(coordinate) {
+                all.effort = body.limits.effort;
+            }
+        }
+        all
     }
 }

@@ -1,7 +1,8 @@
 //! Linear least squares: what a log determines of the numbers that a torque is linear in.
 
-use crate::{Samples, Tree};
+use crate::torque::Samples;
 use faer::{Mat, Side};
+use leastaction_models::tree::Tree;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -1,8 +1,8 @@
 //! Motions that excite: within limits, from rest, better than the first, the same however often.
 
 use super::panda;
-use leastaction_arms::excitation::{Excitation, ExcitationError, Search, excite};
-use leastaction_arms::{Limits, Tree};
+use leastaction_learning::torque::excitation::{Excitation, ExcitationError, Search, excite};
+use leastaction_models::tree::{Limits, Tree};
 
 fn limits(tree: &Tree) -> Vec<Limits> {
     (0..tree.coordinates()).map(|k| tree.limits(k)).collect()

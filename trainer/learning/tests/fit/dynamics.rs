@@ -1,10 +1,8 @@
 //! The recursions against a Lagrangian of homogeneous transforms, differentiated by dual numbers.
 
-mod common;
-
-use common::tree;
-use leastaction_arms::linear::BaseParameters;
-use leastaction_arms::{Joint, Tree};
+use crate::common::tree;
+use leastaction_learning::torque::linear::BaseParameters;
+use leastaction_models::tree::{Joint, Tree};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use num_dual::{Dual64, DualNum, HyperDual64, second_partial_derivative};
 use proptest::prelude::*;
@@ -174,7 +172,7 @@ fn a_pendulum_has_the_torque_of_the_book() {
     let text = "<robot name='p'><link name='base'/><link name='rod'><inertial><origin xyz='0 0 -0.7'/><mass value='2'/>\
         <inertia ixx='0.1' ixy='0' ixz='0' iyy='0.2' iyz='0' izz='0.15'/></inertial></link><joint name='j' type='revolute'>\
         <parent link='base'/><child link='rod'/><axis xyz='0 1 0'/></joint></robot>";
-    let tree = leastaction_arms::urdf::parse(text, leastaction_arms::urdf::Inertias::Required).unwrap();
+    let tree = leastaction_models::urdf::parse(text, leastaction_models::urdf::Inertias::Required).unwrap();
     assert_eq!(tree.bodies()[0].inertia.moment(), Vector3::new(0.0, 0.0, -1.4));
     let [found] = tree.inverse_dynamics(&[0.4], &[5.0], &[3.0])[..] else { panic!() };
     let expected = (0.2 + 2.0 * 0.49) * 3.0 + 2.0 * 9.81 * 0.7 * 0.4_f64.sin();

@@ -2,8 +2,9 @@
 
 use super::Bodies;
 use super::friction::{JOINT, JointNumbers};
-use crate::{INERTIAL, LogCholesky, Samples, Tree};
+use crate::torque::Samples;
 use faer::Mat;
+use leastaction_models::tree::{INERTIAL, LogCholesky, Tree};
 
 /// How the numbers of a body come from what is learned.
 #[derive(Clone, Debug)]
@@ -47,7 +48,7 @@ pub(super) fn regressors(tree: &Tree, samples: &Samples) -> Vec<Vec<f64>> {
 
 /// Charts around a tree's own bodies; the first body that cannot be, by name.
 pub(super) fn charts(tree: &Tree, bodies: Bodies) -> Result<Vec<Chart>, String> {
-    let of = |body: &crate::Body| match bodies {
+    let of = |body: &leastaction_models::tree::Body| match bodies {
         Bodies::Consistent => {
             LogCholesky::around(&body.inertia).map(Chart::Consistent).ok_or(body.name.clone())
         }

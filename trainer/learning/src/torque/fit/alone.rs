@@ -15,10 +15,10 @@ use super::friction::{JOINT, JointNumber, JointNumbers};
 use super::levenberg;
 use super::problem::{BLOCK, Equations, LeastSquares, Problem, dot};
 use super::{DETERMINED, Learned, Start};
-use crate::INERTIAL;
-use crate::linear::BaseParameters;
+use crate::torque::linear::BaseParameters;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
+use leastaction_models::tree::INERTIAL;
 use std::ops::Range;
 
 /// Blocks of time that are left out in turn.
@@ -85,7 +85,7 @@ impl Alone {
         student(self.blocks.saturating_sub(1))
     }
 
-    /// What an arm has for each of the estimated numbers: bodies and rotors by their parameters, as [`crate::Tree::parameters`], and joints.
+    /// What an arm has for each of the estimated numbers: bodies and rotors by their parameters, as [`leastaction_models::tree::Tree::parameters`], and joints.
     #[must_use]
     pub fn of_model(&self, parameters: &[f64], joints: &[JointNumbers]) -> Vec<f64> {
         let own = self.joints.iter().map(|(joint, number)| joints[*joint].array()[*number as usize]);
