@@ -3,7 +3,7 @@
 #[cfg(feature = "arms")]
 use leastaction_models::urdf::{self, Inertias};
 #[cfg(feature = "learning")]
-use leastaction_learning::config::Config;
+use leastaction_learning::config::{Config};
 #[cfg(feature = "learning")]
 use std::path::Path;
 

@@ -4,10 +4,12 @@ use crate::checksummed::{self, ReadError};
 use crate::training::{Adam, Levenberg};
 use crate::windows::{Calibrated, CalibrationLayout};
 use leastaction_core::model::{CoordinateRange, TrainedStep};
+use leastaction_models::file::decode;
 use leastaction_models::{Actuator, Architecture, Facts, Model};
 use serde::{Deserialize, Serialize};
-use std::io;
+use std::fmt::Display;
 use std::path::Path;
+use std::{fs, io};
 use thiserror::Error;
 
 /// Its name in the folder of a run.
@@ -170,6 +172,18 @@ impl Trained {
     pub fn decode(bytes: &[u8]) -> Option<Self> {
         checksummed::decode::<Checkpoint>(bytes, MAGIC).map(Self::from)
     }
+}
+
+/// The best model of the run in a folder, or the model of a file.
+///
+/// # Errors
+/// Why it cannot be read.
+pub fn open(path: &Path) -> Result<Model, String> {
+    if path.is_dir() {
+        return Ok(Trained::read(path).map_err(|error| error.to_string())?.model());
+    }
+    let named = |error: &dyn Display| format!("{}: {error}", path.display());
+    decode(&fs::read(path).map_err(|error| named(&error))?).map_err(|error| named(&error))
 }
 
 impl From<Checkpoint> for Trained {

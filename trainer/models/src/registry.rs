@@ -1,17 +1,14 @@
-//! The list of all families.
+//! A family, whichever it is.
 
-use crate::bodies::{ArmArchitecture, BodiesArchitecture};
 use crate::family::Family;
-use crate::graph::GraphArchitecture;
-use crate::inertia_network::InertiaNetworkArchitecture;
-use crate::modular::ModularArchitecture;
+use crate::list::with_families;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
 
 /// Makes the enum of all families and what follows from the list alone: conversions, names, reading and writing headers.
-macro_rules! families {
-    ($($(#[$doc:meta])* $variant:ident($shape:ty) as $name:literal, $get:ident;)*) => {
+macro_rules! any_family {
+    ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty;)*) => {
         /// A family, whichever it is.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         pub enum AnyFamily {
@@ -81,18 +78,7 @@ macro_rules! families {
     };
 }
 
-families! {
-    /// Inertia matrix and potential from one network.
-    InertiaNetwork(InertiaNetworkArchitecture) as "inertia-network", inertia_network;
-    /// A tree of elements.
-    Modular(ModularArchitecture) as "modular", modular;
-    /// A graph of particles.
-    Graph(GraphArchitecture) as "graph", graph;
-    /// A tree of rigid bodies on joints in a plane.
-    Bodies(BodiesArchitecture) as "bodies", bodies;
-    /// A tree of rigid bodies on joints in space.
-    Arm(ArmArchitecture) as "arm", arm;
-}
+with_families!(any_family);
 
 impl AnyFamily {
     /// Numbers of its own in the weight block, from its front.

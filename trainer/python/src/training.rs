@@ -5,6 +5,7 @@ use crate::tools::parsed;
 use leastaction::training::{plan, train};
 use leastaction_learning::config::Config;
 use leastaction_learning::run::{Ending, Monitor, Plan, Row, Run};
+use leastaction_models::config::ModelConfig;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -123,19 +124,10 @@ fn interrupted(py: Python<'_>, error: PyErr, folder: &Path, saved: Option<u64>) 
 /// Every key of a configuration of a family with its meaning.
 #[pyfunction]
 pub fn defaults(family: &str) -> PyResult<&'static str> {
-    use leastaction_learning::config::{
-        ARM_DEFAULTS, BODIES_DEFAULTS, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS,
-    };
-    match family {
-        "inertia-network" | "rigid" => Ok(DEFAULTS),
-        "modular" => Ok(MODULAR_DEFAULTS),
-        "graph" => Ok(GRAPH_DEFAULTS),
-        "bodies" => Ok(BODIES_DEFAULTS),
-        "arm" => Ok(ARM_DEFAULTS),
-        other => Err(input(format!(
-            "no family is called {other:?}; there are inertia-network, modular, graph, bodies and arm"
-        ))),
-    }
+    ModelConfig::defaults(family).ok_or_else(|| {
+        let families = ModelConfig::FAMILIES.join(", ");
+        input(format!("no family is called {family:?}; there are {families}"))
+    })
 }
 
 /// The configuration of TOML with every key written out.

@@ -2,14 +2,14 @@
 
 use super::interrupt;
 use super::progress::Progress;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
 use leastaction::cli::{Done, Failure, Output, print};
 use leastaction::training;
 pub use leastaction::training::Report;
-use leastaction_learning::config::{
-    ARM_DEFAULTS, BODIES_DEFAULTS, Config, DEFAULTS, GRAPH_DEFAULTS, MODULAR_DEFAULTS,
-};
+use leastaction_learning::config::Config;
 use leastaction_learning::run::{Ending, Plan, Run};
+use leastaction_models::config::ModelConfig;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -38,39 +38,17 @@ pub struct Train {
     /// Show no progress.
     #[arg(short, long)]
     quiet: bool,
-    /// Print a configuration with every key explained, and do nothing else; `modular`: one for trees of elements, `graph`: one for
-    /// particles.
-    #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "inertia-network")]
-    print_defaults: Option<Family>,
-}
-
-/// Families of models.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Family {
-    /// One network for the inertia matrix and the potential.
-    #[value(alias = "rigid")]
-    InertiaNetwork,
-    /// Trees of elements.
-    Modular,
-    /// Graphs of particles.
-    Graph,
-    /// Rigid bodies on joints.
-    Bodies,
-    /// Rigid bodies in space, from a robot description.
-    Arm,
+    /// Print a configuration of a family with every key explained, and do nothing else.
+    #[arg(long, exclusive = true, value_name = "FAMILY", num_args = 0..=1, default_missing_value = "inertia-network", value_parser = PossibleValuesParser::new(ModelConfig::FAMILIES))]
+    print_defaults: Option<String>,
 }
 
 impl Train {
     /// Trains, or prints the defaults.
     pub fn run(self, output: Output) -> Done {
         let (Some(file), Some(folder)) = (&self.config, &self.output) else {
-            return print(match self.print_defaults {
-                Some(Family::Modular) => MODULAR_DEFAULTS,
-                Some(Family::Graph) => GRAPH_DEFAULTS,
-                Some(Family::Bodies) => BODIES_DEFAULTS,
-                Some(Family::Arm) => ARM_DEFAULTS,
-                _ => DEFAULTS,
-            });
+            let family = self.print_defaults.as_deref().unwrap_or_default();
+            return print(ModelConfig::defaults(family).unwrap_or_default());
         };
         let config = Config::read(file)?;
         let plan = plan(file, config, output)?;

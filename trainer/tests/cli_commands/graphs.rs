@@ -2,6 +2,7 @@
 
 use crate::support::Bench;
 use leastaction_learning::data;
+use leastaction_models::config::ModelConfig;
 
 const RODS: &str = "[[model.node_types]]\nname = \"bob\"\nfield = { learn = [0, 0] }\n\
     [model.graphs.two]\nnodes = [\"bob\", \"bob\"]\n\
@@ -161,5 +162,5 @@ fn what_does_not_fit_is_refused() {
     bench.run("train c.toml -o new").bad(2, &["c.toml:15", "no node 7"]);
     assert!(!bench.at("new").exists());
     let printed = bench.run("train --print-defaults graph").good().stdout;
-    assert_eq!(printed, leastaction_learning::config::GRAPH_DEFAULTS);
+    assert_eq!(printed, ModelConfig::defaults("graph").unwrap());
 }

@@ -1,61 +1,26 @@
 //! The configuration of a training run, a TOML file. `leastaction train --print-defaults` prints it with every key
 //! explained.
 
-mod arm;
-mod bodies;
 mod calibration;
-mod corrections;
 mod data;
 mod error;
 mod fields;
-mod friction;
-mod graph;
-mod inertia_network;
 mod loss;
-mod model;
-mod modular;
-mod origin;
-mod parts;
-mod problem;
 mod read;
 
-pub(crate) use origin::Origin;
-
-pub use arm::{ArmConfig, LearnedBodies, Learning};
-pub use bodies::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
 pub use calibration::{CalibrationConfig, SettingConfig};
-pub use corrections::{DissipationConfig, PotentialConfig, ScaleConfig};
 pub use data::{ColumnsConfig, DataConfig, JoinConfig, LeftOutConfig, LogFiles};
 pub use error::ConfigError;
-pub use fields::{Coordinates, InertiaKind, OptimiserKind};
-pub use friction::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
-pub use graph::{
-    EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
-};
-pub use inertia_network::InertiaNetworkConfig;
+pub use fields::OptimiserKind;
 pub use loss::TrainingLoss;
-pub use model::ModelConfig;
-pub use modular::{Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig};
-pub use parts::NumberConfig;
-pub use problem::{Problem, ShapeError, Step};
 
+use crate::checkpoint::open;
 use crate::training::StateNoise;
 use crate::windows::Integrator;
 use leastaction_models::Architecture;
+use leastaction_models::config::{ModelConfig, ShapeError};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-
-/// The default configuration, every key explained.
-pub const DEFAULTS: &str = include_str!("defaults.toml");
-/// A configuration for trees of elements, every key of `[model]` explained.
-pub const MODULAR_DEFAULTS: &str = include_str!("modular.toml");
-/// A configuration for graphs of particles, every key of `[model]` explained.
-pub const GRAPH_DEFAULTS: &str = include_str!("graph.toml");
-/// A configuration for rigid bodies on joints, every key of `[model]` explained.
-pub const BODIES_DEFAULTS: &str = include_str!("bodies.toml");
-
-/// A configuration for an arm, every key of `[model]` explained.
-pub const ARM_DEFAULTS: &str = include_str!("arm.toml");
 
 /// What to learn, from what, and how.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -182,7 +147,7 @@ impl Default for AdamConfig {
 }
 
 impl Config {
-    /// The defaults for a log, and a model of this shape; [`Coordinates`] give an inertia network.
+    /// The defaults for a log, and a model of this shape; `Coordinates` give an inertia network.
     pub fn new(file: impl Into<LogFiles>, model: impl Into<ModelConfig>) -> Self {
         Self {
             data: DataConfig::new(file),
@@ -222,25 +187,7 @@ impl Config {
         if let Some((key, must)) = config.calibration.problem() {
             return Err(read::at_key(file, text, &["calibration", key], format!("`{key}` must be {must}")));
         }
-        let located = |error: ShapeError| read::located(file, text, &error);
-        match &config.model {
-            ModelConfig::InertiaNetwork(inertia_network) => {
-                inertia_network.laws().map_err(located)?;
-                inertia_network.origin().map_err(located)?;
-            }
-            ModelConfig::Modular(modular) => {
-                modular.assemble().map_err(located)?;
-            }
-            ModelConfig::Graph(graph) => {
-                graph.assemble().map_err(located)?;
-            }
-            ModelConfig::Bodies(bodies) => {
-                bodies.architecture().map_err(located)?;
-            }
-            ModelConfig::Arm(arm) => {
-                arm.architecture().map_err(located)?;
-            }
-        }
+        config.model.check(&open).map_err(|error| read::located(file, text, &error))?;
         Ok(config)
     }
 
@@ -277,35 +224,7 @@ impl Config {
     /// # Errors
     /// [`ShapeError`] where a tree, a graph or its types cannot be, or the model that they come from cannot be read.
     pub fn beginning(&self) -> Result<(Architecture, Vec<f64>), ShapeError> {
-        let seed = self.training.seed;
-        match &self.model {
-            ModelConfig::InertiaNetwork(inertia_network) => inertia_network.beginning(seed),
-            ModelConfig::Modular(modular) => {
-                let assembled = modular.assemble()?;
-                let (family, weights) =
-                    (assembled.architecture.clone().into(), assembled.initial_weights(seed));
-                let Assembled { friction, corrections, trained_corrections, .. } = assembled;
-                let architecture = Architecture { family, friction, corrections };
-                let mut weights = architecture.with_laws(weights, seed);
-                architecture.corrections.put(&trained_corrections, &mut weights);
-                Ok((architecture, weights))
-            }
-            ModelConfig::Graph(graph) => {
-                let architecture = graph.assemble()?;
-                let weights = architecture.beginning(seed);
-                Ok((architecture.into(), weights))
-            }
-            ModelConfig::Arm(arm) => {
-                let architecture = arm.architecture()?;
-                let weights = architecture.initial_weights(seed);
-                Ok((architecture, weights))
-            }
-            ModelConfig::Bodies(bodies) => {
-                let architecture = bodies.architecture()?;
-                let weights = architecture.initial_weights(seed);
-                Ok((architecture, weights))
-            }
-        }
+        self.model.beginning(self.training.seed, &open)
     }
 }
 

@@ -1,80 +1,45 @@
 //! From the text of a file to a configuration.
 
-use super::arm::ArmConfig;
-use super::bodies::BodiesConfig;
-use super::graph::GraphConfig;
-use super::modular::ModularConfig;
-use super::problem::{ShapeError, Step};
-use super::{
-    CalibrationConfig, Config, ConfigError, DataConfig, InertiaNetworkConfig, ModelConfig, TrainingConfig,
-};
+use super::{CalibrationConfig, Config, ConfigError, DataConfig, TrainingConfig};
+use leastaction_models::config::{ModelConfig, ShapeError, Step};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::de::Error;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 
-/// What stands in `family`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Family {
-    /// It was called `rigid` once.
-    #[serde(alias = "rigid")]
-    InertiaNetwork,
-    Modular,
-    Graph,
-    Bodies,
-    Arm,
-}
-
-/// A file with a model of a known family.
+/// A file without its `[model]`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File<M> {
+struct File {
     data: DataConfig,
-    model: M,
     #[serde(default)]
     calibration: CalibrationConfig,
     #[serde(default)]
     training: TrainingConfig,
 }
 
-impl<M: Into<ModelConfig>> From<File<M>> for Config {
-    fn from(file: File<M>) -> Self {
-        Self {
-            data: file.data,
-            model: file.model.into(),
-            calibration: file.calibration,
-            training: file.training,
-        }
-    }
-}
-
 /// The configuration, without a look at whether its trees or graphs can be.
 pub(super) fn parse(text: &str) -> Result<Config, toml::de::Error> {
     let mut document = DeTable::parse(text)?;
-    match take_family(document.get_mut())? {
-        Family::InertiaNetwork => read::<InertiaNetworkConfig>(document),
-        Family::Modular => read::<ModularConfig>(document),
-        Family::Graph => read::<GraphConfig>(document),
-        Family::Bodies => read::<BodiesConfig>(document),
-        Family::Arm => read::<ArmConfig>(document),
-    }
-}
-
-fn read<M: DeserializeOwned + Into<ModelConfig>>(
-    document: Spanned<DeTable<'_>>,
-) -> Result<Config, toml::de::Error> {
-    File::<M>::deserialize(Deserializer::from(document)).map(Into::into)
+    let model = document.get_mut().remove("model");
+    let File { data, calibration, training } = File::deserialize(Deserializer::from(document))?;
+    let model = model_of(model.ok_or_else(|| Error::missing_field("model"))?)?;
+    Ok(Config { data, model, calibration, training })
 }
 
 /// Takes `family` out of `[model]`: so every family has only keys of its own. A model to go on from is of the modular family.
-fn take_family(document: &mut DeTable) -> Result<Family, toml::de::Error> {
-    let Some(model) = document.get_mut("model") else { return Ok(Family::InertiaNetwork) };
-    let DeValue::Table(model) = model.get_mut() else { return Ok(Family::InertiaNetwork) };
-    let default = if model.contains_key("from") { Family::Modular } else { Family::InertiaNetwork };
-    let Some(family) = model.remove("family") else { return Ok(default) };
-    Family::deserialize(ValueDeserializer::from(family))
+fn model_of(mut model: Spanned<DeValue<'_>>) -> Result<ModelConfig, toml::de::Error> {
+    let mut family = "inertia-network";
+    if let DeValue::Table(table) = model.get_mut() {
+        if table.contains_key("from") {
+            family = "modular";
+        }
+        if let Some(name) = table.remove("family") {
+            family = ModelConfig::read_family(ValueDeserializer::from(name))?;
+        }
+    }
+    ModelConfig::read(family, ValueDeserializer::from(model))
 }
 
 /// The error with the line of what is wrong.

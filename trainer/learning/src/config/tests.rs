@@ -2,6 +2,8 @@ use super::*;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::network::Activation;
+use leastaction_models::config::{Coordinates, InertiaKind, InertiaNetworkConfig};
+use leastaction_models::config::{FamilyConfig, ModelConfig};
 
 fn parse(text: &str) -> Result<Config, ConfigError> {
     Config::parse(text, Path::new("c.toml"))
@@ -28,7 +30,7 @@ const LEAST: &str = "[data]\nfile = \"data.npz\"\n[model]\ncoordinates = \"ta\"\
 
 #[test]
 fn printed_defaults_are_the_defaults() {
-    assert_eq!(parse(DEFAULTS).unwrap(), defaults());
+    assert_eq!(parse(InertiaNetworkConfig::defaults()).unwrap(), defaults());
     assert_eq!(parse(LEAST).unwrap(), defaults());
 }
 
@@ -38,7 +40,7 @@ fn printed_keys_that_are_off_can_be_switched_on() {
         |line: &str| line.split(" = ").next().is_some_and(|key| !key.is_empty() && !key.contains(' '));
     // A model to start from must exist.
     let is_of_this_text = |line: &&str| !line.starts_with("# start_from");
-    let switched: String = DEFAULTS
+    let switched: String = InertiaNetworkConfig::defaults()
         .lines()
         .filter(is_of_this_text)
         .map(|line| {
@@ -58,7 +60,10 @@ fn every_key_is_printed() {
     let table: toml::Table = toml::from_str(&defaults().to_toml()).unwrap();
     for (section, keys) in &table {
         for key in keys.as_table().unwrap().keys() {
-            assert!(DEFAULTS.contains(&format!("\n{key} = ")) || key == "adam", "[{section}] {key}");
+            assert!(
+                InertiaNetworkConfig::defaults().contains(&format!("\n{key} = ")) || key == "adam",
+                "[{section}] {key}"
+            );
         }
     }
 }

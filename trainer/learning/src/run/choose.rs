@@ -6,6 +6,7 @@ use super::plan::{Plan, PlanError};
 use super::tried::{self, Tried};
 use crate::config::{Config, TrainingLoss};
 use crate::data::{DataError, Dataset, Note};
+use leastaction_models::config::{ModelConfig, Source};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -96,13 +97,13 @@ pub fn choose(config: Config) -> Result<Chosen, ChoiceError> {
 
 /// The model without networks that correct it, unless they were trained before.
 fn simple(config: &Config) -> Config {
-    let alone = config.model.with_networks(false, false).filter(|_| !config.model.has_trained_networks());
+    let alone = config.model.with_networks(false, false).filter(|_| config.model.source() != Source::Weights);
     Config { model: alone.unwrap_or_else(|| config.model.clone()), ..config.clone() }
 }
 
 /// Whether training is over windows. An arm's begins at a fit of torques, which would take longer than all else.
 fn takes_lengths(config: &Config, data: &Dataset) -> Result<bool, PlanError> {
-    Ok(Plan::loss(config, data)? == TrainingLoss::Windows && !config.model.is_arm())
+    Ok(Plan::loss(config, data)? == TrainingLoss::Windows && !matches!(config.model, ModelConfig::Arm(_)))
 }
 
 /// With the columns of u that are best, and what was learned by them, where there were several.

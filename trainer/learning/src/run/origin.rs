@@ -1,11 +1,11 @@
 //! Where a network begins that starts from another model.
 
-use crate::config::Origin;
 use crate::data::Dataset;
 use crate::training::{Covered, network_start};
 use crate::windows::WindowLogs;
 use leastaction_core::model::ModelError;
 use leastaction_models::Architecture;
+use leastaction_models::config::Origin;
 
 /// The energies of the model that a network starts from, over the range of the data.
 pub(super) fn at_origin(

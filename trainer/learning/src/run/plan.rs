@@ -12,8 +12,8 @@ use super::notice::{Notice, prepared};
 use super::origin::at_origin;
 use super::stages::{self, Scope, Stage, Windowed};
 use super::{TorqueReport, range, ringing, torques};
-use crate::checkpoint::{Checkpoint, State, Trained};
-use crate::config::{Config, OptimiserKind, Origin, TrainingConfig, TrainingLoss};
+use crate::checkpoint::{Checkpoint, State, Trained, open};
+use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
 use crate::training::{LossKind, Progress};
 use crate::windows::{self, CalibrationLayout, Integrator, Noise, WindowLogs, first_guess};
@@ -21,6 +21,7 @@ use checks::{check_coordinates, check_gauge, check_state_noise};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
 use leastaction_models::Architecture;
+use leastaction_models::config::{Origin, Source};
 
 /// Everything that a run is determined by.
 pub struct Plan {
@@ -104,7 +105,7 @@ impl Plan {
                 (stages, Some(windows))
             }
         };
-        let origin = config.model.origin()?;
+        let origin = config.model.origin(&open)?;
         if let Some(origin) = &origin {
             initial = at_origin((&architecture, initial), &data, origin)?;
             let layout = windows.as_ref().map(|windows| windows.layout);
@@ -224,7 +225,7 @@ fn begin_windows(
         let logs = WindowLogs::new(&data.split(training).0);
         initial = first_guess(architecture, &logs, initial, &*stage.objective)?;
     }
-    if !config.model.has_trained_networks() {
+    if config.model.source() != Source::Weights {
         let numbers = architecture.corrections.without_effect();
         let start = architecture.corrections_start();
         initial.splice(start..start + architecture.corrections.count(), numbers);

@@ -3,10 +3,11 @@
 use super::plan::Plan;
 use super::stages::Windowed;
 use crate::checkpoint::State;
-use crate::config::{Origin, TrainingLoss};
+use crate::config::TrainingLoss;
 use crate::evaluate::horizons::Predictor;
 use crate::report::{Fit, Report, ReportError};
 use crate::windows::{Calibrated, CalibrationLayout, WindowLogs};
+use leastaction_models::config::Origin;
 use leastaction_models::{Facts, Model};
 
 /// The page on the best numbers of a run; nothing where nothing was learned over windows.

@@ -9,6 +9,7 @@ use crate::data::Dataset;
 use crate::torques::filtered;
 use crate::training::{LossKind, Objective, Samples, free_states_objective, objective};
 use crate::windows::{CalibrationLayout, WindowLogs, WindowLoss, WindowModel, WindowSettings};
+use leastaction_models::config::Source;
 use leastaction_models::{Architecture, GraphArchitecture};
 use std::ops::Range;
 use std::sync::Arc;
@@ -81,7 +82,7 @@ pub(super) fn of_samples(
     let enough = enough_triples(parts.0, architecture.learned_parameters()?);
     let mut kinds = kinds((&config.training, kind), laws.is_some(), (scale, enough.is_some()), notices)?;
     let first = laws.map_or_else(|| architecture.clone(), Architecture::from);
-    if config.model.goes_on() {
+    if config.model.source() != Source::Nothing {
         // A warm-up would leave trained weights for ones that are better on another loss.
         kinds.retain(|(name, _)| *name != WARM_UP);
     }
@@ -192,12 +193,14 @@ pub(super) fn of_windows(
     let of_torques = config.training.loss == Some(TrainingLoss::Torque);
     let iterations = if of_torques { 0 } else { iterations };
     let mut spans = vec![(WARM_UP, few, warm_up), ("training", all, iterations)];
-    let corrections =
-        Some(&architecture.corrections).filter(|own| !own.is_none() && !config.model.has_trained_networks());
+    let corrections = Some(&architecture.corrections)
+        .filter(|own| !own.is_none() && config.model.source() != Source::Weights);
     if corrections.is_some() {
         spans.push((NETWORKS, all, iterations));
     }
-    let warms_up = |steps: usize, iterations: u64| steps < all && iterations > 0 && !config.model.goes_on();
+    let warms_up = |steps: usize, iterations: u64| {
+        steps < all && iterations > 0 && config.model.source() == Source::Nothing
+    };
     spans
         .retain(|(name, steps, iterations)| *name != WARM_UP || !of_torques && warms_up(*steps, *iterations));
     let [least, most] = SMOOTH_STEP;

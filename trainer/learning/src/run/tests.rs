@@ -1,10 +1,11 @@
 use super::*;
 use crate::checkpoint::Trained;
-use crate::config::{Config, Coordinates, InertiaNetworkConfig, TrainingLoss};
+use crate::config::{Config, TrainingLoss};
 use crate::data::Dataset;
 use crate::ground_truth::{Drive, ManyBody, Mechanism, ModlanetSettings, Settings, generate, generate_many};
 use crate::training::StateNoise;
 use leastaction_core::energy::inertia_network::Coordinate;
+use leastaction_models::config::{Coordinates, InertiaNetworkConfig};
 
 #[derive(Default)]
 struct Silent {

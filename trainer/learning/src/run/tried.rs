@@ -2,7 +2,8 @@
 
 use super::held_back::{HeldBack, Learned, Trial};
 use super::plan::PlanError;
-use crate::config::{Config, ModelConfig};
+use crate::config::Config;
+use leastaction_models::config::ModelConfig;
 use std::fmt;
 
 /// Networks whose error is not below this part of that of the model alone are not worth their numbers.

@@ -1,7 +1,7 @@
 //! Arms from a robot description and torques: configurations, what is wrong with them, training, and the model file.
 
 use leastaction_core::forces::ControlKind;
-use leastaction_learning::config::{ARM_DEFAULTS, Config, ConfigError};
+use leastaction_learning::config::{Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows, Trajectory};
 use leastaction_learning::run::{Notice, Plan};
 use leastaction_learning::torque::Samples;
@@ -9,6 +9,7 @@ use leastaction_learning::torque::fit::{Arm, JointNumbers, SOFTNESS};
 use leastaction_learning::torques::torque_errors;
 use leastaction_learning::training::{Samples as States, inverse_dynamics};
 use leastaction_models::Model;
+use leastaction_models::config::{ArmConfig, FamilyConfig};
 use leastaction_models::file::{decode, encode, rust_source};
 use leastaction_models::tree::{Inertia, Tree};
 use leastaction_models::urdf::{Inertias, parse as parse_urdf};
@@ -334,7 +335,8 @@ fn what_cannot_be_is_said() {
 fn printed_defaults_are_read() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &description(2.0));
-    let text = ARM_DEFAULTS.replace("robot.urdf", &folder.path().join("robot.urdf").display().to_string());
+    let text =
+        ArmConfig::defaults().replace("robot.urdf", &folder.path().join("robot.urdf").display().to_string());
     let printed = Config::parse(&text, Path::new("c.toml")).unwrap();
     assert_eq!(Config::parse(&printed.to_toml(), Path::new("c.toml")).unwrap(), printed);
 }

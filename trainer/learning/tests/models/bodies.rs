@@ -4,11 +4,12 @@ use crate::documented_bodies;
 use crate::page::Strict;
 use leastaction_core::energy::bodies::{BodyParameters, Joint, TreeBody};
 use leastaction_learning::checkpoint::Trained;
-use leastaction_learning::config::{BODIES_DEFAULTS, Config, ConfigError};
+use leastaction_learning::config::{Config, ConfigError};
 use leastaction_learning::data::{Dataset, Rows};
 use leastaction_learning::run::{Plan, Run};
 use leastaction_learning::training::{Range, linear_start};
 use leastaction_models::Family as _;
+use leastaction_models::config::{BodiesConfig, FamilyConfig};
 use leastaction_models::file::{decode, encode, rust_source};
 use leastaction_models::{Architecture, BodiesArchitecture, Number};
 use std::path::Path;
@@ -41,10 +42,10 @@ const ARM: &str = "[[model.bodies]]\nmass = 2\n[[model.bodies]]\njoint = \"prism
 fn printed_defaults_are_the_defaults() {
     let least =
         "[[model.bodies]]\n[[model.bodies]]\non = 0\nat = [\"learned\", 0]\nrotor = \"learned\"\ngear = 6";
-    assert_eq!(architecture(BODIES_DEFAULTS), architecture(&config_of(least)));
-    let on = BODIES_DEFAULTS.replace("# chain = ", "chain = ").replace("# gear = ", "gear = ");
+    assert_eq!(architecture(BodiesConfig::defaults()), architecture(&config_of(least)));
+    let on = BodiesConfig::defaults().replace("# chain = ", "chain = ").replace("# gear = ", "gear = ");
     assert!(parse(&on).unwrap_err().to_string().contains("leave one of them out"));
-    let printed = parse(BODIES_DEFAULTS).unwrap();
+    let printed = parse(BodiesConfig::defaults()).unwrap();
     assert_eq!(parse(&printed.to_toml()).unwrap(), printed);
 }
 

@@ -3,7 +3,8 @@
 use leastaction_core::energy::graph::{Drag, Edge, Potential, Separation};
 use leastaction_core::model::Rod;
 use leastaction_core::network::Activation;
-use leastaction_learning::config::{Config, ConfigError, GRAPH_DEFAULTS};
+use leastaction_learning::config::{Config, ConfigError};
+use leastaction_models::config::{FamilyConfig, GraphConfig};
 use leastaction_models::{GraphArchitecture, Number};
 use std::path::Path;
 
@@ -40,13 +41,13 @@ fn printed_defaults_are_the_defaults() {
          [model.graphs.three]\nnodes = [\"bob\", \"bob\", \"bob\"]\nedges = [[0, 1], [1, 2]]\n\
          [model.graphs.ring]\nnodes = [\"bob\", \"bob\", \"bob\", \"bob\"]\nedges = [[0, 1], [1, 2], [2, 3], [3, 0]]"
     ));
-    assert_eq!(architecture(GRAPH_DEFAULTS), architecture(&least));
+    assert_eq!(architecture(GraphConfig::defaults()), architecture(&least));
 }
 
 #[test]
 fn printed_keys_that_are_off_can_be_switched_on() {
     let is_key = |line: &str| line.split(" = ").next().is_some_and(|key| !key.contains(' '));
-    let on: Vec<_> = GRAPH_DEFAULTS
+    let on: Vec<_> = GraphConfig::defaults()
         .lines()
         .map(|line| {
             line.strip_prefix("# ").filter(|rest| rest.contains(" = ") && is_key(rest)).unwrap_or(line)
@@ -72,7 +73,7 @@ fn every_key_is_explained() {
     let layout = model["graphs"]["two"].as_table().unwrap();
     for key in parts.iter().flat_map(|part| part.keys()).chain(layout.keys()).chain(model.keys()) {
         let known = [format!("{key} = "), format!("[[model.{key}]]"), format!("[model.{key}.")];
-        assert!(known.iter().any(|text| GRAPH_DEFAULTS.contains(text)), "{key}");
+        assert!(known.iter().any(|text| GraphConfig::defaults().contains(text)), "{key}");
     }
 }
 

@@ -1,8 +1,9 @@
 //! Configurations of trees of elements: what they mean, and what is wrong with them, with file, line and key.
 
 use leastaction_core::energy::modular::{Input, PairInput, TransformShape};
-use leastaction_learning::config::{Config, ConfigError, MODULAR_DEFAULTS};
+use leastaction_learning::config::{Config, ConfigError};
 use leastaction_models::Family as _;
+use leastaction_models::config::{FamilyConfig, ModularConfig};
 use leastaction_models::{ModularArchitecture, Number};
 use std::path::Path;
 
@@ -33,14 +34,14 @@ fn elements(architecture: &ModularArchitecture) -> Vec<(&str, Vec<u8>)> {
 #[test]
 fn printed_defaults_are_the_defaults() {
     let least = modular(&format!("{BOB}potential = [16]\n{CHAIN}"));
-    let (printed, least) = (architecture(MODULAR_DEFAULTS), architecture(&least));
+    let (printed, least) = (architecture(ModularConfig::defaults()), architecture(&least));
     assert_eq!((printed.shape, &printed.types), (least.shape, &least.types));
     assert_eq!(elements(&printed), [("double", vec![0, 0, 0, 1]), ("fork", vec![0, 0, 0, 1, 0, 1])]);
 }
 
 #[test]
 fn printed_keys_that_are_off_can_be_switched_on() {
-    let on: Vec<_> = MODULAR_DEFAULTS
+    let on: Vec<_> = ModularConfig::defaults()
         .lines()
         .map(|line| match line.strip_prefix("# ") {
             Some(key) if key.starts_with("[model.pair]") => key,
@@ -71,13 +72,13 @@ fn every_key_is_explained() {
     let types = model["types"].as_array().unwrap()[0].as_table().unwrap();
     for key in types.keys().chain(model["pair"].as_table().unwrap().keys()).chain(model.keys()) {
         let known = [format!("{key} = "), format!("[[model.{key}]]"), format!("[model.{key}]")];
-        assert!(known.iter().any(|text| MODULAR_DEFAULTS.contains(text)), "{key}");
+        assert!(known.iter().any(|text| ModularConfig::defaults().contains(text)), "{key}");
     }
 }
 
 #[test]
 fn toml_round_trips() {
-    let config = parse(MODULAR_DEFAULTS).unwrap();
+    let config = parse(ModularConfig::defaults()).unwrap();
     assert_eq!(parse(&config.to_toml()).unwrap(), config);
     let mixed = modular(&format!(
         "{BOB}mass = {{ learn = 2 }}\n[model.trees]\nmixed = [\"bob\", {{ type = \"bob\" }}, \"bob\", {{ type = \"bob\", on = 0 }}]"

@@ -1,7 +1,7 @@
 //! Rigid bodies on joints: in the plane, and in space.
 
-mod plane;
-mod space;
+pub mod plane;
+pub mod space;
 
 pub use plane::{BodiesArchitecture, BodyNumbers};
 pub use space::{ArmArchitecture, ArmBody};

@@ -1,8 +1,8 @@
 //! Laws of force beside the energies.
 
 mod actuator;
-mod corrections;
-mod friction;
+pub mod corrections;
+pub mod friction;
 
 pub use actuator::Actuator;
 pub use corrections::{CorrectionNetwork, Corrections, DissipationNetwork};

@@ -1,13 +1,13 @@
 //! Why a run cannot begin.
 
 use super::super::TorqueError;
-use crate::config::ShapeError;
 use crate::data::{Doubt, control_name};
 use crate::torque::fit::FitError;
 use crate::training::SampleError;
 use crate::windows::TooShort;
 use leastaction_core::forces::ControlKind;
 use leastaction_core::model::ModelError;
+use leastaction_models::config::ShapeError;
 use thiserror::Error;
 
 /// A run that cannot begin.

@@ -1,0 +1,144 @@
+//! From a configuration to the shape of a model.
+
+use super::{BodiesConfig, BodyConfig, BodyNumber, LEARNED, ZERO};
+use crate::architecture::Architecture;
+use crate::bodies::plane::BodiesArchitecture;
+use crate::config::parts::Range;
+use crate::config::problem::{Problem, ShapeError};
+use crate::family::Family;
+use crate::laws::corrections::config::{Known, assemble};
+use crate::limits::MAX_TREE_COORDINATES;
+use crate::number::Number;
+use leastaction_core::energy::bodies::{BodyParameters, TreeBody};
+
+/// The gear ratio of a drive that nothing is known of. Of it and of the rotor motion shows J(g² − g) alone.
+const GEAR: f64 = 10.0;
+
+/// Where learned numbers begin that do not say: an arm of 0.3 m and 1 kg.
+const USUAL: BodyParameters<f64> = BodyParameters {
+    place: [0.3, 0.0],
+    angle: 0.0,
+    mass: 1.0,
+    centre: [0.15, 0.0],
+    inertia: 0.01,
+    rotor: 1e-4,
+    gear: GEAR,
+};
+/// γ where it is learned and does not say, m/s².
+const USUAL_GRAVITY: [f64; 2] = [9.81, 0.0];
+
+impl BodyNumber {
+    /// The number at `key`; a learned one begins at `usual` where it does not say, and lies in `learned` instead of `known`.
+    fn number(self, key: &'static str, usual: f64, [known, learned]: [&Range; 2]) -> Result<Number, Problem> {
+        match self {
+            Self::Known(value) => known.number(key, value, false),
+            Self::Learned(start) => learned.number(key, start.unwrap_or(usual), true),
+        }
+    }
+
+    fn any(self, key: &'static str, usual: f64) -> Result<Number, Problem> {
+        self.number(key, usual, [&Range::ANY; 2])
+    }
+
+    fn positive(self, key: &'static str, usual: f64) -> Result<Number, Problem> {
+        self.number(key, usual, [&Range::ABOVE; 2])
+    }
+}
+
+/// Two numbers at one key.
+fn pair(key: &'static str, numbers: [BodyNumber; 2], usual: [f64; 2]) -> Result<[Number; 2], Problem> {
+    Ok([numbers[0].any(key, usual[0])?, numbers[1].any(key, usual[1])?])
+}
+
+impl BodyConfig {
+    /// A link of a chain, the first one or one on another; of a drive on the ground the rotor is as good as a part of the body.
+    fn link(on: Option<u64>, gear: f64) -> Self {
+        let own = Self { on, gear: BodyNumber::Known(gear), ..Self::default() };
+        match on {
+            None => own,
+            Some(_) => Self { at: [LEARNED, ZERO], rotor: LEARNED, ..own },
+        }
+    }
+
+    fn numbers(&self) -> Result<BodyParameters<Number>, Problem> {
+        Ok(BodyParameters {
+            place: pair("at", self.at, USUAL.place)?,
+            angle: self.angle.any("angle", USUAL.angle)?,
+            mass: self.mass.positive("mass", USUAL.mass)?,
+            centre: pair("centre", self.centre, USUAL.centre)?,
+            inertia: self.inertia.positive("inertia", USUAL.inertia)?,
+            rotor: self.rotor.number("rotor", USUAL.rotor, [&Range::NOT_BELOW, &Range::ABOVE])?,
+            gear: self.gear.any("gear", USUAL.gear)?,
+        })
+    }
+
+    /// The body as the i-th of a tree.
+    fn body(&self, i: usize) -> Result<TreeBody, Problem> {
+        let parent = match self.on {
+            None => None,
+            Some(on) if on < i as u64 => u8::try_from(on).ok(),
+            Some(on) => return Err(Problem::OnBody { body: i, on }),
+        };
+        Ok(TreeBody { joint: self.joint.into(), parent })
+    }
+}
+
+impl BodiesConfig {
+    /// The shape of the model, with friction.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: what cannot be, and where.
+    pub fn architecture(&self) -> Result<Architecture, ShapeError> {
+        let family = self.tree()?;
+        let friction = self.friction.assemble(family.n(), "body")?;
+        let letters = family.coordinates();
+        let known = Known { letters: &letters, common: letters.len() };
+        let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
+        Ok(Architecture { family: family.into(), friction, corrections })
+    }
+
+    /// The model that these bodies are.
+    ///
+    /// # Errors
+    /// As [`BodiesConfig::architecture`].
+    fn tree(&self) -> Result<BodiesArchitecture, ShapeError> {
+        let gravity = pair("gravity", self.gravity, USUAL_GRAVITY);
+        let gravity = gravity.map_err(|problem| problem.at(["gravity".into()]))?;
+        let each = self.every()?;
+        let key = if self.chain.is_some() { "chain" } else { "bodies" };
+        if !(1..=MAX_TREE_COORDINATES).contains(&each.len()) {
+            let (found, most) = (each.len(), format!("1 to {MAX_TREE_COORDINATES}"));
+            return Err(Problem::Size { found, most }.at([key.into()]));
+        }
+        let mut bodies = Vec::new();
+        for (i, body) in each.iter().enumerate() {
+            let at = |problem: Problem| match &problem {
+                Problem::OutOfRange { key, .. } => {
+                    let place = ["bodies".into(), i.into(), (*key).into()];
+                    problem.at(place)
+                }
+                _ => problem.at(["bodies".into(), i.into(), "on".into()]),
+            };
+            bodies.push((body.body(i).map_err(at)?, body.numbers().map_err(at)?));
+        }
+        // Bodies that come before another one are few enough for a byte.
+        BodiesArchitecture::new(gravity, bodies).ok_or_else(|| Problem::NoBodies.at([key.into()]))
+    }
+
+    /// All bodies; of a chain those that it stands for.
+    fn every(&self) -> Result<Vec<BodyConfig>, ShapeError> {
+        match (self.chain, self.gear, self.bodies.is_empty()) {
+            (Some(_), _, false) => Err(Problem::ChainAndBodies.at(["chain".into()])),
+            (None, _, true) => Err(Problem::NoBodies.at([])),
+            (None, Some(_), _) => Err(Problem::GearWithoutChain.at(["gear".into()])),
+            (None, None, false) => Ok(self.bodies.clone()),
+            (Some(n), gear, true) => {
+                let gear = gear.unwrap_or(GEAR);
+                Range::ANY.number("gear", gear, false).map_err(|problem| problem.at(["gear".into()]))?;
+                // One more than there can be says enough.
+                let links = 0..n.min(MAX_TREE_COORDINATES + 1) as u64;
+                Ok(links.map(|i| BodyConfig::link(i.checked_sub(1), gear)).collect())
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! `[model]` of the family of bodies: rigid bodies on joints.
+
+mod assemble;
+mod values;
+
+pub use values::{BodyNumber, JointKind};
+
+use crate::architecture::Architecture;
+use crate::config::family::{FamilyConfig, NetworksBeside};
+use crate::config::origin::Open;
+use crate::config::problem::ShapeError;
+use crate::laws::corrections::config::{DissipationConfig, PotentialConfig};
+use crate::laws::friction::config::FrictionConfig;
+use serde::{Deserialize, Serialize};
+
+/// A tree of rigid bodies on joints, or in short a chain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, tag = "family", rename = "bodies")]
+pub struct BodiesConfig {
+    /// γ, m/s², along the axes of the ground.
+    #[serde(default = "gravity")]
+    pub gravity: [BodyNumber; 2],
+    /// A chain of so many bodies on revolute joints, in place of `bodies`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chain: Option<usize>,
+    /// The gear ratio of the drives in that chain. (Default: 10.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gear: Option<f64>,
+    /// The bodies, in the order of q, parents first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodyConfig>,
+    /// Friction of the joints.
+    #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
+    pub friction: FrictionConfig,
+    /// A network that dissipates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<DissipationConfig>,
+    /// A network that is added to the potential.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential: Option<PotentialConfig>,
+}
+
+fn gravity() -> [BodyNumber; 2] {
+    [BodyNumber::Known(9.81), ZERO]
+}
+
+const ZERO: BodyNumber = BodyNumber::Known(0.0);
+const LEARNED: BodyNumber = BodyNumber::Learned(None);
+
+/// A body and its joint; what is left out has its default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BodyConfig {
+    /// How it moves on its parent.
+    pub joint: JointKind,
+    /// The body that its joint sits on, from 0; without it the ground.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<u64>,
+    /// Where the joint sits in the parent's frame, m. (Default: 0.)
+    pub at: [BodyNumber; 2],
+    /// How far the joint's frame is turned from the parent's, rad. (Default: 0.)
+    pub angle: BodyNumber,
+    /// m > 0, kg. (Default: learned.)
+    pub mass: BodyNumber,
+    /// The centre of mass in the body's frame, m. (Default: learned along x, 0 along y.)
+    pub centre: [BodyNumber; 2],
+    /// I > 0 about the centre of mass, kg m². (Default: learned.)
+    pub inertia: BodyNumber,
+    /// J ≥ 0 of the drive's rotor, on the parent, kg m². (Default: 0.)
+    pub rotor: BodyNumber,
+    /// How many times as fast as the joint the rotor turns. (Default: 1.)
+    pub gear: BodyNumber,
+}
+
+impl Default for BodyConfig {
+    fn default() -> Self {
+        Self {
+            joint: JointKind::Revolute,
+            on: None,
+            at: [ZERO; 2],
+            angle: ZERO,
+            mass: LEARNED,
+            centre: [LEARNED, ZERO],
+            inertia: LEARNED,
+            rotor: ZERO,
+            gear: BodyNumber::Known(1.0),
+        }
+    }
+}
+
+impl BodiesConfig {
+    /// A chain of so many bodies on revolute joints.
+    pub fn chain(n: usize) -> Self {
+        Self {
+            gravity: gravity(),
+            chain: Some(n),
+            gear: None,
+            bodies: Vec::new(),
+            friction: FrictionConfig::default(),
+            dissipation: None,
+            potential: None,
+        }
+    }
+}
+
+impl FamilyConfig for BodiesConfig {
+    fn defaults() -> &'static str {
+        include_str!("../config.toml")
+    }
+
+    fn networks(&mut self) -> Option<NetworksBeside<'_>> {
+        Some((&mut self.dissipation, &mut self.potential))
+    }
+
+    fn beginning(&self, seed: u64, _open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        let architecture = self.architecture()?;
+        let weights = architecture.initial_weights(seed);
+        Ok((architecture, weights))
+    }
+}

@@ -1,0 +1,263 @@
+//! `[model]` of the family of arms: rigid bodies in space, from a robot description.
+
+use crate::architecture::Architecture;
+use crate::bodies::letters_of_joints;
+use crate::bodies::space::ArmArchitecture;
+use crate::config::family::{FamilyConfig, NetworksBeside};
+use crate::config::origin::Open;
+use crate::config::origin::Origin;
+use crate::config::problem::{Problem, ShapeError, list};
+use crate::family::Family;
+use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
+use crate::laws::friction::config::FrictionConfig;
+use crate::limits::MAX_TREE_COORDINATES;
+use crate::number::Number;
+use crate::tree::{Body, Joint, LogCholesky, Tree};
+use crate::urdf::{self, Inertias};
+use leastaction_core::energy::arm::Joint as JointKind;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Whether numbers are learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Learning {
+    /// From the logs.
+    #[default]
+    Learned,
+    /// They are those of the description.
+    Known,
+}
+
+/// Which bodies are learned.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "\"learned\", \"known\", or the names of the joints whose bodies are learned, as [\"joint7\"]"
+)]
+pub enum LearnedBodies {
+    /// All of them or none.
+    All(Learning),
+    /// Those on the joints of these names; the others are known.
+    On(Vec<String>),
+}
+
+impl Default for LearnedBodies {
+    fn default() -> Self {
+        Self::All(Learning::Learned)
+    }
+}
+
+/// An arm from its robot description (URDF).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, tag = "family", rename = "arm")]
+pub struct ArmConfig {
+    /// The description; relative to the configuration file.
+    pub urdf: PathBuf,
+    /// γ in the frame of the base, m/s².
+    #[serde(default = "gravity")]
+    pub gravity: [f64; 3],
+    /// Of all links together that have no mass in the description, kg: their bodies are guessed from it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
+    /// Of guessed bodies about their lines, m.
+    #[serde(default = "radius")]
+    pub radius: f64,
+    /// The run or model file of the same arm whose bodies, rotors and friction training begins at in place of the description's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_from: Option<PathBuf>,
+    /// Which bodies are learned; the description is where training begins, and where it stays in what the log does not show.
+    #[serde(default)]
+    pub bodies: LearnedBodies,
+    /// Whether inertias of rotors are learned; a known one is that of `start_from`, else 0.
+    #[serde(default)]
+    pub rotors: Learning,
+    /// Friction of the joints.
+    #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
+    pub friction: FrictionConfig,
+    /// A network that dissipates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<DissipationConfig>,
+    /// A network that is added to the potential.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential: Option<PotentialConfig>,
+}
+
+fn gravity() -> [f64; 3] {
+    [0.0, 0.0, -9.81]
+}
+
+fn radius() -> f64 {
+    0.1
+}
+
+/// Where a learned rotor begins, kg m².
+const FIRST_ROTOR: f64 = 1e-3;
+/// Frames and axes of the same joint differ by less, m or 1.
+const SAME: f64 = 1e-4;
+
+impl ArmConfig {
+    /// An arm of this description with the usual gravity, everything learned.
+    pub fn new(urdf: impl Into<PathBuf>) -> Self {
+        Self {
+            urdf: urdf.into(),
+            gravity: gravity(),
+            mass: None,
+            radius: radius(),
+            start_from: None,
+            bodies: LearnedBodies::default(),
+            rotors: Learning::Learned,
+            friction: FrictionConfig::default(),
+            dissipation: None,
+            potential: None,
+        }
+    }
+
+    /// The shape of the model.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: what cannot be read or be, and where.
+    pub fn architecture(&self, open: Open) -> Result<Architecture, ShapeError> {
+        let tree = self.described()?;
+        let letters = letters_of_joints(tree.bodies().iter().map(kind));
+        let origin = self.start(&letters, open)?;
+        let tree = origin.as_ref().map(|origin| self.begun(&tree, origin)).transpose()?.unwrap_or(tree);
+        let family = self.family(&tree)?;
+        let mut friction = self.friction.assemble(family.n(), "joint")?;
+        origin.iter().for_each(|origin| origin.set_friction(&mut friction));
+        let known = Known { letters: &letters, common: letters.len() };
+        let corrections = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
+        Ok(Architecture { family: family.into(), friction, corrections })
+    }
+
+    /// Refuses numbers out of their range.
+    fn check(&self) -> Result<(), ShapeError> {
+        let range = "finite and above 0";
+        for (key, value) in [("mass", self.mass), ("radius", Some(self.radius))] {
+            if let Some(value) = value.filter(|x| !(x.is_finite() && *x > 0.0)) {
+                return Err(Problem::OutOfRange { key, value, range }.at([key.into()]));
+            }
+        }
+        if let Some(value) = self.gravity.into_iter().find(|x| !x.is_finite()) {
+            return Err(Problem::OutOfRange { key: "gravity", value, range: "finite" }.at(["gravity".into()]));
+        }
+        Ok(())
+    }
+
+    /// The tree of the description, its bodies guessed where that is asked for.
+    fn described(&self) -> Result<Tree, ShapeError> {
+        self.check()?;
+        let inertias = if self.mass.is_some() { Inertias::Optional } else { Inertias::Required };
+        let mut tree = urdf::read(&self.urdf, inertias).map_err(|error| {
+            self.at_urdf(Problem::Description { file: self.urdf.clone(), message: error.to_string() })
+        })?;
+        if let Some(mass) = self.mass {
+            tree = tree.with_guessed_inertias(mass, self.radius);
+        }
+        tree.gravity = self.gravity.into();
+        let found = tree.coordinates();
+        if found > MAX_TREE_COORDINATES {
+            return Err(self.at_urdf(Problem::Size { found, most: MAX_TREE_COORDINATES.to_string() }));
+        }
+        Ok(tree)
+    }
+
+    fn at_urdf(&self, problem: Problem) -> ShapeError {
+        problem.at(["urdf".into()])
+    }
+
+    /// The shape with what of it is learned.
+    fn family(&self, tree: &Tree) -> Result<ArmArchitecture, ShapeError> {
+        let learned = self.learned_bodies(tree)?;
+        let cannot_be =
+            |(body, learned): &(&Body, &bool)| **learned && LogCholesky::around(&body.inertia).is_none();
+        if let Some((body, _)) = tree.bodies().iter().zip(&learned).find(cannot_be) {
+            return Err(self.at_urdf(Problem::NoBodyThatCanBe { link: body.name.clone() }));
+        }
+        let rotor = |k: usize| match (self.rotors, tree.rotors[k]) {
+            (Learning::Learned, rotor) => Number::learned(if rotor > 0.0 { rotor } else { FIRST_ROTOR }),
+            (Learning::Known, rotor) => Number::known(rotor),
+        };
+        ArmArchitecture::new(tree, |k| learned[k], rotor)
+            .ok_or_else(|| self.at_urdf(Problem::Follows { file: self.urdf.clone() }))
+    }
+
+    /// Of every body whether it is learned.
+    fn learned_bodies(&self, tree: &Tree) -> Result<Vec<bool>, ShapeError> {
+        let names = || tree.bodies().iter().map(|body| body.joint_name.as_str());
+        let joints = match &self.bodies {
+            LearnedBodies::All(learning) => {
+                return Ok(names().map(|_| *learning == Learning::Learned).collect());
+            }
+            LearnedBodies::On(joints) => joints,
+        };
+        if let Some(name) = joints.iter().find(|joint| !names().any(|name| name == *joint)) {
+            let (what, known) = ("joint", list(names()));
+            return Err(Problem::UnknownType { what, name: name.clone(), known }.at(["bodies".into()]));
+        }
+        Ok(names().map(|name| joints.iter().any(|joint| joint == name)).collect())
+    }
+
+    /// The model to start from.
+    fn start(&self, letters: &str, open: Open) -> Result<Option<Origin>, ShapeError> {
+        let read = |path: &PathBuf| Origin::read(path, letters, open);
+        self.start_from.as_ref().map(read).transpose().map_err(|problem| problem.at(["start_from".into()]))
+    }
+
+    /// The tree with the bodies and rotors of a model, which must stand on the same joints.
+    fn begun(&self, tree: &Tree, origin: &Origin) -> Result<Tree, ShapeError> {
+        let other = || {
+            let file = self.start_from.clone().unwrap_or_default();
+            Problem::OtherArm { file, urdf: self.urdf.clone() }.at(["start_from".into()])
+        };
+        let arm = origin.0.architecture.family.arm().ok_or_else(other)?;
+        let own = arm.host_tree(&origin.0.weights).ok_or_else(other)?;
+        let is_same = own.bodies().iter().zip(tree.bodies()).all(|(a, b)| is_same_joint(a, b));
+        if !is_same {
+            return Err(other());
+        }
+        Ok(tree.with_parameters(&own.parameters()))
+    }
+}
+
+impl FamilyConfig for ArmConfig {
+    fn defaults() -> &'static str {
+        include_str!("config.toml")
+    }
+
+    fn files(&mut self) -> Vec<&mut PathBuf> {
+        std::iter::once(&mut self.urdf).chain(&mut self.start_from).collect()
+    }
+
+    fn networks(&mut self) -> Option<NetworksBeside<'_>> {
+        Some((&mut self.dissipation, &mut self.potential))
+    }
+
+    fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        let architecture = self.architecture(open)?;
+        let weights = architecture.initial_weights(seed);
+        Ok((architecture, weights))
+    }
+}
+
+/// How a body moves.
+fn kind(body: &Body) -> JointKind {
+    match body.joint {
+        Joint::Revolute(_) => JointKind::Revolute,
+        Joint::Prismatic(_) => JointKind::Prismatic,
+    }
+}
+
+/// Whether joints differ by no more than what single precision rounds away.
+fn is_same_joint(a: &Body, b: &Body) -> bool {
+    let (axis_a, axis_b) = (axis(a), axis(b));
+    let rotation = (a.pose.rotation - b.pose.rotation).amax();
+    let place = (a.pose.translation - b.pose.translation).amax();
+    a.parent == b.parent && rotation.max(place).max((axis_a - axis_b).amax()) < SAME
+}
+
+fn axis(body: &Body) -> nalgebra::Vector3<f64> {
+    match body.joint {
+        Joint::Revolute(axis) | Joint::Prismatic(axis) => axis.into_inner(),
+    }
+}

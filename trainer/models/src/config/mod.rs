@@ -1,0 +1,26 @@
+//! `[model]` of a configuration, whichever family it is of: what stands there, and the model that it makes.
+
+pub mod family;
+pub mod fields;
+pub mod origin;
+pub mod parts;
+pub mod problem;
+pub mod registry;
+
+pub use crate::bodies::plane::config::{BodiesConfig, BodyConfig, BodyNumber, JointKind};
+pub use crate::bodies::space::config::{ArmConfig, LearnedBodies, Learning};
+pub use crate::graph::config::{
+    EdgeConfig, EdgeTypeConfig, GraphConfig, LayoutConfig, NodeTypeConfig, RodConfig, SeparationKind,
+};
+pub use crate::inertia_network::config::{InertiaKind, InertiaNetworkConfig};
+pub use crate::inertia_network::coordinates::Coordinates;
+pub use crate::laws::corrections::config::{DissipationConfig, PotentialConfig, ScaleConfig};
+pub use crate::laws::friction::config::{FrictionConfig, FrictionNumberConfig, FrictionNumbers};
+pub use crate::modular::config::{
+    Assembled, ElementConfig, ModularConfig, PairConfig, PairKind, TransformKind, TypeConfig,
+};
+pub use family::{FamilyConfig, NetworksBeside, Source};
+pub use origin::{Open, Origin};
+pub use parts::NumberConfig;
+pub use problem::{Problem, ShapeError, Step};
+pub use registry::ModelConfig;

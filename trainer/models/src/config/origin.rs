@@ -1,0 +1,81 @@
+//! A trained model of another shape that the energies of a new one begin at.
+
+use super::problem::Problem;
+use crate::laws::friction::{CoordinateFriction, FrictionArchitecture};
+use crate::model::Model;
+use crate::number::Number;
+use leastaction_core::model::FrictionNumber;
+use std::path::Path;
+
+/// Opens a trained model that a configuration names, or says why it cannot be read.
+pub type Open<'o> = &'o dyn Fn(&Path) -> Result<Model, String>;
+
+/// A trained model, with its actuator.
+pub struct Origin(pub Model);
+
+impl Origin {
+    /// Opens a model of coordinates as these letters say.
+    ///
+    /// # Errors
+    /// [`Problem`] where it cannot be read, or is of other coordinates.
+    pub fn read(path: &Path, coordinates: &str, open: Open) -> Result<Self, Problem> {
+        let own = open(path).map_err(|message| Problem::From { message })?;
+        let is_angle = |letter: char| letter != 't';
+        let found = own.architecture.coordinates();
+        if found.chars().map(is_angle).eq(coordinates.chars().map(is_angle)) && own.architecture.has_steps() {
+            return Ok(Self(own));
+        }
+        let needed = coordinates.to_owned();
+        Err(Problem::OtherCoordinates { file: path.to_owned(), found, needed })
+    }
+
+    fn friction(&self) -> Vec<CoordinateFriction> {
+        self.0.architecture.friction_of_coordinates(&self.0.weights)
+    }
+
+    /// b of every coordinate.
+    pub fn damping(&self) -> Vec<f64> {
+        let own = self.friction();
+        (0..self.0.n()).map(|i| own.get(i).map_or(0.0, |friction| friction.viscous)).collect()
+    }
+
+    /// The friction of the coordinates, learned on, but for what is 0 and τ_s.
+    pub fn friction_to_learn(&self) -> FrictionArchitecture {
+        let friction = self.friction();
+        let number = |value: f64| Number { value, learned: value > 0.0 };
+        let viscous = friction.iter().map(|own| number(own.viscous)).collect::<Vec<_>>();
+        let of_dry = |own: &CoordinateFriction| {
+            let dry = own.dry?;
+            let width = Number { value: dry.width, learned: dry.constant > 0.0 };
+            Some([number(dry.constant), number(dry.load), Number::known(dry.smoothing), width])
+        };
+        let is_viscous = viscous.iter().any(|number| number.learned);
+        FrictionArchitecture {
+            viscous: if is_viscous { viscous } else { Vec::new() },
+            dry: friction.iter().map_while(of_dry).collect(),
+        }
+    }
+
+    /// Sets the learned numbers of friction to those here, where there are any.
+    pub fn set_friction(&self, friction: &mut FrictionArchitecture) {
+        let set = |number: &mut Number, value: f64| {
+            if number.learned && value > 0.0 {
+                number.value = value;
+            }
+        };
+        let own = self.friction();
+        friction.viscous.iter_mut().zip(&own).for_each(|(number, own)| set(number, own.viscous));
+        for (numbers, own) in friction.dry.iter_mut().zip(&own) {
+            let Some(dry) = own.dry else { continue };
+            for (number, kind) in numbers.iter_mut().zip(FrictionNumber::ALL) {
+                let value = match kind {
+                    FrictionNumber::Constant => dry.constant,
+                    FrictionNumber::Load => dry.load,
+                    FrictionNumber::Smoothing => dry.smoothing,
+                    FrictionNumber::Width => dry.width,
+                };
+                set(number, value);
+            }
+        }
+    }
+}

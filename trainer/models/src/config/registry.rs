@@ -1,0 +1,100 @@
+//! `[model]` of a family, whichever it is.
+
+use super::family::FamilyConfig;
+use crate::inertia_network::config::InertiaNetworkConfig;
+use crate::inertia_network::coordinates::Coordinates;
+use crate::list::with_families;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::ops::{Deref, DerefMut};
+
+/// Makes the enum of all configurations, and what follows from the list alone.
+macro_rules! any_config {
+    ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty;)*) => {
+        /// `[model]` of a family, whichever it is.
+        #[derive(Clone, Debug, PartialEq, Serialize)]
+        #[serde(untagged)]
+        pub enum ModelConfig {
+            $($(#[$doc])* $variant($config),)*
+        }
+
+        $(impl From<$config> for ModelConfig {
+            fn from(config: $config) -> Self {
+                Self::$variant(config)
+            }
+        })*
+
+        impl Deref for ModelConfig {
+            type Target = dyn FamilyConfig;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$variant(config) => config,)*
+                }
+            }
+        }
+
+        impl DerefMut for ModelConfig {
+            fn deref_mut(&mut self) -> &mut Self::Target {
+                match self {
+                    $(Self::$variant(config) => config,)*
+                }
+            }
+        }
+
+        impl ModelConfig {
+            /// Names of all families.
+            pub const FAMILIES: &[&str] = &[$($name),*];
+
+            /// Reads the name of a family; a former name is as good.
+            ///
+            /// # Errors
+            /// Where it is none.
+            pub fn read_family<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
+                match String::deserialize(from)?.as_str() {
+                    $($name $(| $former)* => Ok($name),)*
+                    other => Err(D::Error::unknown_variant(other, Self::FAMILIES)),
+                }
+            }
+
+            /// Reads `[model]` of the family of this name, without the name.
+            ///
+            /// # Errors
+            /// Where it is not of that family.
+            pub fn read<'de, D: Deserializer<'de>>(family: &str, from: D) -> Result<Self, D::Error> {
+                match family {
+                    $($name => <$config>::deserialize(from).map(Self::$variant),)*
+                    other => Err(D::Error::unknown_variant(other, Self::FAMILIES)),
+                }
+            }
+
+            /// A configuration of the family of this name with every key of `[model]` explained, TOML.
+            pub fn defaults(family: &str) -> Option<&'static str> {
+                match family {
+                    $($name $(| $former)* => Some(<$config>::defaults()),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+with_families!(any_config);
+
+impl ModelConfig {
+    /// The same with these of the networks that correct a model alone, as they are given or else by default; `None` where its coordinates
+    /// can have none.
+    pub fn with_networks(&self, with_dissipation: bool, with_potential: bool) -> Option<Self> {
+        let mut own = self.clone();
+        let (dissipation, potential) = own.networks()?;
+        *dissipation = with_dissipation.then(|| dissipation.take().unwrap_or_default());
+        *potential = with_potential.then(|| potential.take().unwrap_or_default());
+        Some(own)
+    }
+}
+
+impl From<Coordinates> for ModelConfig {
+    fn from(coordinates: Coordinates) -> Self {
+        Self::InertiaNetwork(InertiaNetworkConfig::new(coordinates))
+    }
+}

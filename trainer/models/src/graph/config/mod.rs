@@ -1,0 +1,129 @@
+//! `[model]` of the graph family: node types and edge types, and graphs of them.
+
+mod assemble;
+mod values;
+
+pub use values::{EdgeConfig, RodConfig, SeparationKind};
+
+use crate::architecture::Architecture;
+use crate::config::family::{FamilyConfig, NetworksBeside};
+use crate::config::fields;
+use crate::config::origin::Open;
+use crate::config::parts::NumberConfig;
+use crate::config::problem::ShapeError;
+use crate::laws::corrections::config::NoCorrections;
+use crate::laws::friction::config::NoFriction;
+use leastaction_core::network::Activation;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Node types, edge types, graphs of them, and the graph that the data is of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, tag = "family", rename = "graph")]
+pub struct GraphConfig {
+    /// Of space, 2 or 3.
+    #[serde(default = "plane", deserialize_with = "fields::dimension")]
+    pub dimension: u8,
+    /// The graph that the data is of; without it the only one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub graph: Option<String>,
+    /// What nodes there are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub node_types: Vec<NodeTypeConfig>,
+    /// What edges there are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub edge_types: Vec<EdgeTypeConfig>,
+    /// Graphs by their names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub graphs: BTreeMap<String, LayoutConfig>,
+    /// Not of graphs, whose node types have drag.
+    #[serde(default, skip_serializing)]
+    friction: NoFriction,
+    /// Not of graphs.
+    #[serde(default, skip_serializing)]
+    dissipation: NoCorrections,
+    /// The same.
+    #[serde(default, skip_serializing)]
+    potential: NoCorrections,
+}
+
+fn plane() -> u8 {
+    2
+}
+
+/// A node type: T = ½m|v|², V = g·x + network(x), Q = −(c + |network(v_i)|)v_i along each axis i.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NodeTypeConfig {
+    /// What it is called.
+    pub name: String,
+    /// m > 0, kg. (Default: 1.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<NumberConfig>,
+    /// g, N, one number for each dimension: a uniform field, which pulls with −g. (Default: none.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<NumberConfig<Vec<f64>>>,
+    /// Hidden units of a potential of the position. (Default: none.)
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
+    pub potential: Option<Vec<u16>>,
+    /// c ≥ 0, N s/m. (Default: none.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drag: Option<NumberConfig>,
+    /// Hidden units of a drag that is not proportional to the velocity. (Default: none.)
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
+    pub drag_network: Option<Vec<u16>>,
+    /// Of all hidden layers of the type. (Default: squareplus.)
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
+    pub activation: Option<Activation>,
+}
+
+/// An edge type: U = c₁z + c₂z² + network(z) of what it sees of its ends, z.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EdgeTypeConfig {
+    /// What it is called.
+    pub name: String,
+    /// z.
+    #[serde(default)]
+    pub sees: SeparationKind,
+    /// c₁ and c₂. (Default: none.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<NumberConfig<[f64; 2]>>,
+    /// Hidden units of a potential of z. (Default: none.)
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "fields::some_widths")]
+    pub potential: Option<Vec<u16>>,
+    /// Of the hidden layers. (Default: squareplus.)
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "fields::activation_name")]
+    pub activation: Option<Activation>,
+}
+
+/// A graph.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayoutConfig {
+    /// The type of every node, by name.
+    #[serde(default)]
+    pub nodes: Vec<String>,
+    /// What is learned between two nodes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub edges: Vec<EdgeConfig>,
+    /// What is known and keeps two nodes, or a node and the origin, apart.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rods: Vec<RodConfig>,
+}
+
+impl FamilyConfig for GraphConfig {
+    fn defaults() -> &'static str {
+        include_str!("../config.toml")
+    }
+
+    fn networks(&mut self) -> Option<NetworksBeside<'_>> {
+        None
+    }
+
+    fn beginning(&self, seed: u64, _open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        let architecture = self.assemble()?;
+        let weights = architecture.beginning(seed);
+        Ok((architecture.into(), weights))
+    }
+}

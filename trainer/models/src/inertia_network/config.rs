@@ -1,0 +1,207 @@
+//! `[model]` of inertia networks.
+
+use super::coordinates::Coordinates;
+use crate::architecture::Architecture;
+use crate::config::family::{FamilyConfig, NetworksBeside, Source};
+use crate::config::fields;
+use crate::config::origin::Open;
+use crate::config::origin::Origin;
+use crate::config::problem::{Problem, ShapeError};
+use crate::inertia_network::{InertiaNetworkArchitecture, largest_factor};
+use crate::laws::corrections::Corrections;
+use crate::laws::corrections::config::{DissipationConfig, Known, PotentialConfig, assemble};
+use crate::laws::friction::FrictionArchitecture;
+use crate::laws::friction::config::FrictionConfig;
+use leastaction_core::energy::inertia_network::Inertia;
+use leastaction_core::network::Activation;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The form of the inertia matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InertiaKind {
+    /// LLᵀ + εI.
+    Cholesky,
+    /// diag(softplus).
+    Diagonal,
+    /// BᵀB + εI.
+    Factor,
+}
+
+/// The shape of an inertia network.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InertiaNetworkConfig {
+    /// What each coordinate is.
+    pub coordinates: Coordinates,
+    /// Units of the hidden layers.
+    #[serde(default = "hidden", deserialize_with = "fields::widths")]
+    pub hidden: Vec<u16>,
+    /// Of the hidden layers.
+    #[serde(default = "activation", with = "fields::ActivationName")]
+    pub activation: Activation,
+    /// The inertia matrix; by default diagonal for one coordinate, Cholesky for two, else a factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<InertiaKind>,
+    /// Rows of the factor; by default as many as there can be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rows: Option<u8>,
+    /// ε of the Cholesky form and of the factor, ≥ 0.
+    #[serde(default = "epsilon", deserialize_with = "fields::epsilon")]
+    pub epsilon: f32,
+    /// Whether viscous damping is learned.
+    #[serde(default)]
+    pub damping: bool,
+    /// The run or model file, of any family, whose inertia, potential and friction training begins at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_from: Option<PathBuf>,
+    /// Friction of the coordinates, damping included.
+    #[serde(default, skip_serializing_if = "FrictionConfig::is_none")]
+    pub friction: FrictionConfig,
+    /// A network that dissipates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<DissipationConfig>,
+    /// A network that is added to the potential.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential: Option<PotentialConfig>,
+}
+
+fn hidden() -> Vec<u16> {
+    vec![24, 24]
+}
+
+fn activation() -> Activation {
+    Activation::Tanh
+}
+
+fn epsilon() -> f32 {
+    1e-9
+}
+
+impl InertiaNetworkConfig {
+    /// The defaults for these coordinates.
+    pub fn new(coordinates: Coordinates) -> Self {
+        Self {
+            coordinates,
+            hidden: hidden(),
+            activation: activation(),
+            inertia: None,
+            rows: None,
+            epsilon: epsilon(),
+            damping: false,
+            start_from: None,
+            friction: FrictionConfig::default(),
+            dissipation: None,
+            potential: None,
+        }
+    }
+
+    /// The shape of the model.
+    ///
+    /// # Errors
+    /// For rows that the factor cannot have, or rows of no factor; for friction that cannot be.
+    pub fn architecture(&self) -> Result<Architecture, ShapeError> {
+        let Self { coordinates, hidden, activation, damping, .. } = self;
+        let (n, plain) = (coordinates.0.len(), InertiaNetworkArchitecture::new(&coordinates.0, 0));
+        let inertia = match self.inertia {
+            None => plain.inertia.with_epsilon(self.epsilon),
+            Some(InertiaKind::Diagonal) => Inertia::Diagonal,
+            Some(InertiaKind::Cholesky) => Inertia::Cholesky { epsilon: self.epsilon },
+            Some(InertiaKind::Factor) => {
+                let rows = largest_factor(n).ok_or_else(|| self.bad_rows(Problem::TooManyForFactor { n }))?;
+                Inertia::Factor { rows, epsilon: self.epsilon }
+            }
+        };
+        let (friction, corrections) = self.laws()?;
+        let family = InertiaNetworkArchitecture {
+            widths: hidden.clone(),
+            activation: *activation,
+            inertia: self.with_rows(inertia)?,
+            damped: *damping,
+            ..plain
+        };
+        Ok(Architecture { family: family.into(), friction, corrections })
+    }
+
+    /// The friction of the coordinates, and the networks beside it.
+    fn laws(&self) -> Result<(FrictionArchitecture, Corrections), ShapeError> {
+        self.friction.check_damping("damping", self.damping)?;
+        let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
+        let known = Known { letters: &letters, common: letters.len() };
+        let friction = self.friction.assemble(letters.len(), "coordinate")?;
+        Ok((friction, assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?))
+    }
+
+    /// The same with the rows that are asked for.
+    fn with_rows(&self, inertia: Inertia) -> Result<Inertia, ShapeError> {
+        let n = self.coordinates.0.len();
+        match (inertia, self.rows) {
+            (inertia, None) => Ok(inertia),
+            (Inertia::Factor { rows: most, epsilon }, Some(rows)) => {
+                let least = u8::try_from(n).unwrap_or(u8::MAX);
+                if !(least..=most).contains(&rows) {
+                    return Err(self.bad_rows(Problem::Rows { rows, least, most }));
+                }
+                Ok(Inertia::Factor { rows, epsilon })
+            }
+            (_, Some(_)) => Err(self.bad_rows(Problem::RowsWithoutFactor)),
+        }
+    }
+
+    fn bad_rows(&self, problem: Problem) -> ShapeError {
+        let key = if self.rows.is_some() { "rows" } else { "inertia" };
+        ShapeError { place: vec!["model".into(), key.into()], problem }
+    }
+}
+
+impl FamilyConfig for InertiaNetworkConfig {
+    fn defaults() -> &'static str {
+        include_str!("config.toml")
+    }
+
+    fn files(&mut self) -> Vec<&mut PathBuf> {
+        self.start_from.iter_mut().collect()
+    }
+
+    fn networks(&mut self) -> Option<NetworksBeside<'_>> {
+        Some((&mut self.dissipation, &mut self.potential))
+    }
+
+    fn source(&self) -> Source {
+        if self.start_from.is_some() { Source::Energies } else { Source::Nothing }
+    }
+
+    fn origin(&self, open: Open) -> Result<Option<Origin>, ShapeError> {
+        let letters: String = self.coordinates.0.iter().map(|kind| kind.letter()).collect();
+        let read = |path: &PathBuf| Origin::read(path, &letters, open);
+        self.start_from.as_ref().map(read).transpose().map_err(|problem| problem.at(["start_from".into()]))
+    }
+
+    fn check(&self, open: Open) -> Result<(), ShapeError> {
+        self.architecture()?;
+        self.origin(open).map(|_| ())
+    }
+
+    /// The friction of the model to start from where no other is asked for; weights of the network are random.
+    fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        let mut architecture = self.architecture()?;
+        let Some(origin) = self.origin(open)? else {
+            let weights = architecture.initial_weights(seed);
+            return Ok((architecture, weights));
+        };
+        if self.friction.is_none() && !self.damping {
+            architecture.friction = origin.friction_to_learn();
+        } else {
+            origin.set_friction(&mut architecture.friction);
+        }
+        let mut weights = architecture.initial_weights(seed);
+        let damping = architecture
+            .family
+            .inertia_network()
+            .and_then(InertiaNetworkArchitecture::damping)
+            .unwrap_or_default();
+        weights.splice(damping.clone(), origin.damping().into_iter().take(damping.len()));
+        Ok((architecture, weights))
+    }
+}

@@ -1,0 +1,202 @@
+//! Learned inertia matrices: H(q) and V(q) from one network (SyMo, L-NODE, DeLaN).
+
+pub mod config;
+pub mod coordinates;
+
+use crate::family::Family;
+use crate::layers::random_layers;
+use crate::limits::DEPTH;
+use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork};
+use leastaction_core::forces::{System, Viscous};
+use leastaction_core::model::{InertiaNetworkHeader, Law, Laws, MAX_HIDDEN, ModelError};
+use leastaction_core::network::{Activation, Dense};
+use leastaction_core::scalar::Scalar;
+use leastaction_programs::energies::{Energies, InertiaNetworkEnergies};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// An inertia network over host weights: its type has the compiled sizes.
+pub type HostSystem<'w, S, const N: usize, const H: usize> =
+    System<InertiaNetwork<'w, <S as Scalar>::Weight, N, H, DEPTH>, Viscous<S, N>>;
+
+/// The shape of an inertia network.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InertiaNetworkArchitecture {
+    /// One letter a coordinate: `t` translation, `a` angle, `c` cyclic.
+    pub coordinates: String,
+    /// Units of the hidden layers.
+    pub widths: Vec<u16>,
+    /// Of the hidden layers.
+    pub activation: Activation,
+    /// Of the inertia matrix.
+    pub inertia: Inertia,
+    /// Whether viscous damping is learned.
+    pub damped: bool,
+}
+
+/// The rows of the largest factor B of an inertia matrix of n coordinates that a model file can hold: 2n − 1, but at most 254 entries
+/// beside V. `None` where it would have fewer than n.
+pub fn largest_factor(n: usize) -> Option<u8> {
+    let rows = (2 * n).saturating_sub(1).min(254 / n.max(1));
+    u8::try_from(rows).ok().filter(|_| rows >= n && n > 0)
+}
+
+impl InertiaNetworkArchitecture {
+    /// The default network for coordinates of these kinds: two tanh layers, H = softplus for one coordinate and LLᵀ + 1e-9 I for two,
+    /// as SyMo; BᵀB + 1e-9 I for more, as long as a file can hold it.
+    pub fn new(coordinates: &[Coordinate], width: u16) -> Self {
+        let epsilon = 1e-9;
+        let inertia = match (coordinates.len(), largest_factor(coordinates.len())) {
+            (1, _) => Inertia::Diagonal,
+            (3.., Some(rows)) => Inertia::Factor { rows, epsilon },
+            _ => Inertia::Cholesky { epsilon },
+        };
+        Self {
+            coordinates: coordinates.iter().map(|c| c.letter()).collect(),
+            widths: vec![width, width],
+            activation: Activation::Tanh,
+            inertia,
+            damped: false,
+        }
+    }
+
+    /// Calls `read` with the shape in the words of the model file.
+    pub(crate) fn with_header<T>(&self, read: impl FnOnce(InertiaNetworkHeader) -> T) -> T {
+        read(self.header())
+    }
+
+    /// The shape in the words of the model file.
+    pub fn header(&self) -> InertiaNetworkHeader<'_> {
+        let mut widths = [0; MAX_HIDDEN];
+        for (slot, width) in widths.iter_mut().zip(&self.widths) {
+            *slot = *width;
+        }
+        InertiaNetworkHeader {
+            coordinates: &self.coordinates,
+            widths,
+            activation: self.activation,
+            inertia: self.inertia,
+        }
+    }
+
+    /// The shape that a model file has.
+    pub(crate) fn from_header(header: &InertiaNetworkHeader, laws: Laws, _: &[f64]) -> Self {
+        Self {
+            coordinates: header.coordinates.to_owned(),
+            widths: header.widths.into_iter().take_while(|width| *width != 0).collect(),
+            activation: header.activation,
+            inertia: header.inertia,
+            damped: laws.contains(Law::Viscous),
+        }
+    }
+
+    /// Numbers in the weight block, damping included.
+    ///
+    /// # Errors
+    /// Where the shape is out of the format's range.
+    pub fn parameters(&self) -> Result<usize, ModelError> {
+        let damping = if self.damped { self.n() } else { 0 };
+        Ok(self.header().parameters()? + damping)
+    }
+
+    /// Inputs and outputs of every layer, first to last.
+    pub fn layers(&self) -> Vec<(usize, usize)> {
+        let header = self.header();
+        let mut sizes = vec![header.features()];
+        sizes.extend(self.widths.iter().map(|w| usize::from(*w)));
+        sizes.push(self.inertia.outputs(self.n()));
+        sizes.windows(2).map(|pair| (pair[0], pair[1])).collect()
+    }
+
+    /// Makes H well-conditioned, at the weights of the network.
+    fn condition(&self, weights: &mut [f64]) {
+        let (n, layers) = (self.n(), self.layers());
+        let Some((inputs, outputs)) = layers.last().copied() else { return };
+        let shrunk = match self.inertia {
+            Inertia::Diagonal => return,
+            Inertia::Cholesky { .. } => n..outputs - 1,
+            Inertia::Factor { .. } => 0..outputs - 1,
+        };
+        let start = weights.len().saturating_sub((inputs + 1) * outputs);
+        let Some(last) = weights.get_mut(start..) else { return };
+        for (i, j) in shrunk.flat_map(|i| (0..inputs).map(move |j| (i, j))) {
+            last[Dense::<f64>::position(inputs, outputs, i, j)] /= n.saturating_sub(1).max(1) as f64;
+        }
+        if let Inertia::Factor { .. } = self.inertia {
+            (0..n).for_each(|i| last[inputs * outputs + i * n + i] = 1.0);
+        }
+    }
+
+    /// Where damping is in the weight block, if there is any.
+    pub fn damping(&self) -> Option<Range<usize>> {
+        let start = self.header().parameters().ok().filter(|_| self.damped)?;
+        Some(start..start + self.n())
+    }
+
+    /// The system of this shape over a weight block.
+    ///
+    /// # Errors
+    /// Where the block or the compiled sizes do not fit.
+    pub fn system<'w, S: Scalar, const N: usize, const H: usize>(
+        &self,
+        weights: &'w [S::Weight],
+    ) -> Result<HostSystem<'w, S, N, H>, ModelError> {
+        self.header().system(self.laws(), weights)
+    }
+}
+
+impl Family for InertiaNetworkArchitecture {
+    fn n(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    fn laws(&self) -> Laws<'static> {
+        if self.damped { Laws::VISCOUS } else { Laws::NONE }
+    }
+
+    /// # Errors
+    /// [`ModelError::OutOfRange`] where a coordinate is of no kind, or the network has a width of 0.
+    fn energies(&self) -> Result<Box<dyn Energies>, ModelError> {
+        self.header().parameters()?;
+        let kinds = self.coordinates.chars().map(Coordinate::from_letter).collect::<Option<Vec<_>>>();
+        let kinds = kinds.ok_or(ModelError::OutOfRange { what: "coordinates" })?;
+        let widths: Vec<usize> = self.widths.iter().map(|width| usize::from(*width)).collect();
+        Ok(Box::new(InertiaNetworkEnergies::new(
+            kinds,
+            (&widths, self.activation),
+            self.inertia,
+            self.damped,
+        )))
+    }
+
+    /// Random weights: uniform with Glorot's variance, biases and damping zero. H is well-conditioned whatever the number of
+    /// coordinates, for a nearly singular one moves the mechanism by radians in a step: the weights of L below its diagonal are
+    /// divided by n − 1, since the condition of a random triangular matrix grows exponentially with n (Viswanath and Trefethen,
+    /// SIAM J. Matrix Anal. Appl. 19, 1998); those of B are too, and its bias is the unit matrix above zeros.
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let mut weights = random_layers(self.layers(), seed);
+        self.condition(&mut weights);
+        weights.extend(std::iter::repeat_n(0.0, if self.damped { self.n() } else { 0 }));
+        weights
+    }
+
+    fn project(&self, weights: &mut [f64]) {
+        let damping = self.damping().and_then(|own| weights.get_mut(own)).unwrap_or_default();
+        damping.iter_mut().for_each(|damping| *damping = damping.max(0.0));
+    }
+
+    fn coordinates(&self) -> String {
+        self.coordinates.clone()
+    }
+
+    fn mismatch(&self, data: usize) -> String {
+        let model = self.n();
+        format!(
+            "[model] coordinates names {model} coordinates, but the data has {data}; name every coordinate of q, in order"
+        )
+    }
+
+    fn networks(&self) -> Vec<Vec<usize>> {
+        vec![self.widths.iter().map(|width| usize::from(*width)).collect()]
+    }
+}

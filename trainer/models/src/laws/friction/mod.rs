@@ -1,0 +1,162 @@
+//! Friction beside a family's energies.
+
+pub mod config;
+
+use crate::bounds::Range;
+use crate::number::{Number, known_positions};
+use leastaction_core::forces::DryFriction;
+use leastaction_core::model::{FrictionNumber, Law, Laws, ModelError};
+use leastaction_programs::energies::{DryLaw, FrictionLaws};
+use serde::{Deserialize, Serialize};
+
+/// A learned width ε is between these, m/s or rad/s: a narrower one is as good as a jump at the steps that are learned from, a wider
+/// one is viscous damping.
+pub const WIDTHS: [f64; 2] = [0.02, 1.0];
+/// A learned c_load is below.
+pub const MOST_LOAD: f64 = 0.95;
+
+/// Numbers of one group of dry friction.
+const DRY_NUMBERS: usize = FrictionNumber::ALL.len();
+
+/// Friction of every group of coordinates, beside whatever forces the family has of its own:
+///
+/// Q = −(b v + (c + c_load (√(τ² + τ_s²) − τ_s)) tanh(v/ε)), N or N m.
+///
+/// Its numbers end the weight block as the laws of a model file do: b of every group, then c, c_load, τ_s and ε group after group.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrictionArchitecture {
+    /// b ≥ 0 of every group, N s/m or N m s/rad; empty where there is no viscous damping beside the family's own.
+    pub viscous: Vec<Number>,
+    /// c ≥ 0, 0 ≤ c_load < 1, τ_s > 0 and ε > 0 of every group, in the order of [`FrictionNumber::ALL`]; empty without dry friction.
+    pub dry: Vec<[Number; DRY_NUMBERS]>,
+}
+
+impl FrictionArchitecture {
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        self.viscous.is_empty() && self.dry.is_empty()
+    }
+
+    /// Those of a model file's laws that the family has not of its own, at the numbers that end the weight block; all are known.
+    pub(crate) fn from_laws(laws: Laws, own: Laws, groups: usize, weights: &[f64]) -> Self {
+        let known = |law: Law| laws.contains(law) && !own.contains(law);
+        let viscous = if known(Law::Viscous) { groups } else { 0 };
+        let dry = if known(Law::Coulomb) { groups } else { 0 };
+        let start = weights.len().saturating_sub(viscous + DRY_NUMBERS * dry);
+        let numbers: Vec<Number> =
+            weights.get(start..).unwrap_or_default().iter().copied().map(Number::known).collect();
+        let (viscous, dry) = numbers.split_at(viscous.min(numbers.len()));
+        Self { viscous: viscous.to_vec(), dry: dry.as_chunks().0.to_vec() }
+    }
+
+    /// The laws of a family of `own` laws with this friction beside them.
+    pub(crate) fn laws(&self, own: Laws<'static>) -> Laws<'static> {
+        let viscous = own.contains(Law::Viscous) || !self.viscous.is_empty();
+        match (viscous, self.dry.is_empty()) {
+            (true, true) => Laws::VISCOUS,
+            (true, false) => Laws::FRICTION,
+            (false, true) => Laws::NONE,
+            (false, false) => Laws::COULOMB,
+        }
+    }
+
+    /// Those of its own, for the host's programs: without the load where it is known to add nothing.
+    pub(crate) fn laws_beside(&self) -> FrictionLaws {
+        let grows = |[_, load, ..]: &[Number; DRY_NUMBERS]| load.learned || load.value != 0.0;
+        let dry = match (self.dry.is_empty(), self.dry.iter().any(grows)) {
+            (true, _) => DryLaw::None,
+            (false, false) => DryLaw::Unloaded,
+            (false, true) => DryLaw::Loaded,
+        };
+        FrictionLaws { viscous: !self.viscous.is_empty(), dry }
+    }
+
+    /// Refuses numbers for other groups than there are, and damping beside the family's own.
+    pub(crate) fn check(&self, own: Laws, groups: usize) -> Result<(), ModelError> {
+        let fits = |found: usize| found == 0 || found == groups;
+        let twice = own.contains(Law::Viscous) && !self.viscous.is_empty();
+        if fits(self.viscous.len()) && fits(self.dry.len()) && !twice {
+            return Ok(());
+        }
+        Err(ModelError::OutOfRange { what: "friction" })
+    }
+
+    /// All numbers, in the order of the weight block.
+    pub fn numbers(&self) -> impl Iterator<Item = Number> {
+        self.viscous.iter().chain(self.dry.iter().flatten()).copied()
+    }
+
+    /// The same with the numbers that end a weight block.
+    #[must_use]
+    pub fn with_numbers(mut self, weights: &[f64]) -> Self {
+        let start = weights.len().saturating_sub(self.count());
+        let numbers = self.viscous.iter_mut().chain(self.dry.iter_mut().flatten());
+        numbers
+            .zip(weights.get(start..).unwrap_or_default())
+            .for_each(|(number, value)| number.value = *value);
+        self
+    }
+
+    /// The same for more groups, of which the new ones have no friction.
+    #[must_use]
+    pub fn with_groups(mut self, groups: usize) -> Self {
+        const NONE: [Number; DRY_NUMBERS] =
+            [Number::known(0.0), Number::known(0.0), Number::known(1.0), Number::known(1.0)];
+        if !self.viscous.is_empty() {
+            self.viscous.resize(groups, Number::known(0.0));
+        }
+        if !self.dry.is_empty() {
+            self.dry.resize(groups, NONE);
+        }
+        self
+    }
+
+    /// Whether the scale of L is known without a force: by a force of friction that is known.
+    pub fn shows_scale(&self) -> bool {
+        let acts = |number: &Number| !number.learned && number.value != 0.0;
+        self.viscous.iter().any(acts) || self.dry.iter().any(|[constant, ..]| acts(constant))
+    }
+
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.viscous.len() + DRY_NUMBERS * self.dry.len()
+    }
+
+    /// The positions of those that are known, the first being at `start`.
+    pub(crate) fn fixed_positions(&self, start: usize) -> Vec<usize> {
+        known_positions(start, self.numbers())
+    }
+
+    /// The ranges of those that are learned.
+    pub(crate) fn ranges(&self, start: usize) -> Vec<(usize, Range)> {
+        let dry = self.dry.iter().flat_map(|_| FrictionNumber::ALL.map(range));
+        let ranges = self.viscous.iter().map(|_| Range::Positive).chain(dry);
+        let each = (start..).zip(self.numbers().zip(ranges));
+        each.filter(|(_, (number, _))| number.learned)
+            .map(|(position, (_, range))| (position, range))
+            .collect()
+    }
+}
+
+/// Where a learned number may be.
+fn range(number: FrictionNumber) -> Range {
+    match number {
+        FrictionNumber::Constant | FrictionNumber::Smoothing => Range::Positive,
+        FrictionNumber::Load => Range::Between(0.0, MOST_LOAD),
+        FrictionNumber::Width => Range::Between(WIDTHS[0], WIDTHS[1]),
+    }
+}
+
+/// The friction of one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoordinateFriction {
+    /// b, N s/m or N m s/rad.
+    pub viscous: f64,
+    /// Dry friction; `None` where the model has none.
+    pub dry: Option<DryFriction<f64>>,
+}
+
+/// Of a group's four numbers.
+pub(crate) fn dry_friction([constant, load, smoothing, width]: [f64; DRY_NUMBERS]) -> DryFriction<f64> {
+    DryFriction { constant, load, smoothing, width }
+}

@@ -1,0 +1,409 @@
+//! From a configuration to the shape of a model.
+
+use super::numbers::DEFAULTS;
+use super::source::Source;
+use super::{ElementConfig, ModularConfig, PairConfig, Problem, ShapeError, TransformKind, TypeConfig};
+use crate::architecture::Architecture;
+use crate::config::family::{FamilyConfig, NetworksBeside, Source as Begins};
+use crate::config::origin::Open;
+use crate::config::parts::Networks;
+use crate::config::problem::{check_count, check_name, list};
+use crate::family::Family;
+use crate::laws::corrections::Corrections;
+use crate::laws::corrections::config::{Known, assemble};
+use crate::laws::friction::FrictionArchitecture;
+use crate::limits::MAX_TREE_COORDINATES;
+use crate::modular::{ModularArchitecture, NamedTree, NamedType};
+use crate::number::Number;
+use leastaction_core::energy::List;
+use leastaction_core::energy::modular::{
+    Input, MAX_NETWORKS, MAX_TYPES, ModularShape, NetworkShape, PairInput, PairShape, SPACE, TransformShape,
+    TypeShape,
+};
+use leastaction_core::model::MAX_TREES;
+use leastaction_core::network::Activation;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Units of the hidden layer of a network that does not say.
+const WIDTH: u16 = 16;
+/// Coordinates of any tree of a model file at most.
+const MOST_COORDINATES: usize = 64;
+
+/// The shape of a model, and what of its weights is already trained.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assembled {
+    /// The shape; its first tree is the one that is trained.
+    pub architecture: ModularArchitecture,
+    /// The friction of the coordinates of its element types.
+    pub friction: FrictionArchitecture,
+    /// Networks beside both.
+    pub corrections: Corrections,
+    /// The numbers of those that come from a trained model, of the dissipation and of the potential; none of new ones.
+    pub trained_corrections: [Vec<f64>; 2],
+    /// The networks that come from a trained model, which are the first of the weight block.
+    trained: Vec<f64>,
+}
+
+impl Assembled {
+    /// The architecture, and the weights that training begins with.
+    fn beginning(self, seed: u64) -> (Architecture, Vec<f64>) {
+        let weights = self.initial_weights(seed);
+        let Self { architecture, friction, corrections, trained_corrections, .. } = self;
+        let architecture = Architecture { family: architecture.into(), friction, corrections };
+        let mut weights = architecture.with_laws(weights, seed);
+        architecture.corrections.put(&trained_corrections, &mut weights);
+        (architecture, weights)
+    }
+
+    /// The trained weights, random ones where there are none. Positions of equal shape begin equal.
+    fn initial_weights(&self, seed: u64) -> Vec<f64> {
+        let mut weights = self.architecture.initial_weights(seed);
+        weights.iter_mut().zip(&self.trained).for_each(|(weight, trained)| *weight = *trained);
+        for (from, to) in self.alike() {
+            if to.start >= self.trained.len() && from.end <= to.start {
+                weights.copy_within(from, to.start);
+            }
+        }
+        weights
+    }
+
+    /// Where the position network of each type is, after that of the first type whose network is of the same shape. If one of
+    /// the two began as a mirror image, no way down the loss would turn it round.
+    fn alike(&self) -> Vec<(Range<usize>, Range<usize>)> {
+        let shape = &self.architecture.shape;
+        let mut start = 0;
+        let networks: Vec<_> = shape
+            .networks
+            .iter()
+            .map(|network| {
+                let from = start;
+                start += network.parameters().unwrap_or(0);
+                (network, from..start)
+            })
+            .collect();
+        let position = |kind: &TypeShape| match kind.transform {
+            TransformShape::Network { position, .. } => networks.get(usize::from(position)),
+            TransformShape::Rod | TransformShape::Slide | TransformShape::Free => None,
+        };
+        let positions: Vec<_> = shape.types.iter().filter_map(position).collect();
+        let first = |(shape, place): &&(&NetworkShape, Range<usize>)| {
+            let (_, from) = positions.iter().find(|(other, _)| other == shape)?;
+            Some((from.clone(), place.clone()))
+        };
+        positions.iter().filter_map(first).collect()
+    }
+}
+
+impl FamilyConfig for ModularConfig {
+    fn defaults() -> &'static str {
+        include_str!("../config.toml")
+    }
+
+    fn files(&mut self) -> Vec<&mut PathBuf> {
+        self.from.iter_mut().collect()
+    }
+
+    fn networks(&mut self) -> Option<NetworksBeside<'_>> {
+        Some((&mut self.dissipation, &mut self.potential))
+    }
+
+    fn source(&self) -> Begins {
+        if self.from.is_some() { Begins::Weights } else { Begins::Nothing }
+    }
+
+    fn beginning(&self, seed: u64, open: Open) -> Result<(Architecture, Vec<f64>), ShapeError> {
+        Ok(self.assemble(open)?.beginning(seed))
+    }
+}
+
+impl ModularConfig {
+    /// The model that these types and trees are; reads the one to go on from, where there is one.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: what cannot be, and where.
+    pub fn assemble(&self, open: Open) -> Result<Assembled, ShapeError> {
+        let mut model = match &self.from {
+            None => Assembly { damped: true, ..Assembly::default() },
+            Some(file) => {
+                Assembly::of(&Source::read(file, open).map_err(|problem| problem.at(["from".into()]))?)
+            }
+        };
+        for (i, kind) in self.types.iter().enumerate() {
+            let twice = self.types.iter().take(i).any(|other| other.name == kind.name);
+            model.add_type(i, kind, twice)?;
+        }
+        if model.types.is_empty() {
+            return Err(Problem::NoTypes.at([]));
+        }
+        if let Some(pair) = &self.pair {
+            model.add_pair(pair).map_err(|problem| problem.at(["pair".into()]))?;
+        }
+        for (name, elements) in &self.trees {
+            model.add_tree(name, elements)?;
+        }
+        let damped = self
+            .types
+            .iter()
+            .filter_map(|kind| kind.damping)
+            .any(|damping| damping.learned || damping.value != 0.0);
+        self.friction.check_damping("damping", damped)?;
+        if !self.friction.is_none() {
+            model.take(self.friction.assemble(model.types.len(), "element type")?);
+        }
+        let chosen = self.chosen(&model).map_err(|problem| problem.at(["tree".into()]))?;
+        model.trees.swap(0, chosen);
+        model.check()?;
+        let mut assembled = model.finish();
+        self.correct(&mut assembled)?;
+        Ok(assembled)
+    }
+
+    /// Adds the networks that are given, in place of trained ones.
+    fn correct(&self, assembled: &mut Assembled) -> Result<(), ShapeError> {
+        let architecture = &assembled.architecture;
+        let (letters, common) = (architecture.coordinates(), architecture.header().fewest_coordinates());
+        let known = Known { letters: &letters, common };
+        let given = assemble(self.dissipation.as_ref(), self.potential.as_ref(), &known)?;
+        let [dissipation, potential] = &mut assembled.trained_corrections;
+        if given.dissipation.is_some() {
+            (assembled.corrections.dissipation, *dissipation) = (given.dissipation, Vec::new());
+        }
+        if given.potential.is_some() {
+            (assembled.corrections.potential, *potential) = (given.potential, Vec::new());
+        }
+        match assembled.corrections.networks().map(|network| network.coordinates.len()).max() {
+            Some(needed) if needed > common => {
+                let coordinate = needed as u64 - 1;
+                Err(Problem::NoCoordinate { coordinate, coordinates: common }.at(["trees".into()]))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The position of the tree that is trained.
+    fn chosen(&self, model: &Assembly) -> Result<usize, Problem> {
+        let known = || list(model.trees.iter().map(|tree| tree.name.as_str()));
+        let position = |name: &str| model.trees.iter().position(|tree| tree.name == name);
+        let only = if self.trees.len() == 1 { self.trees.keys().next() } else { None };
+        match self.tree.as_ref().or(only) {
+            Some(name) => {
+                position(name).ok_or_else(|| Problem::UnknownTree { name: name.clone(), known: known() })
+            }
+            None if model.trees.is_empty() => Err(Problem::NoTree),
+            // The first tree of a trained model is the one that it was trained on.
+            None if self.trees.is_empty() => Ok(0),
+            None => Err(Problem::WhichTree { known: known() }),
+        }
+    }
+}
+
+/// A model while it is put together.
+#[derive(Default)]
+struct Assembly {
+    networks: Networks,
+    types: Vec<(TypeShape, NamedType)>,
+    pair: Option<PairShape>,
+    coefficients: Option<[Number; 2]>,
+    /// Whether damping is the types' own.
+    damped: bool,
+    friction: FrictionArchitecture,
+    corrections: Corrections,
+    trained_corrections: [Vec<f64>; 2],
+    trees: Vec<NamedTree>,
+    /// Types that come from a trained model; they are the first.
+    old: usize,
+    trained: Vec<f64>,
+}
+
+impl Assembly {
+    fn of(source: &Source) -> Self {
+        let Source { architecture, friction, corrections, weights } = source;
+        let shape = &architecture.shape;
+        let types: Vec<_> = shape.types.iter().copied().zip(architecture.types.iter().cloned()).collect();
+        let mut trees = architecture.trees.clone();
+        if architecture.tree < trees.len() {
+            trees.swap(0, architecture.tree);
+        }
+        Self {
+            networks: Networks(shape.networks.iter().copied().collect()),
+            old: types.len(),
+            types,
+            pair: shape.pair,
+            coefficients: Some(architecture.coefficients),
+            damped: architecture.damped,
+            friction: friction.clone(),
+            corrections: corrections.clone(),
+            trained_corrections: corrections.split(weights).map(<[f64]>::to_vec),
+            trees,
+            trained: weights.get(..architecture.numbers_start()).unwrap_or_default().to_vec(),
+        }
+    }
+
+    /// Friction in place of what was, that of damping and dry friction which is given.
+    fn take(&mut self, friction: FrictionArchitecture) {
+        let FrictionArchitecture { viscous, dry } = friction;
+        if !viscous.is_empty() {
+            (self.damped, self.friction.viscous) = (false, viscous);
+        }
+        if !dry.is_empty() {
+            self.friction.dry = dry;
+        }
+    }
+
+    fn kind(&self, name: &str) -> Option<usize> {
+        self.types.iter().position(|(_, named)| named.name == name)
+    }
+
+    fn add_type(&mut self, i: usize, kind: &TypeConfig, twice: bool) -> Result<(), ShapeError> {
+        let at = |key: &str, problem: Problem| problem.at(["types".into(), i.into(), key.into()]);
+        let name = || kind.name.clone();
+        check_name(&kind.name).map_err(|problem| at("name", problem))?;
+        if twice {
+            return Err(at("name", Problem::Twice { name: name() }));
+        }
+        if let Some(old) = self.kind(&kind.name).filter(|old| *old < self.old) {
+            if let Some(key) = kind.shape_keys().find_map(|(key, given)| given.then_some(key)) {
+                return Err(at(key, Problem::Trained { key, name: name() }));
+            }
+            let (shape, named) = &mut self.types[old];
+            let numbers = kind.numbers(transform_of(shape), named.numbers);
+            named.numbers = numbers.map_err(|(key, problem)| at(key, problem))?;
+            return Ok(());
+        }
+        let transform = kind.transform.ok_or_else(|| at("name", Problem::NoTransform { name: name() }))?;
+        let learned = transform.input().is_some();
+        let networks = [("position", kind.position.is_some()), ("velocity", kind.velocity.is_some())];
+        if let Some((key, _)) = networks.into_iter().find(|(_, given)| *given && !learned) {
+            return Err(at(key, Problem::Meaningless { key, transform: transform.name() }));
+        }
+        let numbers = kind.numbers(transform, DEFAULTS).map_err(|(key, problem)| at(key, problem))?;
+        let shape = self.type_shape(kind, transform);
+        self.types.push((shape, NamedType { name: name(), numbers }));
+        Ok(())
+    }
+
+    fn type_shape(&mut self, kind: &TypeConfig, transform: TransformKind) -> TypeShape {
+        let activation = kind.activation.unwrap_or(Activation::Tanh);
+        let mut network =
+            |widths: &[u16], inputs, outputs| self.networks.add(widths, (inputs, outputs), activation);
+        let default = [WIDTH];
+        let transform = match (transform, transform.input()) {
+            (_, Some(input)) => {
+                let inputs = input.features();
+                let position = network(kind.position.as_deref().unwrap_or(&default), inputs, SPACE);
+                let velocity = kind.velocity.as_ref().map(|widths| network(widths, inputs, SPACE));
+                TransformShape::Network { position, velocity, input }
+            }
+            (TransformKind::Slide, None) => TransformShape::Slide,
+            (TransformKind::Free, None) => TransformShape::Free,
+            (_, None) => TransformShape::Rod,
+        };
+        TypeShape { transform, potential: kind.potential.as_ref().map(|widths| network(widths, SPACE, 1)) }
+    }
+
+    fn add_pair(&mut self, pair: &PairConfig) -> Result<(), Problem> {
+        if self.pair.is_some() {
+            return Err(Problem::Pair);
+        }
+        let input = PairInput::from(pair.input);
+        let widths = pair.hidden.clone().unwrap_or_else(|| vec![WIDTH]);
+        let activation = pair.activation.unwrap_or(Activation::Tanh);
+        let network = self.networks.add(&widths, (input.features(), 1), activation);
+        self.pair = Some(PairShape { network, input });
+        Ok(())
+    }
+
+    fn add_tree(&mut self, name: &str, elements: &[ElementConfig]) -> Result<(), ShapeError> {
+        let at = |problem: Problem| problem.at(["trees".into(), name.into()]);
+        check_name(name).map_err(at)?;
+        if elements.is_empty() {
+            return Err(at(Problem::EmptyTree));
+        }
+        let mut bytes = Vec::new();
+        let mut coordinates = 0;
+        for (e, element) in elements.iter().enumerate() {
+            let here = |problem: Problem| problem.at(["trees".into(), name.into(), e.into()]);
+            let (kind, parent) = self.element(e, element).map_err(here)?;
+            coordinates += self.types[kind].0.coordinates();
+            if coordinates > MOST_COORDINATES {
+                let (found, most) = (coordinates, MOST_COORDINATES);
+                return Err(here(Problem::TooMany { what: "coordinates in a tree", found, most }));
+            }
+            // Both fit: more types than a byte holds are refused, and elements have a coordinate each.
+            bytes.extend([kind as u8, parent as u8]);
+        }
+        let tree = NamedTree { name: name.to_owned(), elements: bytes };
+        match self.trees.iter_mut().find(|tree| tree.name == name) {
+            Some(old) => *old = tree,
+            None => self.trees.push(tree),
+        }
+        Ok(())
+    }
+
+    /// The type of an element, and 0 (the ground) or 1 + what it hangs from.
+    fn element(&self, e: usize, element: &ElementConfig) -> Result<(usize, usize), Problem> {
+        let kind = |name: &String| {
+            let known = || list(self.types.iter().map(|(_, named)| named.name.as_str()));
+            let what = "element type";
+            self.kind(name).ok_or_else(|| Problem::UnknownType { what, name: name.clone(), known: known() })
+        };
+        match element {
+            ElementConfig::Next(name) => {
+                let kind = kind(name)?;
+                let free = self.types[kind].0.transform == TransformShape::Free;
+                Ok((kind, if free { 0 } else { e }))
+            }
+            ElementConfig::On { kind: name, on } => match *on {
+                None => Ok((kind(name)?, 0)),
+                Some(on) if on < e as u64 => Ok((kind(name)?, on as usize + 1)),
+                Some(on) => Err(Problem::Parent { element: e, on }),
+            },
+        }
+    }
+
+    /// That the model file and this program hold it.
+    fn check(&self) -> Result<(), ShapeError> {
+        check_count("element types", "types", self.types.len(), MAX_TYPES)?;
+        let networks = "networks (positions, velocities, potentials, pair)";
+        check_count(networks, "types", self.networks.0.len(), MAX_NETWORKS)?;
+        check_count("trees", "trees", self.trees.len(), MAX_TREES)?;
+        let trained = self.trees.first();
+        let found = trained.map_or(0, |tree| {
+            let kinds = tree.elements.iter().step_by(2).filter_map(|kind| self.types.get(usize::from(*kind)));
+            kinds.map(|(shape, _)| shape.coordinates()).sum()
+        });
+        if (1..=MAX_TREE_COORDINATES).contains(&found) {
+            return Ok(());
+        }
+        let most = format!("1 to {MAX_TREE_COORDINATES}");
+        let name = trained.map_or("", |tree| tree.name.as_str());
+        Err(Problem::Size { found, most }.at(["trees".into(), name.into()]))
+    }
+
+    fn finish(self) -> Assembled {
+        let mut shape = ModularShape { networks: List::default(), types: List::default(), pair: self.pair };
+        let networks = shape.networks.slots.iter_mut().zip(&self.networks.0);
+        networks.for_each(|(slot, network)| *slot = Some(*network));
+        let types = shape.types.slots.iter_mut().zip(&self.types);
+        types.for_each(|(slot, (kind, _))| *slot = Some(*kind));
+        let types = self.types.into_iter().map(|(_, named)| named).collect();
+        let coefficients = self.coefficients.unwrap_or([Number::known(1.0); 2]);
+        let friction = self.friction.with_groups(shape.types.len());
+        let mut architecture = ModularArchitecture::new(shape, types, coefficients, self.trees);
+        architecture.damped = self.damped;
+        let Self { corrections, trained_corrections, trained, .. } = self;
+        Assembled { architecture, friction, corrections, trained_corrections, trained }
+    }
+}
+
+fn transform_of(shape: &TypeShape) -> TransformKind {
+    match shape.transform {
+        TransformShape::Network { input: Input::Angle, .. } => TransformKind::Angle,
+        TransformShape::Network { input: Input::Translation, .. } => TransformKind::Translation,
+        TransformShape::Network { input: Input::WrappedAngle, .. } => TransformKind::WrappedAngle,
+        TransformShape::Rod => TransformKind::Rod,
+        TransformShape::Slide => TransformKind::Slide,
+        TransformShape::Free => TransformKind::Free,
+    }
+}
