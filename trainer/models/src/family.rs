@@ -2,6 +2,7 @@
 
 use crate::bounds::Range;
 use crate::names::NumberName;
+use crate::source::{ConstantType, LoadedType};
 use crate::tree::LogCholesky;
 use leastaction_core::model::{Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
@@ -109,6 +110,15 @@ pub trait Family {
     fn shows_scale(&self) -> bool {
         false
     }
+
+    /// How a Rust program names a loaded model.
+    fn loaded_type(&self) -> LoadedType;
+
+    /// How a Rust program makes the energies of constants.
+    ///
+    /// # Errors
+    /// In words what can only be read from a file.
+    fn constant_type(&self) -> Result<ConstantType, &'static str>;
 
     /// Why free motion cannot be learned from, where it leaves a common factor of all masses open.
     fn open_gauge(&self) -> Option<OpenGauge> {

@@ -13,6 +13,7 @@ pub mod architecture;
 pub mod bodies;
 pub mod bounds;
 pub mod config;
+pub mod describe;
 pub mod family;
 pub mod file;
 pub mod forces;
@@ -34,8 +35,10 @@ pub mod precision;
 pub mod registry;
 pub mod rest;
 pub mod rollout;
+pub mod source;
 pub mod tree;
 pub mod urdf;
+mod words;
 
 pub use architecture::Architecture;
 pub use bodies::{ArmArchitecture, ArmBody, BodiesArchitecture, BodyNumbers, letters_of_joints};

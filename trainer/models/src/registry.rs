@@ -8,7 +8,7 @@ use std::ops::{Deref, DerefMut};
 
 /// Makes the enum of all families and what follows from the list alone: conversions, names, reading and writing headers.
 macro_rules! any_family {
-    ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty;)*) => {
+    ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
         /// A family, whichever it is.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         pub enum AnyFamily {

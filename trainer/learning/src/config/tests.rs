@@ -2,8 +2,7 @@ use super::*;
 use leastaction_core::energy::inertia_network::Coordinate;
 use leastaction_core::energy::inertia_network::Inertia;
 use leastaction_core::network::Activation;
-use leastaction_models::config::{Coordinates, InertiaKind, InertiaNetworkConfig};
-use leastaction_models::config::{FamilyConfig, ModelConfig};
+use leastaction_models::config::{Coordinates, FamilyConfig, InertiaKind, InertiaNetworkConfig, ModelConfig};
 
 fn parse(text: &str) -> Result<Config, ConfigError> {
     Config::parse(text, Path::new("c.toml"))
@@ -38,8 +37,8 @@ fn printed_defaults_are_the_defaults() {
 fn printed_keys_that_are_off_can_be_switched_on() {
     let is_key =
         |line: &str| line.split(" = ").next().is_some_and(|key| !key.is_empty() && !key.contains(' '));
-    // A model to start from must exist.
-    let is_of_this_text = |line: &&str| !line.starts_with("# start_from");
+    // A model to start from must exist, and rows are those of a factor.
+    let is_of_this_text = |line: &&str| !line.starts_with("# start_from") && !line.starts_with("# rows");
     let switched: String = InertiaNetworkConfig::defaults()
         .lines()
         .filter(is_of_this_text)

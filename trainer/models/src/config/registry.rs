@@ -4,13 +4,14 @@ use super::family::FamilyConfig;
 use crate::inertia_network::config::InertiaNetworkConfig;
 use crate::inertia_network::coordinates::Coordinates;
 use crate::list::with_families;
-use serde::de::Error;
+use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 use std::ops::{Deref, DerefMut};
 
 /// Makes the enum of all configurations, and what follows from the list alone.
 macro_rules! any_config {
-    ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty;)*) => {
+    ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
         /// `[model]` of a family, whichever it is.
         #[derive(Clone, Debug, PartialEq, Serialize)]
         #[serde(untagged)]
@@ -42,6 +43,21 @@ macro_rules! any_config {
             }
         }
 
+        impl Visitor<'_> for FamilyName {
+            type Value = &'static str;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the name of a family")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<&'static str, E> {
+                match name {
+                    $($name $(| $former)* => Ok($name),)*
+                    other => Err(E::unknown_variant(other, ModelConfig::FAMILIES)),
+                }
+            }
+        }
+
         impl ModelConfig {
             /// Names of all families.
             pub const FAMILIES: &[&str] = &[$($name),*];
@@ -51,10 +67,7 @@ macro_rules! any_config {
             /// # Errors
             /// Where it is none.
             pub fn read_family<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
-                match String::deserialize(from)?.as_str() {
-                    $($name $(| $former)* => Ok($name),)*
-                    other => Err(D::Error::unknown_variant(other, Self::FAMILIES)),
-                }
+                from.deserialize_str(FamilyName)
             }
 
             /// Reads `[model]` of the family of this name, without the name.
@@ -78,6 +91,9 @@ macro_rules! any_config {
         }
     };
 }
+
+/// Reads the name of a family, so that an error knows the place.
+struct FamilyName;
 
 with_families!(any_config);
 

@@ -4,7 +4,8 @@ use super::rust_source::{ForcesType, RUST_HEAD, write_forces, write_provenance};
 use super::rust_stepper::StepperType;
 use super::{Aligned, decode};
 use crate::Model;
-use leastaction_core::model::{Family, InertiaNetworkHeader, Law, Laws, ModelError, Parsed, parse};
+use crate::source::{ConstantType, listed};
+use leastaction_core::model::{Law, Laws, ModelError, Parsed, parse};
 use leastaction_core::scalar::Weights;
 use std::fmt::{self, Write};
 use thiserror::Error;
@@ -36,7 +37,7 @@ pub enum ConstantsError {
 pub fn rust_constants(bytes: &[u8]) -> Result<String, ConstantsError> {
     let (model, aligned) = (decode(bytes)?, Aligned::new(bytes));
     let parsed = parse(aligned.bytes())?;
-    let (kind, stepper) = (Kind::of(&parsed)?, StepperType::of(&model)?);
+    let (kind, stepper) = (constant_type(&model)?, StepperType::of(&model)?);
     if stepper.is_open() {
         return Err(ConstantsError::Unsupported {
             what: "an actuator of a model that was trained for no step",
@@ -48,65 +49,19 @@ pub fn rust_constants(bytes: &[u8]) -> Result<String, ConstantsError> {
     Ok(source)
 }
 
-/// What differs between families.
-struct Kind {
-    /// The type of the energies.
-    energies: &'static str,
-    /// What is named of their module.
-    module: &'static str,
-    /// The type of the shape.
-    header: &'static str,
-    /// The shape.
-    shape: String,
-    /// Units of the widest hidden layer, and hidden layers.
-    network: Option<[usize; 2]>,
-}
-
-impl Kind {
-    fn of(parsed: &Parsed) -> Result<Self, ConstantsError> {
-        let laws = parsed.header.laws;
-        if laws.contains(Law::Dissipation) || laws.contains(Law::Potential) {
-            return Err(ConstantsError::Unsupported { what: "a law of force with a network" });
-        }
-        let tree = |energies, module, header, shape: String| Self {
-            energies,
-            module,
-            header,
-            shape: shape.replace("bodies: [", "bodies: &["),
-            network: None,
-        };
-        Ok(match parsed.header.family {
-            Family::InertiaNetwork(header) => Self::inertia_network(&header),
-            Family::Bodies(header) => {
-                tree("PlanarBodies", "bodies::PlanarBodies", "BodiesHeader", format!("{header:?}"))
-            }
-            Family::Arm(header) => tree("ArmBodies", "arm::ArmBodies", "ArmHeader", format!("{header:?}")),
-            Family::Modular(_) => return Err(ConstantsError::Unsupported { what: "a tree of elements" }),
-            _ => return Err(ConstantsError::Unsupported { what: "a graph" }),
-        })
+/// The energies as constants.
+fn constant_type(model: &Model) -> Result<ConstantType, ConstantsError> {
+    let laws = model.architecture.laws();
+    if laws.contains(Law::Dissipation) || laws.contains(Law::Potential) {
+        return Err(ConstantsError::Unsupported { what: "a law of force with a network" });
     }
-
-    fn inertia_network(header: &InertiaNetworkHeader) -> Self {
-        let InertiaNetworkHeader { coordinates, widths, activation, inertia } = header;
-        let hidden: Vec<usize> =
-            widths.iter().take_while(|width| **width > 0).map(|width| usize::from(*width)).collect();
-        Self {
-            energies: "InertiaNetwork",
-            module: "inertia_network::{Inertia, InertiaNetwork}",
-            header: "InertiaNetworkHeader",
-            shape: format!(
-                "InertiaNetworkHeader {{ coordinates: {coordinates:?}, widths: {widths:?}, activation: Activation::{activation:?}, \
-                 inertia: Inertia::{inertia:?} }}"
-            ),
-            network: Some([hidden.iter().copied().max().unwrap_or(0), hidden.len()]),
-        }
-    }
+    model.architecture.family.constant_type().map_err(|what| ConstantsError::Unsupported { what })
 }
 
 fn write_source(
     to: &mut String,
     (model, parsed): (&Model, &Parsed),
-    (kind, stepper): (&Kind, &StepperType),
+    (kind, stepper): (&ConstantType, &StepperType),
 ) -> fmt::Result {
     let parameters = model.weights.len();
     writeln!(
@@ -132,7 +87,7 @@ fn write_source(
 fn write_imports(
     to: &mut String,
     (model, parsed): (&Model, &Parsed),
-    (kind, stepper): (&Kind, &StepperType),
+    (kind, stepper): (&ConstantType, &StepperType),
 ) -> fmt::Result {
     let forces = ForcesType::of(model).map_or("Viscous".to_owned(), |forces| forces.imports());
     let (mut forces, mut names): (Vec<_>, _) =
@@ -159,18 +114,9 @@ fn write_imports(
     writeln!(to, "{}", stepper.imports(&[]))
 }
 
-/// Names as a `use` has them.
-fn listed(mut names: Vec<&str>) -> String {
-    names.sort_unstable_by_key(|name| (*name != "self", *name));
-    match names[..] {
-        [name] => name.to_owned(),
-        _ => format!("{{{}}}", names.join(", ")),
-    }
-}
-
 /// Sizes, and the type of the system.
-fn write_type(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &Kind) -> fmt::Result {
-    let Kind { energies, network, .. } = kind;
+fn write_type(to: &mut String, (model, parsed): (&Model, &Parsed), kind: &ConstantType) -> fmt::Result {
+    let ConstantType { energies, network, .. } = kind;
     let kinds = model.architecture.coordinates();
     writeln!(to, "\n/// Coordinates; their kinds are `{kinds}` (t: translation, a: angle, c: cyclic).")?;
     writeln!(to, "pub const N: usize = {};", model.architecture.n())?;

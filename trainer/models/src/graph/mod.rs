@@ -1,16 +1,20 @@
 //! The shape of a graph of particles on the host.
 
 pub mod config;
+pub mod describe;
+pub mod types;
+
+pub use types::{GraphType, NamedGraph};
 
 use crate::family::{Family, OpenGauge, Parts};
 use crate::layers::{hidden, layers, random_layers};
 use crate::limits::{DEPTH, MAX_ELEMENT_UNITS};
 use crate::number::{Number, known_positions};
-use leastaction_core::constraints::Holonomic;
+use crate::source::{ConstantType, LoadedType};
 use leastaction_core::energy::graph::{
     Drag, EDGE_NUMBERS, Edge, GraphShape, Kinetic, MAX_NETWORKS, NodeShape, Potential, Types,
 };
-use leastaction_core::model::{GraphHeader, GraphLayout, Laws, MAX_GRAPHS, ModelError, Rod};
+use leastaction_core::model::{GraphHeader, GraphLayout, Laws, MAX_GRAPHS, ModelError};
 use leastaction_core::scalar::WeightFormat;
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, GraphEnergies};
@@ -24,59 +28,6 @@ const CORRECTION: f64 = 1e-3;
 
 /// Node and edge types over host weights.
 pub type HostTypes<'w, W, const D: usize> = Types<'w, W, D, MAX_NETWORKS, MAX_ELEMENT_UNITS, DEPTH>;
-
-/// The name and numbers of a node type or an edge type.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GraphType {
-    /// What it is called.
-    pub name: String,
-    /// In the order of the weight block: mass, drag, field, kinetic embedding, embedding of a node type; c₁ and c₂ of an edge type.
-    pub numbers: Vec<Number>,
-}
-
-impl GraphType {
-    /// Types by their names, separated by commas, with known numbers.
-    fn known(names: &str, numbers: &[f64], stride: usize) -> Vec<Self> {
-        let named = |(name, numbers): (&str, &[f64])| Self {
-            name: name.to_owned(),
-            numbers: numbers.iter().copied().map(Number::known).collect(),
-        };
-        names.split(',').zip(numbers.chunks_exact(stride)).map(named).collect()
-    }
-}
-
-/// A graph by its name.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NamedGraph {
-    /// What it is called.
-    pub name: String,
-    /// The type of every node.
-    pub nodes: Vec<u8>,
-    /// The edges.
-    pub edges: Vec<Edge>,
-    /// The rods, which are known and not learned.
-    pub rods: Vec<Rod>,
-}
-
-impl NamedGraph {
-    /// The largest distance in the list between two rods that share a node: the band of A M⁻¹ Aᵀ.
-    pub fn band(&self) -> usize {
-        let ends = |rod: &Rod| [rod.from, Some(rod.to)];
-        let share = |a: &Rod, b: &Rod| ends(a).iter().flatten().any(|end| ends(b).contains(&Some(*end)));
-        let later = |k: usize, rod: &Rod| self.rods.iter().skip(k + 1).rposition(|other| share(rod, other));
-        self.rods.iter().enumerate().filter_map(|(k, rod)| Some(later(k, rod)? + 1)).max().unwrap_or(0)
-    }
-
-    /// The rods as constraints in D dimensions.
-    pub fn constraints<const D: usize>(&self) -> Vec<Holonomic<f64, D>> {
-        self.rods.iter().map(Rod::constraint).collect()
-    }
-
-    fn from_layout(layout: &GraphLayout) -> Self {
-        let (name, nodes) = (layout.name.to_owned(), layout.nodes.to_vec());
-        Self { name, nodes, edges: layout.edges().collect(), rods: layout.rods().collect() }
-    }
-}
 
 /// The shape of a graph model: its types, its graphs, and the graph that is meant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -351,5 +302,31 @@ impl Family for GraphArchitecture {
 
     fn rods(&self) -> Result<Rods, ModelError> {
         Ok(Rods::new(self.dimension(), &self.graph()?.rods))
+    }
+
+    fn loaded_type(&self) -> LoadedType {
+        let graph = self.graphs.get(self.graph);
+        let (name, edges, rods) =
+            graph.map_or(("", 0, 0), |graph| (graph.name.as_str(), graph.edges.len(), graph.rods.len()));
+        let graphs: Vec<String> = self
+            .graphs
+            .iter()
+            .map(|graph| format!("({:?}, {}, {})", graph.name, graph.nodes.len(), graph.edges.len()))
+            .collect();
+        let constants = format!(
+            "/// Dimensions of space.\npub const DIMENSION: usize = {};\n/// Networks.\npub const K: usize = {};\n\
+             /// The graph.\npub const GRAPH: &str = {name:?};\n/// Its edges.\npub const EDGES: usize = {edges};\n\
+             /// Its rods.\npub const RODS: usize = {rods};\n/// All graphs in the file, their nodes and edges.\n\
+             pub const GRAPHS: [(&str, usize, usize); {}] = [{}];\n",
+            self.dimension(),
+            self.shape.networks.len(),
+            graphs.len(),
+            graphs.join(", ")
+        );
+        LoadedType { constants, ..LoadedType::new("GraphModel", "DIMENSION, K, H, L") }
+    }
+
+    fn constant_type(&self) -> Result<ConstantType, &'static str> {
+        Err("a graph")
     }
 }

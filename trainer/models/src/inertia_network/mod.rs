@@ -2,10 +2,12 @@
 
 pub mod config;
 pub mod coordinates;
+pub mod describe;
 
 use crate::family::Family;
 use crate::layers::random_layers;
 use crate::limits::DEPTH;
+use crate::source::{ConstantType, LoadedType};
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia, InertiaNetwork};
 use leastaction_core::forces::{System, Viscous};
 use leastaction_core::model::{InertiaNetworkHeader, Law, Laws, MAX_HIDDEN, ModelError};
@@ -198,5 +200,25 @@ impl Family for InertiaNetworkArchitecture {
 
     fn networks(&self) -> Vec<Vec<usize>> {
         vec![self.widths.iter().map(|width| usize::from(*width)).collect()]
+    }
+
+    fn loaded_type(&self) -> LoadedType {
+        LoadedType::new("InertiaNetworkModel", "N, H, L")
+    }
+
+    fn constant_type(&self) -> Result<ConstantType, &'static str> {
+        let InertiaNetworkHeader { coordinates, widths, activation, inertia } = self.header();
+        let hidden: Vec<usize> =
+            widths.iter().take_while(|width| **width > 0).map(|width| usize::from(*width)).collect();
+        Ok(ConstantType {
+            energies: "InertiaNetwork",
+            module: "inertia_network::{Inertia, InertiaNetwork}",
+            header: "InertiaNetworkHeader",
+            shape: format!(
+                "InertiaNetworkHeader {{ coordinates: {coordinates:?}, widths: {widths:?}, activation: Activation::{activation:?}, \
+                 inertia: Inertia::{inertia:?} }}"
+            ),
+            network: Some([hidden.iter().copied().max().unwrap_or(0), hidden.len()]),
+        })
     }
 }

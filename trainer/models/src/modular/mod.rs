@@ -1,11 +1,13 @@
 //! The shape of a tree of elements on the host.
 
 pub mod config;
+pub mod describe;
 
 use crate::family::{Family, OpenGauge, Parts};
 use crate::layers::{hidden, layers, random_layers};
 use crate::names::{NumberName, named};
 use crate::number::{Number, known_positions};
+use crate::source::{ConstantType, LoadedType};
 use leastaction_core::energy::modular::{
     ELEMENT_PARAMETERS, Input, ModularShape, NetworkShape, TransformShape, TypeShape,
 };
@@ -302,5 +304,26 @@ impl Family for ModularArchitecture {
         let found = self.trees.iter().position(|tree| tree.name == name);
         self.tree = found.unwrap_or(self.tree);
         found.is_some()
+    }
+
+    fn loaded_type(&self) -> LoadedType {
+        let header = self.header();
+        let trees: Vec<String> = header
+            .trees()
+            .map(|tree| format!("({:?}, {})", tree.name, tree.coordinates(&self.shape).unwrap_or(0)))
+            .collect();
+        let constants = format!(
+            "/// Element types.\npub const E: usize = {};\n/// The tree of elements.\npub const TREE: &str = {:?};\n\
+             /// All trees in the file, and their coordinates.\npub const TREES: [(&str, usize); {}] = [{}];\n",
+            self.types.len(),
+            self.tree_name(),
+            trees.len(),
+            trees.join(", ")
+        );
+        LoadedType { constants, ..LoadedType::new("ModularModel", "M, E, H, L") }
+    }
+
+    fn constant_type(&self) -> Result<ConstantType, &'static str> {
+        Err("a tree of elements")
     }
 }

@@ -1,7 +1,6 @@
 //! `leastaction inspect`.
 
 mod network;
-mod shape;
 mod target;
 
 use clap::Args;
@@ -11,11 +10,11 @@ use leastaction_core::forces::DryFriction;
 use leastaction_core::model::{CoordinateRange, FORMAT_VERSION, Interval};
 use leastaction_cost::{Cost, cost};
 use leastaction_learning::data::control_name;
+use leastaction_models::describe::Description;
 use leastaction_models::file::Precision;
 use leastaction_models::{Actuator, Model};
 use network::NetworkReport;
 use serde::Serialize;
-use shape::ShapeReport;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use target::{OnTarget, Target};
@@ -42,8 +41,11 @@ struct Report {
     model: PathBuf,
     family: &'static str,
     coordinates: Vec<&'static str>,
+    /// Tree or graph that coordinates and cost are of, where the file has several kinds.
+    #[serde(skip)]
+    part: Option<[String; 2]>,
     #[serde(flatten)]
-    shape: ShapeReport,
+    shape: Description,
     damping: Option<Vec<f64>>,
     /// Of every coordinate; empty without dry friction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -112,7 +114,8 @@ fn report(file: PathBuf, model: Model, flash_bytes: usize) -> Report {
         target: None,
         family: architecture.with_header(|header| header.name()),
         coordinates: architecture.coordinates().chars().map(kind).collect(),
-        shape: ShapeReport::of(architecture),
+        part: architecture.family.parts().map(|parts| [parts.what, parts.meant].map(str::to_owned)),
+        shape: Description::of(&architecture.family),
         damping: (!damping.is_empty() && damped).then_some(damping),
         dry_friction: friction.iter().filter_map(|friction| friction.dry).map(Into::into).collect(),
         dissipation: architecture
@@ -284,14 +287,8 @@ impl Report {
         } else {
             ["step, order 2", "step, order 4"]
         };
-        match &self.shape {
-            ShapeReport::InertiaNetwork { .. } | ShapeReport::Bodies { .. } | ShapeReport::Arm { .. } => {}
-            ShapeReport::Modular { tree, .. } => {
-                writeln!(f, "tree {tree}, of {} coordinates", self.coordinates.len())?;
-            }
-            ShapeReport::Graph { graph, .. } => {
-                writeln!(f, "graph {graph}, of {} coordinates", self.coordinates.len())?;
-            }
+        if let Some([what, name]) = &self.part {
+            writeln!(f, "{what} {name}, of {} coordinates", self.coordinates.len())?;
         }
         writeln!(
             f,

@@ -1,12 +1,14 @@
 //! The shape of a tree of rigid bodies on the host.
 
 pub mod config;
+pub mod describe;
 
-use super::letters_of_joints;
+use super::{letters_of_joints, tree_type};
 use crate::bounds::Range;
 use crate::family::{Family, OpenGauge};
 use crate::names::{NumberName, named};
 use crate::number::{Number, known_positions};
+use crate::source::{ConstantType, LoadedType};
 use leastaction_core::energy::bodies::{BODY_PARAMETERS, BodyParameters, GRAVITY_PARAMETERS, TreeBody};
 use leastaction_core::model::{BodiesHeader, Laws, ModelError};
 use leastaction_programs::energies::{BodiesEnergies, Energies};
@@ -141,6 +143,17 @@ impl Family for BodiesArchitecture {
         let zero = |number: Number| (!number.learned && number.value == 0.0).then_some(0.0);
         let known = energies.with_known(self.all_numbers().map(zero).collect());
         Ok(Box::new(known.ok_or(ModelError::OutOfRange { what: "numbers of bodies" })?))
+    }
+
+    fn loaded_type(&self) -> LoadedType {
+        LoadedType::new("BodiesModel", "N")
+    }
+
+    fn constant_type(&self) -> Result<ConstantType, &'static str> {
+        Ok(tree_type(
+            ["PlanarBodies", "bodies::PlanarBodies", "BodiesHeader"],
+            self.with_header(|header| format!("{header:?}")),
+        ))
     }
 }
 

@@ -1,12 +1,14 @@
 //! The shape of a tree of rigid bodies in space on the host.
 
 pub mod config;
+pub mod describe;
 
-use super::letters_of_joints;
+use super::{letters_of_joints, tree_type};
 use crate::bounds::Range;
 use crate::family::{Family, OpenGauge};
 use crate::names::{NumberName, named};
 use crate::number::{Number, known_positions};
+use crate::source::{ConstantType, LoadedType};
 use crate::tree::{Body, INERTIAL, Inertia, Joint as HostJoint, LogCholesky, Tree};
 use leastaction_core::energy::arm::{
     ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmParameters, BodyInertia, Joint, TreeBody,
@@ -252,6 +254,17 @@ impl Family for ArmArchitecture {
         }
         let energies = ArmEnergies::new(self.tree_bodies().zip(&self.bodies).map(joint).collect());
         Ok(Box::new(energies.map_err(ModelError::Tree)?))
+    }
+
+    fn loaded_type(&self) -> LoadedType {
+        LoadedType::new("ArmModel", "N")
+    }
+
+    fn constant_type(&self) -> Result<ConstantType, &'static str> {
+        Ok(tree_type(
+            ["ArmBodies", "arm::ArmBodies", "ArmHeader"],
+            self.with_header(|header| format!("{header:?}")),
+        ))
     }
 }
 

@@ -1,0 +1,40 @@
+//! Shapes of families in words.
+
+use crate::list::with_families;
+use crate::registry::AnyFamily;
+use crate::words::Describe;
+use serde::Serialize;
+use std::ops::Deref;
+
+/// Makes the enum of all descriptions.
+macro_rules! any_description {
+    ($($(#[$doc:meta])* $variant:ident: $name:literal $(| $former:literal)*, $get:ident, $shape:ty, $config:ty, $words:ty;)*) => {
+        /// A shape in words, of whichever family.
+        #[derive(Serialize)]
+        #[serde(untagged)]
+        pub enum Description {
+            $($(#[$doc])* $variant($words),)*
+        }
+
+        impl Description {
+            /// Describes a shape with the numbers that it begins with.
+            pub fn of(family: &AnyFamily) -> Self {
+                match family {
+                    $(AnyFamily::$variant(shape) => Self::$variant(shape.into()),)*
+                }
+            }
+        }
+
+        impl Deref for Description {
+            type Target = dyn Describe;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$variant(words) => words,)*
+                }
+            }
+        }
+    };
+}
+
+with_families!(any_description);
