@@ -4,6 +4,7 @@ use crate::cli::Failure;
 use crate::notes;
 use leastaction_learning::config::Config;
 use leastaction_learning::run::{ChoiceError, Chosen, Ending, Monitor, Plan, PlanError, Run, choose};
+use leastaction_learning::torques::SplitErrors;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -32,6 +33,9 @@ pub struct Report {
     pub train_loss: f64,
     /// Of the best weights.
     pub validation_loss: Option<f64>,
+    /// Of the best weights, where torques are the loss: how far off they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torques: Option<SplitErrors>,
     /// Of training.
     pub seconds: f64,
     /// The picture.
@@ -61,6 +65,7 @@ impl fmt::Display for Report {
             "best at iteration {}: training loss {:.3e}{validation}",
             self.best_iteration, self.train_loss
         )?;
+        self.torques.iter().try_for_each(|torques| writeln!(f, "torques: {torques}"))?;
         writeln!(f, "run in {}, loss curve in {}", self.run.display(), self.loss_curve.display())?;
         self.report.iter().try_for_each(|page| writeln!(f, "what it is worth: {}", page.display()))
     }
@@ -110,6 +115,7 @@ pub fn train(
         best_iteration: best.iteration,
         train_loss: best.train,
         validation_loss: best.validation,
+        torques: run.torque_errors(),
         seconds: run.seconds(),
         loss_curve: run.loss_curve(),
         report: run.report(),

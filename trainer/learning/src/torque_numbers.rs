@@ -2,10 +2,10 @@
 
 use crate::data::Dataset;
 use crate::torque::Samples;
-use crate::torque::fit::{Alone, Arm, Bodies, FitError, JointNumber, Learned, alone};
+use crate::torque::fit::{Alone, Arm, Bodies, FitError, JointNumber, JointNumbers, Learned, alone};
 use crate::torques::{arm, samples};
 use crate::windows::{Certainty, LearnedNumber, Shown};
-use leastaction_models::{Architecture, ArmArchitecture, Family, Model, NumberName};
+use leastaction_models::{Actuator, Architecture, ArmArchitecture, Family, Model, NumberName};
 use serde::Serialize;
 use std::fmt;
 
@@ -47,16 +47,23 @@ pub struct TorqueNumber {
 }
 
 /// Estimates of a model's numbers by logs that are filtered at so many Hz: of all bodies, rotors and friction that it has, and of the offsets of its drives;
-/// `None` where [`crate::torques::torque_errors`] has none either.
+/// `None` of another family, of an arm with networks, and where [`crate::torques::torque_errors`] has none either.
 pub fn torque_numbers(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueNumbers> {
     let architecture = &model.architecture;
     let (family, arm) = (architecture.family.arm()?, arm(model)?);
-    let samples = samples(&data.trajectories, (data.h, data.control_kind()), cut_off).ok()?;
+    let samples = samples(&data.trajectories, (data.h, data.control_kind()), &drives(model), cut_off).ok()?;
     let friction = &architecture.friction;
     let (viscous, dry) = (!friction.viscous.is_empty(), !friction.dry.is_empty());
     let load = arm.joints.iter().any(|joint| joint.load > 0.0);
-    let learned = Learned { bodies: Bodies::Free, viscous, coulomb: dry, load, ..Learned::default() };
+    let smoothing = |(i, joint): (usize, &JointNumbers)| (i, JointNumber::Smoothing, joint.smoothing);
+    let held = arm.joints.iter().enumerate().map(smoothing).collect();
+    let learned = Learned { bodies: Bodies::Free, viscous, coulomb: dry, load, held, ..Learned::default() };
     TorqueNumbers::of((architecture, family), &arm, (&samples, &learned)).ok()
+}
+
+/// The model's actuator without its offsets, which are estimated.
+fn drives(model: &Model) -> Actuator {
+    Actuator { offset: Vec::new(), ..model.facts.actuator.clone() }
 }
 
 impl TorqueNumbers {
@@ -179,6 +186,7 @@ fn names(
         JointNumber::Viscous => of(start + i),
         JointNumber::Coulomb => dry(*i, 0),
         JointNumber::Load => dry(*i, 1),
+        JointNumber::Smoothing => dry(*i, 2),
         JointNumber::Width => dry(*i, 3),
         JointNumber::Offset => {
             let unit = if letters.as_bytes().get(*i) == Some(&b't') { "N" } else { "N m" };

@@ -1,44 +1,110 @@
-//! The torques of an arm along logged motion, filtered.
+//! The torques that a model takes along logged motion, filtered.
 
 use crate::data::{Dataset, Rows, Trajectory};
-use crate::torque::fit::{Arm, JointNumbers, SOFTNESS, mean_nmse, squared_errors, variances};
+use crate::torque::fit::{Arm, JointNumbers, mean_nmse, squared_errors, variances};
 use crate::torque::{Preparation, SampleError, Samples};
 use crate::training;
+use crate::windows::Calibrated;
 use leastaction_core::forces::ControlKind;
-use leastaction_models::Model;
+use leastaction_models::{Actuator, Model};
+use serde::Serialize;
+use std::fmt;
 
 /// Time between samples, s: closer ones of a filtered motion say the same.
 const APART: f64 = 0.02;
 
-/// How far off the torques of an arm are.
-#[derive(Clone, Debug, PartialEq)]
+/// How far off the torques of a model are.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TorqueErrors {
-    /// Mean over joints of mean squared error over variance.
+    /// Mean over coordinates of mean squared error over variance.
     pub nmse: f64,
-    /// Root mean squared error of every joint, N m or N.
+    /// Root mean squared error of every coordinate, N m or N.
     pub rmse: Vec<f64>,
     /// Samples.
     pub samples: usize,
 }
 
-/// Torque errors of a model along logs that are filtered at so many Hz; `None` of another family, of an arm with networks or with friction
-/// whose growth with the load is smoothed otherwise, and where the logs have no torques or are too short.
+/// Torque errors of a model along logs that are filtered at so many Hz, by its inverse dynamics and by what its actuator makes of the logged commands.
+///
+/// `None` of a graph, where a coordinate is not driven or the model has no torque, and where the logs are too short or too coarse for the filter.
 pub fn torque_errors(model: &Model, data: &Dataset, cut_off: f64) -> Option<TorqueErrors> {
-    let arm = arm(model)?;
-    let samples = samples(&data.trajectories, (data.h, data.control_kind()), cut_off).ok()?;
-    Some(TorqueErrors::of(&arm, &samples))
+    if model.architecture.family.graph().is_some() || !drives_all(data) {
+        return None;
+    }
+    TorqueErrors::along(model, &data.trajectories, (data.h, data.control_kind()), cut_off)
+}
+
+/// Whether the command of every coordinate changes somewhere.
+fn drives_all(data: &Dataset) -> bool {
+    let controls = || data.trajectories.iter().filter_map(|trajectory| trajectory.u.as_ref());
+    let changes = |u: &Rows, i: usize| u.column(i).zip(u.column(i).skip(1)).any(|(a, b)| a != b);
+    (0..data.n).all(|i| controls().any(|u| i < u.width() && changes(u, i)))
 }
 
 impl TorqueErrors {
-    /// Those of an arm at samples.
-    pub(crate) fn of(arm: &Arm, samples: &Samples) -> Self {
-        let errors = squared_errors(&arm.torques(samples), samples);
-        let nmse = mean_nmse(&errors, &variances(samples));
-        Self { nmse, rmse: errors.into_iter().map(f64::sqrt).collect(), samples: samples.count() }
+    /// Those of a model along some trajectories of a step; `None` where there are no samples, or no torques.
+    pub(crate) fn along(
+        model: &Model,
+        trajectories: &[Trajectory],
+        step: (f64, ControlKind),
+        cut_off: f64,
+    ) -> Option<Self> {
+        let (n, actuator) = (model.n().max(1), &model.facts.actuator);
+        let samples = samples(trajectories, step, actuator, cut_off).ok()?;
+        let commands =
+            model.inverse_dynamics([&samples.q, &samples.v, &samples.a].map(Rows::as_flat)).ok()?;
+        let forces = commands.iter().enumerate().map(|(k, u)| actuator.output(k % n, *u));
+        let errors = squared_errors(&forces.collect::<Vec<f64>>(), &samples);
+        let nmse = mean_nmse(&errors, &variances(&samples));
+        let rmse = errors.into_iter().map(f64::sqrt).collect();
+        nmse.is_finite().then_some(Self { nmse, rmse, samples: samples.count() })
     }
 }
 
-/// The arm of a model. The log has τ less what its actuator adds.
+impl fmt::Display for TorqueErrors {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let rmse = self.rmse.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join(", ");
+        write!(
+            f,
+            "squared error over variance {:.4}, joint by joint {rmse} N m (root mean square)",
+            self.nmse
+        )
+    }
+}
+
+/// Torque errors of what was learned from and, where trajectories are held back, of those.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SplitErrors {
+    /// Of what was learned from.
+    pub train: TorqueErrors,
+    /// Of what was held back.
+    pub held_back: Option<TorqueErrors>,
+}
+
+impl SplitErrors {
+    /// Those of a model, the first so many trajectories being those that were learned from; `None` where [`torque_errors`] has none.
+    pub(crate) fn along(model: &Model, (data, training): (&Dataset, usize), cut_off: f64) -> Option<Self> {
+        let (train, held) = data.trajectories.split_at(training.min(data.trajectories.len()));
+        let of =
+            |part: &[Trajectory]| TorqueErrors::along(model, part, (data.h, data.control_kind()), cut_off);
+        Some(Self { train: of(train)?, held_back: of(held) })
+    }
+}
+
+impl fmt::Display for SplitErrors {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match &self.held_back {
+            Some(held) => write!(
+                f,
+                "squared error over variance {:.4}; of held-back trajectories {held}",
+                self.train.nmse
+            ),
+            None => self.train.fmt(f),
+        }
+    }
+}
+
+/// The arm of a model without networks. The log has τ less what its actuator adds.
 pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<Arm> {
     let family = architecture.family.arm()?;
     if !architecture.corrections.is_none() {
@@ -53,28 +119,29 @@ pub(crate) fn arm(Model { architecture, weights, facts, .. }: &Model) -> Option<
     for (joint, friction) in joints.iter_mut().zip(architecture.friction_of_coordinates(weights)) {
         joint.viscous = friction.viscous;
         let Some(dry) = friction.dry else { continue };
-        if dry.load != 0.0 && (dry.smoothing - SOFTNESS).abs() > 1e-6 {
-            return None;
-        }
-        (joint.coulomb, joint.load, joint.width) = (dry.constant, dry.load, dry.width);
+        (joint.coulomb, joint.load) = (dry.constant, dry.load);
+        (joint.width, joint.smoothing) = (dry.width, dry.smoothing);
     }
     let offsets = &facts.actuator.offset;
     joints.iter_mut().zip(offsets).for_each(|(joint, offset)| joint.offset = -offset);
     Some(Arm { tree, joints })
 }
 
-/// Those of all trajectories that are long enough.
+/// Filtered samples of all trajectories that are long enough, with the forces that an actuator makes of the logged commands.
 pub(crate) fn samples(
     trajectories: &[Trajectory],
     (h, control): (f64, ControlKind),
+    actuator: &Actuator,
     cut_off: f64,
 ) -> Result<Samples, SampleError> {
     let every = ((APART / h).round() as usize).max(1);
     let how = Preparation { step: h, cut_off, every, ..Preparation::default() };
     let mut all: Option<Samples> = None;
     let mut failure = SampleError::Short { duration: 0.0, margin: how.margin };
+    let drive = Calibrated { actuator: actuator.clone(), zeros: Vec::new() };
+    let force = |u: &Rows| drive.forces(u, h).unwrap_or_else(|| u.clone());
     for trajectory in trajectories {
-        let torques = trajectory.u.as_ref().map(|u| at_samples(u, control));
+        let torques = trajectory.u.as_ref().map(|u| at_samples(&force(u), control));
         let states = (&trajectory.q, trajectory.v.as_ref(), torques.as_ref());
         match (Samples::of_even(states, &how), all.as_mut()) {
             (Err(error), _) => failure = error,
@@ -85,9 +152,9 @@ pub(crate) fn samples(
     all.ok_or(failure)
 }
 
-/// Those of all trajectories that are long enough, as a loss over single samples takes them.
+/// Filtered samples as a loss over single samples takes them, where commands are forces.
 pub(crate) fn filtered(data: &Dataset, cut_off: f64) -> Result<training::Samples, SampleError> {
-    let own = samples(&data.trajectories, (data.h, data.control_kind()), cut_off)?;
+    let own = samples(&data.trajectories, (data.h, data.control_kind()), &Actuator::default(), cut_off)?;
     Ok(training::Samples::of_torques(&own, data.h))
 }
 

@@ -209,7 +209,7 @@ fn prepare(log: &mut Dataset, letters: &str, tell: Tell) {
     log.doubts(letters).iter().for_each(|doubt| tell(doubt.to_string()));
 }
 
-/// Errors of the torques of an arm, motion and torques filtered as training does by default.
+/// Errors of torques and what a log says of an arm by them, motion and torques filtered as training does by default.
 pub fn torques(model: &Model, log: &Dataset) -> Option<Torques> {
     let cut_off = TrainingConfig::default().cut_off;
     let TorqueErrors { nmse, rmse, .. } = torque_errors(model, log, cut_off)?;

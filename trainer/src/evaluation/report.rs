@@ -36,7 +36,7 @@ pub struct Report {
     /// Where the log has velocities and accelerations.
     #[serde(flatten)]
     pub acceleration: Option<Acceleration>,
-    /// Of arms.
+    /// Where every coordinate is driven.
     #[serde(flatten)]
     pub torques: Option<Torques>,
     /// Of steps in double precision; none on rods.
@@ -88,14 +88,14 @@ pub struct Acceleration {
     pub acceleration_unsolved: usize,
 }
 
-/// Errors of the torques of an arm, of motion and torques filtered alike.
+/// Errors of torques, of motion and torques filtered alike.
 #[derive(Serialize)]
 pub struct Torques {
     /// Mean over joints of mean squared error over variance.
     pub torque_nmse: f64,
     /// Root mean squared error of every joint, N m or N.
     pub torque_rmse: Vec<f64>,
-    /// What the log says alone of base parameters and friction.
+    /// What the log says alone of base parameters and friction, of an arm.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "rows_of")]
     pub torque_numbers: Option<TorqueNumbers>,
 }

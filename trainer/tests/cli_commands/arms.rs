@@ -54,6 +54,7 @@ fn trained() -> Bench {
     files.iter().for_each(|(name, text)| fs::write(bench.at(name), text).unwrap());
     let trained = bench.run("train robot.toml -o run").good();
     assert!(trained.stderr.contains("fitted to the torques of"), "{}", trained.stderr);
+    assert!(trained.stdout.contains("torques: squared error over variance"), "{}", trained.stdout);
     bench.run("export run -o m.postcard").good();
     bench
 }

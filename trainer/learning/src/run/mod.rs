@@ -51,9 +51,10 @@ pub use state::Row;
 pub use torques::{TorqueError, TorqueReport};
 pub use tried::Tried;
 
-use crate::checkpoint::{Best, Checkpoint, State};
+use crate::checkpoint::{Best, Checkpoint, State, Trained};
 use crate::config::TrainingConfig;
 use crate::lock::Lock;
+use crate::torques::SplitErrors;
 use crate::training::Progress;
 use error::stuck;
 use folder::{Folder, History};
@@ -161,6 +162,12 @@ impl Run {
     /// The best weights so far, with their losses.
     pub fn best(&self) -> &Best {
         &self.state.best
+    }
+
+    /// How far off the torques of the best model are; `None` where they are not what is learned from.
+    pub fn torque_errors(&self) -> Option<SplitErrors> {
+        let model = Trained::from(Checkpoint::new(&self.plan, &self.state)).model();
+        within(self.pool.as_ref(), || self.plan.torque_errors(&model))
     }
 
     /// The loss curve that [`Run::train`] draws.

@@ -15,13 +15,14 @@ use super::{TorqueReport, range, ringing, torques};
 use crate::checkpoint::{Checkpoint, State, Trained, open};
 use crate::config::{Config, OptimiserKind, TrainingConfig, TrainingLoss};
 use crate::data::Dataset;
+use crate::torques::SplitErrors;
 use crate::training::{LossKind, Progress};
 use crate::windows::{self, CalibrationLayout, Integrator, Noise, WindowLogs, first_guess};
 use checks::{check_coordinates, check_gauge, check_state_noise};
 use leastaction_core::discrete::Order;
 use leastaction_core::model::{CoordinateRange, TrainedStep};
-use leastaction_models::Architecture;
 use leastaction_models::config::{Origin, Source};
+use leastaction_models::{Architecture, Model};
 
 /// Everything that a run is determined by.
 pub struct Plan {
@@ -40,6 +41,8 @@ pub struct Plan {
     /// What a loss over windows learns from.
     pub(super) windows: Option<Windowed>,
     pub(super) stages: Vec<Stage>,
+    /// The logs by whose torques the model is judged, and how many it is learned from, where these are the loss.
+    driven: Option<(Dataset, usize)>,
     notices: Vec<Notice>,
 }
 
@@ -123,6 +126,7 @@ impl Plan {
             origin,
             windows,
             stages,
+            driven: (loss == TrainingLoss::Torque).then_some((data, training)),
             notices,
             config,
             architecture,
@@ -155,6 +159,12 @@ impl Plan {
     /// What the user should know.
     pub fn notices(&self) -> &[Notice] {
         &self.notices
+    }
+
+    /// How far off the torques of a trained model are; `None` where they are not what is learned from.
+    pub(super) fn torque_errors(&self, model: &Model) -> Option<SplitErrors> {
+        let (data, training) = self.driven.as_ref()?;
+        SplitErrors::along(model, (data, *training), self.config.training.cut_off)
     }
 
     /// How well an arm explains the torques that it was fitted to.
@@ -219,8 +229,7 @@ fn begin_windows(
         let fitted = torques::fitted((architecture, arm), &initial, (data, training), config)?;
         initial = fitted.weights;
         notices.push(Notice::Torques(fitted.report));
-        let begins = fitted.calibrated.iter();
-        initial.extend(begins.flat_map(|calibrated| windows.layout.initial_at(&calibrated.actuator)));
+        initial.extend(windows.layout.initial_at(&fitted.actuator));
     } else if let Some(stage) = stages.first() {
         let logs = WindowLogs::new(&data.split(training).0);
         initial = first_guess(architecture, &logs, initial, &*stage.objective)?;

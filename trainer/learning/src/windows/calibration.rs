@@ -38,6 +38,21 @@ impl Default for Calibration {
     }
 }
 
+impl Calibration {
+    /// The actuator of n coordinates by what is known of it; what is learned is that of an ideal one.
+    pub fn known_actuator(&self, n: usize) -> Actuator {
+        let known = |setting: Setting, ideal: f64| match setting {
+            Setting::Known(number) => number,
+            Setting::Learned => ideal,
+        };
+        Actuator {
+            gain: vec![known(self.gain, 1.0); n],
+            offset: vec![known(self.offset, 0.0); n],
+            delay: known(self.delay, 0.0),
+        }
+    }
+}
+
 /// A learned z is expected to be of this size, m or rad.
 const ZERO_SIZE: f64 = 0.05;
 /// A learned g to be this near to 1.

@@ -11,8 +11,8 @@ use common::tree;
 use leastaction_data::Rows;
 use leastaction_learning::torque::Samples;
 use leastaction_learning::torque::fit::{
-    Arm, Bodies, JOINT, JointNumbers, Learned, Shown, alone, fit, fit_by_folds, mean_nmse, squared_errors,
-    variances,
+    Arm, Bodies, JOINT, JointNumber, JointNumbers, Learned, SOFTNESS, Shown, alone, fit, fit_by_folds,
+    mean_nmse, squared_errors, variances,
 };
 use leastaction_learning::torque::linear::{BaseParameters, Design, Terms};
 use leastaction_models::tree::{INERTIAL, Inertia, LogCholesky, Tree};
@@ -21,10 +21,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 const JOINTS: [[f64; JOINT]; 4] = [
-    [0.1, 0.3, 0.5, 0.1, 0.1, 0.2],
-    [0.2, 0.2, 0.4, 0.05, 0.2, -0.1],
-    [0.3, 0.1, 0.3, 0.0, 0.3, 0.0],
-    [0.4, 0.4, 0.2, 0.15, 0.15, 0.3],
+    [0.1, 0.3, 0.5, 0.1, 0.1, 0.2, SOFTNESS],
+    [0.2, 0.2, 0.4, 0.05, 0.2, -0.1, SOFTNESS],
+    [0.3, 0.1, 0.3, 0.0, 0.3, 0.0, SOFTNESS],
+    [0.4, 0.4, 0.2, 0.15, 0.15, 0.3, SOFTNESS],
 ];
 
 fn arm(tree: Tree) -> Arm {
@@ -67,9 +67,49 @@ fn an_arm_is_found_again_with_its_friction() {
     let pairs = [&found.arm.tree, &truth.tree].map(|tree| base.values(&tree.parameters()));
     pairs[0].iter().zip(&pairs[1]).for_each(|(a, b)| assert!((a - b).abs() < 0.01, "{a} {b}"));
     assert!(found.arm.tree.bodies().iter().all(|body| body.inertia.consistency() > 0.0));
-    assert_eq!(found.parameters, 5 * INERTIAL + 4 * JOINT);
+    // The smoothing is known.
+    assert_eq!(found.parameters, 5 * INERTIAL + 4 * (JOINT - 1));
     // Of every joint all but the rotor, which may be part of a base parameter already.
-    assert_eq!(found.rank, base.count() + 4 * (JOINT - 1));
+    assert_eq!(found.rank, base.count() + 4 * (JOINT - 2));
+}
+
+#[test]
+fn known_friction_stays_and_the_rest_is_found() {
+    let mut truth = arm(tree(3));
+    truth.joints.iter_mut().zip([0.1, 0.5, 1.0, 2.0]).for_each(|(joint, s)| joint.smoothing = s);
+    let mut held = vec![
+        (0, JointNumber::Coulomb, 0.5),
+        (1, JointNumber::Load, 0.05),
+        (2, JointNumber::Width, 0.3),
+        (3, JointNumber::Viscous, 0.4),
+    ];
+    let smoothing = truth.joints.iter().enumerate();
+    held.extend(smoothing.map(|(i, joint)| (i, JointNumber::Smoothing, joint.smoothing)));
+    let (train, test) = (samples(&truth, 300, 1e-3, 1), samples(&truth, 100, 0.0, 2));
+    let error = |held: &[(usize, JointNumber, f64)]| {
+        let learned = Learned { held: held.to_vec(), ..Learned::default() };
+        let found = fit(&near(&truth.tree), &train, &learned, 1e-3).unwrap();
+        for (joint, number, value) in held {
+            assert_eq!(found.arm.joints[*joint].array()[*number as usize], *value);
+        }
+        let errors = squared_errors(&found.arm.torques(&test), &test);
+        (mean_nmse(&errors, &variances(&test)), found)
+    };
+    let (known, found) = error(&held);
+    assert!(known < 1e-6, "{known}");
+    assert_eq!(found.parameters, 5 * INERTIAL + 4 * (JOINT - 1) - 4);
+    for (found, truth) in found.arm.joints.iter().zip(&truth.joints) {
+        for (found, truth) in found.array().iter().zip(truth.array()).skip(1) {
+            assert!((found - truth).abs() < 0.01, "{found} {truth}");
+        }
+    }
+    // Another smoothing is another law.
+    let (usual, _) = error(&held[..4]);
+    assert!(usual > 2.0 * known, "{usual} {known}");
+    // A smoothing is learned as well as the rest, where friction grows with the load.
+    let learned = Learned { smoothing: [1e-3, 1e2], ..Learned::default() };
+    let found = fit(&near(&truth.tree), &train, &learned, 1e-3).unwrap();
+    assert!((found.arm.joints[3].smoothing - 2.0).abs() < 0.1, "{:?}", found.arm.joints[3]);
 }
 
 #[test]
@@ -188,10 +228,12 @@ proptest! {
     #[test]
     fn friction_solves_its_equation_and_has_its_slopes(
         bodies in -30.0..30.0, v in -2.0..2.0, a in -5.0..5.0, load in 0.0..0.9, width in 0.05..0.5,
+        smoothing in 0.05..2.0,
     ) {
-        let joint = JointNumbers { rotor: 0.2, viscous: 0.3, coulomb: 0.4, load, width, offset: 0.6 };
+        let joint =
+            JointNumbers { rotor: 0.2, viscous: 0.3, coulomb: 0.4, load, width, offset: 0.6, smoothing };
         let tau = joint.torque(bodies, v, a) - joint.offset;
-        let size = tau.hypot(leastaction_learning::torque::fit::SOFTNESS) - leastaction_learning::torque::fit::SOFTNESS;
+        let size = tau.hypot(smoothing) - smoothing;
         let friction = 0.3 * v + (0.4 + load * size) * (v / width).tanh();
         prop_assert!((tau - (bodies + 0.2 * a + friction)).abs() < 1e-9 * (1.0 + tau.abs()), "{tau}");
         let (value, gain, slopes) = joint.slopes(bodies, v, a);
@@ -215,7 +257,7 @@ fn what_samples_say_alone_has_errors_of_its_size_and_leaves_the_prior_out() {
     let found = alone(&near(&truth.tree), &train, &learned).unwrap();
     let other = alone(&near(&near(&truth.tree)), &train, &learned).unwrap();
     let numbers = found.of_model(&truth.tree.parameters(), &truth.joints);
-    assert_eq!(numbers.len(), found.base.count() + 4 * (JOINT - 1));
+    assert_eq!(numbers.len(), found.base.count() + 4 * (JOINT - 2));
     for ((found, other), truth) in found.estimates.iter().zip(&other.estimates).zip(&numbers) {
         if let Shown::Within(error) = found.shown {
             assert!((found.value - truth).abs() < 5.0 * error && error < 0.3, "{found:?} {truth}");

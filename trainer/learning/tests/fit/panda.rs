@@ -96,7 +96,16 @@ pub fn arm(load: Option<Inertia>) -> Arm {
         parameters[60..70].iter_mut().zip(load.0).for_each(|(own, more)| *own += more);
         tree = tree.with_parameters(&parameters);
     }
-    Arm { tree, joints: JOINTS.map(JointNumbers::of_array).into() }
+    let joint = |[rotor, viscous, coulomb, load, width, offset]: [f64; 6]| JointNumbers {
+        rotor,
+        viscous,
+        coulomb,
+        load,
+        width,
+        offset,
+        ..JointNumbers::default()
+    };
+    Arm { tree, joints: JOINTS.map(joint).into() }
 }
 
 /// A motion within its limits, of this period.

@@ -1,11 +1,11 @@
 //! Friction of a joint and what its sensor adds.
 
 /// Numbers of a coordinate beside its bodies.
-pub const JOINT: usize = 6;
+pub const JOINT: usize = 7;
 
 /// A joint's rotor and friction. The torque of its drive solves τ = τ_bodies + J a + b v + (c + l (√(τ² + s²) − s)) tanh(v/ε): friction grows with the
 /// load that the model itself predicts, never with a measured one. The log has τ + o.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointNumbers {
     /// J ≥ 0, reflected to the joint (kg m², kg).
     pub rotor: f64,
@@ -19,6 +19,15 @@ pub struct JointNumbers {
     pub width: f64,
     /// o (N m, N).
     pub offset: f64,
+    /// s > 0 (N m, N): below it a load counts by its square.
+    pub smoothing: f64,
+}
+
+impl Default for JointNumbers {
+    /// Neither rotor nor friction nor offset.
+    fn default() -> Self {
+        Self::of_array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, SOFTNESS])
+    }
 }
 
 /// The numbers of [`JointNumbers`], in order.
@@ -36,28 +45,31 @@ pub enum JointNumber {
     Width,
     /// o.
     Offset,
+    /// s.
+    Smoothing,
 }
 
 impl JointNumber {
     /// All of them.
     pub const ALL: [Self; JOINT] =
-        [Self::Rotor, Self::Viscous, Self::Coulomb, Self::Load, Self::Width, Self::Offset];
+        [Self::Rotor, Self::Viscous, Self::Coulomb, Self::Load, Self::Width, Self::Offset, Self::Smoothing];
 }
 
-/// s, of a load's size √(τ² + s²) − s (N m, N): smooth at 0, and below a tenth of a newton metre as good as none.
+/// The usual s of a load's size √(τ² + s²) − s (N m, N): smooth at 0, and below a tenth of a newton metre as good as none.
 pub const SOFTNESS: f64 = 0.1;
 
 impl JointNumbers {
     /// In the order of the fields.
     #[must_use]
     pub fn array(&self) -> [f64; JOINT] {
-        [self.rotor, self.viscous, self.coulomb, self.load, self.width, self.offset]
+        let Self { rotor, viscous, coulomb, load, width, offset, smoothing } = *self;
+        [rotor, viscous, coulomb, load, width, offset, smoothing]
     }
 
     /// See [`JointNumbers::array`].
     #[must_use]
-    pub fn of_array([rotor, viscous, coulomb, load, width, offset]: [f64; JOINT]) -> Self {
-        Self { rotor, viscous, coulomb, load, width, offset }
+    pub fn of_array([rotor, viscous, coulomb, load, width, offset, smoothing]: [f64; JOINT]) -> Self {
+        Self { rotor, viscous, coulomb, load, width, offset, smoothing }
     }
 
     /// The logged torque where bodies alone take `bodies`, at velocity v and acceleration a.
@@ -71,8 +83,8 @@ impl JointNumbers {
         let sign = (v / self.width).tanh();
         let rest = bodies + self.rotor * a + self.viscous * v + self.coulomb * sign;
         let k = self.load * sign;
-        let (rest, part) = (rest - k * SOFTNESS, 1.0 - k * k);
-        (rest + k * (rest * rest + part * SOFTNESS * SOFTNESS).sqrt()) / part
+        let (rest, part) = (rest - k * self.smoothing, 1.0 - k * k);
+        (rest + k * (rest * rest + part * self.smoothing * self.smoothing).sqrt()) / part
     }
 
     /// The logged torque, its derivative in `bodies`, and those in the numbers.
@@ -80,12 +92,14 @@ impl JointNumbers {
     pub fn slopes(&self, bodies: f64, v: f64, a: f64) -> (f64, f64, [f64; JOINT]) {
         let tau = self.drive(bodies, v, a);
         let sign = (v / self.width).tanh();
-        let root = tau.hypot(SOFTNESS);
-        let size = root - SOFTNESS;
+        let root = tau.hypot(self.smoothing);
+        let size = root - self.smoothing;
         let gain = 1.0 / (1.0 - self.load * sign * tau / root);
         let bend = -(v / (self.width * self.width)) * (1.0 - sign * sign);
         let width = (self.coulomb + self.load * size) * bend;
-        let numbers = [gain * a, gain * v, gain * sign, gain * sign * size, gain * width, 1.0];
+        let smoothing = self.load * sign * (self.smoothing / root - 1.0);
+        let numbers =
+            [gain * a, gain * v, gain * sign, gain * sign * size, gain * width, 1.0, gain * smoothing];
         (tau + self.offset, gain, numbers)
     }
 }

@@ -5,11 +5,13 @@
 
 mod alone;
 mod friction;
+mod learned;
 mod levenberg;
 mod problem;
 
 pub use alone::{Alone, Estimate, Shown, student};
 pub use friction::{JOINT, JointNumber, JointNumbers, SOFTNESS};
+pub use learned::{Bodies, Learned};
 
 use crate::torque::Samples;
 use crate::torque::linear::{Design, Terms};
@@ -17,54 +19,6 @@ use leastaction_models::tree::{INERTIAL, Tree};
 use problem::{Near, Problem, charts, regressors};
 use std::panic::resume_unwind;
 use thiserror::Error;
-
-/// What bodies may become.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bodies {
-    /// Bodies that can be: of positive definite pseudo-inertia.
-    Consistent,
-    /// Any numbers, as linear least squares gives them.
-    Free,
-    /// Those of the tree.
-    Known,
-}
-
-/// What is learned of bodies and joints.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Learned {
-    /// Of the bodies.
-    pub bodies: Bodies,
-    /// Bodies that are known whatever the others are, by their places in the tree.
-    pub known: Vec<usize>,
-    /// Rotor inertia ≥ 0.
-    pub rotors: bool,
-    /// Viscous friction ≥ 0.
-    pub viscous: bool,
-    /// Coulomb friction ≥ 0.
-    pub coulomb: bool,
-    /// Friction that grows with the load.
-    pub load: bool,
-    /// A constant offset of every logged torque.
-    pub offsets: bool,
-    /// The range of the width ε of tanh(v/ε); one number twice where it is known.
-    pub width: [f64; 2],
-}
-
-impl Default for Learned {
-    /// Consistent bodies, rotors, all friction, that grows with the load, offsets, widths from 0.02 to 1 rad/s.
-    fn default() -> Self {
-        Self {
-            bodies: Bodies::Consistent,
-            known: Vec::new(),
-            rotors: true,
-            viscous: true,
-            coulomb: true,
-            load: true,
-            offsets: true,
-            width: [0.02, 1.0],
-        }
-    }
-}
 
 /// An arm that predicts torques.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,9 +31,6 @@ pub struct Arm {
 
 /// Where a width starts, rad/s.
 const FIRST_WIDTH: f64 = 0.05;
-/// Most of a load that friction may take.
-const MOST_LOAD: f64 = 0.9;
-
 /// What cannot be fitted.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FitError {
@@ -264,26 +215,15 @@ impl<'a> Start<'a> {
         let joint = |i: usize| {
             let rotor = if learned.rotors { at(0, i).max(0.0) } else { 0.0 };
             let (viscous, coulomb) = (at(shift, i).max(0.0), at(shift + 1, i).max(0.0));
-            JointNumbers { rotor, viscous, coulomb, load: 0.0, width, offset: at(shift + 2, i) }.array()
+            let offset = at(shift + 2, i);
+            JointNumbers { rotor, viscous, coulomb, width, offset, ..JointNumbers::default() }.array()
         };
         let x: Vec<f64> = vec![0.0; bodies].into_iter().chain((0..n).flat_map(joint)).collect();
-        let all = f64::INFINITY;
-        let if_learned = |is_learned: bool, most: f64| if is_learned { most } else { 0.0 };
-        let load = if_learned(learned.load, MOST_LOAD);
-        let [rotor, viscous, coulomb, offset, body] = [
-            learned.rotors,
-            learned.viscous,
-            learned.coulomb,
-            learned.offsets,
-            learned.bodies != Bodies::Known,
-        ]
-        .map(|is_learned| if_learned(is_learned, all));
-        let dry = learned.coulomb || learned.load;
-        let width = if dry { learned.width } else { [width; 2] };
-        let joint = [[0.0, rotor], [0.0, viscous], [0.0, coulomb], [0.0, load], width, [-offset, offset]];
+        let body = if learned.bodies == Bodies::Known { 0.0 } else { f64::INFINITY };
         let of_body = |k: usize| if learned.known.contains(&(k / INERTIAL)) { 0.0 } else { body };
         let of_bodies = (0..bodies).map(|k| [-of_body(k), of_body(k)]);
-        let bounds: Vec<[f64; 2]> = of_bodies.chain((0..n).flat_map(|_| joint)).collect();
+        let bounds: Vec<[f64; 2]> =
+            of_bodies.chain((0..n).flat_map(|joint| learned.ranges(joint, width))).collect();
         let rotors = if learned.rotors { &numbers[..n] } else { &tree.rotors[..] };
         let linear = [&solution.numbers[..bodies], rotors].concat();
         let x = x.iter().zip(&bounds).map(|(x, [least, most]): (&f64, &[f64; 2])| x.clamp(*least, *most));

@@ -5,7 +5,9 @@ use super::network::{from_bodies, from_nothing};
 use super::panda::panda;
 use crate::task::TaskError;
 use leastaction_learning::torque::Samples;
-use leastaction_learning::torque::fit::{Bodies, Fitted, Learned as Numbers, fit, fit_by_folds, variances};
+use leastaction_learning::torque::fit::{
+    Bodies, Fitted, Learned as Numbers, SOFTNESS, fit, fit_by_folds, variances,
+};
 use leastaction_learning::torque::linear::{Design, Terms};
 use leastaction_models::tree::Tree;
 
@@ -63,6 +65,8 @@ pub(super) const WITHOUT_LOAD: Numbers = Numbers {
     load: false,
     offsets: true,
     width: [0.02, 1.0],
+    smoothing: [SOFTNESS; 2],
+    held: Vec::new(),
 };
 /// Of the whole arm (kg), from its data sheet, and of its links about their lines (m): the guess that is the prior where no inertia is known.
 const MASS: f64 = 18.0;

@@ -6,7 +6,7 @@ use super::models::{Learned, WITHOUT_LOAD, consistent};
 use crate::task::TaskError;
 use leastaction_core::energy::inertia_network::{Coordinate, Inertia};
 use leastaction_learning::torque::Samples;
-use leastaction_learning::torque::fit::{Arm, JointNumbers};
+use leastaction_learning::torque::fit::{Arm, JointNumbers, SOFTNESS};
 use leastaction_learning::training::{
     Covered, Levenberg, Objective, Samples as States, TorqueTerms, inverse_dynamics, network_start,
     torque_objective,
@@ -31,8 +31,15 @@ const HELD_BACK: usize = 0;
 /// Step of the samples, s; no loss of torques reads it.
 const STEP: f64 = 1e-3;
 /// Where friction begins that is not that of bodies.
-const FIRST: JointNumbers =
-    JointNumbers { rotor: 0.0, viscous: 0.1, coulomb: 0.1, load: 0.0, width: 0.05, offset: 0.0 };
+const FIRST: JointNumbers = JointNumbers {
+    rotor: 0.0,
+    viscous: 0.1,
+    coulomb: 0.1,
+    load: 0.0,
+    width: 0.05,
+    offset: 0.0,
+    smoothing: SOFTNESS,
+};
 
 /// A network, and numbers to begin with: its weights, then the offsets of the drives.
 type Beginning = (Architecture, Vec<f64>);
