@@ -24,7 +24,7 @@ done
 
 images=(inertia-network_2 inertia-network_4 modular_2 modular_4 graph_2 graph_4 bodies_2 bodies_4
     inertia-network-f16_2 inertia-network-dry_2 bodies-dry_2 bodies-dry_4 arm_2 arm_4)
-bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step)
+bare_images=(bare_acceleration bare_step bare_constant-acceleration bare_constant-step bare_stepper)
 case " ${boards[*]} ${images[*]} ${bare_images[*]} bare friction elementary " in
     *" ${only:-bare} "*) ;;
     *) printf -- '--only takes one of: %s\n' "${boards[*]} ${images[*]} ${bare_images[*]} bare friction elementary" >&2; exit 2 ;;

@@ -1,9 +1,13 @@
 use super::header::{MAX_TREE_COORDINATES, require};
-use super::{BodiesHeader, ModelError};
-use crate::energy::arm::{ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmParameters, BodyTree, TreeBody};
+use super::loaded::forces_of_coordinates;
+use super::{BodiesHeader, Laws, LoadForces, Model, ModelError, ParsedAs};
+use crate::energy::arm::{
+    ARM_GRAVITY_PARAMETERS, ARM_PARAMETERS, ArmBodies, ArmParameters, BodyTree, TreeBody,
+};
 use crate::energy::modular::TreeError;
 use crate::expected::expected;
-use crate::scalar::FileWeightFormat;
+use crate::forces::{System, Viscous};
+use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
 /// The shape of a tree of rigid bodies on joints in space.
@@ -58,6 +62,47 @@ impl<'a> ArmHeader<'a> {
         let (numbers, _) = expected(weights.get(ARM_GRAVITY_PARAMETERS..), &[]).as_chunks();
         let rounding = ROUNDING.iter().find(|(bits, _)| *bits == W::BITS).map_or(0.0, |(_, most)| *most);
         numbers.iter().try_for_each(|n| check(&ArmParameters::from_array(n.map(W::wide)), rounding))
+    }
+}
+
+/// A tree of N rigid bodies on joints in space.
+///
+/// `W` and `F` as of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+pub type ArmModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
+    Model<'a, System<ArmBodies<'a, W, N>, F>>;
+
+impl ArmHeader<'_> {
+    /// The system of this tree and these laws over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in
+    /// training.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the block or the compiled number of bodies does not fit, or the program has not all laws.
+    pub fn system<'w, W, S, F, const N: usize>(
+        &self,
+        laws: Laws,
+        weights: &'w [W],
+    ) -> Result<System<ArmBodies<'w, W, N>, F>, ModelError>
+    where
+        W: WeightFormat,
+        S: Scalar<Weight = W::Wide>,
+        F: LoadForces<'w, W, S, N>,
+    {
+        let (tree, needed, mut block) = (self.tree()?, self.parameters()?, weights);
+        let lagrangian = ArmBodies::take(&mut block, tree)
+            .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
+        Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
+    }
+}
+
+impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>> ArmModel<'a, N, W, F> {
+    /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        Self::read(bytes, F::knows, |parsed: &ParsedAs<ArmHeader, W>| {
+            Ok((parsed.shape.system(parsed.laws, parsed.weights)?, true))
+        })
     }
 }
 

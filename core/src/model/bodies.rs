@@ -1,10 +1,12 @@
-use super::ModelError;
 use super::header::{MAX_TREE_COORDINATES, require};
+use super::loaded::forces_of_coordinates;
+use super::{Laws, LoadForces, Model, ModelError, ParsedAs};
 use crate::energy::bodies::{
-    BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint, TreeBody, TreeError,
+    BODY_PARAMETERS, BodyParameters, BodyTree, GRAVITY_PARAMETERS, Joint, PlanarBodies, TreeBody, TreeError,
 };
 use crate::expected::expected;
-use crate::scalar::FileWeightFormat;
+use crate::forces::{System, Viscous};
+use crate::scalar::{FileWeightFormat, Scalar, WeightFormat};
 use serde::{Deserialize, Serialize};
 
 /// Dimensions of the space that the bodies of this format move in.
@@ -92,6 +94,47 @@ impl<'a> BodiesHeader<'a> {
         }
         let (numbers, _) = expected(weights.get(GRAVITY_PARAMETERS..), &[]).as_chunks();
         numbers.iter().try_for_each(|numbers| check(&BodyParameters::from_array(numbers.map(W::wide))))
+    }
+}
+
+/// A tree of N rigid bodies on joints in the plane.
+///
+/// `W` and `F` as of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+pub type BodiesModel<'a, const N: usize, W = f32, F = Viscous<f32, N>> =
+    Model<'a, System<PlanarBodies<'a, W, N>, F>>;
+
+impl BodiesHeader<'_> {
+    /// The system of this tree and these laws over a weight block in any scalar: f32 as shipped, f64 on the host, lanes in
+    /// training.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the block or the compiled number of bodies does not fit, or the program has not all laws.
+    pub fn system<'w, W, S, F, const N: usize>(
+        &self,
+        laws: Laws,
+        weights: &'w [W],
+    ) -> Result<System<PlanarBodies<'w, W, N>, F>, ModelError>
+    where
+        W: WeightFormat,
+        S: Scalar<Weight = W::Wide>,
+        F: LoadForces<'w, W, S, N>,
+    {
+        let (tree, needed, mut block) = (self.tree()?, self.parameters()?, weights);
+        let lagrangian = PlanarBodies::take(&mut block, tree)
+            .ok_or(ModelError::WeightCount { found: weights.len(), needed })?;
+        Ok(System { lagrangian, forces: forces_of_coordinates(laws, block)? })
+    }
+}
+
+impl<'a, const N: usize, W: FileWeightFormat, F: LoadForces<'a, W, f32, N>> BodiesModel<'a, N, W, F> {
+    /// Reads, validates and borrows a model file; `bytes` must be 4-aligned.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn load(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        Self::read(bytes, F::knows, |parsed: &ParsedAs<BodiesHeader, W>| {
+            Ok((parsed.shape.system(parsed.laws, parsed.weights)?, true))
+        })
     }
 }
 

@@ -1,6 +1,7 @@
-use super::ModelError;
 use super::header::{are_names, check_names, require};
+use super::{LawNumbers, Model, ModelError, ParsedAs};
 use crate::constraints::{Constrained, ConstraintError, Holonomic};
+use crate::discrete::rattle::Rattle;
 use crate::energy::graph::{Edge, Graph, GraphError, GraphShape, Types};
 use crate::expected::expected;
 use crate::scalar::{FileWeightFormat, Real, WeightFormat};
@@ -245,5 +246,51 @@ impl<'a> GraphHeader<'a> {
             require(graph.rods().all(length), "length of a rod")?;
             self.shape.check_graph(graph.nodes, graph.edges()).map_err(ModelError::Graph)
         })
+    }
+}
+
+/// A graph in `D` dimensions with its rods: at most `K` networks of at most `L` hidden layers of at most `H` units.
+///
+/// `W` as of an [`InertiaNetworkModel`](super::InertiaNetworkModel).
+pub type GraphModel<'a, const D: usize, const K: usize, const H: usize, const L: usize, W = f32> =
+    Model<'a, GraphSystem<'a, D, K, H, L, W>>;
+
+impl<'a, const D: usize, const K: usize, const H: usize, const L: usize, W: FileWeightFormat>
+    GraphModel<'a, D, K, H, L, W>
+{
+    /// Reads, validates and borrows a model file, and takes the graph called `name`, whose edges and rods are read into `edges`
+    /// and `rods`; `bytes` must be 4-aligned.
+    ///
+    /// # Errors
+    /// See [`ModelError`]; [`GraphError::TooManyEdges`](crate::energy::graph::GraphError) and `TooManyRods` where a list is too
+    /// short.
+    pub fn load(
+        bytes: &'a [u8],
+        name: &str,
+        edges: &'a mut [Edge],
+        rods: &'a mut [Holonomic<f32, D>],
+    ) -> Result<Self, ModelError> {
+        Self::read(
+            bytes,
+            |_| false,
+            |parsed: &ParsedAs<GraphHeader, W>| {
+                let header = parsed.shape;
+                // Graphs have their drag in their node types, and no other law yet.
+                LawNumbers::new(parsed.laws, parsed.weights, 0).finish()?;
+                let layout = header.layout(name)?;
+                let first = header.graphs().next().is_some_and(|first| first.name == name);
+                let graph = header.graph(layout, parsed.weights, edges)?;
+                Ok((GraphSystem { graph, rods: layout.constraints(rods)? }, first))
+            },
+        )
+    }
+
+    /// RATTLE with the step and the order that the model was trained with.
+    ///
+    /// # Errors
+    /// [`ModelError::NoStep`] where it was trained for none.
+    pub fn rattle<R: Real>(&self) -> Result<Rattle<R>, ModelError> {
+        let step = self.step()?;
+        Ok(Rattle::new(R::constant(step.h.into()), step.order))
     }
 }

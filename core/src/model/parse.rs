@@ -1,20 +1,19 @@
 //! Reading a file: what all families share, and of the shape only what the caller asks for, so that a firmware of one family
 //! holds no code for the others.
 
+use super::families::with_families;
 use super::header::sum;
 use super::{
-    ActuatorBytes, ArmHeader, BodiesHeader, CRC_BYTES, FORMAT_VERSION, Family, GraphHeader, Header,
-    InertiaNetworkHeader, Law, Laws, MAGIC, MAX_PADDING, ModelError, ModularHeader, PREFIX_BYTES, Section,
-    Sections, TrainedStep, TrainingRange, checksum,
+    ActuatorBytes, CRC_BYTES, FORMAT_VERSION, Family, Header, Law, Laws, MAGIC, MAX_PADDING, ModelError,
+    PREFIX_BYTES, Section, Sections, TrainedStep, TrainingRange, checksum,
 };
 use crate::expected::expected;
 use crate::scalar::{FileWeightFormat, Weights, f16};
 use serde::Deserialize;
 
-/// The shape of one family, as it stands in a file: [`InertiaNetworkHeader`], [`ModularHeader`], [`GraphHeader`],
-/// [`BodiesHeader`] or [`ArmHeader`].
+/// The shape of one family, as it stands in a file.
 pub trait ShapeHeader<'a>: Deserialize<'a> {
-    /// What the family is in a file, and what it is called.
+    /// Number of the family in a file, and its name.
     const FAMILY: (u32, &'static str);
 
     /// Numbers of the energies in the weight block.
@@ -26,35 +25,6 @@ pub trait ShapeHeader<'a>: Deserialize<'a> {
     /// Checks what the lengths do not say.
     fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError>;
 }
-
-macro_rules! shape_header {
-    ($header:ident, $number:literal, $name:literal, $coordinates:expr) => {
-        impl<'a> ShapeHeader<'a> for $header<'a> {
-            const FAMILY: (u32, &'static str) = ($number, $name);
-
-            fn parameters(&self) -> Result<usize, ModelError> {
-                self.parameters()
-            }
-
-            fn groups(&self) -> usize {
-                self.groups()
-            }
-
-            fn coordinates(&self) -> usize {
-                $coordinates(self)
-            }
-
-            fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
-                self.validate(weights)
-            }
-        }
-    };
-}
-shape_header!(InertiaNetworkHeader, 0, "inertia-network", InertiaNetworkHeader::n);
-shape_header!(ModularHeader, 1, "modular", ModularHeader::fewest_coordinates);
-shape_header!(GraphHeader, 2, "graph", |_: &Self| 0);
-shape_header!(BodiesHeader, 3, "bodies", BodiesHeader::n);
-shape_header!(ArmHeader, 4, "arm", ArmHeader::n);
 
 /// A validated file: its header and its weights, in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,16 +102,22 @@ struct Begun<'a> {
 ///
 /// `bytes` must be 4-aligned (as `#[repr(align(4))]` or a linker section gives it) and is borrowed, not copied.
 pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
-    let begun = begin(bytes)?;
-    match begun.family {
-        0 => either(begun, Family::InertiaNetwork),
-        1 => either(begun, Family::Modular),
-        2 => either(begun, Family::Graph),
-        3 => either(begun, Family::Bodies),
-        4 => either(begun, Family::Arm),
-        _ => Err(ModelError::Malformed),
-    }
+    any(begin(bytes)?)
 }
+
+macro_rules! any {
+    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal, $coordinates:expr;)*) => {
+        /// The file of whichever family.
+        fn any(begun: Begun) -> Result<Parsed, ModelError> {
+            match begun.family {
+                $($number => either(begun, Family::$variant),)*
+                _ => Err(ModelError::Malformed),
+            }
+        }
+    };
+}
+
+with_families!(any);
 
 /// With weights of whichever precision the block has.
 fn either<'a, H: ShapeHeader<'a>>(
@@ -175,14 +151,8 @@ pub(super) fn parse_knowing<'a, H: ShapeHeader<'a>, W: FileWeightFormat>(
     if begun.family == H::FAMILY.0 {
         return finish(&begun, knows);
     }
-    let names = [
-        InertiaNetworkHeader::FAMILY,
-        ModularHeader::FAMILY,
-        GraphHeader::FAMILY,
-        BodiesHeader::FAMILY,
-        ArmHeader::FAMILY,
-    ];
-    let found = names.iter().find(|(number, _)| *number == begun.family).ok_or(ModelError::Malformed)?;
+    let found =
+        Family::ALL.iter().find(|(number, _)| *number == begun.family).ok_or(ModelError::Malformed)?;
     Err(ModelError::OtherFamily { found: found.1 })
 }
 

@@ -1,5 +1,6 @@
 //! Writing a file, on the host: into the caller's memory, so that this needs no allocator either.
 
+use super::families::with_families;
 use super::section::{SECTION_HEAD, Section};
 use super::{CRC_BYTES, FORMAT_VERSION, Family, Header, Laws, MAGIC, PREFIX_BYTES, ShapeHeader, checksum};
 use core::fmt;
@@ -34,13 +35,7 @@ pub fn write<'m>(header: &Header, weights: &[u8], memory: &'m mut [u8]) -> Resul
     let mut file = File { memory, length: 0 };
     file.append(&MAGIC)?;
     file.append(&[FORMAT_VERSION])?;
-    match header.family {
-        Family::InertiaNetwork(shape) => file.energies(&shape)?,
-        Family::Modular(shape) => file.energies(&shape)?,
-        Family::Graph(shape) => file.energies(&shape)?,
-        Family::Bodies(shape) => file.energies(&shape)?,
-        Family::Arm(shape) => file.energies(&shape)?,
-    }
+    file.family(&header.family)?;
     if header.laws != Laws::NONE {
         file.section(Section::Forces, |file| file.laws(&header.laws))?;
     }
@@ -63,6 +58,20 @@ struct File<'m> {
     memory: &'m mut [u8],
     length: usize,
 }
+
+macro_rules! write_any {
+    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal, $coordinates:expr;)*) => {
+        impl File<'_> {
+            fn family(&mut self, family: &Family) -> Result<(), WriteError> {
+                match family {
+                    $(Family::$variant(shape) => self.energies(shape),)*
+                }
+            }
+        }
+    };
+}
+
+with_families!(write_any);
 
 impl<'m> File<'m> {
     fn append(&mut self, bytes: &[u8]) -> Result<(), WriteError> {

@@ -1,0 +1,90 @@
+//! The only list of families.
+
+use super::{
+    ArmHeader, BodiesHeader, GraphHeader, InertiaNetworkHeader, ModelError, ModularHeader, ShapeHeader,
+};
+use crate::scalar::FileWeightFormat;
+
+/// Calls a macro with all families: shape, number in a file, name, and the coordinates that every mechanism of a file has.
+macro_rules! with_families {
+    ($then:ident) => {
+        $then! {
+            /// Inertia matrix and potential from one network.
+            InertiaNetwork(InertiaNetworkHeader): 0, "inertia-network", InertiaNetworkHeader::n;
+            /// Trees of reusable elements.
+            Modular(ModularHeader): 1, "modular", ModularHeader::fewest_coordinates;
+            /// Particles with energies of nodes and edges.
+            Graph(GraphHeader): 2, "graph", |_: &Self| 0;
+            /// A tree of rigid bodies on joints in the plane.
+            Bodies(BodiesHeader): 3, "bodies", BodiesHeader::n;
+            /// A tree of rigid bodies on joints in space.
+            Arm(ArmHeader): 4, "arm", ArmHeader::n;
+        }
+    };
+}
+
+pub(super) use with_families;
+
+macro_rules! families {
+    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal, $coordinates:expr;)*) => {
+        /// A family of energies and its shape.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[non_exhaustive]
+        #[allow(clippy::large_enum_variant, reason = "read once, and there is no heap to box it on")]
+        pub enum Family<'a> {
+            $($(#[$doc])* $variant($header<'a>),)*
+        }
+
+        impl Family<'_> {
+            /// Numbers of all families in a file, and their names.
+            pub(super) const ALL: &'static [(u32, &'static str)] = &[$(($number, $name)),*];
+
+            /// Name of the family.
+            pub const fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$variant(_) => $name,)*
+                }
+            }
+
+            /// Groups of coordinates that laws have numbers of their own for: coordinates of inertia networks, of bodies and of arms,
+            /// element types of the modular one, node types of graphs.
+            pub fn groups(&self) -> usize {
+                match self {
+                    $(Self::$variant(shape) => shape.groups(),)*
+                }
+            }
+
+            /// Numbers in the weight block.
+            ///
+            /// # Errors
+            /// [`ModelError::OutOfRange`] for a shape that the format does not allow.
+            pub fn parameters(&self) -> Result<usize, ModelError> {
+                match self {
+                    $(Self::$variant(shape) => shape.parameters(),)*
+                }
+            }
+        }
+
+        $(impl<'a> ShapeHeader<'a> for $header<'a> {
+            const FAMILY: (u32, &'static str) = ($number, $name);
+
+            fn parameters(&self) -> Result<usize, ModelError> {
+                self.parameters()
+            }
+
+            fn groups(&self) -> usize {
+                self.groups()
+            }
+
+            fn coordinates(&self) -> usize {
+                $coordinates(self)
+            }
+
+            fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {
+                self.validate(weights)
+            }
+        })*
+    };
+}
+
+with_families!(families);
