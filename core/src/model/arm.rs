@@ -33,6 +33,11 @@ impl<'a> ArmHeader<'a> {
         self.n()
     }
 
+    /// Coordinates that every mechanism of a file has.
+    pub(super) fn common_coordinates(&self) -> usize {
+        self.n()
+    }
+
     /// The bodies in order, `None` for one whose joint does not exist.
     pub fn bodies(&self) -> impl Iterator<Item = Option<TreeBody>> + use<'a> {
         BodiesHeader::planar(self.bodies).bodies()

@@ -1,38 +1,16 @@
-//! The only list of families.
+//! A family, whichever it is.
 
-use super::{
-    ArmHeader, BodiesHeader, GraphHeader, InertiaNetworkHeader, ModelError, ModularHeader, ShapeHeader,
-};
+use super::{ModelError, ShapeHeader};
 use crate::scalar::FileWeightFormat;
 
-/// Calls a macro with all families: shape, number in a file, name, and the coordinates that every mechanism of a file has.
-macro_rules! with_families {
-    ($then:ident) => {
-        $then! {
-            /// Inertia matrix and potential from one network.
-            InertiaNetwork(InertiaNetworkHeader): 0, "inertia-network", InertiaNetworkHeader::n;
-            /// Trees of reusable elements.
-            Modular(ModularHeader): 1, "modular", ModularHeader::fewest_coordinates;
-            /// Particles with energies of nodes and edges.
-            Graph(GraphHeader): 2, "graph", |_: &Self| 0;
-            /// A tree of rigid bodies on joints in the plane.
-            Bodies(BodiesHeader): 3, "bodies", BodiesHeader::n;
-            /// A tree of rigid bodies on joints in space.
-            Arm(ArmHeader): 4, "arm", ArmHeader::n;
-        }
-    };
-}
-
-pub(super) use with_families;
-
 macro_rules! families {
-    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal, $coordinates:expr;)*) => {
+    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal;)*) => {
         /// A family of energies and its shape.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[non_exhaustive]
         #[allow(clippy::large_enum_variant, reason = "read once, and there is no heap to box it on")]
         pub enum Family<'a> {
-            $($(#[$doc])* $variant($header<'a>),)*
+            $($(#[$doc])* $variant(super::$header<'a>),)*
         }
 
         impl Family<'_> {
@@ -65,7 +43,7 @@ macro_rules! families {
             }
         }
 
-        $(impl<'a> ShapeHeader<'a> for $header<'a> {
+        $(impl<'a> ShapeHeader<'a> for super::$header<'a> {
             const FAMILY: (u32, &'static str) = ($number, $name);
 
             fn parameters(&self) -> Result<usize, ModelError> {
@@ -77,7 +55,7 @@ macro_rules! families {
             }
 
             fn coordinates(&self) -> usize {
-                $coordinates(self)
+                self.common_coordinates()
             }
 
             fn validate<W: FileWeightFormat>(&self, weights: &[W]) -> Result<(), ModelError> {

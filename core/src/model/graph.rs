@@ -182,6 +182,11 @@ impl<'a> GraphHeader<'a> {
         self.shape.nodes.len()
     }
 
+    /// Coordinates that every mechanism of a file has, by which laws may name them: none, since graphs have no such law.
+    pub(super) fn common_coordinates(&self) -> usize {
+        0
+    }
+
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })

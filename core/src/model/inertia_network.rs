@@ -69,6 +69,11 @@ impl<'a> InertiaNetworkHeader<'a> {
         self.n()
     }
 
+    /// Coordinates that every mechanism of a file has.
+    pub(super) fn common_coordinates(&self) -> usize {
+        self.n()
+    }
+
     /// The kinds of coordinates, which must be N.
     pub fn kinds<const N: usize>(&self) -> Result<[Coordinate; N], ModelError> {
         let mut kinds = [Coordinate::Cyclic; N];

@@ -7,6 +7,24 @@
 //! [`ModularModel`], [`GraphModel`], [`BodiesModel`] or [`ArmModel`]; [`parse`] reads a file of any of them on the host, and
 //! [`write`](fn@write) writes one.
 
+/// Calls a macro with all families, and is their only list: shape, number in a file, and name.
+macro_rules! with_families {
+    ($then:ident) => {
+        $then! {
+            /// Inertia matrix and potential from one network.
+            InertiaNetwork(InertiaNetworkHeader): 0, "inertia-network";
+            /// Trees of reusable elements.
+            Modular(ModularHeader): 1, "modular";
+            /// Particles with energies of nodes and edges.
+            Graph(GraphHeader): 2, "graph";
+            /// A tree of rigid bodies on joints in the plane.
+            Bodies(BodiesHeader): 3, "bodies";
+            /// A tree of rigid bodies on joints in space.
+            Arm(ArmHeader): 4, "arm";
+        }
+    };
+}
+
 mod actuator;
 mod arm;
 mod bodies;

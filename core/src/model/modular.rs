@@ -69,6 +69,11 @@ impl<'a> ModularHeader<'a> {
         self.shape.types.len()
     }
 
+    /// Coordinates that every mechanism of a file has.
+    pub(super) fn common_coordinates(&self) -> usize {
+        self.fewest_coordinates()
+    }
+
     /// Numbers in the weight block.
     pub fn parameters(&self) -> Result<usize, ModelError> {
         self.shape.parameters().ok_or(ModelError::OutOfRange { what: "number of weights" })

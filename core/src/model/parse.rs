@@ -1,7 +1,6 @@
 //! Reading a file: what all families share, and of the shape only what the caller asks for, so that a firmware of one family
 //! holds no code for the others.
 
-use super::families::with_families;
 use super::header::sum;
 use super::{
     ActuatorBytes, CRC_BYTES, FORMAT_VERSION, Family, Header, Law, Laws, MAGIC, MAX_PADDING, ModelError,
@@ -106,7 +105,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, ModelError> {
 }
 
 macro_rules! any {
-    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal, $coordinates:expr;)*) => {
+    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal;)*) => {
         /// The file of whichever family.
         fn any(begun: Begun) -> Result<Parsed, ModelError> {
             match begun.family {

@@ -1,6 +1,5 @@
 //! Writing a file, on the host: into the caller's memory, so that this needs no allocator either.
 
-use super::families::with_families;
 use super::section::{SECTION_HEAD, Section};
 use super::{CRC_BYTES, FORMAT_VERSION, Family, Header, Laws, MAGIC, PREFIX_BYTES, ShapeHeader, checksum};
 use core::fmt;
@@ -60,7 +59,7 @@ struct File<'m> {
 }
 
 macro_rules! write_any {
-    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal, $coordinates:expr;)*) => {
+    ($($(#[$doc:meta])* $variant:ident($header:ident): $number:literal, $name:literal;)*) => {
         impl File<'_> {
             fn family(&mut self, family: &Family) -> Result<(), WriteError> {
                 match family {

@@ -61,19 +61,22 @@ pub struct Cost {
 /// The cost of models of this shape.
 ///
 /// # Errors
-/// Where there is no such graph.
+/// Where there is no such graph; [`ModelError::OtherFamily`] of a family that nobody has counted.
 pub fn cost(architecture: &Architecture) -> Result<Cost, ModelError> {
+    if let Some(graph) = architecture.family.graph() {
+        return graph::cost(graph);
+    }
     let bytes = Bytes::of(architecture.n());
     let evaluations = match &architecture.family {
         AnyFamily::InertiaNetwork(inertia_network) => Evaluations::inertia_network(inertia_network, &bytes),
         AnyFamily::Modular(modular) => Evaluations::modular(modular, &bytes),
-        AnyFamily::Graph(graph) => return graph::cost(graph),
         AnyFamily::Bodies(bodies) => {
             Evaluations::bodies((Where::Plane, BODY), &bodies.bodies().collect::<Vec<_>>(), &bytes)
         }
         AnyFamily::Arm(arm) => {
             Evaluations::bodies((Where::Space, ARM_BODY), &arm.tree_bodies().collect::<Vec<_>>(), &bytes)
         }
+        other => return Err(ModelError::OtherFamily { found: other.name() }),
     };
     let dry = if architecture.laws().contains(Law::Coulomb) { bytes.dry } else { 0 };
     let networks = CorrectionsCost::of(architecture);

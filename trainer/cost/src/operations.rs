@@ -83,7 +83,7 @@ fn of_coordinates<const N: usize>(family: &AnyFamily, weights: &[f64]) -> Option
             let system = arm.header().system(laws, weights).ok()?;
             steps::<ArmBodies<f64, N>, Viscous<Real, N>, N>(&system)
         }
-        AnyFamily::Graph(_) => None,
+        _ => None,
     }
 }
 

@@ -1,6 +1,5 @@
 //! Shapes of families in words.
 
-use crate::list::with_families;
 use crate::registry::AnyFamily;
 use crate::words::Describe;
 use serde::Serialize;

@@ -8,6 +8,31 @@
 //! A family writes down its energies once, as a program ([`leastaction_programs`]); all that a model does in double precision
 //! follows. In single precision it is core itself, behind slices ([`leastaction_replica`]).
 
+/// Calls a macro with all families, and is their only list: name in configurations and messages, former names, the accessor of the shape, shape,
+/// configuration and description.
+macro_rules! with_families {
+    ($then:ident) => {
+        $then! {
+            /// Inertia matrix and potential from one network.
+            InertiaNetwork: "inertia-network" | "rigid", inertia_network,
+                crate::inertia_network::InertiaNetworkArchitecture, crate::inertia_network::config::InertiaNetworkConfig,
+                crate::inertia_network::describe::InertiaNetworkDescription;
+            /// A tree of elements.
+            Modular: "modular", modular, crate::modular::ModularArchitecture, crate::modular::config::ModularConfig,
+                crate::modular::describe::ModularDescription;
+            /// A graph of particles.
+            Graph: "graph", graph, crate::graph::GraphArchitecture, crate::graph::config::GraphConfig,
+                crate::graph::describe::GraphDescription;
+            /// A tree of rigid bodies on joints in a plane.
+            Bodies: "bodies", bodies, crate::bodies::plane::BodiesArchitecture, crate::bodies::plane::config::BodiesConfig,
+                crate::bodies::plane::describe::BodiesDescription;
+            /// A tree of rigid bodies on joints in space.
+            Arm: "arm", arm, crate::bodies::space::ArmArchitecture, crate::bodies::space::config::ArmConfig,
+                crate::bodies::space::describe::ArmDescription;
+        }
+    };
+}
+
 pub mod accelerations;
 pub mod architecture;
 pub mod bodies;
@@ -24,7 +49,6 @@ pub mod laws;
 pub mod layers;
 pub mod limits;
 pub mod linearize;
-mod list;
 pub mod model;
 pub mod modular;
 pub mod names;

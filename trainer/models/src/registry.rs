@@ -1,7 +1,6 @@
 //! A family, whichever it is.
 
 use crate::family::Family;
-use crate::list::with_families;
 use leastaction_core::model::{Family as FamilyHeader, Header, Laws, ModelError};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};

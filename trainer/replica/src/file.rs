@@ -68,35 +68,24 @@ impl ModelFile {
     /// [`ReplicaError::Coordinates`] for more coordinates.
     pub fn replica(&self, part: Option<&str>) -> Result<Replica<'_>, ReplicaError> {
         let Parsed { header, .. } = self.parsed()?;
+        let (laws, weights) = (header.laws, self.weights.as_slice());
         let (system, is_first) = match header.family {
-            Family::InertiaNetwork(inertia_network) => {
-                (self.inertia_network(inertia_network, header.laws)?, true)
+            Family::InertiaNetwork(shape) => {
+                (AnySystem::load(shape.n(), InertiaNetworkLoader { header: shape, laws, weights })?, true)
             }
-            Family::Modular(modular) => self.tree(modular, header.laws, part)?,
-            Family::Graph(graph) => self.graph(&graph, header.laws, part)?,
-            Family::Bodies(bodies) => (self.bodies(bodies, header.laws)?, true),
-            Family::Arm(arm) => (self.arm(arm, header.laws)?, true),
+            Family::Modular(modular) => self.tree(modular, laws, part)?,
+            Family::Graph(graph) => self.graph(&graph, laws, part)?,
+            Family::Bodies(shape) => {
+                (AnySystem::load(shape.n(), BodiesLoader { header: shape, laws, weights })?, true)
+            }
+            Family::Arm(shape) => {
+                (AnySystem::load(shape.n(), ArmLoader { header: shape, laws, weights })?, true)
+            }
             other => return Err(ModelError::OtherFamily { found: other.name() }.into()),
         };
         // The range of the training data is that of the first.
         let range = header.range.filter(|_| is_first);
         Ok(Replica::new(system, header.trained_step, range, header.actuator))
-    }
-
-    fn inertia_network<'f>(
-        &'f self,
-        header: InertiaNetworkHeader<'f>,
-        laws: Laws<'f>,
-    ) -> Result<AnySystem<'f>, ReplicaError> {
-        AnySystem::load(header.n(), InertiaNetworkLoader { header, laws, weights: &self.weights })
-    }
-
-    fn bodies<'f>(&'f self, header: BodiesHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ReplicaError> {
-        AnySystem::load(header.n(), BodiesLoader { header, laws, weights: &self.weights })
-    }
-
-    fn arm<'f>(&'f self, header: ArmHeader<'f>, laws: Laws<'f>) -> Result<AnySystem<'f>, ReplicaError> {
-        AnySystem::load(header.n(), ArmLoader { header, laws, weights: &self.weights })
     }
 
     fn tree<'f>(
@@ -178,69 +167,44 @@ impl<'f, L: LoadWith<'f>> Load<'f> for L {
     }
 }
 
-/// Loads inertia networks.
-struct InertiaNetworkLoader<'f> {
-    header: InertiaNetworkHeader<'f>,
-    laws: Laws<'f>,
-    weights: &'f [f32],
+/// A loader of a family whose shape and laws make its system.
+macro_rules! loader {
+    ($(#[$doc:meta])* $loader:ident, $header:ident, $energies:ty) => {
+        $(#[$doc])*
+        struct $loader<'f> {
+            header: $header<'f>,
+            laws: Laws<'f>,
+            weights: &'f [f32],
+        }
+
+        impl<'f> LoadWith<'f> for $loader<'f> {
+            fn laws(&self) -> Laws<'f> {
+                self.laws
+            }
+
+            fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
+            where
+                F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
+            {
+                let system: System<$energies, F> = self.header.system(self.laws, self.weights)?;
+                Ok(AnyLagrangian::erased(system))
+            }
+        }
+    };
 }
 
-impl<'f> LoadWith<'f> for InertiaNetworkLoader<'f> {
-    fn laws(&self) -> Laws<'f> {
-        self.laws
-    }
-
-    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
-    where
-        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
-    {
-        let system: System<InertiaNetwork<'f, f32, N, INERTIA_NETWORK_UNITS, LAYERS>, F> =
-            self.header.system(self.laws, self.weights)?;
-        Ok(AnyLagrangian::erased(system))
-    }
-}
-
-/// Loads trees of bodies in space.
-struct ArmLoader<'f> {
-    header: ArmHeader<'f>,
-    laws: Laws<'f>,
-    weights: &'f [f32],
-}
-
-impl<'f> LoadWith<'f> for ArmLoader<'f> {
-    fn laws(&self) -> Laws<'f> {
-        self.laws
-    }
-
-    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
-    where
-        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
-    {
-        let system: System<ArmBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
-        Ok(AnyLagrangian::erased(system))
-    }
-}
-
-/// Loads trees of bodies in the plane.
-struct BodiesLoader<'f> {
-    header: BodiesHeader<'f>,
-    laws: Laws<'f>,
-    weights: &'f [f32],
-}
-
-impl<'f> LoadWith<'f> for BodiesLoader<'f> {
-    fn laws(&self) -> Laws<'f> {
-        self.laws
-    }
-
-    fn with<const N: usize, F>(self) -> Result<SystemOf<'f, N>, ModelError>
-    where
-        F: LoadForces<'f, f32, f32, N> + Into<ForcesOf<'f, N>>,
-    {
-        let system: System<PlanarBodies<'f, f32, N>, F> = self.header.system(self.laws, self.weights)?;
-        Ok(AnyLagrangian::erased(system))
-    }
-}
+loader!(
+    /// Loads inertia networks.
+    InertiaNetworkLoader, InertiaNetworkHeader, InertiaNetwork<'f, f32, N, INERTIA_NETWORK_UNITS, LAYERS>
+);
+loader!(
+    /// Loads trees of bodies in the plane.
+    BodiesLoader, BodiesHeader, PlanarBodies<'f, f32, N>
+);
+loader!(
+    /// Loads trees of bodies in space.
+    ArmLoader, ArmHeader, ArmBodies<'f, f32, N>
+);
 
 /// Loads trees.
 struct TreeLoader<'f> {

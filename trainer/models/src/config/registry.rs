@@ -3,7 +3,6 @@
 use super::family::FamilyConfig;
 use crate::inertia_network::config::InertiaNetworkConfig;
 use crate::inertia_network::coordinates::Coordinates;
-use crate::list::with_families;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
