@@ -94,7 +94,7 @@ mod tests {
     fn machine() -> Model {
         let dry = [0.3, 0.4, 0.2, 0.25].map(Number::known);
         let architecture = Architecture {
-            friction: FrictionArchitecture { viscous: vec![Number::known(0.1); 2], dry: vec![dry; 2] },
+            friction: FrictionArchitecture::new(vec![Number::known(0.1); 2], vec![dry; 2]),
             ..InertiaNetworkArchitecture::new(&[Coordinate::Translation, Coordinate::Angle], 5).into()
         };
         let weights = architecture.initial_weights(3);

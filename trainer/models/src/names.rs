@@ -73,10 +73,7 @@ mod tests {
     use leastaction_core::energy::inertia_network::Coordinate;
 
     fn friction(groups: usize) -> FrictionArchitecture {
-        FrictionArchitecture {
-            viscous: vec![Number::learned(0.1); groups],
-            dry: vec![[Number::learned(0.1); 4]; groups],
-        }
+        FrictionArchitecture::new(vec![Number::learned(0.1); groups], vec![[Number::learned(0.1); 4]; groups])
     }
 
     #[test]

@@ -34,7 +34,7 @@ fn pendulum(mass: bool) -> Architecture {
     };
     let gravity = [zero, Number::known(-9.81)];
     let body = TreeBody { joint: Joint::Revolute, parent: None };
-    let friction = FrictionArchitecture { viscous: vec![Number::learned(0.03)], dry: Vec::new() };
+    let friction = FrictionArchitecture::new(vec![Number::learned(0.03)], Vec::new());
     Architecture { friction, ..BodiesArchitecture::new(gravity, [(body, own)]).unwrap().into() }
 }
 

@@ -275,10 +275,10 @@ fn a_network_is_learned_from_the_same_torques() {
 fn known(robot: &Arm) -> Architecture {
     let numbers =
         |joint: &JointNumbers| [joint.coulomb, joint.load, joint.smoothing, joint.width].map(Number::known);
-    let friction = FrictionArchitecture {
-        viscous: robot.joints.iter().map(|joint| Number::known(joint.viscous)).collect(),
-        dry: robot.joints.iter().map(numbers).collect(),
-    };
+    let friction = FrictionArchitecture::new(
+        robot.joints.iter().map(|joint| Number::known(joint.viscous)).collect(),
+        robot.joints.iter().map(numbers).collect(),
+    );
     let family =
         ArmArchitecture::new(&robot.tree, |_| false, |k| Number::known(robot.tree.rotors[k])).unwrap();
     Architecture { friction, ..Architecture::from(family) }

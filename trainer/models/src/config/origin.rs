@@ -50,10 +50,10 @@ impl Origin {
             Some([number(dry.constant), number(dry.load), Number::known(dry.smoothing), width])
         };
         let is_viscous = viscous.iter().any(|number| number.learned);
-        FrictionArchitecture {
-            viscous: if is_viscous { viscous } else { Vec::new() },
-            dry: friction.iter().map_while(of_dry).collect(),
-        }
+        FrictionArchitecture::new(
+            if is_viscous { viscous } else { Vec::new() },
+            friction.iter().map_while(of_dry).collect(),
+        )
     }
 
     /// Sets the learned numbers of friction to those here, where there are any.

@@ -83,8 +83,7 @@ fn network(training: &Training, has_friction: bool) -> Architecture {
     let mut network = Architecture::from(inertia_network);
     if has_friction {
         let dry = FRICTION.map(|(value, learned)| Number { value, learned });
-        network.friction =
-            FrictionArchitecture { viscous: vec![Number::learned(VISCOUS); n], dry: vec![dry; n] };
+        network.friction = FrictionArchitecture::new(vec![Number::learned(VISCOUS); n], vec![dry; n]);
     }
     network
 }

@@ -32,6 +32,22 @@ pub struct FrictionArchitecture {
 }
 
 impl FrictionArchitecture {
+    /// Viscous damping and dry friction of every group, either empty where there is none.
+    pub fn new(viscous: Vec<Number>, dry: Vec<[Number; DRY_NUMBERS]>) -> Self {
+        Self { viscous, dry }
+    }
+
+    /// Takes the laws that are given in place of what was; the others stay.
+    pub(crate) fn take(&mut self, given: Self) {
+        let Self { viscous, dry } = given;
+        if !viscous.is_empty() {
+            self.viscous = viscous;
+        }
+        if !dry.is_empty() {
+            self.dry = dry;
+        }
+    }
+
     /// Whether there is none.
     pub fn is_none(&self) -> bool {
         self.viscous.is_empty() && self.dry.is_empty()
@@ -46,7 +62,7 @@ impl FrictionArchitecture {
         let numbers: Vec<Number> =
             weights.get(start..).unwrap_or_default().iter().copied().map(Number::known).collect();
         let (viscous, dry) = numbers.split_at(viscous.min(numbers.len()));
-        Self { viscous: viscous.to_vec(), dry: dry.as_chunks().0.to_vec() }
+        Self::new(viscous.to_vec(), dry.as_chunks().0.to_vec())
     }
 
     /// The laws of a family of `own` laws with this friction beside them.

@@ -240,15 +240,10 @@ impl Assembly {
         }
     }
 
-    /// Friction in place of what was, that of damping and dry friction which is given.
+    /// Takes friction in place of what was; damping that is given is then not the types' own.
     fn take(&mut self, friction: FrictionArchitecture) {
-        let FrictionArchitecture { viscous, dry } = friction;
-        if !viscous.is_empty() {
-            (self.damped, self.friction.viscous) = (false, viscous);
-        }
-        if !dry.is_empty() {
-            self.friction.dry = dry;
-        }
+        self.damped &= friction.viscous.is_empty();
+        self.friction.take(friction);
     }
 
     fn kind(&self, name: &str) -> Option<usize> {

@@ -85,7 +85,7 @@ fn network(joints: &[JointNumbers]) -> Architecture {
         [constant, Number::known(0.0), Number::known(1.0), width]
     };
     let viscous = joints.iter().map(|joint| Number::learned(joint.viscous)).collect();
-    let friction = FrictionArchitecture { viscous, dry: joints.iter().map(dry).collect() };
+    let friction = FrictionArchitecture::new(viscous, joints.iter().map(dry).collect());
     Architecture { friction, ..Architecture::from(inertia_network) }
 }
 

@@ -106,7 +106,7 @@ pub fn plant() -> Result<Vec<u8>, Failure> {
         .ok_or_else(|| failed("no arm of a file"))?;
     let dry = |joint: &JointNumbers| [joint.coulomb, 0.0, 1.0, joint.width].map(Number::known);
     let viscous = joints.iter().map(|joint| Number::known(joint.viscous)).collect();
-    let friction = FrictionArchitecture { viscous, dry: joints.iter().map(dry).collect() };
+    let friction = FrictionArchitecture::new(viscous, joints.iter().map(dry).collect());
     let architecture = Architecture { friction, ..Architecture::from(family) };
     let weights = architecture.initial_weights(0);
     encode(&architecture, &weights, None::<TrainedStep>, "the arm of leastaction demo")
