@@ -64,7 +64,7 @@ impl LawNetwork<'_> {
         let sizes = match law {
             Law::Dissipation => Some((features + m, m * (m + 1) / 2)),
             Law::Potential => Some((features, 1)),
-            Law::Viscous | Law::Coulomb => None,
+            _ => None,
         };
         let shape = |(inputs, outputs): (usize, usize)| {
             let (inputs, outputs) = (inputs.try_into().ok()?, outputs.try_into().ok()?);

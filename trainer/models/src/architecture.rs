@@ -158,9 +158,15 @@ impl Architecture {
         let end = weights.len().saturating_sub(self.corrections.count());
         let start = end.saturating_sub(laws.parameters(groups).unwrap_or(0));
         let numbers = weights.get(start..end).unwrap_or_default();
-        let viscous = if laws.contains(Law::Viscous) { groups } else { 0 };
-        let (viscous, dry) = numbers.split_at(viscous.min(numbers.len()));
-        let dry = dry.as_chunks().0;
+        let mut rest = numbers;
+        let mut of_law = |law: Law, each: usize| {
+            let count = if laws.contains(law) { each * groups } else { 0 };
+            let (own, others) = rest.split_at(count.min(rest.len()));
+            rest = others;
+            own
+        };
+        let viscous = of_law(Law::Viscous, 1);
+        let dry = of_law(Law::Coulomb, FrictionNumber::ALL.len()).as_chunks().0;
         let of = |group: usize| CoordinateFriction {
             viscous: viscous.get(group).copied().unwrap_or(0.0),
             dry: dry.get(group).copied().map(dry_friction),
