@@ -4,7 +4,7 @@ use crate::bounds::{Bounds, Range};
 use crate::family::Parts;
 use crate::laws::{CoordinateFriction, Corrections, FrictionArchitecture, dry_friction};
 use crate::registry::AnyFamily;
-use leastaction_core::model::{FrictionNumber, Family as FamilyHeader, Header, Law, Laws, ModelError};
+use leastaction_core::model::{Family as FamilyHeader, FrictionNumber, Header, Law, Laws, ModelError};
 use leastaction_programs::dynamics::Rods;
 use leastaction_programs::energies::{Energies, WithFriction};
 use serde::{Deserialize, Serialize};

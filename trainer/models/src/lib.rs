@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! number, bounds ─► family (the trait) ─► inertia_network, modular, graph, bodies ─► registry ─► architecture ─► file ─► model
-//!                   laws: friction, networks that correct, the actuator ─────────────────────────┘
+//!                   laws: friction, networks that correct, the actuator ─────────────────────────┘                   │
+//!                   config (the trait), the families' and laws' config ─► config::registry ◄─────────────────────────┘
 //! ```
 //!
 //! A family writes down its energies once, as a program ([`leastaction_programs`]); all that a model does in double precision
